@@ -1,0 +1,44 @@
+// A stream of facets out of a surface file: STL (binary, ASCII), OBJ, PLY (ASCII, binary both ways), each may be
+// gzip-compressed. The format is told by content, never by name.
+//
+// Vertices are doubles that hold exactly what the file declares: ASCII STL and PLY `float` are rounded straight to
+// float32, OBJ and PLY `double` to float64; -0 is +0. A coordinate that is not finite, beyond 1e75, or nonzero below
+// 1e-75 is refused: within those limits the exact predicates neither overflow nor underflow.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "store/grid.hpp"
+
+namespace teracell {
+
+struct Facet {
+  std::array<Vec3, 3> vertex;
+};
+
+// What reading a surface file found.
+struct SurfaceFile {
+  std::string format;               // "STL (binary)", "STL (ASCII)", "OBJ", "PLY (ASCII)", "PLY (binary, little endian)"...
+  uint64_t bytes = 0;               // of the file as it lies on disk
+  std::string hash;                 // XXH3-128 of those bytes, 32 hex digits
+  uint64_t facets = 0;              // given to the sink
+  bool float32 = true;              // every vertex given to the sink was declared as float32
+  std::vector<std::string> parts;   // named STL solids, OBJ groups and objects, in the file's order; all, not only matches
+};
+
+// Receives facets in the file's order, some thousands at a time. The span is valid during the call only.
+using FacetSink = std::function<void(std::span<const Facet>)>;
+
+// Streams the facets of `path` into `sink`: those of the parts whose name matches the glob `part`, or all when it is
+// empty. Polygons are fans from their first vertex. STL and its memory: constant; OBJ and PLY hold the vertex table.
+// Throws InputError (file, line or byte offset, expected, found) or IoError. No facet at all is an InputError.
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink);
+
+// Throws InputError with `where` in front unless v may be a vertex coordinate; -0 becomes +0.
+double checked_coordinate(double v, const std::string& where);
+
+}  // namespace teracell
