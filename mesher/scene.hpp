@@ -1,6 +1,8 @@
 // The scene file (JSON): a grid, materials, bodies. Reading it checks everything that can be checked without opening
 // a mesh; an unknown key is a UsageError that names it and the nearest known one.
 #pragma once
+#include <array>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
@@ -19,9 +21,14 @@ using Matrix = std::array<double, 12>;
 inline constexpr Matrix kIdentity = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
 Vec3 transform(const Matrix& m, const Vec3& p);
 
+// Right-handed about an axis of any length but zero. Quarter turns have exact sines and cosines, so about a grid axis
+// every entry is 0 or +-1; other angles use +, -, *, / and sqrt only: the same bits on every machine, unlike std::sin.
+Matrix rotation(const Vec3& axis, double degrees);
+
 struct SceneMaterial {
   std::string name;
-  std::string color;  // "#rrggbb" or "#rrggbbaa"
+  std::string color;  // "#rrggbb" or "#rrggbbaa", lower case
+  friend bool operator==(const SceneMaterial&, const SceneMaterial&) = default;
 };
 
 struct SceneBody {
@@ -34,13 +41,15 @@ struct SceneBody {
   Fill fill = Fill::kAuto;
   Closing closing = Closing::kCap;
   Matrix matrix = kIdentity;
+  friend bool operator==(const SceneBody&, const SceneBody&) = default;
 };
 
 // One axis of the domain as asked for; what is absent comes from the bodies' box.
 struct SceneAxis {
-  std::optional<double> min, max, step;
-  std::optional<int64_t> cells;
-  std::vector<double> planes;  // graded when not empty: nothing else is used then
+  std::optional<double> min, max, step;  // min and max: both or neither
+  std::optional<int64_t> cells;          // not with step
+  std::vector<double> planes;            // graded when not empty: nothing else is used then
+  friend bool operator==(const SceneAxis&, const SceneAxis&) = default;
 };
 
 struct Scene {
@@ -48,30 +57,50 @@ struct Scene {
   std::array<SceneAxis, 3> axis;
   Vec3 sample = {0.5, 0.5, 0.5};
   int64_t pad = 1;
-  std::optional<int64_t> longest_cells;  // --cells N: cubic cells, N on the longest axis with its pad
+  // Cubic cells, this many on the longest axis with its pad: --cells N, or "cells": N in a scene's grid. An axis with
+  // cells, step or planes of its own keeps them.
+  std::optional<int64_t> longest_cells;
   std::vector<SceneMaterial> materials;  // [0] is the background
   std::vector<SceneBody> bodies;
   bool label_by_body = false;
+  friend bool operator==(const Scene&, const Scene&) = default;
 };
 
-// What the command line adds to bare meshes, or overrides in a scene where given.
+// What the command line adds to bare meshes, or overrides in a scene where given. At most one of the first three.
 struct GridOptions {
-  std::optional<int64_t> longest_cells;       // --cells N
+  std::optional<int64_t> longest_cells;         // --cells N
   std::optional<std::array<int64_t, 3>> cells;  // --cells NX,NY,NZ
-  std::optional<double> step;                 // --step H
-  std::optional<int64_t> pad;                 // --pad P
+  std::optional<double> step;                   // --step H
+  std::optional<int64_t> pad;                   // --pad P
 };
 
+// A mesh need not exist yet. UsageError: the scene is wrong, with file, place, expected and found; IoError: the scene
+// or its planes_file can't be read; InputError: the planes_file, with its line.
 Scene read_scene(const std::filesystem::path& path);
 Scene parse_scene(const std::string& json_text, const std::filesystem::path& folder);
+
 // One body a file in the order given; material = file stem, numbered when repeated ("hull", "hull-2").
 Scene bare_scene(const std::vector<std::filesystem::path>& meshes);
+
+// The command line's cells or step replace the scene's on every uniform axis; its min and max stay. A graded axis keeps
+// its planes: NX must agree with their number, and it is a UsageError if that leaves nothing to override.
 void override_grid(Scene& scene, const GridOptions& options);
 
 // The scene as normalised: every default written out, matrices instead of scale/rotate/translate. Reads back equal.
 nlohmann::ordered_json normalised(const Scene& scene);
 
-// The axes (SPEC "From options to axes"). `lo`, `hi` are the box of all bodies' transformed vertices.
+// The axes (SPEC "From options to axes"). `lo`, `hi` are the box of all bodies' transformed vertices; unused, and free
+// to be anything, where every axis has min and max or planes. With e = hi - lo of an axis and P = pad:
+//
+//                  min and max given                       from the box
+//   cells n        step = (max - min) / n                  step = e / (n - 2P), min = lo - P step; e = 0 is an error
+//   step h         n = ceil((max - min) / h - 1e-9)        n = ceil(e / h - 1e-9) + 2P, min = lo - P h
+//   cubic cells N  step = longest (max - min) / N,         step = longest e / (N - 2P), min = lo - P step,
+//                  n = ceil((max - min) / step - 1e-9)     n = ceil(e / step) + 2P
+//
+// Each ceil is taken as at least 1, so a flat sheet gets one layer and its pad. The longest axis, and others exactly as
+// long, get N without dividing back. With cubic cells on a domain given for some axes only, each axis counts by its own
+// column and the widest step serves all. Nothing given for an axis is a UsageError.
 Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi);
 
 }  // namespace teracell

@@ -1,0 +1,41 @@
+// Crossings of all bodies -> runs. Pure.
+//
+// A body is inside where one of its *layers* is: a layer is a group of shells under one fill rule, with a counter of
+// its own (a winding number or a parity) that the crossings of its facets step. Of the bodies that hold a sample
+// point the strongest gives the label.
+#pragma once
+#include "mesher/engine.hpp"
+#include "store/run.hpp"
+
+namespace teracell {
+
+struct Layer {
+  uint32_t body;
+  bool evenodd;
+};
+
+// Not thread-safe: keeps scratch memory.
+class Composer {
+ public:
+  // `strength[b]` ranks body b, 0 strongest, all different; `label[b]` is its label; label 0 is the background.
+  Composer(std::vector<Layer> layers, const std::vector<uint32_t>& strength, const std::vector<Label>& label);
+  // Turns the crossings of a tile of nu x nv rays of `length` cells into runs; sorts them on the way. Every layer's
+  // surface is closed, so its counter is back at zero where the ray ends: anything else throws Error.
+  void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
+
+ private:
+  void step(uint64_t crossing);
+  Label top() const;
+
+  std::vector<Layer> layers_;
+  std::vector<uint32_t> strength_;  // of each body
+  std::vector<Label> label_;        // by strength
+  std::vector<int> counter_;        // of each layer
+  std::vector<int> inside_;         // of each body: layers that are inside
+  std::vector<uint64_t> active_;    // bit s: the body of strength s is inside
+  int open_ = 0;                    // layers that are inside
+  std::vector<SetId> sets_;
+  std::vector<uint32_t> changes_;
+};
+
+}  // namespace teracell

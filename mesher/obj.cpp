@@ -1,0 +1,106 @@
+// Wavefront OBJ: `v` and `f` lines, with the groups and objects that name parts. Everything else is decoration and
+// skipped, but for free-form surfaces: leaving those out would leave holes without a word.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "mesher/readers.hpp"
+#include "store/error.hpp"
+
+namespace teracell {
+namespace {
+
+class ObjReader {
+ public:
+  ObjReader(Input& input, FacetStream& out) : input_(input), out_(out), wanted_(out.wants("")) {}
+
+  void read() {
+    for (std::string_view line; next_statement(line);) {
+      const std::string_view keyword = next_word(line);
+      if (keyword == "v") read_vertex(line);
+      else if (keyword == "f" || keyword == "fo") read_face(line);
+      else if (keyword == "g") enter_groups(line);
+      else if (keyword == "o") enter_object(line);
+      else if (keyword == "surf")
+        throw InputError(fmt::format("{}: expected polygons, found a free-form surface: convert it to polygons first",
+                                     input_.at_line()));
+    }
+  }
+
+ private:
+  // One line, with those that a backslash at its end joins to it. Comments are never continued: they may end in a path.
+  bool next_statement(std::string_view& line) {
+    if (!input_.next_line(line)) return false;
+    if (!line.ends_with('\\') || trimmed(line).starts_with('#')) return true;
+    joined_.clear();
+    bool more = true;
+    while (more && line.ends_with('\\')) {
+      joined_.append(line.substr(0, line.size() - 1)) += ' ';
+      more = input_.next_line(line);
+    }
+    if (more) joined_.append(line);
+    line = joined_;
+    return true;
+  }
+
+  // x y z; a weight or colours may follow.
+  void read_vertex(std::string_view line) {
+    Vec3 v;
+    for (double& x : v) x = text_coordinate<double>(next_word(line), input_);
+    vertices_.push_back(v);
+  }
+
+  void read_face(std::string_view line) {
+    Fan fan(out_, wanted_);
+    for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line))
+      fan.add(vertex(word));
+    if (fan.vertices() < 3)
+      throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
+  }
+
+  // v, v/t, v//n or v/t/n; a negative number counts back from the vertex declared last.
+  const Vec3& vertex(std::string_view word) {
+    const size_t slash = std::min(word.find('/'), word.size());
+    if (slash == 0 || word.find_first_not_of("0123456789+-/", slash) != std::string_view::npos)
+      refuse_number(word, "a vertex v, v/t, v//n or v/t/n", input_);
+    const int64_t number = text_integer(word.substr(0, slash), "a vertex number", input_);
+    const int64_t declared = static_cast<int64_t>(vertices_.size());
+    const int64_t index = number < 0 ? declared + number : number - 1;
+    if (index < 0 || index >= declared)
+      throw InputError(fmt::format("{}: vertex {} of a face: expected one of the {} declared so far, counted from 1 (or back "
+                                   "from -1)", input_.at_line(), number, declared));
+    return vertices_[index];
+  }
+
+  // A line may name several groups; the facets that follow are part of each.
+  void enter_groups(std::string_view line) {
+    grouped_ = group_wanted_ = false;
+    for (std::string_view name = next_word(line); !name.empty() && name[0] != '#'; name = next_word(line)) {
+      grouped_ = true;
+      group_wanted_ |= out_.wants(name);
+    }
+    choose();
+  }
+
+  void enter_object(std::string_view line) {
+    const std::string_view name = trimmed(line);
+    in_object_ = !name.empty();
+    object_wanted_ = in_object_ && out_.wants(name);
+    choose();
+  }
+
+  void choose() { wanted_ = grouped_ || in_object_ ? group_wanted_ || object_wanted_ : out_.wants(""); }
+
+  Input& input_;
+  FacetStream& out_;
+  VertexTable vertices_;
+  std::string joined_;
+  bool grouped_ = false, group_wanted_ = false, in_object_ = false, object_wanted_ = false;
+  bool wanted_;  // the facets of the current part go to the sink
+};
+
+}  // namespace
+
+void read_obj(Input& input, FacetStream& out) { ObjReader(input, out).read(); }
+
+}  // namespace teracell

@@ -1,0 +1,147 @@
+// What the surface readers (stl, obj, ply) share: where facets go, the vertex table, words and numbers of a text.
+// Private to the mesher; users include facets.hpp.
+#pragma once
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <string_view>
+#include <unordered_set>
+
+#include "mesher/facets.hpp"
+#include "mesher/input.hpp"
+
+namespace teracell {
+
+// Collects what a reader finds: facets for the sink, in batches, and the names of parts.
+class FacetStream {
+ public:
+  // Both must outlive it.
+  FacetStream(const std::string& glob, const FacetSink& sink);
+
+  // Notes a part of the file ("" is the unnamed one): are its facets wanted?
+  bool wants(std::string_view part);
+  // A new facet, to be filled in before the next call.
+  Facet& next() {
+    if (used_ == kBatch) flush();
+    return batch_[used_++];
+  }
+  void add(const Vec3& a, const Vec3& b, const Vec3& c) { next().vertex = {a, b, c}; }
+  // Hands on the last facets and fills in facets and parts. Throws InputError when there was no facet or no such part.
+  void finish(const std::string& name, SurfaceFile& file);
+
+ private:
+  static constexpr size_t kBatch = 4096;
+  void flush();
+
+  const std::string& glob_;
+  const FacetSink& sink_;
+  std::unique_ptr<Facet[]> batch_;
+  size_t used_ = 0;
+  uint64_t facets_ = 0;
+  bool matched_ = false;  // some part is wanted
+  std::vector<std::string> parts_;
+  std::unordered_set<std::string> known_parts_;
+};
+
+// Vertices by number. Grows piece by piece as vertices come: never on the word of a header, and without the moment in
+// which a doubling vector holds three times as much.
+class VertexTable {
+ public:
+  uint64_t size() const { return size_; }
+  void push_back(const Vec3& v) {
+    if (size_ % kPiece == 0) pieces_.push_back(std::make_unique_for_overwrite<Vec3[]>(kPiece));
+    pieces_.back()[size_++ % kPiece] = v;
+  }
+  const Vec3& operator[](uint64_t i) const { return pieces_[i / kPiece][i % kPiece]; }
+
+ private:
+  static constexpr uint64_t kPiece = 1 << 14;
+  std::vector<std::unique_ptr<Vec3[]>> pieces_;
+  uint64_t size_ = 0;
+};
+
+// A polygon as a fan from its first vertex, one vertex after the other.
+class Fan {
+ public:
+  Fan(FacetStream& out, bool wanted) : out_(out), wanted_(wanted) {}
+  void add(const Vec3& v) {
+    if (vertices_ >= 2 && wanted_) out_.add(*first_, *last_, v);
+    if (vertices_++ == 0) first_ = &v;
+    last_ = &v;
+  }
+  uint64_t vertices() const { return vertices_; }
+
+ private:
+  FacetStream& out_;
+  const bool wanted_;
+  const Vec3 *first_ = nullptr, *last_ = nullptr;
+  uint64_t vertices_ = 0;
+};
+
+inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+// Cuts the next word off the front of `line`; empty when only blanks are left.
+inline std::string_view next_word(std::string_view& line) {
+  const char* p = line.data();
+  const char* const end = p + line.size();
+  while (p != end && is_blank(*p)) ++p;
+  const char* const word = p;
+  while (p != end && !is_blank(*p)) ++p;
+  line = {p, static_cast<size_t>(end - p)};
+  return {word, static_cast<size_t>(p - word)};
+}
+
+// Without blanks around it.
+std::string_view trimmed(std::string_view text);
+// Text from a file as a message may show it: quoted, cut to a few dozen characters, control characters as '?'.
+std::string shown(std::string_view text);
+
+// Predicates stay exact within these limits (facets.hpp).
+inline bool is_coordinate(double v) {
+  const double size = std::abs(v);
+  return v == 0 || (size >= 1e-75 && size <= 1e75);
+}
+
+// std::from_chars takes no '+'.
+inline std::string_view without_plus(std::string_view word) {
+  if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+  return word;
+}
+
+// A number too large or too small for from_chars, correctly rounded all the same: an infinity, 0 or a denormal.
+float round_extreme(std::string_view word, float);
+double round_extreme(std::string_view word, double);
+[[noreturn]] void refuse_coordinate(std::string_view word, double v, const Input& input);
+[[noreturn]] void refuse_number(std::string_view word, const char* expected, const Input& input);
+
+// A word on the current line as a coordinate: rounded once, straight to T, the declared type.
+template <class T>
+double text_coordinate(std::string_view word, const Input& input) {
+  const std::string_view digits = without_plus(word);
+  T v = 0;
+  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
+  if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument)
+    refuse_number(word, "a number", input);
+  if (error == std::errc::result_out_of_range) v = round_extreme(digits, T{});
+  if (!is_coordinate(v)) refuse_coordinate(word, v, input);
+  return v + 0.0;  // -0 is +0
+}
+
+inline int64_t text_integer(std::string_view word, const char* expected, const Input& input) {
+  const std::string_view digits = without_plus(word);
+  int64_t v = 0;
+  const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
+  if (stop != digits.data() + digits.size() || error != std::errc{}) refuse_number(word, expected, input);
+  return v;
+}
+
+// The readers, one a format. Each takes all of `input`. read_ply returns SurfaceFile::format and sets `float32`.
+void read_binary_stl(Input& input, FacetStream& out);
+void read_ascii_stl(Input& input, FacetStream& out);
+void read_obj(Input& input, FacetStream& out);
+std::string read_ply(Input& input, FacetStream& out, bool& float32);
+
+// read_facets() of facets.hpp over a file already opened, or over bytes in memory.
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink);
+
+}  // namespace teracell

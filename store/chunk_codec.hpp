@@ -1,0 +1,47 @@
+// A block of rays <-> bytes (FORMAT.md, "Chunks"). Pure: no I/O.
+//
+// What makes a crossing cost 1.5 bits: rays are stored as pattern + changes (run.hpp). The pattern of a ray is
+// predicted from its left and upper neighbours, only exceptions are written. A change is predicted by the plane
+// through the same change of the left, upper and upper-left rays; on a smooth surface the residual is -1, 0 or 1,
+// and zstd's entropy stage does the rest. Tried and rejected: byte planes (no gain on sets of this kind), one
+// varint stream for all residuals (the wide ones spoil the Huffman table of the narrow ones).
+#pragma once
+#include <memory>
+#include <span>
+
+#include "store/bytes.hpp"
+#include "store/run.hpp"
+
+namespace teracell {
+
+// Bounds of the format: they keep a hostile chunk from asking for more memory than an honest one may.
+inline constexpr uint64_t kMaxChunkRays = 1 << 16;
+inline constexpr uint64_t kMaxChunkBytes = uint64_t{1} << 28;  // of the body before compression
+
+// Keeps scratch memory between calls; one per thread.
+class ChunkEncoder {
+ public:
+  ChunkEncoder();
+  ~ChunkEncoder();
+  // The chunk's zstd frame. Throws InputError when the block is too complex for one chunk (kMaxChunkBytes).
+  Bytes encode(const RayBlock& block, const SetTable& sets);
+
+ private:
+  struct Scratch;
+  std::unique_ptr<Scratch> s_;
+};
+
+// Keeps scratch memory between calls; one per thread.
+class ChunkDecoder {
+ public:
+  ChunkDecoder();
+  ~ChunkDecoder();
+  // Throws FormatError unless `frame` is a valid chunk of nu x nv rays of `length` cells with labels below `labels`.
+  void decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, Chunk& out);
+
+ private:
+  struct Scratch;
+  std::unique_ptr<Scratch> s_;
+};
+
+}  // namespace teracell

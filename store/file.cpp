@@ -1,0 +1,100 @@
+#include "store/file.hpp"
+
+#include <cerrno>
+#include <cstring>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace teracell {
+namespace {
+
+constexpr size_t kBuffer = 1 << 20;
+
+}  // namespace
+
+InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (fd_ < 0) throw IoError(fmt::format("{}: can't open: {}", name_, std::strerror(errno)));
+  struct stat st;
+  if (::fstat(fd_, &st) != 0 || !S_ISREG(st.st_mode)) {
+    ::close(fd_);
+    throw IoError(fmt::format("{}: not a regular file", name_));
+  }
+  size_ = static_cast<uint64_t>(st.st_size);
+}
+
+InputFile::~InputFile() { ::close(fd_); }
+
+void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
+  for (size_t done = 0; done < out.size();) {
+    const ssize_t n = ::pread(fd_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw IoError(fmt::format("{}: byte {}: can't read: {}", name_, offset + done, std::strerror(errno)));
+    if (n == 0)
+      throw IoError(fmt::format("{}: byte {}: expected {} more bytes, found the end of the file", name_, offset + done, out.size() - done));
+    done += static_cast<size_t>(n);
+  }
+}
+
+OutputFile::OutputFile(const std::filesystem::path& target) : target_(target), partial_(target.string() + ".partial") {
+  if (std::filesystem::is_directory(target_)) throw IoError(fmt::format("{}: expected the name of a file, found a folder", target_.string()));
+  fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  if (fd_ < 0) throw IoError(fmt::format("{}: can't create: {}", partial_.string(), std::strerror(errno)));
+  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+    ::close(fd_);
+    throw IoError(fmt::format("{}: another process is writing this file (it holds the lock on {})", target_.string(), partial_.string()));
+  }
+  // Between open and flock the former owner may have renamed or removed it: then the lock is on another file's inode.
+  struct stat ours, there;
+  if (::fstat(fd_, &ours) != 0 || ::stat(partial_.c_str(), &there) != 0 || ours.st_ino != there.st_ino) {
+    ::close(fd_);
+    throw IoError(fmt::format("{}: another process has just written this file: try again", target_.string()));
+  }
+  if (::ftruncate(fd_, 0) != 0) fail("can't empty");
+  buffer_.reserve(kBuffer);
+}
+
+OutputFile::~OutputFile() {
+  if (fd_ < 0) return;
+  ::unlink(partial_.c_str());
+  ::close(fd_);
+}
+
+void OutputFile::fail(const char* what) const {
+  throw IoError(fmt::format("{}: byte {}: {}: {}", partial_.string(), size_ - buffer_.size(), what, std::strerror(errno)));
+}
+
+void OutputFile::append(std::span<const uint8_t> bytes) {
+  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
+  size_ += bytes.size();
+  if (buffer_.size() >= kBuffer) flush();
+}
+
+void OutputFile::flush() {
+  for (size_t done = 0; done < buffer_.size();) {
+    const ssize_t n = ::write(fd_, buffer_.data() + done, buffer_.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("can't write");
+    done += static_cast<size_t>(n);
+  }
+  buffer_.clear();
+}
+
+void OutputFile::commit() {
+  flush();
+  if (::fsync(fd_) != 0) fail("can't make durable (fsync)");
+  if (::rename(partial_.c_str(), target_.c_str()) != 0) fail("can't rename to its final name");
+  ::close(fd_);
+  fd_ = -1;
+  const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
+  const int dir = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (dir >= 0) {
+    ::fsync(dir);
+    ::close(dir);
+  }
+}
+
+}  // namespace teracell

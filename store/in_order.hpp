@@ -1,0 +1,104 @@
+// Work made by several threads and taken in order: the one loop that meshing, slices and verification share.
+#pragma once
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+namespace teracell {
+
+// next() -> std::optional<Job> is called one at a time, in order; make(job, worker) -> Result runs on `threads` threads,
+// worker in [0, threads); take(Result) runs on the calling thread in the order of the jobs. Results that wait for an
+// earlier one are bounded: a thread that is 2 * threads jobs ahead sleeps. An exception of any of the three ends the
+// loop and is thrown here; of several that of the earliest job, so errors don't depend on timing.
+template <class Next, class Make, class Take>
+void in_order(int threads, Next next, Make make, Take take) {
+  if (threads <= 1) {
+    while (auto job = next()) take(make(std::move(*job), 0));
+    return;
+  }
+  using Job = typename decltype(next())::value_type;
+  using Result = decltype(make(std::declval<Job>(), 0));
+  struct Outcome {
+    std::optional<Result> result;
+    std::exception_ptr error;
+  };
+  std::mutex mutex;
+  std::condition_variable changed;
+  std::map<uint64_t, Outcome> done;
+  uint64_t started = 0, taken = 0;
+  bool exhausted = false, stop = false;
+  std::mutex next_mutex;  // next() may take long: results are handed over meanwhile
+
+  const auto work = [&](int worker) {
+    for (;;) {
+      std::optional<Job> job;
+      Outcome outcome;
+      uint64_t index;
+      {
+        std::lock_guard in_next(next_mutex);
+        {
+          std::unique_lock lock(mutex);
+          changed.wait(lock, [&] { return stop || exhausted || started < taken + 2 * static_cast<uint64_t>(threads); });
+          if (stop || exhausted) return;
+          index = started;
+        }
+        try {
+          job = next();
+        } catch (...) {
+          outcome.error = std::current_exception();
+        }
+        std::lock_guard lock(mutex);
+        if (!job && !outcome.error) {
+          exhausted = true;
+          changed.notify_all();
+          return;
+        }
+        started = index + 1;
+        if (outcome.error) exhausted = true;
+      }
+      if (job) {
+        try {
+          outcome.result.emplace(make(std::move(*job), worker));
+        } catch (...) {
+          outcome.error = std::current_exception();
+        }
+      }
+      std::lock_guard lock(mutex);
+      done.emplace(index, std::move(outcome));
+      changed.notify_all();
+    }
+  };
+  std::vector<std::jthread> pool;
+  struct Stop {  // also when take() throws: before the threads are joined
+    std::mutex& mutex;
+    std::condition_variable& changed;
+    bool& stop;
+    ~Stop() {
+      std::lock_guard lock(mutex);
+      stop = true;
+      changed.notify_all();
+    }
+  } at_exit{mutex, changed, stop};
+  for (int i = 0; i < threads; ++i) pool.emplace_back(work, i);
+  for (;;) {
+    Outcome outcome;
+    {
+      std::unique_lock lock(mutex);
+      changed.wait(lock, [&] { return done.contains(taken) || (exhausted && taken == started); });
+      if (!done.contains(taken)) break;
+      outcome = std::move(done.extract(taken).mapped());
+    }
+    if (outcome.error) std::rethrow_exception(outcome.error);
+    take(std::move(*outcome.result));
+    std::lock_guard lock(mutex);
+    ++taken;
+    changed.notify_all();
+  }
+}
+
+}  // namespace teracell

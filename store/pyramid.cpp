@@ -1,0 +1,148 @@
+#include "store/pyramid.hpp"
+
+#include <algorithm>
+
+namespace teracell {
+namespace {
+
+// One coarse ray in the making. Rays of equal pattern are merged first, run by run: run i then covers the coarse
+// cells from its least start to its greatest end, and both ascend with i. Most groups have a single pattern and end
+// there (a two-pointer sweep); only silhouettes need the general sweep over the intervals of several patterns.
+class CoarseRay {
+ public:
+  CoarseRay(const RayBlock& fine, int shift, SetTable& sets)
+      : fine_(fine), shift_(shift), last_((fine.length - 1) >> shift), sets_(sets) {}
+
+  void merge(std::span<const uint32_t> rays, RayBlock& out) {
+    labels_.clear();
+    changes_.clear();
+    const uint32_t pattern = fine_.pattern[rays[0]];
+    if (std::ranges::all_of(rays, [&](uint32_t r) { return fine_.pattern[r] == pattern; })) {
+      if (fine_.patterns.changes(pattern) == 0) {
+        out.append(fine_.patterns.sets(pattern), {});
+        return;
+      }
+      extremes(pattern, rays);
+      sweep_one_pattern(fine_.patterns.sets(pattern));
+    } else {
+      collect_events(rays);
+      sweep_events();
+    }
+    out.append(labels_, changes_);
+  }
+
+ private:
+  struct Event {
+    uint32_t at;
+    SetId set;
+    int delta;
+  };
+  struct Active {
+    SetId set;
+    int count;
+  };
+
+  // lo_[i], hi_[i]: first and last coarse cell of run i over all `rays` of this pattern.
+  void extremes(uint32_t pattern, std::span<const uint32_t> rays) {
+    const uint32_t n = fine_.patterns.changes(pattern);
+    lo_.assign(n + 1, ~0u);
+    hi_.assign(n + 1, 0);
+    for (const uint32_t ray : rays) {
+      if (fine_.pattern[ray] != pattern) continue;
+      const uint32_t* at = fine_.at.data() + fine_.begin[ray];
+      for (uint32_t i = 0; i < n; ++i) {
+        lo_[i + 1] = std::min(lo_[i + 1], at[i]);
+        hi_[i] = std::max(hi_[i], at[i]);
+      }
+    }
+    lo_[0] = 0;
+    for (uint32_t i = 1; i <= n; ++i) lo_[i] >>= shift_;
+    for (uint32_t i = 0; i < n; ++i) hi_[i] = (hi_[i] - 1) >> shift_;
+    hi_[n] = last_;
+  }
+
+  void sweep_one_pattern(std::span<const SetId> runs) {
+    const size_t n = runs.size();
+    size_t a = 0, b = 0;  // the runs a..b hold coarse cell `at`
+    for (uint32_t at = 0;;) {
+      while (b + 1 < n && lo_[b + 1] <= at) ++b;
+      while (hi_[a] < at) ++a;
+      SetId set = runs[a];
+      for (size_t i = a + 1; i <= b; ++i) set = sets_.unite(set, runs[i]);
+      emit(at, set);
+      const uint32_t leaves = hi_[a] + 1, enters = b + 1 < n ? lo_[b + 1] : ~0u;
+      at = std::min(leaves, enters);
+      if (at > last_) return;
+    }
+  }
+
+  void collect_events(std::span<const uint32_t> rays) {
+    events_.clear();
+    seen_.clear();
+    for (const uint32_t ray : rays) {
+      const uint32_t pattern = fine_.pattern[ray];
+      if (std::ranges::find(seen_, pattern) != seen_.end()) continue;
+      seen_.push_back(pattern);
+      extremes(pattern, rays);
+      const auto runs = fine_.patterns.sets(pattern);
+      for (size_t i = 0; i < runs.size(); ++i) {
+        events_.push_back({lo_[i], runs[i], 1});
+        events_.push_back({hi_[i] + 1, runs[i], -1});
+      }
+    }
+    std::ranges::sort(events_, {}, &Event::at);
+  }
+
+  void sweep_events() {
+    active_.clear();
+    for (size_t e = 0; events_[e].at <= last_;) {
+      const uint32_t at = events_[e].at;
+      for (; e < events_.size() && events_[e].at == at; ++e) {
+        const auto it = std::ranges::find(active_, events_[e].set, &Active::set);
+        if (it != active_.end()) it->count += events_[e].delta;
+        else active_.push_back({events_[e].set, events_[e].delta});
+      }
+      std::erase_if(active_, [](const Active& a) { return a.count == 0; });
+      SetId set = active_[0].set;
+      for (const Active& a : active_) set = sets_.unite(set, a.set);
+      emit(at, set);
+    }
+  }
+
+  void emit(uint32_t at, SetId set) {
+    if (!labels_.empty() && labels_.back() == set) return;
+    if (!labels_.empty()) changes_.push_back(at);
+    labels_.push_back(set);
+  }
+
+  const RayBlock& fine_;
+  const int shift_;
+  const uint32_t last_;  // the last coarse cell
+  SetTable& sets_;
+  std::vector<uint32_t> lo_, hi_, seen_, changes_;
+  std::vector<SetId> labels_;
+  std::vector<Event> events_;
+  std::vector<Active> active_;
+};
+
+}  // namespace
+
+RayBlock coarsen(const RayBlock& fine, int shift, SetTable& sets) {
+  const uint32_t width = 1u << shift;
+  RayBlock out;
+  out.reset((fine.nu + width - 1) >> shift, (fine.nv + width - 1) >> shift,
+            static_cast<uint32_t>((uint64_t{fine.length} + width - 1) >> shift));
+  CoarseRay coarse(fine, shift, sets);
+  std::vector<uint32_t> rays;
+  for (uint32_t v = 0; v < fine.nv; v += width) {
+    for (uint32_t u = 0; u < fine.nu; u += width) {
+      rays.clear();
+      for (uint32_t y = v; y < std::min(v + width, fine.nv); ++y)
+        for (uint32_t x = u; x < std::min(u + width, fine.nu); ++x) rays.push_back(y * fine.nu + x);
+      coarse.merge(rays, out);
+    }
+  }
+  return out;
+}
+
+}  // namespace teracell

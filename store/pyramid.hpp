@@ -1,0 +1,11 @@
+// The pyramid: a coarse cell's set is the union of the sets below it (FORMAT.md, "Levels"). Pure.
+#pragma once
+#include "store/run.hpp"
+
+namespace teracell {
+
+// Merges 2^shift x 2^shift rays, and 2^shift cells along them, into one; the last ones of each axis may be partial.
+// Unions get their ids from `sets`, the table of the block's ids. shift 1 is one level, 2 is two.
+RayBlock coarsen(const RayBlock& fine, int shift, SetTable& sets);
+
+}  // namespace teracell

@@ -1,0 +1,59 @@
+// Reads a .tcell file. Opening costs the header, the footer and the metadata; a chunk costs a directory block, a page
+// (both kept for a while) and its own bytes. Every byte is held against its checksum before it is believed.
+#pragma once
+#include <filesystem>
+#include <functional>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+
+#include "store/file.hpp"
+#include "store/format.hpp"
+#include "store/run.hpp"
+
+namespace teracell {
+
+// Threads may share a reader. Throws IoError or FormatError, the latter with the file's name and the place in it.
+class GridReader {
+ public:
+  explicit GridReader(const std::filesystem::path& path);
+  explicit GridReader(std::unique_ptr<ByteSource> source);
+  ~GridReader();
+
+  const Metadata& meta() const { return meta_; }
+  const std::string& name() const { return source_->name(); }
+  uint64_t file_bytes() const { return source_->size(); }
+  std::string hash() const;    // of the content, 32 hex digits
+  std::string report() const;  // JSON
+  int levels() const { return meta_.grid.levels(); }
+  bool stored(int level) const;
+  LevelShape shape(int level) const { return LevelShape(meta_, level); }
+
+  // REQUIRES: stored(level), the chunk lies in the level.
+  ChunkEntry entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
+  // The set that fills the chunk, if it is stored as such; derived levels never say. Costs no chunk bytes.
+  std::optional<std::vector<Label>> uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
+  // Any level: those that are not stored are derived from the next lower one that is. `out` is overwritten.
+  void read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
+
+  // Checks every byte and every invariant of FORMAT.md; throws at the first that fails. `progress` gets shares of 1.
+  void verify(int threads, const std::function<void(double)>& progress) const;
+
+ private:
+  using Page = std::shared_ptr<const std::vector<ChunkEntry>>;
+  struct Cache;
+  const LevelInfo& info(int level) const;
+  DirectoryEntry page_place(int level, uint64_t page) const;
+  Page page(int level, uint64_t page) const;
+  void read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& entry, Chunk& out) const;
+  void derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
+  void read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const;
+
+  std::unique_ptr<ByteSource> source_;
+  Footer footer_;
+  Metadata meta_;
+  std::unique_ptr<Cache> cache_;
+};
+
+}  // namespace teracell

@@ -1,0 +1,132 @@
+#include "store/run.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace teracell {
+namespace {
+
+uint64_t hash_of(std::span<const SetId> sets) {
+  uint64_t h = sets.size();
+  for (const SetId s : sets) h = (h ^ s) * 0x9E3779B97F4A7C15ull, h ^= h >> 29;
+  return h;
+}
+
+}  // namespace
+
+uint32_t PatternTable::intern(std::span<const SetId> sets) {
+  if (slots_.size() < 2 * (size() + 1)) grow();
+  const size_t mask = slots_.size() - 1;
+  size_t slot = hash_of(sets) & mask;
+  for (; slots_[slot] != 0; slot = (slot + 1) & mask)
+    if (same(this->sets(slots_[slot] - 1), sets)) return slots_[slot] - 1;
+  slots_[slot] = size() + 1;
+  sets_.insert(sets_.end(), sets.begin(), sets.end());
+  begin_.push_back(static_cast<uint32_t>(sets_.size()));
+  return size() - 1;
+}
+
+void PatternTable::grow() {
+  slots_.assign(std::max<size_t>(16, 2 * slots_.size()), 0);
+  const size_t mask = slots_.size() - 1;
+  for (uint32_t p = 0; p < size(); ++p) {
+    size_t slot = hash_of(sets(p)) & mask;
+    while (slots_[slot] != 0) slot = (slot + 1) & mask;
+    slots_[slot] = p + 1;
+  }
+}
+
+void PatternTable::clear() {
+  begin_.assign(1, 0);
+  sets_.clear();
+  slots_.assign(16, 0);
+}
+
+void RayBlock::reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length) {
+  nu = new_nu;
+  nv = new_nv;
+  length = new_length;
+  patterns.clear();
+  pattern.clear();
+  begin.assign(1, 0);
+  at.clear();
+}
+
+RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to) {
+  RayBlock out;
+  out.reset(block.nu, block.nv, to - from);
+  std::vector<uint32_t> changes;
+  for (uint32_t ray = 0; ray < block.rays(); ++ray) {
+    const auto all = block.changes(ray);
+    const auto lo = std::ranges::upper_bound(all, from), hi = std::ranges::lower_bound(all, to);
+    changes.clear();
+    for (auto it = lo; it < hi; ++it) changes.push_back(*it - from);
+    out.append(block.sets(ray).subspan(lo - all.begin(), changes.size() + 1), changes);
+  }
+  return out;
+}
+
+Chunk join(std::span<const Piece> pieces, uint32_t labels) {
+  Chunk out;
+  uint32_t nu = 0, nv = 0, length = 0;
+  for (const Piece& p : pieces) {
+    nu = std::max(nu, p.u + p.chunk->rays.nu);
+    nv = std::max(nv, p.v + p.chunk->rays.nv);
+    length = std::max(length, p.w + p.chunk->rays.length);
+  }
+  out.rays.reset(nu, nv, length);
+  out.sets = SetTable(labels);
+  // By place: every row of pieces, in it every pile of pieces along the rays.
+  std::vector<Piece> order(pieces.begin(), pieces.end());
+  std::ranges::sort(order, [](const Piece& a, const Piece& b) { return std::tie(a.v, a.u, a.w) < std::tie(b.v, b.u, b.w); });
+  struct Source {
+    Piece piece;
+    std::vector<std::vector<SetId>> patterns;  // of the piece, in the ids of `out`
+  };
+  std::vector<Source> sources;
+  for (const Piece& p : order) {
+    Source s{p, {}};
+    const PatternTable& from = p.chunk->rays.patterns;
+    for (uint32_t i = 0; i < from.size(); ++i) {
+      std::vector<SetId> sets;
+      for (const SetId id : from.sets(i)) sets.push_back(out.sets.intern(p.chunk->sets.members(id)));
+      s.patterns.push_back(std::move(sets));
+    }
+    sources.push_back(std::move(s));
+  }
+  std::vector<SetId> sets;
+  std::vector<uint32_t> changes;
+  for (size_t row = 0; row < sources.size();) {
+    size_t row_end = row;
+    while (row_end < sources.size() && sources[row_end].piece.v == sources[row].piece.v) ++row_end;
+    const uint32_t height = sources[row].piece.chunk->rays.nv;
+    for (uint32_t y = 0; y < height; ++y) {
+      for (size_t pile = row; pile < row_end;) {
+        size_t pile_end = pile;
+        while (pile_end < row_end && sources[pile_end].piece.u == sources[pile].piece.u) ++pile_end;
+        const uint32_t width = sources[pile].piece.chunk->rays.nu;
+        for (uint32_t x = 0; x < width; ++x) {
+          sets.clear();
+          changes.clear();
+          for (size_t i = pile; i < pile_end; ++i) {
+            const RayBlock& rays = sources[i].piece.chunk->rays;
+            const uint32_t ray = y * width + x, w = sources[i].piece.w;
+            const std::vector<SetId>& pattern = sources[i].patterns[rays.pattern[ray]];
+            const auto at = rays.changes(ray);
+            for (size_t k = 0; k < pattern.size(); ++k) {
+              if (!sets.empty() && sets.back() == pattern[k]) continue;
+              if (!sets.empty()) changes.push_back(w + (k == 0 ? 0 : at[k - 1]));
+              sets.push_back(pattern[k]);
+            }
+          }
+          out.rays.append(sets, changes);
+        }
+        pile = pile_end;
+      }
+    }
+    row = row_end;
+  }
+  return out;
+}
+
+}  // namespace teracell

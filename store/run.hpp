@@ -1,0 +1,96 @@
+// Runs of a block of rays: the one form in which cells live in memory, from the caster to the slices.
+//
+// A ray is split in two. Its *pattern* is the sequence of sets it passes (air, steel, air); its *changes* are the
+// cells where one set gives way to the next. Neighbouring rays nearly always share the pattern, and then their
+// changes line up: the codec predicts, and the pyramid merges, whole stretches of rays without looking at labels.
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "store/label.hpp"
+
+namespace teracell {
+
+// A handful of elements, usually: a call of memcmp would cost more.
+inline bool same(std::span<const SetId> a, std::span<const SetId> b) {
+  if (a.size() != b.size()) return false;
+  for (size_t i = 0; i < a.size(); ++i)
+    if (a[i] != b[i]) return false;
+  return true;
+}
+
+// The distinct patterns of a block. Consecutive sets of a pattern differ. Not thread-safe.
+class PatternTable {
+ public:
+  uint32_t intern(std::span<const SetId> sets);
+  std::span<const SetId> sets(uint32_t pattern) const {
+    return {sets_.data() + begin_[pattern], begin_[pattern + 1] - begin_[pattern]};
+  }
+  uint32_t changes(uint32_t pattern) const { return begin_[pattern + 1] - begin_[pattern] - 1; }
+  uint32_t size() const { return static_cast<uint32_t>(begin_.size()) - 1; }
+  void clear();
+
+ private:
+  void grow();
+  std::vector<uint32_t> begin_{0};
+  std::vector<SetId> sets_;
+  std::vector<uint32_t> slots_;  // open addressing; pattern + 1, 0 is free
+};
+
+// The rays of a block, u fastest: ray = v * nu + u. All have `length` cells.
+struct RayBlock {
+  uint32_t nu = 0, nv = 0, length = 0;
+  PatternTable patterns;
+  std::vector<uint32_t> pattern;    // of each ray
+  std::vector<uint32_t> begin{0};   // rays + 1: where a ray's changes start in `at`
+  std::vector<uint32_t> at;         // ascending within a ray, in (0, length)
+
+  uint32_t rays() const { return nu * nv; }
+  std::span<const uint32_t> changes(uint32_t ray) const { return {at.data() + begin[ray], begin[ray + 1] - begin[ray]}; }
+  std::span<const SetId> sets(uint32_t ray) const { return patterns.sets(pattern[ray]); }
+  // One set everywhere.
+  bool uniform() const { return patterns.size() == 1 && at.empty(); }
+
+  // Empties the block for rays of a new shape; rays are then appended in order.
+  void reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length);
+  // Appends a ray. REQUIRES: sets.size() == changes.size() + 1, neighbouring sets differ.
+  void append(std::span<const SetId> sets, std::span<const uint32_t> changes) {
+    const bool again = !pattern.empty() && same(patterns.sets(pattern.back()), sets);
+    pattern.push_back(again ? pattern.back() : patterns.intern(sets));
+    at.insert(at.end(), changes.begin(), changes.end());
+    begin.push_back(static_cast<uint32_t>(at.size()));
+  }
+
+  // Calls f(from, to, set) for the runs of `ray`, in order.
+  template <class F>
+  void for_each_run(uint32_t ray, F&& f) const {
+    const std::span<const SetId> s = sets(ray);
+    uint32_t from = 0;
+    const uint32_t* end = at.data() + begin[ray];
+    for (size_t i = 0; i + 1 < s.size(); ++i) {
+      f(from, end[i], s[i]);
+      from = end[i];
+    }
+    f(from, length, s.back());
+  }
+};
+
+// A block with the table of its set ids: it depends on nothing else.
+struct Chunk {
+  RayBlock rays;
+  SetTable sets{1};
+};
+
+// The cells [from, to) of every ray, renumbered from 0.
+RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to);
+
+// A chunk of a larger one: its first ray and cell there.
+struct Piece {
+  uint32_t u, v, w;
+  const Chunk* chunk;
+};
+// Joins pieces that tile a block without gap or overlap; ids are made anew.
+Chunk join(std::span<const Piece> pieces, uint32_t labels);
+
+}  // namespace teracell

@@ -1,0 +1,237 @@
+#include "store/slice.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace teracell {
+namespace {
+
+void check_level(const Metadata& meta, int level) {
+  if (level < 0 || level >= meta.grid.levels())
+    throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, level));
+}
+
+// A box in the frame of the rays.
+struct RayBox {
+  int64_t u0, u1, v0, v1, w0, w1;
+  RayBox(const Box& b, const Frame& f) : u0(b.lo[f.u]), u1(b.hi[f.u]), v0(b.lo[f.v]), v1(b.hi[f.v]), w0(b.lo[f.w]), w1(b.hi[f.w]) {}
+};
+
+Box intersect(const Box& a, const Box& b) {
+  Box out;
+  for (int d = 0; d < 3; ++d) {
+    out.lo[d] = std::max(a.lo[d], b.lo[d]);
+    out.hi[d] = std::min(a.hi[d], b.hi[d]);
+  }
+  return out;
+}
+
+// A chunk and the part of it that lies in a box, in the chunk's own rays and cells.
+struct ChunkPart {
+  uint32_t cu, cv, segment;
+  uint32_t u0, u1, v0, v1, w0, w1;
+  int64_t first_u, first_v, first_w;  // of the chunk, in the level
+  bool whole;
+};
+
+// Calls f(part) for the chunks that meet the box. REQUIRES: the box lies in the level.
+template <class F>
+void for_each_part(const LevelShape& s, const RayBox& b, F&& f) {
+  const auto cut = [](int64_t lo, int64_t hi, int64_t first, int64_t size) {
+    return std::pair{static_cast<uint32_t>(std::max<int64_t>(lo - first, 0)), static_cast<uint32_t>(std::min(hi - first, size))};
+  };
+  for (int64_t cv = b.v0 / s.chunk_rays; cv * s.chunk_rays < b.v1; ++cv) {
+    for (int64_t cu = b.u0 / s.chunk_rays; cu * s.chunk_rays < b.u1; ++cu) {
+      for (int64_t segment = b.w0 / s.chunk_cells; segment * s.chunk_cells < b.w1; ++segment) {
+        ChunkPart p;
+        p.cu = static_cast<uint32_t>(cu), p.cv = static_cast<uint32_t>(cv), p.segment = static_cast<uint32_t>(segment);
+        p.first_u = cu * s.chunk_rays, p.first_v = cv * s.chunk_rays, p.first_w = segment * s.chunk_cells;
+        std::tie(p.u0, p.u1) = cut(b.u0, b.u1, p.first_u, s.rays_u(p.cu));
+        std::tie(p.v0, p.v1) = cut(b.v0, b.v1, p.first_v, s.rays_v(p.cv));
+        std::tie(p.w0, p.w1) = cut(b.w0, b.w1, p.first_w, s.length(p.segment));
+        p.whole = p.u0 == 0 && p.v0 == 0 && p.w0 == 0 && p.u1 == s.rays_u(p.cu) && p.v1 == s.rays_v(p.cv) && p.w1 == s.length(p.segment);
+        f(p);
+      }
+    }
+  }
+}
+
+// Calls f(u, v, from, to, set id) for the runs of a part, in the chunk's own rays and cells.
+template <class F>
+void for_each_part_run(const RayBlock& rays, const ChunkPart& p, F&& f) {
+  for (uint32_t v = p.v0; v < p.v1; ++v)
+    for (uint32_t u = p.u0; u < p.u1; ++u)
+      rays.for_each_run(v * rays.nu + u, [&](uint32_t from, uint32_t to, SetId set) {
+        from = std::max(from, p.w0), to = std::min(to, p.w1);
+        if (from < to) f(u, v, from, to, set);
+      });
+}
+
+}  // namespace
+
+SetValue strongest_material(const Metadata& meta) {
+  return [&meta](const std::vector<Label>& set) {
+    uint32_t best = meta.labels[set[0]].material;
+    for (const Label label : set) {
+      const uint32_t m = meta.labels[label].material;
+      if (meta.materials[m].rank < meta.materials[best].rank) best = m;
+    }
+    return best;
+  };
+}
+
+template <class T>
+void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride) {
+  check_level(reader.meta(), level);
+  if (box.empty()) return;
+  const Box inside = intersect(box, reader.meta().grid.box(level));
+  if (!(inside == box)) {
+    for (int64_t z = 0; z < box.hi[2] - box.lo[2]; ++z)
+      for (int64_t y = 0; y < box.hi[1] - box.lo[1]; ++y)
+        for (int64_t x = 0; x < box.hi[0] - box.lo[0]; ++x) data[x * stride[0] + y * stride[1] + z * stride[2]] = outside;
+  }
+  if (inside.empty()) return;
+  const Frame f = reader.meta().frame();
+  const int64_t step_u = stride[f.u], step_v = stride[f.v], step_w = stride[f.w];
+  Chunk chunk;
+  for_each_part(reader.shape(level), RayBox(inside, f), [&](const ChunkPart& p) {
+    reader.read(level, p.cu, p.cv, p.segment, chunk);
+    std::vector<std::pair<SetId, T>> values;  // of the sets met; a chunk has few
+    T* origin = data + (p.first_u - box.lo[f.u]) * step_u + (p.first_v - box.lo[f.v]) * step_v + (p.first_w - box.lo[f.w]) * step_w;
+    for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
+      auto it = std::ranges::find(values, set, &std::pair<SetId, T>::first);
+      if (it == values.end()) it = values.insert(it, {set, static_cast<T>(value(chunk.sets.members(set)))});
+      T* out = origin + u * step_u + v * step_v;
+      if (step_w == 1) std::fill(out + from, out + to, it->second);
+      else
+        for (uint32_t w = from; w < to; ++w) out[w * step_w] = it->second;
+    });
+  });
+}
+template void read_box(const GridReader&, int, const Box&, const SetValue&, uint8_t, uint8_t*, const Index3&);
+template void read_box(const GridReader&, int, const Box&, const SetValue&, uint16_t, uint16_t*, const Index3&);
+template void read_box(const GridReader&, int, const Box&, const SetValue&, uint32_t, uint32_t*, const Index3&);
+
+void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f) {
+  check_level(reader.meta(), level);
+  if (box.empty()) return;
+  const Frame frame = reader.meta().frame();
+  Chunk chunk;
+  for_each_part(reader.shape(level), RayBox(box, frame), [&](const ChunkPart& p) {
+    reader.read(level, p.cu, p.cv, p.segment, chunk);
+    std::unordered_map<SetId, std::vector<Label>> sets;
+    for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
+      const auto [it, fresh] = sets.try_emplace(set);
+      if (fresh) it->second = chunk.sets.members(set);
+      BoxRun run{{}, to - from, &it->second};
+      run.start[frame.u] = p.first_u + u;
+      run.start[frame.v] = p.first_v + v;
+      run.start[frame.w] = p.first_w + from;
+      f(run);
+    });
+  });
+}
+
+std::optional<std::vector<Label>> uniform_set(const GridReader& reader, int level, const Box& box) {
+  check_level(reader.meta(), level);
+  std::optional<std::vector<Label>> set;
+  bool several = false;
+  const auto meet = [&](const std::vector<Label>& found) {
+    if (!set) set = found;
+    several |= *set != found;
+  };
+  Chunk chunk;
+  for_each_part(reader.shape(level), RayBox(box, reader.meta().frame()), [&](const ChunkPart& p) {
+    if (several) return;
+    if (const auto all = reader.uniform(level, p.cu, p.cv, p.segment)) return meet(*all);
+    reader.read(level, p.cu, p.cv, p.segment, chunk);
+    SetId last = ~0u;
+    for_each_part_run(chunk.rays, p, [&](uint32_t, uint32_t, uint32_t, uint32_t, SetId id) {
+      if (several || id == last) return;
+      last = id;
+      meet(chunk.sets.members(id));
+    });
+  });
+  return several ? std::nullopt : set;
+}
+
+std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b) {
+  const Metadata& meta = reader.meta();
+  const Frame f = Frame::along(axis);
+  const Index3 n = meta.grid.cells();
+  if (a < 0 || a >= n[f.u] || b < 0 || b >= n[f.v])
+    throw UsageError(fmt::format("column ({}, {}) along {} is outside the grid: {} is 0 to {}, {} is 0 to {}", a, b, axis_name(axis),
+                                 axis_name(f.u), n[f.u] - 1, axis_name(f.v), n[f.v] - 1));
+  Box box{{0, 0, 0}, n};
+  box.lo[f.u] = a, box.hi[f.u] = a + 1;
+  box.lo[f.v] = b, box.hi[f.v] = b + 1;
+  std::vector<ColumnRun> runs;
+  const SetValue material = strongest_material(meta);
+  for_each_run(reader, 0, box, [&](const BoxRun& run) {
+    const int64_t from = run.start[axis], to = from + (axis == meta.ray_axis ? run.length : 1);
+    runs.push_back({from, to, material(*run.set)});
+  });
+  std::ranges::sort(runs, {}, &ColumnRun::from);
+  std::vector<ColumnRun> joined;
+  for (const ColumnRun& run : runs) {
+    if (!joined.empty() && joined.back().material == run.material) joined.back().to = run.to;
+    else joined.push_back(run);
+  }
+  return joined;
+}
+
+std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) {
+  const Metadata& meta = reader.meta();
+  const Grid& grid = meta.grid;
+  const Frame f = meta.frame();
+  std::vector<MaterialStats> stats(meta.materials.size());
+  if (box.empty()) return stats;
+  bool graded = false;
+  for (const Axis& a : grid.axis) graded |= a.is_graded();
+
+  // Cells [lo, hi) of the level along u, v, w all belong to the label's material, `cells` of them.
+  const auto add = [&](uint32_t material, uint64_t cells, const Index3& lo, const Index3& hi) {
+    MaterialStats& s = stats[material];
+    Box b;
+    b.lo[f.u] = lo[0], b.lo[f.v] = lo[1], b.lo[f.w] = lo[2];
+    b.hi[f.u] = hi[0], b.hi[f.v] = hi[1], b.hi[f.w] = hi[2];
+    if (s.cells == 0) s.box = b;
+    for (int d = 0; d < 3; ++d) {
+      s.box.lo[d] = std::min(s.box.lo[d], b.lo[d]);
+      s.box.hi[d] = std::max(s.box.hi[d], b.hi[d]);
+    }
+    s.cells += cells;
+    if (graded) {
+      double volume = 1;
+      for (int d = 0; d < 3; ++d) volume *= grid.axis[d].plane(b.hi[d]) - grid.axis[d].plane(b.lo[d]);
+      s.volume += volume;
+    }
+  };
+
+  const LevelShape shape = reader.shape(0);
+  Chunk chunk;
+  for_each_part(shape, RayBox(box, f), [&](const ChunkPart& p) {
+    const ChunkEntry entry = reader.entry(0, p.cu, p.cv, p.segment);
+    const Index3 first = {p.first_u, p.first_v, p.first_w};
+    if (entry.size == 0) {
+      add(meta.labels[entry.uniform[0]].material, uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0),
+          {first[0] + p.u0, first[1] + p.v0, first[2] + p.w0}, {first[0] + p.u1, first[1] + p.v1, first[2] + p.w1});
+    } else if (p.whole && !graded) {
+      for (const LabelStats& s : entry.stats)
+        add(meta.labels[s.label].material, s.cells, {first[0] + s.lo[0], first[1] + s.lo[1], first[2] + s.lo[2]},
+            {first[0] + s.hi[0], first[1] + s.hi[1], first[2] + s.hi[2]});
+    } else {
+      reader.read(0, p.cu, p.cv, p.segment, chunk);
+      for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
+        add(meta.labels[label].material, to - from, {first[0] + u, first[1] + v, first[2] + from},
+            {first[0] + u + 1, first[1] + v + 1, first[2] + to});
+      });
+    }
+  });
+  if (!graded)
+    for (MaterialStats& s : stats) s.volume = static_cast<double>(s.cells) * (grid.axis[0].step() * grid.axis[1].step() * grid.axis[2].step());
+  return stats;
+}
+
+}  // namespace teracell

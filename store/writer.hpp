@@ -1,0 +1,54 @@
+// Writes a .tcell file: chunks as they come, pages when their last chunk is there, the rest at the end. Memory: the
+// open pages and 24 bytes a page of directory.
+#pragma once
+#include <filesystem>
+#include <map>
+
+#include "store/chunk_codec.hpp"
+#include "store/file.hpp"
+#include "store/format.hpp"
+
+namespace teracell {
+
+// A chunk ready to be written; made by any thread.
+struct EncodedChunk {
+  Bytes frame;                // empty when uniform
+  ChunkEntry entry;           // all but the offset
+  uint64_t changes = 0;
+};
+// Cells and box of every label of a block of level 0, labels ascending.
+std::vector<LabelStats> stats_of(const RayBlock& rays);
+EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const SetTable& sets, bool with_stats);
+
+// Not thread-safe. The file's bytes depend on the order of put().
+class GridWriter {
+ public:
+  // `meta.levels` is ignored: every even level is expected, and the last one if it is even.
+  GridWriter(const std::filesystem::path& path, Metadata meta);
+
+  const Metadata& meta() const { return meta_; }
+  void put(int level, uint32_t cu, uint32_t cv, uint32_t segment, const EncodedChunk& chunk);
+  // Writes index, metadata and report, and gives the file its name. When it returns the file is durable.
+  // REQUIRES: every chunk of every stored level was put once.
+  void finish(const std::string& report, uint64_t crossings);
+  uint64_t bytes() const { return file_.size(); }
+
+ private:
+  struct OpenPage {
+    std::vector<ChunkEntry> entries;
+    size_t missing;
+  };
+  struct Level {
+    LevelInfo info;
+    LevelShape shape;
+    std::map<uint64_t, OpenPage> open;
+    std::vector<DirectoryEntry> directory;
+  };
+  DirectoryEntry append(std::span<const uint8_t> frame);
+
+  Metadata meta_;
+  OutputFile file_;
+  std::vector<Level> levels_;  // level / 2
+};
+
+}  // namespace teracell

@@ -1,0 +1,37 @@
+// The strong oracle: which cells are inside which body (SPEC 1.4 to 1.6), in exact arithmetic, written so that it can
+// be checked by reading rather than to be fast. It shares nothing with the mesher: it casts no ray and scans no facet.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "mesher/facets.hpp"
+#include "store/grid.hpp"
+
+namespace teracell::oracle {
+
+enum class Rule { kNonzero, kEvenodd };
+
+// A closed surface, its vertices already transformed. A body of mixed rules (SPEC 1.9) is two bodies of one material
+// and priority, one after the other: their union is what 1.9 asks for.
+struct Body {
+  std::vector<Facet> facets;
+  Rule rule = Rule::kNonzero;
+  uint32_t material = 1;
+  int64_t priority = 0;
+};
+
+// The material of every cell, 0 where there is no body. C order [z][y][x].
+// Throws std::invalid_argument when a body's surface is not closed by its rule: inside has no meaning then.
+std::vector<uint32_t> materials(const std::vector<Body>& bodies, const Grid& grid);
+
+// For every cell, in the same order, the winding number of the surface around the cell's (shifted) sample point: +1
+// inside a surface whose facets run anticlockwise seen from outside. Facets that disagree in orientation leave the
+// parity right, which is all that the even-odd rule needs. `apex` is the cone's point (see oracle.cpp): no result may
+// depend on it. REQUIRES: is_closed(facets, kEvenodd), and is_closed(facets, kNonzero) for more than the parity.
+std::vector<int> winding_numbers(const std::vector<Facet>& facets, const Grid& grid, const Vec3& apex);
+
+// kNonzero: every directed edge is used as often as its reverse. kEvenodd: every edge is used an even number of times.
+// Zero-length edges are ignored; vertices are equal when their coordinates are.
+bool is_closed(const std::vector<Facet>& facets, Rule rule);
+
+}  // namespace teracell::oracle

@@ -1,0 +1,64 @@
+// VTK: vtkOBJReader -> vtkPolyDataToImageStencil -> vtkImageStencilToImage. The time to beat is the whole process's.
+// Usage: vtk_peer mesh.obj N [out.raw]
+//
+// The image, a byte a cell, is VTK's product and stays in memory: writing 10^9 bytes would only slow this peer. With
+// out.raw it is written all the same (C order [z][y][x]), to compare cells.
+#include <vtkImageData.h>
+#include <vtkImageStencilToImage.h>
+#include <vtkNew.h>
+#include <vtkOBJReader.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataToImageStencil.h>
+
+#include <cstdio>
+#include <exception>
+
+#include "tools/bench/mesh_domain.hpp"
+
+namespace teracell::bench {
+namespace {
+
+void run(const std::string& path, int64_t n, const char* out) {
+  const Stopwatch whole;
+  vtkNew<vtkOBJReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  double bounds[6];
+  reader->GetOutput()->GetBounds(bounds);
+  const CubicDomain domain = cubic_domain({bounds[0], bounds[2], bounds[4]}, {bounds[1], bounds[3], bounds[5]}, n);
+  const int last = static_cast<int>(n) - 1;
+
+  vtkNew<vtkPolyDataToImageStencil> stencil;
+  stencil->SetInputConnection(reader->GetOutputPort());
+  stencil->SetOutputOrigin(domain.centre(0, 0), domain.centre(1, 0), domain.centre(2, 0));
+  stencil->SetOutputSpacing(domain.step, domain.step, domain.step);
+  stencil->SetOutputWholeExtent(0, last, 0, last, 0, last);
+  vtkNew<vtkImageStencilToImage> image;
+  image->SetInputConnection(stencil->GetOutputPort());
+  image->SetInsideValue(1);
+  image->SetOutsideValue(0);
+  image->SetOutputScalarTypeToUnsignedChar();
+  image->Update();
+  const double seconds = whole.seconds();
+
+  const auto* cells = static_cast<const uint8_t*>(image->GetOutput()->GetScalarPointer());
+  if (out) std::ofstream(out, std::ios::binary).write(reinterpret_cast<const char*>(cells), n * n * n);
+  std::printf("{\"peer\": \"vtk\", \"seconds\": %.4f, \"centre_cell\": %d}\n", seconds,
+              int{cells[(n / 2 * n + n / 2) * n + n / 2]});
+}
+
+}  // namespace
+}  // namespace teracell::bench
+
+int main(int argc, char** argv) {
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: vtk_peer mesh.obj N [out.raw]\n");
+    return 2;
+  }
+  try {
+    teracell::bench::run(argv[1], std::stoll(argv[2]), argc > 3 ? argv[3] : nullptr);
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "vtk_peer: %s\n", e.what());
+    return 1;
+  }
+}
