@@ -38,11 +38,16 @@ void sort_crossings(std::span<uint64_t> c) {
 Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& strength, const std::vector<Label>& label)
     : layers_(std::move(layers)),
       strength_(strength),
-      label_(label.size()),
+      label_(label.size() + 1, 0),
+      body_(label.size()),
+      cells_(label.size()),
       counter_(layers_.size(), 0),
       inside_(strength.size(), 0),
       active_(strength.size() / 64 + 1, 0) {
-  for (size_t b = 0; b < strength.size(); ++b) label_[strength[b]] = label[b];
+  for (uint32_t b = 0; b < strength.size(); ++b) {
+    label_[strength[b]] = label[b];
+    body_[strength[b]] = b;
+  }
 }
 
 void Composer::step(uint64_t crossing) {
@@ -61,10 +66,11 @@ void Composer::step(uint64_t crossing) {
   active_[s / 64] = inside > 0 ? active_[s / 64] | bit : active_[s / 64] & ~bit;
 }
 
-Label Composer::top() const {
+// The strength of the strongest body that is inside, or the number of bodies.
+uint32_t Composer::top() const {
   for (size_t w = 0; w < active_.size(); ++w)
-    if (active_[w] != 0) return label_[64 * w + std::countr_zero(active_[w])];
-  return 0;
+    if (active_[w] != 0) return static_cast<uint32_t>(64 * w + std::countr_zero(active_[w]));
+  return static_cast<uint32_t>(body_.size());
 }
 
 void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out) {
@@ -76,17 +82,26 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
     if (changes_.size() < all.size()) changes_.resize(2 * all.size());
     sets_.assign(1, 0);
     uint32_t* at = changes_.data();
+    uint32_t owner = static_cast<uint32_t>(body_.size()), since = 0;  // strength of the current owner, its first cell
+    const auto settle = [&](uint32_t until) {
+      if (owner < body_.size()) cells_[body_[owner]] += until - since;
+    };
     for (size_t i = 0; i < all.size();) {
       const uint32_t cell = Crossing::cell(all[i]);
       for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i]);
-      const Label label = top();
+      if (cell >= length) continue;
+      settle(cell);
+      owner = top();
+      since = cell;
+      const Label label = label_[owner];
       if (cell == 0) {
         sets_[0] = label;
-      } else if (cell < length && label != sets_.back()) {
+      } else if (label != sets_.back()) {
         sets_.push_back(label);
         *at++ = cell;
       }
     }
+    settle(length);
     if (open_ != 0)
       throw Error(fmt::format("ray {}, {} of a tile leaves {} of its surfaces open: the crossings are inconsistent", ray % nu, ray / nu, open_));
     out.append(sets_, {changes_.data(), at});

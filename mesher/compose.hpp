@@ -22,14 +22,18 @@ class Composer {
   // Turns the crossings of a tile of nu x nv rays of `length` cells into runs; sorts them on the way. Every layer's
   // surface is closed, so its counter is back at zero where the ray ends: anything else throws Error.
   void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
+  // Of each body: how many cells it owned so far.
+  const std::vector<unsigned __int128>& cells() const { return cells_; }
 
  private:
   void step(uint64_t crossing);
-  Label top() const;
+  uint32_t top() const;
 
   std::vector<Layer> layers_;
   std::vector<uint32_t> strength_;  // of each body
-  std::vector<Label> label_;        // by strength
+  std::vector<Label> label_;        // by strength; last of all that of the background
+  std::vector<uint32_t> body_;      // by strength
+  std::vector<unsigned __int128> cells_;
   std::vector<int> counter_;        // of each layer
   std::vector<int> inside_;         // of each body: layers that are inside
   std::vector<uint64_t> active_;    // bit s: the body of strength s is inside

@@ -1,4 +1,4 @@
-// Opens a surface file, tells its format by its first bytes, and what all readers need.
+// Tells a surface file's format by its first bytes and calls its reader; and what the readers share (readers.hpp).
 #include "mesher/facets.hpp"
 
 #include <fnmatch.h>
@@ -24,23 +24,22 @@ constexpr size_t kPeek = size_t{1} << 16;
 // Every binary STL has a zero byte in front: the count's highest one, the attributes, a 0.0 or 1.0. No text has one.
 bool is_text(std::string_view head) { return head.substr(0, 1024).find('\0') == std::string_view::npos; }
 
-// The first word of the first line that is no comment, in lower case.
-std::string first_word(std::string_view head) {
+// The first word of the first line that is no comment.
+std::string_view first_word(std::string_view head) {
   while (!head.empty()) {
     const size_t stop = std::min(head.find_first_of("\r\n"), head.size());
     std::string_view line = head.substr(0, stop);
     head.remove_prefix(std::min(stop + 1, head.size()));
-    std::string word(next_word(line));
-    if (word.empty() || word[0] == '#') continue;
-    for (char& c : word) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c;
-    return word;
+    const std::string_view word = next_word(line);
+    if (!word.empty() && word[0] != '#') return word;
   }
   return {};
 }
 
 bool is_obj_word(std::string_view word) {
-  for (const char* known : {"v", "vt", "vn", "vp", "f", "fo", "g", "o", "s", "l", "p", "mtllib", "usemtl", "mg", "lod",
-                            "cstype", "deg", "surf", "maplib", "usemap", "bevel", "c_interp", "d_interp", "shadow_obj"})
+  for (const char* known : {"v",   "vt",   "vn",     "vp",     "f",      "fo",       "g",        "o",
+                            "s",   "l",    "p",      "mtllib", "usemtl", "mg",       "lod",      "cstype",
+                            "deg", "surf", "maplib", "usemap", "bevel",  "c_interp", "d_interp", "shadow_obj"})
     if (word == known) return true;
   return false;
 }
@@ -62,9 +61,9 @@ Format format_of(Input& input) {
   if (is_text(head)) {
     if (head.find('\n') == std::string_view::npos && head.find('\r') != std::string_view::npos) input.set_newline('\r');
     const size_t mark = head.starts_with("\xef\xbb\xbf") ? 3 : 0;  // of UTF-8
-    const std::string word = first_word(head.substr(mark));
+    const std::string_view word = first_word(head.substr(mark));
     const bool comments_only = word.empty() && head.find('#') != std::string_view::npos;
-    const Format format = word == "solid" ? Format::kAsciiStl : Format::kObj;
+    const Format format = is_keyword(word, "solid") ? Format::kAsciiStl : Format::kObj;
     if (format == Format::kAsciiStl || comments_only || is_obj_word(word)) {
       input.consume(mark);
       return format;
@@ -72,6 +71,12 @@ Format format_of(Input& input) {
   }
   throw InputError(fmt::format("{}: not a surface file: expected STL, OBJ or PLY, found {}", input.name(),
                                shown(head.substr(0, 64))));
+}
+
+// The C locale whatever the program has set: a decimal point is a point.
+locale_t c_locale() {
+  static const locale_t locale = newlocale(LC_ALL_MASK, "C", nullptr);
+  return locale;
 }
 
 }  // namespace
@@ -101,8 +106,8 @@ void FacetStream::finish(const std::string& name, SurfaceFile& file) {
   if (!matched_) {
     std::vector<std::string> some;
     for (size_t i = 0; i < std::min<size_t>(parts_.size(), 8); ++i) some.push_back(shown(parts_[i]));
-    throw InputError(fmt::format("{}: no part matches {}: the file has {} parts: {}{}", name, shown(glob_), parts_.size(),
-                                 fmt::join(some, ", "), parts_.size() > some.size() ? ", ..." : ""));
+    throw InputError(fmt::format("{}: no part matches {}: the file has {} parts: {}{}", name, shown(glob_),
+                                 parts_.size(), fmt::join(some, ", "), parts_.size() > some.size() ? ", ..." : ""));
   }
   if (facets_ == 0)
     throw InputError(glob_.empty() ? fmt::format("{}: holds no facet", name)
@@ -124,11 +129,6 @@ std::string shown(std::string_view text) {
   return fmt::format("'{}{}'", s, text.size() > kLongest ? "..." : "");
 }
 
-// The C locale whatever the program has set: a decimal point is a point.
-static locale_t c_locale() {
-  static const locale_t locale = newlocale(LC_ALL_MASK, "C", nullptr);
-  return locale;
-}
 float round_extreme(std::string_view word, float) { return strtof_l(std::string(word).c_str(), nullptr, c_locale()); }
 double round_extreme(std::string_view word, double) { return strtod_l(std::string(word).c_str(), nullptr, c_locale()); }
 

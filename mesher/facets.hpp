@@ -35,7 +35,11 @@ using FacetSink = std::function<void(std::span<const Facet>)>;
 
 // Streams the facets of `path` into `sink`: those of the parts whose name matches the glob `part`, or all when it is
 // empty. Polygons are fans from their first vertex. STL and its memory: constant; OBJ and PLY hold the vertex table.
-// Throws InputError (file, line or byte offset, expected, found) or IoError. No facet at all is an InputError.
+// A part of an OBJ is each of the groups (`g`) or the object (`o`) a facet is in; of an ASCII STL, the solid; what has no
+// name has the name "". `*`, `?` and `[...]` as in fnmatch(3), case-sensitive.
+// Throws InputError (file, line or byte offset, expected, found) or IoError. No facet at all is an InputError, and so is
+// a `part` that nothing matches. Facets before the fault have been given to the sink when it throws. What the sink throws
+// passes through.
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink);
 
 // Throws InputError with `where` in front unless v may be a vertex coordinate; -0 becomes +0.

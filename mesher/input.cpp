@@ -123,10 +123,16 @@ size_t Input::read_inflated(char* to, size_t room) {
       inside_member_ = true;
     }
     switch (inflate(&z, Z_NO_FLUSH)) {
-      case Z_OK: case Z_BUF_ERROR: break;
-      case Z_STREAM_END: inside_member_ = false; break;
-      case Z_MEM_ERROR: throw std::bad_alloc();
-      default: damaged(z.msg ? z.msg : "no gzip data");
+      case Z_OK:
+      case Z_BUF_ERROR:
+        break;
+      case Z_STREAM_END:
+        inside_member_ = false;
+        break;
+      case Z_MEM_ERROR:
+        throw std::bad_alloc();
+      default:
+        damaged(z.msg ? z.msg : "no gzip data");
     }
   }
   return room - z.avail_out;
@@ -141,8 +147,8 @@ bool Input::more_compressed() {
 }
 
 void Input::damaged(const char* what) const {
-  throw InputError(fmt::format("{}: byte {} of the compressed file: damaged gzip: {}; found {} good bytes before it", name_,
-                               disk_bytes_ - inflate_->avail_in, what, offset_ + end_));
+  throw InputError(fmt::format("{}: byte {} of the compressed file: damaged gzip: {}", name_,
+                               disk_bytes_ - inflate_->avail_in, what));
 }
 
 bool Input::next_line(std::string_view& line) {
@@ -157,7 +163,8 @@ bool Input::next_line(std::string_view& line) {
     scanned = rest.size();
     if (scanned == buffer_.size()) {
       if (scanned >= kLongestLine)
-        throw InputError(fmt::format("{}: line {}: longer than {} bytes: no text file?", name_, line_ + 1, kLongestLine));
+        throw InputError(
+            fmt::format("{}: line {}: longer than {} bytes: no text file?", name_, line_ + 1, kLongestLine));
       buffer_.resize(2 * scanned);
     }
     if (window(scanned + 1).size() == scanned) {  // the contents end without a newline

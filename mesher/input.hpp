@@ -69,8 +69,8 @@ class Input {
   [[noreturn]] void damaged(const char* what) const;
 
   std::string name_;
-  int descriptor_ = -1;          // or
-  std::string_view memory_;      // what is left of the bytes in memory
+  int descriptor_ = -1;      // or
+  std::string_view memory_;  // what is left of the bytes in memory
   std::optional<uint64_t> size_;
   uint64_t disk_bytes_ = 0;
   std::unique_ptr<XXH3_state_s, Release> hash_;

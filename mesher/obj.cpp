@@ -17,10 +17,14 @@ class ObjReader {
   void read() {
     for (std::string_view line; next_statement(line);) {
       const std::string_view keyword = next_word(line);
-      if (keyword == "v") read_vertex(line);
-      else if (keyword == "f" || keyword == "fo") read_face(line);
-      else if (keyword == "g") enter_groups(line);
-      else if (keyword == "o") enter_object(line);
+      if (keyword == "v")
+        read_vertex(line);
+      else if (keyword == "f" || keyword == "fo")
+        read_face(line);
+      else if (keyword == "g")
+        enter_groups(line);
+      else if (keyword == "o")
+        enter_object(line);
       else if (keyword == "surf")
         throw InputError(fmt::format("{}: expected polygons, found a free-form surface: convert it to polygons first",
                                      input_.at_line()));
@@ -55,7 +59,8 @@ class ObjReader {
     for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line))
       fan.add(vertex(word));
     if (fan.vertices() < 3)
-      throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
+      throw InputError(
+          fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
   }
 
   // v, v/t, v//n or v/t/n; a negative number counts back from the vertex declared last.
@@ -67,8 +72,9 @@ class ObjReader {
     const int64_t declared = static_cast<int64_t>(vertices_.size());
     const int64_t index = number < 0 ? declared + number : number - 1;
     if (index < 0 || index >= declared)
-      throw InputError(fmt::format("{}: vertex {} of a face: expected one of the {} declared so far, counted from 1 (or back "
-                                   "from -1)", input_.at_line(), number, declared));
+      throw InputError(
+          fmt::format("{}: vertex {} of a face: expected one of the {} declared so far (1 is the first, -1 the last)",
+                      input_.at_line(), number, declared));
     return vertices_[index];
   }
 

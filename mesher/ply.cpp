@@ -23,10 +23,14 @@ struct TypeInfo {
   int64_t least, most;  // of integers
 };
 constexpr TypeInfo kTypes[] = {
-    {"int8", "char", 1, INT8_MIN, INT8_MAX},     {"uint8", "uchar", 1, 0, UINT8_MAX},
-    {"int16", "short", 2, INT16_MIN, INT16_MAX}, {"uint16", "ushort", 2, 0, UINT16_MAX},
-    {"int32", "int", 4, INT32_MIN, INT32_MAX},   {"uint32", "uint", 4, 0, UINT32_MAX},
-    {"float32", "float", 4, 0, 0},               {"float64", "double", 8, 0, 0},
+    {"int8", "char", 1, INT8_MIN, INT8_MAX},
+    {"uint8", "uchar", 1, 0, UINT8_MAX},
+    {"int16", "short", 2, INT16_MIN, INT16_MAX},
+    {"uint16", "ushort", 2, 0, UINT16_MAX},
+    {"int32", "int", 4, INT32_MIN, INT32_MAX},
+    {"uint32", "uint", 4, 0, UINT32_MAX},
+    {"float32", "float", 4, 0, 0},
+    {"float64", "double", 8, 0, 0},
 };
 const TypeInfo& info(Type type) { return kTypes[static_cast<int>(type)]; }
 bool is_integer(Type type) { return type < Type::kFloat32; }
@@ -57,10 +61,14 @@ class HeaderReader {
     next_line();  // "ply": the format was told by it
     for (;;) {
       const std::string_view keyword = next_line();
-      if (keyword == "format") header.format = read_format();
-      else if (keyword == "element") header.elements.push_back(read_element());
-      else if (keyword == "property") read_property(header);
-      else if (keyword == "end_header") break;
+      if (keyword == "format")
+        header.format = read_format();
+      else if (keyword == "element")
+        header.elements.push_back(read_element());
+      else if (keyword == "property")
+        read_property(header);
+      else if (keyword == "end_header")
+        break;
       else if (keyword != "comment" && keyword != "obj_info")
         refuse("expected format, element, property, comment, obj_info or end_header", keyword);
     }
@@ -138,7 +146,8 @@ class AsciiValues {
   void end_row(const Element& element) {
     const std::string_view word = next_word(line_);
     if (!word.empty())
-      throw InputError(fmt::format("{}: expected no more values for this {}, found {}", input_.at_line(), element.name, shown(word)));
+      throw InputError(fmt::format("{}: expected no more values for this {}, found {}", input_.at_line(), element.name,
+                                   shown(word)));
   }
   double coordinate(Type type) {
     if (is_integer(type)) return static_cast<double>(integer(type));
@@ -179,18 +188,25 @@ class BinaryValues {
   void end_row(const Element&) {}
   double coordinate(Type type) {
     if (is_integer(type)) return static_cast<double>(integer(type));
-    const double v = type == Type::kFloat32 ? std::bit_cast<float>(load<uint32_t>()) : std::bit_cast<double>(load<uint64_t>());
+    const double v =
+        type == Type::kFloat32 ? std::bit_cast<float>(load<uint32_t>()) : std::bit_cast<double>(load<uint64_t>());
     if (!is_coordinate(v)) checked_coordinate(v, place());
     return v + 0.0;
   }
   int64_t integer(Type type) {
     switch (type) {
-      case Type::kInt8: return static_cast<int8_t>(load<uint8_t>());
-      case Type::kUint8: return load<uint8_t>();
-      case Type::kInt16: return static_cast<int16_t>(load<uint16_t>());
-      case Type::kUint16: return load<uint16_t>();
-      case Type::kInt32: return static_cast<int32_t>(load<uint32_t>());
-      default: return load<uint32_t>();
+      case Type::kInt8:
+        return static_cast<int8_t>(load<uint8_t>());
+      case Type::kUint8:
+        return load<uint8_t>();
+      case Type::kInt16:
+        return static_cast<int16_t>(load<uint16_t>());
+      case Type::kUint16:
+        return load<uint16_t>();
+      case Type::kInt32:
+        return static_cast<int32_t>(load<uint32_t>());
+      default:
+        return load<uint32_t>();
     }
   }
   void skip(Type type, uint64_t values) {
@@ -203,7 +219,8 @@ class BinaryValues {
   }
   void finish() {
     if (!input_.window(1).empty())
-      throw InputError(fmt::format("{}: expected the end of the file after the last element, found more bytes", input_.at_byte()));
+      throw InputError(
+          fmt::format("{}: expected the end of the file after the last element, found more bytes", input_.at_byte()));
   }
   std::string place() const { return fmt::format("{}: {} {}", input_.at_byte(), element_->name, row_); }
 
@@ -243,7 +260,9 @@ struct Layout {
 // Throws InputError unless the header describes a surface.
 Layout layout_of(const Header& header, const Input& input) {
   Layout layout;
-  const auto refuse = [&](const char* text) { throw InputError(fmt::format("{}: PLY header: {}", input.name(), text)); };
+  const auto refuse = [&](const char* text) {
+    throw InputError(fmt::format("{}: PLY header: {}", input.name(), text));
+  };
   for (const Element& element : header.elements) {
     if (element.name == "vertex") {
       if (layout.vertex) refuse("expected one element vertex, found two");
@@ -255,13 +274,15 @@ Layout layout_of(const Header& header, const Input& input) {
       if (!layout.vertex) refuse("expected element vertex before element face, found the faces first");
       layout.face = &element;
       for (const Property& p : element.properties)
-        if (p.count && is_integer(p.type) && (p.name == "vertex_indices" || p.name == "vertex_index")) layout.indices = &p;
+        if (p.count && is_integer(p.type) && (p.name == "vertex_indices" || p.name == "vertex_index"))
+          layout.indices = &p;
     }
   }
   if (!layout.vertex) refuse("expected an element vertex, found none");
   for (const Property* p : layout.xyz)
     if (!p) refuse("expected the properties x, y and z of element vertex, found not all of them");
-  if (!layout.face) refuse("expected an element face, found none (points and triangle strips are no facets: convert the file)");
+  if (!layout.face)
+    refuse("expected an element face, found none (points and triangle strips are no facets: convert the file)");
   if (!layout.indices) refuse("expected a list of integers vertex_indices of element face, found none");
   return layout;
 }
@@ -269,7 +290,8 @@ Layout layout_of(const Header& header, const Input& input) {
 template <class Values>
 uint64_t list_length(Values& values, const Property& property) {
   const int64_t n = values.integer(*property.count);
-  if (n < 0) throw InputError(fmt::format("{}: expected the length of list {}, found {}", values.place(), property.name, n));
+  if (n < 0)
+    throw InputError(fmt::format("{}: expected the length of list {}, found {}", values.place(), property.name, n));
   return static_cast<uint64_t>(n);
 }
 
@@ -283,8 +305,10 @@ void read_vertex(Values& values, const Layout& layout, VertexTable& vertices) {
   Vec3 v{};
   for (const Property& p : layout.vertex->properties) {
     const auto axis = std::find(layout.xyz.begin(), layout.xyz.end(), &p);
-    if (axis != layout.xyz.end()) v[axis - layout.xyz.begin()] = values.coordinate(p.type);
-    else skip_property(values, p);
+    if (axis != layout.xyz.end())
+      v[axis - layout.xyz.begin()] = values.coordinate(p.type);
+    else
+      skip_property(values, p);
   }
   vertices.push_back(v);
 }
@@ -301,7 +325,8 @@ void read_face(Values& values, const Layout& layout, const VertexTable& vertices
     for (uint64_t i = 0; i < n; ++i) {
       const int64_t index = values.integer(p.type);
       if (index < 0 || static_cast<uint64_t>(index) >= vertices.size())
-        throw InputError(fmt::format("{}: expected a vertex number below {}, found {}", values.place(), vertices.size(), index));
+        throw InputError(
+            fmt::format("{}: expected a vertex number below {}, found {}", values.place(), vertices.size(), index));
       fan.add(vertices[index]);
     }
   }
@@ -315,9 +340,12 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
     if (element.properties.empty()) continue;  // its rows take no bytes, however many there are
     for (uint64_t row = 0; row < element.count; ++row) {
       values.begin_row(element, row);
-      if (&element == layout.vertex) read_vertex(values, layout, vertices);
-      else if (&element == layout.face) read_face(values, layout, vertices, Fan(out, wanted));
-      else for (const Property& p : element.properties) skip_property(values, p);
+      if (&element == layout.vertex)
+        read_vertex(values, layout, vertices);
+      else if (&element == layout.face)
+        read_face(values, layout, vertices, Fan(out, wanted));
+      else
+        for (const Property& p : element.properties) skip_property(values, p);
       values.end_row(element);
     }
   }

@@ -91,6 +91,14 @@ inline std::string_view next_word(std::string_view& line) {
   return {word, static_cast<size_t>(p - word)};
 }
 
+// `keyword` in lower case, `word` in any.
+inline bool is_keyword(std::string_view word, std::string_view keyword) {
+  if (word.size() != keyword.size()) return false;
+  for (size_t i = 0; i < word.size(); ++i)
+    if ((word[i] | 32) != keyword[i]) return false;
+  return true;
+}
+
 // Without blanks around it.
 std::string_view trimmed(std::string_view text);
 // Text from a file as a message may show it: quoted, cut to a few dozen characters, control characters as '?'.

@@ -74,13 +74,15 @@ void Solid::bar(const Vec3& from, const Vec3& to, double radius_from, double rad
 }
 
 void Solid::capsule(const Vec3& centre, double half, double radius) {
-  constexpr int kRungs = 12, kCircles = 9;  // circles of latitude on a hemisphere; the outermost leaves a small flat cap
+  constexpr int kRungs = 12,
+                kCircles = 9;  // circles of latitude on a hemisphere; the outermost leaves a small flat cap
   std::vector<Section> sections;
   for (int i = -kCircles; i <= kCircles; ++i) {
     if (i == 0) continue;
     const Matrix turn = rotation({0, 0, 1}, (std::abs(i) - 1) * 80.0 / (kCircles - 1));
     const double x = half + radius * turn[4];
-    sections.push_back(polygon({centre[0] + (i < 0 ? -x : x), centre[1], centre[2]}, {0, 1, 0}, {0, 0, 1}, radius * turn[0], kRungs));
+    sections.push_back(
+        polygon({centre[0] + (i < 0 ? -x : x), centre[1], centre[2]}, {0, 1, 0}, {0, 0, 1}, radius * turn[0], kRungs));
   }
   loft(sections);
 }

@@ -12,10 +12,10 @@
 namespace teracell {
 namespace {
 
-// {sine, cosine} by Taylor series in (-45, 45] degrees, where the first term left out is below 1e-19.
+// {sine, cosine} by Taylor series on [-45, 45] degrees, where the first term left out is below 1e-19.
 std::array<double, 2> sine_cosine(double degrees) {
-  const double turn = std::fmod(degrees, 360);      // exact
-  const double rest = std::remainder(turn, 90);     // exact
+  const double turn = std::fmod(degrees, 360);   // exact
+  const double rest = std::remainder(turn, 90);  // exact
   const auto quarter = std::lround((turn - rest) / 90) & 3;
   const double x = rest * 0.017453292519943295, xx = x * x;
   double s = 1, c = 1;
@@ -25,16 +25,21 @@ std::array<double, 2> sine_cosine(double degrees) {
   }
   s *= x;
   switch (quarter) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 
 int64_t checked_count(double cells) {
   if (!(cells <= static_cast<double>(Axis::kMaxCells)))
-    throw UsageError(fmt::format("an axis has at most {} cells, found {}: take a larger step or fewer cells", Axis::kMaxCells, cells));
+    throw UsageError(fmt::format("an axis has at most {} cells, found {}: take a larger step or fewer cells",
+                                 Axis::kMaxCells, cells));
   return static_cast<int64_t>(cells);
 }
 
@@ -46,8 +51,9 @@ int64_t layers(double extent, double step, double slack) {
 // The cells of an axis without those of the pad.
 int64_t without_pad(int64_t cells, int64_t pad) {
   if (cells <= 2 * pad)
-    throw UsageError(fmt::format("{} cells leave none between the pads of {} on either side: give at least {} cells or a smaller pad",
-                                 cells, pad, 2 * pad + 1));
+    throw UsageError(fmt::format(
+        "{} cells leave none between the pads of {} on either side: give at least {} cells or a smaller pad", cells,
+        pad, 2 * pad + 1));
   return cells - 2 * pad;
 }
 
@@ -81,7 +87,8 @@ Cubic cubic_cells(const Scene& scene, const Vec3& lo, const Vec3& hi) {
     if (std::tie(step, span.extent) > std::tie(best.step, best.extent)) best = {step, span.extent};
   }
   if (!(best.step > 0))
-    throw UsageError("the bodies' box has no extent, so a number of cells gives no step: give --step or the grid's min and max");
+    throw UsageError(
+        "the bodies' box has no extent, so a number of cells gives no step: give --step or the grid's min and max");
   return best;
 }
 
@@ -89,7 +96,9 @@ Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& 
   const SceneAxis& axis = scene.axis[a];
   if (!axis.planes.empty()) return Axis::graded(axis.planes, scene.sample[a]);
   if (!axis.cells && !axis.step && !scene.longest_cells)
-    throw UsageError("neither cells nor step is given: give --cells N, --cells NX,NY,NZ or --step H, or \"cells\" or \"step\" in the scene's grid");
+    throw UsageError(
+        "neither cells nor step is given: give --cells N, --cells NX,NY,NZ or --step H, or \"cells\" or \"step\" in "
+        "the scene's grid");
 
   const Span span = span_of(axis, scene.pad, lo, hi);
   const double slack = span.slack ? 1e-9 : 0;
@@ -99,16 +108,18 @@ Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& 
     cells = *axis.cells;
     step = span.extent / static_cast<double>(without_pad(cells, span.pad));
     if (span.extent == 0)
-      throw UsageError("the bodies' box has no extent here, so a number of cells gives no step: give a step, or min and max");
+      throw UsageError(
+          "the bodies' box has no extent here, so a number of cells gives no step: give a step, or min and max");
   } else if (axis.step) {
     step = *axis.step;
     cells = checked_count(static_cast<double>(layers(span.extent, step, 1e-9)) + 2 * static_cast<double>(span.pad));
   } else {
     step = cubic.step;
     const double own = span.extent / static_cast<double>(without_pad(*scene.longest_cells, span.pad));
-    cells = cubic.longest(own, span.extent)
-                ? *scene.longest_cells
-                : checked_count(static_cast<double>(layers(span.extent, step, slack)) + 2 * static_cast<double>(span.pad));
+    cells =
+        cubic.longest(own, span.extent)
+            ? *scene.longest_cells
+            : checked_count(static_cast<double>(layers(span.extent, step, slack)) + 2 * static_cast<double>(span.pad));
   }
   return Axis::uniform(span.min - static_cast<double>(span.pad) * step, step, 0, cells, scene.sample[a]);
 }
@@ -117,13 +128,15 @@ void check_options(const GridOptions& o) {
   const int ways = o.longest_cells.has_value() + o.cells.has_value() + o.step.has_value();
   if (ways > 1) throw UsageError("--cells and --step exclude each other: give one of them");
   auto check_cells = [](int64_t n) {
-    if (n < 1 || n > Axis::kMaxCells) throw UsageError(fmt::format("--cells: expected 1 to {}, found {}", Axis::kMaxCells, n));
+    if (n < 1 || n > Axis::kMaxCells)
+      throw UsageError(fmt::format("--cells: expected 1 to {}, found {}", Axis::kMaxCells, n));
   };
   if (o.longest_cells) check_cells(*o.longest_cells);
   if (o.cells) std::for_each(o.cells->begin(), o.cells->end(), check_cells);
   if (o.step && !(*o.step > 0 && std::isfinite(*o.step)))
     throw UsageError(fmt::format("--step: expected a number above 0, found {}", *o.step));
-  if (o.pad && (*o.pad < 0 || *o.pad > kMaxPad)) throw UsageError(fmt::format("--pad: expected 0 to {}, found {}", kMaxPad, *o.pad));
+  if (o.pad && (*o.pad < 0 || *o.pad > kMaxPad))
+    throw UsageError(fmt::format("--pad: expected 0 to {}, found {}", kMaxPad, *o.pad));
 }
 
 }  // namespace
@@ -135,7 +148,8 @@ Vec3 transform(const Matrix& m, const Vec3& p) {
 }
 
 Matrix rotation(const Vec3& axis, double degrees) {
-  // k, the unit vector; dividing by the largest component first makes it exact along a grid axis and safe from overflow.
+  // k, the unit vector; dividing by the largest component first makes it exact along a grid axis and safe from
+  // overflow.
   const double largest = std::max({std::abs(axis[0]), std::abs(axis[1]), std::abs(axis[2])});
   Vec3 k = {axis[0] / largest, axis[1] / largest, axis[2] / largest};
   const double length = std::sqrt(k[0] * k[0] + k[1] * k[1] + k[2] * k[2]);
@@ -154,7 +168,8 @@ Matrix rotation(const Vec3& axis, double degrees) {
 
 Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
   if (meshes.size() > kMaxMaterials)
-    throw UsageError(fmt::format("at most {} materials, and each of the {} meshes is one: write a scene file", kMaxMaterials, meshes.size()));
+    throw UsageError(fmt::format("at most {} materials, and each of the {} meshes is one: write a scene file",
+                                 kMaxMaterials, meshes.size()));
   Scene scene;
   scene.materials.push_back({"air", kBackgroundColor});
   NameBook names;
@@ -189,8 +204,8 @@ void override_grid(Scene& scene, const GridOptions& options) {
     ++graded;
     const auto cells = static_cast<int64_t>(axis.planes.size()) - 1;
     if (options.cells && (*options.cells)[a] != cells)
-      throw UsageError(fmt::format("--cells: axis {} has {} cells between the planes of the scene, found {}", axis_name(a), cells,
-                                   (*options.cells)[a]));
+      throw UsageError(fmt::format("--cells: axis {} has {} cells between the planes of the scene, found {}",
+                                   axis_name(a), cells, (*options.cells)[a]));
   }
   if (graded == 3 && !options.cells)
     throw UsageError("--cells and --step: the scene gives planes for all three axes, there is nothing to override");

@@ -1,5 +1,5 @@
-// The scene file, in and out. Reading is two steps: the text becomes Nodes that know their place (scene_node), then each
-// part of the scene is taken from its Node here.
+// The scene file, in and out. Reading is two steps: the text becomes Nodes that know their place (scene_node), then
+// each part of the scene is taken from its Node here.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -29,10 +29,12 @@ std::string read_text(const fs::path& path) {
 }
 
 void check_planes(const std::vector<double>& planes, const std::string& where) {
-  if (planes.size() < 2) throw UsageError(fmt::format("{}: expected at least 2 planes, found {}", where, planes.size()));
+  if (planes.size() < 2)
+    throw UsageError(fmt::format("{}: expected at least 2 planes, found {}", where, planes.size()));
   for (size_t i = 1; i < planes.size(); ++i)
     if (!(planes[i - 1] < planes[i]))
-      throw UsageError(fmt::format("{}: expected planes that ascend strictly, found {} as plane {} after {}", where, planes[i], i, planes[i - 1]));
+      throw UsageError(fmt::format("{}: expected planes that ascend strictly, found {} as plane {} after {}", where,
+                                   planes[i], i, planes[i - 1]));
 }
 
 // Numbers separated by white space or commas; # starts a comment that lasts to the end of the line.
@@ -78,7 +80,8 @@ void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
   if (planes || file) {
     for (const char* key : {"min", "max", "cells", "step", planes ? "planes_file" : "planes"})
       if (node.find(key))
-        throw UsageError(fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
+        throw UsageError(
+            fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
     axis = {};
     if (file) {
       axis.planes = read_planes(folder / file->path());
@@ -107,7 +110,8 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
     for (int a = 0; a < 3; ++a) scene.axis[a].*member = is_step ? items[a].positive() : items[a].number();
   }
   if (const auto cells = grid.find("cells")) {
-    if (!cells->is_array()) scene.longest_cells = cells->integer(1, Axis::kMaxCells);
+    if (!cells->is_array())
+      scene.longest_cells = cells->integer(1, Axis::kMaxCells);
     else
       for (int a = 0; a < 3; ++a) scene.axis[a].cells = cells->items(3)[a].integer(1, Axis::kMaxCells);
   }
@@ -119,8 +123,10 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
     if (node) parse_axis(*node, folder, axis);
     const std::string where = node ? node->where() : fmt::format("{} (axis {})", grid.where(), axis_name(a));
     if (axis.min.has_value() != axis.max.has_value())
-      throw UsageError(fmt::format("{}: expected min and max or neither, found only {}", where, axis.min ? "min" : "max"));
-    if (axis.min && !(*axis.min < *axis.max)) throw UsageError(fmt::format("{}: expected min < max, found {} and {}", where, *axis.min, *axis.max));
+      throw UsageError(
+          fmt::format("{}: expected min and max or neither, found only {}", where, axis.min ? "min" : "max"));
+    if (axis.min && !(*axis.min < *axis.max))
+      throw UsageError(fmt::format("{}: expected min < max, found {} and {}", where, *axis.min, *axis.max));
     longest_used |= axis.planes.empty() && !axis.cells && !axis.step;
   }
   if (!longest_used) scene.longest_cells.reset();
@@ -132,7 +138,8 @@ std::string parse_color(const Node& node) {
   std::string color = node.text();
   for (char& c : color)
     if (c >= 'A' && c <= 'F') c = static_cast<char>(c - 'A' + 'a');
-  if ((color.size() != 7 && color.size() != 9) || color[0] != '#' || color.find_first_not_of("0123456789abcdef", 1) != std::string::npos)
+  if ((color.size() != 7 && color.size() != 9) || color[0] != '#' ||
+      color.find_first_not_of("0123456789abcdef", 1) != std::string::npos)
     node.fail("a color \"#rrggbb\" or \"#rrggbbaa\"");
   return color;
 }
@@ -146,7 +153,8 @@ uint32_t material_id(const Node& node, const MaterialIds& ids) {
   std::vector<std::string_view> known;
   for (const auto& [name, id] : ids) known.push_back(name);
   std::sort(known.begin(), known.end());
-  node.fail(fmt::format("a material of the scene{}", known.empty() ? "" : fmt::format(" (the nearest is \"{}\")", nearest(node.text(), known))));
+  node.fail(fmt::format("a material of the scene{}",
+                        known.empty() ? "" : fmt::format(" (the nearest is \"{}\")", nearest(node.text(), known))));
 }
 
 MaterialIds parse_materials(const Node& root, const std::vector<std::string>& order, Scene& scene) {
@@ -164,10 +172,13 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
   MaterialIds ids = {{back, 0}};
   scene.materials.push_back({back, color_of(back, kBackgroundColor)});
   for (const std::string& name : order) {
-    if (name.empty()) throw UsageError(fmt::format("{}: a material needs a name that is not empty", materials->where()));
+    if (name.empty())
+      throw UsageError(fmt::format("{}: a material needs a name that is not empty", materials->where()));
     if (name == back) continue;
     const auto id = static_cast<uint32_t>(scene.materials.size());
-    if (id > kMaxMaterials) throw UsageError(fmt::format("materials: expected at most {} besides the background, found {}", kMaxMaterials, order.size()));
+    if (id > kMaxMaterials)
+      throw UsageError(
+          fmt::format("materials: expected at most {} besides the background, found {}", kMaxMaterials, order.size()));
     scene.materials.push_back({name, color_of(name, palette_color(id))});
     ids.emplace(name, id);
   }
@@ -187,7 +198,8 @@ bool is_singular(const Matrix& m) {
     for (int r = 0; r < 3; ++r) column[c][r] = m[4 * r + c] / length;
   }
   const auto& [a, b, c] = column;
-  const double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  const double det =
+      a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
   return !(std::abs(det) > 1e-15);
 }
 
@@ -199,11 +211,13 @@ Matrix parse_rotate(const Node& node) {
 }
 
 Matrix parse_matrix(const Node& body) {
-  const auto matrix = body.find("matrix"), scale = body.find("scale"), rotate = body.find("rotate"), translate = body.find("translate");
+  const auto matrix = body.find("matrix"), scale = body.find("scale"), rotate = body.find("rotate"),
+             translate = body.find("translate");
   Matrix m = kIdentity;
   if (matrix) {
     if (scale || rotate || translate)
-      throw UsageError(fmt::format("{}: matrix excludes scale, rotate and translate: give the one or the others", body.where()));
+      throw UsageError(
+          fmt::format("{}: matrix excludes scale, rotate and translate: give the one or the others", body.where()));
     const std::vector<Node> items = matrix->items(12);
     for (size_t i = 0; i < 12; ++i) m[i] = items[i].number();
     if (is_singular(m)) matrix->fail("a matrix that is not singular");
@@ -225,7 +239,8 @@ Matrix parse_matrix(const Node& body) {
 }
 
 SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& folder) {
-  node.check_keys({"name", "mesh", "part", "material", "priority", "fill", "closing", "matrix", "scale", "rotate", "translate"});
+  node.check_keys(
+      {"name", "mesh", "part", "material", "priority", "fill", "closing", "matrix", "scale", "rotate", "translate"});
   SceneBody body;
   body.mesh_text = node.require("mesh").path();
   body.mesh = folder / body.mesh_text;

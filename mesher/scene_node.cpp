@@ -25,7 +25,8 @@ class KeyWatch final : public nlohmann::json_sax<Json> {
   bool key(string_t& name) override {
     Level& object = levels_.back();
     if (!object.keys.insert(name).second)
-      throw UsageError(fmt::format("{}: this key is given twice; keep one", child_path(path(levels_.size() - 1), name)));
+      throw UsageError(
+          fmt::format("{}: this key is given twice; keep one", child_path(path(levels_.size() - 1), name)));
     object.key = name;
     if (levels_.size() == 2 && levels_[0].key == "materials") material_order.push_back(name);
     return true;
@@ -77,7 +78,9 @@ class KeyWatch final : public nlohmann::json_sax<Json> {
 };
 
 bool plain(const std::string& key) {
-  return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '*'; });
+  return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-' || c == '*';
+  });
 }
 
 }  // namespace
@@ -114,8 +117,9 @@ void Node::check_keys(std::initializer_list<std::string_view> known) const {
   if (!value_->is_object()) fail("an object");
   for (const auto& [key, value] : value_->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw UsageError(fmt::format("{}: unknown key {}; the nearest known one is \"{}\" (known here: {})", where_.empty() ? "the scene" : where_,
-                                 Json(key).dump(), nearest(key, known), fmt::join(known, ", ")));
+    throw UsageError(fmt::format("{}: unknown key {}; the nearest known one is \"{}\" (known here: {})",
+                                 where_.empty() ? "the scene" : where_, Json(key).dump(), nearest(key, known),
+                                 fmt::join(known, ", ")));
   }
 }
 
@@ -187,9 +191,11 @@ std::string Node::path() const {
 }
 
 size_t Node::choice(std::initializer_list<std::string_view> words) const {
-  const auto it = value_->is_string() ? std::find(words.begin(), words.end(), value_->get_ref<const std::string&>()) : words.end();
+  const auto it =
+      value_->is_string() ? std::find(words.begin(), words.end(), value_->get_ref<const std::string&>()) : words.end();
   if (it == words.end()) {
-    const std::string hint = value_->is_string() ? fmt::format(" (\"{}\"?)", nearest(value_->get_ref<const std::string&>(), words)) : "";
+    const std::string hint =
+        value_->is_string() ? fmt::format(" (\"{}\"?)", nearest(value_->get_ref<const std::string&>(), words)) : "";
     fail(fmt::format("one of {}{}", fmt::join(words, ", "), hint));
   }
   return static_cast<size_t>(it - words.begin());

@@ -57,18 +57,12 @@ class Words {
 
   void expect(const char* keyword) {
     const std::string_view word = next();
-    if (!is(word, keyword)) refuse(word, keyword);
+    if (!is_keyword(word, keyword)) refuse(word, keyword);
   }
   [[noreturn]] void refuse(std::string_view word, const char* keyword) const {
-    throw InputError(word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file", input_.at_line(), keyword)
-                                  : fmt::format("{}: expected '{}', found {}", input_.at_line(), keyword, shown(word)));
-  }
-  // `keyword` in lower case, `word` in any.
-  static bool is(std::string_view word, std::string_view keyword) {
-    if (word.size() != keyword.size()) return false;
-    for (size_t i = 0; i < word.size(); ++i)
-      if ((word[i] | 32) != keyword[i]) return false;
-    return true;
+    throw InputError(
+        word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file", input_.at_line(), keyword)
+                     : fmt::format("{}: expected '{}', found {}", input_.at_line(), keyword, shown(word)));
   }
   double coordinate() {
     const std::string_view word = next();
@@ -109,7 +103,8 @@ void read_binary_stl(Input& input, FacetStream& out) {
     if (whole == 0) wrong_size(input, facets, input.offset() + records.size(), false);
     Facet unwanted;
     for (uint64_t i = 0; i < whole; ++i)
-      decode(records.data() + kRecord * i, done + i, input.offset() + kRecord * i, input, wanted ? out.next() : unwanted);
+      decode(records.data() + kRecord * i, done + i, input.offset() + kRecord * i, input,
+             wanted ? out.next() : unwanted);
     input.consume(kRecord * whole);
     done += whole;
   }
@@ -119,11 +114,11 @@ void read_binary_stl(Input& input, FacetStream& out) {
 void read_ascii_stl(Input& input, FacetStream& out) {
   Words words(input);
   for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-    if (!Words::is(word, "solid")) words.refuse(word, "solid");
+    if (!is_keyword(word, "solid")) words.refuse(word, "solid");
     const bool wanted = out.wants(trimmed(words.rest_of_line()));
     Facet facet;
-    for (word = words.next(); !Words::is(word, "endsolid"); word = words.next()) {
-      if (!Words::is(word, "facet")) words.refuse(word, word.empty() ? "endsolid" : "facet");
+    for (word = words.next(); !is_keyword(word, "endsolid"); word = words.next()) {
+      if (!is_keyword(word, "facet")) words.refuse(word, word.empty() ? "endsolid" : "facet");
       read_ascii_facet(words, facet);
       if (wanted) out.next() = facet;
     }

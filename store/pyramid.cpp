@@ -5,9 +5,10 @@
 namespace teracell {
 namespace {
 
-// One coarse ray in the making. Rays of equal pattern are merged first, run by run: run i then covers the coarse
-// cells from its least start to its greatest end, and both ascend with i. Most groups have a single pattern and end
-// there (a two-pointer sweep); only silhouettes need the general sweep over the intervals of several patterns.
+// One coarse ray in the making. Rays of equal pattern are merged first, run by run: as long as the parts of run i of
+// all rays touch, it covers the coarse cells from its least start to its greatest end, and both ascend with i. Most
+// groups have a single pattern and end there (a two-pointer sweep). Silhouettes and walls so steep that the parts lie
+// apart need the general sweep over intervals.
 class CoarseRay {
  public:
   CoarseRay(const RayBlock& fine, int shift, SetTable& sets)
@@ -22,12 +23,14 @@ class CoarseRay {
         out.append(fine_.patterns.sets(pattern), {});
         return;
       }
-      extremes(pattern, rays);
-      sweep_one_pattern(fine_.patterns.sets(pattern));
-    } else {
-      collect_events(rays);
-      sweep_events();
+      if (merge_runs(pattern, rays)) {
+        sweep_one_pattern(fine_.patterns.sets(pattern));
+        out.append(labels_, changes_);
+        return;
+      }
     }
+    collect_events(rays);
+    sweep_events();
     out.append(labels_, changes_);
   }
 
@@ -42,8 +45,9 @@ class CoarseRay {
     int count;
   };
 
-  // lo_[i], hi_[i]: first and last coarse cell of run i over all `rays` of this pattern.
-  void extremes(uint32_t pattern, std::span<const uint32_t> rays) {
+  // lo_[i], hi_[i]: first and last coarse cell of run i over all `rays` of this pattern. False: somewhere between them
+  // is a coarse cell that run i of no ray reaches.
+  bool merge_runs(uint32_t pattern, std::span<const uint32_t> rays) {
     const uint32_t n = fine_.patterns.changes(pattern);
     lo_.assign(n + 1, ~0u);
     hi_.assign(n + 1, 0);
@@ -55,10 +59,15 @@ class CoarseRay {
         hi_[i] = std::max(hi_[i], at[i]);
       }
     }
+    // Run i starts between lo_[i] and hi_[i - 1], ends between lo_[i + 1] and hi_[i]: the latest start must not lie
+    // beyond the coarse cell after that of the earliest end.
+    bool touch = true;
+    for (uint32_t i = 1; i < n; ++i) touch &= hi_[i - 1] >> shift_ <= ((lo_[i + 1] - 1) >> shift_) + 1;
     lo_[0] = 0;
     for (uint32_t i = 1; i <= n; ++i) lo_[i] >>= shift_;
     for (uint32_t i = 0; i < n; ++i) hi_[i] = (hi_[i] - 1) >> shift_;
     hi_[n] = last_;
+    return touch;
   }
 
   void sweep_one_pattern(std::span<const SetId> runs) {
@@ -83,14 +92,25 @@ class CoarseRay {
       const uint32_t pattern = fine_.pattern[ray];
       if (std::ranges::find(seen_, pattern) != seen_.end()) continue;
       seen_.push_back(pattern);
-      extremes(pattern, rays);
-      const auto runs = fine_.patterns.sets(pattern);
-      for (size_t i = 0; i < runs.size(); ++i) {
-        events_.push_back({lo_[i], runs[i], 1});
-        events_.push_back({hi_[i] + 1, runs[i], -1});
+      if (merge_runs(pattern, rays)) {
+        add_events(pattern);
+        continue;
+      }
+      for (const uint32_t r : rays) {
+        if (fine_.pattern[r] != pattern) continue;
+        merge_runs(pattern, {&r, 1});
+        add_events(pattern);
       }
     }
     std::ranges::sort(events_, {}, &Event::at);
+  }
+
+  void add_events(uint32_t pattern) {
+    const auto runs = fine_.patterns.sets(pattern);
+    for (size_t i = 0; i < runs.size(); ++i) {
+      events_.push_back({lo_[i], runs[i], 1});
+      events_.push_back({hi_[i] + 1, runs[i], -1});
+    }
   }
 
   void sweep_events() {

@@ -67,8 +67,9 @@ std::string ascii_stl(const Facets& facets, const std::string& name) {
 const std::string kObj = "# a tetrahedron\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 std::string ply_header(const std::string& format, const std::string& scalar = "float") {
-  return "ply\nformat " + format + " 1.0\ncomment made by a test\nelement vertex 4\nproperty " + scalar + " x\nproperty " +
-         scalar + " y\nproperty " + scalar + " z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
+  return "ply\nformat " + format + " 1.0\ncomment made by a test\nelement vertex 4\nproperty " + scalar +
+         " x\nproperty " + scalar + " y\nproperty " + scalar +
+         " z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
 }
 const std::string kPlyBody = "0 0 0\n1 0 0\n0 1 0\n0 0 0.5\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
@@ -129,9 +130,12 @@ std::string replaced(std::string text, const std::string& old, const std::string
 }
 
 // The same coordinate through a text format.
-double through_obj(const std::string& word) { return read("v 0 0 0\nv 1 0 0\nv 0 1 " + word + "\nf 1 2 3\n").facets[0][2][2]; }
+double through_obj(const std::string& word) {
+  return read("v 0 0 0\nv 1 0 0\nv 0 1 " + word + "\nf 1 2 3\n").facets[0][2][2];
+}
 std::string one_facet_stl(const std::string& word) {
-  return "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 " + word + "\nendloop\nendfacet\nendsolid\n";
+  return "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 " + word +
+         "\nendloop\nendfacet\nendsolid\n";
 }
 double through_stl(const std::string& word) { return read(one_facet_stl(word)).facets[0][2][2]; }
 
@@ -188,7 +192,8 @@ TEST_CASE("Line ends of every system, and a byte order mark, change nothing") {
       CHECK(read(other).facets == tetrahedron());
       if (!text.starts_with("ply")) CHECK(read("\xef\xbb\xbf" + other).facets == tetrahedron());
     }
-  CHECK(read(replaced(binary_ply<float>(std::endian::little), "end_header\n", "end_header\r\n")).facets == tetrahedron());
+  CHECK(read(replaced(binary_ply<float>(std::endian::little), "end_header\n", "end_header\r\n")).facets ==
+        tetrahedron());
 }
 
 TEST_CASE("A file is read, hashed as xxhsum does, and closed again") {
@@ -210,7 +215,8 @@ TEST_CASE("A file is read, hashed as xxhsum does, and closed again") {
   CHECK_THROWS_AS(read_facets(broken.path, "", [](auto) {}), InputError);
   CHECK_THROWS_AS(read_facets("/nowhere/hull.stl", "", [](auto) {}), IoError);
   CHECK_THROWS_AS(read_facets("/", "", [](auto) {}), IoError);
-  CHECK_THROWS_WITH(read_facets("/nowhere/hull.stl", "", [](auto) {}), Contains("/nowhere/hull.stl") && Contains("No such file"));
+  CHECK_THROWS_WITH(read_facets("/nowhere/hull.stl", "", [](auto) {}),
+                    Contains("/nowhere/hull.stl") && Contains("No such file"));
   CHECK(open_descriptors() == before);
 }
 
@@ -249,12 +255,14 @@ TEST_CASE("Signs, exponents and points may be written in every usual way") {
   CHECK(through_obj("-5.e-1") == -0.5);
   for (const char* bad : {"", "+", "+-1", "--1", "1,5", "0x10", "1e", "1.5.2", "abc", "1d3"}) {
     CAPTURE(bad);
-    CHECK_THAT(refusal("v 0 0 0\nv 1 0 0\nv 0 1 " + std::string(bad) + "\nf 1 2 3\n"), Contains("mesh: line 3: expected a number"));
+    CHECK_THAT(refusal("v 0 0 0\nv 1 0 0\nv 0 1 " + std::string(bad) + "\nf 1 2 3\n"),
+               Contains("mesh: line 3: expected a number"));
   }
 }
 
 TEST_CASE("Minus zero is read as zero") {
-  for (double v : {through_obj("-0"), through_obj("-0.0e5"), through_stl("-0"), through_stl("-1e-60"), through_obj("-1e-400")})
+  for (double v :
+       {through_obj("-0"), through_obj("-0.0e5"), through_stl("-0"), through_stl("-1e-60"), through_obj("-1e-400")})
     CHECK((v == 0 && !std::signbit(v)));
   Facets facets = tetrahedron();
   facets[0][0] = {-0., -0., -0.};
@@ -271,7 +279,8 @@ TEST_CASE("A coordinate is 0 or between 1e-75 and 1e75 once it is rounded") {
   CHECK(through_stl("0.8e-45") == std::numeric_limits<float>::denorm_min());
   CHECK(through_stl("1.17549421e-38") == 0x7fffffp-149);
   CHECK(through_stl("3.4028235e38") == std::numeric_limits<float>::max());
-  for (const char* bad : {"1.1e75", "1e-76", "5e-324", "3e-324", "1e400", "-1e400", "1e99999999999999999999", "inf", "-inf", "nan"}) {
+  for (const char* bad :
+       {"1.1e75", "1e-76", "5e-324", "3e-324", "1e400", "-1e400", "1e99999999999999999999", "inf", "-inf", "nan"}) {
     CAPTURE(bad);
     CHECK_THAT(refusal("v 0 0 0\nv 1 0 0\nv 0 1 " + std::string(bad) + "\nf 1 2 3\n"),
                Contains("mesh: line 3: '" + std::string(bad) + "': expected a"));
@@ -291,7 +300,8 @@ TEST_CASE("A coordinate is 0 or between 1e-75 and 1e75 once it is rounded") {
 
 TEST_CASE("What is no surface is refused with a look at it") {
   CHECK_THAT(refusal(""), Contains("mesh: the file is empty"));
-  CHECK_THAT(refusal("Dear reader,\nthis is a letter\n"), Contains("expected STL, OBJ or PLY, found 'Dear reader,?this is a letter?'"));
+  CHECK_THAT(refusal("Dear reader,\nthis is a letter\n"),
+             Contains("expected STL, OBJ or PLY, found 'Dear reader,?this is a letter?'"));
   CHECK_THAT(refusal("\x89PNG\r\n\x1a\n" + std::string(200, '\0')), Contains("byte 80") && Contains("or no STL"));
   CHECK_THAT(refusal(std::string(20, '\0')), Contains("expected STL, OBJ or PLY"));
   CHECK_THAT(refusal("# only a remark\n"), Contains("mesh: holds no facet"));
@@ -305,14 +315,16 @@ TEST_CASE("Binary STL: the header's count and the size must agree") {
     const auto message = [&](const std::string& bytes) { return refusal(zip ? gzipped(bytes) : bytes); };
     CHECK_THAT(message(whole.substr(0, 200)),
                Contains("byte 80") && Contains("the header counts 4 facets (284 bytes), the file has 200: cut short"));
-    CHECK_THAT(message(whole + "xyz"), Contains("byte 80") && Contains("4 facets (284 bytes)") && Contains("bytes follow"));
+    CHECK_THAT(message(whole + "xyz"),
+               Contains("byte 80") && Contains("4 facets (284 bytes)") && Contains("bytes follow"));
   }
   std::string liar = whole;
   liar.replace(80, 4, "\xff\xff\xff\xff");
   CHECK_THAT(refusal(liar), Contains("4294967295 facets (214748364834 bytes), the file has 284"));
   // Long enough that the size of the gzip contents isn't known at the first look.
   const std::string large = binary_stl(Facets(5000, tetrahedron()[0]));
-  CHECK_THAT(refusal(gzipped(large.substr(0, 100'000))), Contains("byte 80 (uncompressed)") && Contains("the file has 100000: cut short"));
+  CHECK_THAT(refusal(gzipped(large.substr(0, 100'000))),
+             Contains("byte 80 (uncompressed)") && Contains("the file has 100000: cut short"));
   CHECK_THAT(refusal(gzipped(large + "x")), Contains("the file has more than 250084"));
   CHECK_THAT(refusal(binary_stl({})), Contains("mesh: holds no facet"));
 }
@@ -333,9 +345,12 @@ TEST_CASE("ASCII STL: keywords in any case, any layout, several solids") {
 TEST_CASE("ASCII STL: what is wrong is named with its line") {
   const std::string whole = ascii_stl(tetrahedron(), "t");
   CHECK_THAT(refusal(whole.substr(0, whole.find("endsolid"))), Contains("line 29: cut short: expected 'endsolid'"));
-  CHECK_THAT(refusal(replaced(whole, "normal 0 0 0", "normal 0 0")), Contains("line 3: expected 'outer', found 'loop'"));
-  CHECK_THAT(refusal(replaced(whole, "vertex 0 0 0", "vertex 0 0")), Contains("line 5: expected a number, found 'vertex'"));
-  CHECK_THAT(refusal(replaced(whole, "  endloop", "vertex 1 1 1\n  endloop")), Contains("line 7: expected 'endloop', found 'vertex'"));
+  CHECK_THAT(refusal(replaced(whole, "normal 0 0 0", "normal 0 0")),
+             Contains("line 3: expected 'outer', found 'loop'"));
+  CHECK_THAT(refusal(replaced(whole, "vertex 0 0 0", "vertex 0 0")),
+             Contains("line 5: expected a number, found 'vertex'"));
+  CHECK_THAT(refusal(replaced(whole, "  endloop", "vertex 1 1 1\n  endloop")),
+             Contains("line 7: expected 'endloop', found 'vertex'"));
   CHECK_THAT(refusal(replaced(whole, " facet", " faced")), Contains("line 2: expected 'facet', found 'faced'"));
   CHECK_THAT(refusal(whole + "and more\n"), Contains("line 31: expected 'solid', found 'and'"));
   CHECK_THAT(refusal("solid Empty\nendsolid Empty\n"), Contains("holds no facet"));
@@ -345,7 +360,8 @@ TEST_CASE("ASCII STL: what is wrong is named with its line") {
 
 TEST_CASE("OBJ: every way to name a vertex") {
   const std::string vertices = "v 0 0 0 1.0\nv 1 0 0 0.1 0.2 0.3\nvt 0 0\nvn 0 0 1\nv 0 1 0\nv 0 0 0.5\n";
-  CHECK(read(vertices + "f 1 3 2\nf 1/1 2/1 4/1\nf 1//1 4//1 3//1\nf -3/-1/-1 -2/1/1 -1/1/1 # the last\n").facets == tetrahedron());
+  CHECK(read(vertices + "f 1 3 2\nf 1/1 2/1 4/1\nf 1//1 4//1 3//1\nf -3/-1/-1 -2/1/1 -1/1/1 # the last\n").facets ==
+        tetrahedron());
   CHECK(read(vertices + "f 1 \\\n3 2\nf 1 2\\\r\n4\n# in C:\\\nf 1 4 3\nf 2 3 \\\n \\\n4").facets == tetrahedron());
 }
 
@@ -366,7 +382,9 @@ TEST_CASE("OBJ: what is decoration is skipped, what would leave a hole is not") 
 }
 
 TEST_CASE("OBJ: what is wrong is named with its line") {
-  const auto with_face = [](const std::string& face) { return refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + face + "\nv 0 0 1\n"); };
+  const auto with_face = [](const std::string& face) {
+    return refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + face + "\nv 0 0 1\n");
+  };
   CHECK_THAT(with_face("f 1 2 0"), Contains("mesh: line 4: vertex 0 of a face"));
   CHECK_THAT(with_face("f 1 2 4"), Contains("mesh: line 4: vertex 4 of a face: expected one of the 3 declared so far"));
   CHECK_THAT(with_face("f 1 2 -4"), Contains("mesh: line 4: vertex -4"));
@@ -385,8 +403,10 @@ TEST_CASE("OBJ: what is wrong is named with its line") {
 TEST_CASE("PLY: elements and properties of no use are skipped, lists too") {
   const std::string header =
       "element extra 2\nproperty list uint double numbers\nproperty int8 flag\nelement nothing 99999999999999999\n"
-      "element vertex 4\nproperty uchar red\nproperty float z\nproperty list uint8 int16 tags\nproperty float x\nproperty "
-      "double y\nobj_info more\nelement face 4\nproperty float quality\nproperty list short ushort vertex_index\nproperty "
+      "element vertex 4\nproperty uchar red\nproperty float z\nproperty list uint8 int16 tags\nproperty float "
+      "x\nproperty "
+      "double y\nobj_info more\nelement face 4\nproperty float quality\nproperty list short ushort "
+      "vertex_index\nproperty "
       "list char uint edges\nelement tail 1\nproperty float64 end\nend_header\n";
   const std::string text = "ply\nformat ascii 1.0\n" + header +
                            "2 1e999 x\n  7\n0 7\n9 0 0 0 0\n\n9 0 1 5 1 0\n9 0 2 5 6 0 1\n9 0.5 0 0 0\n"
@@ -398,7 +418,8 @@ TEST_CASE("PLY: elements and properties of no use are skipped, lists too") {
 
   for (const std::endian order : {std::endian::little, std::endian::big}) {
     const auto put = [&](auto v) { return bytes_of(v, order); };
-    std::string bytes = "ply\nformat binary_" + std::string(order == std::endian::little ? "little" : "big") + "_endian 1.0\n" + header;
+    std::string bytes =
+        "ply\nformat binary_" + std::string(order == std::endian::little ? "little" : "big") + "_endian 1.0\n" + header;
     bytes += put(2u) + put(1e99) + put(std::nan("")) + "\7" + put(0u) + "\7";
     for (const Vec3 v : {Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.5}})
       bytes += "\11" + put(static_cast<float>(v[2])) + "\1" + put(short{6}) + put(static_cast<float>(v[0])) + put(v[1]);
@@ -413,7 +434,8 @@ TEST_CASE("PLY: elements and properties of no use are skipped, lists too") {
 TEST_CASE("PLY: integer coordinates are exact, polygons are fans") {
   const std::string text =
       "ply\nformat ascii 1.0\nelement vertex 4\nproperty int x\nproperty uint y\nproperty char z\nelement face 1\n"
-      "property list uchar uint vertex_indices\nend_header\n-2147483648 4294967295 -128\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+      "property list uchar uint vertex_indices\nend_header\n-2147483648 4294967295 -128\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 "
+      "3\n";
   const Result r = read(text);
   const Vec3 a{-2147483648., 4294967295., -128}, b{1, 0, 0}, c{1, 1, 0}, d{0, 1, 0};
   CHECK(r.facets == Facets{{a, b, c}, {a, c, d}});
@@ -448,7 +470,8 @@ TEST_CASE("PLY: values that are wrong are named with their place") {
   CHECK_THAT(message("3 1 2 3\n", "3 1 2 -1\n"), Contains("expected a vertex number below 4, found -1"));
   CHECK_THAT(message("3 1 2 3\n", "3 1 2\n"), Contains("line 18: expected an integer, found the end of the line"));
   CHECK_THAT(message("3 1 2 3\n", "2 1 2\n"), Contains("expected a face of 3 or more vertices, found 2"));
-  CHECK_THAT(message("3 1 2 3\n", "3 1 2 3 255\n"), Contains("line 18: expected no more values for this face, found '255'"));
+  CHECK_THAT(message("3 1 2 3\n", "3 1 2 3 255\n"),
+             Contains("line 18: expected no more values for this face, found '255'"));
   CHECK_THAT(message("3 1 2 3\n", ""), Contains("line 17: cut short: expected face 3 of 4"));
   CHECK_THAT(refusal(whole + "1\n"), Contains("line 19: expected the end of the file, found '1'"));
 
@@ -476,7 +499,8 @@ TEST_CASE("PLY: a count that lies costs no memory") {
 
 TEST_CASE("A part of an OBJ is a group or an object, and the names may be a glob") {
   const std::string text =
-      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.5\nf 1 3 2\ng deck aft\nf 1 2 4\ng hull\nf 1 4 3\no big mast\nf 2 3 4\ng\nf 2 4 3\no\nf 4 3 2\n";
+      "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.5\nf 1 3 2\ng deck aft\nf 1 2 4\ng hull\nf 1 4 3\no big mast\nf 2 3 4\ng\nf "
+      "2 4 3\no\nf 4 3 2\n";
   const auto count = [&](const std::string& part) { return read(text, part).facets.size(); };
   CHECK(read(text).file.parts == std::vector<std::string>{"deck", "aft", "hull", "big mast"});
   CHECK(read(text, "deck").file.parts == std::vector<std::string>{"deck", "aft", "hull", "big mast"});
@@ -485,11 +509,12 @@ TEST_CASE("A part of an OBJ is a group or an object, and the names may be a glob
   CHECK(count("") == 6);
   CHECK(count("*") == 6);
   CHECK(count("aft") == 1);
-  CHECK(count("hull") == 2);        // the group goes on inside the object
-  CHECK(count("big mast") == 2);    // and the object outside the group
+  CHECK(count("hull") == 2);      // the group goes on inside the object
+  CHECK(count("big mast") == 2);  // and the object outside the group
   CHECK(count("[dh]*") == 3);
-  CHECK(count("?*") == 4);          // those with a name
-  CHECK_THAT(refusal(text, "Deck"), Contains("no part matches 'Deck': the file has 4 parts: 'deck', 'aft', 'hull', 'big mast'"));
+  CHECK(count("?*") == 4);  // those with a name
+  CHECK_THAT(refusal(text, "Deck"),
+             Contains("no part matches 'Deck': the file has 4 parts: 'deck', 'aft', 'hull', 'big mast'"));
   CHECK_THAT(refusal(kObj, "deck"), Contains("no part matches 'deck': the file names no parts"));
   CHECK_THAT(refusal(text + "g last\n", "last"), Contains("the parts that match 'last' hold no facet"));
 }
@@ -524,8 +549,9 @@ TEST_CASE("Gzip members one after the other are one file; damage is found") {
 
 TEST_CASE("A file cut short anywhere is refused, or nothing but its last blanks was lost") {
   const bool zip = GENERATE(false, true);
-  for (const std::string& plain : {binary_stl(tetrahedron()), ascii_stl(tetrahedron(), ""), ply_header("ascii") + kPlyBody,
-                                   binary_ply<float>(std::endian::little), binary_ply<double>(std::endian::big)}) {
+  for (const std::string& plain :
+       {binary_stl(tetrahedron()), ascii_stl(tetrahedron(), ""), ply_header("ascii") + kPlyBody,
+        binary_ply<float>(std::endian::little), binary_ply<double>(std::endian::big)}) {
     const std::string bytes = zip ? gzipped(plain) : plain;
     for (size_t n = 0; n < bytes.size(); ++n) {
       const std::string message = refusal(bytes.substr(0, n));
@@ -582,7 +608,8 @@ TEST_CASE("Real surfaces hold the facets that their makers say") {
   for (const auto& [name, format, facets, parts] : known) {
     CAPTURE(name);
     uint64_t seen = 0;
-    const SurfaceFile file = read_facets(shared / "meshes" / name, "", [&](std::span<const Facet> some) { seen += some.size(); });
+    const SurfaceFile file =
+        read_facets(shared / "meshes" / name, "", [&](std::span<const Facet> some) { seen += some.size(); });
     CHECK(file.format == format);
     CHECK(file.facets == facets);
     CHECK(seen == facets);

@@ -1,0 +1,31 @@
+// The main job: a scene in, a .tcell file out.
+//
+//   scene -> facets -> (closed? box? cost?) -> grid -> units of rays, several threads:
+//   tiles -> crossings -> runs -> chunks of level 0 and 2 -> in order: pyramid above, file
+//
+// The file depends on the scene alone: neither on the number of threads nor on timing.
+#pragma once
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+#include "mesher/scene.hpp"
+
+namespace teracell {
+
+struct MeshOptions {
+  std::optional<int> axis;  // of the rays; chosen by cost when absent
+  int threads = 0;          // 0: as many as the machine has
+  std::string engine = "scan";
+};
+
+// Called now and then, from the thread that called mesh(): the phase and its share of 1.
+using Progress = std::function<void(const char* phase, double share)>;
+
+// Writes `output` and returns the report, with what only --report shows (times, memory, threads). Stops soon after
+// `stop` is set, with Interrupted. Whatever is thrown, nothing stands under the output's name that was not there before.
+nlohmann::ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
+                            const Progress& progress, const std::atomic<bool>& stop);
+
+}  // namespace teracell

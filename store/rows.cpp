@@ -1,0 +1,238 @@
+// The rows of a slice, one after another. Three cases by how the rays lie in the picture:
+//
+//   across it    a row of chunks holds chunk_rays rows: each ray gives one cell
+//   upright      the picture's columns are rays: their changes are sorted along the rays, then one sweep keeps the
+//                current row and applies what changes from one row to the next. A column-wise fill of 10^8 cells
+//                would miss the cache 10^8 times; the sweep touches only what changes
+//   lying        the picture's rows are rays: a run is a stretch of a row
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "store/in_order.hpp"
+#include "store/slice.hpp"
+
+namespace teracell {
+namespace {
+
+// Values of the sets of one chunk, asked for once each.
+class Values {
+ public:
+  Values(const Chunk& chunk, const SetValue& value) : chunk_(chunk), value_(value) {}
+  uint16_t operator()(SetId set) {
+    for (const auto& [id, v] : known_)
+      if (id == set) return v;
+    known_.emplace_back(set, static_cast<uint16_t>(value_(chunk_.sets.members(set))));
+    return known_.back().second;
+  }
+
+ private:
+  const Chunk& chunk_;
+  const SetValue& value_;
+  std::vector<std::pair<SetId, uint16_t>> known_;
+};
+
+struct Picture {
+  const GridReader& reader;
+  const SliceView& view;
+  const SetValue& value;
+  bool top_down;
+  int threads;
+  const RowSink& row;
+  LevelShape shape;
+  Frame rays;
+
+  int64_t width() const { return view.u1 - view.u0; }
+
+  // Bands of rows [from, to), cut at multiples of `size`, in the order of delivery.
+  struct Band {
+    int64_t from, to;
+  };
+  std::vector<Band> bands(int64_t size) const {
+    std::vector<Band> out;
+    for (int64_t b = view.v0 / size; b * size < view.v1; ++b) out.push_back({std::max(view.v0, b * size), std::min(view.v1, (b + 1) * size)});
+    if (top_down) std::ranges::reverse(out);
+    return out;
+  }
+
+  // Rows [band.from, band.to) stand in `cells`, the lowest first.
+  void deliver(const Band& band, const std::vector<uint16_t>& cells) const {
+    const auto n = static_cast<size_t>(width());
+    for (int64_t i = 0; i < band.to - band.from; ++i) {
+      const int64_t v = top_down ? band.to - 1 - i : band.from + i;
+      row(v, {cells.data() + static_cast<size_t>(v - band.from) * n, n});
+    }
+  }
+
+  // Makes each band's cells on one of the threads, delivers them in order.
+  template <class Fill>
+  void by_bands(int64_t size, Fill fill) const {
+    const std::vector<Band> all = bands(size);
+    size_t next = 0;
+    in_order(
+        threads, [&]() -> std::optional<Band> { return next < all.size() ? std::optional(all[next++]) : std::nullopt; },
+        [&](Band band, int) {
+          std::vector<uint16_t> cells(static_cast<size_t>((band.to - band.from) * width()));
+          fill(band, cells);
+          return std::pair(band, std::move(cells));
+        },
+        [&](const std::pair<Band, std::vector<uint16_t>>& done) { deliver(done.first, done.second); });
+  }
+
+  void across() const {
+    const auto segment = static_cast<uint32_t>(view.index / shape.chunk_cells);
+    const auto cell = static_cast<uint32_t>(view.index % shape.chunk_cells);
+    by_bands(shape.chunk_rays, [&](const Band& band, std::vector<uint16_t>& cells) {
+      const auto cv = static_cast<uint32_t>(band.from / shape.chunk_rays);
+      Chunk chunk;
+      for (int64_t cu = view.u0 / shape.chunk_rays; cu * shape.chunk_rays < view.u1; ++cu) {
+        const int64_t first = cu * shape.chunk_rays;
+        const int64_t u0 = std::max(view.u0, first), u1 = std::min<int64_t>(view.u1, first + shape.chunk_rays);
+        const auto place = [&](int64_t v) { return cells.data() + (v - band.from) * width() + (u0 - view.u0); };
+        if (const auto set = reader.uniform(view.level, static_cast<uint32_t>(cu), cv, segment)) {
+          const auto all = static_cast<uint16_t>(value(*set));
+          for (int64_t v = band.from; v < band.to; ++v) std::fill_n(place(v), u1 - u0, all);
+          continue;
+        }
+        reader.read(view.level, static_cast<uint32_t>(cu), cv, segment, chunk);
+        Values values(chunk, value);
+        const RayBlock& b = chunk.rays;
+        for (int64_t v = band.from; v < band.to; ++v) {
+          uint16_t* out = place(v);
+          uint32_t ray = static_cast<uint32_t>(v % shape.chunk_rays) * b.nu + static_cast<uint32_t>(u0 - first);
+          for (int64_t u = u0; u < u1; ++u, ++ray) {
+            const uint32_t *at = b.at.data() + b.begin[ray], *end = b.at.data() + b.begin[ray + 1];
+            uint32_t run = 0;
+            if (end - at > 32) run = static_cast<uint32_t>(std::upper_bound(at, end, cell) - at);
+            else
+              for (; at < end; ++at) run += *at <= cell;
+            *out++ = values(b.sets(ray)[run]);
+          }
+        }
+      }
+    });
+  }
+
+  // The rays of the picture: one of frame.u, frame.v is the slice's own axis, fixed; the other counts rays.
+  // Calls f(ray number, from, to, value) for the runs, in cells of the level, of rays [lo, hi) in one segment.
+  template <class F>
+  void runs(int64_t lo, int64_t hi, uint32_t segment, F&& f) const {
+    const bool fixed_u = rays.u == view.axis;
+    const int64_t first_cell = int64_t{segment} * shape.chunk_cells;
+    const auto fixed_chunk = static_cast<uint32_t>(view.index / shape.chunk_rays), fixed = static_cast<uint32_t>(view.index % shape.chunk_rays);
+    Chunk chunk;
+    for (int64_t c = lo / shape.chunk_rays; c * shape.chunk_rays < hi; ++c) {
+      const int64_t first = c * shape.chunk_rays, from = std::max(lo, first), to = std::min<int64_t>(hi, first + shape.chunk_rays);
+      const uint32_t cu = fixed_u ? fixed_chunk : static_cast<uint32_t>(c), cv = fixed_u ? static_cast<uint32_t>(c) : fixed_chunk;
+      if (const auto set = reader.uniform(view.level, cu, cv, segment)) {
+        const auto all = static_cast<uint16_t>(value(*set));
+        for (int64_t i = from; i < to; ++i) f(i, first_cell, first_cell + shape.length(segment), all);
+        continue;
+      }
+      reader.read(view.level, cu, cv, segment, chunk);
+      Values values(chunk, value);
+      for (int64_t i = from; i < to; ++i) {
+        const auto r = static_cast<uint32_t>(i - first);
+        const uint32_t ray = fixed_u ? r * chunk.rays.nu + fixed : fixed * chunk.rays.nu + r;
+        chunk.rays.for_each_run(ray, [&](uint32_t a, uint32_t b, SetId set) { f(i, first_cell + a, first_cell + b, values(set)); });
+      }
+    }
+  }
+
+  void upright() const {
+    struct Change {
+      uint32_t at;  // row, counted from the first one delivered
+      uint32_t u;
+      uint16_t value;
+    };
+    const auto n = static_cast<size_t>(width());
+    std::vector<uint16_t> current(n);
+    for (const Band& band : bands(shape.chunk_cells)) {  // one segment at a time
+      const auto segment = static_cast<uint32_t>(band.from / shape.chunk_cells);
+      const auto rows = static_cast<size_t>(band.to - band.from);
+      // The columns' chunks in parallel, a part of the width each; then a counting sort by row.
+      std::vector<Change> changes;
+      std::vector<uint32_t> start(rows + 1, 0);
+      int64_t next = view.u0;
+      const int64_t part = 4 * int64_t{shape.chunk_rays};
+      in_order(
+          threads,
+          [&]() -> std::optional<int64_t> {
+            if (next >= view.u1) return std::nullopt;
+            const int64_t from = next;
+            next = std::min(view.u1, (from / part + 1) * part);
+            return from;
+          },
+          [&](int64_t from, int) {
+            std::vector<Change> found;
+            runs(from, std::min(view.u1, (from / part + 1) * part), segment, [&](int64_t u, int64_t a, int64_t b, uint16_t v) {
+              a = std::max(a, band.from), b = std::min(b, band.to);
+              if (a >= b) return;  // a run begins, for the sweep, at the end that comes first
+              found.push_back({static_cast<uint32_t>(top_down ? band.to - b : a - band.from), static_cast<uint32_t>(u - view.u0), v});
+            });
+            return found;
+          },
+          [&](const std::vector<Change>& found) {
+            for (const Change& c : found) ++start[c.at + 1];
+            changes.insert(changes.end(), found.begin(), found.end());
+          });
+      for (size_t r = 0; r < rows; ++r) start[r + 1] += start[r];
+      std::vector<std::pair<uint32_t, uint16_t>> sorted(changes.size());
+      std::vector<uint32_t> fill(start.begin(), start.end() - 1);
+      for (const Change& c : changes) sorted[fill[c.at]++] = {c.u, c.value};
+      for (size_t r = 0; r < rows; ++r) {
+        for (uint32_t i = start[r]; i < start[r + 1]; ++i) current[sorted[i].first] = sorted[i].second;
+        row(top_down ? band.to - 1 - static_cast<int64_t>(r) : band.from + static_cast<int64_t>(r), current);
+      }
+    }
+  }
+
+  void lying() const {
+    by_bands(shape.chunk_rays, [&](const Band& band, std::vector<uint16_t>& cells) {
+      for (int64_t s = view.u0 / shape.chunk_cells; s * shape.chunk_cells < view.u1; ++s)
+        runs(band.from, band.to, static_cast<uint32_t>(s), [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {
+          a = std::max(a, view.u0), b = std::min(b, view.u1);
+          if (a < b) std::fill_n(cells.data() + (v - band.from) * width() + (a - view.u0), b - a, value_of_run);
+        });
+    });
+  }
+};
+
+}  // namespace
+
+SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level) {
+  if (level < 0 || level >= meta.grid.levels())
+    throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, level));
+  const Index3 n = meta.grid.cells(level);
+  const Frame f = Frame::along(axis);
+  const SliceView view{axis, index, level, 0, 0, n[f.u], n[f.v]};
+  check_view(meta, view);
+  return view;
+}
+
+void check_view(const Metadata& meta, const SliceView& view) {
+  if (view.level < 0 || view.level >= meta.grid.levels())
+    throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, view.level));
+  const Index3 n = meta.grid.cells(view.level);
+  const Frame f = Frame::along(view.axis);
+  if (view.index < 0 || view.index >= n[view.axis])
+    throw UsageError(fmt::format("index along {} must be 0 to {} on level {}, found {}", axis_name(view.axis), n[view.axis] - 1, view.level, view.index));
+  const auto check = [&](int axis, int64_t lo, int64_t hi) {
+    if (lo < 0 || hi > n[axis] || lo >= hi)
+      throw UsageError(fmt::format("the region along {} must lie in 0 to {} (half open) on level {} and not be empty, found {} to {}", axis_name(axis),
+                                   n[axis], view.level, lo, hi));
+  };
+  check(f.u, view.u0, view.u1);
+  check(f.v, view.v0, view.v1);
+}
+
+void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row) {
+  check_view(reader.meta(), view);
+  const Frame rays = reader.meta().frame();
+  const Picture picture{reader, view, value, top_down, threads, row, reader.shape(view.level), rays};
+  if (rays.w == view.axis) picture.across();
+  else if (rays.w == Frame::along(view.axis).v) picture.upright();
+  else picture.lying();
+}
+
+}  // namespace teracell
