@@ -75,37 +75,85 @@ uint32_t Composer::top() const {
 
 void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out) {
   out.reset(nu, nv, length);
-  out.at.reserve(crossings.all.size());
-  for (uint32_t ray = 0; ray < nu * nv; ++ray) {
+  out.pattern.resize(out.rays());
+  out.begin.resize(out.rays() + 1);
+  out.at.resize(crossings.all.size());  // as many changes at most
+  alternating_.assign(2, {});
+  uint32_t* at = out.at.data();
+  for (uint32_t ray = 0; ray < out.rays(); ++ray) {
     const std::span<uint64_t> all(crossings.all.data() + crossings.begin[ray], crossings.begin[ray + 1] - crossings.begin[ray]);
     sort_crossings(all);
-    if (changes_.size() < all.size()) changes_.resize(2 * all.size());
-    sets_.assign(1, 0);
-    uint32_t* at = changes_.data();
-    uint32_t owner = static_cast<uint32_t>(body_.size()), since = 0;  // strength of the current owner, its first cell
-    const auto settle = [&](uint32_t until) {
-      if (owner < body_.size()) cells_[body_[owner]] += until - since;
-    };
-    for (size_t i = 0; i < all.size();) {
-      const uint32_t cell = Crossing::cell(all[i]);
-      for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i]);
-      if (cell >= length) continue;
-      settle(cell);
-      owner = top();
-      since = cell;
-      const Label label = label_[owner];
-      if (cell == 0) {
-        sets_[0] = label;
-      } else if (label != sets_.back()) {
-        sets_.push_back(label);
-        *at++ = cell;
-      }
-    }
-    settle(length);
-    if (open_ != 0)
-      throw Error(fmt::format("ray {}, {} of a tile leaves {} of its surfaces open: the crossings are inconsistent", ray % nu, ray / nu, open_));
-    out.append(sets_, {changes_.data(), at});
+    uint64_t mixed = 0;  // layers met beside the first one's
+    for (const uint64_t c : all) mixed |= (c ^ all[0]) & 0xFFFFFFFE;
+    const bool simple = mixed == 0 && (all.empty() || label_[strength_[layers_[Crossing::layer(all[0])].body]] != 0);
+    const size_t open = simple ? compose_one_layer(all, length, at, out.pattern[ray], out.patterns) : compose_any(all, length, at, out.pattern[ray], out.patterns);
+    if (open != 0)
+      throw Error(fmt::format("ray {}, {} of a tile leaves {} of its surfaces open: the crossings are inconsistent", ray % nu, ray / nu, open));
+    out.begin[ray + 1] = static_cast<uint32_t>(at - out.at.data());
   }
+  out.at.resize(at - out.at.data());
+}
+
+// Nearly all rays: one layer, so background and body take turns and the pattern follows from their number.
+size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
+  uint32_t* const first = at;
+  bool begins_inside = false, was = false;
+  int counter = 0;
+  int64_t cells = 0;
+  const Layer layer = all.empty() ? Layer{0, false} : layers_[Crossing::layer(all[0])];
+  for (size_t i = 0; i < all.size();) {
+    const uint32_t cell = Crossing::cell(all[i]);
+    do counter += Crossing::step(all[i++]);
+    while (i < all.size() && Crossing::cell(all[i]) == cell);
+    const bool is = layer.evenodd ? counter & 1 : counter != 0;
+    if (is == was || cell >= length) continue;
+    was = is;
+    cells += is ? -int64_t{cell} : int64_t{cell};
+    if (cell == 0) begins_inside = true;
+    else *at++ = cell;
+  }
+  const auto changes = static_cast<size_t>(at - first);
+  if (was) cells += length;
+  if (!all.empty()) cells_[layer.body] += cells;
+  // Patterns known by layer, beginning and number of changes.
+  std::vector<Alternating>& known = alternating_[begins_inside];
+  if (known.size() <= changes) known.resize(changes + 1);
+  Alternating& k = known[changes];
+  if (k.pattern == ~0u || k.body != layer.body) {
+    const Label label = changes == 0 && !begins_inside ? 0 : label_[strength_[layer.body]];
+    sets_.clear();
+    for (size_t i = 0; i <= changes; ++i) sets_.push_back((i % 2 == 0) == begins_inside ? label : 0);
+    k = {layer.body, patterns.intern(sets_)};
+  }
+  pattern = k.pattern;
+  return layer.evenodd ? counter & 1 : counter != 0;
+}
+
+size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
+  sets_.assign(1, 0);
+  auto owner = static_cast<uint32_t>(body_.size());  // the strength of the current owner, and its first cell
+  uint32_t since = 0;
+  const auto settle = [&](uint32_t until) {
+    if (owner < body_.size()) cells_[body_[owner]] += until - since;
+  };
+  for (size_t i = 0; i < all.size();) {
+    const uint32_t cell = Crossing::cell(all[i]);
+    for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i]);
+    if (cell >= length) continue;
+    settle(cell);
+    owner = top();
+    since = cell;
+    const Label label = label_[owner];
+    if (cell == 0) {
+      sets_[0] = label;
+    } else if (label != sets_.back()) {
+      sets_.push_back(label);
+      *at++ = cell;
+    }
+  }
+  settle(length);
+  pattern = patterns.intern(sets_);
+  return open_;
 }
 
 }  // namespace teracell

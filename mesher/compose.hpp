@@ -26,6 +26,12 @@ class Composer {
   const std::vector<unsigned __int128>& cells() const { return cells_; }
 
  private:
+  struct Alternating {
+    uint32_t body = 0, pattern = ~0u;
+  };
+  // Both write the changes of a ray at `at`, its pattern, and return how many layers its end leaves open.
+  size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
+  size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   void step(uint64_t crossing);
   uint32_t top() const;
 
@@ -39,7 +45,7 @@ class Composer {
   std::vector<uint64_t> active_;    // bit s: the body of strength s is inside
   int open_ = 0;                    // layers that are inside
   std::vector<SetId> sets_;
-  std::vector<uint32_t> changes_;
+  std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]
 };
 
 }  // namespace teracell

@@ -118,16 +118,22 @@ UnitResult make_unit(const Unit& unit, const Tiling& tiling, const Metadata& met
   UnitResult out{unit.cu, unit.cv, {}, {}, 0};
   const auto facets = tiling.split(unit);
   std::array<Chunk, 16> pieces;
-  Chunk fine;
+  Chunk fine{{}, SetTable(labels)};
   for (uint32_t i = 0; i < 16; ++i) {
     const uint32_t cu = unit.cu * 4 + i % 4, cv = unit.cv * 4 + i / 4;
     if (cu >= shape.chunks_u || cv >= shape.chunks_v) continue;
+    if (facets[i].empty()) {  // most tiles of a large grid
+      pieces[i] = {{}, SetTable(labels)};
+      pieces[i].rays.fill((shape.rays_u(cu) + 3) / 4, (shape.rays_v(cv) + 3) / 4, static_cast<uint32_t>(ceil_shift(shape.nw, 2)), 0);
+      fine.rays.fill(shape.rays_u(cu), shape.rays_v(cv), shape.nw, 0);
+      out.chunks.push_back(encode_level(worker.encoder, meta, 0, cu, cv, fine));
+      continue;
+    }
     Tile tile{f, {}, {}, &meta.grid.axis[f.w]};
     for (uint32_t u = 0; u < shape.rays_u(cu); ++u) tile.u.push_back(meta.grid.axis[f.u].centre(cu * shape.chunk_rays + u));
     for (uint32_t v = 0; v < shape.rays_v(cv); ++v) tile.v.push_back(meta.grid.axis[f.v].centre(cv * shape.chunk_rays + v));
     worker.engine.cast(tile, facets[i], worker.crossings);
     out.crossings += worker.crossings.all.size();
-    fine.sets = SetTable(labels);
     worker.composer.compose(worker.crossings, shape.rays_u(cu), shape.rays_v(cv), shape.nw, fine.rays);
     out.chunks.push_back(encode_level(worker.encoder, meta, 0, cu, cv, fine));
     pieces[i].sets = fine.sets;

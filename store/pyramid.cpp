@@ -1,6 +1,7 @@
 #include "store/pyramid.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace teracell {
 namespace {
@@ -14,11 +15,12 @@ class CoarseRay {
   CoarseRay(const RayBlock& fine, int shift, SetTable& sets)
       : fine_(fine), shift_(shift), last_((fine.length - 1) >> shift), sets_(sets) {}
 
-  void merge(std::span<const uint32_t> rays, RayBlock& out) {
+  // Rays of one pattern throughout: `one_pattern`.
+  void merge(std::span<const uint32_t> rays, bool one_pattern, RayBlock& out) {
     labels_.clear();
     changes_.clear();
     const uint32_t pattern = fine_.pattern[rays[0]];
-    if (std::ranges::all_of(rays, [&](uint32_t r) { return fine_.pattern[r] == pattern; })) {
+    if (one_pattern) {
       if (fine_.patterns.changes(pattern) == 0) {
         out.append(fine_.patterns.sets(pattern), {});
         return;
@@ -152,14 +154,22 @@ RayBlock coarsen(const RayBlock& fine, int shift, SetTable& sets) {
   RayBlock out;
   out.reset((fine.nu + width - 1) >> shift, (fine.nv + width - 1) >> shift,
             static_cast<uint32_t>((uint64_t{fine.length} + width - 1) >> shift));
+  if (fine.uniform()) {
+    out.fill(out.nu, out.nv, out.length, fine.patterns.sets(0)[0]);
+    return out;
+  }
   CoarseRay coarse(fine, shift, sets);
-  std::vector<uint32_t> rays;
+  std::array<uint32_t, 16> rays;
   for (uint32_t v = 0; v < fine.nv; v += width) {
     for (uint32_t u = 0; u < fine.nu; u += width) {
-      rays.clear();
+      uint32_t count = 0, differ = 0;
+      const uint32_t first = fine.pattern[v * fine.nu + u];
       for (uint32_t y = v; y < std::min(v + width, fine.nv); ++y)
-        for (uint32_t x = u; x < std::min(u + width, fine.nu); ++x) rays.push_back(y * fine.nu + x);
-      coarse.merge(rays, out);
+        for (uint32_t x = u; x < std::min(u + width, fine.nu); ++x) {
+          rays[count++] = y * fine.nu + x;
+          differ |= fine.pattern[y * fine.nu + x] ^ first;
+        }
+      coarse.merge({rays.data(), count}, differ == 0, out);
     }
   }
   return out;

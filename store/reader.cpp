@@ -182,11 +182,7 @@ void GridReader::read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segme
   const uint32_t nu = s.rays_u(cu), nv = s.rays_v(cv), length = s.length(segment);
   if (e.size == 0) {
     out.sets = SetTable(labels);
-    out.rays.reset(nu, nv, length);
-    const SetId set = out.sets.intern(e.uniform);
-    out.rays.patterns.intern({&set, 1});
-    out.rays.pattern.assign(out.rays.rays(), 0);
-    out.rays.begin.assign(out.rays.rays() + 1, 0);
+    out.rays.fill(nu, nv, length, out.sets.intern(e.uniform));
     return;
   }
   // Scratch memory of the thread: readers are shared, decoders can't be.

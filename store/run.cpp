@@ -52,6 +52,13 @@ void RayBlock::reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length) {
   at.clear();
 }
 
+void RayBlock::fill(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, SetId set) {
+  reset(new_nu, new_nv, new_length);
+  patterns.intern({&set, 1});
+  pattern.assign(rays(), 0);
+  begin.assign(rays() + 1, 0);
+}
+
 RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to) {
   RayBlock out;
   out.reset(block.nu, block.nv, to - from);

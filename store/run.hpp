@@ -54,6 +54,8 @@ struct RayBlock {
 
   // Empties the block for rays of a new shape; rays are then appended in order.
   void reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length);
+  // Makes it rays of one set.
+  void fill(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, SetId set);
   // Appends a ray. REQUIRES: sets.size() == changes.size() + 1, neighbouring sets differ.
   void append(std::span<const SetId> sets, std::span<const uint32_t> changes) {
     const bool again = !pattern.empty() && same(patterns.sets(pattern.back()), sets);
