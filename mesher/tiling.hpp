@@ -26,7 +26,7 @@ class Tiling {
   uint64_t units() const { return units_; }
   // The units in the order of the tree; rays without facets included.
   std::optional<Unit> next();
-  // The facets of the unit that may meet each of its chunks, chunk (u, v) at v * 4 + u.
+  // The facets of the unit that may meet each of its chunks, chunk (u, v) at v * 4 + u; the lowest along the rays first.
   std::array<std::vector<const SceneFacet*>, 16> split(const Unit& unit) const;
 
  private:
@@ -42,6 +42,7 @@ class Tiling {
 
   const std::vector<SceneFacet>& facets_;
   LevelShape shape_;
+  int frame_w_;
   std::vector<Rays> rays_;
   std::vector<Node> path_;
   uint32_t units_u_, units_v_;

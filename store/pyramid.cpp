@@ -47,8 +47,8 @@ class CoarseRay {
     int count;
   };
 
-  // lo_[i], hi_[i]: first and last coarse cell of run i over all `rays` of this pattern. False: somewhere between them
-  // is a coarse cell that run i of no ray reaches.
+  // lo_[i], hi_[i]: first and last coarse cell of run i over all `rays` of this pattern; touch_[i]: every coarse cell
+  // between them is reached by run i of some ray. Returns whether that holds for all runs.
   bool merge_runs(uint32_t pattern, std::span<const uint32_t> rays) {
     const uint32_t n = fine_.patterns.changes(pattern);
     lo_.assign(n + 1, ~0u);
@@ -64,7 +64,11 @@ class CoarseRay {
     // Run i starts between lo_[i] and hi_[i - 1], ends between lo_[i + 1] and hi_[i]: the latest start must not lie
     // beyond the coarse cell after that of the earliest end.
     bool touch = true;
-    for (uint32_t i = 1; i < n; ++i) touch &= hi_[i - 1] >> shift_ <= ((lo_[i + 1] - 1) >> shift_) + 1;
+    touch_.assign(n + 1, true);
+    for (uint32_t i = 1; i < n; ++i) {
+      touch_[i] = hi_[i - 1] >> shift_ <= ((lo_[i + 1] - 1) >> shift_) + 1;
+      touch &= touch_[i] != 0;
+    }
     lo_[0] = 0;
     for (uint32_t i = 1; i <= n; ++i) lo_[i] >>= shift_;
     for (uint32_t i = 0; i < n; ++i) hi_[i] = (hi_[i] - 1) >> shift_;
@@ -94,25 +98,24 @@ class CoarseRay {
       const uint32_t pattern = fine_.pattern[ray];
       if (std::ranges::find(seen_, pattern) != seen_.end()) continue;
       seen_.push_back(pattern);
-      if (merge_runs(pattern, rays)) {
-        add_events(pattern);
-        continue;
-      }
-      for (const uint32_t r : rays) {
-        if (fine_.pattern[r] != pattern) continue;
-        merge_runs(pattern, {&r, 1});
-        add_events(pattern);
+      merge_runs(pattern, rays);
+      const auto runs = fine_.patterns.sets(pattern);
+      for (uint32_t i = 0; i < runs.size(); ++i) {
+        if (touch_[i]) add_interval(lo_[i], hi_[i], runs[i]);
+        else
+          for (const uint32_t r : rays) {
+            if (fine_.pattern[r] != pattern) continue;
+            const uint32_t* at = fine_.at.data() + fine_.begin[r];  // an inner run: the ends always touch
+            add_interval(at[i - 1] >> shift_, (at[i] - 1) >> shift_, runs[i]);
+          }
       }
     }
     std::ranges::sort(events_, {}, &Event::at);
   }
 
-  void add_events(uint32_t pattern) {
-    const auto runs = fine_.patterns.sets(pattern);
-    for (size_t i = 0; i < runs.size(); ++i) {
-      events_.push_back({lo_[i], runs[i], 1});
-      events_.push_back({hi_[i] + 1, runs[i], -1});
-    }
+  void add_interval(uint32_t first, uint32_t last, SetId set) {
+    events_.push_back({first, set, 1});
+    events_.push_back({last + 1, set, -1});
   }
 
   void sweep_events() {
@@ -142,6 +145,7 @@ class CoarseRay {
   const uint32_t last_;  // the last coarse cell
   SetTable& sets_;
   std::vector<uint32_t> lo_, hi_, seen_, changes_;
+  std::vector<uint8_t> touch_;
   std::vector<SetId> labels_;
   std::vector<Event> events_;
   std::vector<Active> active_;

@@ -7,43 +7,45 @@
 
 namespace teracell {
 
-// Cells and box of every label. Rays of equal pattern are summed run by run before a label is looked at.
+// Rays of equal pattern are summed change by change before a label is looked at.
 std::vector<LabelStats> stats_of(const RayBlock& b) {
-  std::map<Label, LabelStats> all;
+  std::vector<LabelStats> all;
   const auto add = [&](Label label, uint64_t cells, std::array<uint32_t, 3> lo, std::array<uint32_t, 3> hi) {
-    const auto [it, fresh] = all.try_emplace(label, LabelStats{label, 0, lo, hi});
-    it->second.cells += cells;
+    auto it = std::ranges::find(all, label, &LabelStats::label);
+    if (it == all.end()) it = all.insert(it, LabelStats{label, 0, lo, hi});
+    it->cells += cells;
     for (int d = 0; d < 3; ++d) {
-      it->second.lo[d] = std::min(it->second.lo[d], lo[d]);
-      it->second.hi[d] = std::max(it->second.hi[d], hi[d]);
+      it->lo[d] = std::min(it->lo[d], lo[d]);
+      it->hi[d] = std::max(it->hi[d], hi[d]);
     }
   };
-  std::vector<uint64_t> sum;
-  std::vector<uint32_t> least, most;
   for (uint32_t v = 0; v < b.nv; ++v) {
     for (uint32_t u = 0; u < b.nu;) {  // a stretch of one pattern
       const uint32_t first = v * b.nu + u, pattern = b.pattern[first], n = b.patterns.changes(pattern);
-      uint32_t end = u;
-      sum.assign(n, 0), least.assign(n, ~0u), most.assign(n, 0);
-      for (; end < b.nu && b.pattern[v * b.nu + end] == pattern; ++end) {
-        const uint32_t* at = b.at.data() + b.begin[v * b.nu + end];
-        for (uint32_t i = 0; i < n; ++i) {
-          sum[i] += at[i];
-          least[i] = std::min(least[i], at[i]);
-          most[i] = std::max(most[i], at[i]);
-        }
-      }
+      uint32_t end = u + 1;
+      while (end < b.nu && b.pattern[v * b.nu + end] == pattern) ++end;
       const auto sets = b.patterns.sets(pattern);
-      for (uint32_t i = 0; i <= n; ++i) {
-        const uint64_t until = i < n ? sum[i] : uint64_t{b.length} * (end - u), from = i > 0 ? sum[i - 1] : 0;
-        add(sets[i], until - from, {u, v, i > 0 ? least[i - 1] : 0}, {end, v + 1, i < n ? most[i] : b.length});
+      const uint32_t *at = b.at.data() + b.begin[first], *stop = at + size_t{n} * (end - u);
+      uint64_t from_sum = 0;
+      uint32_t from_least = 0;
+      for (uint32_t i = 0; i < n; ++i) {
+        uint64_t sum = 0;
+        uint32_t least = ~0u, most = 0;
+        for (const uint32_t* x = at + i; x < stop; x += n) {
+          sum += *x;
+          least = std::min(least, *x);
+          most = std::max(most, *x);
+        }
+        add(sets[i], sum - from_sum, {u, v, from_least}, {end, v + 1, most});
+        from_sum = sum;
+        from_least = least;
       }
+      add(sets[n], uint64_t{b.length} * (end - u) - from_sum, {u, v, from_least}, {end, v + 1, b.length});
       u = end;
     }
   }
-  std::vector<LabelStats> out;
-  for (const auto& [label, stats] : all) out.push_back(stats);
-  return out;
+  std::ranges::sort(all, {}, &LabelStats::label);
+  return all;
 }
 
 EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const SetTable& sets, bool with_stats) {
