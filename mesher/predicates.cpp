@@ -12,6 +12,23 @@ constexpr double kUnit = 0x1p-53;  // the unit roundoff
 constexpr double kOrient2dBound = (3 + 16 * kUnit) * kUnit;
 constexpr double kOrient3dBound = (7 + 56 * kUnit) * kUnit;
 
+// Doubles that notice rounding: as long as `error` is 0, every result so far is exact. On lattices it stays 0.
+struct Watched {
+  double error = 0;
+  double minus(double a, double b) { return watch(two_sum, a, -b); }
+  double plus(double a, double b) { return watch(two_sum, a, b); }
+  double times(double a, double b) { return watch(two_product, a, b); }
+
+ private:
+  template <class Operation>
+  double watch(Operation operation, double a, double b) {
+    double result, rest;
+    operation(a, b, result, rest);
+    error += std::abs(rest);
+    return result;
+  }
+};
+
 int sign(double x) { return (x > 0) - (x < 0); }
 
 }  // namespace
@@ -34,6 +51,16 @@ int orient3d(const Facet& facet, const Vec3& p) {
   const double permanent = (std::abs(bxcy) + std::abs(cxby)) * std::abs(az) + (std::abs(cxay) + std::abs(axcy)) * std::abs(bz) +
                            (std::abs(axby) + std::abs(bxay)) * std::abs(cz);
   if (std::abs(det) > kOrient3dBound * permanent) return sign(det);
+
+  // Roofs at 45 degrees on a lattice put every ray here: 20 ns if nothing is rounded, 100 ns by expansions.
+  Watched w;
+  const auto minor = [&](double p0, double q0, double p1, double q1) { return w.minus(w.times(p0, q0), w.times(p1, q1)); };
+  const double u[3] = {w.minus(b[0], a[0]), w.minus(b[1], a[1]), w.minus(b[2], a[2])};
+  const double v[3] = {w.minus(c[0], a[0]), w.minus(c[1], a[1]), w.minus(c[2], a[2])};
+  const double q[3] = {w.minus(p[0], a[0]), w.minus(p[1], a[1]), w.minus(p[2], a[2])};
+  const double exact = w.plus(w.plus(w.times(minor(u[1], v[2], u[2], v[1]), q[0]), w.times(minor(u[2], v[0], u[0], v[2]), q[1])),
+                              w.times(minor(u[0], v[1], u[1], v[0]), q[2]));
+  if (w.error == 0) return sign(exact);
 
   const auto ux = difference(b[0], a[0]), uy = difference(b[1], a[1]), uz = difference(b[2], a[2]);
   const auto vx = difference(c[0], a[0]), vy = difference(c[1], a[1]), vz = difference(c[2], a[2]);

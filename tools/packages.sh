@@ -1,0 +1,19 @@
+# Sourced by the other scripts. need PACKAGE...: installs the Debian packages that are missing, as root or with sudo.
+need() {
+  local missing=()
+  for package in "$@"; do
+    dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
+  done
+  [[ ${#missing[@]} -eq 0 ]] && return 0
+  echo "installing ${missing[*]}" >&2
+  local root=()
+  if [[ $(id -u) -ne 0 ]]; then
+    command -v sudo >/dev/null || { echo "run this as root, or install sudo: ${missing[*]} must be installed" >&2; return 1; }
+    root=(sudo)
+  fi
+  "${root[@]}" apt-get update -qq
+  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev)
+test_packages=(catch2 clang libclang-rt-14-dev python3 zstd libboost-dev)
