@@ -13,7 +13,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "tools/bench/mesh_domain.hpp"
+#include "tools/peers/mesh_domain.hpp"
 
 namespace teracell::bench {
 namespace {
