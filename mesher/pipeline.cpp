@@ -154,9 +154,10 @@ const char* name_of(Fill fill) { return fill == Fill::kEvenodd ? "evenodd" : "no
 ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
                   const Progress& progress, const std::atomic<bool>& stop) {
   Phases phases;
+  double cells_of_grid = 0;
   const auto tick = [&](const char* phase, double share) {
     if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output.string()));
-    progress(phase, share);
+    progress(phase, share, cells_of_grid);
   };
   const int threads = options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 
@@ -166,6 +167,8 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
   Metadata meta;
   meta.units = scene.units;
   meta.grid = resolve_grid(scene, bodies.lo, bodies.hi);
+  cells_of_grid = 1;
+  for (const int64_t n : meta.grid.cells()) cells_of_grid *= static_cast<double>(n);
   std::array<AxisCost, 3> cost;
   for (int axis = 0; axis < 3; ++axis) cost[axis] = axis_cost(bodies.facets, meta.grid, axis);
   meta.ray_axis = 2;  // of equals z, then y: rows of a picture along x stay rows

@@ -20,8 +20,8 @@ struct MeshOptions {
   std::string engine = "scan";
 };
 
-// Called now and then, from the thread that called mesh(): the phase and its share of 1.
-using Progress = std::function<void(const char* phase, double share)>;
+// Called now and then, from the thread that called mesh(): the phase, its share of 1, and the cells of the whole grid.
+using Progress = std::function<void(const char* phase, double share, double cells)>;
 
 // Writes `output` and returns the report, with what only --report shows (times, memory, threads). Stops soon after
 // `stop` is set, with Interrupted. Whatever is thrown, nothing stands under the output's name that was not there before.

@@ -51,7 +51,7 @@ Scene scene_of(const TempFolder& folder, const std::vector<oracle::Body>& bodies
 
 nlohmann::ordered_json mesh_quietly(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options) {
   const std::atomic<bool> stop{false};
-  return mesh(scene, output, options, [](const char*, double) {}, stop);
+  return mesh(scene, output, options, [](const char*, double, double) {}, stop);
 }
 
 std::vector<uint32_t> all_cells(const GridReader& reader, int level) {

@@ -1,0 +1,197 @@
+// Why not a library: pictures of 10^5 x 10^5 cells must stream, and with a palette of two colours a pixel is a bit: a
+// picture of 10^8 cells is 12.5 MB for zlib instead of 100. Filter "up" makes rows that repeat all zeros.
+#include "server/picture.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+namespace teracell {
+namespace {
+
+constexpr size_t kIdatBytes = 1 << 16;
+constexpr size_t kMaxSetColors = 65536;
+
+void put_be32(std::vector<uint8_t>& out, uint32_t v) {
+  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<uint8_t>(v >> shift));
+}
+
+uint32_t packed(const Rgba& c) { return c[0] | uint32_t{c[1]} << 8 | uint32_t{c[2]} << 16 | uint32_t{c[3]} << 24; }
+
+}  // namespace
+
+Rgba parse_color(const std::string& text) {
+  const auto digit = [&](char c) -> int {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    throw FormatError(fmt::format("a colour is #rrggbb or #rrggbbaa, found '{}'", text));
+  };
+  if ((text.size() != 7 && text.size() != 9) || text[0] != '#') digit('?');
+  Rgba c = {0, 0, 0, 255};
+  for (size_t i = 0; 2 * i + 2 < text.size(); ++i) c[i] = static_cast<uint8_t>(digit(text[2 * i + 1]) * 16 + digit(text[2 * i + 2]));
+  return c;
+}
+
+Rgba blend(std::span<const Rgba> colors) {
+  if (colors.size() == 1) return colors[0];
+  std::array<uint32_t, 4> sum{};
+  for (const Rgba& c : colors) {
+    for (int i = 0; i < 3; ++i) sum[i] += (2 * c[i] * c[3] + 255) / 510;  // c * alpha / 255, half up
+    sum[3] += c[3];
+  }
+  const auto n = static_cast<uint32_t>(colors.size());
+  std::array<uint32_t, 4> mean;
+  for (int i = 0; i < 4; ++i) mean[i] = (2 * sum[i] + n) / (2 * n);
+  if (mean[3] == 0) return {0, 0, 0, 0};
+  Rgba out;
+  for (int i = 0; i < 3; ++i) out[i] = static_cast<uint8_t>(std::min(255u, (2 * mean[i] * 255 + mean[3]) / (2 * mean[3])));
+  out[3] = static_cast<uint8_t>(mean[3]);
+  return out;
+}
+
+SetColors::SetColors(const Metadata& meta, int level) : meta_(meta) {
+  for (const MaterialInfo& m : meta.materials) material_colors_.push_back(parse_color(m.color));
+  const auto n = static_cast<uint32_t>(meta.materials.size());
+  for (uint32_t m = 0; m < n; ++m) number_of_materials({m});
+  // Every set of 8 materials or fewer: 255 of them.
+  if (level > 0 && n <= 8)
+    for (uint32_t members = 1; members < 1u << n; ++members) {
+      std::vector<uint32_t> set;
+      for (uint32_t m = 0; m < n; ++m)
+        if (members >> m & 1) set.push_back(m);
+      number_of_materials(set);
+    }
+  complete_ = (level == 0 || n <= 8) && colors_.size() <= 256;
+}
+
+uint16_t SetColors::number_of_materials(const std::vector<uint32_t>& materials) {
+  std::vector<Rgba> members;
+  for (const uint32_t m : materials) members.push_back(material_colors_[m]);
+  const Rgba color = blend(members);
+  std::lock_guard lock(mutex_);
+  if (const auto it = by_color_.find(packed(color)); it != by_color_.end()) return it->second;
+  if (colors_.size() == kMaxSetColors) throw Error(fmt::format("the picture has more than {} colours", kMaxSetColors));
+  colors_.push_back(color);
+  const auto number = static_cast<uint16_t>(colors_.size() - 1);
+  by_color_[packed(color)] = number;
+  return number;
+}
+
+uint16_t SetColors::number(const std::vector<Label>& set) {
+  std::vector<uint32_t> materials;
+  for (const Label label : set) materials.push_back(meta_.labels[label].material);
+  std::ranges::sort(materials);
+  materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
+  return number_of_materials(materials);
+}
+
+std::vector<Rgba> SetColors::colors() const {
+  std::lock_guard lock(mutex_);
+  return colors_;
+}
+
+struct PngWriter::Deflate {
+  z_stream stream{};
+  Deflate() {
+    if (deflateInit2(&stream, 1, Z_DEFLATED, 15, 9, Z_DEFAULT_STRATEGY) != Z_OK) throw Error("zlib can't start");
+  }
+  ~Deflate() { deflateEnd(&stream); }
+};
+
+PngWriter::PngWriter(uint32_t width, uint32_t height, const SetColors& colors, Sink sink)
+    : width_(width), height_(height), colors_(colors), sink_(std::move(sink)), deflate_(std::make_unique<Deflate>()) {
+  constexpr uint8_t kSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  sink_(kSignature);
+  known_ = colors.colors();
+  bits_ = !colors.complete() ? 32 : known_.size() <= 2 ? 1 : known_.size() <= 4 ? 2 : known_.size() <= 16 ? 4 : 8;
+  const bool palette = bits_ <= 8;
+  std::vector<uint8_t> header;
+  put_be32(header, width);
+  put_be32(header, height);
+  header.insert(header.end(), {static_cast<uint8_t>(palette ? bits_ : 8), static_cast<uint8_t>(palette ? 3 : 6), 0, 0, 0});
+  chunk("IHDR", header);
+  if (palette) {
+    std::vector<uint8_t> rgb, alpha;
+    for (const Rgba& c : known_) {
+      rgb.insert(rgb.end(), c.begin(), c.begin() + 3);
+      alpha.push_back(c[3]);
+    }
+    chunk("PLTE", rgb);
+    while (!alpha.empty() && alpha.back() == 255) alpha.pop_back();  // those left out are opaque
+    if (!alpha.empty()) chunk("tRNS", alpha);
+  }
+  const size_t bytes = (uint64_t{width} * static_cast<uint32_t>(bits_) + 7) / 8;
+  above_.assign(bytes, 0);
+  row_.resize(bytes);
+  filtered_.resize(bytes + 1);
+  same_.assign(bytes + 1, 0);
+  filtered_[0] = same_[0] = 2;  // filter "up"
+  out_.reserve(2 * kIdatBytes);
+}
+
+PngWriter::~PngWriter() = default;
+
+void PngWriter::row(std::span<const uint16_t> numbers) {
+  if (std::ranges::equal(numbers, numbers_)) return deflate_row(same_, false);
+  numbers_.assign(numbers.begin(), numbers.end());
+  if (bits_ == 32) {
+    for (uint32_t i = 0; i < width_; ++i) {
+      if (numbers[i] >= known_.size()) known_ = colors_.colors();
+      std::copy_n(known_[numbers[i]].begin(), 4, row_.begin() + 4 * size_t{i});
+    }
+  } else if (bits_ == 8) {
+    for (uint32_t i = 0; i < width_; ++i) row_[i] = static_cast<uint8_t>(numbers[i]);
+  } else {
+    const uint32_t per_byte = 8 / static_cast<uint32_t>(bits_);
+    size_t out = 0;
+    for (uint32_t i = 0; i < width_; i += per_byte) {  // the leftmost pixel stands in the highest bits
+      uint32_t byte = 0;
+      for (uint32_t k = 0; k < per_byte; ++k) byte = byte << bits_ | (i + k < width_ ? numbers[i + k] : 0);
+      row_[out++] = static_cast<uint8_t>(byte);
+    }
+  }
+  for (size_t i = 0; i < row_.size(); ++i) filtered_[i + 1] = static_cast<uint8_t>(row_[i] - above_[i]);
+  above_.swap(row_);
+  deflate_row(filtered_, false);
+}
+
+void PngWriter::finish() {
+  deflate_row({}, true);
+  chunk("IEND", {});
+}
+
+void PngWriter::deflate_row(const std::vector<uint8_t>& filtered, bool last) {
+  z_stream& z = deflate_->stream;
+  z.next_in = const_cast<uint8_t*>(filtered.data());
+  z.avail_in = static_cast<uInt>(filtered.size());
+  for (;;) {
+    const size_t start = out_.size();
+    out_.resize(start + kIdatBytes);
+    z.next_out = out_.data() + start;
+    z.avail_out = kIdatBytes;
+    const int result = deflate(&z, last ? Z_FINISH : Z_NO_FLUSH);
+    out_.resize(out_.size() - z.avail_out);
+    if (out_.size() >= kIdatBytes || (last && result == Z_STREAM_END)) {
+      chunk("IDAT", out_);
+      out_.clear();
+    }
+    if (last ? result == Z_STREAM_END : z.avail_in == 0) return;
+  }
+}
+
+void PngWriter::chunk(const char* type, std::span<const uint8_t> data) {
+  std::vector<uint8_t> head;
+  put_be32(head, static_cast<uint32_t>(data.size()));
+  head.insert(head.end(), type, type + 4);
+  sink_(head);
+  sink_(data);
+  uLong crc = crc32(0, reinterpret_cast<const Bytef*>(type), 4);
+  crc = data.empty() ? crc : crc32(crc, data.data(), static_cast<uInt>(data.size()));
+  std::vector<uint8_t> tail;
+  put_be32(tail, static_cast<uint32_t>(crc));
+  sink_(tail);
+}
+
+}  // namespace teracell

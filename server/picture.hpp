@@ -1,0 +1,74 @@
+// Pictures of label rows: PNG, streamed row by row, and the colours of sets.
+#pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <unordered_map>
+#include <vector>
+
+#include "store/slice.hpp"
+
+namespace teracell {
+
+using Rgba = std::array<uint8_t, 4>;  // straight alpha, sRGB
+
+Rgba parse_color(const std::string& text);  // "#rrggbb" or "#rrggbbaa"; throws FormatError
+
+// The mean of colours, each with the same weight: channels are multiplied by alpha / 255 (rounded half up to 8 bits),
+// channels and alpha averaged (half up), and the channels divided by the mean alpha again (half up) for the PNG.
+Rgba blend(std::span<const Rgba> colors);
+
+// Colours by number, handed out as sets turn up; number 0 is material 0's. With at most 256 colours possible they are
+// all known beforehand, so that a picture can have a palette. Threads may share it.
+class SetColors {
+ public:
+  // The pictures of `level`: on level 0 sets have one member.
+  SetColors(const Metadata& meta, int level);
+  uint16_t number(const std::vector<Label>& set);
+  SetValue value() {
+    return [this](const std::vector<Label>& set) { return number(set); };
+  }
+  bool complete() const { return complete_; }      // colors() will not grow
+  std::vector<Rgba> colors() const;
+
+ private:
+  uint16_t number_of_materials(const std::vector<uint32_t>& materials);
+  const Metadata& meta_;
+  std::vector<Rgba> material_colors_;
+  bool complete_ = false;
+  mutable std::mutex mutex_;
+  std::vector<Rgba> colors_;
+  std::unordered_map<uint32_t, uint16_t> by_color_;
+};
+
+// Writes a PNG of any size with the memory of a few rows. A palette of up to 256 colours takes 1, 2, 4 or 8 bits a
+// pixel; without one, rows are RGBA. Rows come from the top.
+class PngWriter {
+ public:
+  using Sink = std::function<void(std::span<const uint8_t>)>;
+  // `colors` gives the colour of a number when a row is written; when it is complete it is the palette.
+  PngWriter(uint32_t width, uint32_t height, const SetColors& colors, Sink sink);
+  ~PngWriter();
+  void row(std::span<const uint16_t> numbers);  // REQUIRES: width of them
+  void finish();                                // REQUIRES: height rows were written
+
+ private:
+  void deflate_row(const std::vector<uint8_t>& filtered, bool last);
+  void chunk(const char* type, std::span<const uint8_t> data);
+
+  struct Deflate;
+  const uint32_t width_, height_;
+  const SetColors& colors_;
+  Sink sink_;
+  int bits_;  // a pixel: 1, 2, 4, 8 with a palette, 32 without
+  std::vector<Rgba> known_;
+  std::vector<uint16_t> numbers_;            // of the row before
+  std::vector<uint8_t> above_, row_, filtered_, same_;
+  std::vector<uint8_t> out_;
+  std::unique_ptr<Deflate> deflate_;
+};
+
+}  // namespace teracell

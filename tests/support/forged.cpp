@@ -1,0 +1,120 @@
+#include "tests/support/forged.hpp"
+
+#include <algorithm>
+
+#include <xxhash.h>
+
+#include "tests/support/stored.hpp"
+
+namespace teracell::testing {
+namespace {
+
+class Forger {
+ public:
+  Forger(const Bytes& file, const Lies& lies) : file_(file), lies_(lies), reader_(reader_of(file)), meta_(reader_.meta()) {}
+
+  Bytes forge() {
+    out_ = signed_again(Part::kHeader, encode_header(), kHeaderBytes - 8);
+    out_.resize(out_.size() + lies_.gap);
+    for (LevelInfo& level : meta_.levels) directories_.push_back(level_pages(level));
+    Bytes hashed;
+    for (size_t i = 0; i < meta_.levels.size(); ++i) {
+      const Bytes frame = directory(meta_.levels[i].level, directories_[i]);
+      meta_.levels[i].directory = append(frame).offset;
+      hashed.insert(hashed.end(), frame.begin(), frame.end());
+    }
+    if (lies_.metadata) lies_.metadata(meta_);
+    Footer footer;
+    const auto text = [&](Part part, const Bytes& honest) {
+      const Bytes frame = squeezed_again(part, honest);
+      hashed.insert(hashed.end(), frame.begin(), frame.end());
+      return append(frame);
+    };
+    footer.metadata = text(Part::kMetadata, encode_metadata(meta_));
+    footer.report = text(Part::kReport, encode_text(reader_.report()));
+    XXH128_canonical_t hash;
+    XXH128_canonicalFromHash(&hash, XXH3_128bits(hashed.data(), hashed.size()));
+    std::copy(hash.digest, hash.digest + 16, footer.hash.begin());
+    footer.file_bytes = out_.size() + kFooterBytes;
+    if (lies_.footer) lies_.footer(footer);
+    append(signed_again(Part::kFooter, encode_footer(footer), kFooterBytes - 16));
+    return out_;
+  }
+
+ private:
+  DirectoryEntry append(const Bytes& bytes) {
+    const DirectoryEntry place{out_.size(), bytes.size(), checksum(bytes)};
+    out_.insert(out_.end(), bytes.begin(), bytes.end());
+    return place;
+  }
+
+  // A structure whose checksum stands right behind its first `covered` bytes.
+  Bytes signed_again(Part part, Bytes whole, size_t covered) const {
+    Bytes front(whole.begin(), whole.begin() + static_cast<ptrdiff_t>(covered));
+    if (lies_.bytes) lies_.bytes(part, front);
+    front.resize(covered);
+    put_fixed(front, checksum(front));
+    front.insert(front.end(), whole.begin() + static_cast<ptrdiff_t>(covered) + 8, whole.end());
+    return front;
+  }
+
+  Bytes squeezed_again(Part part, const Bytes& frame) const {
+    if (!lies_.bytes) return frame;
+    const std::string honest = decode_text(frame, "honest");
+    Bytes body(honest.begin(), honest.end());
+    lies_.bytes(part, body);
+    const std::string forged(body.begin(), body.end());
+    return forged == honest ? frame : encode_text(forged);
+  }
+
+  // The level's chunks and pages, one page after another; where the pages are.
+  std::vector<DirectoryEntry> level_pages(LevelInfo& info) {
+    const LevelShape s(reader_.meta(), info.level);
+    std::vector<DirectoryEntry> places;
+    info.bytes = 0;
+    for (uint64_t page = 0; page < s.pages(); ++page) {
+      std::vector<ChunkEntry> entries;
+      for (uint32_t slot = 0; slot < s.page_width(page) * s.page_height(page); ++slot) {
+        const uint32_t cu = static_cast<uint32_t>(page % s.pages_u) * s.page_chunks + slot % s.page_width(page);
+        const uint32_t cv = static_cast<uint32_t>(page / s.pages_u % s.pages_v) * s.page_chunks + slot / s.page_width(page);
+        ChunkEntry e = reader_.entry(info.level, cu, cv, static_cast<uint32_t>(page / s.pages_u / s.pages_v));
+        if (e.size != 0) {
+          const auto first = file_.begin() + static_cast<ptrdiff_t>(e.offset);
+          const DirectoryEntry place = append(squeezed_again(Part::kChunk, Bytes(first, first + e.size)));
+          e.offset = place.offset, e.size = static_cast<uint32_t>(place.size), e.checksum = place.checksum;
+          info.bytes += e.size;
+        }
+        entries.push_back(std::move(e));
+      }
+      if (lies_.page) lies_.page(info.level, entries);
+      places.push_back(append(squeezed_again(Part::kPage, encode_page(entries, info.level == 0))));
+    }
+    return places;
+  }
+
+  Bytes directory(int level, std::vector<DirectoryEntry> places) const {
+    if (lies_.directory) lies_.directory(level, places);
+    const Bytes honest = encode_directory(places);
+    Bytes out(honest.begin(), honest.begin() + 8);
+    for (uint64_t block = 0; block * kBlockEntries < places.size(); ++block) {
+      const BlockPlace place = directory_block(block, places.size());
+      const auto first = honest.begin() + static_cast<ptrdiff_t>(place.offset);
+      const Bytes again = signed_again(Part::kDirectory, Bytes(first, first + static_cast<ptrdiff_t>(place.bytes())), place.bytes() - 8);
+      out.insert(out.end(), again.begin(), again.end());
+    }
+    return out;
+  }
+
+  const Bytes& file_;
+  const Lies& lies_;
+  const GridReader reader_;
+  Metadata meta_;
+  std::vector<std::vector<DirectoryEntry>> directories_;
+  Bytes out_;
+};
+
+}  // namespace
+
+Bytes forge(const Bytes& file, const Lies& lies) { return Forger(file, lies).forge(); }
+
+}  // namespace teracell::testing

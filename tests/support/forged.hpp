@@ -1,0 +1,27 @@
+// Files that lie under right checksums: a .tcell file taken apart and put together again, changed on the way. What
+// damage by chance never reaches (the checksums stop it) is where a hostile file begins.
+#pragma once
+#include <functional>
+
+#include "store/format.hpp"
+
+namespace teracell::testing {
+
+enum class Part { kHeader, kChunk, kPage, kDirectory, kMetadata, kReport, kFooter };
+
+struct Lies {
+  // Each sees what an honest writer would write and may change it; whatever covers it is computed afterwards.
+  std::function<void(int level, std::vector<ChunkEntry>&)> page;
+  std::function<void(int level, std::vector<DirectoryEntry>&)> directory;
+  std::function<void(Metadata&)> metadata;
+  std::function<void(Footer&)> footer;
+  // The plain bytes: of chunk, page, metadata and report before they are compressed; of header, directory block and
+  // footer before their checksum is appended.
+  std::function<void(Part, Bytes&)> bytes;
+  uint64_t gap = 0;  // bytes behind the header that belong to nothing
+};
+
+// REQUIRES: `file` is a sound .tcell file.
+Bytes forge(const Bytes& file, const Lies& lies);
+
+}  // namespace teracell::testing

@@ -1,0 +1,131 @@
+#include "tests/support/stored.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "store/pyramid.hpp"
+#include "store/pyramid_writer.hpp"
+#include "store/slice.hpp"
+
+namespace teracell::testing {
+
+void MemorySource::read(uint64_t offset, std::span<uint8_t> out) const {
+  if (offset > bytes_.size() || out.size() > bytes_.size() - offset) throw IoError(name_ + ": end of file");
+  if (!out.empty()) std::memcpy(out.data(), bytes_.data() + offset, out.size());
+}
+
+GridReader reader_of(const Bytes& file) { return GridReader(std::make_unique<MemorySource>(file)); }
+
+Metadata metadata_of(const Grid& grid, int ray_axis, uint32_t labels) {
+  Metadata meta;
+  meta.grid = grid;
+  meta.ray_axis = ray_axis;
+  for (uint32_t m = 0; m < labels; ++m) {
+    meta.materials.push_back({fmt::format("m{}", m), "#808080", labels - 1 - m});
+    meta.labels.push_back({m, ""});
+  }
+  return meta;
+}
+
+Metadata with_tiny_chunks(Metadata meta) {
+  meta.chunk_rays = 4;
+  meta.chunk_cells = 4;
+  meta.page_chunks = 2;
+  return meta;
+}
+
+void store_cells(const std::filesystem::path& path, const Metadata& meta, const std::vector<Label>& cells) {
+  GridWriter writer(path, meta);
+  PyramidWriter pyramid(writer);
+  ChunkEncoder encoder;
+  const LevelShape shape(meta, 0);
+  const Frame f = meta.frame();
+  const Index3 n = meta.grid.cells();
+  const auto labels = static_cast<uint32_t>(meta.labels.size());
+  const auto put = [&](uint32_t cu, uint32_t cv) {
+    std::vector<Mask> block;
+    for (uint32_t v = 0; v < shape.rays_v(cv); ++v)
+      for (uint32_t u = 0; u < shape.rays_u(cu); ++u)
+        for (uint32_t w = 0; w < shape.nw; ++w) {
+          Index3 cell;
+          cell[f.u] = cu * shape.chunk_rays + u, cell[f.v] = cv * shape.chunk_rays + v, cell[f.w] = w;
+          block.push_back(Mask{1} << cells[static_cast<size_t>((cell[2] * n[1] + cell[1]) * n[0] + cell[0])]);
+        }
+    const Chunk fine = block_of_cells(shape.rays_u(cu), shape.rays_v(cv), shape.nw, labels, block);
+    pyramid.put(encode_level(encoder, meta, 0, cu, cv, fine));
+    Chunk coarse{{}, fine.sets};
+    coarse.rays = coarsen(fine.rays, 2, coarse.sets);
+    pyramid.rise(0, cu, cv, std::move(coarse));
+  };
+  const auto visit = [&](auto&& self, uint32_t cu, uint32_t cv, uint32_t width) -> void {
+    if (cu >= shape.chunks_u || cv >= shape.chunks_v) return;
+    if (width == 1) return put(cu, cv);
+    for (uint32_t i = 0; i < 16; ++i) self(self, cu + i % 4 * (width / 4), cv + i / 4 * (width / 4), width / 4);
+  };
+  uint32_t width = 1;
+  while (width < std::max(shape.chunks_u, shape.chunks_v)) width *= 4;
+  visit(visit, 0, 0, width);
+  writer.finish(R"({"schema":1})", 1234);
+}
+
+std::vector<Label> random_cells(std::mt19937_64& random, const Index3& n, uint32_t labels) {
+  std::vector<Label> cells(static_cast<size_t>(n[0] * n[1] * n[2]), 0);
+  struct Ball {
+    std::array<double, 3> at;
+    double radius;
+    Label label;
+  };
+  std::vector<Ball> balls;
+  for (int i = 0; i < 4; ++i) {
+    Ball ball{{}, 0, static_cast<Label>(random() % labels)};
+    for (int d = 0; d < 3; ++d) ball.at[d] = std::uniform_real_distribution<>(0, static_cast<double>(n[d]))(random);
+    ball.radius = std::uniform_real_distribution<>(0.2, 0.6)(random) * static_cast<double>(std::min({n[0], n[1], n[2]}));
+    balls.push_back(ball);
+  }
+  size_t i = 0;
+  for (int64_t z = 0; z < n[2]; ++z)
+    for (int64_t y = 0; y < n[1]; ++y)
+      for (int64_t x = 0; x < n[0]; ++x, ++i) {
+        for (const Ball& b : balls) {
+          const double dx = static_cast<double>(x) - b.at[0], dy = static_cast<double>(y) - b.at[1], dz = static_cast<double>(z) - b.at[2];
+          if (dx * dx + dy * dy + dz * dz < b.radius * b.radius) cells[i] = b.label;
+        }
+        if (random() % 64 == 0) cells[i] = static_cast<Label>(random() % labels);
+      }
+  return cells;
+}
+
+std::vector<Mask> level_by_hand(const Grid& grid, const std::vector<Label>& cells, int level) {
+  const Index3 fine = grid.cells(), n = grid.cells(level);
+  std::vector<Mask> out(static_cast<size_t>(n[0] * n[1] * n[2]), 0);
+  size_t i = 0;
+  for (int64_t z = 0; z < fine[2]; ++z)
+    for (int64_t y = 0; y < fine[1]; ++y)
+      for (int64_t x = 0; x < fine[0]; ++x)
+        out[static_cast<size_t>(((z >> level) * n[1] + (y >> level)) * n[0] + (x >> level))] |= Mask{1} << cells[i++];
+  return out;
+}
+
+std::vector<Mask> level_as_read(const GridReader& reader, int level) {
+  const Index3 n = reader.meta().grid.cells(level);
+  std::vector<uint32_t> cells(static_cast<size_t>(n[0] * n[1] * n[2]));
+  const SetValue mask = [](const std::vector<Label>& set) { return static_cast<uint32_t>(mask_of(set)); };
+  read_box<uint32_t>(reader, level, reader.meta().grid.box(level), mask, 0, cells.data(), {1, n[0], n[0] * n[1]});
+  return {cells.begin(), cells.end()};
+}
+
+Bytes file_bytes(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+size_t open_descriptors() {
+  const std::filesystem::directory_iterator all("/proc/self/fd");
+  return static_cast<size_t>(std::distance(begin(all), end(all)));
+}
+
+}  // namespace teracell::testing

@@ -1,0 +1,47 @@
+#include "tools/command.hpp"
+
+#include <charconv>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
+namespace teracell {
+
+std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option) {
+  std::vector<int64_t> out;
+  const char *at = text.data(), *end = at + text.size();
+  bool good = true;
+  while (good) {
+    int64_t value;
+    const auto [rest, error] = std::from_chars(at, end, value);
+    good = error == std::errc() && (rest == end || *rest == ',');
+    if (good) out.push_back(value);
+    if (!good || rest == end) break;
+    at = rest + 1;
+  }
+  if (!good || out.size() != count)
+    throw UsageError(fmt::format("{}: expected {} whole number{} separated by commas, found '{}'", option, count, count == 1 ? "" : "s", text));
+  return out;
+}
+
+int parse_axis(const std::string& text) {
+  if (text != "x" && text != "y" && text != "z") throw UsageError(fmt::format("--axis: expected x, y or z, found '{}'", text));
+  return text[0] - 'x';
+}
+
+Box parse_region(const std::string& text, const Grid& grid, int level) {
+  const auto n = parse_integers(text, 6, "--region");
+  const Box box{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+  const Index3 cells = grid.cells(level);
+  for (int d = 0; d < 3; ++d)
+    if (box.lo[d] < 0 || box.hi[d] > cells[d] || box.lo[d] >= box.hi[d])
+      throw UsageError(fmt::format("--region: along {} it must lie in 0 to {} (half open) on level {} and not be empty, found {} to {}", axis_name(d),
+                                   cells[d], level, box.lo[d], box.hi[d]));
+  return box;
+}
+
+int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+}  // namespace teracell

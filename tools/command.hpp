@@ -1,0 +1,37 @@
+// A command of the program: one file each, one line in the registry of teracell.cpp. setup() declares the options and
+// returns what runs once they are parsed; run throws, main() turns that into an exit status.
+#pragma once
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "store/grid.hpp"
+
+namespace teracell {
+
+using Run = std::function<void()>;
+
+Run setup_mesh(CLI::App& app);
+Run setup_info(CLI::App& app);
+Run setup_slice(CLI::App& app);
+Run setup_column(CLI::App& app);
+Run setup_stats(CLI::App& app);
+Run setup_export(CLI::App& app);
+Run setup_verify(CLI::App& app);
+Run setup_sample(CLI::App& app);
+
+// ---- what the commands share ------------------------------------------------------------------------------------
+
+// Numbers separated by commas. Throws UsageError naming `option` unless there are `count` whole numbers.
+std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option);
+int parse_axis(const std::string& text);  // "x", "y", "z"
+// Throws UsageError unless lo < hi <= the level's cells on every axis.
+Box parse_region(const std::string& text, const Grid& grid, int level);
+int default_threads();
+
+}  // namespace teracell

@@ -1,0 +1,69 @@
+// teracell export: a box of cells as a dense array, slab by slab.
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "store/npy.hpp"
+#include "store/slice.hpp"
+#include "tools/command.hpp"
+
+namespace teracell {
+namespace {
+
+constexpr int64_t kSlabBytes = 64 << 20;
+
+struct Options {
+  std::string grid, output, format, region;
+  int level = 0;
+};
+
+// Layers of z that fit the slab, one at least. A layer of 10^5 x 10^5 cells is the largest thing in memory here.
+template <class T>
+void write_cells(const GridReader& reader, int level, const Box& box, OutputFile& file) {
+  const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1];
+  const int64_t layers = std::max<int64_t>(1, kSlabBytes / (nx * ny * static_cast<int64_t>(sizeof(T))));
+  const SetValue material = strongest_material(reader.meta());
+  std::vector<T> slab;
+  for (int64_t z = box.lo[2]; z < box.hi[2]; z += layers) {
+    Box part = box;
+    part.lo[2] = z;
+    part.hi[2] = std::min(box.hi[2], z + layers);
+    slab.resize(static_cast<size_t>(nx * ny * (part.hi[2] - z)));
+    read_box<T>(reader, level, part, material, 0, slab.data(), {1, nx, nx * ny});
+    file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
+  }
+}
+
+void run(const Options& o) {
+  std::string format = o.format;
+  if (format.empty()) {
+    const std::string extension = std::filesystem::path(o.output).extension();
+    if (extension != ".npy" && extension != ".raw") throw UsageError(fmt::format("--output: expected a name that ends in .npy or .raw, or --format, found '{}'", o.output));
+    format = extension.substr(1);
+  }
+  const GridReader reader(o.grid);
+  const Metadata& meta = reader.meta();
+  if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("--level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));
+  const Box box = o.region.empty() ? meta.grid.box(o.level) : parse_region(o.region, meta.grid, o.level);
+  const bool wide = meta.materials.size() > 256;
+  OutputFile file(o.output);
+  if (format == "npy") file.append(npy_header(wide ? "<u2" : "|u1", {box.hi[2] - box.lo[2], box.hi[1] - box.lo[1], box.hi[0] - box.lo[0]}));
+  if (wide) write_cells<uint16_t>(reader, o.level, box, file);
+  else write_cells<uint8_t>(reader, o.level, box, file);
+  file.commit();
+}
+
+}  // namespace
+
+Run setup_export(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("grid", o->grid, "a .tcell file")->required();
+  app.add_option("-o,--output", o->output, "the file to write")->required();
+  app.add_option("--format", o->format, "npy or raw (default: by the name's ending)")->check(CLI::IsMember({"npy", "raw"}));
+  app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells of the level (default: all)");
+  app.add_option("--level", o->level, "of the pyramid (default 0)");
+  app.footer("Material ids in C order [z][y][x], uint8, or uint16 past 256 materials. Example:\n"
+             "  teracell export g.tcell --region 0,0,0,256,256,256 -o box.npy");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell

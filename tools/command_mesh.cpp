@@ -1,0 +1,110 @@
+// teracell mesh: a scene or bare surfaces in, a .tcell file out.
+#include <atomic>
+#include <csignal>
+
+#include <fmt/format.h>
+
+#include "mesher/pipeline.hpp"
+#include "store/error.hpp"
+#include "store/file.hpp"
+#include "store/reader.hpp"
+#include "tools/command.hpp"
+#include "tools/progress.hpp"
+
+namespace teracell {
+namespace {
+
+std::atomic<bool> interrupted{false};  // set by the signal handler, which can reach nothing else
+
+struct Options {
+  std::vector<std::string> inputs;
+  std::string output, cells, axis = "auto", fill, closing, engine = "scan", report, progress = "auto";
+  std::optional<double> step;
+  std::optional<int64_t> pad;
+  int threads = 0;
+};
+
+Scene scene_from(const Options& o) {
+  bool json = false;
+  for (const std::string& input : o.inputs) json |= std::filesystem::path(input).extension() == ".json";
+  if (json && o.inputs.size() != 1)
+    throw UsageError(fmt::format("expected one scene or bare meshes, found {} files with a scene among them", o.inputs.size()));
+  Scene scene = json ? read_scene(o.inputs[0]) : bare_scene({o.inputs.begin(), o.inputs.end()});
+  GridOptions grid;
+  if (!o.cells.empty()) {
+    if (o.cells.find(',') == std::string::npos) grid.longest_cells = parse_integers(o.cells, 1, "--cells")[0];
+    else {
+      const auto n = parse_integers(o.cells, 3, "--cells");
+      grid.cells = {n[0], n[1], n[2]};
+    }
+  }
+  grid.step = o.step;
+  grid.pad = o.pad;
+  override_grid(scene, grid);
+  for (SceneBody& body : scene.bodies) {
+    if (!o.fill.empty()) body.fill = o.fill == "auto" ? Fill::kAuto : o.fill == "nonzero" ? Fill::kNonzero : Fill::kEvenodd;
+    if (!o.closing.empty()) body.closing = o.closing == "cap" ? Closing::kCap : Closing::kStrict;
+  }
+  return scene;
+}
+
+// A short word on what was done; the report has the rest.
+void summarise(const Options& o, const nlohmann::ordered_json& report) {
+  const GridReader reader(o.output);
+  const Index3 n = reader.meta().grid.cells();
+  double seconds = 0;
+  for (const auto& phase : report["phases"]) seconds += phase["seconds"].get<double>();
+  fmt::print("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {:.1f} MB, {:.0f} MiB of memory, rays along {}\n", o.output, n[0], n[1], n[2],
+             static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, static_cast<double>(reader.file_bytes()) / 1e6,
+             report["peak_memory_bytes"].get<double>() / (1 << 20), axis_name(reader.meta().ray_axis));
+  for (const auto& warning : report["warnings"]) fmt::print(stderr, "warning: {}\n", warning.get<std::string>());
+}
+
+void run(const Options& o) {
+  const Scene scene = scene_from(o);
+  MeshOptions options;
+  if (o.axis != "auto") options.axis = parse_axis(o.axis);
+  options.threads = o.threads;
+  options.engine = o.engine;
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = true; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  nlohmann::ordered_json report;
+  {
+    ProgressLine line(o.progress, "mesh");
+    report = mesh(scene, o.output, options, [&](const char* phase, double share, double cells) {
+      line.set_cells(cells);
+      line(phase, share);
+    }, interrupted);
+  }
+  if (!o.report.empty()) {
+    OutputFile file(o.report);
+    const std::string text = report.dump(1) + "\n";
+    file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+    file.commit();
+  }
+  summarise(o, report);
+}
+
+}  // namespace
+
+Run setup_mesh(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or gzip; each is a body, the later ones stronger")->required();
+  app.add_option("-o,--output", o->output, "the .tcell file to write")->required();
+  app.add_option("--cells", o->cells, "N: cubic cells, N on the longest axis with its pad; NX,NY,NZ: cells along each axis");
+  app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
+  app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
+  app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(CLI::IsMember({"auto", "x", "y", "z"}));
+  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd")->check(CLI::IsMember({"auto", "nonzero", "evenodd"}));
+  app.add_option("--closing", o->closing, "open surfaces: cap or strict; this version refuses them either way")->check(CLI::IsMember({"cap", "strict"}));
+  app.add_option("--engine", o->engine, "how crossings are found: scan")->check(CLI::IsMember({"scan"}));
+  app.add_option("--threads", o->threads, "how many (default: one a core); the file is the same")->check(CLI::Range(1, 1024));
+  app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
+  app.add_option("--progress", o->progress, "on stderr: auto (if it is a terminal), plain, none")->check(CLI::IsMember({"auto", "plain", "none"}));
+  app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell

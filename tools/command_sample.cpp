@@ -1,0 +1,30 @@
+// teracell sample: writes a built-in scene.
+#include <fmt/format.h>
+
+#include "mesher/sample.hpp"
+#include "store/error.hpp"
+#include "tools/command.hpp"
+
+namespace teracell {
+namespace {
+
+struct Options {
+  std::string name, output;
+};
+
+void run(const Options& o) {
+  if (o.name != "stadium") throw UsageError(fmt::format("there is no sample '{}': expected stadium", o.name));
+  write_stadium(o.output);
+  fmt::print("{}: ten closed STL bodies and scene.json. Mesh it with: teracell mesh {}/scene.json -o stadium.tcell\n", o.output, o.output);
+}
+
+}  // namespace
+
+Run setup_sample(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("name", o->name, "stadium: air, explosive, grandstand, structure")->required();
+  app.add_option("-o,--output", o->output, "the folder to write to")->required();
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell

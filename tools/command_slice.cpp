@@ -1,0 +1,91 @@
+// teracell slice: one slice as a picture or an array.
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "server/picture.hpp"
+#include "store/error.hpp"
+#include "store/npy.hpp"
+#include "tools/command.hpp"
+
+namespace teracell {
+namespace {
+
+struct Options {
+  std::string grid, output, axis, region;
+  std::optional<int64_t> index;
+  std::optional<double> at;
+  int level = 0, threads = default_threads();
+};
+
+SliceView view_of(const Options& o, const Metadata& meta) {
+  const int axis = parse_axis(o.axis);
+  if (o.index.has_value() == o.at.has_value()) throw UsageError("give either --index or --at");
+  int64_t index = o.index.value_or(0);
+  if (o.at) {
+    const Axis& a = meta.grid.axis[axis];
+    if (!(*o.at >= a.min() && *o.at <= a.max()))
+      throw UsageError(fmt::format("--at: along {} it must lie in {} to {} {}, found {}", o.axis, a.min(), a.max(), meta.units, *o.at));
+    if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));
+    index = a.cell_at(*o.at) >> o.level;
+  }
+  SliceView view = whole_slice(meta, axis, index, o.level);
+  if (!o.region.empty()) {
+    const auto n = parse_integers(o.region, 4, "--region");
+    view.u0 = n[0], view.v0 = n[1], view.u1 = n[2], view.v1 = n[3];
+    check_view(meta, view);
+  }
+  return view;
+}
+
+void write_png(const GridReader& reader, const SliceView& view, int threads, OutputFile& file) {
+  const int64_t width = view.u1 - view.u0, height = view.v1 - view.v0;
+  SetColors colors(reader.meta(), view.level);
+  PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors, [&](std::span<const uint8_t> bytes) { file.append(bytes); });
+  for_each_row(reader, view, colors.value(), true, threads, [&](int64_t, std::span<const uint16_t> row) { png.row(row); });
+  png.finish();
+}
+
+// Row 0 is v = v0: index order, unlike a picture.
+void write_npy(const GridReader& reader, const SliceView& view, int threads, OutputFile& file) {
+  const bool wide = reader.meta().materials.size() > 256;
+  file.append(npy_header(wide ? "<u2" : "|u1", {view.v1 - view.v0, view.u1 - view.u0}));
+  Bytes bytes;
+  for_each_row(reader, view, strongest_material(reader.meta()), false, threads, [&](int64_t, std::span<const uint16_t> row) {
+    bytes.clear();
+    for (const uint16_t id : row) {
+      bytes.push_back(static_cast<uint8_t>(id));
+      if (wide) bytes.push_back(static_cast<uint8_t>(id >> 8));
+    }
+    file.append(bytes);
+  });
+}
+
+void run(const Options& o) {
+  const std::string extension = std::filesystem::path(o.output).extension();
+  if (extension != ".png" && extension != ".npy") throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
+  const GridReader reader(o.grid);
+  const SliceView view = view_of(o, reader.meta());
+  OutputFile file(o.output);
+  if (extension == ".png") write_png(reader, view, o.threads, file);
+  else write_npy(reader, view, o.threads, file);
+  file.commit();
+}
+
+}  // namespace
+
+Run setup_slice(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("grid", o->grid, "a .tcell file")->required();
+  app.add_option("--axis", o->axis, "across which axis: x, y, z")->required();
+  app.add_option("--index", o->index, "the slice, in cells of the level");
+  app.add_option("--at", o->at, "the slice that holds this coordinate");
+  app.add_option("-o,--output", o->output, "a .png (v points up) or an .npy (material ids, shape [v][u], row 0 is v = 0)")->required();
+  app.add_option("--level", o->level, "of the pyramid: cells are 2^level times as wide (default 0)");
+  app.add_option("--region", o->region, "U0,V0,U1,V1: half open, in cells of the level; z-slices have u = x, v = y; y-slices x, z; x-slices y, z");
+  app.add_option("--threads", o->threads, "how many (default: one a core)")->check(CLI::Range(1, 1024));
+  app.footer("Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell
