@@ -40,7 +40,8 @@ void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
 }
 
 OutputFile::OutputFile(const std::filesystem::path& target) : target_(target), partial_(target.string() + ".partial") {
-  if (std::filesystem::is_directory(target_)) throw IoError(fmt::format("{}: expected the name of a file, found a folder", target_.string()));
+  std::error_code ignored;  // what else is wrong with the target, open() will say
+  if (std::filesystem::is_directory(target_, ignored)) throw IoError(fmt::format("{}: expected the name of a file, found a folder", target_.string()));
   fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (fd_ < 0) throw IoError(fmt::format("{}: can't create: {}", partial_.string(), std::strerror(errno)));
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {

@@ -275,6 +275,7 @@ uint64_t directory_bytes(uint64_t entries) {
 
 std::vector<DirectoryEntry> decode_directory_block(std::span<const uint8_t> block) {
   ByteReader in(block, "directory block");
+  if (block.size() < 8 || (block.size() - 8) % kDirectoryEntry != 0) in.fail(fmt::format("expected whole entries and a checksum, found {} bytes", block.size()));
   std::vector<DirectoryEntry> entries((block.size() - 8) / kDirectoryEntry);
   for (DirectoryEntry& e : entries) e = {in.fixed<uint64_t>(), in.fixed<uint64_t>(), in.fixed<uint64_t>()};
   const auto expected = in.fixed<uint64_t>(), found = checksum(block.first(block.size() - 8));
@@ -342,6 +343,28 @@ Footer decode_footer(std::span<const uint8_t> bytes) {
   const auto expected = in.fixed<uint64_t>(), found = checksum(bytes.first(kFooterBytes - 16));
   if (found != expected) throw FormatError(fmt::format("footer: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
   return footer;
+}
+
+struct ContentHash::State {
+  XXH3_state_t* xxh = XXH3_createState();
+  ~State() { XXH3_freeState(xxh); }
+};
+
+ContentHash::ContentHash() : state_(std::make_unique<State>()) { XXH3_128bits_reset(state_->xxh); }
+ContentHash::~ContentHash() = default;
+
+void ContentHash::add(std::span<const uint8_t> bytes) { XXH3_128bits_update(state_->xxh, bytes.data(), bytes.size()); }
+
+std::array<uint8_t, 16> ContentHash::digest() const {
+  XXH128_canonical_t canonical;
+  XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(state_->xxh));
+  return std::to_array(canonical.digest);
+}
+
+std::string hex(const std::array<uint8_t, 16>& hash) {
+  std::string text;
+  for (const uint8_t b : hash) text += fmt::format("{:02x}", b);
+  return text;
 }
 
 }  // namespace teracell

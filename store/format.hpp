@@ -6,6 +6,7 @@
 // directory of fixed-size entries: opening reads the footer and the metadata, a tile a directory block and a page.
 // Rejected: one flat index (a gigabyte to open), a B-tree (the key space is dense, a computed place is enough).
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -144,5 +145,20 @@ struct Footer {
 };
 Bytes encode_footer(const Footer& footer);
 Footer decode_footer(std::span<const uint8_t> bytes);
+
+// The footer's hash: fed the directories' frames in the order of their levels, then the metadata's and the report's.
+class ContentHash {
+ public:
+  ContentHash();
+  ~ContentHash();
+  ContentHash(const ContentHash&) = delete;
+  void add(std::span<const uint8_t> bytes);
+  std::array<uint8_t, 16> digest() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+std::string hex(const std::array<uint8_t, 16>& hash);
 
 }  // namespace teracell

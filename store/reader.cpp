@@ -110,16 +110,16 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source) : source_(std::move(s
 
 GridReader::~GridReader() = default;
 
-std::string GridReader::hash() const {
-  std::string hex;
-  for (const uint8_t b : footer_.hash) hex += fmt::format("{:02x}", b);
-  return hex;
-}
+std::string GridReader::hash() const { return hex(footer_.hash); }
 
 std::string GridReader::report() const {
-  Bytes bytes;
-  read_checked(footer_.report, "report", bytes);
-  return decode_text(bytes, "report");
+  try {
+    Bytes bytes;
+    read_checked(footer_.report, "report", bytes);
+    return decode_text(bytes, "report");
+  } catch (const FormatError& e) {
+    throw FormatError(fmt::format("{}: {}", name(), e.what()));
+  }
 }
 
 const LevelInfo& GridReader::info(int level) const {
@@ -220,6 +220,24 @@ void GridReader::derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, C
   out.sets = std::move(joined.sets);
 }
 
+void GridReader::check_content_hash() const {
+  ContentHash hash;
+  Bytes bytes;
+  for (const LevelInfo& l : meta_.levels) {
+    const uint64_t size = directory_bytes(shape(l.level).pages());
+    for (uint64_t at = 0; at < size; at += bytes.size()) {
+      bytes.resize(std::min<uint64_t>(size - at, 1 << 20));
+      source_->read(l.directory + at, bytes);
+      hash.add(bytes);
+    }
+  }
+  for (const auto& [place, what] : {std::pair{footer_.metadata, "metadata"}, {footer_.report, "report"}}) {
+    read_checked(place, what, bytes);
+    hash.add(bytes);
+  }
+  if (hash.digest() != footer_.hash) throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer_.hash), hex(hash.digest())));
+}
+
 void GridReader::verify(int threads, const std::function<void(double)>& progress) const {
   try {
     Coverage coverage;
@@ -276,6 +294,7 @@ void GridReader::verify(int threads, const std::function<void(double)>& progress
                                                      l.bytes, l.changes, sum.chunks, sum.bytes, sum.changes));
     }
     coverage.expect_whole(source_->size());
+    check_content_hash();
   } catch (const FormatError& e) {
     const std::string message = e.what();
     throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));

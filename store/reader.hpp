@@ -48,6 +48,7 @@ class GridReader {
   Page page(int level, uint64_t page) const;
   void read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& entry, Chunk& out) const;
   void derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
+  void check_content_hash() const;
   void read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const;
 
   std::unique_ptr<ByteSource> source_;

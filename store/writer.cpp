@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <xxhash.h>
 
 namespace teracell {
 
@@ -102,10 +101,9 @@ void GridWriter::put(int level, uint32_t cu, uint32_t cv, uint32_t segment, cons
 }
 
 void GridWriter::finish(const std::string& report, uint64_t crossings) {
-  XXH3_state_t* hash = XXH3_createState();
-  XXH3_128bits_reset(hash);
+  ContentHash hash;
   const auto append_hashed = [&](const Bytes& frame) {
-    XXH3_128bits_update(hash, frame.data(), frame.size());
+    hash.add(frame);
     return append(frame);
   };
   meta_.levels.clear();
@@ -118,10 +116,7 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   Footer footer;
   footer.metadata = append_hashed(encode_metadata(meta_));
   footer.report = append_hashed(encode_text(report));
-  XXH128_canonical_t canonical;
-  XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash));
-  XXH3_freeState(hash);
-  std::copy(canonical.digest, canonical.digest + 16, footer.hash.begin());
+  footer.hash = hash.digest();
   footer.file_bytes = file_.size() + kFooterBytes;
   file_.append(encode_footer(footer));
   file_.commit();

@@ -261,7 +261,7 @@ TEST_CASE("Unknown keys and unknown optional channels of the metadata are skippe
             j["new"] = {1, 2, 3};
             j["chunk"]["new"] = "x";
             j["channels"].push_back({{"name", "fractions"}, {"required", false}, {"coding", "bytes"}, {"strange", 7}});
-            j["channels"].insert(j["channels"].begin(), {{"name", "first"}, {"required", false}});
+            j["channels"].insert(j["channels"].begin(), ordered_json::object({{"name", "first"}, {"required", false}}));
           })) == plain);
 }
 
@@ -315,7 +315,7 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   refused("/channels/0/levels/0/level", 1);   // level 0 is missing
   refused("/channels/0/levels/1/level", 0);   // twice
   refused("/channels/0/levels/1/level", 30);  // twice
-  refused("/channels/0/levels/2/level", 31);  // beyond the last
+  refused("/channels/0/levels/2/level", 32);  // beyond the last
   refused("/channels/0/levels/2/level", 1);   // not ascending
   REQUIRE_THROWS_AS(decode_metadata(edited([](ordered_json& j) { j["axes"].push_back(j["axes"][0]); })), FormatError);
   REQUIRE_THROWS_AS(decode_metadata(edited([](ordered_json& j) { j["axes"].erase(2); })), FormatError);

@@ -1,0 +1,381 @@
+// The reader of whole files: every damage is seen, no lie crashes it, threads may share it.
+#include "store/reader.hpp"
+
+#include <atomic>
+#include <fstream>
+#include <thread>
+
+#include <catch2/catch.hpp>
+
+#include "store/slice.hpp"
+#include "tests/support/forged.hpp"
+#include "tests/support/meshed.hpp"
+#include "tests/support/stored.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+using Levels = std::vector<std::vector<Mask>>;
+
+Grid cubic(int64_t nx, int64_t ny, int64_t nz) {
+  const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
+  return {{axis(nx), axis(ny), axis(nz)}};
+}
+
+// As a user would make one: one chunk a level, three materials, a report.
+Bytes meshed_file() {
+  const TempFolder folder;
+  MeshOptions options;
+  options.axis = 2;
+  options.threads = 1;
+  mesh_quietly(scene_of(folder, {{shapes::box({1, 1, 1}, {9, 7, 6})}, {shapes::tetrahedron({2, 2, 2}, {11, 3, 2}, {3, 8, 3}, {4, 4, 7}), oracle::Rule::kNonzero, 2}}, cubic(12, 9, 8)),
+               folder / "g.tcell", options);
+  return file_bytes(folder / "g.tcell");
+}
+
+// Many chunks, segments and pages on several levels.
+Bytes chunked_file(int ray_axis = 1, const Index3& n = {5, 6, 9}) {
+  const TempFolder folder;
+  std::mt19937_64 random(7);
+  const Metadata meta = with_tiny_chunks(metadata_of(cubic(n[0], n[1], n[2]), ray_axis, 3));
+  store_cells(folder / "g.tcell", meta, random_cells(random, n, 3));
+  return file_bytes(folder / "g.tcell");
+}
+
+void verify(const GridReader& reader, int threads = 1) {
+  reader.verify(threads, [](double) {});
+}
+
+Levels read_everything(const GridReader& reader) {
+  Levels all;
+  for (int level = 0; level < reader.levels(); ++level) all.push_back(level_as_read(reader, level));
+  return all;
+}
+
+// Damage: verify must object; what can still be read must be the undamaged cells.
+void expect_noticed(const Bytes& damaged, const Levels& undamaged, const char* how, size_t where) {
+  INFO(how << " " << where);
+  bool refused = false;
+  try {
+    const GridReader reader = reader_of(damaged);
+    try {
+      verify(reader);
+    } catch (const FormatError&) {
+      refused = true;
+    } catch (const IoError&) {
+      refused = true;
+    }
+    bool same = true;
+    for (size_t level = 0; level < undamaged.size(); ++level) {
+      try {
+        same &= level_as_read(reader, static_cast<int>(level)) == undamaged[level];
+      } catch (const FormatError&) {
+      } catch (const IoError&) {
+      }
+    }
+    if (!same) FAIL("wrong cells");
+  } catch (const FormatError&) {
+    return;
+  }
+  if (!refused) FAIL("verify passes");
+}
+
+// A hostile file: any Error, or anything at all that is no crash.
+void read_hostile(const Bytes& file) {
+  try {
+    const GridReader reader = reader_of(file);
+    try {
+      verify(reader);
+    } catch (const Error&) {
+    }
+    for (int level = 0; level < std::min(reader.levels(), 8); ++level) {
+      const Index3 n = reader.meta().grid.cells(level);
+      try {
+        for (int axis = 0; axis < 3; ++axis) {
+          SliceView view = whole_slice(reader.meta(), axis, n[axis] / 2, level);
+          view.u1 = std::min<int64_t>(view.u1, 20), view.v1 = std::min<int64_t>(view.v1, 20);
+          for_each_row(reader, view, strongest_material(reader.meta()), true, 1, [](int64_t, std::span<const uint16_t>) {});
+        }
+      } catch (const Error&) {
+      }
+    }
+    try {
+      read_stats(reader, {{0, 0, 0}, {1, 1, 1}});
+      reader.report();
+    } catch (const Error&) {
+    }
+  } catch (const Error&) {
+  }
+}
+
+void expect_verify_refuses(const Bytes& file, const std::string& because) {
+  const GridReader reader = reader_of(file);
+  REQUIRE_THROWS_AS(verify(reader), FormatError);
+  REQUIRE_THROWS_WITH(verify(reader), Catch::Contains(because) && Catch::StartsWith("memory.tcell: "));
+}
+
+// ---- sound files ----------------------------------------------------------------------------------------------------
+
+TEST_CASE("A sound file is verified by any number of threads, with shares of 1 that ascend") {
+  for (const Bytes& file : {meshed_file(), chunked_file(0), chunked_file(1), chunked_file(2), chunked_file(2, {1, 1, 1}), chunked_file(0, {40, 30, 33})}) {
+    const GridReader reader = reader_of(file);
+    for (const int threads : {1, 2, 5}) {
+      double last = 0;
+      bool ascending = true;
+      reader.verify(threads, [&](double share) {
+        ascending &= share >= last && share <= 1;
+        last = share;
+      });
+      REQUIRE(ascending);
+    }
+  }
+}
+
+TEST_CASE("A reader tells what the file holds") {
+  const Bytes file = meshed_file();
+  const GridReader reader = reader_of(file);
+  REQUIRE(reader.file_bytes() == file.size());
+  REQUIRE(reader.meta().grid == cubic(12, 9, 8));
+  REQUIRE(reader.levels() == 5);
+  REQUIRE((reader.stored(0) && !reader.stored(1) && reader.stored(2) && !reader.stored(3) && reader.stored(4)));
+  REQUIRE(reader.report().starts_with('{'));
+  REQUIRE(reader.hash().size() == 32);
+  REQUIRE(reader.hash() == reader_of(meshed_file()).hash());
+  REQUIRE(reader.hash() != reader_of(chunked_file()).hash());
+}
+
+TEST_CASE("The file read by threads at once is the file read by one") {
+  const Index3 n = {23, 21, 30};
+  const Bytes file = chunked_file(2, n);
+  const GridReader reader = reader_of(file);
+  const Levels expected = read_everything(reader);
+  const GridReader shared = reader_of(file);  // with a cold cache
+  std::atomic<int> wrong = 0;
+  std::vector<std::jthread> pool;
+  for (uint64_t seed = 0; seed < 4; ++seed)
+    pool.emplace_back([&, seed] {
+      std::mt19937_64 random(seed);
+      for (int round = 0; round < 200; ++round) {
+        const int level = random_int(random, 0, reader.levels() - 1);
+        const Index3 size = reader.meta().grid.cells(level);
+        Box box;
+        for (int d = 0; d < 3; ++d) {
+          box.lo[d] = random_int(random, 0, static_cast<int>(size[d]) - 1);
+          box.hi[d] = random_int(random, static_cast<int>(box.lo[d]) + 1, static_cast<int>(size[d]));
+        }
+        const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1], nz = box.hi[2] - box.lo[2];
+        std::vector<uint32_t> cells(static_cast<size_t>(nx * ny * nz));
+        read_box<uint32_t>(shared, level, box, [](const std::vector<Label>& s) { return static_cast<uint32_t>(mask_of(s)); }, 0, cells.data(), {1, nx, nx * ny});
+        for (int64_t z = 0; z < nz; ++z)
+          for (int64_t y = 0; y < ny; ++y)
+            for (int64_t x = 0; x < nx; ++x)
+              wrong += cells[static_cast<size_t>((z * ny + y) * nx + x)] !=
+                       expected[static_cast<size_t>(level)][static_cast<size_t>(((z + box.lo[2]) * size[1] + y + box.lo[1]) * size[0] + x + box.lo[0])];
+      }
+    });
+  pool.clear();
+  REQUIRE(wrong == 0);
+}
+
+TEST_CASE("A reader gives its descriptor back, whether the file was sound or not") {
+  const TempFolder folder;
+  const Bytes file = meshed_file();
+  const auto write = [&](const char* name, size_t size) {
+    std::ofstream(folder / name, std::ios::binary).write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(size));
+  };
+  write("sound", file.size());
+  write("cut", file.size() - 1);
+  write("shorter", 10);
+  write("empty", 0);
+  const size_t before = open_descriptors();
+  for (int round = 0; round < 10; ++round) {
+    {
+      const GridReader reader(folder / "sound");
+      verify(reader, 2);
+      REQUIRE(open_descriptors() == before + 1);
+    }
+    for (const char* name : {"cut", "shorter", "empty"}) REQUIRE_THROWS_AS(GridReader(folder / name), FormatError);
+    REQUIRE_THROWS_AS(GridReader(folder / "missing"), IoError);
+  }
+  REQUIRE(open_descriptors() == before);
+}
+
+TEST_CASE("What is no .tcell file is a FormatError that names it") {
+  for (const std::string& text : {std::string(), std::string("solid cube\n"), std::string(1000, 'x'), std::string(1000, '\0')})
+    REQUIRE_THROWS_WITH(reader_of({text.begin(), text.end()}), Catch::StartsWith("memory.tcell: ") && Catch::Contains("teracell"));
+}
+
+// ---- damaged files --------------------------------------------------------------------------------------------------
+
+TEST_CASE("A file cut short at any byte, or continued, is refused when it is opened") {
+  for (const Bytes& file : {meshed_file(), chunked_file()}) {
+    for (size_t n = 0; n < file.size(); ++n) REQUIRE_THROWS_AS(reader_of({file.begin(), file.begin() + static_cast<ptrdiff_t>(n)}), FormatError);
+    Bytes longer = file;
+    longer.push_back(0);
+    REQUIRE_THROWS_AS(reader_of(longer), FormatError);
+    longer = file;
+    longer.insert(longer.end(), file.begin(), file.end());  // a sound header and a sound footer, of two files
+    REQUIRE_THROWS_AS(reader_of(longer), FormatError);
+  }
+}
+
+TEST_CASE("Any single bit flipped in a file is reported by verify, and no wrong cell is ever read") {
+  for (Bytes file : {meshed_file(), chunked_file()}) {
+    const Levels undamaged = read_everything(reader_of(file));
+    for (size_t bit = 0; bit < 8 * file.size(); ++bit) {
+      file[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
+      expect_noticed(file, undamaged, "bit", bit);
+      file[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
+    }
+  }
+}
+
+TEST_CASE("A block of a file overwritten, or two of them swapped, is reported by verify") {
+  const Bytes file = chunked_file(2, {9, 9, 9});
+  const Levels undamaged = read_everything(reader_of(file));
+  std::mt19937_64 random(8);
+  for (int round = 0; round < 300; ++round) {
+    Bytes damaged = file;
+    const size_t size = random() % 64 + 1, a = random() % (file.size() - size), b = random() % (file.size() - size);
+    if (round % 2 == 0) std::fill_n(damaged.begin() + static_cast<ptrdiff_t>(a), size, uint8_t{0});
+    else std::swap_ranges(damaged.begin() + static_cast<ptrdiff_t>(std::min(a, b)), damaged.begin() + static_cast<ptrdiff_t>(std::min(a, b) + std::min(size, std::max(a, b) - std::min(a, b))),
+                          damaged.begin() + static_cast<ptrdiff_t>(std::max(a, b)));
+    if (damaged != file) expect_noticed(damaged, undamaged, "round", static_cast<size_t>(round));
+  }
+}
+
+// ---- hostile files --------------------------------------------------------------------------------------------------
+
+TEST_CASE("A file taken apart and put together without a lie is sound") {
+  for (const Bytes& file : {meshed_file(), chunked_file()}) {
+    const Bytes again = forge(file, {});
+    REQUIRE_NOTHROW(verify(reader_of(again)));
+    REQUIRE(read_everything(reader_of(again)) == read_everything(reader_of(file)));
+  }
+}
+
+TEST_CASE("Bytes that nothing names, or that two things name, are found by verify") {
+  const Bytes file = chunked_file();
+  expect_verify_refuses(forge(file, {.gap = 1}), "belongs to nothing");
+  expect_verify_refuses(forge(file, {.gap = 1000}), "belongs to nothing");
+  expect_verify_refuses(forge(file, {.directory = [](int, std::vector<DirectoryEntry>& pages) { if (pages.size() > 1) pages[1] = pages[0]; }}), "");
+  bool done = false;
+  const auto share_a_frame = [&](int, std::vector<ChunkEntry>& entries) {
+    ChunkEntry* first = nullptr;
+    for (ChunkEntry& e : entries) {
+      if (e.size == 0 || done) continue;
+      if (first != nullptr) e.offset = first->offset, e.size = first->size, e.checksum = first->checksum, e.stats = first->stats, done = true;
+      first = &e;
+    }
+  };
+  const Bytes shared = forge(file, {.page = share_a_frame});
+  REQUIRE(done);
+  expect_verify_refuses(shared, "");
+}
+
+TEST_CASE("Sums, statistics, coarse sets and the content hash that lie are found by verify") {
+  const Bytes file = chunked_file();
+  for (const int which : {0, 1, 2})
+    expect_verify_refuses(forge(file, {.metadata = [&](Metadata& m) { ++(which == 0 ? m.levels[0].chunks : which == 1 ? m.levels[1].bytes : m.levels[0].changes); }}),
+                          "the metadata counts");
+  expect_verify_refuses(forge(file, {.page = [](int level, std::vector<ChunkEntry>& entries) {
+                                       for (ChunkEntry& e : entries)
+                                         if (level == 0 && !e.stats.empty()) e.stats[0].cells += 1;
+                                     }}),
+                        "statistics");
+  expect_verify_refuses(forge(file, {.page = [](int level, std::vector<ChunkEntry>& entries) {
+                                       for (ChunkEntry& e : entries)
+                                         if (level == 4 && e.size == 0) e.uniform = {0};
+                                     }}),
+                        "sets");
+  expect_verify_refuses(forge(file, {.footer = [](Footer& f) { f.hash[15] ^= 1; }}), "content hash");
+}
+
+TEST_CASE("A cell of level 0 with a set of several labels is refused") {
+  const Bytes file = chunked_file();
+  Bytes coarse;  // the body of a chunk of level 2: it has sets
+  int level = 0;
+  forge(file, {.page = [&](int l, std::vector<ChunkEntry>&) { level = l; },
+               .bytes = [&](Part part, Bytes& body) { if (part == Part::kChunk && level == 0) coarse = body; }});
+  const Bytes swapped = forge(file, {.bytes = [&](Part part, Bytes& body) { if (part == Part::kChunk) body = coarse; }});
+  REQUIRE_THROWS_AS(verify(reader_of(swapped)), FormatError);
+  read_hostile(swapped);
+}
+
+TEST_CASE("Offsets outside the file, and sizes beyond it, are refused wherever they stand") {
+  const Bytes file = chunked_file();
+  for (const uint64_t bad : {uint64_t{file.size()} - 1, uint64_t{file.size()}, uint64_t{file.size()} + 1, uint64_t{1} << 40, uint64_t{1} << 63, ~uint64_t{0} - 7, ~uint64_t{0}}) {
+    INFO(bad);
+    REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.metadata.offset = bad; }})), FormatError);
+    REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.metadata.size = bad; }})), FormatError);
+    REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.file_bytes = bad; }})), FormatError);
+    REQUIRE_THROWS_AS(reader_of(forge(file, {.metadata = [&](Metadata& m) { m.levels[0].directory = bad; }})), FormatError);
+    const Bytes report = forge(file, {.footer = [&](Footer& f) { f.report.offset = bad; }});
+    REQUIRE_THROWS_WITH(reader_of(report).report(), Catch::StartsWith("memory.tcell: "));
+    for (const Bytes& lie : {report, forge(file, {.footer = [&](Footer& f) { f.report.size = bad; }}),
+                             forge(file, {.directory = [&](int, std::vector<DirectoryEntry>& pages) { pages[0].offset = bad; }}),
+                             forge(file, {.directory = [&](int, std::vector<DirectoryEntry>& pages) { pages[0].size = bad; }}),
+                             forge(file, {.page = [&](int, std::vector<ChunkEntry>& entries) { for (ChunkEntry& e : entries) e.offset = bad; }}),
+                             forge(file, {.page = [&](int, std::vector<ChunkEntry>& entries) { for (ChunkEntry& e : entries) e.size = e.size == 0 ? 0 : static_cast<uint32_t>(bad) | 1; }})}) {
+      expect_verify_refuses(lie, "");
+      read_hostile(lie);
+    }
+  }
+}
+
+TEST_CASE("Structures that name each other in loops are refused") {
+  const Bytes file = chunked_file();
+  Footer honest;
+  forge(file, {.footer = [&](Footer& f) { honest = f; }});
+  // The footer as its own metadata; the metadata as a page; the report as a chunk; one directory for two levels; ...
+  REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.metadata = {f.file_bytes - kFooterBytes, kFooterBytes, 0}; }})), FormatError);
+  expect_verify_refuses(forge(file, {.directory = [&](int, std::vector<DirectoryEntry>& pages) { pages[0] = honest.metadata; }}), "");
+  expect_verify_refuses(forge(file, {.page = [&](int, std::vector<ChunkEntry>& entries) {
+                          for (ChunkEntry& e : entries)
+                            if (e.size != 0) e.offset = honest.report.offset, e.size = static_cast<uint32_t>(honest.report.size), e.checksum = honest.report.checksum;
+                        }}), "");
+  REQUIRE_THROWS_AS(verify(reader_of(forge(file, {.metadata = [](Metadata& m) { m.levels[1].directory = m.levels[0].directory; }}))), FormatError);
+  expect_verify_refuses(forge(file, {.footer = [](Footer& f) { f.report = f.metadata; }}), "two things");
+}
+
+TEST_CASE("A grid that is larger than its index is refused when it is opened") {
+  const Bytes file = chunked_file();
+  const int64_t n = Axis::kMaxCells;
+  for (const Index3& cells : {Index3{n, n, n}, Index3{n, 1, 1}, Index3{1, n, 1}, Index3{1, 1, n}, Index3{50, 60, 90}}) {
+    const Bytes lie = forge(file, {.metadata = [&](Metadata& m) { m.grid = cubic(cells[0], cells[1], cells[2]); }});
+    REQUIRE_THROWS_AS(reader_of(lie), FormatError);
+  }
+}
+
+TEST_CASE("A file whose chunks, pages or labels are counted otherwise than they were written does not crash the reader") {
+  for (const Bytes& file : {meshed_file(), chunked_file()}) {
+    for (const uint32_t chunk_rays : {4u, 8u, 64u, 256u})
+      for (const uint32_t chunk_cells : {4u, 8u, 65536u, 1u << 31})
+        for (const uint32_t page_chunks : {1u, 2u, 64u})
+          for (const int axis : {0, 1, 2})
+            read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.chunk_rays = chunk_rays, m.chunk_cells = chunk_cells, m.page_chunks = page_chunks, m.ray_axis = axis; }}));
+    for (const size_t labels : {1, 2, 4, 60'000})
+      read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.labels.resize(labels), m.materials.resize(std::max<size_t>(labels, 3)); }}));
+    for (const Index3& n : {Index3{1, 1, 1}, Index3{12, 9, 7}, Index3{5, 6, 10}, Index3{64, 64, 65536}})
+      read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.grid = cubic(n[0], n[1], n[2]); }}));
+    read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.levels.resize(1); }}));
+  }
+}
+
+TEST_CASE("Any byte of the plain bodies changed under right checksums is refused or read, never a crash") {
+  const Bytes file = chunked_file(2, {4, 5, 5});
+  std::vector<std::pair<Part, size_t>> bodies;
+  forge(file, {.bytes = [&](Part part, Bytes& body) { bodies.emplace_back(part, body.size()); }});
+  for (size_t target = 0; target < bodies.size(); ++target) {
+    const size_t step = bodies[target].first == Part::kMetadata ? 7 : 1;
+    for (size_t at = 0; at < bodies[target].second; at += step)
+      for (const uint8_t change : {0x01, 0x80, 0xFF}) {
+        size_t index = 0;
+        read_hostile(forge(file, {.bytes = [&](Part, Bytes& body) { if (index++ == target) body[at] ^= change; }}));
+      }
+  }
+}
+
+}  // namespace
+}  // namespace teracell
