@@ -166,7 +166,7 @@ TEST_CASE("Volumes of spheres and tori converge to the analytic ones") {
   }
 }
 
-TEST_CASE("The file's bytes do not depend on the number of threads") {
+TEST_CASE("The file's bytes do not depend on the number of threads", "[threads]") {
   const TempFolder folder;
   const std::vector<Body> bodies = {{shapes::sphere({100, 100, 100}, 90, 4)}, {shapes::torus({100, 100, 120}, 60, 20, 40, 30), Rule::kNonzero, 2}};
   const Scene scene = scene_of(folder, bodies, uniform_grid(0, 0.37, 540, 540, 540));
