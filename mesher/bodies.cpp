@@ -42,10 +42,11 @@ void choose_rule(const SceneBody& body, const BoundaryProof& proof, BodyFacets& 
   const auto& e = edges[0];
   throw InputError(fmt::format(
       "{}: body '{}' is not closed: expected every edge to be {}, found {} edge{} that {} not, within the box {} to {}; the first runs from {} to {} "
-      "(coordinates of the mesh). Close the surface{}",
+      "(coordinates of the mesh). Close the surface{}{}",
       body.mesh.string(), body.name, out.rule == Fill::kNonzero ? "matched by its reverse" : "used an even number of times", edges.size(),
       edges.size() == 1 ? "" : "s", edges.size() == 1 ? "is" : "are", text(lo), text(hi), text(e.from), text(e.to),
-      out.rule == Fill::kNonzero && evenodd ? ", orient its facets alike or use fill evenodd" : ""));
+      out.rule == Fill::kNonzero && evenodd ? ", orient its facets alike or use fill evenodd" : "",
+      body.part.empty() ? "" : fmt::format("; part '{}' may be cut off from parts that were left out", body.part)));
 }
 
 }  // namespace

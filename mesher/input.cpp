@@ -36,6 +36,7 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
   try {
     struct stat status {};
     if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode)) size_ = status.st_size;
+    if (S_ISDIR(status.st_mode)) throw IoError(fmt::format("{}: expected a surface file, found a folder", name_));
     posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint: its failure costs speed only
     begin();
   } catch (...) {

@@ -205,7 +205,8 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
       });
   phases.end("cast");
 
-  ordered_json report;
+  ordered_json report = {{"schema", 1}, {"bodies", ordered_json::array()}};
+  ordered_json inputs = ordered_json::array();
   ordered_json warnings = ordered_json::array();
   const std::vector<Survey> surveyed = surveys.get();
   uint64_t exact = 0;
@@ -224,12 +225,13 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
     j["cells"] = static_cast<uint64_t>(cells[b]);
     if (cells[b] >> 53 != 0) j["cells_text"] = fmt::format("{}", cells[b]);
     report["bodies"].push_back(j);
-    report["inputs"].push_back({{"path", body.mesh_text}, {"format", found.file.format}, {"bytes", found.file.bytes}, {"hash", found.file.hash}});
+    inputs.push_back({{"path", body.mesh_text}, {"format", found.file.format}, {"bytes", found.file.bytes}, {"hash", found.file.hash}});
     if (cells[b] == 0)
       warnings.push_back(fmt::format("body '{}' owns no cell: it lies outside the grid, between the sample points, or under stronger bodies", body.name));
   }
   report["crossings"] = crossings;
   report["warnings"] = warnings;
+  report["inputs"] = inputs;
   report["ray_axis"] = {{"axis", axis_name(meta.ray_axis)}, {"why", options.axis ? "asked for" : "the fewest crossings and rays"}};
   for (int axis = 0; axis < 3; ++axis) report["ray_axis"]["crossings_expected"].push_back(std::llround(cost[axis].crossings));
   report["scene"] = normalised(scene);

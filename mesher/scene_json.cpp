@@ -1,8 +1,10 @@
 // The scene file, in and out. Reading is two steps: the text becomes Nodes that know their place (scene_node), then
 // each part of the scene is taken from its Node here.
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <unordered_map>
@@ -22,9 +24,11 @@ namespace fs = std::filesystem;
 std::string read_text(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw IoError(fmt::format("{}: expected a file, found a folder", path.string()));
+  errno = 0;
   std::ifstream in(path, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in.is_open() || in.bad()) throw IoError(fmt::format("{}: the file can't be read", path.string()));
+  if (!in.is_open()) throw IoError(fmt::format("{}: can't be opened: {}", path.string(), std::strerror(errno)));
+  if (in.bad()) throw IoError(fmt::format("{}: can't be read", path.string()));
   return text;
 }
 

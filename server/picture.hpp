@@ -25,7 +25,7 @@ Rgba blend(std::span<const Rgba> colors);
 // all known beforehand, so that a picture can have a palette. Threads may share it.
 class SetColors {
  public:
-  // The pictures of `level`: on level 0 sets have one member.
+  // The pictures of `level`: on level 0 sets have one member. Keeps a reference to `meta`.
   SetColors(const Metadata& meta, int level);
   uint16_t number(const std::vector<Label>& set);
   SetValue value() {
@@ -56,7 +56,8 @@ class PngWriter {
   void finish();                                // REQUIRES: height rows were written
 
  private:
-  void deflate_row(const std::vector<uint8_t>& filtered, bool last);
+  void fill_rgba();
+  void deflate_bytes(std::span<const uint8_t> bytes, bool last);
   void chunk(const char* type, std::span<const uint8_t> data);
 
   struct Deflate;
@@ -67,7 +68,8 @@ class PngWriter {
   std::vector<Rgba> known_;
   std::vector<uint16_t> numbers_;            // of the row before
   std::vector<uint8_t> above_, row_, filtered_, same_;
-  std::vector<uint8_t> out_;
+  std::vector<uint8_t> out_;  // the IDAT to come
+  size_t filled_ = 0;
   std::unique_ptr<Deflate> deflate_;
 };
 

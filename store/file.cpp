@@ -21,7 +21,7 @@ InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), 
   struct stat st;
   if (::fstat(fd_, &st) != 0 || !S_ISREG(st.st_mode)) {
     ::close(fd_);
-    throw IoError(fmt::format("{}: not a regular file", name_));
+    throw IoError(fmt::format("{}: expected a file, found {}", name_, S_ISDIR(st.st_mode) ? "a folder" : "a device or a pipe"));
   }
   size_ = static_cast<uint64_t>(st.st_size);
 }
@@ -41,9 +41,14 @@ void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
 
 OutputFile::OutputFile(const std::filesystem::path& target) : target_(target), partial_(target.string() + ".partial") {
   std::error_code ignored;  // what else is wrong with the target, open() will say
-  if (std::filesystem::is_directory(target_, ignored)) throw IoError(fmt::format("{}: expected the name of a file, found a folder", target_.string()));
+  // The rename would put a file in the place of a device: root must not lose /dev/null.
+  if (const auto found = std::filesystem::status(target_, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
+    throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(), std::filesystem::is_directory(found) ? "a folder" : "a device or a pipe"));
   fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-  if (fd_ < 0) throw IoError(fmt::format("{}: can't create: {}", partial_.string(), std::strerror(errno)));
+  if (fd_ < 0) {
+    const bool no_folder = errno == ENOENT && target_.has_parent_path();
+    throw IoError(fmt::format("{}: can't create: {}", partial_.string(), no_folder ? fmt::format("there is no folder '{}'", target_.parent_path().string()) : std::strerror(errno)));
+  }
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
     ::close(fd_);
     throw IoError(fmt::format("{}: another process is writing this file (it holds the lock on {})", target_.string(), partial_.string()));

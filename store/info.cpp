@@ -39,7 +39,7 @@ ordered_json info_json(const GridReader& reader) {
   for (size_t i = 0; i < meta.materials.size(); ++i)
     j["materials"].push_back({{"id", i}, {"name", meta.materials[i].name}, {"color", meta.materials[i].color}, {"rank", meta.materials[i].rank}});
   for (int level = 0; level < reader.levels(); ++level) {
-    ordered_json l = {{"level", level}, {"cells", meta.grid.cells(level)}, {"stored", reader.stored(level)}};
+    ordered_json l = {{"level", level}, {"cells", meta.grid.cells(level)}, {"stored", reader.stored(level)}, {"chunks", 0}, {"bytes", 0}, {"changes", 0}};
     for (const LevelInfo& s : meta.levels)
       if (s.level == level) l["chunks"] = s.chunks, l["bytes"] = s.bytes, l["changes"] = s.changes;
     j["levels"].push_back(l);

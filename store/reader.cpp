@@ -159,11 +159,12 @@ GridReader::Page GridReader::page(int level, uint64_t page) const {
   return fresh;
 }
 
-ChunkEntry GridReader::entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const {
+std::shared_ptr<const ChunkEntry> GridReader::entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const {
   try {
     const LevelShape s = shape(level);
     const uint64_t p = s.page_of(cu, cv, segment);
-    return (*page(level, p))[s.slot_of(cu, cv, p)];
+    const Page found = page(level, p);
+    return {found, &(*found)[s.slot_of(cu, cv, p)]};  // keeps the page alive
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
   }
@@ -171,9 +172,9 @@ ChunkEntry GridReader::entry(int level, uint32_t cu, uint32_t cv, uint32_t segme
 
 std::optional<std::vector<Label>> GridReader::uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const {
   if (!stored(level)) return std::nullopt;
-  ChunkEntry e = entry(level, cu, cv, segment);
-  if (e.size != 0) return std::nullopt;
-  return std::move(e.uniform);
+  const auto e = entry(level, cu, cv, segment);
+  if (e->size != 0) return std::nullopt;
+  return e->uniform;
 }
 
 void GridReader::read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& e, Chunk& out) const {
@@ -198,7 +199,7 @@ void GridReader::read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segme
 }
 
 void GridReader::read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const {
-  if (stored(level)) read_stored(level, cu, cv, segment, entry(level, cu, cv, segment), out);
+  if (stored(level)) read_stored(level, cu, cv, segment, *entry(level, cu, cv, segment), out);
   else derive(level, cu, cv, segment, out);
 }
 

@@ -31,7 +31,7 @@ class GridReader {
   LevelShape shape(int level) const { return LevelShape(meta_, level); }
 
   // REQUIRES: stored(level), the chunk lies in the level.
-  ChunkEntry entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
+  std::shared_ptr<const ChunkEntry> entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
   // The set that fills the chunk, if it is stored as such; derived levels never say. Costs no chunk bytes.
   std::optional<std::vector<Label>> uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
   // Any level: those that are not stored are derived from the next lower one that is. `out` is overwritten.

@@ -41,20 +41,24 @@ void for_each_part(const LevelShape& s, const RayBox& b, F&& f) {
   const auto cut = [](int64_t lo, int64_t hi, int64_t first, int64_t size) {
     return std::pair{static_cast<uint32_t>(std::max<int64_t>(lo - first, 0)), static_cast<uint32_t>(std::min(hi - first, size))};
   };
-  for (int64_t cv = b.v0 / s.chunk_rays; cv * s.chunk_rays < b.v1; ++cv) {
-    for (int64_t cu = b.u0 / s.chunk_rays; cu * s.chunk_rays < b.u1; ++cu) {
-      for (int64_t segment = b.w0 / s.chunk_cells; segment * s.chunk_cells < b.w1; ++segment) {
-        ChunkPart p;
-        p.cu = static_cast<uint32_t>(cu), p.cv = static_cast<uint32_t>(cv), p.segment = static_cast<uint32_t>(segment);
-        p.first_u = cu * s.chunk_rays, p.first_v = cv * s.chunk_rays, p.first_w = segment * s.chunk_cells;
-        std::tie(p.u0, p.u1) = cut(b.u0, b.u1, p.first_u, s.rays_u(p.cu));
-        std::tie(p.v0, p.v1) = cut(b.v0, b.v1, p.first_v, s.rays_v(p.cv));
-        std::tie(p.w0, p.w1) = cut(b.w0, b.w1, p.first_w, s.length(p.segment));
-        p.whole = p.u0 == 0 && p.v0 == 0 && p.w0 == 0 && p.u1 == s.rays_u(p.cu) && p.v1 == s.rays_v(p.cv) && p.w1 == s.length(p.segment);
-        f(p);
-      }
-    }
-  }
+  const auto chunk = [&](int64_t cu, int64_t cv, int64_t segment) {
+    ChunkPart p;
+    p.cu = static_cast<uint32_t>(cu), p.cv = static_cast<uint32_t>(cv), p.segment = static_cast<uint32_t>(segment);
+    p.first_u = cu * s.chunk_rays, p.first_v = cv * s.chunk_rays, p.first_w = segment * s.chunk_cells;
+    std::tie(p.u0, p.u1) = cut(b.u0, b.u1, p.first_u, s.rays_u(p.cu));
+    std::tie(p.v0, p.v1) = cut(b.v0, b.v1, p.first_v, s.rays_v(p.cv));
+    std::tie(p.w0, p.w1) = cut(b.w0, b.w1, p.first_w, s.length(p.segment));
+    p.whole = p.u0 == 0 && p.v0 == 0 && p.w0 == 0 && p.u1 == s.rays_u(p.cu) && p.v1 == s.rays_v(p.cv) && p.w1 == s.length(p.segment);
+    f(p);
+  };
+  // Page by page: each page of the index is then read once.
+  const int64_t side = s.page_chunks;
+  const int64_t u0 = b.u0 / s.chunk_rays, u1 = (b.u1 - 1) / s.chunk_rays, v0 = b.v0 / s.chunk_rays, v1 = (b.v1 - 1) / s.chunk_rays;
+  for (int64_t segment = b.w0 / s.chunk_cells; segment * s.chunk_cells < b.w1; ++segment)
+    for (int64_t pv = v0 / side; pv <= v1 / side; ++pv)
+      for (int64_t pu = u0 / side; pu <= u1 / side; ++pu)
+        for (int64_t cv = std::max(v0, pv * side); cv <= std::min(v1, pv * side + side - 1); ++cv)
+          for (int64_t cu = std::max(u0, pu * side); cu <= std::min(u1, pu * side + side - 1); ++cu) chunk(cu, cv, segment);
 }
 
 // Calls f(u, v, from, to, set id) for the runs of a part, in the chunk's own rays and cells.
@@ -212,7 +216,8 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
   const LevelShape shape = reader.shape(0);
   Chunk chunk;
   for_each_part(shape, RayBox(box, f), [&](const ChunkPart& p) {
-    const ChunkEntry entry = reader.entry(0, p.cu, p.cv, p.segment);
+    const auto found = reader.entry(0, p.cu, p.cv, p.segment);
+    const ChunkEntry& entry = *found;
     const Index3 first = {p.first_u, p.first_v, p.first_w};
     if (entry.size == 0) {
       add(meta.labels[entry.uniform[0]].material, uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0),

@@ -1,6 +1,7 @@
 #include "tools/command.hpp"
 
 #include <charconv>
+#include <csignal>
 #include <thread>
 
 #include <fmt/format.h>
@@ -8,6 +9,23 @@
 #include "store/error.hpp"
 
 namespace teracell {
+namespace {
+
+std::atomic<bool> interrupted{false};  // set by the signal handler, which can reach nothing else
+
+}  // namespace
+
+const std::atomic<bool>& watch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = true; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  return interrupted;
+}
+
+void stop_if(const std::atomic<bool>& stop, const std::string& output) {
+  if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output));
+}
 
 std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option) {
   std::vector<int64_t> out;
@@ -22,7 +40,7 @@ std::vector<int64_t> parse_integers(const std::string& text, size_t count, const
     at = rest + 1;
   }
   if (!good || out.size() != count)
-    throw UsageError(fmt::format("{}: expected {} whole number{} separated by commas, found '{}'", option, count, count == 1 ? "" : "s", text));
+    throw UsageError(fmt::format("{}: expected {}, found '{}'", option, count == 1 ? "a whole number" : fmt::format("{} whole numbers separated by commas", count), text));
   return out;
 }
 

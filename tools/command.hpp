@@ -2,6 +2,7 @@
 // returns what runs once they are parsed; run throws, main() turns that into an exit status.
 #pragma once
 #include <array>
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -33,5 +34,8 @@ int parse_axis(const std::string& text);  // "x", "y", "z"
 // Throws UsageError unless lo < hi <= the level's cells on every axis.
 Box parse_region(const std::string& text, const Grid& grid, int level);
 int default_threads();
+// From here on SIGINT and SIGTERM set the flag instead of killing the program, so that its partial file is removed.
+const std::atomic<bool>& watch_interrupts();
+void stop_if(const std::atomic<bool>& stop, const std::string& output);  // throws Interrupted
 
 }  // namespace teracell

@@ -18,17 +18,19 @@ struct Options {
 
 // Layers of z that fit the slab, one at least. A layer of 10^5 x 10^5 cells is the largest thing in memory here.
 template <class T>
-void write_cells(const GridReader& reader, int level, const Box& box, OutputFile& file) {
+void write_cells(const GridReader& reader, const Options& o, const Box& box, OutputFile& file) {
+  const std::atomic<bool>& stop = watch_interrupts();
   const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1];
   const int64_t layers = std::max<int64_t>(1, kSlabBytes / (nx * ny * static_cast<int64_t>(sizeof(T))));
   const SetValue material = strongest_material(reader.meta());
   std::vector<T> slab;
   for (int64_t z = box.lo[2]; z < box.hi[2]; z += layers) {
+    stop_if(stop, o.output);
     Box part = box;
     part.lo[2] = z;
     part.hi[2] = std::min(box.hi[2], z + layers);
     slab.resize(static_cast<size_t>(nx * ny * (part.hi[2] - z)));
-    read_box<T>(reader, level, part, material, 0, slab.data(), {1, nx, nx * ny});
+    read_box<T>(reader, o.level, part, material, 0, slab.data(), {1, nx, nx * ny});
     file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
   }
 }
@@ -47,8 +49,8 @@ void run(const Options& o) {
   const bool wide = meta.materials.size() > 256;
   OutputFile file(o.output);
   if (format == "npy") file.append(npy_header(wide ? "<u2" : "|u1", {box.hi[2] - box.lo[2], box.hi[1] - box.lo[1], box.hi[0] - box.lo[0]}));
-  if (wide) write_cells<uint16_t>(reader, o.level, box, file);
-  else write_cells<uint8_t>(reader, o.level, box, file);
+  if (wide) write_cells<uint16_t>(reader, o, box, file);
+  else write_cells<uint8_t>(reader, o, box, file);
   file.commit();
 }
 

@@ -39,7 +39,7 @@ void print(const GridReader& reader) {
                                              a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
   }
   row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits each on level 0", axis_name(meta.ray_axis), meta.crossings, bits_per_crossing(meta)));
-  row("dense", fmt::format("one byte a cell would take {}: {:.3g} times as much", bytes_text(cells), cells / size));
+  row("dense", fmt::format("one byte a cell would take {}, {:.0f} times as much", bytes_text(cells), cells / size));
   size_t width = 0;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
   for (size_t i = 0; i < meta.materials.size(); ++i)

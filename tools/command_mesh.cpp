@@ -1,7 +1,4 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
-#include <atomic>
-#include <csignal>
-
 #include <fmt/format.h>
 
 #include "mesher/pipeline.hpp"
@@ -13,8 +10,6 @@
 
 namespace teracell {
 namespace {
-
-std::atomic<bool> interrupted{false};  // set by the signal handler, which can reach nothing else
 
 struct Options {
   std::vector<std::string> inputs;
@@ -48,6 +43,18 @@ Scene scene_from(const Options& o) {
   return scene;
 }
 
+// Outputs are checked before hours of work, not after.
+void check_outputs(const Options& o, const Scene& scene) {
+  std::error_code none;
+  const auto same = [&](const std::filesystem::path& a, const std::filesystem::path& b) { return a == b || std::filesystem::equivalent(a, b, none); };
+  if (!o.report.empty() && same(o.report, o.output)) throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
+  std::vector<std::filesystem::path> inputs(o.inputs.begin(), o.inputs.end());
+  for (const SceneBody& body : scene.bodies) inputs.push_back(body.mesh);
+  for (const std::string& output : {o.output, o.report})
+    for (const std::filesystem::path& input : inputs)
+      if (!output.empty() && same(input, output)) throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", output));
+}
+
 // A short word on what was done; the report has the rest.
 void summarise(const Options& o, const nlohmann::ordered_json& report) {
   const GridReader reader(o.output);
@@ -57,19 +64,19 @@ void summarise(const Options& o, const nlohmann::ordered_json& report) {
   fmt::print("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {:.1f} MB, {:.0f} MiB of memory, rays along {}\n", o.output, n[0], n[1], n[2],
              static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, static_cast<double>(reader.file_bytes()) / 1e6,
              report["peak_memory_bytes"].get<double>() / (1 << 20), axis_name(reader.meta().ray_axis));
-  for (const auto& warning : report["warnings"]) fmt::print(stderr, "warning: {}\n", warning.get<std::string>());
+  for (const auto& warning : report["warnings"]) std::fputs(("warning: " + warning.get<std::string>() + "\n").c_str(), stderr);
 }
 
 void run(const Options& o) {
   const Scene scene = scene_from(o);
+  check_outputs(o, scene);
   MeshOptions options;
   if (o.axis != "auto") options.axis = parse_axis(o.axis);
   options.threads = o.threads;
   options.engine = o.engine;
-  struct sigaction action {};
-  action.sa_handler = [](int) { interrupted = true; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  const std::atomic<bool>& interrupted = watch_interrupts();
+  std::optional<OutputFile> report_file;
+  if (!o.report.empty()) report_file.emplace(o.report);
   nlohmann::ordered_json report;
   {
     ProgressLine line(o.progress, "mesh");
@@ -78,11 +85,10 @@ void run(const Options& o) {
       line(phase, share);
     }, interrupted);
   }
-  if (!o.report.empty()) {
-    OutputFile file(o.report);
+  if (report_file) {
     const std::string text = report.dump(1) + "\n";
-    file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-    file.commit();
+    report_file->append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+    report_file->commit();
   }
   summarise(o, report);
 }

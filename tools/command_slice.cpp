@@ -38,20 +38,24 @@ SliceView view_of(const Options& o, const Metadata& meta) {
   return view;
 }
 
-void write_png(const GridReader& reader, const SliceView& view, int threads, OutputFile& file) {
+void write_png(const GridReader& reader, const SliceView& view, const Options& o, const std::atomic<bool>& stop, OutputFile& file) {
   const int64_t width = view.u1 - view.u0, height = view.v1 - view.v0;
   SetColors colors(reader.meta(), view.level);
   PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors, [&](std::span<const uint8_t> bytes) { file.append(bytes); });
-  for_each_row(reader, view, colors.value(), true, threads, [&](int64_t, std::span<const uint16_t> row) { png.row(row); });
+  for_each_row(reader, view, colors.value(), true, o.threads, [&](int64_t, std::span<const uint16_t> row) {
+    stop_if(stop, o.output);
+    png.row(row);
+  });
   png.finish();
 }
 
 // Row 0 is v = v0: index order, unlike a picture.
-void write_npy(const GridReader& reader, const SliceView& view, int threads, OutputFile& file) {
+void write_npy(const GridReader& reader, const SliceView& view, const Options& o, const std::atomic<bool>& stop, OutputFile& file) {
   const bool wide = reader.meta().materials.size() > 256;
   file.append(npy_header(wide ? "<u2" : "|u1", {view.v1 - view.v0, view.u1 - view.u0}));
   Bytes bytes;
-  for_each_row(reader, view, strongest_material(reader.meta()), false, threads, [&](int64_t, std::span<const uint16_t> row) {
+  for_each_row(reader, view, strongest_material(reader.meta()), false, o.threads, [&](int64_t, std::span<const uint16_t> row) {
+    stop_if(stop, o.output);
     bytes.clear();
     for (const uint16_t id : row) {
       bytes.push_back(static_cast<uint8_t>(id));
@@ -66,9 +70,10 @@ void run(const Options& o) {
   if (extension != ".png" && extension != ".npy") throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
   const GridReader reader(o.grid);
   const SliceView view = view_of(o, reader.meta());
+  const std::atomic<bool>& stop = watch_interrupts();
   OutputFile file(o.output);
-  if (extension == ".png") write_png(reader, view, o.threads, file);
-  else write_npy(reader, view, o.threads, file);
+  if (extension == ".png") write_png(reader, view, o, stop, file);
+  else write_npy(reader, view, o, stop, file);
   file.commit();
 }
 

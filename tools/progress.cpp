@@ -48,8 +48,8 @@ void ProgressLine::operator()(const char* phase, double share) {
     line += fmt::format(", {} left", duration(seconds * (1 - share) / share));
   }
   line += fmt::format(", {:.0f} MiB", resident_mib());
-  if (mode_ == Mode::kLine) fmt::print(stderr, "\r\033[K{}", line);
-  else fmt::print(stderr, "{}\n", line);
+  // Not fmt::print: it throws when nobody listens, and work must not fail for that.
+  std::fputs((mode_ == Mode::kLine ? "\r\033[K" + line : line + "\n").c_str(), stderr);
   std::fflush(stderr);
   shown_ = true;
 }

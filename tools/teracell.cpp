@@ -1,8 +1,10 @@
 // The program: finds the command, parses, runs, and turns what is thrown into an exit status and a paragraph on stderr.
+#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <new>
 
+#include <fcntl.h>
 #include <fmt/format.h>
 
 #include "mesher/scene_names.hpp"
@@ -36,13 +38,60 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
 
 int fail(int status, const std::string& message) {
   std::cout.flush();
-  fmt::print(stderr, "teracell: {}\n", message);
+  std::fputs(("teracell: " + message + "\n").c_str(), stderr);  // fmt::print would throw if nobody listens
   return status;
+}
+
+int done() {
+  std::cout.flush();
+  return std::cout ? 0 : fail(1, "can't write to standard output");
+}
+
+// A file opened while 0, 1 or 2 is closed would get that number, and what is printed with it. Writing to a descriptor
+// that is open for reading fails like writing to a closed one.
+void occupy_standard_descriptors() {
+  for (int fd = 0; fd <= 2; ++fd)
+    if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
+}
+
+// Options first: CLI11 would complain about what is missing and never name what it doesn't know.
+void refuse_unknown_options(const CLI::App& app, int first, int argc, char** argv) {
+  std::vector<std::string> known;
+  for (const CLI::Option* option : app.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (int i = first; i < argc; ++i) {
+    std::string word = argv[i];
+    if (word == "--") return;
+    if (word.starts_with("--")) word.resize(std::min(word.find('='), word.size()));
+    else if (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]))) word.resize(2);  // the rest is its value
+    else continue;
+    if (app.get_option_no_throw(word) == nullptr)
+      throw UsageError(fmt::format("there is no option '{}'{} See: {} --help", word, did_you_mean(word, known), app.get_parent() ? "teracell " + app.get_name() : "teracell"));
+  }
+}
+
+// What CLI11 found wrong, in the words of the other errors.
+std::string explain(const CLI::ParseError& e, const CLI::App& app) {
+  const std::string text = e.what(), required = " is required", convert = "Could not convert: ";
+  if (text.ends_with(required)) {
+    const std::string name = text.substr(0, text.size() - required.size());
+    if (const CLI::Option* option = app.get_option_no_throw(name)) return fmt::format("missing {}: {}", name, option->get_description());
+  }
+  if (const size_t missing = text.find(": 1 required "); missing != std::string::npos) return text.substr(0, missing) + ": expected a value, found none";
+  if (text.starts_with(convert)) {
+    const size_t sign = text.find(" = ");
+    const std::string name = text.substr(convert.size(), sign - convert.size());
+    if (const CLI::Option* option = app.get_option_no_throw(name); option && sign != std::string::npos)
+      return fmt::format("{}: expected a {}number, found '{}'", name, option->get_type_name().starts_with("FLOAT") ? "" : "whole ", text.substr(sign + 3));
+  }
+  return text;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupy_standard_descriptors();
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is a failed write, not the end
   CLI::App app("Trillion-cell Cartesian grids from CAD surfaces: meshed, stored, looked at.", "teracell");
   app.set_version_flag("--version", TERACELL_VERSION);
   app.require_subcommand(1);
@@ -60,14 +109,19 @@ int main(int argc, char** argv) {
   try {
     if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end())
       return fail(2, fmt::format("there is no command '{}'{} The commands are {}", argv[1], did_you_mean(argv[1], names), fmt::join(names, ", ")));
+    if (argc == 1) return fail(2, fmt::format("expected a command, found none: {}. See: teracell --help", fmt::join(names, ", ")));
+    const bool has_command = argv[1][0] != '-';
+    refuse_unknown_options(has_command ? *app.get_subcommand(argv[1]) : app, has_command ? 2 : 1, argc, argv);
     app.parse(argc, argv);
     run();
-    std::cout.flush();
-    return std::cout ? 0 : fail(1, "can't write to standard output");
+    return done();
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
+    if (e.get_exit_code() == 0) {  // --help, --version
+      app.exit(e);
+      return done();
+    }
     const auto subs = app.get_subcommands();
-    return fail(2, fmt::format("{}. See: teracell {}--help", e.what(), subs.empty() ? "" : subs[0]->get_name() + " "));
+    return fail(2, fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]), subs.empty() ? "" : subs[0]->get_name() + " "));
   } catch (const UsageError& e) {
     return fail(2, e.what());
   } catch (const Interrupted& e) {

@@ -16,12 +16,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "mesher/predicates.hpp"
+#include "store/error.hpp"
 
 namespace teracell {
 namespace {
 
 constexpr double kUnit = 0x1p-53;  // the unit roundoff
+constexpr uint64_t kMaxCrossings = uint64_t{1} << 28;  // of a tile: 2 GiB
 
 }  // namespace
 
@@ -94,16 +98,19 @@ void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facet
   find_spans(tile, facets);
   // counts_ holds, a row at a time, how many spans start minus how many end at each ray.
   out.begin.resize(tile.rays() + 1);
-  uint32_t total = 0;
+  uint64_t total = 0;
   for (size_t row = 0; row < tile.v.size(); ++row) {
     int covering = 0;
     for (uint32_t i = 0; i < nu; ++i) {
       covering += counts_[row * (nu + 1) + i];
-      out.begin[row * nu + i] = total;
+      out.begin[row * nu + i] = static_cast<uint32_t>(total);
       total += covering;
     }
   }
-  out.begin.back() = total;
+  if (total > kMaxCrossings)
+    throw InputError(fmt::format("{} x {} rays cross the surfaces {} times, more than {} times: they are too many sheets for one tile", nu, tile.v.size(), total,
+                                 kMaxCrossings));
+  out.begin.back() = static_cast<uint32_t>(total);
   out.all.resize(total);
   next_.assign(out.begin.begin(), out.begin.end() - 1);
   find_heights(tile, facets, out);

@@ -77,7 +77,7 @@ class Forger {
       for (uint32_t slot = 0; slot < s.page_width(page) * s.page_height(page); ++slot) {
         const uint32_t cu = static_cast<uint32_t>(page % s.pages_u) * s.page_chunks + slot % s.page_width(page);
         const uint32_t cv = static_cast<uint32_t>(page / s.pages_u % s.pages_v) * s.page_chunks + slot / s.page_width(page);
-        ChunkEntry e = reader_.entry(info.level, cu, cv, static_cast<uint32_t>(page / s.pages_u / s.pages_v));
+        ChunkEntry e = *reader_.entry(info.level, cu, cv, static_cast<uint32_t>(page / s.pages_u / s.pages_v));
         if (e.size != 0) {
           const auto first = file_.begin() + static_cast<ptrdiff_t>(e.offset);
           const DirectoryEntry place = append(squeezed_again(Part::kChunk, Bytes(first, first + e.size)));

@@ -1,0 +1,195 @@
+"""One grid, the stadium, asked in every way: export, slice, column and stats tell of the same cells."""
+import json
+import os
+import random
+import shutil
+import tempfile
+
+import pyramid
+from program import Case, read_npy, teracell
+
+ORDER = [1, 3, 2, 0]  # explosive, structure, grandstand, air: the strongest first
+UV = {"z": (0, 1), "y": (0, 2), "x": (1, 2)}
+
+
+class Stadium(Case):
+    @classmethod
+    def setUpClass(cls):
+        cls.home = tempfile.mkdtemp(prefix="teracell-e2e-stadium-")
+        for args in (["sample", "stadium", "-o", "stadium"], ["mesh", "stadium/scene.json", "-o", "g.tcell"], ["export", "g.tcell", "-o", "g.npy"]):
+            r = teracell(*args, cwd=cls.home)
+            assert r.status == 0, r.err
+        with open(os.path.join(cls.home, "g.npy"), "rb") as f:
+            cls.shape, cls.cells = read_npy(f.read())
+        cls.levels = [(cls.shape, pyramid.masks(cls.cells))]
+        while cls.levels[-1][0] != (1, 1, 1):
+            cls.levels.append(pyramid.halve(*cls.levels[-1]))
+        cls.grid = os.path.join(cls.home, "g.tcell")
+        cls.scene = os.path.join(cls.home, "stadium", "scene.json")
+        with open(cls.scene) as f:
+            scene = json.load(f)
+        cls.colors = [pyramid.color(scene["materials"][m]["color"]) for m in ("air", "explosive", "grandstand", "structure")]
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.home, ignore_errors=True)
+
+    def level_cells(self, level):
+        shape, sets = self.levels[level]
+        return shape, pyramid.strongest(sets, ORDER)
+
+    def test_sample_has_the_default_grid_and_every_material(self):
+        self.assertEqual(self.shape, (60, 240, 300))
+        self.assertEqual(set(self.cells), {0, 1, 2, 3})
+
+    def test_slices_are_the_planes_of_the_export(self):
+        for axis, n in (("x", 300), ("y", 240), ("z", 60)):
+            for index in sorted({0, n - 1, *range(3, n, 13)}):
+                rows, columns, expected = pyramid.plane(self.shape, self.cells, axis, index)
+                shape, found = self.slice_npy(self.grid, "--axis", axis, "--index", index)
+                self.assertEqual(shape, (rows, columns))
+                self.assertEqual(found, expected, f"{axis} {index}")
+
+    def test_pictures_show_v_up_in_the_colours_of_the_scene(self):
+        for axis, index in (("z", 5), ("y", 77), ("x", 167), ("z", 0)):
+            rows, columns, expected = pyramid.plane(self.shape, self.cells, axis, index)
+            picture = self.slice_png(self.grid, "--axis", axis, "--index", index)
+            self.assertEqual((picture.width, picture.height, picture.kind, picture.bits), (columns, rows, 3, 2))
+            for r in range(rows):
+                v = rows - 1 - r
+                self.assertEqual(picture.rows[r], [self.colors[m] for m in expected[v * columns : (v + 1) * columns]], f"{axis} {index} row {r}")
+
+    def test_pictures_of_coarse_levels_blend_the_colours_of_the_set(self):
+        blends = [pyramid.blend([c for m, c in enumerate(self.colors) if s >> m & 1]) if s else None for s in range(16)]
+        for axis, index, level in (("z", 3, 1), ("y", 20, 2), ("x", 12, 3), ("z", 0, 5), ("z", 0, 9)):
+            shape, sets = self.levels[level]
+            rows, columns, expected = pyramid.plane(shape, sets, axis, index)
+            picture = self.slice_png(self.grid, "--axis", axis, "--index", index, "--level", level)
+            self.assertEqual((picture.width, picture.height), (columns, rows))
+            for r in range(rows):
+                v = rows - 1 - r
+                self.assertEqual(picture.rows[r], [blends[s] for s in expected[v * columns : (v + 1) * columns]], f"{axis} {index} level {level} row {r}")
+
+    def test_every_level_is_exactly_the_sets_below(self):
+        self.assertEqual(len(self.levels), 10)
+        for level in range(10):
+            self.assertEqual(self.export(self.grid, "--level", level), self.level_cells(level), f"level {level}")
+        for level, axis, index in ((1, "x", 80), (2, "y", 31), (3, "z", 4), (4, "x", 9), (7, "y", 1)):
+            shape, cells = self.level_cells(level)
+            rows, columns, expected = pyramid.plane(shape, cells, axis, index)
+            self.assertEqual(self.slice_npy(self.grid, "--axis", axis, "--index", index, "--level", level), ((rows, columns), expected))
+
+    def test_regions_are_cut_from_the_whole(self):
+        rng = random.Random(7)
+        for level in (0, 0, 0, 1, 2, 3):
+            shape, cells = self.level_cells(level)
+            n = shape[::-1]
+            lo = [rng.randrange(n[d]) for d in range(3)]
+            hi = [rng.randint(lo[d] + 1, n[d]) for d in range(3)]
+            expected = pyramid.box(shape, cells, lo, hi)
+            region = ",".join(map(str, lo + hi))
+            self.assertEqual(self.export(self.grid, "--region", region, "--level", level), (tuple(hi[d] - lo[d] for d in (2, 1, 0)), expected), region)
+            self.run_ok("export", self.grid, "--region", region, "--level", level, "-o", "box.raw")
+            self.assertEqual(self.bytes("box.raw"), expected)
+            for axis, (u, v) in UV.items():
+                w = "xyz".index(axis)
+                cut_lo, cut_hi = list(lo), list(hi)
+                cut_lo[w], cut_hi[w] = lo[w], lo[w] + 1
+                window = f"{lo[u]},{lo[v]},{hi[u]},{hi[v]}"
+                args = ("--axis", axis, "--index", lo[w], "--level", level, "--region", window)
+                expected = pyramid.box(shape, cells, cut_lo, cut_hi)
+                self.assertEqual(self.slice_npy(self.grid, *args), ((hi[v] - lo[v], hi[u] - lo[u]), expected), args)
+                if level == 0:
+                    picture = self.slice_png(self.grid, *args)
+                    top = expected[-picture.width :]
+                    self.assertEqual((picture.width, picture.height), (hi[u] - lo[u], hi[v] - lo[v]))
+                    self.assertEqual(picture.rows[0], [self.colors[m] for m in top])
+
+    def test_at_takes_the_cell_that_holds_the_coordinate(self):
+        # z runs from -3 to 57 in steps of 1: a plane belongs to the cell above it, the domain's max to the last cell.
+        for at, index in ((-3, 0), (-2.0000001, 0), (-2, 1), (3.5, 6), (56.999, 59), (57, 59)):
+            _, _, expected = pyramid.plane(self.shape, self.cells, "z", index)
+            self.assertEqual(self.slice_npy(self.grid, "--axis", "z", "--at", at)[1], expected, at)
+        shape, cells = self.level_cells(3)
+        for at, index in ((-150, 0), (-142.5, 0), (-142, 1), (150, 37)):
+            _, _, expected = pyramid.plane(shape, cells, "x", index)
+            self.assertEqual(self.slice_npy(self.grid, "--axis", "x", "--at", at, "--level", 3)[1], expected, at)
+
+    def test_columns_are_the_lines_of_the_export(self):
+        nz, ny, nx = self.shape
+        rng = random.Random(11)
+        low = (-150, -120, -3)
+        names = ["air", "explosive", "grandstand", "structure"]
+        for axis, (u, v) in UV.items():
+            w = "xyz".index(axis)
+            n, stride = (nx, ny, nz), (1, nx, nx * ny)
+            for corner in (False, True, False, False, False, False, False, False):
+                a, b = (n[u] - 1, n[v] - 1) if corner else (rng.randrange(n[u]), rng.randrange(n[v]))
+                j = self.json_of("column", self.grid, "--axis", axis, "--at", f"{a},{b}")
+                self.assertEqual((j["schema"], j["axis"], j["at"]), (1, axis, [a, b]))
+                found, end = [], 0
+                for i, run in enumerate(j["runs"]):
+                    self.assertEqual(run["from"], end)
+                    self.assertLess(run["from"], run["to"])
+                    self.assertEqual((run["min"], run["max"]), (low[w] + run["from"], low[w] + run["to"]))
+                    self.assertEqual(run["name"], names[run["material"]])
+                    if i:
+                        self.assertNotEqual(run["material"], j["runs"][i - 1]["material"], "runs are as long as can be")
+                    found += [run["material"]] * (run["to"] - run["from"])
+                    end = run["to"]
+                start = a * stride[u] + b * stride[v]
+                self.assertEqual(bytes(found), self.cells[start : start + (n[w] - 1) * stride[w] + 1 : stride[w]], f"{axis} {a},{b}")
+
+    def test_stats_count_the_cells_of_the_export(self):
+        nz, ny, nx = self.shape
+        regions = [None, [0, 0, 0, nx, ny, nz], [165, 75, 2, 175, 80, 9], [10, 20, 3, 211, 200, 41], [299, 239, 59, 300, 240, 60]]
+        for region in regions:
+            args = ["--region", ",".join(map(str, region))] if region else []
+            j = self.json_of("stats", self.grid, *args)
+            x0, y0, z0, x1, y1, z1 = region or [0, 0, 0, nx, ny, nz]
+            self.assertEqual(j["region"], [x0, y0, z0, x1, y1, z1])
+            for m in j["materials"]:
+                count, lo, hi = 0, [nx, ny, nz], [0, 0, 0]
+                for z in range(z0, z1):
+                    for y in range(y0, y1):
+                        row = self.cells[(z * ny + y) * nx + x0 : (z * ny + y) * nx + x1]
+                        here = row.count(m["id"])
+                        if here:
+                            count += here
+                            first, last = x0 + row.index(m["id"]), x0 + row.rindex(m["id"]) + 1
+                            lo = [min(p) for p in zip(lo, (first, y, z))]
+                            hi = [max(p) for p in zip(hi, (last, y + 1, z + 1))]
+                self.assertEqual(m["cells"], count, m)
+                self.assertAlmostEqual(m["volume"], count)
+                self.assertEqual(m["box"], lo + hi if count else None, m)
+
+    def test_the_report_counts_the_cells_that_bodies_own(self):
+        report = self.json_of("info", self.grid)["report"]
+        of = {m: sum(b["cells"] for b in report["bodies"] if b["name"] in names) for m, names in
+              ((1, ["charge"]), (2, ["lower tier", "upper tier"]))}
+        for m, cells in of.items():
+            self.assertEqual(cells, self.cells.count(m))
+        self.assertEqual(sum(b["cells"] for b in report["bodies"]), len(self.cells) - self.cells.count(0))
+
+    def test_cells_are_the_same_for_rays_along_any_axis(self):
+        for axis in "xyz":
+            self.run_ok("mesh", self.scene, "--axis", axis, "-o", "a.tcell")
+            self.assertEqual(self.json_of("info", "a.tcell")["ray_axis"], axis)
+            self.assertEqual(self.export("a.tcell"), (self.shape, self.cells))
+            self.assertEqual(self.export("a.tcell", "--level", 3), self.level_cells(3))
+            self.run_ok("verify", "a.tcell")
+
+    def test_the_file_is_the_same_for_any_number_of_threads(self):
+        with open(self.grid, "rb") as f:
+            expected = f.read()
+        for threads in (1, 2, 3):
+            self.run_ok("mesh", self.scene, "--threads", threads, "-o", "t.tcell")
+            self.assertEqual(self.bytes("t.tcell"), expected, f"{threads} threads")
+        for threads in (1, 3):
+            self.run_ok("slice", self.grid, "--axis", "y", "--index", 100, "--threads", threads, "-o", f"{threads}.png")
+        self.assertEqual(self.bytes("1.png"), self.bytes("3.png"))
+
+    def test_verify_says_sound(self):
+        r = self.run_ok("verify", self.grid)
+        self.assertIn("sound", r.out)
+        self.assertEqual(r.err, "")

@@ -1,0 +1,88 @@
+"""Surfaces that can't be meshed: exit 1, and the message says what, where, expected, found."""
+import gzip
+import math
+import struct
+
+import solids
+from program import Case
+
+BOX = solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0))
+OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+
+
+class Inputs(Case):
+    def refuse(self, name, contents, phrases, status=1, *more):
+        self.write(name, contents)
+        self.refused(status, [name, *phrases], "mesh", name, "--cells", 10, "-o", "x.tcell", *more)
+
+    def test_files_that_are_not_there(self):
+        self.refused(1, ["no.stl", "No such file"], "mesh", "no.stl", "--cells", 4, "-o", "x.tcell")
+        self.refused(1, ["no.json", "No such file"], "mesh", "no.json", "-o", "x.tcell")
+        self.refused(1, [self.folder, "folder"], "mesh", self.folder, "--cells", 4, "-o", "x.tcell")
+        scene = {"grid": {"cells": 4}, "materials": {"a": {}}, "bodies": [{"mesh": "no.stl", "material": "a"}]}
+        self.write("s.json", scene)
+        self.refused(1, ["no.stl", "No such file"], "mesh", "s.json", "-o", "x.tcell")
+        self.write("s.json", {**scene, "grid": {"cells": 4, "x": {"planes_file": "no.txt"}}})
+        self.refused(1, ["no.txt", "No such file"], "mesh", "s.json", "-o", "x.tcell")
+
+    def test_open_surfaces_are_described(self):
+        for closing in ("strict", "cap"):  # capping comes with a later version
+            self.refuse("open.stl", solids.binary_stl(BOX[:-1]),
+                        ["'open'", "not closed", "3 edges", "within the box (4, 0, 0) to (4, 3, 2)", "(4, 0, 0)", "Close"], 1, "--closing", closing)
+        flipped = [BOX[0][::-1], *BOX[1:]]
+        self.refuse("flipped.stl", solids.binary_stl(flipped), ["not closed", "matched by its reverse", "evenodd"], 1, "--fill", "nonzero")
+        self.run_ok("mesh", "flipped.stl", "--cells", 10, "-o", "x.tcell")
+        self.assertEqual(self.json_of("info", "x.tcell")["report"]["bodies"][0]["fill"][0]["rule"], "evenodd")
+
+    def test_nothing_in_it(self):
+        self.refuse("empty.stl", b"", ["empty"])
+        self.refuse("none.stl", solids.binary_stl([]), ["no facet"])
+        self.refuse("none.obj", OBJ, ["no facet"])
+        self.refuse("solid.stl", "solid a\nendsolid a\n", ["no facet"])
+
+    def test_text_that_poses_as_stl(self):
+        self.refuse("list.stl", "milk\nbread and butter\n" * 20, ["not a surface file", "STL, OBJ or PLY", "milk"])
+        self.refuse("rock.stl", "solid as a rock\nnothing else\n", ["line 2", "'facet'", "'nothing'"])
+        self.refuse("page.obj", "<!DOCTYPE html>\n<html></html>\n", ["not a surface file", "<!DOCTYPE"])
+
+    def test_numbers_that_are_none(self):
+        for bad, shown in ((math.nan, "nan"), (math.inf, "inf"), (-math.inf, "-inf")):
+            (a, b, c), *rest = BOX
+            self.refuse("bad.stl", solids.binary_stl([((bad, 0.0, 0.0), b, c), *rest]), ["facet 0", "finite", shown])
+        self.refuse("bad.obj", OBJ.replace("v 0 1 0", "v 0 1e400 0"), ["line 3", "1e400"])
+        self.refuse("word.obj", OBJ.replace("v 0 1 0", "v 0 one 0"), ["line 3", "number", "'one'"])
+        self.refuse("tiny.obj", OBJ.replace("v 0 1 0", "v 0 1e-80 0"), ["line 3", "1e-75"])
+
+    def test_numbers_that_disagree(self):
+        whole = solids.binary_stl(BOX)
+        self.refuse("cut.stl", whole[:-50], ["12 facets", "684", "634", "cut short"])
+        self.refuse("long.stl", whole + b"\0" * 50, ["12 facets", "684", "734"])
+        self.refuse("lie.stl", whole[:80] + struct.pack("<I", 4000000000) + whole[84:], ["4000000000 facets", "cut short"])
+        self.refuse("index.obj", OBJ + "f 1 2 9\n", ["line 5", "vertex 9", "4"])
+        ply = solids.ply((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), "ascii")
+        self.refuse("cut.ply", ply[:-12], ["cut short", "face 5 of 6"])
+        self.refuse("index.ply", ply.replace(b"4 0 2 3 1", b"4 0 2 3 8"), ["below 8", "found 8"])
+        self.refuse("cut.stl.gz", gzip.compress(whole)[:-20], ["cut short"])
+
+    def test_ascii_stl_that_ends_early(self):
+        text = solids.ascii_stl(BOX)
+        self.refuse("early.stl", text[: text.rindex("endloop")], ["line", "endloop", "end of the file"])
+
+    def test_a_part_that_is_not_there(self):
+        self.write("two.stl", solids.ascii_stl(BOX, "deck"))
+        self.write("s.json", {"grid": {"cells": 9}, "materials": {"a": {}}, "bodies": [{"mesh": "two.stl", "part": "keel*", "material": "a"}]})
+        self.refused(1, ["two.stl", "keel*", "'deck'"], "mesh", "s.json", "-o", "x.tcell")
+
+    def test_planes_files_name_the_line(self):
+        self.write("box.stl", solids.binary_stl(BOX))
+        scene = {"grid": {"cells": 9, "x": {"planes_file": "x.txt"}}, "materials": {"a": {}}, "bodies": [{"mesh": "box.stl", "material": "a"}]}
+        self.write("s.json", scene)
+        self.write("x.txt", "0\n1\nfour\n")
+        self.refused(1, ["x.txt:3", "number", "four"], "mesh", "s.json", "-o", "x.tcell")
+
+    def test_existing_output_stays_when_a_new_run_fails(self):
+        self.write("box.stl", solids.binary_stl(BOX))
+        self.run_ok("mesh", "box.stl", "--cells", 10, "-o", "x.tcell")
+        before = self.bytes("x.tcell")
+        self.refuse("open.stl", solids.binary_stl(BOX[:-1]), ["not closed"])
+        self.assertEqual(self.bytes("x.tcell"), before)

@@ -1,0 +1,114 @@
+"""Scene files: graded axes, priorities, labels by body, transforms, sample points, parts."""
+import solids
+from program import Case
+
+A, B = ((0.0, 0.0, 0.0), (4.0, 4.0, 4.0)), ((2.0, 1.0, 1.0), (6.0, 3.0, 5.0))
+
+
+class Scenes(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("a.stl", solids.binary_stl(solids.box_facets(*A)))
+        self.write("b.obj", solids.obj(*B))
+
+    def mesh(self, bodies, grid=None, **more):
+        scene = {"units": "mm", "grid": grid or {"min": [-1, -1, -1], "max": [7, 5, 6], "step": 0.5},
+                 "materials": {"air": {"color": "#00000000"}, "steel": {"color": "#8899aa"}, "oil": {"color": "#aa7700"}}, "bodies": bodies, **more}
+        self.write("s.json", scene)
+        return self.run_ok("mesh", "s.json", "-o", "g.tcell")
+
+    def assert_cells(self, boxes, axes=None):
+        axes = axes or [solids.centres(-1, 0.5, n) for n in (16, 12, 14)]
+        self.assertEqual(self.export("g.tcell"), (tuple(len(axes[d]) for d in (2, 1, 0)), solids.cells_of(axes, boxes)))
+
+    def test_the_later_body_wins_at_equal_priority_else_the_higher_one(self):
+        a, b = {"mesh": "a.stl", "material": "steel"}, {"mesh": "b.obj", "material": "oil"}
+        self.mesh([a, b])
+        self.assert_cells([(*A, 1), (*B, 2)])
+        self.mesh([b, a])
+        self.assert_cells([(*B, 2), (*A, 1)])
+        self.mesh([{**a, "priority": 1}, b])
+        self.assert_cells([(*B, 2), (*A, 1)])
+        self.mesh([a, {**b, "priority": -3}])
+        self.assert_cells([(*B, 2), (*A, 1)])
+
+    def test_a_body_of_the_background_cuts_a_hole_but_ranks_last_on_coarse_levels(self):
+        self.mesh([{"mesh": "a.stl", "material": "steel"}, {"mesh": "b.obj", "material": "air", "priority": 5}])
+        self.assert_cells([(*A, 1), (*B, 0)])
+        self.assertEqual(self.export("g.tcell", "--level", 4), ((1, 1, 1), b"\x01"))
+
+    def test_labels_by_body_give_the_same_materials(self):
+        bodies = [{"name": "left", "mesh": "a.stl", "material": "steel"}, {"name": "right", "mesh": "b.obj", "material": "steel"}]
+        self.mesh(bodies)
+        alike = [self.export("g.tcell", "--level", level) for level in range(5)]
+        column = self.json_of("column", "g.tcell", "--axis", "x", "--at", "5,6")
+        stats = self.json_of("stats", "g.tcell")
+        self.mesh(bodies, label_by="body")
+        self.assertEqual([self.export("g.tcell", "--level", level) for level in range(5)], alike)
+        self.assertEqual(self.json_of("column", "g.tcell", "--axis", "x", "--at", "5,6"), column, "runs of one material are joined")
+        self.assertEqual(self.json_of("stats", "g.tcell"), stats)
+        self.run_ok("verify", "g.tcell")
+
+    def test_graded_axes(self):
+        x, y = [-1, 0, 0.25, 1, 2.5, 3, 6, 6.5], [-2.0, 0.5, 1, 1.5, 7]
+        self.write("y.txt", "# planes of y\n-2, 0.5 1\n1.5\t7 # the last\n")
+        bodies = [{"mesh": "a.stl", "material": "steel"}, {"mesh": "b.obj", "material": "oil"}]
+        self.mesh(bodies, {"min": [0, 0, -1], "max": [0.5, 0.5, 6], "step": 0.5, "x": {"planes": x}, "y": {"planes_file": "y.txt"}})
+        axes = [solids.graded_centres(x), solids.graded_centres(y), solids.centres(-1, 0.5, 14)]
+        self.assert_cells([(*A, 1), (*B, 2)], axes)
+        info = self.json_of("info", "g.tcell")["grid"]
+        self.assertEqual(info["axes"][0], {"type": "graded", "planes": x})
+        self.assertEqual(info["axes"][1], {"type": "graded", "planes": y})
+        self.assertEqual((info["min"], info["max"], info["cells"]), ([-1, -2, -1], [6.5, 7, 6], [7, 4, 14]))
+        for at, index in ((-1, 0), (0.25, 2), (0.2499, 1), (2.99, 4), (6.5, 6)):
+            self.assertEqual(self.slice_npy("g.tcell", "--axis", "x", "--at", at), self.slice_npy("g.tcell", "--axis", "x", "--index", index), at)
+        run = self.json_of("column", "g.tcell", "--axis", "x", "--at", "2,6")["runs"][1]
+        self.assertEqual((run["min"], run["max"]), (x[run["from"]], x[run["to"]]))
+        shape, cells = self.export("g.tcell")
+        volume = [0.0] * 3
+        for i, m in enumerate(cells):
+            k, j = i % 7, i // 7 % 4
+            volume[m] += (x[k + 1] - x[k]) * (y[j + 1] - y[j]) * 0.5
+        for m in self.json_of("stats", "g.tcell")["materials"]:
+            self.assertAlmostEqual(m["volume"], volume[m["id"]])
+
+    def test_transforms(self):
+        body = {"mesh": "a.stl", "material": "steel"}
+        for more, box in (({"translate": [1, -0.5, 0.25]}, ((1, -0.5, 0.25), (5, 3.5, 4.25))),
+                          ({"scale": 0.5}, ((0, 0, 0), (2, 2, 2))),
+                          ({"scale": [0.5, 1, 1.25]}, ((0, 0, 0), (2, 4, 5))),
+                          ({"rotate": {"axis": [0, 0, 1], "degrees": 90}, "translate": [5, 0, 0]}, ((1, 0, 0), (5, 4, 4))),
+                          ({"scale": [1, 0.5, 0.25], "rotate": {"axis": [1, 0, 0], "degrees": -90}}, ((0, 0, -2), (4, 1, 0))),
+                          ({"matrix": [-1, 0, 0, 5, 0, 0, 1, 0, 0, 1, 0, 0.5]}, ((1, 0, 0.5), (5, 4, 4.5)))):
+            self.mesh([{**body, **more}])
+            self.assert_cells([(*box, 1)])
+
+    def test_sample_points_may_lie_elsewhere_in_the_cell(self):
+        self.mesh([{"mesh": "a.stl", "material": "steel"}], sample=[0, 0.25, 0.75])
+        self.assert_cells([(*A, 1)], [solids.centres(-1, 0.5, n, s) for n, s in ((16, 0), (12, 0.25), (14, 0.75))])
+        self.assertEqual(self.json_of("info", "g.tcell")["grid"]["sample"], [0, 0.25, 0.75])
+
+    def test_parts_of_a_file(self):
+        self.write("two.stl", solids.ascii_stl(solids.box_facets(*A), "deck fore") + solids.ascii_stl(solids.box_facets(*B), "keel"))
+        self.mesh([{"mesh": "two.stl", "part": "deck*", "material": "steel"}])
+        self.assert_cells([(*A, 1)])
+        self.mesh([{"mesh": "two.stl", "part": "keel", "material": "oil"}])
+        self.assert_cells([(*B, 2)])
+
+    def test_options_override_the_grid_of_the_scene(self):
+        self.mesh([{"mesh": "a.stl", "material": "steel"}])
+        self.run_ok("mesh", "s.json", "--step", 1, "-o", "g.tcell")
+        self.assert_cells([(*A, 1)], [solids.centres(-1, 1, n) for n in (8, 6, 7)])
+        self.run_ok("mesh", "s.json", "--cells", "4,3,7", "-o", "g.tcell")
+        self.assert_cells([(*A, 1)], [solids.centres(-1, 2, 4), solids.centres(-1, 2, 3), solids.centres(-1, 1, 7)])
+
+    def test_paths_are_relative_to_the_scene_file(self):
+        self.mesh([{"mesh": "a.stl", "material": "steel"}])
+        r = self.run_ok("mesh", self.path("s.json"), "-o", self.path("there.tcell"))
+        self.assertEqual(self.bytes("there.tcell"), self.bytes("g.tcell"))
+        self.assertIn("there.tcell", r.out)
+
+    def test_a_body_that_owns_no_cell_is_a_warning(self):
+        r = self.mesh([{"name": "far", "mesh": "a.stl", "material": "steel", "translate": [100, 0, 0]}])
+        self.assertIn("warning: body 'far' owns no cell", r.err)
+        self.assertEqual(len(self.json_of("info", "g.tcell")["report"]["warnings"]), 1)

@@ -1,0 +1,133 @@
+"""Wrong usage: exit 2, one paragraph that names what is wrong, the range or the nearest known name."""
+import solids
+from program import Case, teracell
+
+BODY = {"mesh": "box.stl", "material": "steel"}
+GRID = {"min": [-1, -1, -1], "max": [5, 4, 3], "cells": [6, 5, 4]}
+COMMANDS = ("mesh", "info", "slice", "column", "stats", "export", "verify", "sample")
+
+
+class Usage(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("box.stl", solids.binary_stl(solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0))))
+        self.run_ok("mesh", "box.stl", "--cells", "12,10,8", "-o", "g.tcell")  # 4 levels: 12, 6, 3, 2, 1
+
+    def test_help_and_version(self):
+        for args in (["--help"], *[[c, "--help"] for c in COMMANDS], ["--version"]):
+            r = self.run_ok(*args)
+            self.assertTrue(r.out and not r.err, args)
+        general = self.run_ok("--help").out
+        for c in COMMANDS:
+            self.assertIn(c, general)
+
+    def test_commands_and_options(self):
+        for phrases, args in (
+                (["expected a command", "mesh", "slice", "--help"], []),
+                (["no command 'meshh'", "mean mesh?"], ["meshh"]),
+                (["no command 'slcie'", "mean slice?"], ["slcie", "g.tcell"]),
+                (["no option '--foo'", "--help"], ["--foo"]),
+                (["no option '--cels'", "mean --cells?"], ["mesh", "box.stl", "--cels", "4", "-o", "x.tcell"]),
+                (["no option '--level'", "teracell info --help"], ["info", "g.tcell", "--level", "1"]),
+                (["no option '-q'"], ["info", "g.tcell", "-q"]),
+                (["not expected", "second"], ["info", "g.tcell", "second"]),
+                (["--output"], ["mesh", "box.stl", "--cells", 4]),
+                (["--output"], ["slice", "g.tcell", "--axis", "z", "--index", "0"]),
+                (["--output", "value"], ["export", "g.tcell", "-o"]),
+                (["inputs"], ["mesh", "-o", "x.tcell"]),
+                (["grid", ".tcell"], ["info"]),
+                (["--at"], ["column", "g.tcell", "--axis", "z"]),
+                (["'pyramid'", "stadium"], ["sample", "pyramid", "-o", "x"])):
+            self.refused(2, phrases, *args)
+
+    def test_mesh_options(self):
+        mesh = lambda *more: ["mesh", "box.stl", "-o", "x.tcell", *more]
+        for phrases, args in (
+                (["--cells", "--step"], mesh()),
+                (["--cells", "1 to 2147483646", "found 0"], mesh("--cells", 0)),
+                (["--cells", "whole number", "'many'"], mesh("--cells", "many")),
+                (["--cells", "3 whole numbers", "'10,10'"], mesh("--cells", "10,10")),
+                (["pad"], mesh("--cells", 2)),
+                (["--cells and --step"], mesh("--cells", 10, "--step", 1)),
+                (["--step", "above 0", "-1"], mesh("--step", -1)),
+                (["--step", "number", "'x'"], mesh("--step", "x")),
+                (["at most 2147483646 cells", "larger step"], mesh("--step", 1e-300)),
+                (["--pad", "0 to", "-1"], mesh("--cells", 10, "--pad", -1)),
+                (["--axis", "auto", "x", "y", "z", "w"], mesh("--cells", 10, "--axis", "w")),
+                (["--fill", "evenodd"], mesh("--cells", 10, "--fill", "odd")),
+                (["--threads", "1 to 1024"], mesh("--cells", 10, "--threads", 0)),
+                (["--progress", "plain"], mesh("--cells", 10, "--progress", "loud")),
+                (["--engine", "scan"], mesh("--cells", 10, "--engine", "magic")),
+                (["--report", "--output", "same"], mesh("--cells", 10, "--report", "x.tcell")),
+                (["overwritten"], ["mesh", "box.stl", "--cells", 10, "-o", "./box.stl"])):
+            self.refused(2, phrases, *args)
+        self.write("s.json", {"grid": GRID, "materials": {"steel": {}}, "bodies": [BODY]})
+        self.refused(2, ["one scene", "2 files"], "mesh", "s.json", "box.stl", "-o", "x.tcell")
+        self.refused(2, "overwritten", "mesh", "s.json", "-o", "box.stl")
+
+    def test_values_out_of_range_name_the_range(self):
+        cut = lambda *more: ["slice", "g.tcell", "-o", "x.png", *more]
+        for phrases, args in (
+                (["along z", "0 to 7", "level 0", "found 8"], cut("--axis", "z", "--index", 8)),
+                (["along z", "0 to 7", "found -1"], cut("--axis", "z", "--index", -1)),
+                (["along x", "0 to 5", "level 1", "found 6"], cut("--axis", "x", "--index", 6, "--level", 1)),
+                (["level", "0 to 4", "found 5"], cut("--axis", "x", "--index", 0, "--level", 5)),
+                (["level", "0 to 4", "found -1"], cut("--axis", "x", "--at", 0, "--level", -1)),
+                (["--index", "whole number", "'1.5'"], cut("--axis", "x", "--index", 1.5)),
+                (["--axis", "x, y or z", "'w'"], cut("--axis", "w", "--index", 0)),
+                (["--index", "--at"], cut("--axis", "z")),
+                (["--index", "--at"], cut("--axis", "z", "--index", 0, "--at", 0)),
+                (["region", "along y", "0 to 10", "0 to 11"], cut("--axis", "z", "--index", 0, "--region", "0,0,5,11")),
+                (["region", "along z", "not be empty"], cut("--axis", "x", "--index", 0, "--region", "3,4,4,4")),
+                (["--region", "4 whole numbers"], cut("--axis", "z", "--index", 0, "--region", "1,2,3")),
+                ([".png", ".npy", "'x.jpg'"], ["slice", "g.tcell", "--axis", "z", "--index", 0, "-o", "x.jpg"]),
+                (["outside", "x is 0 to 11", "y is 0 to 9"], ["column", "g.tcell", "--axis", "z", "--at", "12,0"]),
+                (["outside", "y is 0 to 9", "z is 0 to 7"], ["column", "g.tcell", "--axis", "x", "--at", "0,-1"]),
+                (["--at", "2 whole numbers"], ["column", "g.tcell", "--axis", "x", "--at", "5"]),
+                (["--region", "along x", "0 to 12"], ["stats", "g.tcell", "--region", "0,0,0,13,1,1"]),
+                (["--region", "along z", "empty"], ["stats", "g.tcell", "--region", "0,0,3,1,1,3"]),
+                (["--region", "6 whole numbers", "'a'"], ["stats", "g.tcell", "--region", "a"]),
+                (["--region", "along x", "0 to 3", "level 2"], ["export", "g.tcell", "--level", 2, "--region", "0,0,0,4,1,1", "-o", "x.npy"]),
+                (["--level", "0 to 4"], ["export", "g.tcell", "--level", 5, "-o", "x.npy"]),
+                ([".npy", ".raw", "--format"], ["export", "g.tcell", "-o", "x.bin"]),
+                (["--format", "npy", "raw"], ["export", "g.tcell", "-o", "x.npy", "--format", "vtk"])):
+            self.refused(2, phrases, *args)
+
+    def test_at_outside_the_domain(self):
+        lo, hi = [self.json_of("info", "g.tcell")["grid"][k][2] for k in ("min", "max")]
+        for at in (lo - 1e-9, hi + 1e-9, "nan", "inf", 1e300):
+            self.refused(2, ["--at", "along z", f"{lo:.3g}", f"{hi:.3g}"], "slice", "g.tcell", "--axis", "z", "--at", at, "-o", "x.png")
+
+    def test_scene_keys_and_values(self):
+        for phrases, change in (
+                (["unknown key \"bodys\"", "\"bodies\""], {"bodys": []}),
+                (["grid", "unknown key \"cell\"", "\"cells\""], {"grid": {**GRID, "cell": 3}}),
+                (["bodies[0]", "unknown key \"materiel\"", "\"material\""], {"bodies": [{**BODY, "materiel": "x"}]}),
+                (["materials.steel", "unknown key \"colour\"", "\"color\""], {"materials": {"steel": {"colour": "#000000"}}}),
+                (["bodies[0].material", "nearest is \"steel\"", "found \"stel\""], {"bodies": [{**BODY, "material": "stel"}]}),
+                (["bodies[0]", "mesh"], {"bodies": [{"material": "steel"}]}),
+                (["bodies[0].fill", "auto, nonzero, evenodd", "\"even\""], {"bodies": [{**BODY, "fill": "even"}]}),
+                (["bodies[0].priority", "integer"], {"bodies": [{**BODY, "priority": 1.5}]}),
+                (["matrix", "translate"], {"bodies": [{**BODY, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0], "translate": [1, 0, 0]}]}),
+                (["bodies[0].matrix", "singular"], {"bodies": [{**BODY, "matrix": [0] * 12}]}),
+                (["materials.steel.color", "#rrggbb", "\"red\""], {"materials": {"steel": {"color": "red"}}}),
+                (["units", "m, cm, mm", "\"km\""], {"units": "km"}),
+                (["sample[0]", "0 to below 1"], {"sample": [1, 0, 0]}),
+                (["label_by", "material, body"], {"label_by": "bodies"}),
+                (["grid.x.planes", "ascend", "plane 2"], {"grid": {**GRID, "x": {"planes": [0, 1, 1]}}}),
+                (["grid", "min", "max", "found 9 and 5"], {"grid": {**GRID, "min": [9, 0, 0]}}),
+                (["cells and step"], {"grid": {**GRID, "step": 1}}),
+                (["grid.cells"], {"grid": {**GRID, "cells": [1, 2]}}),
+                (["bodies", "array"], {"bodies": {}})):
+            self.write("s.json", {"grid": GRID, "materials": {"steel": {}}, "bodies": [BODY], **change})
+            self.refused(2, ["s.json: ", *phrases], "mesh", "s.json", "-o", "x.tcell")
+
+    def test_a_scene_that_is_no_json(self):
+        for text, phrase in (("{", "line 1"), ('{"grid": {},\n "bodies": [}', "line 2"), ("[]", "expected an object"), ("", "line 1")):
+            self.write("s.json", text)
+            self.refused(2, ["s.json: ", phrase], "mesh", "s.json", "-o", "x.tcell")
+
+    def test_an_existing_output_stays_when_usage_is_wrong(self):
+        before = self.bytes("g.tcell")
+        self.refused(2, "--cells", "mesh", "box.stl", "--cells", 0, "-o", "g.tcell")
+        self.assertEqual(self.bytes("g.tcell"), before)
