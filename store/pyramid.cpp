@@ -51,20 +51,26 @@ class CoarseRay {
   // between them is reached by run i of some ray. Returns whether that holds for all runs.
   bool merge_runs(uint32_t pattern, std::span<const uint32_t> rays) {
     const uint32_t n = fine_.patterns.changes(pattern);
-    lo_.assign(n + 1, ~0u);
-    hi_.assign(n + 1, 0);
-    for (const uint32_t ray : rays) {
-      if (fine_.pattern[ray] != pattern) continue;
-      const uint32_t* at = fine_.at.data() + fine_.begin[ray];
-      for (uint32_t i = 0; i < n; ++i) {
-        lo_[i + 1] = std::min(lo_[i + 1], at[i]);
-        hi_[i] = std::max(hi_[i], at[i]);
+    lo_.resize(n + 1);
+    hi_.resize(n + 1);
+    std::array<const uint32_t*, 16> changes;  // of each ray of this pattern
+    uint32_t count = 0;
+    for (const uint32_t ray : rays)
+      if (fine_.pattern[ray] == pattern) changes[count++] = fine_.at.data() + fine_.begin[ray];
+    for (uint32_t i = 0; i < n; ++i) {  // change by change: both extremes stay in registers
+      uint32_t least = ~0u, most = 0;
+      for (uint32_t r = 0; r < count; ++r) {
+        least = std::min(least, changes[r][i]);
+        most = std::max(most, changes[r][i]);
       }
+      lo_[i + 1] = least;
+      hi_[i] = most;
     }
     // Run i starts between lo_[i] and hi_[i - 1], ends between lo_[i + 1] and hi_[i]: the latest start must not lie
     // beyond the coarse cell after that of the earliest end.
     bool touch = true;
-    touch_.assign(n + 1, true);
+    touch_.resize(n + 1);
+    touch_[0] = touch_[n] = 1;
     for (uint32_t i = 1; i < n; ++i) {
       touch_[i] = hi_[i - 1] >> shift_ <= ((lo_[i + 1] - 1) >> shift_) + 1;
       touch &= touch_[i] != 0;

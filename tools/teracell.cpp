@@ -66,7 +66,7 @@ void refuse_unknown_options(const CLI::App& app, int first, int argc, char** arg
     else if (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]))) word.resize(2);  // the rest is its value
     else continue;
     if (app.get_option_no_throw(word) == nullptr)
-      throw UsageError(fmt::format("there is no option '{}'{} See: {} --help", word, did_you_mean(word, known), app.get_parent() ? "teracell " + app.get_name() : "teracell"));
+      throw UsageError(fmt::format("there is no option '{}'{} See: {} --help", word, word.starts_with("--") ? did_you_mean(word, known) : ".", app.get_parent() ? "teracell " + app.get_name() : "teracell"));
   }
 }
 

@@ -1,0 +1,192 @@
+"""What happens to files: damage is noticed, outputs appear whole or not at all, whatever goes wrong on the way."""
+import fcntl
+import os
+import random
+import resource
+import signal
+import subprocess
+import sys
+import time
+
+import solids
+from program import PROGRAM, Case, teracell
+
+BOX = solids.binary_stl(solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0)))
+SLICE = ["slice", "d.tcell", "--axis", "z", "--index", 11, "-o", "s.npy"]
+
+
+class Damage(Case):
+    def setUp(self):
+        super().setUp()
+        self.run_ok("sample", "stadium", "-o", "stadium")
+        self.run_ok("mesh", "stadium/scene.json", "--cells", "100,80,20", "-o", "g.tcell")
+        self.whole = self.bytes("g.tcell")
+
+    def test_any_flipped_bit_is_found_by_verify_and_never_changes_a_slice_unnoticed(self):
+        self.write("d.tcell", self.whole)
+        self.run_ok(*SLICE)
+        expected = self.bytes("s.npy")
+        rng = random.Random(3)
+        places = [0, 9, 31, len(self.whole) - 1, len(self.whole) - 128, *(rng.randrange(len(self.whole)) for _ in range(70))]
+        for place in places:
+            damaged = bytearray(self.whole)
+            damaged[place] ^= 1 << rng.randrange(8)
+            self.write("d.tcell", damaged)
+            os.unlink(self.path("s.npy")) if os.path.exists(self.path("s.npy")) else None
+            self.refused(1, "d.tcell", "verify", "d.tcell")
+            r = teracell(*SLICE, cwd=self.folder)
+            if r.status == 0:
+                self.assertEqual(self.bytes("s.npy"), expected, f"byte {place}")
+            else:
+                self.assertEqual(r.status, 1, f"byte {place}: {r.err}")
+                self.assert_paragraph(r.err)
+                self.assertIn("d.tcell", r.err)
+                self.assertFalse(os.path.exists(self.path("s.npy")), "no picture of a damaged file")
+        self.no_debris()
+
+    def test_any_truncation_is_found(self):
+        size = len(self.whole)
+        for length in (0, 1, 31, 32, 159, 160, size // 3, size // 2, size - 128, size - 1):
+            self.write("d.tcell", self.whole[:length])
+            for args in (["verify", "d.tcell"], ["info", "d.tcell"], SLICE):
+                self.refused(1, ["d.tcell", "cut short"], *args)
+        self.write("d.tcell", self.whole + b"\0")
+        self.refused(1, "d.tcell", "info", "d.tcell")
+
+    def test_files_of_other_programs(self):
+        self.write("d.tcell", BOX)
+        for args in (["info", "d.tcell"], ["verify", "d.tcell"], ["stats", "d.tcell"], SLICE):
+            self.refused(1, ["d.tcell", "not a teracell file"], *args)
+        self.refused(1, ["no.tcell", "No such file"], "info", "no.tcell")
+        self.refused(1, ["stadium", "folder"], "info", "stadium")
+
+
+class Outputs(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("box.stl", BOX)
+        self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "g.tcell")
+
+    def every_writer(self, name):
+        """Commands that write `name` with a fitting ending."""
+        return [["mesh", "box.stl", "--cells", 10, "-o", name + ".tcell"], ["slice", "g.tcell", "--axis", "z", "--index", 0, "-o", name + ".png"],
+                ["slice", "g.tcell", "--axis", "z", "--index", 0, "-o", name + ".npy"], ["export", "g.tcell", "-o", name + ".raw"]]
+
+    def test_a_missing_folder_is_named(self):
+        for args in self.every_writer("nowhere/out"):
+            self.refused(1, ["nowhere/out", "no folder 'nowhere'"], *args)
+        self.refused(1, ["nowhere/r.json", "no folder"], "mesh", "box.stl", "--cells", 10, "-o", "x.tcell", "--report", "nowhere/r.json")
+        self.assertFalse(os.path.exists(self.path("x.tcell")), "outputs are checked before the work")
+
+    def test_a_folder_that_takes_no_files(self):
+        for args in self.every_writer("/proc/out"):
+            self.refused(1, ["/proc/out", "can't create"], *args)
+
+    def test_a_name_that_is_a_folder(self):
+        for args in self.every_writer("out"):
+            os.mkdir(self.path(args[-1]))
+            self.refused(1, [args[-1], "folder"], *args)
+
+    def test_a_second_writer_is_refused(self):
+        for args in self.every_writer("g"):
+            before = self.bytes(args[-1]) if os.path.exists(self.path(args[-1])) else None
+            partial = self.path(args[-1] + ".partial")
+            with open(partial, "w") as lock:
+                fcntl.flock(lock, fcntl.LOCK_EX)
+                r = teracell(*args, cwd=self.folder)
+                self.assertEqual((r.status, r.out), (1, ""), r.err)
+                self.assert_paragraph(r.err)
+                self.assertIn("another process is writing", r.err)
+                self.assertTrue(os.path.exists(partial), "it is the other writer's")
+            self.assertEqual(self.bytes(args[-1]) if os.path.exists(self.path(args[-1])) else None, before)
+            self.run_ok(*args)  # what a killed writer leaves is no obstacle
+            self.no_debris()
+
+    def interrupt(self, args, ready, sent=signal.SIGINT):
+        process = subprocess.Popen([PROGRAM, *map(str, args)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        deadline = time.monotonic() + 30
+        while process.poll() is None and not ready() and time.monotonic() < deadline:
+            time.sleep(0.002)
+        process.send_signal(sent)
+        started = time.monotonic()
+        out, err = process.communicate(timeout=30)
+        self.assertEqual((process.returncode, out), (130, ""), err)
+        self.assertLess(time.monotonic() - started, 10)
+        lines = err.splitlines(keepends=True)
+        self.assert_paragraph(lines[-1])
+        self.assertIn("interrupted", lines[-1])
+        self.no_debris()
+
+    def test_ctrl_c_leaves_nothing_behind(self):
+        kept = self.bytes("g.tcell")
+        for sent in (signal.SIGINT, signal.SIGTERM):
+            self.interrupt(["mesh", "box.stl", "--cells", "60000,60000,60000", "-o", "g.tcell", "--threads", 1],
+                           lambda: os.path.exists(self.path("g.tcell.partial")), sent)
+            self.assertEqual(self.bytes("g.tcell"), kept, "the older file stays")
+        self.run_ok("mesh", "box.stl", "--cells", "20000,20000,20000", "-o", "large.tcell")
+        for args in (["export", "large.tcell", "-o", "large.raw"], ["slice", "large.tcell", "--axis", "z", "--index", 9999, "-o", "large.npy"]):
+            self.interrupt(args, lambda: os.path.exists(self.path(args[-1] + ".partial")))
+            self.assertFalse(os.path.exists(self.path(args[-1])))
+
+    def full_disk_refuses(self, folder, **options):
+        self.write("old.tcell", b"")
+        for args in (["mesh", "s/scene.json", "-o", f"{folder}/x.tcell"], ["export", "big.tcell", "-o", f"{folder}/x.raw"],
+                     ["slice", "big.tcell", "--axis", "z", "--index", 5, "-o", f"{folder}/x.npy"]):
+            r = teracell(*args, cwd=self.folder, **options)
+            self.assertEqual((r.status, r.out), (1, ""), r.err)
+            self.assert_paragraph(r.err)
+            self.assertIn("can't write", r.err)
+            self.assertIn(args[-1], r.err)
+            self.assertFalse(os.path.exists(self.path(args[-1])))
+        self.no_debris()
+
+    def test_a_full_disk(self):
+        self.run_ok("sample", "stadium", "-o", "s")
+        self.run_ok("mesh", "s/scene.json", "-o", "big.tcell")
+        os.mkdir(self.path("small"))
+        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.path("small")], capture_output=True, text=True) if os.geteuid() == 0 else None
+        if mounted is None or mounted.returncode != 0:
+            print("note: no tmpfs could be mounted: a limit on the size of files stands for the full disk", file=sys.stderr)
+
+            def limit():
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+                resource.setrlimit(resource.RLIMIT_FSIZE, (16384, resource.RLIM_INFINITY))
+
+            return self.full_disk_refuses("small", preexec_fn=limit, restore_signals=False)
+        try:
+            self.full_disk_refuses("small")
+            self.assertEqual(os.listdir(self.path("small")), [])
+        finally:
+            subprocess.run(["umount", self.path("small")], check=True)
+
+    def test_results_that_nobody_takes(self):
+        printing = [["--help"], ["--version"], ["info", "g.tcell"], ["info", "g.tcell", "--json"], ["stats", "g.tcell"],
+                    ["column", "g.tcell", "--axis", "x", "--at", "1,1", "--json"], ["verify", "g.tcell"], ["mesh", "box.stl", "--cells", 9, "-o", "x.tcell"]]
+        for args in printing:
+            with open("/dev/full", "w") as full:
+                self.assert_unprinted(teracell(*args, cwd=self.folder, stdout=full))
+            reader, writer = os.pipe()
+            os.close(reader)
+            self.assert_unprinted(teracell(*args, cwd=self.folder, stdout=writer))
+            os.close(writer)
+            self.assert_unprinted(teracell(*args, cwd=self.folder, stdout=None, preexec_fn=lambda: os.close(1)))
+        self.no_debris()
+        self.run_ok("verify", "x.tcell")
+
+    def assert_unprinted(self, r):
+        self.assertEqual(r.status, 1, f"{r.args}: {r.err}")
+        self.assert_paragraph(r.err)
+
+    def test_errors_that_nobody_reads(self):
+        for closed in (lambda: os.close(2), lambda: os.dup2(os.open("/dev/full", os.O_WRONLY), 2)):
+            run = lambda *args: subprocess.run([PROGRAM, *args], cwd=self.folder, stdout=subprocess.PIPE, preexec_fn=closed).returncode
+            self.assertEqual(run("info", "no.tcell"), 1)
+            self.assertEqual(run("mesh", "box.stl", "--cells", "12", "-o", "x.tcell", "--progress", "plain"), 0)
+            self.assertEqual(self.bytes("x.tcell"), self.bytes("g.tcell"), "what is printed never lands in the file")
+
+    def test_progress_goes_to_stderr_when_asked_for(self):
+        quiet = self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "x.tcell")
+        self.assertEqual(quiet.err, "")
+        told = self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "x.tcell", "--progress", "plain")
+        for word in ("read", "mesh", "%", "MiB"):
+            self.assertIn(word, told.err)

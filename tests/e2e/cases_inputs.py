@@ -60,7 +60,7 @@ class Inputs(Case):
         self.refuse("lie.stl", whole[:80] + struct.pack("<I", 4000000000) + whole[84:], ["4000000000 facets", "cut short"])
         self.refuse("index.obj", OBJ + "f 1 2 9\n", ["line 5", "vertex 9", "4"])
         ply = solids.ply((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), "ascii")
-        self.refuse("cut.ply", ply[:-12], ["cut short", "face 5 of 6"])
+        self.refuse("cut.ply", ply[:-10], ["cut short", "face 5 of 6"])
         self.refuse("index.ply", ply.replace(b"4 0 2 3 1", b"4 0 2 3 8"), ["below 8", "found 8"])
         self.refuse("cut.stl.gz", gzip.compress(whole)[:-20], ["cut short"])
 
