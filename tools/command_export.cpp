@@ -16,22 +16,24 @@ struct Options {
   int level = 0;
 };
 
-// Layers of z that fit the slab, one at least. A layer of 10^5 x 10^5 cells is the largest thing in memory here.
+// Layers of z that fit the slab; where not even one fits, rows of a layer.
 template <class T>
 void write_cells(const GridReader& reader, const Options& o, const Box& box, OutputFile& file) {
   const std::atomic<bool>& stop = watch_interrupts();
   const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1];
-  const int64_t layers = std::max<int64_t>(1, kSlabBytes / (nx * ny * static_cast<int64_t>(sizeof(T))));
+  const auto fit = [](int64_t count, int64_t size) { return std::clamp<int64_t>(kSlabBytes / size, 1, count); };
+  const int64_t rows = fit(ny, nx * static_cast<int64_t>(sizeof(T))), layers = rows < ny ? 1 : fit(box.hi[2] - box.lo[2], nx * ny * static_cast<int64_t>(sizeof(T)));
   const SetValue material = strongest_material(reader.meta());
   std::vector<T> slab;
   for (int64_t z = box.lo[2]; z < box.hi[2]; z += layers) {
-    stop_if(stop, o.output);
-    Box part = box;
-    part.lo[2] = z;
-    part.hi[2] = std::min(box.hi[2], z + layers);
-    slab.resize(static_cast<size_t>(nx * ny * (part.hi[2] - z)));
-    read_box<T>(reader, o.level, part, material, 0, slab.data(), {1, nx, nx * ny});
-    file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
+    for (int64_t y = box.lo[1]; y < box.hi[1]; y += rows) {
+      stop_if(stop, o.output);
+      const Box part{{box.lo[0], y, z}, {box.hi[0], std::min(box.hi[1], y + rows), std::min(box.hi[2], z + layers)}};
+      const int64_t height = part.hi[1] - y;
+      slab.resize(static_cast<size_t>(nx * height * (part.hi[2] - z)));
+      read_box<T>(reader, o.level, part, material, 0, slab.data(), {1, nx, nx * height});
+      file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
+    }
   }
 }
 

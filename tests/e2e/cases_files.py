@@ -123,8 +123,8 @@ class Outputs(Case):
             self.interrupt(["mesh", "box.stl", "--cells", "60000,60000,60000", "-o", "g.tcell", "--threads", 1],
                            lambda: os.path.exists(self.path("g.tcell.partial")), sent)
             self.assertEqual(self.bytes("g.tcell"), kept, "the older file stays")
-        self.run_ok("mesh", "box.stl", "--cells", "20000,20000,20000", "-o", "large.tcell")
-        for args in (["export", "large.tcell", "-o", "large.raw"], ["slice", "large.tcell", "--axis", "z", "--index", 9999, "-o", "large.npy"]):
+        self.run_ok("mesh", "box.stl", "--cells", "8000,8000,8000", "-o", "large.tcell")
+        for args in (["export", "large.tcell", "-o", "large.raw"], ["slice", "large.tcell", "--axis", "z", "--index", 3999, "-o", "large.npy"]):
             self.interrupt(args, lambda: os.path.exists(self.path(args[-1] + ".partial")))
             self.assertFalse(os.path.exists(self.path(args[-1])))
 

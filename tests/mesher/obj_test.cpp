@@ -1,0 +1,46 @@
+// OBJ.
+#include "tests/support/surfaces.hpp"
+
+using namespace teracell;
+using namespace teracell::surfaces;
+using Catch::Matchers::Contains;
+
+TEST_CASE("OBJ: every way to name a vertex") {
+  const std::string vertices = "v 0 0 0 1.0\nv 1 0 0 0.1 0.2 0.3\nvt 0 0\nvn 0 0 1\nv 0 1 0\nv 0 0 0.5\n";
+  CHECK(read(vertices + "f 1 3 2\nf 1/1 2/1 4/1\nf 1//1 4//1 3//1\nf -3/-1/-1 -2/1/1 -1/1/1 # the last\n").facets ==
+        tetrahedron());
+  CHECK(read(vertices + "f 1 \\\n3 2\nf 1 2\\\r\n4\n# in C:\\\nf 1 4 3\nf 2 3 \\\n \\\n4").facets == tetrahedron());
+}
+
+TEST_CASE("OBJ: polygons are fans from their first vertex") {
+  const Result r = read("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0.5 0\nf 2 3 4 5 1\n");
+  const Vec3 a{1, 0, 0}, b{1, 1, 0}, c{0, 1, 0}, d{0, 0.5, 0}, e{0, 0, 0};
+  CHECK(r.facets == Facets{{a, b, c}, {a, c, d}, {a, d, e}});
+
+  std::string large = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf";  // a line longer than the window
+  for (int i = 0; i < 300'000; ++i) large += " " + std::to_string(i % 3 + 1);
+  CHECK(read(large).facets.size() == 299'998);
+}
+
+TEST_CASE("OBJ: what is decoration is skipped, what would leave a hole is not") {
+  const std::string decorated = "mtllib a.mtl\nusemtl steel\ns off\nvp 1 2\nl 1 2\np 1\nsomething new 1 2 3\n\n  \t\n";
+  CHECK(read(decorated + kObj).facets == tetrahedron());
+  CHECK_THAT(refusal(kObj + "surf 0 1 0 1\n"), Contains("mesh: line 10") && Contains("free-form surface"));
+}
+
+TEST_CASE("OBJ: what is wrong is named with its line") {
+  const auto with_face = [](const std::string& face) {
+    return refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + face + "\nv 0 0 1\n");
+  };
+  CHECK_THAT(with_face("f 1 2 0"), Contains("mesh: line 4: vertex 0 of a face"));
+  CHECK_THAT(with_face("f 1 2 4"), Contains("mesh: line 4: vertex 4 of a face: expected one of the 3 declared so far"));
+  CHECK_THAT(with_face("f 1 2 -4"), Contains("mesh: line 4: vertex -4"));
+  CHECK_THAT(with_face("f 1 2"), Contains("mesh: line 4: expected a face of 3 or more vertices, found 2"));
+  CHECK_THAT(with_face("f 1 2 x"), Contains("expected a vertex number, found 'x'"));
+  CHECK_THAT(with_face("f 1 2 3.5"), Contains("expected a vertex number, found '3.5'"));
+  CHECK_THAT(with_face("f 1 2 3/a"), Contains("expected a vertex v, v/t, v//n or v/t/n, found '3/a'"));
+  CHECK_THAT(with_face("f 1 2 /3"), Contains("found '/3'"));
+  CHECK_THAT(with_face("f 1 2 99999999999999999999"), Contains("expected a vertex number"));
+  CHECK_THAT(refusal("v 1 2\n"), Contains("mesh: line 1: expected a number, found the end of the line"));
+  CHECK_THAT(with_face(""), Contains("holds no facet"));
+}

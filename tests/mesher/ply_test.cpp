@@ -1,0 +1,101 @@
+// PLY, ASCII and binary both ways.
+#include "tests/support/surfaces.hpp"
+
+using namespace teracell;
+using namespace teracell::surfaces;
+using Catch::Matchers::Contains;
+
+TEST_CASE("PLY: elements and properties of no use are skipped, lists too") {
+  const std::string header =
+      "element extra 2\nproperty list uint double numbers\nproperty int8 flag\nelement nothing 99999999999999999\n"
+      "element vertex 4\nproperty uchar red\nproperty float z\nproperty list uint8 int16 tags\nproperty float "
+      "x\nproperty "
+      "double y\nobj_info more\nelement face 4\nproperty float quality\nproperty list short ushort "
+      "vertex_index\nproperty "
+      "list char uint edges\nelement tail 1\nproperty float64 end\nend_header\n";
+  const std::string text = "ply\nformat ascii 1.0\n" + header +
+                           "2 1e999 x\n  7\n0 7\n9 0 0 0 0\n\n9 0 1 5 1 0\n9 0 2 5 6 0 1\n9 0.5 0 0 0\n"
+                           "0 3 0 2 1 0\n0 3 0 1 3 1 7\n0 3 0 3 2 0\n0 3 1 2 3 0\n8\n\n \n";
+  CHECK_THAT(refusal(text), Contains("line 21: expected a value, found the end of the line"));
+  const Result ascii = read(replaced(text, "x\n  7", "x 7"));
+  CHECK(ascii.facets == tetrahedron());
+  CHECK_FALSE(ascii.file.float32);  // y is a double
+
+  for (const std::endian order : {std::endian::little, std::endian::big}) {
+    const auto put = [&](auto v) { return bytes_of(v, order); };
+    std::string bytes =
+        "ply\nformat binary_" + std::string(order == std::endian::little ? "little" : "big") + "_endian 1.0\n" + header;
+    bytes += put(2u) + put(1e99) + put(std::nan("")) + "\7" + put(0u) + "\7";
+    for (const Vec3 v : {Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.5}})
+      bytes += "\11" + put(static_cast<float>(v[2])) + "\1" + put(short{6}) + put(static_cast<float>(v[0])) + put(v[1]);
+    for (const std::array<uint16_t, 3> face : {std::array<uint16_t, 3>{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}})
+      bytes += put(0.f) + put(short{3}) + put(face[0]) + put(face[1]) + put(face[2]) + "\1" + put(5u);
+    bytes += put(8.);
+    CHECK(read(bytes).facets == tetrahedron());
+    CHECK_FALSE(read(bytes).file.float32);
+  }
+}
+
+TEST_CASE("PLY: integer coordinates are exact, polygons are fans") {
+  const std::string text =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty int x\nproperty uint y\nproperty char z\nelement face 1\n"
+      "property list uchar uint vertex_indices\nend_header\n-2147483648 4294967295 -128\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 "
+      "3\n";
+  const Result r = read(text);
+  const Vec3 a{-2147483648., 4294967295., -128}, b{1, 0, 0}, c{1, 1, 0}, d{0, 1, 0};
+  CHECK(r.facets == Facets{{a, b, c}, {a, c, d}});
+  CHECK_FALSE(r.file.float32);
+  CHECK_THAT(refusal(replaced(text, "-128", "-129")), Contains("line 10: expected int8, found '-129'"));
+  CHECK_THAT(refusal(replaced(text, "-128", "0.5")), Contains("line 10: expected an integer, found '0.5'"));
+}
+
+TEST_CASE("PLY: a header that is wrong is named with its line") {
+  const std::string whole = ply_header("ascii") + kPlyBody;
+  const auto message = [&](const std::string& old, const std::string& by) { return refusal(replaced(whole, old, by)); };
+  CHECK_THAT(message("ascii", "utf8"), Contains("mesh: line 2: expected format ascii") && Contains("found 'utf8'"));
+  CHECK_THAT(message("1.0", "2.0"), Contains("expected version 1.0, found '2.0'"));
+  CHECK_THAT(message("comment", "remark"), Contains("line 3") && Contains("found 'remark'"));
+  CHECK_THAT(message("vertex 4", "vertex four"), Contains("line 4") && Contains("found 'four'"));
+  CHECK_THAT(message("vertex 4", "vertex -4"), Contains("line 4") && Contains("found '-4'"));
+  CHECK_THAT(message("float x", "real x"), Contains("line 5: expected a type") && Contains("found 'real'"));
+  CHECK_THAT(message("list uchar", "list float"), Contains("expected an integer type for a list's length"));
+  CHECK_THAT(message("element vertex 4\n", ""), Contains("line 4: expected an element before its properties"));
+  CHECK_THAT(message("float z", "float w"), Contains("expected the properties x, y and z"));
+  CHECK_THAT(message("element face", "element tristrips"), Contains("expected an element face") && Contains("convert"));
+  CHECK_THAT(message("list uchar int", "list uchar float"), Contains("expected a list of integers vertex_indices"));
+  CHECK_THAT(message("element vertex", "element point"), Contains("expected element vertex before element face"));
+  CHECK_THAT(message("format ascii 1.0\n", ""), Contains("expected a format line"));
+  CHECK_THAT(refusal("ply\nformat ascii 1.0\n"), Contains("line 2: cut short: expected end_header"));
+}
+
+TEST_CASE("PLY: values that are wrong are named with their place") {
+  const std::string whole = ply_header("ascii") + kPlyBody;
+  const auto message = [&](const std::string& old, const std::string& by) { return refusal(replaced(whole, old, by)); };
+  CHECK_THAT(message("3 1 2 3\n", "3 1 2 4\n"), Contains("line 18: expected a vertex number below 4, found 4"));
+  CHECK_THAT(message("3 1 2 3\n", "3 1 2 -1\n"), Contains("expected a vertex number below 4, found -1"));
+  CHECK_THAT(message("3 1 2 3\n", "3 1 2\n"), Contains("line 18: expected an integer, found the end of the line"));
+  CHECK_THAT(message("3 1 2 3\n", "2 1 2\n"), Contains("expected a face of 3 or more vertices, found 2"));
+  CHECK_THAT(message("3 1 2 3\n", "3 1 2 3 255\n"),
+             Contains("line 18: expected no more values for this face, found '255'"));
+  CHECK_THAT(message("3 1 2 3\n", ""), Contains("line 17: cut short: expected face 3 of 4"));
+  CHECK_THAT(refusal(whole + "1\n"), Contains("line 19: expected the end of the file, found '1'"));
+
+  const std::string binary = binary_ply<float>(std::endian::little);
+  CHECK_THAT(refusal(binary + "x"), Contains("byte " + std::to_string(binary.size())) && Contains("found more bytes"));
+  CHECK_THAT(refusal(binary.substr(0, binary.size() - 1)), Contains("cut short: expected face 3 of 4"));
+  std::string far = binary;
+  far.replace(far.size() - 4, 4, std::string("\0\0\0\1", 4));
+  CHECK_THAT(refusal(far), Contains("face 3: expected a vertex number below 4, found 16777216"));
+  std::string infinite = binary;
+  infinite.replace(infinite.find("end_header\n") + 11, 4, bytes_of(std::numeric_limits<float>::infinity()));
+  CHECK_THAT(refusal(infinite), Contains("vertex 0: expected a finite coordinate, found inf"));
+}
+
+TEST_CASE("PLY: a count that lies costs no memory") {
+  for (const std::string& text : {binary_ply<float>(std::endian::little), ply_header("ascii") + kPlyBody})
+    for (const std::string element : {"vertex", "face"})
+      CHECK(refusal(replaced(text, element + " 4", element + " 18446744073709551615")) != "");
+  std::string list = replaced(binary_ply<float>(std::endian::little), "list uchar", "list uint");
+  list.replace(list.size() - 52, 4, "\xff\xff\xff\xff");
+  CHECK(refusal(list) != "");
+}
