@@ -55,6 +55,10 @@ ordered_json to_json(const Axis& a) {
   return {{"type", "uniform"}, {"min", a.origin()}, {"step", a.step()}, {"first", a.first()}, {"cells", a.cells()}, {"sample", a.sample()}};
 }
 
+bool is_color(const std::string& text) {
+  return (text.size() == 7 || text.size() == 9) && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+}
+
 // A whole number in [0, hi]; nlohmann's own conversions would wrap or be undefined.
 template <class T>
 T whole(const ordered_json& j, const char* key, uint64_t hi) {
@@ -163,6 +167,7 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
   expect(meta.page_chunks >= 1 && meta.page_chunks <= 64, "a page has 1 to 64 chunks a side");
   expect(!meta.materials.empty() && meta.materials.size() <= 65536, "there are 1 to 65536 materials");
   expect(!meta.labels.empty(), "there is at least one label");
+  for (const MaterialInfo& m : meta.materials) expect(is_color(m.color), "a colour is #rrggbb or #rrggbbaa");
   for (const LabelInfo& l : meta.labels) expect(l.material < meta.materials.size(), "a label names a material that is not there");
   expect(!meta.levels.empty() && meta.levels[0].level == 0, "level 0 must be stored");
   for (size_t i = 1; i < meta.levels.size(); ++i)

@@ -1,295 +1,288 @@
-// Pictures: the colours of sets, and PNGs decoded back by a decoder that shares nothing with the writer but zlib.
+// Pictures decoded back: every pixel has its colour, whatever the bits a pixel takes.
 #include "server/picture.hpp"
 
-#include <algorithm>
+#include <cstring>
 #include <random>
-#include <string>
-#include <thread>
 
 #include <catch2/catch.hpp>
-#include <fmt/format.h>
 #include <zlib.h>
 
-#include "store/bytes.hpp"
+#include "store/error.hpp"
 
 namespace teracell {
 namespace {
 
-struct Png {
-  uint32_t width = 0, height = 0;
-  int bits = 0, kind = 0;
-  std::vector<std::string> chunks;  // their names
-  std::vector<size_t> sizes;
-  std::vector<Rgba> palette;
-  std::vector<std::vector<Rgba>> rows;  // the top first
+using Rows = std::vector<std::vector<uint16_t>>;
+
+// ---- a decoder of what PngWriter writes: palette or RGBA, filters "none" and "up", not interlaced
+
+struct Chunk {
+  std::string type;
+  std::vector<uint8_t> data;
 };
 
-uint32_t be32(std::span<const uint8_t> b) { return uint32_t{b[0]} << 24 | uint32_t{b[1]} << 16 | uint32_t{b[2]} << 8 | b[3]; }
+uint32_t be32(const uint8_t* p) { return uint32_t{p[0]} << 24 | uint32_t{p[1]} << 16 | uint32_t{p[2]} << 8 | p[3]; }
 
-Bytes inflate_all(const Bytes& packed, size_t size) {
-  Bytes out(size + 1);  // one more: what is too long shows
-  uLongf found = out.size();
-  REQUIRE(uncompress(out.data(), &found, packed.data(), packed.size()) == Z_OK);
-  REQUIRE(found == size);
+std::vector<Chunk> chunks_of(const std::vector<uint8_t>& png) {
+  constexpr uint8_t kSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  REQUIRE(png.size() > 8);
+  REQUIRE(std::equal(kSignature, kSignature + 8, png.begin()));
+  std::vector<Chunk> chunks;
+  for (size_t at = 8; at < png.size();) {
+    REQUIRE(png.size() - at >= 12);
+    const uint32_t size = be32(&png[at]);
+    REQUIRE(png.size() - at - 12 >= size);
+    REQUIRE(be32(&png[at + 8 + size]) == crc32(0, &png[at + 4], size + 4));
+    chunks.push_back({std::string(png.begin() + at + 4, png.begin() + at + 8), {png.begin() + at + 8, png.begin() + at + 8 + size}});
+    at += 12 + size;
+  }
+  REQUIRE(chunks.front().type == "IHDR");
+  REQUIRE(chunks.back().type == "IEND");
+  REQUIRE(chunks.back().data.empty());
+  return chunks;
+}
+
+std::vector<uint8_t> inflated(const std::vector<uint8_t>& data, size_t expected) {
+  std::vector<uint8_t> out(expected + 1);  // one more, to notice what is too long
+  uLongf size = out.size();
+  REQUIRE(uncompress(out.data(), &size, data.data(), data.size()) == Z_OK);
+  REQUIRE(size == expected);
   out.resize(size);
   return out;
 }
 
-// Understands what the writer may make: filters none and up, kinds 3 (palette) and 6 (RGBA).
-Png decode(const Bytes& file) {
-  REQUIRE(Bytes(file.begin(), file.begin() + 8) == Bytes{0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'});
-  Png png;
-  Bytes packed;
-  for (size_t at = 8; at < file.size();) {
-    REQUIRE(file.size() - at >= 12);
-    const std::span<const uint8_t> rest = std::span(file).subspan(at);
-    const uint32_t size = be32(rest);
-    REQUIRE(rest.size() - 12 >= size);
-    const auto data = rest.subspan(8, size);
-    REQUIRE(be32(rest.subspan(8 + size)) == crc32(0, rest.data() + 4, 4 + size));
-    const std::string name(rest.begin() + 4, rest.begin() + 8);
-    png.chunks.push_back(name);
-    png.sizes.push_back(size);
-    if (name == "IHDR") {
-      png.width = be32(data), png.height = be32(data.subspan(4));
-      png.bits = data[8], png.kind = data[9];
-      REQUIRE((data[10] == 0 && data[11] == 0 && data[12] == 0));  // deflate, the five filters, not interlaced
-    } else if (name == "PLTE") {
-      for (uint32_t i = 0; i < size; i += 3) png.palette.push_back({data[i], data[i + 1], data[i + 2], 255});
-    } else if (name == "tRNS") {
-      REQUIRE(size <= png.palette.size());
-      for (uint32_t i = 0; i < size; ++i) png.palette[i][3] = data[i];
-    } else if (name == "IDAT") {
-      packed.insert(packed.end(), data.begin(), data.end());
-    }
-    at += 12 + size;
-  }
-  REQUIRE(png.chunks.front() == "IHDR");
-  REQUIRE(png.chunks.back() == "IEND");
+struct Decoded {
+  uint32_t width = 0, height = 0;
+  int bits = 0, kind = 0;  // of a sample; 3 is a palette, 6 RGBA
+  size_t data_chunks = 0, alphas = 0;
+  std::vector<Rgba> palette;
+  std::vector<std::vector<Rgba>> rows;
+};
 
-  const size_t pixel_bits = png.kind == 3 ? static_cast<size_t>(png.bits) : 32, line = (png.width * pixel_bits + 7) / 8;
-  const Bytes raw = inflate_all(packed, (line + 1) * png.height);
-  Bytes above(line, 0);
-  for (uint32_t r = 0; r < png.height; ++r) {
-    const std::span<const uint8_t> in = std::span(raw).subspan(r * (line + 1), line + 1);
-    REQUIRE((in[0] == 0 || in[0] == 2));
-    for (size_t i = 0; i < line; ++i) above[i] = static_cast<uint8_t>(in[i + 1] + (in[0] == 2 ? above[i] : 0));
-    std::vector<Rgba> row;
-    for (uint32_t i = 0; i < png.width; ++i) {
-      if (png.kind == 6) {
+Decoded decode(const std::vector<uint8_t>& png) {
+  Decoded d;
+  std::vector<uint8_t> data, alpha;
+  for (const Chunk& c : chunks_of(png)) {
+    if (c.type == "IHDR") {
+      REQUIRE(c.data.size() == 13);
+      d.width = be32(&c.data[0]), d.height = be32(&c.data[4]), d.bits = c.data[8], d.kind = c.data[9];
+      REQUIRE((c.data[10] == 0 && c.data[11] == 0 && c.data[12] == 0));
+    } else if (c.type == "PLTE") {
+      for (size_t i = 0; i + 2 < c.data.size(); i += 3) d.palette.push_back({c.data[i], c.data[i + 1], c.data[i + 2], 255});
+    } else if (c.type == "tRNS") {
+      d.alphas = c.data.size();
+      REQUIRE(d.alphas <= d.palette.size());
+      for (size_t i = 0; i < d.alphas; ++i) d.palette[i][3] = c.data[i];
+    } else if (c.type == "IDAT") {
+      data.insert(data.end(), c.data.begin(), c.data.end());
+      ++d.data_chunks;
+    }
+  }
+  const bool palette = d.kind == 3;
+  REQUIRE((palette || (d.kind == 6 && d.bits == 8)));
+  const size_t line = (size_t{d.width} * static_cast<size_t>(palette ? d.bits : 32) + 7) / 8;
+  const auto raw = inflated(data, d.height * (line + 1));
+  std::vector<uint8_t> above(line, 0);
+  for (uint32_t r = 0; r < d.height; ++r) {
+    const uint8_t* p = &raw[r * (line + 1)];
+    REQUIRE((p[0] == 0 || p[0] == 2));
+    for (size_t i = 0; i < line; ++i) above[i] = static_cast<uint8_t>(p[i + 1] + (p[0] == 2 ? above[i] : 0));
+    auto& row = d.rows.emplace_back();
+    for (uint32_t i = 0; i < d.width; ++i) {
+      if (!palette) {
         row.push_back({above[4 * i], above[4 * i + 1], above[4 * i + 2], above[4 * i + 3]});
         continue;
       }
-      const size_t bit = i * pixel_bits;
-      row.push_back(png.palette.at(above[bit / 8] >> (8 - pixel_bits - bit % 8) & ((1u << pixel_bits) - 1)));
+      const uint32_t per_byte = 8 / static_cast<uint32_t>(d.bits), shift = static_cast<uint32_t>(d.bits) * (per_byte - 1 - i % per_byte);
+      const uint32_t number = above[i / per_byte] >> shift & ((1u << d.bits) - 1);
+      if (number >= d.palette.size()) FAIL("a pixel has no colour");
+      row.push_back(d.palette[number]);
     }
-    if (const size_t used = png.width * pixel_bits % 8; used != 0) REQUIRE((above.back() & (0xFFu >> used)) == 0);
-    png.rows.push_back(std::move(row));
   }
-  return png;
+  return d;
 }
 
-// A grid of one cell with these colours of materials; labels are materials.
+// ---- what is written
+
+// One material a colour, one label a material.
 Metadata with_colors(const std::vector<std::string>& colors) {
   Metadata meta;
-  for (uint32_t i = 0; i < colors.size(); ++i) {
-    meta.materials.push_back({fmt::format("material {}", i), colors[i], i});
-    meta.labels.push_back({i, ""});
+  for (const std::string& color : colors) {
+    meta.labels.push_back({static_cast<uint32_t>(meta.materials.size()), ""});
+    meta.materials.push_back({"m" + std::to_string(meta.materials.size()), color, 0});
   }
   return meta;
 }
 
-// `count` different colours, the first one transparent if asked.
-Metadata with_colors(size_t count, bool transparent) {
+std::vector<std::string> different_colors(uint32_t count, uint32_t alpha = 255) {
   std::vector<std::string> colors;
-  for (size_t i = 0; i < count; ++i) colors.push_back(fmt::format("#{:06x}", i * 2654435761u >> 8 & 0xFFFFFF));
-  if (transparent) colors[0] += "00";
-  return with_colors(colors);
+  for (uint32_t i = 0; i < count; ++i) {
+    char text[10];
+    std::snprintf(text, sizeof text, "#%06x%02x", i * 40503 % 0xFFFFFF, alpha);
+    colors.push_back(text);
+  }
+  return colors;
 }
 
-using Rows = std::vector<std::vector<uint16_t>>;
-
-Bytes encode(const Rows& rows, const SetColors& colors) {
-  Bytes file;
-  PngWriter png(static_cast<uint32_t>(rows[0].size()), static_cast<uint32_t>(rows.size()), colors,
-                [&](std::span<const uint8_t> bytes) { file.insert(file.end(), bytes.begin(), bytes.end()); });
-  for (const auto& row : rows) png.row(row);
-  png.finish();
-  return file;
+std::vector<uint8_t> write(uint32_t width, const SetColors& colors, const Rows& rows) {
+  std::vector<uint8_t> png;
+  PngWriter writer(width, static_cast<uint32_t>(rows.size()), colors, [&](std::span<const uint8_t> b) { png.insert(png.end(), b.begin(), b.end()); });
+  for (const auto& row : rows) writer.row(row);
+  writer.finish();
+  return png;
 }
 
-void require_same(const Png& png, const Rows& rows, const SetColors& colors) {
-  const std::vector<Rgba> known = colors.colors();
-  REQUIRE(png.width == rows[0].size());
-  REQUIRE(png.height == rows.size());
-  for (size_t r = 0; r < rows.size(); ++r)
-    for (size_t i = 0; i < rows[r].size(); ++i)
-      if (png.rows[r][i] != known[rows[r][i]]) FAIL("row " << r << " pixel " << i);
-}
-
-// Noise, stretches, and rows that repeat.
-Rows rows_of(size_t width, size_t height, size_t colors, std::mt19937_64& random) {
+// Rows of noise, every third one like the row before.
+Rows noise(std::mt19937& random, uint32_t width, uint32_t height, uint32_t numbers) {
   Rows rows;
-  std::vector<uint16_t> row(width);
-  for (size_t r = 0; r < height; ++r) {
-    const auto what = random() % 3;
-    for (size_t i = 0; i < width && what != 0; ++i)
-      row[i] = what == 2 && i > 0 && random() % 8 != 0 ? row[i - 1] : static_cast<uint16_t>(random() % colors);
-    rows.push_back(row);
+  for (uint32_t r = 0; r < height; ++r) {
+    if (r % 3 == 2) {
+      rows.push_back(rows.back());
+      continue;
+    }
+    auto& row = rows.emplace_back(width);
+    for (auto& n : row) n = static_cast<uint16_t>(random() % numbers);
   }
   return rows;
 }
 
-}  // namespace
-
-TEST_CASE("A colour is six or eight hex digits after #") {
-  CHECK(parse_color("#8899aa") == Rgba{0x88, 0x99, 0xAA, 255});
-  CHECK(parse_color("#00FF7f80") == Rgba{0, 255, 127, 128});
-  for (const char* wrong : {"", "#", "8899aa", "#8899a", "#8899aab", "#8899aabbc", "#8899ag", "#8899aa\n"})
-    CHECK_THROWS_AS(parse_color(wrong), FormatError);
-}
-
-TEST_CASE("A blend is the mean of premultiplied colours, half up, divided by the mean alpha") {
-  const Rgba black = {0, 0, 0, 255}, white = {255, 255, 255, 255}, red = {255, 0, 0, 255}, nothing = {0, 0, 0, 0};
-  const auto of = [](std::vector<Rgba> colors) { return blend(colors); };
-  CHECK(of({{1, 2, 3, 4}}) == Rgba{1, 2, 3, 4});                 // one colour stays what it is
-  CHECK(of({black, white}) == Rgba{128, 128, 128, 255});         // 127.5 up
-  CHECK(of({black, white, white}) == Rgba{170, 170, 170, 255});  // 510 / 3
-  CHECK(of({black, black, white}) == Rgba{85, 85, 85, 255});
-  CHECK(of({red, nothing}) == Rgba{255, 0, 0, 128});             // 127.5 up over 127.5 up: still fully red
-  CHECK(of({nothing, nothing}) == nothing);
-  // A transparent colour has no say in the channels, whatever it is.
-  CHECK(of({red, {0, 255, 0, 0}}) == of({red, nothing}));
-  // 200 * 128 / 255 = 100.39, 100 * 128 / 255 = 50.2, 10 * 128 / 255 = 5.02: premultiplied (100, 50, 5, 128).
-  // With (0, 0, 255, 255): means 50, 25, 130, 191.5 up = 192; times 255 / 192: 66.4, 33.2, 172.66.
-  CHECK(of({{200, 100, 10, 128}, {0, 0, 255, 255}}) == Rgba{66, 33, 173, 192});
-  // Rounding can lift a mean channel above the mean alpha, 0.5 up to 1 over 0.5 up to 1 here: never past 255.
-  CHECK(of({{255, 0, 0, 1}, nothing}) == Rgba{255, 0, 0, 1});
-}
-
-TEST_CASE("A blend does not depend on the order of the colours") {
-  std::mt19937_64 random(3);
-  for (int i = 0; i < 1000; ++i) {
-    std::vector<Rgba> colors(2 + random() % 6);
-    for (Rgba& c : colors)
-      for (uint8_t& channel : c) channel = static_cast<uint8_t>(random());
-    const Rgba before = blend(colors);
-    std::ranges::shuffle(colors, random);
-    REQUIRE(blend(colors) == before);
+void require_picture(const Decoded& d, const SetColors& colors, const Rows& rows) {
+  const auto known = colors.colors();
+  REQUIRE(d.height == rows.size());
+  for (size_t r = 0; r < rows.size(); ++r) {
+    REQUIRE(d.width == rows[r].size());
+    bool same = true;
+    for (size_t i = 0; i < rows[r].size(); ++i) same &= d.rows[r][i] == known[rows[r][i]];
+    INFO("row " << r);
+    REQUIRE(same);
   }
 }
 
-TEST_CASE("On level 0 every material has its colour, and equal colours share a number") {
-  const Metadata meta = with_colors({"#00000000", "#112233", "#445566", "#112233ff"});
-  SetColors colors(meta, 0);
-  CHECK(colors.complete());
-  CHECK(colors.colors() == std::vector<Rgba>{{0, 0, 0, 0}, {0x11, 0x22, 0x33, 255}, {0x44, 0x55, 0x66, 255}});
-  CHECK(colors.number({3}) == colors.number({1}));
-  CHECK(colors.number({2}) == 2);
-}
-
-TEST_CASE("On coarser levels up to 8 materials have a palette of all their sets") {
-  const Metadata meta = with_colors(8, true);
-  SetColors colors(meta, 1);
-  CHECK(colors.complete());
-  const std::vector<Rgba> before = colors.colors();
-  CHECK(before.size() <= 255);
-  for (uint32_t members = 1; members < 256; ++members) {
-    std::vector<Label> set;
-    std::vector<Rgba> mixed;
-    for (uint32_t m = 0; m < 8; ++m) {
-      if (!(members >> m & 1)) continue;
-      set.push_back(m);
-      mixed.push_back(parse_color(meta.materials[m].color));
+TEST_CASE("a picture takes the fewest bits that tell its colours apart") {
+  std::mt19937 random(1);
+  const std::pair<uint32_t, int> cases[] = {{1, 1}, {2, 1}, {3, 2}, {4, 2}, {5, 4}, {16, 4}, {17, 8}, {255, 8}, {256, 8}};
+  for (const auto& [count, bits] : cases) {
+    const Metadata meta = with_colors(different_colors(count));
+    const SetColors colors(meta, 0);
+    for (const uint32_t width : {1u, 2u, 3u, 4u, 5u, 7u, 8u, 9u, 15u, 16u, 17u, 63u, 64u, 65u, 1001u}) {
+      INFO(count << " colours, width " << width);
+      const Rows rows = noise(random, width, 8, count);
+      const Decoded d = decode(write(width, colors, rows));
+      REQUIRE((d.kind == 3 && d.bits == bits));
+      REQUIRE(d.palette == colors.colors());
+      require_picture(d, colors, rows);
     }
-    REQUIRE(before[colors.number(set)] == blend(mixed));
   }
-  CHECK(colors.colors() == before);
 }
 
-TEST_CASE("Labels of one material weigh once, however many bodies carry it") {
+TEST_CASE("more than 256 colours are RGBA") {
+  std::mt19937 random(2);
+  for (const uint32_t alpha : {255u, 77u}) {
+    const Metadata meta = with_colors(different_colors(257, alpha));
+    const SetColors colors(meta, 0);
+    for (const uint32_t width : {1u, 7u, 301u}) {
+      const Rows rows = noise(random, width, 8, 257);
+      const Decoded d = decode(write(width, colors, rows));
+      REQUIRE((d.kind == 6 && d.bits == 8));
+      require_picture(d, colors, rows);
+    }
+  }
+}
+
+TEST_CASE("colours that are alike share a number") {
+  const Metadata meta = with_colors(std::vector<std::string>(300, "#102030"));
+  const SetColors colors(meta, 0);
+  REQUIRE(colors.colors().size() == 1);
+  REQUIRE(colors.complete());
+}
+
+TEST_CASE("tRNS ends with the last colour that is not opaque") {
+  const std::pair<std::vector<std::string>, size_t> cases[] = {{{"#000000", "#ffffff"}, 0},
+                                                               {{"#00000000", "#ffffff", "#102030ff"}, 1},
+                                                               {{"#000000", "#ffffff80", "#102030"}, 2},
+                                                               {{"#000000", "#ffffff", "#10203000"}, 3}};
+  for (const auto& [texts, alphas] : cases) {
+    const Metadata meta = with_colors(texts);
+    const SetColors colors(meta, 0);
+    Rows rows(1);
+    for (uint16_t i = 0; i < texts.size(); ++i) rows[0].push_back(i);
+    const Decoded d = decode(write(static_cast<uint32_t>(texts.size()), colors, rows));
+    REQUIRE(d.alphas == alphas);
+    require_picture(d, colors, rows);
+  }
+}
+
+TEST_CASE("a row may be longer than a chunk of data") {
+  std::mt19937 random(3);
+  for (const uint32_t count : {2u, 256u, 300u}) {
+    const Metadata meta = with_colors(different_colors(count));
+    const SetColors colors(meta, 0);
+    const uint32_t width = count == 2 ? 1000003 : 200003;
+    const Rows rows = noise(random, width, 5, count);
+    const Decoded d = decode(write(width, colors, rows));
+    REQUIRE(d.data_chunks > rows.size() / 2);
+    require_picture(d, colors, rows);
+  }
+}
+
+TEST_CASE("rows that repeat cost next to nothing") {
+  const Metadata meta = with_colors({"#000000", "#ffffff"});
+  const SetColors colors(meta, 0);
+  const Rows rows(10000, std::vector<uint16_t>(1000, 1));
+  const auto png = write(1000, colors, rows);
+  REQUIRE(png.size() < 20000);  // of 1.26 million
+  require_picture(decode(png), colors, rows);
+}
+
+TEST_CASE("the sets of a few materials have a palette, numbered as they turn up in others") {
+  const Metadata few = with_colors({"#00000000", "#ff0000", "#0000ff"});
+  SetColors colors(few, 1);
+  REQUIRE(colors.complete());
+  REQUIRE(colors.colors()[colors.number({1, 2})] == Rgba{128, 0, 128, 255});
+  REQUIRE(colors.colors()[colors.number({0, 1})] == Rgba{255, 0, 0, 128});
+  REQUIRE(colors.number({0}) == 0);
+
+  const Metadata many = with_colors(different_colors(9));
+  SetColors growing(many, 1);
+  REQUIRE_FALSE(growing.complete());
+  const size_t before = growing.colors().size();
+  std::vector<uint8_t> png;
+  PngWriter writer(2, 2, growing, [&](std::span<const uint8_t> b) { png.insert(png.end(), b.begin(), b.end()); });
+  Rows rows = {{0, 8}, {growing.number({1, 2, 3}), growing.number({0, 8})}};  // new ones after the writer has begun
+  for (const auto& row : rows) writer.row(row);
+  writer.finish();
+  REQUIRE(growing.colors().size() == before + 2);
+  const Decoded d = decode(png);
+  REQUIRE(d.kind == 6);
+  require_picture(d, growing, rows);
+}
+
+TEST_CASE("bodies of one material count once in a blend") {
   Metadata meta = with_colors({"#000000", "#ffffff"});
-  meta.labels = {{0, ""}, {1, "a"}, {1, "b"}, {1, "c"}};
+  meta.labels = {{0, ""}, {1, "left"}, {1, "right"}};
   SetColors colors(meta, 1);
-  CHECK(colors.colors()[colors.number({0, 1, 2, 3})] == Rgba{128, 128, 128, 255});
-  CHECK(colors.number({1, 2}) == colors.number({3}));
+  REQUIRE(colors.colors()[colors.number({0, 1, 2})] == Rgba{128, 128, 128, 255});
+  REQUIRE(colors.number({1}) == colors.number({1, 2}));
 }
 
-TEST_CASE("With more materials colours are numbered as sets turn up, from any thread", "[threads]") {
-  const Metadata meta = with_colors(40, false);
-  SetColors colors(meta, 2);
-  CHECK_FALSE(colors.complete());
-  {
-    std::vector<std::jthread> pool;
-    for (int t = 0; t < 4; ++t)
-      pool.emplace_back([&] {
-        for (Label a = 0; a < 40; ++a)
-          for (Label b = a + 1; b < 40; ++b) colors.number({a, b});
-      });
-  }
-  const std::vector<Rgba> known = colors.colors();
-  for (Label a = 0; a < 40; ++a)
-    for (Label b = a + 1; b < 40; ++b) {
-      const std::vector<Rgba> two = {parse_color(meta.materials[a].color), parse_color(meta.materials[b].color)};
-      REQUIRE(known[colors.number({a, b})] == blend(two));
-    }
-  CHECK(colors.colors().size() == known.size());
+TEST_CASE("a blend is the mean of premultiplied colours, half up") {
+  const auto mix = [](std::vector<Rgba> colors) { return blend(colors); };
+  REQUIRE(mix({{1, 2, 3, 4}}) == Rgba{1, 2, 3, 4});  // one colour stays what it is
+  REQUIRE(mix({{255, 0, 0, 255}, {0, 0, 255, 255}}) == Rgba{128, 0, 128, 255});
+  REQUIRE(mix({{255, 0, 0, 255}, {0, 255, 0, 255}, {0, 0, 255, 255}}) == Rgba{85, 85, 85, 255});
+  REQUIRE(mix({{255, 255, 255, 255}, {0, 0, 0, 0}}) == Rgba{255, 255, 255, 128});
+  REQUIRE(mix({{255, 255, 255, 0}, {9, 9, 9, 0}}) == Rgba{0, 0, 0, 0});
+  // #8899aa with nothing: halves 68, 77 (76.5 up), 85 under alpha 128; 68 * 255 / 128 = 135.5-, 153.4, 169.3.
+  REQUIRE(mix({{0x88, 0x99, 0xaa, 255}, {0, 0, 0, 0}}) == Rgba{135, 153, 169, 128});
+  // Premultiplied 100, 50, 25 with 10, 20, 30: 55, 35, 28 (27.5 up) under alpha 192 (191.5 up).
+  REQUIRE(mix({{200, 100, 50, 128}, {10, 20, 30, 255}}) == Rgba{73, 46, 37, 192});
 }
 
-TEST_CASE("A PNG takes the fewest bits a pixel that its palette allows, and decodes to its rows") {
-  std::mt19937_64 random(1);
-  const auto [count, bits, kind] = GENERATE(table<size_t, int, int>({{1, 1, 3}, {2, 1, 3}, {3, 2, 3}, {4, 2, 3}, {5, 4, 3}, {16, 4, 3}, {17, 8, 3}, {256, 8, 3}, {257, 8, 6}, {5000, 8, 6}}));
-  const Metadata meta = with_colors(count, true);  // colours keep a reference
-  SetColors colors(meta, 0);
-  for (const size_t width : {1, 2, 3, 4, 5, 7, 8, 9, 15, 16, 17, 31, 33, 1000}) {
-    const Rows rows = rows_of(width, 1 + random() % 20, count, random);
-    const Png png = decode(encode(rows, colors));
-    REQUIRE(png.bits == bits);
-    REQUIRE(png.kind == kind);
-    require_same(png, rows, colors);
-  }
+TEST_CASE("a colour is #rrggbb or #rrggbbaa") {
+  REQUIRE(parse_color("#8899aA") == Rgba{0x88, 0x99, 0xaa, 255});
+  REQUIRE(parse_color("#01020300") == Rgba{1, 2, 3, 0});
+  for (const char* bad : {"", "#", "8899aa", "#8899a", "#8899aag", "#8899aa0", "#8899aa001", "red", "#xyzxyz"}) REQUIRE_THROWS_AS(parse_color(bad), FormatError);
 }
 
-TEST_CASE("tRNS is there only for a palette with transparency, and ends with its last transparent entry") {
-  const auto chunks = [](const std::vector<std::string>& c) {
-    const Metadata meta = with_colors(c);
-    SetColors colors(meta, 0);
-    return decode(encode({{0}}, colors));
-  };
-  CHECK(chunks({"#102030", "#405060"}).chunks == std::vector<std::string>{"IHDR", "PLTE", "IDAT", "IEND"});
-  const Png first = chunks({"#00000000", "#405060", "#708090"});
-  CHECK(first.chunks == std::vector<std::string>{"IHDR", "PLTE", "tRNS", "IDAT", "IEND"});
-  CHECK(first.sizes[2] == 1);
-  const Png last = chunks({"#102030", "#40506080", "#708090"});
-  CHECK(last.sizes[2] == 2);
-  CHECK(last.palette[1] == Rgba{0x40, 0x50, 0x60, 0x80});
-}
-
-TEST_CASE("Colours that turn up while rows are written are in the picture") {
-  const Metadata meta = with_colors(12, false);
-  SetColors colors(meta, 1);
-  Bytes file;
-  PngWriter png(3, 12, colors, [&](std::span<const uint8_t> bytes) { file.insert(file.end(), bytes.begin(), bytes.end()); });
-  Rows rows;
-  for (Label m = 0; m < 12; ++m) {
-    rows.push_back({colors.number({m}), colors.number({0, m}), colors.number({m, 11})});
-    png.row(rows.back());
-  }
-  png.finish();
-  require_same(decode(file), rows, colors);
-}
-
-TEST_CASE("Large pictures come in pieces of 64 KiB, with rows larger than a piece") {
-  std::mt19937_64 random(2);
-  const Metadata meta = with_colors(256, false);
-  SetColors colors(meta, 0);
-  Rows rows(3, std::vector<uint16_t>(200'000));
-  for (auto& row : rows)
-    for (uint16_t& number : row) number = static_cast<uint16_t>(random() % 256);
-  const Png png = decode(encode(rows, colors));
-  require_same(png, rows, colors);
-  for (size_t i = 0; i + 2 < png.chunks.size(); ++i)
-    if (png.chunks[i] == "IDAT") CHECK(png.sizes[i] == 1 << 16);
-}
-
+}  // namespace
 }  // namespace teracell
