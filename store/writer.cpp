@@ -64,6 +64,12 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : meta_(std::move(meta)), file_(path) {
   for (int level = 0; level < meta_.grid.levels(); level += 2) {
     Level l{{level, 0, 0, 0, 0}, LevelShape(meta_, level), {}, {}};
+    // The directory is one skippable frame; two factors at a time, the product of three could overflow.
+    const LevelShape& s = l.shape;
+    constexpr uint64_t kMaxPages = (~uint32_t{0} - 8) / (kDirectoryEntry + 1);
+    if (uint64_t{s.pages_u} * s.pages_v > kMaxPages || s.pages() > kMaxPages)
+      throw UsageError(fmt::format("{} x {} rays are more than a file can index: take fewer cells across {}, or rays along the longest axes", s.nu, s.nv,
+                                   axis_name(meta_.ray_axis)));
     l.directory.resize(l.shape.pages());
     levels_.push_back(std::move(l));
   }
@@ -109,7 +115,6 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   meta_.levels.clear();
   meta_.crossings = crossings;
   for (Level& l : levels_) {
-    if (directory_bytes(l.directory.size()) > ~uint32_t{0}) throw Error(fmt::format("level {} has too many chunks for its directory", l.info.level));
     l.info.directory = append_hashed(encode_directory(l.directory)).offset;
     meta_.levels.push_back(l.info);
   }

@@ -89,6 +89,13 @@ class Shapes(Case):
         scene = self.json_of("info", "g.tcell")["report"]["scene"]
         self.assertEqual([b["mesh"] for b in scene["bodies"]], ["a.stl", "empty-handed.stl"])
 
+    def test_a_scene_without_bodies_has_empty_lists(self):
+        self.write("s.json", {"grid": {"min": [0, 0, 0], "max": [1, 1, 1], "cells": [3, 2, 1]}, "bodies": []})
+        self.run_ok("mesh", "s.json", "-o", "e.tcell")
+        report = self.json_of("info", "e.tcell")["report"]
+        self.assertEqual((report["bodies"], report["inputs"], report["warnings"]), ([], [], []))
+        self.assertEqual(self.export("e.tcell"), ((1, 2, 3), bytes(6)))
+
     def test_text_output_is_for_people(self):
         for args in (["info", "g.tcell"], ["stats", "g.tcell"], ["column", "g.tcell", "--axis", "z", "--at", "3,3"]):
             r = self.run_ok(*args)

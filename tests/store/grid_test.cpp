@@ -33,6 +33,8 @@ std::vector<Axis> axes() {
           Axis::uniform(1e6, 0x1p-32, 0, 100, 0),                // 2 ulps
           Axis::uniform(-1e6, 0x1p-31, 7, 100, 0.5),
           Axis::uniform(0, 1, (int64_t{1} << 52) - 50, 50, 0),   // at the limit of `first`
+          Axis::uniform(0, 0x1.812641b328b6ep-2, 3289424847640678, 16, 0.75),  // the guess lands beyond the answer
+          Axis::uniform(0x1.2147ae147ae14p+54, 0x1.635147f130596p+3, 3627751061612384, 16, 0.75),
           Axis::uniform(-1e75, 1e74, 0, 15, 0.5),
           Axis::uniform(0, 1e-74, 0, 50, 0.5),
           Axis::uniform(1e-60, 1e-70, 0, 50, 0.999),

@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "store/chunk_codec.hpp"
 #include "store/slice.hpp"
 #include "tests/support/forged.hpp"
 #include "tests/support/meshed.hpp"
@@ -292,15 +293,24 @@ TEST_CASE("Sums, statistics, coarse sets and the content hash that lie are found
   expect_verify_refuses(forge(file, {.footer = [](Footer& f) { f.hash[15] ^= 1; }}), "content hash");
 }
 
-TEST_CASE("A cell of level 0 with a set of several labels is refused") {
-  const Bytes file = chunked_file();
-  Bytes coarse;  // the body of a chunk of level 2: it has sets
-  int level = 0;
-  forge(file, {.page = [&](int l, std::vector<ChunkEntry>&) { level = l; },
-               .bytes = [&](Part part, Bytes& body) { if (part == Part::kChunk && level == 0) coarse = body; }});
-  const Bytes swapped = forge(file, {.bytes = [&](Part part, Bytes& body) { if (part == Part::kChunk) body = coarse; }});
-  REQUIRE_THROWS_AS(verify(reader_of(swapped)), FormatError);
-  read_hostile(swapped);
+TEST_CASE("A cell of level 0 with a set of several labels is refused, by verify and by every reading of it") {
+  const Bytes file = meshed_file();
+  bool done = false;
+  const Bytes forged = forge(file, {.bytes = [&](Part part, Bytes& body) {
+                                      if (part != Part::kChunk || done) return;
+                                      Chunk honest, lie{{}, SetTable(3)};
+                                      ChunkDecoder().decode(encode_text({body.begin(), body.end()}), 12, 9, 8, 3, honest);
+                                      std::vector<Mask> cells = expand(honest);
+                                      for (Mask& cell : cells) cell |= cell == 4 ? 2 : 0;
+                                      lie = block_of_cells(12, 9, 8, 3, cells);
+                                      const std::string text = decode_text(ChunkEncoder().encode(lie.rays, lie.sets), "chunk");
+                                      body.assign(text.begin(), text.end());
+                                      done = true;
+                                    }});
+  REQUIRE(done);
+  expect_verify_refuses(forged, "level 0");
+  REQUIRE_THROWS_WITH(level_as_read(reader_of(forged), 0), Catch::Contains("level 0"));
+  REQUIRE_THROWS_WITH(level_as_read(reader_of(forged), 1), Catch::Contains("level 0"));
 }
 
 TEST_CASE("Offsets outside the file, and sizes beyond it, are refused wherever they stand") {
