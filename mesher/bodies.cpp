@@ -93,7 +93,8 @@ AxisCost axis_cost(const std::vector<SceneFacet>& facets, const Grid& grid, int 
   const Axis &u = grid.axis[f.u], &v = grid.axis[f.v];
   // Where a coordinate lies in units of cells; on a graded axis to the nearest centre.
   const auto place = [](const Axis& a, double x) {
-    return a.is_graded() ? static_cast<double>(a.first_centre_from(x)) : (x - a.origin()) / a.step();
+    if (a.is_graded()) return static_cast<double>(a.first_centre_from(x));
+    return std::clamp((x - a.min()) / a.step(), 0.0, static_cast<double>(a.cells()));  // what lies outside costs nothing
   };
   double area = 0;
   for (const SceneFacet& facet : facets) {

@@ -226,6 +226,8 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
     if (cells[b] >> 53 != 0) j["cells_text"] = fmt::format("{}", cells[b]);
     report["bodies"].push_back(j);
     inputs.push_back({{"path", body.mesh_text}, {"format", found.file.format}, {"bytes", found.file.bytes}, {"hash", found.file.hash}});
+    if (body.fill == Fill::kAuto && found.rule == Fill::kEvenodd)
+      warnings.push_back(fmt::format("body '{}' has facets oriented the other way round: inside is decided by parity, so where its shells overlap it is hollow", body.name));
     if (cells[b] == 0)
       warnings.push_back(fmt::format("body '{}' owns no cell: it lies outside the grid, between the sample points, or under stronger bodies", body.name));
   }
@@ -233,7 +235,7 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
   report["warnings"] = warnings;
   report["inputs"] = inputs;
   report["ray_axis"] = {{"axis", axis_name(meta.ray_axis)}, {"why", options.axis ? "asked for" : "the fewest crossings and rays"}};
-  for (int axis = 0; axis < 3; ++axis) report["ray_axis"]["crossings_expected"].push_back(std::llround(cost[axis].crossings));
+  for (int axis = 0; axis < 3; ++axis) report["ray_axis"]["crossings_expected"].push_back(static_cast<uint64_t>(std::min(cost[axis].crossings, 0x1p63)));
   report["scene"] = normalised(scene);
   tick("write", 0);
   writer.finish(report.dump(), crossings);

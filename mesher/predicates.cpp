@@ -76,7 +76,7 @@ int normal_sign(const Facet& facet, int axis) {
 
 bool is_above(const Facet& facet, int axis, const Vec3& p) {
   int side = orient3d(facet, p);
-  for (int d = 0; side == 0; ++d) side = normal_sign(facet, d);
+  for (int d = 0; side == 0 && d < 3; ++d) side = normal_sign(facet, d);
   return side == normal_sign(facet, axis);
 }
 

@@ -49,7 +49,10 @@ struct SceneAxis {
   std::optional<double> min, max, step;  // min and max: both or neither
   std::optional<int64_t> cells;          // not with step
   std::vector<double> planes;            // graded when not empty: nothing else is used then
-  friend bool operator==(const SceneAxis&, const SceneAxis&) = default;
+  std::filesystem::path planes_file;     // that the planes were read from; only so that nobody overwrites it
+  friend bool operator==(const SceneAxis& a, const SceneAxis& b) {  // the same cells
+    return a.min == b.min && a.max == b.max && a.step == b.step && a.cells == b.cells && a.planes == b.planes;
+  }
 };
 
 struct Scene {
@@ -89,7 +92,7 @@ void override_grid(Scene& scene, const GridOptions& options);
 // The scene as normalised: every default written out, matrices instead of scale/rotate/translate. Reads back equal.
 nlohmann::ordered_json normalised(const Scene& scene);
 
-// The axes (SPEC "From options to axes"). `lo`, `hi` are the box of all bodies' transformed vertices; unused, and free
+// The axes (how options become axes). `lo`, `hi` are the box of all bodies' transformed vertices; unused, and free
 // to be anything, where every axis has min and max or planes. With e = hi - lo of an axis and P = pad:
 //
 //                  min and max given                       from the box

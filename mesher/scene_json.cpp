@@ -88,7 +88,8 @@ void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
             fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
     axis = {};
     if (file) {
-      axis.planes = read_planes(folder / file->path());
+      axis.planes_file = folder / file->path();
+      axis.planes = read_planes(axis.planes_file);
       return;
     }
     for (const Node& plane : planes->items()) axis.planes.push_back(plane.number());

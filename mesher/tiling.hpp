@@ -18,7 +18,7 @@ struct Unit {
   std::vector<uint32_t> facets;  // numbers of those that may meet its rays
 };
 
-// Not thread-safe.
+// next() is not thread-safe; split() may run on any thread, also while next() runs.
 class Tiling {
  public:
   // Keeps references to both.

@@ -1,4 +1,4 @@
-// A block of rays <-> bytes (FORMAT.md, "Chunks"). Pure: no I/O.
+// A block of rays <-> bytes (FORMAT.md, "Chunk"). Pure: no I/O.
 //
 // What makes a crossing cost 1.5 bits: rays are stored as pattern + changes (run.hpp). The pattern of a ray is
 // predicted from its left and upper neighbours, only exceptions are written. A change is predicted by the plane

@@ -44,7 +44,7 @@ OutputFile::OutputFile(const std::filesystem::path& target) : target_(target), p
   // The rename would put a file in the place of a device: root must not lose /dev/null.
   if (const auto found = std::filesystem::status(target_, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
     throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(), std::filesystem::is_directory(found) ? "a folder" : "a device or a pipe"));
-  fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
   if (fd_ < 0) {
     const bool no_folder = errno == ENOENT && target_.has_parent_path();
     throw IoError(fmt::format("{}: can't create: {}", partial_.string(), no_folder ? fmt::format("there is no folder '{}'", target_.parent_path().string()) : std::strerror(errno)));
@@ -53,13 +53,22 @@ OutputFile::OutputFile(const std::filesystem::path& target) : target_(target), p
     ::close(fd_);
     throw IoError(fmt::format("{}: another process is writing this file (it holds the lock on {})", target_.string(), partial_.string()));
   }
+  // Whatever else stands under this name is somebody's: a pipe, or a file that has another name as well.
+  struct stat ours;
+  if (::fstat(fd_, &ours) != 0 || !S_ISREG(ours.st_mode) || ours.st_nlink > 1) {
+    ::close(fd_);
+    throw IoError(fmt::format("{}: expected no file, or what a run that was killed has left; found something else: remove it", partial_.string()));
+  }
   // Between open and flock the former owner may have renamed or removed it: then the lock is on another file's inode.
-  struct stat ours, there;
-  if (::fstat(fd_, &ours) != 0 || ::stat(partial_.c_str(), &there) != 0 || ours.st_ino != there.st_ino) {
+  struct stat there;
+  if (::stat(partial_.c_str(), &there) != 0 || ours.st_ino != there.st_ino) {
     ::close(fd_);
     throw IoError(fmt::format("{}: another process has just written this file: try again", target_.string()));
   }
-  if (::ftruncate(fd_, 0) != 0) fail("can't empty");
+  if (::ftruncate(fd_, 0) != 0) {
+    ::close(fd_);
+    throw IoError(fmt::format("{}: can't empty: {}", partial_.string(), std::strerror(errno)));
+  }
   buffer_.reserve(kBuffer);
 }
 

@@ -15,10 +15,12 @@ using nlohmann::ordered_json;
 constexpr uint32_t kSkippableMagic = 0x184D2A5E;  // zstd tools step over frames that start with it
 constexpr char kHeaderMagic[] = "teracell", kFooterMagic[] = "tcellend";
 constexpr int kIndexLevel = 6;                    // pages are small: a good ratio costs microseconds
-constexpr uint64_t kMaxText = uint64_t{1} << 30;
+constexpr uint64_t kMaxText = uint64_t{1} << 26;  // metadata, report, page: a parsed JSON takes some ten times as much
 constexpr uint64_t kMaxZstdRatio = 1 << 15;       // see chunk_codec.cpp
 
 Bytes compress(std::span<const uint8_t> body) {
+  if (body.size() > kMaxText)
+    throw InputError(fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), kMaxText >> 20));
   Bytes frame(ZSTD_compressBound(body.size()));
   const size_t size = ZSTD_compress(frame.data(), frame.size(), body.data(), body.size(), kIndexLevel);
   if (ZSTD_isError(size)) throw Error(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
@@ -172,6 +174,10 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
   expect(!meta.levels.empty() && meta.levels[0].level == 0, "level 0 must be stored");
   for (size_t i = 1; i < meta.levels.size(); ++i)
     expect(meta.levels[i].level > meta.levels[i - 1].level && meta.levels[i].level < meta.grid.levels(), "stored levels must ascend");
+  for (size_t i = 0; i < meta.levels.size(); ++i) {
+    const int next = i + 1 < meta.levels.size() ? meta.levels[i + 1].level : meta.grid.levels();
+    expect(next - meta.levels[i].level <= 2, "of two successive levels at least one must be stored");
+  }
   return meta;
 }
 

@@ -51,7 +51,11 @@ void Axis::check() const {
     if (!(top <= kHuge)) throw UsageError(fmt::format("coordinate {} is beyond 1e75", top));
     // Each centre carries at most 3 roundings of the largest term; 16 of them apart, neighbours can't meet.
     const double ulp = std::max({top, std::abs(min_), (static_cast<double>(first_ + cells_)) * step_}) * 0x1p-52;
+    if (!usable(sample_ * step_)) throw UsageError(fmt::format("sample {} of a step of {} is below 1e-75", sample_, step_));
     if (step_ > 16 * ulp) return;
+    // Centres this close are walked one by one; a file of a kilobyte must not buy hours of that.
+    constexpr int64_t kMaxWalk = 1 << 24;
+    if (cells_ > kMaxWalk) throw UsageError(fmt::format("{} cells of {} lie too close together for doubles around {}", cells_, step_, top));
   }
   for (int64_t i = 0; i < cells_; ++i) {
     if (is_graded() && (!std::isfinite(planes_[i + 1]) || !(planes_[i] < planes_[i + 1])))

@@ -1,6 +1,6 @@
 // Cells and coordinates: an Axis is a row of cells, a Grid is three of them.
 //
-// Every double here is specified to the last bit (README, "The cell rule"): one rounding per operation, nothing fused.
+// Every double here is specified to the last bit (README, "What a cell is"): one rounding per operation, nothing fused.
 // Centres and planes are computed when asked for, so a uniform axis costs the same memory at 10 and at 10^9 cells.
 #pragma once
 #include <array>

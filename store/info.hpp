@@ -1,4 +1,4 @@
-// What a grid says about itself in JSON (README, "JSON"): shared by the command line and the server.
+// What a grid says about itself in JSON (`teracell info --json` and the like): shared by the command line and the server.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 

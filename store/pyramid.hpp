@@ -1,4 +1,4 @@
-// The pyramid: a coarse cell's set is the union of the sets below it (FORMAT.md, "Levels"). Pure.
+// The pyramid: a coarse cell's set is the union of the sets below it (FORMAT.md, "Grid, rays, levels, chunks"). Pure.
 #pragma once
 #include "store/run.hpp"
 

@@ -96,7 +96,7 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source) : source_(std::move(s
     for (const LevelInfo& l : meta_.levels) {
       const LevelShape s = shape(l.level);
       // Two factors at a time: a hostile grid could overflow the product of three.
-      if (uint64_t{s.pages_u} * s.pages_v > size / kDirectoryEntry || s.pages() > size / kDirectoryEntry ||
+      if (uint64_t{s.pages_u} * s.pages_v > size / kDirectoryEntry / s.segments ||
           directory_bytes(s.pages()) > size || l.directory > size - directory_bytes(s.pages()))
         throw FormatError(fmt::format("level {}: its directory of {} pages does not fit into the file", l.level, s.pages()));
       bytes.resize(8);

@@ -1,5 +1,5 @@
 // Reads a .tcell file. Opening costs the header, the footer and the metadata; a chunk costs a directory block, a page
-// (both kept for a while) and its own bytes. Every byte is held against its checksum before it is believed.
+// (kept for a while) and its own bytes. Every byte is held against its checksum before it is believed.
 #pragma once
 #include <filesystem>
 #include <functional>

@@ -12,6 +12,14 @@ void check_level(const Metadata& meta, int level) {
     throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, level));
 }
 
+void check_box(const Metadata& meta, int level, const Box& box) {
+  check_level(meta, level);
+  const Index3 n = meta.grid.cells(level);
+  for (int d = 0; d < 3; ++d)
+    if (box.lo[d] < 0 || box.hi[d] > n[d])
+      throw UsageError(fmt::format("the box along {} must lie in 0 to {} (half open) on level {}, found {} to {}", axis_name(d), n[d], level, box.lo[d], box.hi[d]));
+}
+
 // A box in the frame of the rays.
 struct RayBox {
   int64_t u0, u1, v0, v1, w0, w1;
@@ -118,7 +126,7 @@ template void read_box(const GridReader&, int, const Box&, const SetValue&, uint
 template void read_box(const GridReader&, int, const Box&, const SetValue&, uint32_t, uint32_t*, const Index3&);
 
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f) {
-  check_level(reader.meta(), level);
+  check_box(reader.meta(), level, box);
   if (box.empty()) return;
   const Frame frame = reader.meta().frame();
   Chunk chunk;
@@ -138,7 +146,8 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
 }
 
 std::optional<std::vector<Label>> uniform_set(const GridReader& reader, int level, const Box& box) {
-  check_level(reader.meta(), level);
+  check_box(reader.meta(), level, box);
+  if (box.empty()) return std::nullopt;
   std::optional<std::vector<Label>> set;
   bool several = false;
   const auto meet = [&](const std::vector<Label>& found) {
@@ -187,6 +196,7 @@ std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a
 
 std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) {
   const Metadata& meta = reader.meta();
+  check_box(meta, 0, box);
   const Grid& grid = meta.grid;
   const Frame f = meta.frame();
   std::vector<MaterialStats> stats(meta.materials.size());

@@ -27,10 +27,10 @@ struct BoxRun {
   const std::vector<Label>* set;
 };
 // Calls f for the runs of `box`, chunk by chunk; cells are never expanded. A run that passes from one chunk to the next
-// along the rays comes in two parts. REQUIRES: the box lies in the level.
+// along the rays comes in two parts. Throws UsageError, like the next two, unless the box lies in the level.
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f);
 
-// The set that fills the whole box, or none if there are several.
+// The set that fills the whole box; none if there are several, or the box is empty.
 std::optional<std::vector<Label>> uniform_set(const GridReader& reader, int level, const Box& box);
 
 // The runs of the column of level-0 cells along `axis` through (a, b) of Frame::along(axis), joined where the material

@@ -112,6 +112,8 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
     hash.add(frame);
     return append(frame);
   };
+  for (const Level& l : levels_)
+    if (!l.open.empty()) throw Error(fmt::format("level {} lacks chunks", l.info.level));
   meta_.levels.clear();
   meta_.crossings = crossings;
   for (Level& l : levels_) {

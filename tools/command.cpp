@@ -20,6 +20,7 @@ const std::atomic<bool>& watch_interrupts() {
   action.sa_handler = [](int) { interrupted = true; };
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);
   return interrupted;
 }
 
@@ -58,6 +59,14 @@ Box parse_region(const std::string& text, const Grid& grid, int level) {
       throw UsageError(fmt::format("--region: along {} it must lie in 0 to {} (half open) on level {} and not be empty, found {} to {}", axis_name(d),
                                    cells[d], level, box.lo[d], box.hi[d]));
   return box;
+}
+
+void refuse_overwriting(const std::string& input, const std::string& output) {
+  if (output.empty()) return;
+  std::error_code none;  // a file that is not there is no other file
+  for (const std::string& name : {output, output + ".partial"})
+    if (name == input || std::filesystem::equivalent(name, input, none))
+      throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", output));
 }
 
 int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }

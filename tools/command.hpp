@@ -34,6 +34,8 @@ int parse_axis(const std::string& text);  // "x", "y", "z"
 // Throws UsageError unless lo < hi <= the level's cells on every axis.
 Box parse_region(const std::string& text, const Grid& grid, int level);
 int default_threads();
+// Throws UsageError if writing `output`, by way of its temporary, would overwrite `input`; an empty name is none.
+void refuse_overwriting(const std::string& input, const std::string& output);
 // From here on SIGINT and SIGTERM set the flag instead of killing the program, so that its partial file is removed.
 const std::atomic<bool>& watch_interrupts();
 void stop_if(const std::atomic<bool>& stop, const std::string& output);  // throws Interrupted

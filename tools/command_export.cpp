@@ -44,6 +44,7 @@ void run(const Options& o) {
     if (extension != ".npy" && extension != ".raw") throw UsageError(fmt::format("--output: expected a name that ends in .npy or .raw, or --format, found '{}'", o.output));
     format = extension.substr(1);
   }
+  refuse_overwriting(o.grid, o.output);
   const GridReader reader(o.grid);
   const Metadata& meta = reader.meta();
   if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("--level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));

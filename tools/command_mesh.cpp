@@ -45,14 +45,15 @@ Scene scene_from(const Options& o) {
 
 // Outputs are checked before hours of work, not after.
 void check_outputs(const Options& o, const Scene& scene) {
+  if (o.output.empty()) throw UsageError("--output: expected a name, found none");
   std::error_code none;
-  const auto same = [&](const std::filesystem::path& a, const std::filesystem::path& b) { return a == b || std::filesystem::equivalent(a, b, none); };
-  if (!o.report.empty() && same(o.report, o.output)) throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
-  std::vector<std::filesystem::path> inputs(o.inputs.begin(), o.inputs.end());
-  for (const SceneBody& body : scene.bodies) inputs.push_back(body.mesh);
-  for (const std::string& output : {o.output, o.report})
-    for (const std::filesystem::path& input : inputs)
-      if (!output.empty() && same(input, output)) throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", output));
+  if (!o.report.empty() && (o.report == o.output || o.report == o.output + ".partial" || std::filesystem::equivalent(o.report, o.output, none)))
+    throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
+  for (const std::string& output : {o.output, o.report}) {
+    for (const std::string& input : o.inputs) refuse_overwriting(input, output);
+    for (const SceneBody& body : scene.bodies) refuse_overwriting(body.mesh.string(), output);
+    for (const SceneAxis& axis : scene.axis) refuse_overwriting(axis.planes_file.string(), output);
+  }
 }
 
 // A short word on what was done; the report has the rest.

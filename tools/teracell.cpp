@@ -92,6 +92,7 @@ std::string explain(const CLI::ParseError& e, const CLI::App& app) {
 int main(int argc, char** argv) {
   occupy_standard_descriptors();
   std::signal(SIGPIPE, SIG_IGN);  // a reader that went away is a failed write, not the end
+  std::signal(SIGXFSZ, SIG_IGN);  // so is a file that may not grow
   CLI::App app("Trillion-cell Cartesian grids from CAD surfaces: meshed, stored, looked at.", "teracell");
   app.set_version_flag("--version", TERACELL_VERSION);
   app.require_subcommand(1);

@@ -13,7 +13,7 @@ class ScanEngine : public Engine {
   struct Plane;
   struct Span {  // rays [from, to) of a row that cross a facet
     uint32_t facet, row, from, to;
-    bool up;  // the facet's normal points along the rays
+    bool up;  // the facet turns left in (u, v): its sign for the winding number
   };
   void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets);
   void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out);

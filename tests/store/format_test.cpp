@@ -216,7 +216,8 @@ Metadata some_metadata() {
   meta.chunk_cells = 1u << 31;
   meta.page_chunks = 1;
   meta.crossings = ~uint64_t{0};
-  meta.levels = {{0, ~uint64_t{0}, 1, uint64_t{1} << 63, 3}, {2, 4, 5, 6, 7}, {30, 1, 0, 0, 0}};
+  meta.levels = {{0, ~uint64_t{0}, 1, uint64_t{1} << 63, 3}, {2, 4, 5, 6, 7}};
+  for (int level = 4; level <= 30; level += 2) meta.levels.push_back({level, 1, 0, 0, 0});
   return meta;
 }
 
@@ -263,6 +264,14 @@ TEST_CASE("Unknown keys and unknown optional channels of the metadata are skippe
             j["channels"].push_back({{"name", "fractions"}, {"required", false}, {"coding", "bytes"}, {"strange", 7}});
             j["channels"].insert(j["channels"].begin(), ordered_json::object({{"name", "first"}, {"required", false}}));
           })) == plain);
+}
+
+TEST_CASE("Of two successive levels one must be stored: a reader would derive the rest from the whole grid") {
+  Metadata meta = some_metadata();
+  meta.levels.pop_back();
+  REQUIRE_THROWS_WITH(decode_metadata(encode_metadata(meta)), Catch::Contains("successive levels"));
+  meta.levels = {meta.levels[0]};
+  REQUIRE_THROWS_WITH(decode_metadata(encode_metadata(meta)), Catch::Contains("successive levels"));
 }
 
 TEST_CASE("Required channels that are unknown, labels in an unknown coding, twice or not at all are refused by name") {
