@@ -44,6 +44,22 @@ class Damage(Case):
                 self.assertFalse(os.path.exists(self.path("s.npy")), "no picture of a damaged file")
         self.no_debris()
 
+    def test_no_command_overwrites_what_it_reads(self):
+        os.link(self.path("g.tcell"), self.path("k.npy"))
+        for output in ("g.tcell", "./g.tcell"):
+            self.refused(2, ["overwritten"], "export", "g.tcell", "--format", "raw", "-o", output)
+        self.refused(2, ["overwritten"], "slice", "g.tcell", "--axis", "z", "--index", 3, "-o", "k.npy")
+        # Nor through the name that the output has while it is written.
+        self.write("precious", b"precious")
+        for target, status, phrase in (("g.tcell", 2, "overwritten"), ("precious", 1, "x.npy.partial")):
+            os.symlink(target, self.path("x.npy.partial"))
+            r = teracell("slice", "g.tcell", "--axis", "z", "--index", 3, "-o", "x.npy", cwd=self.folder)
+            self.assertEqual(r.status, status, r.err)
+            self.assertIn(phrase, r.err)
+            os.unlink(self.path("x.npy.partial"))
+        self.assertEqual(self.bytes("precious"), b"precious")
+        self.assertEqual(self.bytes("g.tcell"), self.whole)
+
     def test_any_truncation_is_found(self):
         size = len(self.whole)
         for length in (0, 1, 31, 32, 159, 160, size // 3, size // 2, size - 128, size - 1):

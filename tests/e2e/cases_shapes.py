@@ -1,4 +1,4 @@
-"""The JSON that other programs read: every key of SPEC section 4, with its type."""
+"""The JSON that other programs read: every key that the README and --help promise, with its type."""
 import json
 
 import solids

@@ -1,4 +1,4 @@
-"""Coarser levels by brute force, and the colours of sets, by SPEC section 2."""
+"""Coarser levels by brute force, and the colours of sets, mixed with equal weights."""
 
 
 def masks(cells):

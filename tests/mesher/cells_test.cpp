@@ -149,6 +149,24 @@ TEST_CASE("A grid that cuts through a body, or lies wholly inside it, is the win
   expect_exact(bodies, uniform_grid(4.5, 0.25, 4, 4, 4));
 }
 
+TEST_CASE("Borders of tiles, of units and of chunks along the rays leave no trace") {
+  const auto lattice = [](uint64_t seed, double size) {
+    std::mt19937_64 random(seed);
+    return std::vector<Body>{{shapes::join(shapes::random_tetrahedra(random, 3, -2, size, 0.5))},
+                             {shapes::sphere({size / 2, 34, 4}, 30, 2, 0.25), Rule::kNonzero, 2},
+                             {shapes::box({63.5, 1.5, 0.5}, {64.5, 66.5, 8.5}), Rule::kNonzero, 3}};
+  };
+  expect_exact(lattice(300, 130), uniform_grid(0, 1, 130, 67, 9));
+  expect_exact(lattice(301, 262), uniform_grid(0, 1, 262, 65, 5));
+}
+
+TEST_CASE("Far from the origin, where neighbouring centres share most of their digits, cells equal rational arithmetic") {
+  for (const double far : {1e6, -3e9, 1e12}) {
+    auto facets = shapes::join({shapes::sphere({4, 4, 4}, 3, 2), shapes::tetrahedron({0.5, 0.5, 0.5}, {7.5, 1.5, 2.5}, {1.5, 6.5, 3.5}, {2.5, 2.5, 7.5})});
+    expect_exact({{shapes::translate(facets, {far, far, far})}}, uniform_grid(far, 0.25, 32, 32, 32));
+  }
+}
+
 TEST_CASE("Volumes of spheres and tori converge to the analytic ones") {
   const TempFolder folder;
   for (const auto& [facets, exact] : {std::pair{shapes::sphere({0, 0, 0}, 1, 6), 4.18879020478639}, {shapes::torus({0, 0, 0}, 0.7, 0.3, 400, 200), 1.24357}}) {

@@ -388,5 +388,18 @@ TEST_CASE("Levels, indices, columns and regions out of range are usage errors th
   }
 }
 
+TEST_CASE("A box beyond the grid is refused by all that do not fill what lies outside; an empty one holds no set") {
+  const TempFolder folder;
+  const Grid grid{{Axis::uniform(0, 1, 0, 5, 0.5), Axis::uniform(0, 1, 0, 6, 0.5), Axis::uniform(0, 1, 0, 7, 0.5)}};
+  mesh_quietly(scene_of(folder, {{shapes::box({1, 1, 1}, {3, 3, 3})}}, grid), folder / "g.tcell");
+  const GridReader reader(folder / "g.tcell");
+  for (const Box& box : {Box{{0, 0, 0}, {6, 6, 7}}, Box{{-1, 0, 0}, {5, 6, 7}}, Box{{0, 0, 0}, {5, 6, int64_t{1} << 40}}}) {
+    REQUIRE_THROWS_AS(for_each_run(reader, 0, box, [](const BoxRun&) {}), UsageError);
+    REQUIRE_THROWS_AS(uniform_set(reader, 0, box), UsageError);
+    REQUIRE_THROWS_AS(read_stats(reader, box), UsageError);
+  }
+  REQUIRE_FALSE(uniform_set(reader, 0, {{2, 2, 2}, {2, 3, 3}}).has_value());
+}
+
 }  // namespace
 }  // namespace teracell

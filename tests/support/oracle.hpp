@@ -1,4 +1,4 @@
-// The strong oracle: which cells are inside which body (SPEC 1.4 to 1.6), in exact arithmetic, written so that it can
+// The strong oracle: which cells are inside which body (README, "What a cell is"), in exact arithmetic, written so that it can
 // be checked by reading rather than to be fast. It shares nothing with the mesher: it casts no ray and scans no facet.
 #pragma once
 #include <cstdint>
@@ -11,8 +11,8 @@ namespace teracell::oracle {
 
 enum class Rule { kNonzero, kEvenodd };
 
-// A closed surface, its vertices already transformed. A body of mixed rules (SPEC 1.9) is two bodies of one material
-// and priority, one after the other: their union is what 1.9 asks for.
+// A closed surface, its vertices already transformed. A body of mixed rules is two bodies of one material
+// and priority, one after the other: their union is what a body of mixed shells means.
 struct Body {
   std::vector<Facet> facets;
   Rule rule = Rule::kNonzero;
