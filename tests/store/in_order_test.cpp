@@ -24,7 +24,7 @@ auto counting_to(int n) {
   return [n, next = 0]() mutable -> std::optional<int> { return next < n ? std::optional(next++) : std::nullopt; };
 }
 
-TEST_CASE("Results are taken in the order of the jobs, whoever made them") {
+TEST_CASE("Results are taken in the order of the jobs, whoever made them", "[threads]") {
   for (int threads = 0; threads <= 8; ++threads) {
     std::vector<int> taken;
     in_order(
@@ -39,7 +39,7 @@ TEST_CASE("Results are taken in the order of the jobs, whoever made them") {
   }
 }
 
-TEST_CASE("No job at all, and fewer jobs than threads, end the loop") {
+TEST_CASE("No job at all, and fewer jobs than threads, end the loop", "[threads]") {
   for (int threads = 1; threads <= 8; ++threads)
     for (int jobs = 0; jobs <= 3; ++jobs) {
       int taken = 0;
@@ -48,7 +48,7 @@ TEST_CASE("No job at all, and fewer jobs than threads, end the loop") {
     }
 }
 
-TEST_CASE("A worker's number is its own: two makes never share one at a time") {
+TEST_CASE("A worker's number is its own: two makes never share one at a time", "[threads]") {
   for (int threads = 1; threads <= 8; ++threads) {
     std::vector<std::atomic<int>> busy(static_cast<size_t>(threads));
     std::atomic<int> wrong = 0;
@@ -65,7 +65,7 @@ TEST_CASE("A worker's number is its own: two makes never share one at a time") {
   }
 }
 
-TEST_CASE("Jobs run at once on as many threads as asked for") {
+TEST_CASE("Jobs run at once on as many threads as asked for", "[threads]") {
   // Each of four jobs waits for the other three: with fewer threads this would never end.
   std::atomic<int> arrived = 0;
   int taken = 0;
@@ -80,7 +80,7 @@ TEST_CASE("Jobs run at once on as many threads as asked for") {
   REQUIRE(taken == 4);
 }
 
-TEST_CASE("Threads run ahead of what is taken by twice their number at most") {
+TEST_CASE("Threads run ahead of what is taken by twice their number at most", "[threads]") {
   for (int threads = 1; threads <= 8; ++threads) {
     std::atomic<int> started = 0, taken = 0, furthest = 0;
     in_order(
@@ -100,7 +100,7 @@ TEST_CASE("Threads run ahead of what is taken by twice their number at most") {
   }
 }
 
-TEST_CASE("Jobs and results that can only be moved are moved") {
+TEST_CASE("Jobs and results that can only be moved are moved", "[threads]") {
   int sum = 0, next = 0;
   in_order(
       3, [&]() -> std::optional<std::unique_ptr<int>> { return next < 50 ? std::optional(std::make_unique<int>(next++)) : std::nullopt; },
@@ -108,7 +108,7 @@ TEST_CASE("Jobs and results that can only be moved are moved") {
   REQUIRE(sum == 50 * 51 / 2);
 }
 
-TEST_CASE("An exception of make ends the loop after the results before it were taken; the earliest job's wins") {
+TEST_CASE("An exception of make ends the loop after the results before it were taken; the earliest job's wins", "[threads]") {
   for (int threads = 1; threads <= 8; ++threads)
     for (const int first : {0, 1, 7, 99}) {
       int taken = 0;
@@ -127,7 +127,7 @@ TEST_CASE("An exception of make ends the loop after the results before it were t
     }
 }
 
-TEST_CASE("An exception of next ends the loop after the jobs before it were taken") {
+TEST_CASE("An exception of next ends the loop after the jobs before it were taken", "[threads]") {
   for (int threads = 1; threads <= 8; ++threads)
     for (const int last : {0, 1, 20}) {
       int taken = 0, next = 0, asked = 0;
@@ -151,7 +151,7 @@ TEST_CASE("An exception of next ends the loop after the jobs before it were take
     }
 }
 
-TEST_CASE("An exception of make of an earlier job wins over one of next") {
+TEST_CASE("An exception of make of an earlier job wins over one of next", "[threads]") {
   for (int threads = 2; threads <= 8; ++threads) {
     int next = 0;
     const auto run = [&] {
@@ -174,7 +174,7 @@ TEST_CASE("An exception of make of an earlier job wins over one of next") {
   }
 }
 
-TEST_CASE("An exception of take ends the loop, though all threads wait for room") {
+TEST_CASE("An exception of take ends the loop, though all threads wait for room", "[threads]") {
   for (int threads = 1; threads <= 8; ++threads)
     for (const int last : {0, 5}) {
       const auto run = [&] {
@@ -189,7 +189,7 @@ TEST_CASE("An exception of take ends the loop, though all threads wait for room"
     }
 }
 
-TEST_CASE("A thousand short loops end: no wake-up is lost") {
+TEST_CASE("A thousand short loops end: no wake-up is lost", "[threads]") {
   for (int round = 0; round < 1000; ++round) {
     const int threads = 1 + round % 8, jobs = round % 23;
     int sum = 0;

@@ -118,7 +118,7 @@ void expect_verify_refuses(const Bytes& file, const std::string& because) {
 
 // ---- sound files ----------------------------------------------------------------------------------------------------
 
-TEST_CASE("A sound file is verified by any number of threads, with shares of 1 that ascend") {
+TEST_CASE("A sound file is verified by any number of threads, with shares of 1 that ascend", "[threads]") {
   for (const Bytes& file : {meshed_file(), chunked_file(0), chunked_file(1), chunked_file(2), chunked_file(2, {1, 1, 1}), chunked_file(0, {40, 30, 33})}) {
     const GridReader reader = reader_of(file);
     for (const int threads : {1, 2, 5}) {
@@ -146,7 +146,7 @@ TEST_CASE("A reader tells what the file holds") {
   REQUIRE(reader.hash() != reader_of(chunked_file()).hash());
 }
 
-TEST_CASE("The file read by threads at once is the file read by one") {
+TEST_CASE("The file read by threads at once is the file read by one", "[threads]") {
   const Index3 n = {23, 21, 30};
   const Bytes file = chunked_file(2, n);
   const GridReader reader = reader_of(file);
