@@ -18,8 +18,7 @@ struct Options {
 
 // Layers of z that fit the slab; where not even one fits, rows of a layer.
 template <class T>
-void write_cells(const GridReader& reader, const Options& o, const Box& box, OutputFile& file) {
-  const std::atomic<bool>& stop = watch_interrupts();
+void write_cells(const GridReader& reader, const Options& o, const Box& box, const std::atomic<bool>& stop, OutputFile& file) {
   const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1];
   const auto fit = [](int64_t count, int64_t size) { return std::clamp<int64_t>(kSlabBytes / size, 1, count); };
   const int64_t rows = fit(ny, nx * static_cast<int64_t>(sizeof(T))), layers = rows < ny ? 1 : fit(box.hi[2] - box.lo[2], nx * ny * static_cast<int64_t>(sizeof(T)));
@@ -50,10 +49,11 @@ void run(const Options& o) {
   if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("--level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));
   const Box box = o.region.empty() ? meta.grid.box(o.level) : parse_region(o.region, meta.grid, o.level);
   const bool wide = meta.materials.size() > 256;
+  const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
   OutputFile file(o.output);
   if (format == "npy") file.append(npy_header(wide ? "<u2" : "|u1", {box.hi[2] - box.lo[2], box.hi[1] - box.lo[1], box.hi[0] - box.lo[0]}));
-  if (wide) write_cells<uint16_t>(reader, o, box, file);
-  else write_cells<uint8_t>(reader, o, box, file);
+  if (wide) write_cells<uint16_t>(reader, o, box, stop, file);
+  else write_cells<uint8_t>(reader, o, box, stop, file);
   file.commit();
 }
 
