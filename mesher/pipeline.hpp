@@ -17,7 +17,6 @@ namespace teracell {
 struct MeshOptions {
   std::optional<int> axis;  // of the rays; chosen by cost when absent
   int threads = 0;          // 0: as many as the machine has
-  std::string engine = "scan";
 };
 
 // Called now and then, from the thread that called mesh(): the phase, its share of 1, and the cells of the whole grid.

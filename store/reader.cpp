@@ -14,7 +14,8 @@ namespace {
 
 constexpr size_t kCachedPages = 64;  // some megabytes
 
-// Byte ranges that were accounted for. Files are written nearly in order, so few separate ranges are ever held.
+// Byte ranges that were accounted for. Files are written nearly in order, so few separate ranges are held, except
+// where chunks are segments of rays: then one for each chunk until its neighbours have come.
 class Coverage {
  public:
   void add(uint64_t offset, uint64_t size) {

@@ -62,7 +62,8 @@ SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level);
 void check_view(const Metadata& meta, const SliceView& view);
 
 // Calls row(v, values) for every row of the view, from the top (v1 - 1) down or from v0 up; values has u1 - u0 entries
-// below 65536. Memory: a row of chunks, never the picture. Decodes on `threads` threads.
+// below 65536. Memory: rows of chunks; where the rays stand upright in the picture, the changes of one segment of its rays:
+// never the picture. Decodes on `threads` threads.
 using RowSink = std::function<void(int64_t v, std::span<const uint16_t> values)>;
 void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row);
 

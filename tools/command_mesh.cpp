@@ -74,7 +74,6 @@ void run(const Options& o) {
   MeshOptions options;
   if (o.axis != "auto") options.axis = parse_axis(o.axis);
   options.threads = o.threads;
-  options.engine = o.engine;
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);
