@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "mesher/closure.hpp"
+#include "store/background.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -49,60 +50,89 @@ void choose_rule(const SceneBody& body, const BoundaryProof& proof, BodyFacets& 
       body.part.empty() ? "" : fmt::format("; part '{}' may be cut off from parts that were left out", body.part)));
 }
 
+// The one pass over a body's facets: is it closed, and what box holds it once its matrix has moved it?
+struct Study {
+  BoundaryProof proof;
+  Vec3 lo, hi;
+
+  void take(std::span<SceneFacet> facets, const SceneBody& body) {
+    const bool moved = body.matrix != kIdentity;
+    for (SceneFacet& f : facets) {
+      proof.add(f.facet);
+      for (Vec3& p : f.facet.vertex) {
+        if (moved) {
+          p = transform(body.matrix, p);
+          for (double& x : p)
+            if (!(std::abs(x) >= 1e-75 && std::abs(x) <= 1e75))  // rare: 0 is fine, and -0 becomes +0
+              x = checked_coordinate(x, fmt::format("{}: a vertex after the matrix of body '{}'", body.mesh.string(), body.name));
+        }
+        for (int d = 0; d < 3; ++d) {
+          lo[d] = std::min(lo[d], p[d]);
+          hi[d] = std::max(hi[d], p[d]);
+        }
+      }
+    }
+  }
+};
+
 }  // namespace
 
-Bodies read_bodies(const Scene& scene, const std::function<void(double)>& tick) {
+Bodies read_bodies(const Scene& scene, int threads, const std::function<void(double)>& tick) {
   Bodies out;
   out.lo.fill(HUGE_VAL);
   out.hi.fill(-HUGE_VAL);
-  for (size_t b = 0; b < scene.bodies.size(); ++b) {
+  for (uint32_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
+    Study study{{}, out.lo, out.hi};
+    Background background(threads > 1);  // after the study, which it uses
     BodyFacets found;
     found.first = out.facets.size();
-    BoundaryProof proof;
-    const bool moved = body.matrix != kIdentity;
     found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
-      for (const Facet& facet : facets) {
-        proof.add(facet);
-        SceneFacet& f = out.facets.emplace_back(SceneFacet{facet, static_cast<uint32_t>(b)});
-        for (Vec3& p : f.facet.vertex) {
-          if (moved) {
-            p = transform(body.matrix, p);
-            for (double& x : p)
-              if (!(std::abs(x) >= 1e-75 && std::abs(x) <= 1e75))  // rare: 0 is fine, and -0 becomes +0
-                x = checked_coordinate(x, fmt::format("{}: a vertex after the matrix of body '{}'", body.mesh.string(), body.name));
-          }
-          for (int d = 0; d < 3; ++d) {
-            out.lo[d] = std::min(out.lo[d], p[d]);
-            out.hi[d] = std::max(out.hi[d], p[d]);
-          }
-        }
+      while (!facets.empty()) {
+        const std::span<SceneFacet> stored = out.facets.append(facets, b);
+        facets = facets.subspan(stored.size());
+        background.run([&study, &body, stored] { study.take(stored, body); });
       }
       tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
     });
-    found.count = out.facets.size() - found.first;
-    choose_rule(body, proof, found);
-    out.layers.push_back({static_cast<uint32_t>(b), found.rule == Fill::kEvenodd});
+    background.finish();
+    out.lo = study.lo;
+    out.hi = study.hi;
+    choose_rule(body, study.proof, found);
+    out.layers.push_back({b, found.rule == Fill::kEvenodd});
     out.bodies.push_back(std::move(found));
   }
   return out;
 }
 
-AxisCost axis_cost(const std::vector<SceneFacet>& facets, const Grid& grid, int axis) {
-  const Frame f = Frame::along(axis);
-  const Axis &u = grid.axis[f.u], &v = grid.axis[f.v];
-  // Where a coordinate lies in units of cells; on a graded axis to the nearest centre.
-  const auto place = [](const Axis& a, double x) {
-    if (a.is_graded()) return static_cast<double>(a.first_centre_from(x));
-    return std::clamp((x - a.min()) / a.step(), 0.0, static_cast<double>(a.cells()));  // what lies outside costs nothing
+std::array<AxisCost, 3> axis_costs(const FacetStore& facets, const Grid& grid) {
+  // Where a coordinate lies in units of cells; on a graded axis to the nearest centre. What lies outside costs nothing.
+  Vec3 per_cell{};
+  for (int d = 0; d < 3; ++d)
+    if (!grid.axis[d].is_graded()) per_cell[d] = 1 / grid.axis[d].step();
+  const auto place = [&](const Vec3& p) {
+    Vec3 out;
+    for (int d = 0; d < 3; ++d) {
+      const Axis& a = grid.axis[d];
+      out[d] = a.is_graded() ? static_cast<double>(a.first_centre_from(p[d]))
+                             : std::clamp((p[d] - a.min()) * per_cell[d], 0.0, static_cast<double>(a.cells()));
+    }
+    return out;
   };
-  double area = 0;
-  for (const SceneFacet& facet : facets) {
-    const auto& [a, b, c] = facet.facet.vertex;
-    const double au = place(u, a[f.u]), av = place(v, a[f.v]);
-    area += std::abs((place(u, b[f.u]) - au) * (place(v, c[f.v]) - av) - (place(v, b[f.v]) - av) * (place(u, c[f.u]) - au)) / 2;
+  Vec3 area{};
+  facets.for_each(0, facets.size(), [&](const SceneFacet& f) {
+    const Vec3 a = place(f.facet.vertex[0]), b = place(f.facet.vertex[1]), c = place(f.facet.vertex[2]);
+    for (int d = 0; d < 3; ++d) {
+      const auto [u, v, w] = Frame::along(d);
+      area[d] += std::abs((b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u])) / 2;
+    }
+  });
+  std::array<AxisCost, 3> out;
+  for (int d = 0; d < 3; ++d) {
+    const auto [u, v, w] = Frame::along(d);
+    out[d] = {area[d], static_cast<double>(grid.axis[u].cells()) * static_cast<double>(grid.axis[v].cells())};
   }
-  return {area, static_cast<double>(u.cells()) * static_cast<double>(v.cells())};
+  return out;
 }
 
 }  // namespace teracell

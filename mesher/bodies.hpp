@@ -4,33 +4,34 @@
 #include <vector>
 
 #include "mesher/compose.hpp"
+#include "mesher/facet_store.hpp"
 #include "mesher/scene.hpp"
 
 namespace teracell {
 
 struct BodyFacets {
   SurfaceFile file;
-  size_t first = 0, count = 0;  // in Bodies::facets
-  Fill rule = Fill::kNonzero;   // the one used: never kAuto
-  std::string why;              // in words
+  Fill rule = Fill::kNonzero;  // the one used: never kAuto
+  std::string why;             // in words
+  uint64_t first = 0;          // its facets in Bodies::facets are [first, first + file.facets)
 };
 
 struct Bodies {
-  std::vector<SceneFacet> facets;  // by body
+  FacetStore facets;  // by body
   std::vector<BodyFacets> bodies;
   std::vector<Layer> layers;  // one a body
   Vec3 lo, hi;                // the box of all vertices
 };
 
-// Reads every mesh. An open surface is an InputError that describes its boundary.
+// Reads every mesh, on one thread or two. An open surface is an InputError that describes its boundary.
 // `tick` is called every few thousand facets, with the bodies read so far as a share of 1.
-Bodies read_bodies(const Scene& scene, const std::function<void(double)>& tick);
+Bodies read_bodies(const Scene& scene, int threads, const std::function<void(double)>& tick);
 
 // What casting along an axis would cost: facet crossings expected, and rays.
 struct AxisCost {
   double crossings, rays;
   double nanoseconds() const { return 25 * crossings + 3 * rays; }  // measured on smooth and on empty grids
 };
-AxisCost axis_cost(const std::vector<SceneFacet>& facets, const Grid& grid, int axis);
+std::array<AxisCost, 3> axis_costs(const FacetStore& facets, const Grid& grid);
 
 }  // namespace teracell

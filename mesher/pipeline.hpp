@@ -8,15 +8,16 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "mesher/scene.hpp"
 
 namespace teracell {
 
 struct MeshOptions {
-  std::optional<int> axis;  // of the rays; chosen by cost when absent
-  int threads = 0;          // 0: as many as the machine has
+  std::optional<int> axis;   // of the rays; chosen by cost when absent
+  int threads = 0;           // 0: as many as the machine has
+  uint32_t chunk_rays = 64;  // a chunk has chunk_rays x chunk_rays rays
 };
 
 // Called now and then, from the thread that called mesh(): the phase, its share of 1, and the cells of the whole grid.

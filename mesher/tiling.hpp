@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "mesher/engine.hpp"
+#include "mesher/facet_store.hpp"
 #include "store/format.hpp"
 
 namespace teracell {
@@ -22,17 +22,20 @@ struct Unit {
 class Tiling {
  public:
   // Keeps references to both.
-  Tiling(const std::vector<SceneFacet>& facets, const Metadata& meta);
+  Tiling(const FacetStore& facets, const Metadata& meta);
   uint64_t units() const { return units_; }
   // The units in the order of the tree; rays without facets included.
   std::optional<Unit> next();
-  // The facets of the unit that may meet each of its chunks, chunk (u, v) at v * 4 + u; the lowest along the rays first.
-  std::array<std::vector<const SceneFacet*>, 16> split(const Unit& unit) const;
+  // The facets of the unit that may meet each chunk of a row of its 4 x 4; the lowest along the rays come first, roughly.
+  std::array<std::vector<const SceneFacet*>, 4> split(const Unit& unit, uint32_t row) const;
 
  private:
   struct Rays {  // that a facet may meet: [u0, u1) x [v0, v1)
     uint32_t u0, u1, v0, v1;
   };
+  // Calls f(child, facet) for all of a node's 4 x 4 children, of `size` rays, in the rows [first_row, last_row], that a facet may meet.
+  template <class F>
+  void bin(const std::vector<uint32_t>& facets, uint32_t cu, uint32_t cv, uint32_t size, uint32_t first_row, uint32_t last_row, F&& f) const;
   struct Node {
     int depth;  // 0 is a unit
     uint32_t cu, cv;
@@ -40,9 +43,8 @@ class Tiling {
   };
   void push_children(Node node);
 
-  const std::vector<SceneFacet>& facets_;
+  const FacetStore& facets_;
   LevelShape shape_;
-  int frame_w_;
   std::vector<Rays> rays_;
   std::vector<Node> path_;
   uint32_t units_u_, units_v_;

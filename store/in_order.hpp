@@ -13,10 +13,10 @@ namespace teracell {
 
 // next() -> std::optional<Job> is called one at a time, in order; make(job, worker) -> Result runs on `threads` threads,
 // worker in [0, threads); take(Result) runs on the calling thread in the order of the jobs. Results that wait for an
-// earlier one are bounded: a thread that is 2 * threads jobs ahead sleeps. An exception of any of the three ends the
+// earlier one are bounded: a thread that is `ahead` * threads jobs ahead sleeps. An exception of any of the three ends the
 // loop and is thrown here; of several that of the earliest job, so errors don't depend on timing.
 template <class Next, class Make, class Take>
-void in_order(int threads, Next next, Make make, Take take) {
+void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) {
   if (threads <= 1) {
     while (auto job = next()) take(make(std::move(*job), 0));
     return;
@@ -43,7 +43,7 @@ void in_order(int threads, Next next, Make make, Take take) {
         std::lock_guard in_next(next_mutex);
         {
           std::unique_lock lock(mutex);
-          changed.wait(lock, [&] { return stop || exhausted || started < taken + 2 * static_cast<uint64_t>(threads); });
+          changed.wait(lock, [&] { return stop || exhausted || started < taken + ahead * static_cast<uint64_t>(threads); });
           if (stop || exhausted) return;
           index = started;
         }

@@ -1,0 +1,47 @@
+#include "mesher/unit.hpp"
+
+#include "store/pyramid.hpp"
+
+namespace teracell {
+
+UnitWork::UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta)
+    : unit_(std::move(unit)), tiling_(tiling), meta_(meta), shape_(meta, 0), chunks_(17) {}
+
+void UnitWork::make_row(uint32_t row, Worker& worker) {
+  const auto facets = tiling_.split(unit_, row);
+  for (uint32_t u = 0; u < 4; ++u)
+    if (unit_.cu * 4 + u < shape_.chunks_u && unit_.cv * 4 + row < shape_.chunks_v) make_chunk(row * 4 + u, facets[u], worker);
+  if (--rows_left_ == 0 && meta_.grid.levels() > 2) make_level2(worker);
+}
+
+void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker) {
+  const uint32_t cu = unit_.cu * 4 + i % 4, cv = unit_.cv * 4 + i / 4, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
+  Chunk fine{{}, SetTable(static_cast<uint32_t>(meta_.labels.size()))};
+  Chunk& piece = pieces_[i];
+  if (facets.empty()) {  // most tiles of a large grid
+    fine.rays.fill(nu, nv, shape_.nw, 0);
+    piece.sets = fine.sets;
+    piece.rays.fill((nu + 3) / 4, (nv + 3) / 4, static_cast<uint32_t>(ceil_shift(shape_.nw, 2)), 0);
+  } else {
+    const Frame f = meta_.frame();
+    Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
+    for (uint32_t u = 0; u < nu; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(cu * shape_.chunk_rays + u));
+    for (uint32_t v = 0; v < nv; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(cv * shape_.chunk_rays + v));
+    worker.engine.cast(tile, facets, worker.crossings);
+    worker.cast += worker.crossings.all.size();
+    worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
+    piece.sets = fine.sets;
+    piece.rays = coarsen(fine.rays, 2, piece.sets);
+  }
+  chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
+}
+
+void UnitWork::make_level2(Worker& worker) {
+  const Chunk level2 = join_pieces(pieces_, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
+  pieces_ = {};
+  chunks_[16] = encode_level(worker.encoder, meta_, 2, unit_.cu, unit_.cv, level2);
+  coarse_.sets = level2.sets;
+  coarse_.rays = coarsen(level2.rays, 2, coarse_.sets);
+}
+
+}  // namespace teracell

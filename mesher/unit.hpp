@@ -1,0 +1,55 @@
+// One unit of rays: cast, compose, encode, coarsen. Its four rows of chunks are jobs for any threads; the thread that
+// ends the last of them makes the unit's chunk of level 2. (Whole units as jobs leave threads idle at the end of a
+// small grid: 1000 x 1000 rays are 16 units.)
+#pragma once
+#include <atomic>
+
+#include "mesher/compose.hpp"
+#include "mesher/engines/scan.hpp"
+#include "mesher/labels.hpp"
+#include "mesher/tiling.hpp"
+#include "store/chunk_codec.hpp"
+#include "store/pyramid_writer.hpp"
+
+namespace teracell {
+
+// What one thread keeps between jobs.
+struct Worker {
+  Worker(const std::vector<Layer>& layers, const Labels& labels) : composer(layers, labels.strength, labels.of_body) {}
+  ScanEngine engine;
+  Composer composer;
+  ChunkEncoder encoder;
+  Crossings crossings;
+  uint64_t cast = 0;  // crossings so far
+};
+
+class UnitWork {
+ public:
+  static constexpr uint32_t kRows = 4;
+  // Keeps references to tiling and meta.
+  UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta);
+
+  // Makes the chunks of level 0 of a row, [0, kRows), and with the last row the unit's chunk of level 2.
+  // Different rows may be made by different threads at once.
+  void make_row(uint32_t row, Worker& worker);
+
+  // When all rows are made: the unit's chunks, and its rays on level 4.
+  const Unit& unit() const { return unit_; }
+  const std::vector<LevelChunk>& chunks() const { return chunks_; }
+  Chunk& coarse() { return coarse_; }
+
+ private:
+  void make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker);
+  void make_level2(Worker& worker);
+
+  const Unit unit_;
+  const Tiling& tiling_;
+  const Metadata& meta_;
+  const LevelShape shape_;
+  std::atomic<uint32_t> rows_left_ = kRows;
+  std::vector<LevelChunk> chunks_;    // 16 of level 0, some of them beyond the grid and empty, and one of level 2
+  std::array<Chunk, 16> pieces_;      // those of level 0, on level 2
+  Chunk coarse_;
+};
+
+}  // namespace teracell
