@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <unordered_map>
 
 #include <fmt/format.h>
 
@@ -14,125 +15,216 @@ namespace {
 
 std::string text(const Vec3& p) { return fmt::format("({}, {}, {})", p[0], p[1], p[2]); }
 
-// The winding number is defined where every edge is matched by its reverse, the parity where every edge is used an even
-// number of times.
-void choose_rule(const SceneBody& body, const BoundaryProof& proof, BodyFacets& out) {
-  const bool nonzero = proof.directed_boundary_is_empty(), evenodd = proof.undirected_boundary_is_empty();
-  if (body.fill != Fill::kAuto) {
-    out.rule = body.fill;
-    out.why = "asked for";
-  } else if (nonzero || !evenodd) {
-    out.rule = Fill::kNonzero;
-    out.why = "closed: every edge is matched by its reverse";
-  } else {
-    out.rule = Fill::kEvenodd;
-    out.why = "closed, but some facets are oriented the other way round: every edge is used an even number of times";
-  }
-  if (out.rule == Fill::kNonzero ? nonzero : evenodd) return;
+// What a facet in memory costs: itself, its place among the rays, its numbers in the lists of the tiling, its survey.
+constexpr uint64_t kBytesPerFacet = 160, kBytesPerFacetOfShells = 20;
 
-  BoundaryEdges boundary;
-  read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
-    for (const Facet& f : facets) boundary.add(f);
-  });
-  const auto edges = out.rule == Fill::kNonzero ? boundary.directed() : boundary.undirected();
-  if (edges.empty()) throw InputError(fmt::format("{}: the file changed while it was read", body.mesh.string()));
-  Vec3 lo = edges[0].from, hi = lo;
-  for (const auto& e : edges)
-    for (const Vec3* p : {&e.from, &e.to})
-      for (int d = 0; d < 3; ++d) lo[d] = std::min(lo[d], (*p)[d]), hi[d] = std::max(hi[d], (*p)[d]);
-  const auto& e = edges[0];
-  throw InputError(fmt::format(
-      "{}: body '{}' is not closed: expected every edge to be {}, found {} edge{} that {} not, within the box {} to {}; the first runs from {} to {} "
-      "(coordinates of the mesh). Close the surface{}{}",
-      body.mesh.string(), body.name, out.rule == Fill::kNonzero ? "matched by its reverse" : "used an even number of times", edges.size(),
-      edges.size() == 1 ? "" : "s", edges.size() == 1 ? "is" : "are", text(lo), text(hi), text(e.from), text(e.to),
-      out.rule == Fill::kNonzero && evenodd ? ", orient its facets alike or use fill evenodd" : "",
-      body.part.empty() ? "" : fmt::format("; part '{}' may be cut off from parts that were left out", body.part)));
-}
+// What closing a surface may take, however small the budget.
+constexpr uint64_t kLeastMemory = uint64_t{1} << 24;
 
-// The one pass over a body's facets: is it closed, and what box holds it once its matrix has moved it?
+// The one pass over a body's facets: is it closed, and what box and projections has it got where its matrix puts it?
 struct Study {
   BoundaryProof proof;
-  Vec3 lo, hi;
+  Vec3 lo, hi, area;
 
-  void take(std::span<SceneFacet> facets, const SceneBody& body) {
-    const bool moved = body.matrix != kIdentity;
-    for (SceneFacet& f : facets) {
-      proof.add(f.facet);
-      for (Vec3& p : f.facet.vertex) {
-        if (moved) {
-          p = transform(body.matrix, p);
-          for (double& x : p)
-            if (!(std::abs(x) >= 1e-75 && std::abs(x) <= 1e75))  // rare: 0 is fine, and -0 becomes +0
-              x = checked_coordinate(x, fmt::format("{}: a vertex after the matrix of body '{}'", body.mesh.string(), body.name));
-        }
-        for (int d = 0; d < 3; ++d) {
-          lo[d] = std::min(lo[d], p[d]);
-          hi[d] = std::max(hi[d], p[d]);
-        }
+  void take(const Facet& facet, const SceneBody& body) {
+    proof.add(facet);
+    std::array<Vec3, 3> p = facet.vertex;
+    for (Vec3& q : p) {
+      q = moved(q, body);
+      for (int d = 0; d < 3; ++d) {
+        lo[d] = std::min(lo[d], q[d]);
+        hi[d] = std::max(hi[d], q[d]);
       }
+    }
+    for (int w = 0; w < 3; ++w) {
+      const int u = (w + 1) % 3, v = (w + 2) % 3;
+      area[w] += std::abs((p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u])) / 2;
     }
   }
 };
 
+// Edges that run the same way in two facets, grouped where they meet.
+std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const Matrix& matrix) {
+  std::unordered_map<uint32_t, size_t> group_of;  // by shell number of the edges as a graph
+  Survey graph;
+  for (const BoundaryEdge& e : edges)
+    if (!e.odd()) graph.add({{e.from, e.to, e.to}}, false);
+  std::vector<Flip> flips;
+  for (const BoundaryEdge& e : edges) {
+    if (e.odd()) continue;
+    const auto [it, fresh] = group_of.try_emplace(graph.shell_of(e.from), flips.size());
+    if (fresh) flips.push_back({transform(matrix, e.from), 0});
+    ++flips[it->second].edges;
+  }
+  return flips;
+}
+
+// Of the boundary of the part taken: does any edge belong to other parts of the file?
+bool touches_other_parts(const SceneBody& body, const std::array<std::vector<BoundaryEdge>, 2>& edges) {
+  const auto key = [](const Vec3& a, const Vec3& b) { return std::pair(std::min(a, b), std::max(a, b)); };
+  std::vector<std::pair<std::pair<Vec3, Vec3>, uint64_t>> uses;
+  for (const auto& list : edges)
+    for (const BoundaryEdge& e : list) uses.push_back({key(e.from, e.to), e.uses});
+  std::ranges::sort(uses);
+  bool found = false;
+  std::vector<uint64_t> in_all(uses.size());
+  read_facets(body.mesh, "", [&](std::span<const Facet> facets) {
+    for (const Facet& f : facets)
+      for (int i = 0; i < 3; ++i) {
+        const auto edge = key(f.vertex[i], f.vertex[(i + 1) % 3]);
+        const auto it = std::ranges::lower_bound(uses, edge, {}, [](const auto& u) { return u.first; });
+        if (it != uses.end() && it->first == edge) found |= ++in_all[it - uses.begin()] > it->second;
+      }
+  });
+  return found;
+}
+
+[[noreturn]] void refuse_open(const SceneBody& body, const BodyFacets& found, bool evenodd, const std::vector<BoundaryEdge>& edges) {
+  Vec3 lo = edges[0].from, hi = lo;
+  for (const BoundaryEdge& e : edges)
+    for (const Vec3* p : {&e.from, &e.to})
+      for (int d = 0; d < 3; ++d) lo[d] = std::min(lo[d], (*p)[d]), hi[d] = std::max(hi[d], (*p)[d]);
+  throw InputError(fmt::format(
+      "{}: body '{}' is not closed: expected every edge to be {}, found {} edge{} that {} not, within the box {} to {}; the first runs from {} to {} "
+      "(coordinates of the mesh). Close the surface, or let it be closed with closing cap{}{}",
+      body.mesh.string(), body.name, evenodd ? "used an even number of times" : "matched by its reverse", edges.size(),
+      edges.size() == 1 ? "" : "s", edges.size() == 1 ? "is" : "are", text(lo), text(hi), text(edges[0].from), text(edges[0].to),
+      !evenodd && !found.flips.empty() ? "; some facets are oriented the other way round: orient them alike or use fill auto or evenodd" : "",
+      found.cut_from_others ? fmt::format("; part '{}' is cut off from parts that were left out", body.part) : ""));
+}
+
+// In a shell with a flip parity leaves fewer edges open, in every other one as many: an edge that is used an odd number
+// of times is always one that its reverse doesn't match. Moves the edges of the former to the second list, if they bound
+// the parity, and their facets to the layer of parity.
+void split_by_shell(const SceneBody& body, size_t b, const Budget& budget, Bodies& bodies, BodyFacets& found, std::array<std::vector<BoundaryEdge>, 2>& edges) {
+  const uint64_t need = found.file.facets * kBytesPerFacetOfShells;
+  if (!bodies.in_memory && need > std::max(budget.bytes / 2, kLeastMemory))
+    throw InputError(fmt::format("{}: some facets are oriented the other way round, and telling the shells of so large a surface apart takes {} MB of memory: "
+                                 "allow twice that with --memory, or say which fill rule it has",
+                                 body.mesh.string(), need / 1000000));
+  Survey survey;
+  for_each_facet(body, found, bodies, [&](const Facet& f) { survey.add(f, false); });
+  std::vector<Vec3> flips;
+  for (const BoundaryEdge& e : edges[0])
+    if (!e.odd()) flips.push_back(e.from);
+  found.shells = std::make_shared<ShellRules>(std::move(survey), flips);
+  ShellRules& shells = *found.shells;
+  std::erase_if(edges[0], [&](const BoundaryEdge& e) {
+    const bool moves = shells.evenodd(e.from);
+    if (moves && e.odd()) edges[1].push_back(e);
+    return moves;
+  });
+  if (bodies.in_memory)
+    bodies.facets->for_each(found.first, found.first + found.file.facets, [&](SceneFacet& f) { f.layer = layer_of(b, shells.evenodd(f.facet.vertex[0])); });
+  found.rules[0].used = shells.evenodd_shells() < shells.shells();
+  found.rules[1] = {true, "some facets are oriented the other way round: so fewer edges stay open than by winding number", {}};
+}
+
+// Gives every shell its fill rule and closes what is open.
+void close_body(const SceneBody& body, size_t b, const BoundaryProof& proof, const Budget& budget, Bodies& bodies, BodyFacets& found) {
+  const bool evenodd = body.fill == Fill::kEvenodd, automatic = body.fill == Fill::kAuto;
+  const bool closed = evenodd ? proof.undirected_boundary_is_empty() : proof.directed_boundary_is_empty();
+  found.rules[evenodd] = {true, !automatic ? "asked for" : closed ? "closed: every edge is matched by its reverse" : "facets are oriented alike", {}};
+  if (closed) return;
+
+  std::array<std::vector<BoundaryEdge>, 2> edges;  // of shells by winding number, by parity
+  edges[0] = boundary_edges([&](const auto& f) { for_each_facet(body, found, bodies, f); }, std::max(budget.bytes / 4, kLeastMemory), body.mesh.string());
+  if (edges[0].empty()) throw InputError(fmt::format("{}: the file changed while it was read", body.mesh.string()));
+  found.flips = group_flips(edges[0], body.matrix);
+  if (automatic && !found.flips.empty()) split_by_shell(body, b, budget, bodies, found, edges);
+  if (evenodd) {
+    std::erase_if(edges[0], [](const BoundaryEdge& e) { return !e.odd(); });
+    edges[0].swap(edges[1]);
+  }
+  found.cut_from_others = !body.part.empty() && touches_other_parts(body, edges);
+  for (const bool parity : {false, true}) {
+    if (edges[parity].empty()) continue;
+    if (body.closing == Closing::kStrict) refuse_open(body, found, parity, edges[parity]);
+    Caps& caps = found.rules[parity].caps;
+    caps = cap_boundary(edges[parity], parity, found.file.float32, body.matrix);
+    if (bodies.in_memory) bodies.facets->append_all(caps.facets, layer_of(b, parity));
+  }
+}
+
 }  // namespace
 
-Bodies read_bodies(const Scene& scene, int threads, const std::function<void(double)>& tick) {
+ShellRules::ShellRules(Survey shells, std::span<const Vec3> vertices) : shells_(std::move(shells)), evenodd_(shells_.vertices()) {
+  for (const Vec3& v : vertices) {
+    const uint32_t shell = shells_.shell_of(v);
+    evenodd_shells_ += !evenodd_[shell];
+    evenodd_[shell] = true;
+  }
+}
+
+uint64_t Bodies::facet_count() const {
+  uint64_t count = 0;
+  for (const BodyFacets& b : bodies) count += b.file.facets;
+  return count;
+}
+
+bool Bodies::float32() const {
+  return std::ranges::all_of(bodies, [](const BodyFacets& b) { return b.file.float32; });
+}
+
+Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick) {
   Bodies out;
   out.lo.fill(HUGE_VAL);
   out.hi.fill(-HUGE_VAL);
-  for (uint32_t b = 0; b < scene.bodies.size(); ++b) {
+  const uint64_t most = budget.bytes / 8 * 5 / kBytesPerFacet;
+  for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
-    Study study{{}, out.lo, out.hi};
+    const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);
+    Study study{{}, out.lo, out.hi, out.area};
     Background background(threads > 1);  // after the study, which it uses
     BodyFacets found;
-    found.first = out.facets.size();
+    found.first = out.facets->size();
     found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
-      while (!facets.empty()) {
-        const std::span<SceneFacet> stored = out.facets.append(facets, b);
-        facets = facets.subspan(stored.size());
-        background.run([&study, &body, stored] { study.take(stored, body); });
+      if (out.in_memory && out.facets->size() + facets.size() > most) {
+        background.finish();
+        out.in_memory = false;
+        out.facets = std::make_shared<FacetStore>();
+      }
+      if (out.in_memory) {
+        while (!facets.empty()) {
+          const std::span<const SceneFacet> stored = out.facets->append(facets, layer);
+          facets = facets.subspan(stored.size());
+          background.run([&study, &body, stored] {
+            for (const SceneFacet& f : stored) study.take(f.facet, body);
+          });
+        }
+      } else {
+        background.run([&study, &body, copy = std::vector<Facet>(facets.begin(), facets.end())] {
+          for (const Facet& f : copy) study.take(f, body);
+        });
       }
       tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
     });
     background.finish();
     out.lo = study.lo;
     out.hi = study.hi;
-    choose_rule(body, study.proof, found);
-    out.layers.push_back({b, found.rule == Fill::kEvenodd});
+    out.area = study.area;
+    close_body(body, b, study.proof, budget, out, found);
     out.bodies.push_back(std::move(found));
   }
   return out;
 }
 
-std::array<AxisCost, 3> axis_costs(const FacetStore& facets, const Grid& grid) {
-  // Where a coordinate lies in units of cells; on a graded axis to the nearest centre. What lies outside costs nothing.
-  Vec3 per_cell{};
-  for (int d = 0; d < 3; ++d)
-    if (!grid.axis[d].is_graded()) per_cell[d] = 1 / grid.axis[d].step();
-  const auto place = [&](const Vec3& p) {
-    Vec3 out;
-    for (int d = 0; d < 3; ++d) {
-      const Axis& a = grid.axis[d];
-      out[d] = a.is_graded() ? static_cast<double>(a.first_centre_from(p[d]))
-                             : std::clamp((p[d] - a.min()) * per_cell[d], 0.0, static_cast<double>(a.cells()));
-    }
-    return out;
-  };
-  Vec3 area{};
-  facets.for_each(0, facets.size(), [&](const SceneFacet& f) {
-    const Vec3 a = place(f.facet.vertex[0]), b = place(f.facet.vertex[1]), c = place(f.facet.vertex[2]);
-    for (int d = 0; d < 3; ++d) {
-      const auto [u, v, w] = Frame::along(d);
-      area[d] += std::abs((b[u] - a[u]) * (c[v] - a[v]) - (b[v] - a[v]) * (c[u] - a[u])) / 2;
-    }
+void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const std::function<void(const Facet&)>& f) {
+  if (bodies.in_memory) return bodies.facets->for_each(found.first, found.first + found.file.facets, [&](const SceneFacet& s) { f(s.facet); });
+  const SurfaceFile file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
+    for (const Facet& facet : facets) f(facet);
   });
-  std::array<AxisCost, 3> out;
-  for (int d = 0; d < 3; ++d) {
-    const auto [u, v, w] = Frame::along(d);
-    out[d] = {area[d], static_cast<double>(grid.axis[u].cells()) * static_cast<double>(grid.axis[v].cells())};
-  }
-  return out;
+  if (file.hash != found.file.hash)
+    throw InputError(fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));
+}
+
+Vec3 moved(const Vec3& p, const SceneBody& body) {
+  if (body.matrix == kIdentity) return p;
+  Vec3 q = transform(body.matrix, p);
+  for (double& x : q)
+    if (!(std::abs(x) >= 1e-75 && std::abs(x) <= 1e75))  // rare: 0 is fine, and -0 becomes +0
+      x = checked_coordinate(x, fmt::format("{}: a vertex after the matrix of body '{}'", body.mesh.string(), body.name));
+  return q;
 }
 
 }  // namespace teracell

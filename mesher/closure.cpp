@@ -2,7 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
 #include <xxhash.h>
+
+#include "store/error.hpp"
 
 namespace teracell {
 namespace {
@@ -15,9 +18,9 @@ uint64_t fold(uint64_t a, uint64_t b) {
 
 constexpr uint64_t kMix[4] = {0xA0761D6478BD642F, 0xE7037ED1A0B428DB, 0x8EBC6AF09C88C6E3, 0x589965CC75374CC3};
 
-}  // namespace
-
-void BoundaryProof::add(const Facet& facet) {
+// Calls f(hash, forward, i) for the edges from vertex i to the next: the same hash both ways, `forward` in one of them.
+template <class F>
+void for_each_edge(const Facet& facet, F&& f) {
   XXH128_hash_t h[3];
   for (int i = 0; i < 3; ++i) h[i] = XXH3_128bits(facet.vertex[i].data(), sizeof(Vec3));
   for (int i = 0; i < 3; ++i) {
@@ -25,55 +28,84 @@ void BoundaryProof::add(const Facet& facet) {
     if (facet.vertex[i] == facet.vertex[(i + 1) % 3]) continue;  // no length, no edge
     const bool forward = a.low64 < b.low64 || (a.low64 == b.low64 && a.high64 < b.high64);
     if (!forward) std::swap(a, b);
-    const uint64_t edge[2] = {fold(a.low64 ^ kMix[0], b.low64 ^ kMix[1]), fold(a.high64 ^ kMix[2], b.high64 ^ kMix[3])};
-    for (int lane = 0; lane < 2; ++lane) {
-      sum_[lane] += forward ? edge[lane] : -edge[lane];
-      parity_[lane] ^= edge[lane];
-    }
+    f(std::array{fold(a.low64 ^ kMix[0], b.low64 ^ kMix[1]), fold(a.high64 ^ kMix[2], b.high64 ^ kMix[3])}, forward, i);
   }
 }
 
-void BoundaryEdges::add(const Facet& facet) {
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 &a = facet.vertex[i], &b = facet.vertex[(i + 1) % 3];
-    if (a < b) uses_.push_back({a, b, true});
-    else if (b < a) uses_.push_back({b, a, false});
-  }
-}
+struct Bucket {
+  uint64_t sum = 0, parity = 0, uses = 0;
+};
+constexpr int kBucketBits = 16;
 
-namespace {
+// One use of an edge, lo < hi lexicographically.
+struct Use {
+  Vec3 lo, hi;
+  bool forward;
+};
 
-template <class Use, class F>
-void for_each_edge(std::vector<Use>& uses, F&& f) {
+void append_boundary(std::vector<Use>& uses, std::vector<BoundaryEdge>& out) {
   std::ranges::sort(uses, [](const Use& a, const Use& b) { return std::tie(a.lo, a.hi) < std::tie(b.lo, b.hi); });
   for (size_t i = 0; i < uses.size();) {
-    int net = 0, count = 0;
     const Use& edge = uses[i];
-    for (; i < uses.size() && uses[i].lo == edge.lo && uses[i].hi == edge.hi; ++i) {
-      net += uses[i].forward ? 1 : -1;
-      ++count;
-    }
-    f(edge, net, count);
+    int64_t net = 0;
+    const size_t first = i;
+    for (; i < uses.size() && uses[i].lo == edge.lo && uses[i].hi == edge.hi; ++i) net += uses[i].forward ? 1 : -1;
+    if (net > 0) out.push_back({edge.lo, edge.hi, static_cast<uint64_t>(net), i - first});
+    if (net < 0) out.push_back({edge.hi, edge.lo, static_cast<uint64_t>(-net), i - first});
   }
 }
 
 }  // namespace
 
-std::vector<BoundaryEdges::Edge> BoundaryEdges::directed() const {
-  std::vector<Edge> edges;
-  for_each_edge(uses_, [&](const Use& e, int net, int) {
-    if (net > 0) edges.push_back({e.lo, e.hi, net});
-    if (net < 0) edges.push_back({e.hi, e.lo, -net});
+void BoundaryProof::add(const Facet& facet) {
+  for_each_edge(facet, [&](const std::array<uint64_t, 2>& edge, bool forward, int) {
+    for (int lane = 0; lane < 2; ++lane) {
+      sum_[lane] += forward ? edge[lane] : -edge[lane];
+      parity_[lane] ^= edge[lane];
+    }
   });
-  return edges;
 }
 
-std::vector<BoundaryEdges::Edge> BoundaryEdges::undirected() const {
-  std::vector<Edge> edges;
-  for_each_edge(uses_, [&](const Use& e, int, int count) {
-    if (count % 2 != 0) edges.push_back({e.lo, e.hi, count});
+std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memory, const std::string& name) {
+  std::vector<Bucket> buckets(size_t{1} << kBucketBits);
+  const auto bucket_of = [](const std::array<uint64_t, 2>& edge) { return edge[1] >> (64 - kBucketBits); };
+  facets([&](const Facet& facet) {
+    for_each_edge(facet, [&](const std::array<uint64_t, 2>& edge, bool forward, int) {
+      Bucket& b = buckets[bucket_of(edge)];
+      b.sum += forward ? edge[0] : -edge[0];
+      b.parity ^= edge[0];
+      ++b.uses;
+    });
   });
-  return edges;
+
+  std::vector<BoundaryEdge> out;
+  std::vector<Use> uses;
+  std::vector<bool> wanted(buckets.size());
+  for (size_t next = 0; next < buckets.size();) {
+    uint64_t bytes = 0;
+    std::fill(wanted.begin(), wanted.end(), false);
+    for (; next < buckets.size() && bytes <= memory; ++next) {
+      if (buckets[next].sum == 0 && buckets[next].parity == 0) continue;
+      wanted[next] = true;
+      bytes += buckets[next].uses * sizeof(Use);
+    }
+    if (bytes == 0) break;
+    uses.clear();
+    uses.reserve(bytes / sizeof(Use));
+    facets([&](const Facet& facet) {
+      for_each_edge(facet, [&](const std::array<uint64_t, 2>& edge, bool, int i) {
+        if (!wanted[bucket_of(edge)]) return;
+        const Vec3 &a = facet.vertex[i], &b = facet.vertex[(i + 1) % 3];
+        uses.push_back(a < b ? Use{a, b, true} : Use{b, a, false});
+      });
+    });
+    append_boundary(uses, out);
+    if (out.size() * sizeof(BoundaryEdge) > memory)
+      throw InputError(fmt::format("{}: its boundary has more than {} edges, too many for the memory given: a surface of loose facets? Weld equal vertices, or allow more memory",
+                                   name, out.size()));
+  }
+  std::ranges::sort(out, {}, [](const BoundaryEdge& e) { return std::pair(std::min(e.from, e.to), std::max(e.from, e.to)); });
+  return out;
 }
 
 }  // namespace teracell

@@ -1,12 +1,13 @@
-// Is a surface closed? One pass, constant memory, any order of facets.
+// Is a surface closed? And where it isn't: which edges are its boundary?
 //
-// Every directed edge a -> b adds h(a, b) to a 128-bit sum, its reverse subtracts it: the sum is zero when every edge is
-// matched by its reverse (up to a collision of the hash, 2^-128 for surfaces not made to fool it). Likewise an XOR
-// over undirected edges is zero when every edge is used an even number of times. Only when neither is zero are the
-// boundary edges located, which costs memory by the edge.
+// The proof takes one pass, constant memory, any order of facets. Every directed edge a -> b adds h(a, b) to a 128-bit
+// sum, its reverse subtracts it: the sum is zero when every edge is matched by its reverse (up to a collision of the
+// hash, 2^-128 for surfaces not made to fool it). Likewise an XOR over undirected edges is zero when every edge is
+// used an even number of times. Only when that fails are the boundary edges located, by sums over buckets of edges:
+// all but those of a few buckets cancel, and only these few are looked at one by one.
 #pragma once
 #include <array>
-#include <span>
+#include <functional>
 #include <vector>
 
 #include "mesher/facets.hpp"
@@ -25,23 +26,19 @@ class BoundaryProof {
   std::array<uint64_t, 2> sum_{}, parity_{};
 };
 
-// The edges that leave a surface open under one of the rules.
-class BoundaryEdges {
- public:
-  struct Edge {
-    Vec3 from, to;
-    int count;  // directed: net number of uses from -> to, positive; undirected: number of uses
-  };
-  void add(const Facet& facet);
-  std::vector<Edge> directed() const;    // net count not 0
-  std::vector<Edge> undirected() const;  // used an odd number of times
-
- private:
-  struct Use {
-    Vec3 lo, hi;  // lo < hi lexicographically
-    bool forward;
-  };
-  mutable std::vector<Use> uses_;
+// An edge that is used more often from -> to than to -> from.
+struct BoundaryEdge {
+  Vec3 from, to;
+  uint64_t net;   // by how much
+  uint64_t uses;  // in all
+  bool odd() const { return uses % 2 != 0; }  // so it bounds the parity as well
 };
+
+// Calls its argument with every facet, each time anew.
+using FacetPass = std::function<void(const std::function<void(const Facet&)>&)>;
+
+// The directed boundary, ascending by its lesser vertex; the undirected one is the part of it that is odd(). Takes two
+// passes, more when the edges to look at exceed `memory` bytes at once. InputError when the boundary itself does.
+std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memory, const std::string& name);
 
 }  // namespace teracell

@@ -21,13 +21,20 @@ class FacetStore {
   // Appends as many of `facets` as its last piece takes, at least one, and returns where they are now. They stay there
   // while the store lives; one thread may append while others use what they were given.
   std::span<SceneFacet> append(std::span<const Facet> facets, uint32_t layer);
+  void append_all(std::span<const Facet> facets, uint32_t layer) {
+    while (!facets.empty()) facets = facets.subspan(append(facets, layer).size());
+  }
   // Calls f(facet) for the facets [first, last) in order.
   template <class F>
-  void for_each(uint64_t first, uint64_t last, F&& f) const {
+  void for_each(uint64_t first, uint64_t last, F&& f) {
     for (uint64_t i = first; i < last;) {
-      const SceneFacet* facet = &(*this)[i];
+      SceneFacet* facet = &pieces_[i / kPiece][i % kPiece];
       for (const uint64_t stop = std::min(last, (i / kPiece + 1) * kPiece); i < stop; ++i) f(*facet++);
     }
+  }
+  template <class F>
+  void for_each(uint64_t first, uint64_t last, F&& f) const {
+    const_cast<FacetStore&>(*this).for_each(first, last, [&](const SceneFacet& facet) { f(facet); });
   }
 
  private:

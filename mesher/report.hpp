@@ -2,9 +2,8 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
+#include "mesher/binned_survey.hpp"
 #include "mesher/bodies.hpp"
-#include "mesher/scene.hpp"
-#include "mesher/survey.hpp"
 
 namespace teracell {
 
@@ -18,10 +17,10 @@ struct CastTotals {
 struct AxisChoice {
   int axis = 2;
   bool asked_for = false;
-  std::array<AxisCost, 3> cost;
+  Vec3 crossings;  // expected along each axis
 };
 
 // The report in the file: only what inputs and options determine, so no times, memory or counts of threads. One survey a body.
-nlohmann::ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<Survey>& surveys, const AxisChoice& axis, const CastTotals& totals);
+nlohmann::ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const AxisChoice& axis, const CastTotals& totals);
 
 }  // namespace teracell

@@ -1,19 +1,74 @@
-// What a surface is made of: shells, degenerate and duplicate facets. For the report; decides no cell.
+// What a surface is made of: shells, degenerate and duplicate facets.
 #pragma once
-#include <atomic>
+#include <array>
+#include <cstdint>
+#include <vector>
 
-#include "mesher/facet_store.hpp"
+#include "mesher/facets.hpp"
 
 namespace teracell {
 
-struct Survey {
-  uint64_t degenerate = 0;  // facets without area, exactly
-  uint64_t duplicates = 0;  // facets whose three vertices another facet before them has
-  uint64_t shells = 0;      // groups of facets connected by equal vertices
+// Numbers for vertices, in the order of first appearance. Vertices are equal when their coordinates are: told by a
+// 128-bit hash of them. Open addressing, no erasure; grows with what it holds: a table for the worst case would be cold
+// memory for the usual one.
+class VertexNumbers {
+ public:
+  uint32_t operator()(const Vec3& vertex);
+  uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
+
+ private:
+  struct Hash {
+    uint64_t low = 0, high = 0;
+    friend bool operator==(const Hash&, const Hash&) = default;
+  };
+  // Neighbouring facets come one after another and share vertices: a small cache in front spares two of three look-ups.
+  static constexpr uint32_t kNone = ~uint32_t{0};
+  struct Recent {
+    Hash hash;
+    uint32_t number = kNone;
+  };
+  uint32_t find_or_add(const Hash& hash);
+  void grow();
+  std::vector<Recent> recent_ = std::vector<Recent>(2048);
+  std::vector<Hash> hashes_;     // by number
+  std::vector<uint32_t> slots_;  // number + 1; 0 is free
 };
 
-// Of the facets [first, last). Vertices are told apart by a 64-bit hash of their coordinates. Memory: some 25 bytes a
-// facet, while it runs. Ends early, with nothing of use, once `stop` is set.
-Survey survey(const FacetStore& facets, uint64_t first, uint64_t last, const std::atomic<bool>& stop);
+// Counts distinct hashes.
+class DistinctCount {
+ public:
+  void add(uint64_t hash);
+  uint64_t count();
+
+ private:
+  static constexpr size_t kWaiting = 16;
+  bool insert(uint64_t hash);
+  void grow();
+  std::vector<uint64_t> slots_;
+  std::array<uint64_t, kWaiting> waiting_{};
+  uint64_t count_ = 0, turn_ = 0;
+};
+
+// Takes facets one by one, in any order. Memory: some 35 bytes a facet. Not thread-safe.
+class Survey {
+ public:
+  // Degenerate and duplicate facets are counted only `at_home`: surveys of parts of a surface may see a facet each.
+  void add(const Facet& facet, bool at_home = true);
+
+  uint32_t vertices() const { return numbers_.count(); }
+  uint64_t degenerate() const { return degenerate_; }                 // facets without area, exactly
+  uint64_t distinct() { return distinct_.count(); }                   // facets with the same three vertices count once
+  uint64_t duplicates() { return facets_ - distinct_.count(); }       // the others
+  uint64_t shells() const;                                            // groups of facets connected by equal vertices
+  // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
+  uint32_t shell_of(const Vec3& vertex) { return root(numbers_(vertex)); }
+
+ private:
+  uint32_t root(uint32_t vertex);
+  VertexNumbers numbers_;
+  DistinctCount distinct_;
+  std::vector<uint32_t> parent_;  // union-find over vertices
+  uint64_t facets_ = 0, degenerate_ = 0;
+};
 
 }  // namespace teracell

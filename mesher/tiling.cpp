@@ -1,89 +1,84 @@
 #include "mesher/tiling.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <numeric>
 
 namespace teracell {
 
-namespace {
+Tiling::Tiling(const Metadata& meta) : rays_(meta) {
+  units_u_ = (rays_.shape.chunks_u + 3) / 4;
+  units_v_ = (rays_.shape.chunks_v + 3) / 4;
+  units_ = uint64_t{units_u_} * units_v_;
+}
 
-// Finds rays by coordinate with a multiplication and a margin for its roundings: never too few, seldom one too many.
-class RayFinder {
- public:
-  explicit RayFinder(const Axis& axis) : axis_(axis) {
-    if (axis.is_graded()) return;
-    per_ray_ = 1 / axis.step();
-    const double offset = static_cast<double>(axis.first()) + axis.sample(), n = static_cast<double>(axis.cells());
-    margin_ = 0x1p-48 * (std::abs(axis.origin()) * per_ray_ + offset + n + 1);
-    from_ = offset + margin_;
-    to_ = offset - margin_;
-  }
-  uint32_t first(double lo) const { return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(lo)) : ceil((lo - axis_.origin()) * per_ray_ - from_); }
-  uint32_t last(double hi) const { return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(hi)) : ceil((hi - axis_.origin()) * per_ray_ - to_); }
+Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta) : Tiling(meta) {
+  path_.push_back(node_of(rays_.root(), std::move(facets)));
+}
 
- private:
-  uint32_t ceil(double t) const {
-    t = std::clamp(t, 0.0, static_cast<double>(axis_.cells()));
-    const auto whole = static_cast<int32_t>(t);
-    return static_cast<uint32_t>(whole) + (t > whole);
-  }
-  const Axis& axis_;
-  double per_ray_ = 0, margin_ = 0, from_ = 0, to_ = 0;
-};
+Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinObserver observer, const Metadata& meta) : Tiling(meta) {
+  bins_ = std::move(bins);
+  observer_ = std::move(observer);
+  path_.push_back({rays_.root(), nullptr, {}});
+}
 
-}  // namespace
-
-Tiling::Tiling(const FacetStore& facets, const Metadata& meta) : facets_(facets), shape_(meta, 0) {
-  const Frame f = meta.frame();
-  const RayFinder u(meta.grid.axis[f.u]), v(meta.grid.axis[f.v]);
-  // The root lists facets from the lowest to the highest along the rays, to a 4096th of the grid, and every list made
-  // from it does so too: the crossings of a ray then come out nearly sorted, which makes sorting them four times cheaper.
+// The node lists facets from the lowest to the highest along the rays, to a 4096th of the grid, and every list made
+// from it does so too: the crossings of a ray then come out nearly sorted, which makes sorting them four times cheaper.
+Tiling::Node Tiling::node_of(const TreePlace& place, std::shared_ptr<const FacetStore> facets) const {
   constexpr uint32_t kHeights = 4096;
   constexpr uint16_t kNone = kHeights;  // slips between the rays
-  const Axis& w = meta.grid.axis[f.w];
-  const double per_height = kHeights / (w.max() - w.min());
+  const int w = rays_.frame.w;
+  const double lowest = rays_.w.min(), per_height = kHeights / (rays_.w.max() - lowest);
+  const auto block = std::make_shared<FacetBlock>();
   std::vector<uint16_t> heights;
-  std::vector<uint32_t> place(kHeights + 2);
-  rays_.reserve(facets.size());
-  heights.reserve(facets.size());
-  facets.for_each(0, facets.size(), [&](const SceneFacet& facet) {
+  std::vector<uint32_t> order(kHeights + 2);
+  block->rays.reserve(facets->size());
+  heights.reserve(facets->size());
+  facets->for_each(0, facets->size(), [&](const SceneFacet& facet) {
     const auto& [a, b, c] = facet.facet.vertex;
-    const auto [u_lo, u_hi] = std::minmax({a[f.u], b[f.u], c[f.u]});
-    const auto [v_lo, v_hi] = std::minmax({a[f.v], b[f.v], c[f.v]});
-    const Rays r{u.first(u_lo), u.last(u_hi), v.first(v_lo), v.last(v_hi)};
-    const double height = (std::min({a[f.w], b[f.w], c[f.w]}) - w.min()) * per_height;
-    const uint16_t h = r.u0 < r.u1 && r.v0 < r.v1 ? static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0)) : kNone;
-    rays_.push_back(r);
+    const RayRange r = rays_.range_of(facet.facet);
+    const double height = (std::min({a[w], b[w], c[w]}) - lowest) * per_height;
+    const uint16_t h = r.empty() ? kNone : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0));
+    block->rays.push_back(r);
     heights.push_back(h);
-    ++place[h + 1];
+    ++order[h + 1];
   });
-  std::partial_sum(place.begin(), place.end(), place.begin());
-  Node root{0, 0, 0, std::vector<uint32_t>(place[kNone])};
+  std::partial_sum(order.begin(), order.end(), order.begin());
+  Node node{place, block, std::vector<uint32_t>(order[kNone])};
   for (uint32_t i = 0; i < heights.size(); ++i)
-    if (heights[i] != kNone) root.facets[place[heights[i]]++] = i;
-  units_u_ = (shape_.chunks_u + 3) / 4;
-  units_v_ = (shape_.chunks_v + 3) / 4;
-  units_ = uint64_t{units_u_} * units_v_;
-  while ((std::max(units_u_, units_v_) - 1) >> (2 * root.depth) != 0) ++root.depth;
-  path_.push_back(std::move(root));
+    if (heights[i] != kNone) node.facets[order[heights[i]]++] = i;
+  block->facets = std::move(facets);
+  return node;
+}
+
+Tiling::Node Tiling::load(const TreePlace& place) {
+  const auto binned = std::make_shared<std::vector<BinnedFacet>>();
+  const auto store = std::make_shared<FacetStore>();
+  bins_->take(place, [&](const BinnedFacet& f, const Facet& moved) {
+    if (!rays_.range_of(moved).empty()) store->append({&moved, 1}, f.layer);
+    binned->push_back(f);
+  });
+  observer_(binned);
+  return node_of(place, store);
 }
 
 std::optional<Unit> Tiling::next() {
   while (!path_.empty()) {
     Node node = std::move(path_.back());
     path_.pop_back();
-    if (node.depth == 0) return Unit{node.cu, node.cv, std::move(node.facets)};
+    if (!node.block && !bins_->is_split(node.place)) node = load(node.place);
+    if (node.place.depth == 0) return Unit{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
     push_children(std::move(node));
   }
   return std::nullopt;
 }
 
+namespace {
+
+// Calls f(child, facet) for all of a place's 4 x 4 children, of `size` rays, in the rows [first_row, last_row], that a facet may meet.
 template <class F>
-void Tiling::bin(const std::vector<uint32_t>& facets, uint32_t cu, uint32_t cv, uint32_t size, uint32_t first_row, uint32_t last_row, F&& f) const {
+void bin(const std::vector<uint32_t>& facets, const std::vector<RayRange>& rays, uint32_t cu, uint32_t cv, uint32_t size, uint32_t first_row, uint32_t last_row, F&& f) {
   const uint32_t first_u = cu * 4, first_v = cv * 4;
   for (const uint32_t i : facets) {
-    const Rays& r = rays_[i];
+    const RayRange& r = rays[i];
     const uint32_t u0 = std::max(r.u0 / size, first_u), u1 = std::min((r.u1 - 1) / size, first_u + 3);
     const uint32_t v0 = std::max(r.v0 / size, first_v + first_row), v1 = std::min((r.v1 - 1) / size, first_v + last_row);
     for (uint32_t v = v0; v <= v1; ++v)
@@ -91,19 +86,24 @@ void Tiling::bin(const std::vector<uint32_t>& facets, uint32_t cu, uint32_t cv, 
   }
 }
 
+}  // namespace
+
 void Tiling::push_children(Node node) {
-  const int depth = node.depth - 1;
+  const TreePlace& at = node.place;
+  const int depth = at.depth - 1;
   std::array<std::vector<uint32_t>, 16> lists;
-  bin(node.facets, node.cu, node.cv, 4 * shape_.chunk_rays << (2 * depth), 0, 3, [&](uint32_t child, uint32_t facet) { lists[child].push_back(facet); });
+  if (node.block)
+    bin(node.facets, node.block->rays, at.cu, at.cv, static_cast<uint32_t>(rays_.size(depth)), 0, 3, [&](uint32_t child, uint32_t facet) { lists[child].push_back(facet); });
   for (uint32_t k = 16; k-- > 0;) {  // the last one first: it is a stack
-    const uint32_t cu = node.cu * 4 + k % 4, cv = node.cv * 4 + k / 4;
-    if (uint64_t{cu} << (2 * depth) < units_u_ && uint64_t{cv} << (2 * depth) < units_v_) path_.push_back({depth, cu, cv, std::move(lists[k])});
+    const TreePlace child{depth, at.cu * 4 + k % 4, at.cv * 4 + k / 4};
+    if (uint64_t{child.cu} << (2 * depth) < units_u_ && uint64_t{child.cv} << (2 * depth) < units_v_) path_.push_back({child, node.block, std::move(lists[k])});
   }
 }
 
 std::array<std::vector<const SceneFacet*>, 4> Tiling::split(const Unit& unit, uint32_t row) const {
   std::array<std::vector<const SceneFacet*>, 4> lists;
-  bin(unit.facets, unit.cu, unit.cv, shape_.chunk_rays, row, row, [&](uint32_t chunk, uint32_t facet) { lists[chunk % 4].push_back(&facets_[facet]); });
+  bin(unit.facets, unit.block->rays, unit.cu, unit.cv, rays_.shape.chunk_rays, row, row,
+      [&](uint32_t chunk, uint32_t facet) { lists[chunk % 4].push_back(&(*unit.block->facets)[facet]); });
   return lists;
 }
 

@@ -3,26 +3,42 @@
 // facets, and completes the chunks of all levels one after another, with memory for one path only: facet numbers that
 // are passed down, never a table of tiles. (Rejected: a list of facets for every tile. Twelve facets of a box over
 // 10^5 x 10^5 rays would need gigabytes.)
+//
+// Facets that don't fit into memory lie in bins on disk, each a node of the tree (bins.hpp): it is loaded when the
+// walk gets there.
 #pragma once
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "mesher/bins.hpp"
 #include "mesher/facet_store.hpp"
-#include "store/format.hpp"
+#include "mesher/rays.hpp"
 
 namespace teracell {
 
-// 4 x 4 chunks of level 0 (less at the grid's edge), one chunk of level 2: what a worker takes.
+// Facets in memory, and the rays that each may meet.
+struct FacetBlock {
+  std::shared_ptr<const FacetStore> facets;
+  std::vector<RayRange> rays;
+};
+
+// 4 x 4 chunks of level 0 (less at the grid's edge), one chunk of level 2: what the workers take.
 struct Unit {
   uint32_t cu, cv;               // its place, in units
+  std::shared_ptr<const FacetBlock> block;
   std::vector<uint32_t> facets;  // numbers of those that may meet its rays
 };
 
 // next() is not thread-safe; split() may run on any thread, also while next() runs.
 class Tiling {
  public:
-  // Keeps references to both.
-  Tiling(const FacetStore& facets, const Metadata& meta);
+  // Of facets as the grid sees them.
+  Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta);
+  // `observer` is told of the facets of every bin that is loaded, once.
+  using BinObserver = std::function<void(std::shared_ptr<const std::vector<BinnedFacet>>)>;
+  Tiling(std::unique_ptr<FacetBins> bins, BinObserver observer, const Metadata& meta);
+
   uint64_t units() const { return units_; }
   // The units in the order of the tree; rays without facets included.
   std::optional<Unit> next();
@@ -30,25 +46,22 @@ class Tiling {
   std::array<std::vector<const SceneFacet*>, 4> split(const Unit& unit, uint32_t row) const;
 
  private:
-  struct Rays {  // that a facet may meet: [u0, u1) x [v0, v1)
-    uint32_t u0, u1, v0, v1;
-  };
-  // Calls f(child, facet) for all of a node's 4 x 4 children, of `size` rays, in the rows [first_row, last_row], that a facet may meet.
-  template <class F>
-  void bin(const std::vector<uint32_t>& facets, uint32_t cu, uint32_t cv, uint32_t size, uint32_t first_row, uint32_t last_row, F&& f) const;
   struct Node {
-    int depth;  // 0 is a unit
-    uint32_t cu, cv;
+    TreePlace place;
+    std::shared_ptr<const FacetBlock> block;  // null: in bins
     std::vector<uint32_t> facets;
   };
+  explicit Tiling(const Metadata& meta);
+  Node load(const TreePlace& place);
+  Node node_of(const TreePlace& place, std::shared_ptr<const FacetStore> facets) const;
   void push_children(Node node);
 
-  const FacetStore& facets_;
-  LevelShape shape_;
-  std::vector<Rays> rays_;
-  std::vector<Node> path_;
+  RayFrame rays_;
   uint32_t units_u_, units_v_;
   uint64_t units_;
+  std::unique_ptr<FacetBins> bins_;
+  BinObserver observer_;
+  std::vector<Node> path_;
 };
 
 }  // namespace teracell

@@ -9,8 +9,8 @@
 
 namespace teracell {
 
-// run() and finish() are for one thread. What a job throws, the next run() or finish() throws; the jobs after it are
-// dropped. The destructor drops what has not begun.
+// run() and finish() are for one thread; run() waits while kMostWaiting jobs have not begun. What a job throws, the next
+// run() or finish() throws; the jobs after it are dropped. The destructor drops what has not begun.
 class Background {
  public:
   // Without a thread of its own, run() does the job itself.
@@ -31,7 +31,8 @@ class Background {
   void run(std::function<void()> job) {
     if (!thread_.joinable()) return job();
     {
-      std::lock_guard lock(mutex_);
+      std::unique_lock lock(mutex_);
+      changed_.wait(lock, [&] { return jobs_.size() < kMostWaiting || error_; });
       if (error_) std::rethrow_exception(error_);
       jobs_.push_back(std::move(job));
     }
@@ -50,7 +51,7 @@ class Background {
     for (;;) {
       changed_.wait(lock, [&] { return closed_ || !jobs_.empty(); });
       if (jobs_.empty()) return;
-      const std::function<void()> job = std::move(jobs_.front());
+      std::function<void()> job = std::move(jobs_.front());
       jobs_.pop_front();
       busy_ = true;
       lock.unlock();
@@ -60,6 +61,7 @@ class Background {
       } catch (...) {
         error = std::current_exception();
       }
+      job = nullptr;  // what it holds is freed now, not when the next one comes
       lock.lock();
       busy_ = false;
       if (error) {
@@ -67,10 +69,11 @@ class Background {
         jobs_.clear();
         return changed_.notify_all();
       }
-      if (jobs_.empty()) changed_.notify_all();
+      if (jobs_.empty() || jobs_.size() + 1 == kMostWaiting) changed_.notify_all();
     }
   }
 
+  static constexpr size_t kMostWaiting = 16;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::function<void()>> jobs_;

@@ -45,6 +45,17 @@ std::vector<int64_t> parse_integers(const std::string& text, size_t count, const
   return out;
 }
 
+uint64_t parse_size(const std::string& text, const std::string& option) {
+  uint64_t value = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view unit(rest, text.data() + text.size() - rest);
+  const size_t power = unit.empty() ? 0 : std::string_view("KMGT").find(unit[0]) + 1;
+  const bool good_unit = unit.empty() || (power != 0 && (unit.size() == 1 || unit.substr(1) == "B" || unit.substr(1) == "iB"));
+  if (error != std::errc() || rest == text.data() || !good_unit || value > (~uint64_t{0} >> (10 * power)))
+    throw UsageError(fmt::format("{}: expected a size like 512M or 8G, found '{}'", option, text));
+  return value << (10 * power);
+}
+
 int parse_axis(const std::string& text) {
   if (text != "x" && text != "y" && text != "z") throw UsageError(fmt::format("--axis: expected x, y or z, found '{}'", text));
   return text[0] - 'x';

@@ -30,6 +30,7 @@ Run setup_sample(CLI::App& app);
 
 // Numbers separated by commas. Throws UsageError naming `option` unless there are `count` whole numbers.
 std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option);
+uint64_t parse_size(const std::string& text, const std::string& option);  // bytes; K, M, G, T are powers of 1024
 int parse_axis(const std::string& text);  // "x", "y", "z"
 // Throws UsageError unless lo < hi <= the level's cells on every axis.
 Box parse_region(const std::string& text, const Grid& grid, int level);

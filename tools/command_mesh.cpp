@@ -1,4 +1,6 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
+#include <unistd.h>
+
 #include <fmt/format.h>
 
 #include "mesher/pipeline.hpp"
@@ -13,7 +15,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> inputs;
-  std::string output, cells, axis = "auto", fill, closing, engine = "scan", report, progress = "auto";
+  std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, progress = "auto";
   std::optional<double> step;
   std::optional<int64_t> pad;
   int threads = 0;
@@ -49,12 +51,14 @@ void check_outputs(const Options& o, const Scene& scene) {
   std::error_code none;
   if (!o.report.empty() && (o.report == o.output || o.report == o.output + ".partial" || std::filesystem::equivalent(o.report, o.output, none)))
     throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
-  for (const std::string& output : {o.output, o.report}) {
+  for (const std::string& output : {o.output, o.report, o.caps}) {
     for (const std::string& input : o.inputs) refuse_overwriting(input, output);
     for (const SceneBody& body : scene.bodies) refuse_overwriting(body.mesh.string(), output);
     for (const SceneAxis& axis : scene.axis) refuse_overwriting(axis.planes_file.string(), output);
   }
 }
+
+uint64_t machine_memory() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
 
 // A short word on what was done; the report has the rest.
 void summarise(const Options& o, const nlohmann::ordered_json& report) {
@@ -74,6 +78,9 @@ void run(const Options& o) {
   MeshOptions options;
   if (o.axis != "auto") options.axis = parse_axis(o.axis);
   options.threads = o.threads;
+  options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
+  options.tmp = o.tmp;
+  options.write_caps = o.caps;
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);
@@ -104,9 +111,12 @@ Run setup_mesh(CLI::App& app) {
   app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
   app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(CLI::IsMember({"auto", "x", "y", "z"}));
   app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd")->check(CLI::IsMember({"auto", "nonzero", "evenodd"}));
-  app.add_option("--closing", o->closing, "open surfaces: cap or strict; this version refuses them either way")->check(CLI::IsMember({"cap", "strict"}));
+  app.add_option("--closing", o->closing, "open surfaces: cap closes them, strict refuses them")->check(CLI::IsMember({"cap", "strict"}));
   app.add_option("--engine", o->engine, "how crossings are found: scan")->check(CLI::IsMember({"scan"}));
   app.add_option("--threads", o->threads, "how many (default: one a core); the file is the same")->check(CLI::Range(1, 1024));
+  app.add_option("--memory", o->memory, "how much the run may take, e.g. 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled");
+  app.add_option("--tmp", o->tmp, "folder for what is spilled (default: the output's)");
+  app.add_option("--write-caps", o->caps, "write the facets that close open surfaces: .stl, or .ply in doubles; a file each when there are several bodies");
   app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
   app.add_option("--progress", o->progress, "on stderr: auto (if it is a terminal), plain, none")->check(CLI::IsMember({"auto", "plain", "none"}));
   app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");

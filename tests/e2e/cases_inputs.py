@@ -26,11 +26,23 @@ class Inputs(Case):
         self.refused(1, ["no.txt", "No such file"], "mesh", "s.json", "-o", "x.tcell")
 
     def test_open_surfaces_are_described(self):
-        for closing in ("strict", "cap"):  # capping comes with a later version
-            self.refuse("open.stl", solids.binary_stl(BOX[:-1]),
-                        ["'open'", "not closed", "3 edges", "within the box (4, 0, 0) to (4, 3, 2)", "(4, 0, 0)", "Close"], 1, "--closing", closing)
+        words = ["'open'", "not closed", "3 edges", "within the box (4, 0, 0) to (4, 3, 2)", "(4, 0, 0)", "closing cap"]
+        self.refuse("open.stl", solids.binary_stl(BOX[:-1]), words, 1, "--closing", "strict")
+
+    def test_open_surfaces_are_closed(self):
+        self.write("open.stl", solids.binary_stl(BOX[:-1]))
+        run = self.run_ok("mesh", "open.stl", "--cells", 10, "--write-caps", "caps.stl", "-o", "x.tcell")
+        self.assertIn("1 hole (3 edges)", run.err)
+        self.write("box.stl", solids.binary_stl(BOX))
+        self.run_ok("mesh", "box.stl", "--cells", 10, "-o", "y.tcell")
+        self.assertEqual(self.json_of("stats", "x.tcell")["materials"][1]["cells"], self.json_of("stats", "y.tcell")["materials"][1]["cells"])
+        self.assertEqual(len(self.bytes("caps.stl")), 84 + 3 * 50)
+        hole, = self.json_of("info", "x.tcell")["report"]["bodies"][0]["holes"]
+        self.assertEqual(hole["edges"], 3)
+
+    def test_flipped_facets(self):
         flipped = [BOX[0][::-1], *BOX[1:]]
-        self.refuse("flipped.stl", solids.binary_stl(flipped), ["not closed", "matched by its reverse", "evenodd"], 1, "--fill", "nonzero")
+        self.refuse("flipped.stl", solids.binary_stl(flipped), ["not closed", "matched by its reverse", "evenodd"], 1, "--fill", "nonzero", "--closing", "strict")
         self.run_ok("mesh", "flipped.stl", "--cells", 10, "-o", "x.tcell")
         self.assertEqual(self.json_of("info", "x.tcell")["report"]["bodies"][0]["fill"][0]["rule"], "evenodd")
 
@@ -84,5 +96,5 @@ class Inputs(Case):
         self.write("box.stl", solids.binary_stl(BOX))
         self.run_ok("mesh", "box.stl", "--cells", 10, "-o", "x.tcell")
         before = self.bytes("x.tcell")
-        self.refuse("open.stl", solids.binary_stl(BOX[:-1]), ["not closed"])
+        self.refuse("open.stl", solids.binary_stl(BOX[:-1]), ["not closed"], 1, "--closing", "strict")
         self.assertEqual(self.bytes("x.tcell"), before)

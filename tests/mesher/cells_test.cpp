@@ -198,27 +198,6 @@ TEST_CASE("The file's bytes do not depend on the number of threads", "[threads]"
   }
 }
 
-TEST_CASE("An open surface is refused and its boundary described") {
-  const TempFolder folder;
-  auto facets = shapes::box({0, 0, 0}, {1, 1, 1});
-  facets.pop_back();
-  const Scene scene = scene_of(folder, {{facets}}, uniform_grid(-1, 0.5, 6, 6, 6));
-  REQUIRE_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell"), Catch::Contains("not closed") && Catch::Contains("3 edges"));
-  REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));
-  REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell.partial"));
-}
-
-TEST_CASE("A closed surface with one shell turned inside out is meshed by parity under fill auto") {
-  const TempFolder folder;
-  auto facets = shapes::box({0, 0, 0}, {2, 2, 2});
-  facets[3] = shapes::flip({facets[3]})[0];
-  Scene scene = scene_of(folder, {{facets}}, uniform_grid(-1, 0.5, 8, 8, 8));
-  scene.bodies[0].fill = Fill::kAuto;
-  const auto report = mesh_quietly(scene, folder / "g.tcell");
-  REQUIRE(report["bodies"][0]["fill"][0]["rule"] == "evenodd");
-  REQUIRE(report["bodies"][0]["cells"] == 64);
-}
-
 TEST_CASE("A body under a stronger one owns no cell and is named in a warning") {
   const TempFolder folder;
   const auto box = shapes::box({0, 0, 0}, {2, 2, 2});

@@ -1,0 +1,178 @@
+#include "mesher/bins.hpp"
+
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
+namespace teracell {
+namespace {
+
+// A surface whose facets are small next to a bin lies in little more than one each.
+constexpr double kBinsOfAFacet = 1.2;
+// Loaded, a facet takes what it takes on disk, in the store, and in its survey.
+constexpr uint64_t kLoadedBytes = 200;
+
+}  // namespace
+
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, Move move)
+    : rays_(meta),
+      float32_(float32),
+      record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + sizeof(uint32_t)),
+      most_facets_(std::max<uint64_t>(budget.bytes / 16 / kLoadedBytes, 1024)),
+      move_(std::move(move)),
+      file_(budget.folder, static_cast<uint64_t>(kBinsOfAFacet * static_cast<double>(facets * record_bytes_))),
+      root_{rays_.root(), 0, {}, {}, {}} {
+  // As many bins from the start as are likely to be needed, if their buffers fit: what must be split later is written again.
+  constexpr uint64_t kLeastBuffer = 4096;
+  uint64_t bins = 1;
+  for (int depth = root_.place.depth; depth > 0 && bins * most_facets_ < facets * 3 / 2 && bins_at(depth - 1) <= budget.bytes / 8 / kLeastBuffer; --depth) {
+    open_leaves(root_);
+    bins = bins_at(depth - 1);
+  }
+  buffer_bytes_ = std::clamp<uint64_t>(budget.bytes / 16 / bins, kLeastBuffer, 1 << 20) / record_bytes_ * record_bytes_;
+}
+
+uint64_t FacetBins::bins_at(int depth) const {
+  const uint64_t size = rays_.size(depth);
+  return ((rays_.shape.nu + size - 1) / size) * ((rays_.shape.nv + size - 1) / size);
+}
+
+void FacetBins::open_leaves(Bin& bin) const {
+  if (bin.children.empty()) open_children(bin);
+  else for (Bin& child : bin.children) open_leaves(child);
+}
+
+void FacetBins::open_children(Bin& bin) const {
+  for (uint32_t k = 0; k < 16; ++k) bin.children.push_back({{bin.place.depth - 1, bin.place.cu * 4 + k % 4, bin.place.cv * 4 + k / 4}, 0, {}, {}, {}});
+}
+
+RayRange FacetBins::places_of(const Facet& moved) const {
+  const RayRange r = rays_.range_of(moved);
+  const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
+  return {std::min(r.u0, u), std::min(r.u1, u), std::min(r.v0, v), std::min(r.v1, v)};
+}
+
+void FacetBins::add(const Facet& facet, uint32_t layer) {
+  std::array<uint8_t, 9 * sizeof(double) + sizeof(uint32_t)> record;
+  encode(facet, layer, {record.data(), record_bytes_});
+  put(root_, places_of(move_(facet, layer)), {record.data(), record_bytes_});
+}
+
+void FacetBins::put(Bin& bin, const RayRange& places, std::span<const uint8_t> record) {
+  if (bin.children.empty()) {
+    ++bin.facets;
+    if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_);
+    bin.buffer.insert(bin.buffer.end(), record.begin(), record.end());
+    if (bin.buffer.size() >= buffer_bytes_) flush(bin);
+    return;
+  }
+  const uint64_t size = rays_.size(bin.place.depth - 1);
+  const uint64_t u = uint64_t{bin.place.cu} * 4, v = uint64_t{bin.place.cv} * 4;
+  const uint64_t u0 = std::max(places.u0 / size, u), u1 = std::min(places.u1 / size, u + 3);
+  const uint64_t v0 = std::max(places.v0 / size, v), v1 = std::min(places.v1 / size, v + 3);
+  for (uint64_t cv = v0; cv <= v1; ++cv)
+    for (uint64_t cu = u0; cu <= u1; ++cu) put(bin.children[(cv - v) * 4 + cu - u], places, record);
+}
+
+void FacetBins::flush(Bin& bin) {
+  if (bin.buffer.empty()) return;
+  bin.extents.push_back({file_.append(bin.buffer), bin.buffer.size(), checksum(bin.buffer)});
+  bin.buffer.clear();
+}
+
+void FacetBins::finish() { split_large(root_); }
+
+void FacetBins::split_large(Bin& bin) {
+  if (bin.children.empty()) {
+    flush(bin);
+    bin.buffer = {};
+    if (bin.facets <= most_facets_ || bin.place.depth == 0) return;
+    Bin whole = std::move(bin);
+    bin = {whole.place, 0, {}, {}, {}};
+    open_children(bin);
+    take_records(whole, [&](std::span<const uint8_t> record) {
+      uint32_t layer;
+      const Facet facet = decode(record, layer);
+      put(bin, places_of(move_(facet, layer)), record);
+    });
+  }
+  for (Bin& child : bin.children) split_large(child);
+}
+
+const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
+  const Bin* bin = &root_;
+  while (bin->place.depth > place.depth && !bin->children.empty()) {
+    const int up = 2 * (bin->place.depth - 1 - place.depth);
+    bin = &bin->children[(place.cv >> up) % 4 * 4 + (place.cu >> up) % 4];
+  }
+  return *bin;
+}
+
+void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet&)>& f) {
+  Bin& bin = const_cast<Bin&>(bin_at(place));
+  const uint64_t size = rays_.size(place.depth);
+  const auto inside = [&](uint32_t u, uint32_t v) { return u / size == place.cu && v / size == place.cv; };
+  take_records(bin, [&](std::span<const uint8_t> record) {
+    BinnedFacet out;
+    out.facet = decode(record, out.layer);
+    const Facet moved = move_(out.facet, out.layer);
+    const RayRange places = places_of(moved);
+    // At home where its least vertex is: facets with the same vertices have the same home.
+    const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
+    out.at_home = inside(std::min(rays_.u.first(p[rays_.frame.u]), rays_.shape.nu - 1), std::min(rays_.v.first(p[rays_.frame.v]), rays_.shape.nv - 1));
+    out.shared = !inside(places.u0, places.v0) || !inside(places.u1, places.v1);
+    f(out, moved);
+  });
+}
+
+template <class F>
+void FacetBins::take_records(Bin& bin, F&& f) {
+  std::vector<uint8_t> bytes;
+  for (const Extent& e : bin.extents) {
+    bytes.resize(e.bytes);
+    file_.read(e.offset, bytes);
+    if (checksum(bytes) != e.checksum) throw IoError(fmt::format("a temporary file: its {} bytes at {} are not those that were written", e.bytes, e.offset));
+    for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(std::span<const uint8_t>(bytes.data() + at, record_bytes_));
+    file_.discard(e.offset, e.bytes);
+  }
+  bin.extents = {};
+}
+
+void FacetBins::encode(const Facet& facet, uint32_t layer, std::span<uint8_t> record) const {
+  uint8_t* to = record.data();
+  for (const Vec3& p : facet.vertex)
+    for (const double x : p) {
+      if (float32_) {
+        const auto single = static_cast<float>(x);
+        std::memcpy(to, &single, sizeof single);
+        to += sizeof single;
+      } else {
+        std::memcpy(to, &x, sizeof x);
+        to += sizeof x;
+      }
+    }
+  std::memcpy(to, &layer, sizeof layer);
+}
+
+Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& layer) const {
+  Facet facet;
+  const uint8_t* from = record.data();
+  for (Vec3& p : facet.vertex)
+    for (double& x : p) {
+      if (float32_) {
+        float single;
+        std::memcpy(&single, from, sizeof single);
+        x = single;
+        from += sizeof single;
+      } else {
+        std::memcpy(&x, from, sizeof x);
+        from += sizeof x;
+      }
+    }
+  std::memcpy(&layer, from, sizeof layer);
+  return facet;
+}
+
+}  // namespace teracell

@@ -1,0 +1,74 @@
+// Facets that don't fit into memory, on disk in bins: nodes of the tree of rays that hold few enough each to be loaded
+// one at a time. A facet lies in every bin that has a ray that it may meet or the place of a vertex of it; so facets that
+// share a vertex share a bin, and what connects two bins are the facets that lie in both.
+#pragma once
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "mesher/rays.hpp"
+#include "mesher/spill.hpp"
+
+namespace teracell {
+
+// A facet as a bin has it.
+struct BinnedFacet {
+  Facet facet;     // in its file's coordinates
+  uint32_t layer;  // of its body, bodies.hpp
+  bool at_home;    // in just one of the bins that it lies in
+  bool shared;     // it lies in several
+};
+
+// Not thread-safe.
+class FacetBins {
+ public:
+  using Move = std::function<Facet(const Facet&, uint32_t layer)>;
+  // For about `facets` facets, in single precision if `float32`. `move` takes them to where the grid sees them. A bin
+  // takes some sixteenth of the budget when it is loaded, so do all buffers together while bins are filled.
+  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, Move move);
+
+  void add(const Facet& facet, uint32_t layer);
+  // When all are added. Splits the bins that are too large, as far as the tree goes.
+  void finish();
+
+  // After finish(). A node of the tree is a bin, has bins below it, or lies in a bin.
+  bool is_split(const TreePlace& place) const { return !bin_at(place).children.empty(); }
+  // Calls f with the facets of a bin, and each as the grid sees it. They are gone from the disk then.
+  void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved)>& f);
+  uint64_t bytes() const { return file_.size(); }  // ever written
+
+ private:
+  struct Extent {
+    uint64_t offset, bytes, checksum;
+  };
+  struct Bin {
+    TreePlace place;
+    uint64_t facets = 0;
+    std::vector<uint8_t> buffer;
+    std::vector<Extent> extents;
+    std::vector<Bin> children;  // none or 16
+  };
+  const Bin& bin_at(const TreePlace& place) const;
+  uint64_t bins_at(int depth) const;
+  void open_children(Bin& bin) const;
+  void open_leaves(Bin& bin) const;  // of all leaves
+  RayRange places_of(const Facet& moved) const;  // of its rays and its vertices, inclusive
+  void put(Bin& bin, const RayRange& places, std::span<const uint8_t> record);
+  void flush(Bin& bin);
+  void split_large(Bin& bin);
+  template <class F>
+  void take_records(Bin& bin, F&& f);
+  void encode(const Facet& facet, uint32_t layer, std::span<uint8_t> record) const;
+  Facet decode(std::span<const uint8_t> record, uint32_t& layer) const;
+
+  RayFrame rays_;
+  const bool float32_;
+  const size_t record_bytes_;
+  const uint64_t most_facets_;  // of a bin that is loaded
+  size_t buffer_bytes_;
+  const Move move_;
+  SpillFile file_;
+  Bin root_;
+};
+
+}  // namespace teracell

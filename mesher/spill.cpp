@@ -1,0 +1,60 @@
+#include "mesher/spill.hpp"
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include "store/error.hpp"
+
+namespace teracell {
+
+SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected) : folder_(folder.string()) {
+  struct statvfs disk;
+  if (::statvfs(folder_.c_str(), &disk) != 0) throw IoError(fmt::format("{}: no folder for temporary files: {}: give one with --tmp", folder_, std::strerror(errno)));
+  if (const uint64_t room = uint64_t{disk.f_bavail} * disk.f_frsize; room < expected)
+    throw IoError(fmt::format("{}: expected {} MB of free space for temporary files, found {} MB: give another folder with --tmp, or more --memory", folder_,
+                              expected / 1000000, room / 1000000));
+  fd_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (fd_ < 0) {  // not every file system has files without names
+    std::string name = (folder / "teracell-XXXXXX").string();
+    fd_ = ::mkostemp(name.data(), O_CLOEXEC);
+    if (fd_ < 0) throw IoError(fmt::format("{}: can't create a temporary file: {}: give another folder with --tmp", folder_, std::strerror(errno)));
+    ::unlink(name.c_str());
+  }
+}
+
+SpillFile::~SpillFile() { ::close(fd_); }
+
+uint64_t SpillFile::append(std::span<const uint8_t> bytes) {
+  const uint64_t offset = size_;
+  while (!bytes.empty()) {
+    const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw IoError(fmt::format("{}: can't write byte {} of a temporary file: {}: give another folder with --tmp, or more --memory", folder_, size_, std::strerror(errno)));
+    size_ += static_cast<uint64_t>(n);
+    bytes = bytes.subspan(static_cast<size_t>(n));
+  }
+  return offset;
+}
+
+void SpillFile::read(uint64_t offset, std::span<uint8_t> out) const {
+  while (!out.empty()) {
+    const ssize_t n = ::pread(fd_, out.data(), out.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) throw IoError(fmt::format("{}: can't read byte {} of a temporary file: {}", folder_, offset, n < 0 ? std::strerror(errno) : "it has become shorter"));
+    offset += static_cast<uint64_t>(n);
+    out = out.subspan(static_cast<size_t>(n));
+  }
+}
+
+void SpillFile::discard(uint64_t offset, uint64_t bytes) {
+  // Advice: where it fails the room comes back when the file is closed.
+  (void)::fallocate(fd_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset), static_cast<off_t>(bytes));
+}
+
+}  // namespace teracell

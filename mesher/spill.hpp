@@ -1,0 +1,38 @@
+// Room on disk for what the memory budget doesn't hold. Not thread-safe.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace teracell {
+
+// How much memory a run may use, and where it may put the rest.
+struct Budget {
+  uint64_t bytes = ~uint64_t{0};
+  std::filesystem::path folder = ".";  // for temporary files
+};
+
+// A temporary file without a name: however the process ends, nothing stays behind. Throws IoError, "no space" with what
+// was needed.
+class SpillFile {
+ public:
+  // `expected` bytes must be free in the folder.
+  SpillFile(const std::filesystem::path& folder, uint64_t expected);
+  ~SpillFile();
+  SpillFile(const SpillFile&) = delete;
+
+  // Returns the offset that the bytes have from now on.
+  uint64_t append(std::span<const uint8_t> bytes);
+  void read(uint64_t offset, std::span<uint8_t> out) const;
+  // Gives the room back, where the file system can.
+  void discard(uint64_t offset, uint64_t bytes);
+  uint64_t size() const { return size_; }
+
+ private:
+  std::string folder_;
+  int fd_ = -1;
+  uint64_t size_ = 0;
+};
+
+}  // namespace teracell

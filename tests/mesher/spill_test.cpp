@@ -1,0 +1,96 @@
+// Surfaces that don't fit into the memory given: the same file, byte for byte.
+#include <catch2/catch.hpp>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "tests/support/meshed.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+using oracle::Rule;
+using shapes::Facets;
+
+Scene scene_of_many_kinds(const TempFolder& folder) {
+  std::mt19937_64 random(3);
+  Facets open = shapes::sphere({40, 50, 60}, 35, 5);
+  open.erase(open.begin() + 100, open.begin() + 140);
+  Facets mixed = shapes::join({shapes::torus({50, 50, 50}, 30, 10, 90, 60), shapes::torus({60, 50, 50}, 30, 10, 90, 60)});
+  mixed[5] = shapes::flip({mixed[5]})[0];
+  mixed.push_back(mixed[7]);
+  mixed.push_back(mixed[7]);
+  std::swap(mixed.back().vertex[0], mixed.back().vertex[1]);
+  const Facets small = shapes::join(shapes::random_tetrahedra(random, 400, 0, 100, 0.5));  // many shells, some flat
+  const Grid grid{{Axis::uniform(0, 0.5, 0, 210, 0.5), Axis::uniform(-3, 0.37, 0, 300, 0.25), Axis::graded([] {
+                    std::vector<double> planes;
+                    for (int i = 0; i <= 170; ++i) planes.push_back(i * 0.5 + i * i * 0.0005);
+                    return planes;
+                  }(), 0.5)}};
+  Scene scene = scene_of(folder, {{open}, {mixed, Rule::kNonzero, 2}, {small, Rule::kNonzero, 3}}, grid);
+  for (SceneBody& body : scene.bodies) body.fill = Fill::kAuto;
+  scene.bodies[1].matrix = {0, -1, 0, 100, 1, 0, 0, 0, 0, 0, 0.9, 3};
+  return scene;
+}
+
+TEST_CASE("The file's bytes do not depend on the memory given, nor on threads", "[threads]") {
+  const TempFolder folder;
+  const Scene scene = scene_of_many_kinds(folder);
+  for (const int axis : {0, 1, 2})
+    for (const uint32_t chunk_rays : {8u, 64u}) {
+      MeshOptions options;
+      options.axis = axis;
+      options.chunk_rays = chunk_rays;
+      const auto in_memory = mesh_quietly(scene, folder / "a.tcell", options);
+      REQUIRE(in_memory["spilled_bytes"] == 0);
+      for (const int threads : {1, 3}) {
+        options.threads = threads;
+        options.memory = threads == 1 ? 1 : 2 << 20;
+        const auto spilled = mesh_quietly(scene, folder / "b.tcell", options);
+        REQUIRE(spilled["spilled_bytes"] > 0);
+        REQUIRE(spilled["bodies"] == in_memory["bodies"]);
+        REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
+      }
+    }
+}
+
+TEST_CASE("The cells do not depend on the size of the chunks") {
+  const TempFolder folder;
+  const Scene scene = scene_of_many_kinds(folder);
+  std::vector<uint32_t> first;
+  for (const uint32_t chunk_rays : {64u, 4u, 12u, 256u}) {
+    MeshOptions options;
+    options.chunk_rays = chunk_rays;
+    mesh_quietly(scene, folder / "g.tcell", options);
+    const GridReader reader(folder / "g.tcell");
+    if (first.empty()) first = all_cells(reader);
+    REQUIRE(all_cells(reader) == first);
+    reader.verify(2, [](double) {});
+  }
+}
+
+TEST_CASE("A single unit of rays takes all facets, however many there are") {
+  const TempFolder folder;
+  const Grid grid{{Axis::uniform(-5, 1, 0, 10, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5)}};
+  const Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 4, 6)}}, grid);
+  mesh_quietly(scene, folder / "a.tcell");
+  MeshOptions options;
+  options.memory = 1;
+  REQUIRE(mesh_quietly(scene, folder / "b.tcell", options)["spilled_bytes"] > 0);
+  REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
+}
+
+TEST_CASE("Without a folder for temporary files a large surface is an error that says so, and leaves nothing") {
+  const TempFolder folder;
+  const Scene scene = scene_of_many_kinds(folder);
+  MeshOptions options;
+  options.memory = 1;
+  options.tmp = folder / "nowhere";
+  REQUIRE_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell", options), Catch::Contains("nowhere") && Catch::Contains("--tmp"));
+  REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));
+  REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell.partial"));
+}
+
+}  // namespace
+}  // namespace teracell
