@@ -48,10 +48,11 @@ void FacetBins::open_children(Bin& bin) const {
   for (uint32_t k = 0; k < 16; ++k) bin.children.push_back({{bin.place.depth - 1, bin.place.cu * 4 + k % 4, bin.place.cv * 4 + k / 4}, 0, {}, {}, {}});
 }
 
-RayRange FacetBins::places_of(const Facet& moved) const {
+FacetBins::Places FacetBins::places_of(const Facet& moved) const {
   const RayRange r = rays_.range_of(moved);
+  const auto unit = static_cast<uint32_t>(rays_.size(0));
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
-  return {std::min(r.u0, u), std::min(r.u1, u), std::min(r.v0, v), std::min(r.v1, v)};
+  return {std::min(r.u0, u) / unit, std::min(r.u1, u) / unit, std::min(r.v0, v) / unit, std::min(r.v1, v) / unit};
 }
 
 void FacetBins::add(const Facet& facet, uint32_t layer) {
@@ -60,7 +61,7 @@ void FacetBins::add(const Facet& facet, uint32_t layer) {
   put(root_, places_of(move_(facet, layer)), {record.data(), record_bytes_});
 }
 
-void FacetBins::put(Bin& bin, const RayRange& places, std::span<const uint8_t> record) {
+void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> record) {
   if (bin.children.empty()) {
     ++bin.facets;
     if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_);
@@ -68,12 +69,12 @@ void FacetBins::put(Bin& bin, const RayRange& places, std::span<const uint8_t> r
     if (bin.buffer.size() >= buffer_bytes_) flush(bin);
     return;
   }
-  const uint64_t size = rays_.size(bin.place.depth - 1);
-  const uint64_t u = uint64_t{bin.place.cu} * 4, v = uint64_t{bin.place.cv} * 4;
-  const uint64_t u0 = std::max(places.u0 / size, u), u1 = std::min(places.u1 / size, u + 3);
-  const uint64_t v0 = std::max(places.v0 / size, v), v1 = std::min(places.v1 / size, v + 3);
-  for (uint64_t cv = v0; cv <= v1; ++cv)
-    for (uint64_t cu = u0; cu <= u1; ++cu) put(bin.children[(cv - v) * 4 + cu - u], places, record);
+  const int shift = 2 * (bin.place.depth - 1);
+  const uint32_t u = bin.place.cu * 4, v = bin.place.cv * 4;
+  const uint32_t u0 = std::max(places.u0 >> shift, u), u1 = std::min(places.u1 >> shift, u + 3);
+  const uint32_t v0 = std::max(places.v0 >> shift, v), v1 = std::min(places.v1 >> shift, v + 3);
+  for (uint32_t cv = v0; cv <= v1; ++cv)
+    for (uint32_t cu = u0; cu <= u1; ++cu) put(bin.children[(cv - v) * 4 + cu - u], places, record);
 }
 
 void FacetBins::flush(Bin& bin) {
@@ -112,17 +113,21 @@ const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
 
 void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet&)>& f) {
   Bin& bin = const_cast<Bin&>(bin_at(place));
-  const uint64_t size = rays_.size(place.depth);
-  const auto inside = [&](uint32_t u, uint32_t v) { return u / size == place.cu && v / size == place.cv; };
+  const int shift = 2 * place.depth;
+  const auto inside = [&](uint32_t u, uint32_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
   take_records(bin, [&](std::span<const uint8_t> record) {
     BinnedFacet out;
     out.facet = decode(record, out.layer);
     const Facet moved = move_(out.facet, out.layer);
-    const RayRange places = places_of(moved);
-    // At home where its least vertex is: facets with the same vertices have the same home.
-    const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
-    out.at_home = inside(std::min(rays_.u.first(p[rays_.frame.u]), rays_.shape.nu - 1), std::min(rays_.v.first(p[rays_.frame.v]), rays_.shape.nv - 1));
+    const Places places = places_of(moved);
     out.shared = !inside(places.u0, places.v0) || !inside(places.u1, places.v1);
+    out.at_home = true;
+    if (out.shared) {
+      // At home where its least vertex is: facets with the same vertices have the same home.
+      const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
+      const Places home = places_of({{p, p, p}});
+      out.at_home = inside(home.u0, home.v0);
+    }
     f(out, moved);
   });
 }

@@ -52,8 +52,12 @@ class FacetBins {
   uint64_t bins_at(int depth) const;
   void open_children(Bin& bin) const;
   void open_leaves(Bin& bin) const;  // of all leaves
-  RayRange places_of(const Facet& moved) const;  // of its rays and its vertices, inclusive
-  void put(Bin& bin, const RayRange& places, std::span<const uint8_t> record);
+  // The units of a facet's rays and vertices, inclusive.
+  struct Places {
+    uint32_t u0, u1, v0, v1;
+  };
+  Places places_of(const Facet& moved) const;
+  void put(Bin& bin, const Places& places, std::span<const uint8_t> record);
   void flush(Bin& bin);
   void split_large(Bin& bin);
   template <class F>

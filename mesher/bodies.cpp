@@ -26,11 +26,11 @@ struct Study {
   BoundaryProof proof;
   Vec3 lo, hi, area;
 
-  void take(const Facet& facet, const SceneBody& body) {
+  void take(const Facet& facet, const SceneBody& body, bool moves) {
     proof.add(facet);
     std::array<Vec3, 3> p = facet.vertex;
     for (Vec3& q : p) {
-      q = moved(q, body);
+      if (moves) q = moved(q, body);
       for (int d = 0; d < 3; ++d) {
         lo[d] = std::min(lo[d], q[d]);
         hi[d] = std::max(hi[d], q[d]);
@@ -173,6 +173,7 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
   const uint64_t most = budget.bytes / 8 * 5 / kBytesPerFacet;
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
+    const bool moves = body.matrix != kIdentity;
     const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);
     Study study{{}, out.lo, out.hi, out.area};
     Background background(threads > 1);  // after the study, which it uses
@@ -188,13 +189,13 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
         while (!facets.empty()) {
           const std::span<const SceneFacet> stored = out.facets->append(facets, layer);
           facets = facets.subspan(stored.size());
-          background.run([&study, &body, stored] {
-            for (const SceneFacet& f : stored) study.take(f.facet, body);
+          background.run([&study, &body, stored, moves] {
+            for (const SceneFacet& f : stored) study.take(f.facet, body, moves);
           });
         }
       } else {
-        background.run([&study, &body, copy = std::vector<Facet>(facets.begin(), facets.end())] {
-          for (const Facet& f : copy) study.take(f, body);
+        background.run([&study, &body, moves, copy = std::vector<Facet>(facets.begin(), facets.end())] {
+          for (const Facet& f : copy) study.take(f, body, moves);
         });
       }
       tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
@@ -219,7 +220,6 @@ void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies
 }
 
 Vec3 moved(const Vec3& p, const SceneBody& body) {
-  if (body.matrix == kIdentity) return p;
   Vec3 q = transform(body.matrix, p);
   for (double& x : q)
     if (!(std::abs(x) >= 1e-75 && std::abs(x) <= 1e75))  // rare: 0 is fine, and -0 becomes +0

@@ -88,8 +88,10 @@ std::vector<SurveyTotals> survey_in_memory(const Bodies& bodies, const std::atom
   return out;
 }
 
-bool any_moved(const Scene& scene) {
-  return std::ranges::any_of(scene.bodies, [](const SceneBody& b) { return b.matrix != kIdentity; });
+std::vector<bool> which_move(const Scene& scene) {
+  std::vector<bool> out;
+  for (const SceneBody& body : scene.bodies) out.push_back(body.matrix != kIdentity);
+  return out;
 }
 
 Facet moved_facet(const Facet& facet, const SceneBody& body) {
@@ -98,8 +100,8 @@ Facet moved_facet(const Facet& facet, const SceneBody& body) {
 
 // Facets that don't fit into memory are read once more, from their files into bins.
 std::unique_ptr<FacetBins> fill_bins(const Scene& scene, const Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick) {
-  auto bins = std::make_unique<FacetBins>(meta, bodies.facet_count(), bodies.float32(), budget,
-                                          [&scene](const Facet& f, uint32_t layer) { return moved_facet(f, scene.bodies[layer / 2]); });
+  const auto move = [&scene, moves = which_move(scene)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved_facet(f, scene.bodies[layer / 2]) : f; };
+  auto bins = std::make_unique<FacetBins>(meta, bodies.facet_count(), bodies.float32(), budget, move);
   const double all = static_cast<double>(bodies.facet_count());
   uint64_t done = 0;
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
@@ -167,9 +169,11 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
   uint64_t spilled = 0;
   if (bodies.in_memory) {
     background.run([&] { surveys = survey_in_memory(bodies, stop); });
-    if (any_moved(scene)) {
+    if (const auto moves = which_move(scene); std::ranges::count(moves, true) > 0) {
       background.finish();  // it takes the files' coordinates
-      bodies.facets->for_each(0, bodies.facets->size(), [&](SceneFacet& f) { f.facet = moved_facet(f.facet, scene.bodies[f.layer / 2]); });
+      bodies.facets->for_each(0, bodies.facets->size(), [&](SceneFacet& f) {
+        if (moves[f.layer / 2]) f.facet = moved_facet(f.facet, scene.bodies[f.layer / 2]);
+      });
     }
     tiling.emplace(bodies.facets, meta);
   } else {
