@@ -179,7 +179,7 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
     SceneBody body;
     body.name = names.numbered(mesh_stem(path));
     body.mesh = path;
-    body.mesh_text = valid_utf8(path.string());
+    body.mesh_text = printable(path.string());
     body.material = id;
     scene.materials.push_back({body.name, palette_color(id)});
     scene.bodies.push_back(std::move(body));

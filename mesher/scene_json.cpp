@@ -59,7 +59,7 @@ std::vector<double> read_planes(const fs::path& path) {
       const auto [read, error] = std::from_chars(p + plus, stop, plane);
       if (error != std::errc{} || read != stop || !std::isfinite(plane))
         throw InputError(fmt::format("{}:{}: expected a number, found \"{}\"", path.string(), line,
-                                     valid_utf8(std::string(p, std::min<size_t>(stop - p, 60)))));
+                                     printable({p, std::min<size_t>(stop - p, 60)})));
       planes.push_back(plane + 0.0);  // -0 is 0
       p = stop;
     }
@@ -88,7 +88,7 @@ void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
             fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
     axis = {};
     if (file) {
-      axis.planes_file = folder / file->path();
+      axis.planes_file = folder / file->text();
       axis.planes = read_planes(axis.planes_file);
       return;
     }
@@ -177,8 +177,9 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
   MaterialIds ids = {{back, 0}};
   scene.materials.push_back({back, color_of(back, kBackgroundColor)});
   for (const std::string& name : order) {
-    if (name.empty())
-      throw UsageError(fmt::format("{}: a material needs a name that is not empty", materials->where()));
+    if (name.empty() || printable(name) != name)
+      throw UsageError(fmt::format("{}: expected a name that is not empty and without control characters",
+                                   child_path(materials->where(), name)));
     if (name == back) continue;
     const auto id = static_cast<uint32_t>(scene.materials.size());
     if (id > kMaxMaterials)
@@ -247,7 +248,7 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   node.check_keys(
       {"name", "mesh", "part", "material", "priority", "fill", "closing", "matrix", "scale", "rotate", "translate"});
   SceneBody body;
-  body.mesh_text = node.require("mesh").path();
+  body.mesh_text = node.require("mesh").text();
   body.mesh = folder / body.mesh_text;
   body.material = material_id(node.require("material"), ids);
   if (const auto n = node.find("name")) body.name = n->text();

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/scene_names.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -68,6 +69,11 @@ void refuse_overwriting(const std::string& input, const std::string& output) {
     if (name == input || std::filesystem::equivalent(name, input, none))
       throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", output));
 }
+
+void say(const std::string& line) { fmt::print("{}\n", printable(line)); }
+
+// Not fmt::print: it throws when nobody listens, and work must not fail for that.
+void warn(const std::string& line) { std::fputs((printable(line) + "\n").c_str(), stderr); }
 
 int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 

@@ -34,6 +34,9 @@ int parse_axis(const std::string& text);  // "x", "y", "z"
 // Throws UsageError unless lo < hi <= the level's cells on every axis.
 Box parse_region(const std::string& text, const Grid& grid, int level);
 int default_threads();
+// A line on stdout or, a warning, on stderr. It may hold names from anybody's file: nothing in them steers the terminal.
+void say(const std::string& line);
+void warn(const std::string& line);
 // Throws UsageError if writing `output`, by way of its temporary, would overwrite `input`; an empty name is none.
 void refuse_overwriting(const std::string& input, const std::string& output);
 // From here on SIGINT and SIGTERM set the flag instead of killing the program, so that its partial file is removed.

@@ -24,7 +24,7 @@ std::string bytes_text(double bytes) {
   return fmt::format("{:.{}f} {}", bytes, i == 0 ? 0 : 1, unit[i]);
 }
 
-void row(const std::string& name, const std::string& text) { fmt::print("{:<12}{}\n", name, text); }
+void row(const std::string& name, const std::string& text) { say(fmt::format("{:<12}{}", name, text)); }
 
 void print(const GridReader& reader) {
   const Metadata& meta = reader.meta();

@@ -62,10 +62,10 @@ void summarise(const Options& o, const nlohmann::ordered_json& report) {
   const Index3 n = reader.meta().grid.cells();
   double seconds = 0;
   for (const auto& phase : report["phases"]) seconds += phase["seconds"].get<double>();
-  fmt::print("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {:.1f} MB, {:.0f} MiB of memory, rays along {}\n", o.output, n[0], n[1], n[2],
-             static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, static_cast<double>(reader.file_bytes()) / 1e6,
-             report["peak_memory_bytes"].get<double>() / (1 << 20), axis_name(reader.meta().ray_axis));
-  for (const auto& warning : report["warnings"]) std::fputs(("warning: " + warning.get<std::string>() + "\n").c_str(), stderr);
+  say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {:.1f} MB, {:.0f} MiB of memory, rays along {}", o.output, n[0], n[1], n[2],
+                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, static_cast<double>(reader.file_bytes()) / 1e6,
+                  report["peak_memory_bytes"].get<double>() / (1 << 20), axis_name(reader.meta().ray_axis)));
+  for (const auto& warning : report["warnings"]) warn("warning: " + warning.get<std::string>());
 }
 
 void run(const Options& o) {

@@ -15,7 +15,7 @@ struct Options {
 void run(const Options& o) {
   if (o.name != "stadium") throw UsageError(fmt::format("there is no sample '{}': expected stadium", o.name));
   write_stadium(o.output);
-  fmt::print("{}: ten closed STL bodies and scene.json. Mesh it with: teracell mesh {}/scene.json -o stadium.tcell\n", o.output, o.output);
+  say(fmt::format("{}: ten closed STL bodies and scene.json. Mesh it with: teracell mesh {}/scene.json -o stadium.tcell", o.output, o.output));
 }
 
 }  // namespace

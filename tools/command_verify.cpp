@@ -21,8 +21,8 @@ void run(const Options& o) {
   }
   uint64_t chunks = 0;
   for (const LevelInfo& l : reader.meta().levels) chunks += l.chunks;
-  fmt::print("{}: sound. {} bytes, {} chunks on {} levels: every checksum holds, every level is the union of the one below, every byte is accounted for.\n",
-             o.grid, reader.file_bytes(), chunks, reader.meta().levels.size());
+  say(fmt::format("{}: sound. {} bytes, {} chunks on {} levels: every checksum holds, every level is the union of the one below, every byte is accounted for.",
+                  o.grid, reader.file_bytes(), chunks, reader.meta().levels.size()));
 }
 
 }  // namespace

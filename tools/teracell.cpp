@@ -38,7 +38,7 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
 
 int fail(int status, const std::string& message) {
   std::cout.flush();
-  std::fputs(("teracell: " + message + "\n").c_str(), stderr);  // fmt::print would throw if nobody listens
+  warn("teracell: " + message);
   return status;
 }
 
