@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -21,13 +20,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kMostText = 64'000'000;  // planes in such a text just fit into a .tcell file; a device never ends
+
 std::string read_text(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw IoError(fmt::format("{}: expected a file, found a folder", path.string()));
   errno = 0;
   std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open()) throw IoError(fmt::format("{}: can't be opened: {}", path.string(), std::strerror(errno)));
+  std::string text;
+  for (char block[1 << 16]; in.read(block, sizeof block), in.gcount() > 0;) {
+    text.append(block, static_cast<size_t>(in.gcount()));
+    if (text.size() > kMostText)
+      throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostText));
+  }
   if (in.bad()) throw IoError(fmt::format("{}: can't be read", path.string()));
   return text;
 }
@@ -263,7 +269,13 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
 // Bodies without a name take that of their mesh, numbered where it is taken.
 void name_bodies(std::vector<SceneBody>& bodies) {
   NameBook names;
-  for (const SceneBody& body : bodies) names.take(body.name);
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    const std::string& name = bodies[i].name;
+    if (name.empty() || names.take(name)) continue;
+    const auto first = std::find_if(bodies.begin(), bodies.end(), [&](const SceneBody& b) { return b.name == name; });
+    throw UsageError(fmt::format("bodies[{}].name: expected a name of its own, found \"{}\" as in bodies[{}]", i, name,
+                                 first - bodies.begin()));
+  }
   for (SceneBody& body : bodies)
     if (body.name.empty()) body.name = names.numbered(mesh_stem(body.mesh_text));
 }

@@ -32,7 +32,7 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
 // Gives out names that differ: "hull", "hull-2", "hull-3".
 class NameBook {
  public:
-  void take(const std::string& name) { taken_.insert(name); }
+  bool take(const std::string& name) { return taken_.insert(name).second; }  // false: it was taken
   std::string numbered(const std::string& stem);
 
  private:

@@ -80,6 +80,8 @@ class Inputs(Case):
         self.write("s.json", scene)
         self.write("x.txt", "0\n1\nfour\n")
         self.refused(1, ["x.txt:3", "number", "four"], "mesh", "s.json", "-o", "x.tcell")
+        self.write("s.json", {**scene, "grid": {"cells": 9, "x": {"planes_file": "/dev/zero"}}})
+        self.refused(1, ["/dev/zero", "at most"], "mesh", "s.json", "-o", "x.tcell")
 
     def test_no_name_steers_the_terminal(self):
         box = solids.binary_stl(BOX)

@@ -64,6 +64,7 @@ class Usage(Case):
         self.write("s.json", {"grid": GRID, "materials": {"steel": {}}, "bodies": [BODY]})
         self.refused(2, ["one scene", "2 files"], "mesh", "s.json", "box.stl", "-o", "x.tcell")
         self.refused(2, "overwritten", "mesh", "s.json", "-o", "box.stl")
+        self.refused(2, ["--pad", "begins and ends"], "mesh", "s.json", "--pad", 2, "-o", "x.tcell")
 
     def test_values_out_of_range_name_the_range(self):
         cut = lambda *more: ["slice", "g.tcell", "-o", "x.png", *more]

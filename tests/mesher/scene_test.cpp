@@ -211,6 +211,11 @@ TEST_CASE("names that a terminal would obey are refused, in messages they are ha
   CHECK(bare_scene({"a\x1b.stl"}).bodies[0].name == "a?");
 }
 
+TEST_CASE("two bodies of one name are refused with both places", "[scene]") {
+  check_error(R"({"bodies": [{"mesh": "a", "name": "x", "material": "air"}, {"mesh": "x", "material": "air"},
+    {"mesh": "b", "name": "x", "material": "air"}]})", {"bodies[2].name", "\"x\"", "bodies[0]"});
+}
+
 TEST_CASE("bare meshes are one body and one material a file", "[scene]") {
   const Scene s = bare_scene({"a/hull.stl", "hull.ply", "air.stl", "b\xff.stl"});
   REQUIRE(s.materials.size() == 5);
@@ -302,6 +307,8 @@ TEST_CASE("planes come from a file beside the scene", "[scene]") {
   CHECK(message_of().find("at least 2 planes") != std::string::npos);
   fs::remove(folder.path() / "x.txt");
   CHECK_THROWS_AS(read_scene(scene), IoError);
+  fs::create_symlink("/dev/zero", folder.path() / "x.txt");
+  CHECK(message_of().find("x.txt: expected at most 64000000 bytes") != std::string::npos);
 }
 
 TEST_CASE("reading a scene that is not there, is a folder, or is wrong names the file", "[scene]") {
@@ -374,6 +381,9 @@ TEST_CASE("options that contradict, are out of range, or are missing are usage e
   CHECK_THROWS_AS(resolve("", {{}, {{1, 1, -1}}}, {0, 0, 0}, {1, 1, 1}), UsageError);
   CHECK_THROWS_AS(resolve("", {{}, {}, NAN}, {0, 0, 0}, {1, 1, 1}), UsageError);
   CHECK_THROWS_AS(resolve("", {{}, {}, 1.0, -1}, {0, 0, 0}, {1, 1, 1}), UsageError);
+  const std::string fixed = R"("min": [0,0,0], "max": [1,1,1], "cells": 4, "x": {"planes": [0, 1]})";
+  CHECK_THROWS_WITH(resolve(fixed, {{}, {}, {}, 2}, {}, {}), Catch::Contains("--pad"));
+  CHECK(resolve(R"("cells": 9, "x": {"min": 0, "max": 9})", {{}, {}, {}, 2}, {0, 0, 0}, {5, 5, 5}).cells() == Index3{9, 9, 9});
   CHECK_THROWS_WITH(resolve("", {}, {0, 0, 0}, {1, 1, 1}), Catch::Contains("--cells") && Catch::Contains("--step"));
   CHECK_THROWS_AS(resolve("", {12}, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}), InputError);
 }
