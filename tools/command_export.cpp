@@ -46,7 +46,7 @@ void run(const Options& o) {
   refuse_overwriting(o.grid, o.output);
   const GridReader reader(o.grid);
   const Metadata& meta = reader.meta();
-  if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("--level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));
+  check_level(meta.grid, o.level);
   const Box box = o.region.empty() ? meta.grid.box(o.level) : parse_region(o.region, meta.grid, o.level);
   const bool wide = meta.materials.size() > 256;
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
@@ -63,7 +63,7 @@ Run setup_export(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_option("-o,--output", o->output, "the file to write")->required();
-  app.add_option("--format", o->format, "npy or raw (default: by the name's ending)")->check(CLI::IsMember({"npy", "raw"}));
+  app.add_option("--format", o->format, "npy or raw (default: by the name's ending)")->check(one_of({"npy", "raw"}));
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells of the level (default: all)");
   app.add_option("--level", o->level, "of the pyramid (default 0)");
   app.footer("Material ids in C order [z][y][x], uint8, or uint16 past 256 materials. Example:\n"

@@ -1,4 +1,6 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
+#include <strings.h>
+
 #include <fmt/format.h>
 
 #include "mesher/pipeline.hpp"
@@ -46,6 +48,9 @@ Scene scene_from(const Options& o) {
 // Outputs are checked before hours of work, not after.
 void check_outputs(const Options& o, const Scene& scene) {
   if (o.output.empty()) throw UsageError("--output: expected a name, found none");
+  for (const char* other : {".json", ".stl", ".obj", ".ply", ".gz", ".png", ".npy"})  // surely a slip
+    if (strcasecmp(std::filesystem::path(o.output).extension().c_str(), other) == 0)
+      throw UsageError(fmt::format("--output: expected a name for a .tcell file, found '{}'", o.output));
   std::error_code none;
   if (!o.report.empty() && (o.report == o.output || o.report == o.output + ".partial" || std::filesystem::equivalent(o.report, o.output, none)))
     throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
@@ -62,9 +67,9 @@ void summarise(const Options& o, const nlohmann::ordered_json& report) {
   const Index3 n = reader.meta().grid.cells();
   double seconds = 0;
   for (const auto& phase : report["phases"]) seconds += phase["seconds"].get<double>();
-  say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {:.1f} MB, {:.0f} MiB of memory, rays along {}", o.output, n[0], n[1], n[2],
-                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, static_cast<double>(reader.file_bytes()) / 1e6,
-                  report["peak_memory_bytes"].get<double>() / (1 << 20), axis_name(reader.meta().ray_axis)));
+  say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
+                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, bytes_text(static_cast<double>(reader.file_bytes())),
+                  bytes_text(report["peak_memory_bytes"].get<double>()), axis_name(reader.meta().ray_axis)));
   for (const auto& warning : report["warnings"]) warn("warning: " + warning.get<std::string>());
 }
 
@@ -102,13 +107,13 @@ Run setup_mesh(CLI::App& app) {
   app.add_option("--cells", o->cells, "N: cubic cells, N on the longest axis with its pad; NX,NY,NZ: cells along each axis");
   app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
   app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
-  app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(CLI::IsMember({"auto", "x", "y", "z"}));
-  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd")->check(CLI::IsMember({"auto", "nonzero", "evenodd"}));
-  app.add_option("--closing", o->closing, "open surfaces: cap or strict; this version refuses them either way")->check(CLI::IsMember({"cap", "strict"}));
-  app.add_option("--engine", o->engine, "how crossings are found: scan")->check(CLI::IsMember({"scan"}));
-  app.add_option("--threads", o->threads, "how many (default: one a core); the file is the same")->check(CLI::Range(1, 1024));
+  app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
+  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd")->check(one_of({"auto", "nonzero", "evenodd"}));
+  app.add_option("--closing", o->closing, "open surfaces: cap or strict; this version refuses them either way")->check(one_of({"cap", "strict"}));
+  app.add_option("--engine", o->engine, "how crossings are found: scan")->check(one_of({"scan"}));
+  add_threads(app, o->threads);
   app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
-  app.add_option("--progress", o->progress, "on stderr: auto (if it is a terminal), plain, none")->check(CLI::IsMember({"auto", "plain", "none"}));
+  add_progress(app, o->progress);
   app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
   return [o] { run(*o); };
 }

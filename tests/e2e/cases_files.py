@@ -204,5 +204,5 @@ class Outputs(Case):
         quiet = self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "x.tcell")
         self.assertEqual(quiet.err, "")
         told = self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "x.tcell", "--progress", "plain")
-        for word in ("read", "mesh", "%", "MiB"):
+        for word in ("read", "mesh", "%", "MB"):
             self.assertIn(word, told.err)
