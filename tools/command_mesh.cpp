@@ -90,10 +90,12 @@ void run(const Options& o) {
       line(phase, share);
     }, interrupted);
   }
-  if (report_file) {
+  if (report_file) try {
     const std::string text = report.dump(1) + "\n";
     report_file->append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
     report_file->commit();
+  } catch (const IoError& e) {
+    throw IoError(fmt::format("{} ({} is complete all the same)", e.what(), o.output));
   }
   summarise(o, report);
 }
