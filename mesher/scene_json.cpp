@@ -13,6 +13,7 @@
 #include "mesher/scene.hpp"
 #include "mesher/scene_names.hpp"
 #include "mesher/scene_node.hpp"
+#include "store/color.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -145,13 +146,11 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
 
 // ---- materials and bodies
 
-std::string parse_color(const Node& node) {
+std::string color_text(const Node& node) {
   std::string color = node.text();
+  if (!parse_color(color)) node.fail("a color \"#rrggbb\" or \"#rrggbbaa\"");
   for (char& c : color)
     if (c >= 'A' && c <= 'F') c = static_cast<char>(c - 'A' + 'a');
-  if ((color.size() != 7 && color.size() != 9) || color[0] != '#' ||
-      color.find_first_not_of("0123456789abcdef", 1) != std::string::npos)
-    node.fail("a color \"#rrggbb\" or \"#rrggbbaa\"");
   return color;
 }
 
@@ -176,7 +175,7 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
     if (!node) return otherwise;
     node->check_keys({"color"});
     const auto color = node->find("color");
-    return color ? parse_color(*color) : otherwise;
+    return color ? color_text(*color) : otherwise;
   };
 
   const std::string back = background ? background->text() : "air";
