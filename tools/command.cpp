@@ -43,7 +43,8 @@ std::vector<int64_t> parse_integers(const std::string& text, size_t count, const
     at = rest + 1;
   }
   if (!good || out.size() != count)
-    throw UsageError(fmt::format("{}: expected {}, found '{}'", option, count == 1 ? "a whole number" : fmt::format("{} whole numbers separated by commas", count), text));
+    throw UsageError(fmt::format("{}: expected {}, found '{}'", option,
+                                 count == 1 ? "a whole number" : fmt::format("{} whole numbers separated by commas", count), text));
   return out;
 }
 
@@ -59,7 +60,8 @@ void check_level(const Grid& grid, int level) {
 void check_region(const Grid& grid, int level, int axis, int64_t lo, int64_t hi) {
   const int64_t cells = grid.cells(level)[axis];
   if (lo < 0 || hi > cells || lo >= hi)
-    throw UsageError(fmt::format("--region: expected a part of 0 to {} (half open, not empty) along {} on level {}, found {} to {}", cells, axis_name(axis), level, lo, hi));
+    throw UsageError(fmt::format("--region: expected a part of 0 to {} (half open, not empty) along {} on level {}, found {} to {}", cells,
+                                 axis_name(axis), level, lo, hi));
 }
 
 Box parse_region(const std::string& text, const Grid& grid, int level) {

@@ -21,7 +21,7 @@ template <class T>
 void write_cells(const GridReader& reader, const Options& o, const Box& box, const std::atomic<bool>& stop, OutputFile& file) {
   const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1];
   const auto fit = [](int64_t count, int64_t size) { return std::clamp<int64_t>(kSlabBytes / size, 1, count); };
-  const int64_t rows = fit(ny, nx * static_cast<int64_t>(sizeof(T))), layers = rows < ny ? 1 : fit(box.hi[2] - box.lo[2], nx * ny * static_cast<int64_t>(sizeof(T)));
+  const int64_t row = nx * static_cast<int64_t>(sizeof(T)), rows = fit(ny, row), layers = rows < ny ? 1 : fit(box.hi[2] - box.lo[2], ny * row);
   const SetValue material = strongest_material(reader.meta());
   std::vector<T> slab;
   for (int64_t z = box.lo[2]; z < box.hi[2]; z += layers) {
@@ -40,7 +40,8 @@ void run(const Options& o) {
   std::string format = o.format;
   if (format.empty()) {
     const std::string extension = std::filesystem::path(o.output).extension();
-    if (extension != ".npy" && extension != ".raw") throw UsageError(fmt::format("--output: expected a name that ends in .npy or .raw, or --format, found '{}'", o.output));
+    if (extension != ".npy" && extension != ".raw")
+      throw UsageError(fmt::format("--output: expected a name that ends in .npy or .raw, or --format, found '{}'", o.output));
     format = extension.substr(1);
   }
   refuse_overwriting(o.grid, o.output);

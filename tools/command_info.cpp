@@ -47,8 +47,10 @@ void print(const GridReader& reader) {
     row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,
                                              a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
   }
-  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits each on level 0", axis_name(meta.ray_axis), meta.crossings, bits_per_crossing(meta)));
-  row("dense", fmt::format("one byte a cell would take {}{}", bytes_text(cells), cells < size ? "" : fmt::format(", {:.0f} times as much", cells / size)));
+  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits each on level 0", axis_name(meta.ray_axis), meta.crossings,
+                          bits_per_crossing(meta)));
+  row("dense", fmt::format("one byte a cell would take {}{}", bytes_text(cells),
+                           cells < size ? "" : fmt::format(", {:.0f} times as much", cells / size)));
   size_t width = 0;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
   for (size_t i = 0; i < meta.materials.size(); ++i)
@@ -57,7 +59,7 @@ void print(const GridReader& reader) {
     const Index3 c = meta.grid.cells(level);
     std::string how = "derived when read";
     for (const LevelInfo& l : meta.levels)
-      if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", l.chunks, l.chunks == 1 ? "chunk" : "chunks", bytes_text(static_cast<double>(l.bytes)));
+      if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", l.chunks, l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
   }
   try {

@@ -68,7 +68,7 @@ void summarise(const Options& o, const nlohmann::ordered_json& report) {
   double seconds = 0;
   for (const auto& phase : report["phases"]) seconds += phase["seconds"].get<double>();
   say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
-                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, bytes_text(static_cast<double>(reader.file_bytes())),
+                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, bytes_text(reader.file_bytes()),
                   bytes_text(report["peak_memory_bytes"].get<double>()), axis_name(reader.meta().ray_axis)));
   for (const auto& warning : report["warnings"]) warn("warning: " + warning.get<std::string>());
 }
@@ -104,7 +104,8 @@ void run(const Options& o) {
 
 Run setup_mesh(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or gzip; each is a body, the later ones stronger")->required();
+  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or gzip; each is a body, the later ones stronger")
+      ->required();
   app.add_option("-o,--output", o->output, "the .tcell file to write")->required();
   app.add_option("--cells", o->cells, "N: cubic cells, N on the longest axis with its pad; NX,NY,NZ: cells along each axis");
   app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
@@ -116,7 +117,8 @@ Run setup_mesh(CLI::App& app) {
   add_threads(app, o->threads);
   app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
   add_progress(app, o->progress);
-  app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
+  app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n"
+             "  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
   return [o] { run(*o); };
 }
 

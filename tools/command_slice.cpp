@@ -20,7 +20,8 @@ struct Options {
 
 SliceView view_of(const Options& o, const Metadata& meta) {
   const int axis = parse_axis(o.axis);
-  if (o.index.has_value() == o.at.has_value()) throw UsageError(fmt::format("--index, --at: expected one of them, found {}", o.at ? "both" : "neither"));
+  if (o.index.has_value() == o.at.has_value())
+    throw UsageError(fmt::format("--index, --at: expected one of them, found {}", o.at ? "both" : "neither"));
   check_level(meta.grid, o.level);
   int64_t index = o.index.value_or(0);
   if (o.at) {
@@ -70,7 +71,8 @@ void write_npy(const GridReader& reader, const SliceView& view, const Options& o
 
 void run(const Options& o) {
   const std::string extension = std::filesystem::path(o.output).extension();
-  if (extension != ".png" && extension != ".npy") throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
+  if (extension != ".png" && extension != ".npy")
+    throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
   refuse_overwriting(o.grid, o.output);
   const GridReader reader(o.grid);
   const SliceView view = view_of(o, reader.meta());

@@ -22,7 +22,7 @@ void run(const Options& o) {
   uint64_t chunks = 0;
   for (const LevelInfo& l : reader.meta().levels) chunks += l.chunks;
   say(fmt::format("{}: sound. {}, {} on {}: every checksum holds, every level is the union of the one below, every byte is accounted for.",
-                  o.grid, bytes_text(static_cast<double>(reader.file_bytes())), counted(chunks, "chunk"), counted(reader.meta().levels.size(), "stored level")));
+                  o.grid, bytes_text(reader.file_bytes()), counted(chunks, "chunk"), counted(reader.meta().levels.size(), "stored level")));
 }
 
 }  // namespace

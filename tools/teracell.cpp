@@ -69,7 +69,8 @@ void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>&
     else if (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]))) word.resize(2);  // the rest is its value
     else continue;
     if (app.get_option_no_throw(word) == nullptr)
-      throw UsageError(fmt::format("there is no option '{}'{} See: {} --help", word, word.starts_with("--") ? did_you_mean(word, known) : ".", app.get_parent() ? "teracell " + app.get_name() : "teracell"));
+      throw UsageError(fmt::format("there is no option '{}'{} See: {} --help", word, word.starts_with("--") ? did_you_mean(word, known) : ".",
+                                   app.get_parent() ? "teracell " + app.get_name() : "teracell"));
   }
 }
 
@@ -80,7 +81,8 @@ std::string explain(const CLI::ParseError& e, const CLI::App& app) {
     const std::string name = text.substr(0, text.size() - required.size());
     if (const CLI::Option* option = app.get_option_no_throw(name)) return fmt::format("missing {}: {}", name, option->get_description());
   }
-  if (const size_t missing = text.find(": 1 required "); missing != std::string::npos) return text.substr(0, missing) + ": expected a value, found none";
+  if (const size_t missing = text.find(": 1 required "); missing != std::string::npos)
+    return text.substr(0, missing) + ": expected a value, found none";
   if (const size_t sign = text.find(twice); sign != std::string::npos)
     return fmt::format("{}: expected once, found {} times", text.substr(0, sign), text.substr(sign + twice.size()));
   if (text.starts_with("The following argument")) return fmt::format("expected nothing more, found '{}'", fmt::join(app.remaining(), " "));
@@ -88,7 +90,8 @@ std::string explain(const CLI::ParseError& e, const CLI::App& app) {
     const size_t sign = text.find(" = ");
     const std::string name = text.substr(convert.size(), sign - convert.size());
     if (const CLI::Option* option = app.get_option_no_throw(name); option && sign != std::string::npos)
-      return fmt::format("{}: expected a {}number, found '{}'", name, option->get_type_name().starts_with("FLOAT") ? "" : "whole ", text.substr(sign + 3));
+      return fmt::format("{}: expected a {}number, found '{}'", name, option->get_type_name().starts_with("FLOAT") ? "" : "whole ",
+                         text.substr(sign + 3));
   }
   return text;
 }
@@ -135,7 +138,8 @@ int main(int argc, char** argv) {
       return done();
     }
     const auto subs = app.get_subcommands();
-    return fail(2, fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]), subs.empty() ? "" : subs[0]->get_name() + " "));
+    return fail(2, fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]),
+                               subs.empty() ? "" : subs[0]->get_name() + " "));
   } catch (const UsageError& e) {
     return fail(2, e.what());
   } catch (const Interrupted& e) {

@@ -100,7 +100,8 @@ class Inputs(Case):
                 self.assertTrue(all(c.isprintable() or c in "\n\ufffd" for c in said), repr(said))
         self.write("box.stl", box)
         scene = {"grid": {"cells": 9}, "materials": {"a": {}}, "bodies": [{"mesh": "box.stl", "material": "a"}]}
-        for change, phrase in (({"materials": {"a": {}, "\x1b[2J": {}}}, 'materials["\\u001b[2J"]'), ({"units": "\x9b"}, 'found "?"'), ({"\x1b]0;x\x07": 1}, "unknown key"),
+        for change, phrase in (({"materials": {"a": {}, "\x1b[2J": {}}}, 'materials["\\u001b[2J"]'),
+                               ({"units": "\x9b"}, 'found "?"'), ({"\x1b]0;x\x07": 1}, "unknown key"),
                                ({"bodies": [{**scene["bodies"][0], "name": "a\rb"}]}, "bodies[0].name: expected a text without control characters")):
             self.write("s.json", {**scene, **change})
             self.refused(2, ["s.json: ", phrase], "mesh", "s.json", "-o", "x.tcell")
