@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "mesher/readers.hpp"
+#include "mesher/scene_names.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -124,9 +125,7 @@ std::string_view trimmed(std::string_view text) {
 
 std::string shown(std::string_view text) {
   constexpr size_t kLongest = 48;
-  std::string s(text.substr(0, kLongest));
-  for (char& c : s) c = static_cast<unsigned char>(c) < 32 || c == 127 ? '?' : c;
-  return fmt::format("'{}{}'", s, text.size() > kLongest ? "..." : "");
+  return fmt::format("'{}{}'", printable(text.substr(0, kLongest)), text.size() > kLongest ? "..." : "");
 }
 
 float round_extreme(std::string_view word, float) { return strtof_l(std::string(word).c_str(), nullptr, c_locale()); }

@@ -101,7 +101,7 @@ inline bool is_keyword(std::string_view word, std::string_view keyword) {
 
 // Without blanks around it.
 std::string_view trimmed(std::string_view text);
-// Text from a file as a message may show it: quoted, cut to a few dozen characters, control characters as '?'.
+// Text from a file as a message may show it: quoted, cut to a few dozen characters, printable.
 std::string shown(std::string_view text);
 
 // Predicates stay exact within these limits (facets.hpp).

@@ -338,20 +338,31 @@ constexpr const char* kSceneJson = R"json({
 
 void write_stadium(const std::filesystem::path& folder) {
   std::error_code error;
-  std::filesystem::create_directories(folder, error);
+  const bool new_folder = std::filesystem::create_directories(folder, error);
   if (error) throw IoError(fmt::format("{}: the folder can't be made: {}", folder.string(), error.message()));
   const Stadium stadium;
-  stadium.lower_tier().write_stl(folder / "lower-tier.stl");
-  stadium.upper_tier().write_stl(folder / "upper-tier.stl");
-  stadium.ground().write_stl(folder / "ground.stl");
-  stadium.frames().write_stl(folder / "frames.stl");
-  stadium.facade().write_stl(folder / "facade.stl");
-  stadium.roof_ring().write_stl(folder / "roof.stl");
-  stadium.floodlights().write_stl(folder / "floodlights.stl");
-  stadium.scoreboards().write_stl(folder / "scoreboards.stl");
-  stadium.truck().write_stl(folder / "truck.stl");
-  stadium.charge().write_stl(folder / "charge.stl");
-  write_whole(folder / "scene.json", kSceneJson);
+  std::vector<std::filesystem::path> written;
+  const auto stl = [&](const char* name, const Solid& solid) {
+    solid.write_stl(folder / name);
+    written.push_back(folder / name);
+  };
+  try {
+    stl("lower-tier.stl", stadium.lower_tier());
+    stl("upper-tier.stl", stadium.upper_tier());
+    stl("ground.stl", stadium.ground());
+    stl("frames.stl", stadium.frames());
+    stl("facade.stl", stadium.facade());
+    stl("roof.stl", stadium.roof_ring());
+    stl("floodlights.stl", stadium.floodlights());
+    stl("scoreboards.stl", stadium.scoreboards());
+    stl("truck.stl", stadium.truck());
+    stl("charge.stl", stadium.charge());
+    write_whole(folder / "scene.json", kSceneJson);
+  } catch (...) {  // a full disk: half a scene is of no use
+    for (const auto& path : written) std::filesystem::remove(path, error);
+    if (new_folder) std::filesystem::remove(folder, error);
+    throw;
+  }
 }
 
 }  // namespace teracell

@@ -3,13 +3,10 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
 #include <string>
 
-#include <fmt/format.h>
-
 #include "mesher/scene.hpp"
-#include "store/error.hpp"
+#include "store/file.hpp"
 
 namespace teracell {
 namespace {
@@ -112,15 +109,9 @@ void Solid::write_stl(const std::filesystem::path& path) const {
 }
 
 void write_whole(const std::filesystem::path& path, const std::string& bytes) {
-  std::filesystem::path part = path;
-  part += ".part";
-  std::ofstream out(part, std::ios::binary | std::ios::trunc);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  out.close();
-  std::error_code error;
-  if (out) std::filesystem::rename(part, path, error);
-  if (!out || error)
-    throw IoError(fmt::format("{}: the file can't be written{}", path.string(), error ? ": " + error.message() : ""));
+  OutputFile file(path);
+  file.append({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+  file.commit();
 }
 
 }  // namespace teracell

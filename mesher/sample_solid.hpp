@@ -38,7 +38,7 @@ class Solid {
   std::vector<std::array<Corner, 3>> facets_;
 };
 
-// Writes `bytes` beside `path` and renames. Throws IoError.
+// All of `bytes` under its name, or nothing and an IoError.
 void write_whole(const std::filesystem::path& path, const std::string& bytes);
 
 }  // namespace teracell

@@ -179,7 +179,7 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
     SceneBody body;
     body.name = names.numbered(mesh_stem(path));
     body.mesh = path;
-    body.mesh_text = valid_utf8(path.string());
+    body.mesh_text = printable(path.string());
     body.material = id;
     scene.materials.push_back({body.name, palette_color(id)});
     scene.bodies.push_back(std::move(body));
@@ -189,7 +189,12 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
 
 void override_grid(Scene& scene, const GridOptions& options) {
   check_options(options);
-  if (options.pad) scene.pad = *options.pad;
+  if (options.pad) {
+    const auto fixed = [](const SceneAxis& axis) { return axis.min || !axis.planes.empty(); };
+    if (std::all_of(scene.axis.begin(), scene.axis.end(), fixed))
+      throw UsageError("--pad: the scene fixes where every axis begins and ends, there is no bodies' box to pad: leave it out");
+    scene.pad = *options.pad;
+  }
   if (!options.longest_cells && !options.cells && !options.step) return;
 
   scene.longest_cells = options.longest_cells;

@@ -86,7 +86,7 @@ Scene parse_scene(const std::string& json_text, const std::filesystem::path& fol
 Scene bare_scene(const std::vector<std::filesystem::path>& meshes);
 
 // The command line's cells or step replace the scene's on every uniform axis; its min and max stay. A graded axis keeps
-// its planes: NX must agree with their number, and it is a UsageError if that leaves nothing to override.
+// its planes: NX must agree with their number. An option that nothing in the scene leaves room for is a UsageError.
 void override_grid(Scene& scene, const GridOptions& options);
 
 // The scene as normalised: every default written out, matrices instead of scale/rotate/translate. Reads back equal.

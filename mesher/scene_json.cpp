@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <unordered_map>
 
 #include <fmt/format.h>
@@ -14,6 +13,7 @@
 #include "mesher/scene.hpp"
 #include "mesher/scene_names.hpp"
 #include "mesher/scene_node.hpp"
+#include "store/color.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -21,13 +21,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr size_t kMostText = 64'000'000;  // planes in such a text just fit into a .tcell file; a device never ends
+
 std::string read_text(const fs::path& path) {
   std::error_code ignored;
   if (fs::is_directory(path, ignored)) throw IoError(fmt::format("{}: expected a file, found a folder", path.string()));
   errno = 0;
   std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in.is_open()) throw IoError(fmt::format("{}: can't be opened: {}", path.string(), std::strerror(errno)));
+  std::string text;
+  for (char block[1 << 16]; in.read(block, sizeof block), in.gcount() > 0;) {
+    text.append(block, static_cast<size_t>(in.gcount()));
+    if (text.size() > kMostText)
+      throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostText));
+  }
   if (in.bad()) throw IoError(fmt::format("{}: can't be read", path.string()));
   return text;
 }
@@ -59,7 +66,7 @@ std::vector<double> read_planes(const fs::path& path) {
       const auto [read, error] = std::from_chars(p + plus, stop, plane);
       if (error != std::errc{} || read != stop || !std::isfinite(plane))
         throw InputError(fmt::format("{}:{}: expected a number, found \"{}\"", path.string(), line,
-                                     valid_utf8(std::string(p, std::min<size_t>(stop - p, 60)))));
+                                     printable({p, std::min<size_t>(stop - p, 60)})));
       planes.push_back(plane + 0.0);  // -0 is 0
       p = stop;
     }
@@ -88,7 +95,7 @@ void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
             fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
     axis = {};
     if (file) {
-      axis.planes_file = folder / file->path();
+      axis.planes_file = folder / file->text();
       axis.planes = read_planes(axis.planes_file);
       return;
     }
@@ -139,13 +146,11 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
 
 // ---- materials and bodies
 
-std::string parse_color(const Node& node) {
+std::string color_text(const Node& node) {
   std::string color = node.text();
+  if (!parse_color(color)) node.fail("a color \"#rrggbb\" or \"#rrggbbaa\"");
   for (char& c : color)
     if (c >= 'A' && c <= 'F') c = static_cast<char>(c - 'A' + 'a');
-  if ((color.size() != 7 && color.size() != 9) || color[0] != '#' ||
-      color.find_first_not_of("0123456789abcdef", 1) != std::string::npos)
-    node.fail("a color \"#rrggbb\" or \"#rrggbbaa\"");
   return color;
 }
 
@@ -170,15 +175,16 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
     if (!node) return otherwise;
     node->check_keys({"color"});
     const auto color = node->find("color");
-    return color ? parse_color(*color) : otherwise;
+    return color ? color_text(*color) : otherwise;
   };
 
   const std::string back = background ? background->text() : "air";
   MaterialIds ids = {{back, 0}};
   scene.materials.push_back({back, color_of(back, kBackgroundColor)});
   for (const std::string& name : order) {
-    if (name.empty())
-      throw UsageError(fmt::format("{}: a material needs a name that is not empty", materials->where()));
+    if (name.empty() || printable(name) != name)
+      throw UsageError(fmt::format("{}: expected a name that is not empty and without control characters",
+                                   child_path(materials->where(), name)));
     if (name == back) continue;
     const auto id = static_cast<uint32_t>(scene.materials.size());
     if (id > kMaxMaterials)
@@ -247,7 +253,7 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   node.check_keys(
       {"name", "mesh", "part", "material", "priority", "fill", "closing", "matrix", "scale", "rotate", "translate"});
   SceneBody body;
-  body.mesh_text = node.require("mesh").path();
+  body.mesh_text = node.require("mesh").text();
   body.mesh = folder / body.mesh_text;
   body.material = material_id(node.require("material"), ids);
   if (const auto n = node.find("name")) body.name = n->text();
@@ -262,7 +268,13 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
 // Bodies without a name take that of their mesh, numbered where it is taken.
 void name_bodies(std::vector<SceneBody>& bodies) {
   NameBook names;
-  for (const SceneBody& body : bodies) names.take(body.name);
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    const std::string& name = bodies[i].name;
+    if (name.empty() || names.take(name)) continue;
+    const auto first = std::find_if(bodies.begin(), bodies.end(), [&](const SceneBody& b) { return b.name == name; });
+    throw UsageError(fmt::format("bodies[{}].name: expected a name of its own, found \"{}\" as in bodies[{}]", i, name,
+                                 first - bodies.begin()));
+  }
   for (SceneBody& body : bodies)
     if (body.name.empty()) body.name = names.numbered(mesh_stem(body.mesh_text));
 }

@@ -47,13 +47,21 @@ std::string palette_color(uint32_t id) {
 std::string mesh_stem(const std::filesystem::path& mesh) {
   std::filesystem::path file = mesh.filename();
   if (file.extension() == ".gz") file = file.stem();
-  const std::string stem = valid_utf8(file.stem().string());
+  const std::string stem = printable(file.stem().string());
   return stem.empty() ? "body" : stem;
 }
 
-std::string valid_utf8(const std::string& text) {
+std::string printable(std::string_view text) {
   using nlohmann::json;
-  return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace)).get<std::string>();
+  const std::string utf8 = json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace));
+  std::string out;
+  for (size_t i = 0; i < utf8.size(); ++i) {
+    const auto byte = [&](size_t at) { return static_cast<unsigned char>(utf8[at]); };
+    const bool c1 = byte(i) == 0xc2 && byte(i + 1) < 0xa0;  // U+0080 to U+009F take two bytes
+    out += byte(i) < 0x20 || byte(i) == 0x7f || c1 ? '?' : utf8[i];
+    i += c1;
+  }
+  return out;
 }
 
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates) {

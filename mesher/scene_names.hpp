@@ -22,8 +22,9 @@ std::string palette_color(uint32_t id);
 // "hull" for "meshes/hull.stl" and "meshes/hull.stl.gz".
 std::string mesh_stem(const std::filesystem::path& mesh);
 
-// The text with what is not UTF-8 replaced by U+FFFD: JSON can't carry anything else, file names may.
-std::string valid_utf8(const std::string& text);
+// The text with control characters as '?' and what is not UTF-8 as U+FFFD: file names and files from elsewhere may hold
+// anything, but a terminal obeys the one and JSON can't carry the other.
+std::string printable(std::string_view text);
 
 // The candidate with the smallest edit distance (V. Levenshtein, 1966); empty when there is none.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates);
@@ -31,7 +32,7 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
 // Gives out names that differ: "hull", "hull-2", "hull-3".
 class NameBook {
  public:
-  void take(const std::string& name) { taken_.insert(name); }
+  bool take(const std::string& name) { return taken_.insert(name).second; }  // false: it was taken
   std::string numbered(const std::string& stem);
 
  private:

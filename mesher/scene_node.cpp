@@ -51,7 +51,7 @@ class KeyWatch final : public nlohmann::json_sax<Json> {
     const std::string_view read = std::string_view(text_).substr(0, std::max(position, size_t{1}) - 1);
     const auto line = std::count(read.begin(), read.end(), '\n') + 1;
     const size_t line_start = read.rfind('\n') + 1;  // npos + 1 is 0
-    throw UsageError(fmt::format("line {}, column {}: {}", line, read.size() - line_start + 1, valid_utf8(what)));
+    throw UsageError(fmt::format("line {}, column {}: {}", line, read.size() - line_start + 1, printable(what)));
   }
 
  private:
@@ -83,6 +83,8 @@ bool plain(const std::string& key) {
   });
 }
 
+std::string quoted(const std::string& key) { return printable(Json(key).dump()); }
+
 }  // namespace
 
 SceneText read_json(const std::string& text) {
@@ -92,7 +94,7 @@ SceneText read_json(const std::string& text) {
 }
 
 std::string child_path(const std::string& parent, const std::string& key) {
-  if (!plain(key)) return fmt::format("{}[{}]", parent, Json(key).dump());
+  if (!plain(key)) return fmt::format("{}[{}]", parent, quoted(key));
   return parent.empty() ? key : parent + '.' + key;
 }
 
@@ -104,7 +106,7 @@ std::string Node::found() const {
   if (value_->is_object()) return "an object";
   if (value_->is_array()) return fmt::format("an array of {}", value_->size());
   constexpr size_t kLongest = 60;
-  std::string text = value_->dump();
+  std::string text = printable(value_->dump());
   if (text.size() > kLongest) {
     size_t end = kLongest;
     while ((static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // never inside a UTF-8 sequence
@@ -118,7 +120,7 @@ void Node::check_keys(std::initializer_list<std::string_view> known) const {
   for (const auto& [key, value] : value_->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     throw UsageError(fmt::format("{}: unknown key {}; the nearest known one is \"{}\" (known here: {})",
-                                 where_.empty() ? "the scene" : where_, Json(key).dump(), nearest(key, known),
+                                 where_.empty() ? "the scene" : where_, quoted(key), nearest(key, known),
                                  fmt::join(known, ", ")));
   }
 }
@@ -182,12 +184,8 @@ const std::string& Node::text() const {
   if (!value_->is_string()) fail("a text");
   const auto& text = value_->get_ref<const std::string&>();
   if (text.empty()) fail("a text that is not empty");
+  if (printable(text) != text) fail("a text without control characters");
   return text;
-}
-
-std::string Node::path() const {
-  if (text().find('\0') != std::string::npos) fail("a path without the character NUL");
-  return text();
 }
 
 size_t Node::choice(std::initializer_list<std::string_view> words) const {

@@ -45,8 +45,7 @@ class Node {
   double number() const;
   double positive() const;
   int64_t integer(int64_t lo, int64_t hi) const;
-  const std::string& text() const;  // not empty
-  std::string path() const;         // text without NUL, which the system would cut there
+  const std::string& text() const;  // not empty, without control characters
   size_t choice(std::initializer_list<std::string_view> words) const;
   Vec3 vec3() const;
 

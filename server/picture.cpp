@@ -44,19 +44,6 @@ void pack(std::span<const uint16_t> numbers, unsigned bits, uint8_t* out) {
 
 }  // namespace
 
-Rgba parse_color(const std::string& text) {
-  const auto digit = [&](char c) -> int {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-    throw FormatError(fmt::format("a colour is #rrggbb or #rrggbbaa, found '{}'", text));
-  };
-  if ((text.size() != 7 && text.size() != 9) || text[0] != '#') digit('?');
-  Rgba c = {0, 0, 0, 255};
-  for (size_t i = 0; 2 * i + 2 < text.size(); ++i) c[i] = static_cast<uint8_t>(digit(text[2 * i + 1]) * 16 + digit(text[2 * i + 2]));
-  return c;
-}
-
 Rgba blend(std::span<const Rgba> colors) {
   if (colors.size() == 1) return colors[0];
   std::array<uint32_t, 4> sum{};
@@ -75,7 +62,7 @@ Rgba blend(std::span<const Rgba> colors) {
 }
 
 SetColors::SetColors(const Metadata& meta, int level) : meta_(meta) {
-  for (const MaterialInfo& m : meta.materials) material_colors_.push_back(parse_color(m.color));
+  for (const MaterialInfo& m : meta.materials) material_colors_.push_back(parse_color(m.color).value());
   const auto n = static_cast<uint32_t>(meta.materials.size());
   for (uint32_t m = 0; m < n; ++m) number_of_materials({m});
   // Every set of 8 materials or fewer: 255 of them.

@@ -1,6 +1,5 @@
 // Pictures of label rows: PNG, streamed row by row, and the colours of sets.
 #pragma once
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -9,13 +8,10 @@
 #include <unordered_map>
 #include <vector>
 
+#include "store/color.hpp"
 #include "store/slice.hpp"
 
 namespace teracell {
-
-using Rgba = std::array<uint8_t, 4>;  // straight alpha, sRGB
-
-Rgba parse_color(const std::string& text);  // "#rrggbb" or "#rrggbbaa"; throws FormatError
 
 // The mean of colours, each with the same weight: channels are multiplied by alpha / 255 (rounded half up to 8 bits),
 // channels and alpha averaged (half up), and the channels divided by the mean alpha again (half up) for the PNG.

@@ -1,11 +1,13 @@
 #include "tools/command.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <csignal>
 #include <thread>
 
 #include <fmt/format.h>
 
+#include "mesher/scene_names.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -41,7 +43,8 @@ std::vector<int64_t> parse_integers(const std::string& text, size_t count, const
     at = rest + 1;
   }
   if (!good || out.size() != count)
-    throw UsageError(fmt::format("{}: expected {}, found '{}'", option, count == 1 ? "a whole number" : fmt::format("{} whole numbers separated by commas", count), text));
+    throw UsageError(fmt::format("{}: expected {}, found '{}'", option,
+                                 count == 1 ? "a whole number" : fmt::format("{} whole numbers separated by commas", count), text));
   return out;
 }
 
@@ -61,15 +64,21 @@ int parse_axis(const std::string& text) {
   return text[0] - 'x';
 }
 
+void check_level(const Grid& grid, int level) {
+  if (level < 0 || level >= grid.levels()) throw UsageError(fmt::format("--level: expected 0 to {}, found {}", grid.levels() - 1, level));
+}
+
+void check_region(const Grid& grid, int level, int axis, int64_t lo, int64_t hi) {
+  const int64_t cells = grid.cells(level)[axis];
+  if (lo < 0 || hi > cells || lo >= hi)
+    throw UsageError(fmt::format("--region: expected a part of 0 to {} (half open, not empty) along {} on level {}, found {} to {}", cells,
+                                 axis_name(axis), level, lo, hi));
+}
+
 Box parse_region(const std::string& text, const Grid& grid, int level) {
   const auto n = parse_integers(text, 6, "--region");
-  const Box box{{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
-  const Index3 cells = grid.cells(level);
-  for (int d = 0; d < 3; ++d)
-    if (box.lo[d] < 0 || box.hi[d] > cells[d] || box.lo[d] >= box.hi[d])
-      throw UsageError(fmt::format("--region: along {} it must lie in 0 to {} (half open) on level {} and not be empty, found {} to {}", axis_name(d),
-                                   cells[d], level, box.lo[d], box.hi[d]));
-  return box;
+  for (int d = 0; d < 3; ++d) check_region(grid, level, d, n[d], n[d + 3]);
+  return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
 }
 
 void refuse_overwriting(const std::string& input, const std::string& output) {
@@ -80,6 +89,37 @@ void refuse_overwriting(const std::string& input, const std::string& output) {
       throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", output));
 }
 
-int default_threads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+void say(const std::string& line) { fmt::print("{}\n", printable(line)); }
+
+// Not fmt::print: it throws when nobody listens, and work must not fail for that.
+void warn(const std::string& line) { std::fputs((printable(line) + "\n").c_str(), stderr); }
+
+std::string bytes_text(double bytes) {
+  const char* unit[] = {"B", "kB", "MB", "GB", "TB", "PB"};
+  int i = 0;
+  for (; bytes >= 1000 && i < 5; ++i) bytes /= 1000;
+  return fmt::format("{:.{}f} {}", bytes, i == 0 ? 0 : 1, unit[i]);
+}
+
+std::string counted(uint64_t n, const std::string& thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  return CLI::Validator([words = std::move(words)](std::string& found) {
+    return std::ranges::count(words, found) > 0 ? "" : fmt::format("expected {}, found '{}'", fmt::join(words, ", "), found);
+  }, "");
+}
+
+void add_threads(CLI::App& app, int& threads) {
+  app.add_option("--threads", threads, "how many, 1 to 1024 (default: one a core)")->check(CLI::Validator([](std::string& found) {
+    const auto n = parse_integers(found, 1, "--threads")[0];
+    return n >= 1 && n <= 1024 ? "" : fmt::format("expected 1 to 1024, found {}", n);
+  }, ""));
+}
+
+int threads_or_all(int threads) { return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+void add_progress(CLI::App& app, std::string& mode) {
+  app.add_option("--progress", mode, "on stderr: auto (if it is a terminal), plain, none")->check(one_of({"auto", "plain", "none"}));
+}
 
 }  // namespace teracell

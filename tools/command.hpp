@@ -32,9 +32,19 @@ Run setup_sample(CLI::App& app);
 std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option);
 uint64_t parse_size(const std::string& text, const std::string& option);  // bytes; K, M, G, T are powers of 1024
 int parse_axis(const std::string& text);  // "x", "y", "z"
-// Throws UsageError unless lo < hi <= the level's cells on every axis.
+void check_level(const Grid& grid, int level);
+// Throws UsageError unless 0 <= lo < hi <= the level's cells on the axis.
+void check_region(const Grid& grid, int level, int axis, int64_t lo, int64_t hi);
 Box parse_region(const std::string& text, const Grid& grid, int level);
-int default_threads();
+void add_threads(CLI::App& app, int& threads);  // 0 until given, for one a core
+int threads_or_all(int threads);
+void add_progress(CLI::App& app, std::string& mode);
+CLI::Validator one_of(std::vector<std::string> words);
+// A line on stdout or, a warning, on stderr. It may hold names from anybody's file: nothing in them steers the terminal.
+void say(const std::string& line);
+void warn(const std::string& line);
+std::string bytes_text(double bytes);                       // "1.2 kB"
+std::string counted(uint64_t n, const std::string& thing);  // "1 chunk", "2 chunks"
 // Throws UsageError if writing `output`, by way of its temporary, would overwrite `input`; an empty name is none.
 void refuse_overwriting(const std::string& input, const std::string& output);
 // From here on SIGINT and SIGTERM set the flag instead of killing the program, so that its partial file is removed.

@@ -26,11 +26,12 @@ void run(const Options& o) {
     return;
   }
   const Frame f = Frame::along(axis);
-  fmt::print("column along {} at {} = {}, {} = {}\n\n{:>12} {:>12} {:>14} {:>14}  material\n", o.axis, axis_name(f.u), at[0], axis_name(f.v), at[1], "from cell",
-             "to cell", fmt::format("from {}", meta.units), fmt::format("to {}", meta.units));
+  say(fmt::format("column along {} at {} = {}, {} = {}", o.axis, axis_name(f.u), at[0], axis_name(f.v), at[1]));
+  say("");
+  say(fmt::format("{:>12} {:>12} {:>14} {:>14}  material", "from cell", "to cell", "from " + meta.units, "to " + meta.units));
   for (const ColumnRun& r : runs)
-    fmt::print("{:>12} {:>12} {:>14.8g} {:>14.8g}  {}\n", r.from, r.to, meta.grid.axis[axis].plane(r.from), meta.grid.axis[axis].plane(r.to),
-               meta.materials[r.material].name);
+    say(fmt::format("{:>12} {:>12} {:>14.8g} {:>14.8g}  {}", r.from, r.to, meta.grid.axis[axis].plane(r.from), meta.grid.axis[axis].plane(r.to),
+                    meta.materials[r.material].name));
 }
 
 }  // namespace

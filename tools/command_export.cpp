@@ -21,7 +21,7 @@ template <class T>
 void write_cells(const GridReader& reader, const Options& o, const Box& box, const std::atomic<bool>& stop, OutputFile& file) {
   const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1];
   const auto fit = [](int64_t count, int64_t size) { return std::clamp<int64_t>(kSlabBytes / size, 1, count); };
-  const int64_t rows = fit(ny, nx * static_cast<int64_t>(sizeof(T))), layers = rows < ny ? 1 : fit(box.hi[2] - box.lo[2], nx * ny * static_cast<int64_t>(sizeof(T)));
+  const int64_t row = nx * static_cast<int64_t>(sizeof(T)), rows = fit(ny, row), layers = rows < ny ? 1 : fit(box.hi[2] - box.lo[2], ny * row);
   const SetValue material = strongest_material(reader.meta());
   std::vector<T> slab;
   for (int64_t z = box.lo[2]; z < box.hi[2]; z += layers) {
@@ -40,13 +40,14 @@ void run(const Options& o) {
   std::string format = o.format;
   if (format.empty()) {
     const std::string extension = std::filesystem::path(o.output).extension();
-    if (extension != ".npy" && extension != ".raw") throw UsageError(fmt::format("--output: expected a name that ends in .npy or .raw, or --format, found '{}'", o.output));
+    if (extension != ".npy" && extension != ".raw")
+      throw UsageError(fmt::format("--output: expected a name that ends in .npy or .raw, or --format, found '{}'", o.output));
     format = extension.substr(1);
   }
   refuse_overwriting(o.grid, o.output);
   const GridReader reader(o.grid);
   const Metadata& meta = reader.meta();
-  if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("--level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));
+  check_level(meta.grid, o.level);
   const Box box = o.region.empty() ? meta.grid.box(o.level) : parse_region(o.region, meta.grid, o.level);
   const bool wide = meta.materials.size() > 256;
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
@@ -63,7 +64,7 @@ Run setup_export(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_option("-o,--output", o->output, "the file to write")->required();
-  app.add_option("--format", o->format, "npy or raw (default: by the name's ending)")->check(CLI::IsMember({"npy", "raw"}));
+  app.add_option("--format", o->format, "npy or raw (default: by the name's ending)")->check(one_of({"npy", "raw"}));
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells of the level (default: all)");
   app.add_option("--level", o->level, "of the pyramid (default 0)");
   app.footer("Material ids in C order [z][y][x], uint8, or uint16 past 256 materials. Example:\n"

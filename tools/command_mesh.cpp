@@ -1,4 +1,5 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
+#include <strings.h>
 #include <unistd.h>
 
 #include <fmt/format.h>
@@ -48,6 +49,9 @@ Scene scene_from(const Options& o) {
 // Outputs are checked before hours of work, not after.
 void check_outputs(const Options& o, const Scene& scene) {
   if (o.output.empty()) throw UsageError("--output: expected a name, found none");
+  for (const char* other : {".json", ".stl", ".obj", ".ply", ".gz", ".png", ".npy"})  // surely a slip
+    if (strcasecmp(std::filesystem::path(o.output).extension().c_str(), other) == 0)
+      throw UsageError(fmt::format("--output: expected a name for a .tcell file, found '{}'", o.output));
   std::error_code none;
   if (!o.report.empty() && (o.report == o.output || o.report == o.output + ".partial" || std::filesystem::equivalent(o.report, o.output, none)))
     throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
@@ -66,10 +70,10 @@ void summarise(const Options& o, const nlohmann::ordered_json& report) {
   const Index3 n = reader.meta().grid.cells();
   double seconds = 0;
   for (const auto& phase : report["phases"]) seconds += phase["seconds"].get<double>();
-  fmt::print("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {:.1f} MB, {:.0f} MiB of memory, rays along {}\n", o.output, n[0], n[1], n[2],
-             static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, static_cast<double>(reader.file_bytes()) / 1e6,
-             report["peak_memory_bytes"].get<double>() / (1 << 20), axis_name(reader.meta().ray_axis));
-  for (const auto& warning : report["warnings"]) std::fputs(("warning: " + warning.get<std::string>() + "\n").c_str(), stderr);
+  say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
+                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, bytes_text(reader.file_bytes()),
+                  bytes_text(report["peak_memory_bytes"].get<double>()), axis_name(reader.meta().ray_axis)));
+  for (const auto& warning : report["warnings"]) warn("warning: " + warning.get<std::string>());
 }
 
 void run(const Options& o) {
@@ -92,10 +96,12 @@ void run(const Options& o) {
       line(phase, share);
     }, interrupted);
   }
-  if (report_file) {
+  if (report_file) try {
     const std::string text = report.dump(1) + "\n";
     report_file->append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
     report_file->commit();
+  } catch (const IoError& e) {
+    throw IoError(fmt::format("{} ({} is complete all the same)", e.what(), o.output));
   }
   summarise(o, report);
 }
@@ -104,22 +110,24 @@ void run(const Options& o) {
 
 Run setup_mesh(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or gzip; each is a body, the later ones stronger")->required();
+  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or gzip; each is a body, the later ones stronger")
+      ->required();
   app.add_option("-o,--output", o->output, "the .tcell file to write")->required();
   app.add_option("--cells", o->cells, "N: cubic cells, N on the longest axis with its pad; NX,NY,NZ: cells along each axis");
   app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
   app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
-  app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(CLI::IsMember({"auto", "x", "y", "z"}));
-  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd")->check(CLI::IsMember({"auto", "nonzero", "evenodd"}));
-  app.add_option("--closing", o->closing, "open surfaces: cap closes them, strict refuses them")->check(CLI::IsMember({"cap", "strict"}));
-  app.add_option("--engine", o->engine, "how crossings are found: scan")->check(CLI::IsMember({"scan"}));
-  app.add_option("--threads", o->threads, "how many (default: one a core); the file is the same")->check(CLI::Range(1, 1024));
+  app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
+  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd")->check(one_of({"auto", "nonzero", "evenodd"}));
+  app.add_option("--closing", o->closing, "open surfaces: cap closes them, strict refuses them")->check(one_of({"cap", "strict"}));
+  app.add_option("--engine", o->engine, "how crossings are found: scan")->check(one_of({"scan"}));
+  add_threads(app, o->threads);
   app.add_option("--memory", o->memory, "how much the run may take, e.g. 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled");
   app.add_option("--tmp", o->tmp, "folder for what is spilled (default: the output's)");
   app.add_option("--write-caps", o->caps, "write the facets that close open surfaces: .stl, or .ply in doubles; a file each when there are several bodies");
   app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
-  app.add_option("--progress", o->progress, "on stderr: auto (if it is a terminal), plain, none")->check(CLI::IsMember({"auto", "plain", "none"}));
-  app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
+  add_progress(app, o->progress);
+  app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n"
+             "  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
   return [o] { run(*o); };
 }
 

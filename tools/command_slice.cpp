@@ -15,25 +15,29 @@ struct Options {
   std::string grid, output, axis, region;
   std::optional<int64_t> index;
   std::optional<double> at;
-  int level = 0, threads = default_threads();
+  int level = 0, threads = 0;
 };
 
 SliceView view_of(const Options& o, const Metadata& meta) {
   const int axis = parse_axis(o.axis);
-  if (o.index.has_value() == o.at.has_value()) throw UsageError("give either --index or --at");
+  if (o.index.has_value() == o.at.has_value())
+    throw UsageError(fmt::format("--index, --at: expected one of them, found {}", o.at ? "both" : "neither"));
+  check_level(meta.grid, o.level);
   int64_t index = o.index.value_or(0);
   if (o.at) {
     const Axis& a = meta.grid.axis[axis];
     if (!(*o.at >= a.min() && *o.at <= a.max()))
-      throw UsageError(fmt::format("--at: along {} it must lie in {} to {} {}, found {}", o.axis, a.min(), a.max(), meta.units, *o.at));
-    if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));
+      throw UsageError(fmt::format("--at: expected {} to {} {} along {}, found {}", a.min(), a.max(), meta.units, o.axis, *o.at));
     index = a.cell_at(*o.at) >> o.level;
   }
+  if (const int64_t cells = meta.grid.cells(o.level)[axis]; index < 0 || index >= cells)
+    throw UsageError(fmt::format("--index: expected 0 to {} along {} on level {}, found {}", cells - 1, o.axis, o.level, index));
   SliceView view = whole_slice(meta, axis, index, o.level);
   if (!o.region.empty()) {
     const auto n = parse_integers(o.region, 4, "--region");
     view.u0 = n[0], view.v0 = n[1], view.u1 = n[2], view.v1 = n[3];
-    check_view(meta, view);
+    check_region(meta.grid, o.level, Frame::along(axis).u, view.u0, view.u1);
+    check_region(meta.grid, o.level, Frame::along(axis).v, view.v0, view.v1);
   }
   return view;
 }
@@ -42,7 +46,7 @@ void write_png(const GridReader& reader, const SliceView& view, const Options& o
   const int64_t width = view.u1 - view.u0, height = view.v1 - view.v0;
   SetColors colors(reader.meta(), view.level);
   PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors, [&](std::span<const uint8_t> bytes) { file.append(bytes); });
-  for_each_row(reader, view, colors.value(), true, o.threads, [&](int64_t, std::span<const uint16_t> row) {
+  for_each_row(reader, view, colors.value(), true, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
     stop_if(stop, o.output);
     png.row(row);
   });
@@ -54,7 +58,7 @@ void write_npy(const GridReader& reader, const SliceView& view, const Options& o
   const bool wide = reader.meta().materials.size() > 256;
   file.append(npy_header(wide ? "<u2" : "|u1", {view.v1 - view.v0, view.u1 - view.u0}));
   Bytes bytes;
-  for_each_row(reader, view, strongest_material(reader.meta()), false, o.threads, [&](int64_t, std::span<const uint16_t> row) {
+  for_each_row(reader, view, strongest_material(reader.meta()), false, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
     stop_if(stop, o.output);
     bytes.clear();
     for (const uint16_t id : row) {
@@ -67,7 +71,8 @@ void write_npy(const GridReader& reader, const SliceView& view, const Options& o
 
 void run(const Options& o) {
   const std::string extension = std::filesystem::path(o.output).extension();
-  if (extension != ".png" && extension != ".npy") throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
+  if (extension != ".png" && extension != ".npy")
+    throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
   refuse_overwriting(o.grid, o.output);
   const GridReader reader(o.grid);
   const SliceView view = view_of(o, reader.meta());
@@ -89,7 +94,7 @@ Run setup_slice(CLI::App& app) {
   app.add_option("-o,--output", o->output, "a .png (v points up) or an .npy (material ids, shape [v][u], row 0 is v = 0)")->required();
   app.add_option("--level", o->level, "of the pyramid: cells are 2^level times as wide (default 0)");
   app.add_option("--region", o->region, "U0,V0,U1,V1: half open, in cells of the level; z-slices have u = x, v = y; y-slices x, z; x-slices y, z");
-  app.add_option("--threads", o->threads, "how many (default: one a core)")->check(CLI::Range(1, 1024));
+  add_threads(app, o->threads);
   app.footer("Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy");
   return [o] { run(*o); };
 }

@@ -26,11 +26,12 @@ void run(const Options& o) {
   }
   size_t width = 8;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
-  fmt::print("{:>3}  {:<{}} {:>20} {:>16}   box of cells\n", "id", "material", width, "cells", fmt::format("volume {}^3", meta.units));
+  say(fmt::format("{:>3}  {:<{}} {:>20} {:>16}   box of cells", "id", "material", width, "cells", fmt::format("volume {}^3", meta.units)));
   for (size_t i = 0; i < stats.size(); ++i) {
     const MaterialStats& s = stats[i];
-    const std::string where = s.cells == 0 ? "-" : fmt::format("({}, {}, {}) to ({}, {}, {})", s.box.lo[0], s.box.lo[1], s.box.lo[2], s.box.hi[0], s.box.hi[1], s.box.hi[2]);
-    fmt::print("{:>3}  {:<{}} {:>20} {:>16.8g}   {}\n", i, meta.materials[i].name, width, s.cells, s.volume, where);
+    const auto& [lo, hi] = s.box;
+    const std::string where = s.cells == 0 ? "-" : fmt::format("({}, {}, {}) to ({}, {}, {})", lo[0], lo[1], lo[2], hi[0], hi[1], hi[2]);
+    say(fmt::format("{:>3}  {:<{}} {:>20} {:>16.8g}   {}", i, meta.materials[i].name, width, s.cells, s.volume, where));
   }
 }
 

@@ -10,19 +10,19 @@ namespace {
 
 struct Options {
   std::string grid, progress = "auto";
-  int threads = default_threads();
+  int threads = 0;
 };
 
 void run(const Options& o) {
   const GridReader reader(o.grid);
   {
     ProgressLine line(o.progress, "");
-    reader.verify(o.threads, [&](double share) { line("verify", share); });
+    reader.verify(threads_or_all(o.threads), [&](double share) { line("verify", share); });
   }
   uint64_t chunks = 0;
   for (const LevelInfo& l : reader.meta().levels) chunks += l.chunks;
-  fmt::print("{}: sound. {} bytes, {} chunks on {} levels: every checksum holds, every level is the union of the one below, every byte is accounted for.\n",
-             o.grid, reader.file_bytes(), chunks, reader.meta().levels.size());
+  say(fmt::format("{}: sound. {}, {} on {}: every checksum holds, every level is the union of the one below, every byte is accounted for.",
+                  o.grid, bytes_text(reader.file_bytes()), counted(chunks, "chunk"), counted(reader.meta().levels.size(), "stored level")));
 }
 
 }  // namespace
@@ -30,8 +30,9 @@ void run(const Options& o) {
 Run setup_verify(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
-  app.add_option("--threads", o->threads, "how many (default: one a core)")->check(CLI::Range(1, 1024));
-  app.add_option("--progress", o->progress, "on stderr: auto (if it is a terminal), plain, none")->check(CLI::IsMember({"auto", "plain", "none"}));
+  add_threads(app, o->threads);
+  add_progress(app, o->progress);
+  app.footer("Example:\n  teracell verify g.tcell");
   return [o] { run(*o); };
 }
 

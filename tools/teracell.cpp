@@ -1,8 +1,10 @@
 // The program: finds the command, parses, runs, and turns what is thrown into an exit status and a paragraph on stderr.
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <new>
+#include <system_error>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -32,13 +34,15 @@ constexpr Command kCommands[] = {
     {"sample", "write a built-in scene", setup_sample},
 };
 
+constexpr const char* kNoRoom = "out of memory, or of threads: free some, or take fewer --threads, a smaller --region, or surfaces with fewer facets";
+
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
   return fmt::format("; did you mean {}?", nearest(word, {names.begin(), names.end()}));
 }
 
 int fail(int status, const std::string& message) {
   std::cout.flush();
-  std::fputs(("teracell: " + message + "\n").c_str(), stderr);  // fmt::print would throw if nobody listens
+  warn("teracell: " + message);
   return status;
 }
 
@@ -55,34 +59,39 @@ void occupy_standard_descriptors() {
 }
 
 // Options first: CLI11 would complain about what is missing and never name what it doesn't know.
-void refuse_unknown_options(const CLI::App& app, int first, int argc, char** argv) {
+void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>& words) {
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
-  for (int i = first; i < argc; ++i) {
-    std::string word = argv[i];
+  for (std::string word : words) {
     if (word == "--") return;
     if (word.starts_with("--")) word.resize(std::min(word.find('='), word.size()));
     else if (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]))) word.resize(2);  // the rest is its value
     else continue;
     if (app.get_option_no_throw(word) == nullptr)
-      throw UsageError(fmt::format("there is no option '{}'{} See: {} --help", word, word.starts_with("--") ? did_you_mean(word, known) : ".", app.get_parent() ? "teracell " + app.get_name() : "teracell"));
+      throw UsageError(fmt::format("there is no option '{}'{} See: {} --help", word, word.starts_with("--") ? did_you_mean(word, known) : ".",
+                                   app.get_parent() ? "teracell " + app.get_name() : "teracell"));
   }
 }
 
 // What CLI11 found wrong, in the words of the other errors.
 std::string explain(const CLI::ParseError& e, const CLI::App& app) {
-  const std::string text = e.what(), required = " is required", convert = "Could not convert: ";
+  const std::string text = e.what(), required = " is required", convert = "Could not convert: ", twice = ": At Most 1 required but received ";
   if (text.ends_with(required)) {
     const std::string name = text.substr(0, text.size() - required.size());
     if (const CLI::Option* option = app.get_option_no_throw(name)) return fmt::format("missing {}: {}", name, option->get_description());
   }
-  if (const size_t missing = text.find(": 1 required "); missing != std::string::npos) return text.substr(0, missing) + ": expected a value, found none";
+  if (const size_t missing = text.find(": 1 required "); missing != std::string::npos)
+    return text.substr(0, missing) + ": expected a value, found none";
+  if (const size_t sign = text.find(twice); sign != std::string::npos)
+    return fmt::format("{}: expected once, found {} times", text.substr(0, sign), text.substr(sign + twice.size()));
+  if (text.starts_with("The following argument")) return fmt::format("expected nothing more, found '{}'", fmt::join(app.remaining(), " "));
   if (text.starts_with(convert)) {
     const size_t sign = text.find(" = ");
     const std::string name = text.substr(convert.size(), sign - convert.size());
     if (const CLI::Option* option = app.get_option_no_throw(name); option && sign != std::string::npos)
-      return fmt::format("{}: expected a {}number, found '{}'", name, option->get_type_name().starts_with("FLOAT") ? "" : "whole ", text.substr(sign + 3));
+      return fmt::format("{}: expected a {}number, found '{}'", name, option->get_type_name().starts_with("FLOAT") ? "" : "whole ",
+                         text.substr(sign + 3));
   }
   return text;
 }
@@ -96,6 +105,7 @@ int main(int argc, char** argv) {
   CLI::App app("Trillion-cell Cartesian grids from CAD surfaces: meshed, stored, looked at.", "teracell");
   app.set_version_flag("--version", TERACELL_VERSION);
   app.require_subcommand(1);
+  app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.footer("teracell COMMAND --help explains a command. Start with:\n"
              "  teracell sample stadium -o stadium\n"
              "  teracell mesh stadium/scene.json -o stadium.tcell\n"
@@ -104,16 +114,22 @@ int main(int argc, char** argv) {
   std::vector<std::string> names;
   for (const Command& c : kCommands) {
     CLI::App* sub = app.add_subcommand(c.name, c.summary);
+    sub->group("Commands");
     sub->final_callback([&run, body = c.setup(*sub)] { run = body; });
     names.push_back(c.name);
   }
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words[0] == "help") {  // help mesh: mesh --help
+    words.erase(words.begin());
+    words.push_back("--help");
+  }
   try {
-    if (argc > 1 && argv[1][0] != '-' && std::find(names.begin(), names.end(), argv[1]) == names.end())
-      return fail(2, fmt::format("there is no command '{}'{} The commands are {}", argv[1], did_you_mean(argv[1], names), fmt::join(names, ", ")));
-    if (argc == 1) return fail(2, fmt::format("expected a command, found none: {}. See: teracell --help", fmt::join(names, ", ")));
-    const bool has_command = argv[1][0] != '-';
-    refuse_unknown_options(has_command ? *app.get_subcommand(argv[1]) : app, has_command ? 2 : 1, argc, argv);
-    app.parse(argc, argv);
+    if (words.empty()) return fail(2, fmt::format("expected a command, found none: {}. See: teracell --help", fmt::join(names, ", ")));
+    const bool has_command = !words[0].starts_with('-');
+    if (has_command && std::ranges::count(names, words[0]) == 0)
+      return fail(2, fmt::format("there is no command '{}'{} The commands are {}", words[0], did_you_mean(words[0], names), fmt::join(names, ", ")));
+    refuse_unknown_options(has_command ? *app.get_subcommand(words[0]) : app, words);
+    app.parse(std::vector(words.rbegin(), words.rend()));  // CLI11 takes them from the back
     run();
     return done();
   } catch (const CLI::ParseError& e) {
@@ -122,13 +138,16 @@ int main(int argc, char** argv) {
       return done();
     }
     const auto subs = app.get_subcommands();
-    return fail(2, fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]), subs.empty() ? "" : subs[0]->get_name() + " "));
+    return fail(2, fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]),
+                               subs.empty() ? "" : subs[0]->get_name() + " "));
   } catch (const UsageError& e) {
     return fail(2, e.what());
   } catch (const Interrupted& e) {
     return fail(130, e.what());
   } catch (const std::bad_alloc&) {
-    return fail(1, "out of memory");
+    return fail(1, kNoRoom);
+  } catch (const std::system_error& e) {
+    return fail(1, e.code() == std::errc::resource_unavailable_try_again ? kNoRoom : e.what());  // a thread that didn't start
   } catch (const std::exception& e) {
     return fail(1, e.what());
   }

@@ -5,7 +5,6 @@ import random
 import resource
 import signal
 import subprocess
-import sys
 import time
 
 import solids
@@ -145,30 +144,38 @@ class Outputs(Case):
             self.assertFalse(os.path.exists(self.path(args[-1])))
 
     def full_disk_refuses(self, folder, **options):
-        self.write("old.tcell", b"")
-        for args in (["mesh", "s/scene.json", "-o", f"{folder}/x.tcell"], ["export", "big.tcell", "-o", f"{folder}/x.raw"],
-                     ["slice", "big.tcell", "--axis", "z", "--index", 5, "-o", f"{folder}/x.npy"]):
+        for args in (["mesh", "s/scene.json", "--cells", 1500, "-o", f"{folder}/x.tcell"], ["export", "big.tcell", "-o", f"{folder}/x.raw"],
+                     ["slice", "big.tcell", "--axis", "z", "--index", 5, "-o", f"{folder}/x.npy"],
+                     ["slice", "big.tcell", "--axis", "z", "--at", 3.5, "-o", f"{folder}/x.png"],
+                     ["sample", "stadium", "-o", f"{folder}/stadium"]):
             r = teracell(*args, cwd=self.folder, **options)
             self.assertEqual((r.status, r.out), (1, ""), r.err)
             self.assert_paragraph(r.err)
             self.assertIn("can't write", r.err)
             self.assertIn(args[-1], r.err)
             self.assertFalse(os.path.exists(self.path(args[-1])))
+        r = teracell("mesh", "many.json", "-o", "x.tcell", "--report", f"{folder}/r.json", cwd=self.folder, **options)
+        self.assertEqual((r.status, r.out), (1, ""), r.err)
+        self.assert_paragraph(r.err)
+        self.assertRegex(r.err, r"r\.json.*x\.tcell is complete")
+        self.run_ok("verify", "x.tcell")
+        self.assertFalse(os.path.exists(self.path(f"{folder}/r.json")))
         self.no_debris()
 
     def test_a_full_disk(self):
         self.run_ok("sample", "stadium", "-o", "s")
-        self.run_ok("mesh", "s/scene.json", "-o", "big.tcell")
+        self.run_ok("mesh", "s/scene.json", "--cells", 1500, "-o", "big.tcell")
+        self.write("many.json", {"grid": {"cells": 3}, "materials": {"a": {}}, "bodies": [{"mesh": "box.stl", "material": "a"}] * 40})
         os.mkdir(self.path("small"))
-        mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.path("small")], capture_output=True, text=True) if os.geteuid() == 0 else None
-        if mounted is None or mounted.returncode != 0:
-            print("note: no tmpfs could be mounted: a limit on the size of files stands for the full disk", file=sys.stderr)
 
-            def limit():
-                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-                resource.setrlimit(resource.RLIMIT_FSIZE, (16384, resource.RLIM_INFINITY))
+        def limit():  # to every file, where no disk can be made small
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (16384, resource.RLIM_INFINITY))
 
-            return self.full_disk_refuses("small", preexec_fn=limit, restore_signals=False)
+        self.full_disk_refuses("small", preexec_fn=limit, restore_signals=False)
+        self.assertEqual(os.listdir(self.path("small")), [])
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.path("small")], capture_output=True).returncode != 0:
+            return  # not root
         try:
             self.full_disk_refuses("small")
             self.assertEqual(os.listdir(self.path("small")), [])
@@ -204,5 +211,5 @@ class Outputs(Case):
         quiet = self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "x.tcell")
         self.assertEqual(quiet.err, "")
         told = self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "x.tcell", "--progress", "plain")
-        for word in ("read", "mesh", "%", "MiB"):
+        for word in ("read", "mesh", "%", "MB"):
             self.assertIn(word, told.err)

@@ -2,9 +2,10 @@
 import gzip
 import math
 import struct
+import subprocess
 
 import solids
-from program import Case
+from program import PROGRAM, Case, Result
 
 BOX = solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0))
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -91,6 +92,34 @@ class Inputs(Case):
         self.write("s.json", scene)
         self.write("x.txt", "0\n1\nfour\n")
         self.refused(1, ["x.txt:3", "number", "four"], "mesh", "s.json", "-o", "x.tcell")
+        self.write("s.json", {**scene, "grid": {"cells": 9, "x": {"planes_file": "/dev/zero"}}})
+        self.refused(1, ["/dev/zero", "at most"], "mesh", "s.json", "-o", "x.tcell")
+
+    def test_no_name_steers_the_terminal(self):
+        box = solids.binary_stl(BOX)
+        for name, shown in ((b"e\x1b[31m\n.stl", "e?[31m?"), (b"a\xff.stl", "a\ufffd"), ("\u00e5\u009b.stl".encode(), "\u00e5?")):
+            self.write(name.decode(errors="surrogateescape"), box)
+            output = name[:-4] + b".tcell"
+            r = Result(name, subprocess.run([PROGRAM, "mesh", name, "--cells", "9", "-o", output], cwd=self.folder, capture_output=True))
+            self.assertEqual((r.status, r.err), (0, ""))
+            info = Result(name, subprocess.run([PROGRAM, "info", output], cwd=self.folder, capture_output=True))
+            self.assertEqual(info.status, 0, info.err)
+            gone = Result(name, subprocess.run([PROGRAM, "mesh", b"no" + name, "--cells", "9", "-o", output], cwd=self.folder, capture_output=True))
+            self.assertEqual(gone.status, 1)
+            self.assert_paragraph(gone.err)
+            for said in (r.out, info.out, gone.err):
+                self.assertIn(shown, said)
+                self.assertTrue(all(c.isprintable() or c in "\n\ufffd" for c in said), repr(said))
+        self.write("box.stl", box)
+        scene = {"grid": {"cells": 9}, "materials": {"a": {}}, "bodies": [{"mesh": "box.stl", "material": "a"}]}
+        for change, phrase in (({"materials": {"a": {}, "\x1b[2J": {}}}, 'materials["\\u001b[2J"]'),
+                               ({"units": "\x9b"}, 'found "?"'), ({"\x1b]0;x\x07": 1}, "unknown key"),
+                               ({"bodies": [{**scene["bodies"][0], "name": "a\rb"}]}, "bodies[0].name: expected a text without control characters")):
+            self.write("s.json", {**scene, **change})
+            self.refused(2, ["s.json: ", phrase], "mesh", "s.json", "-o", "x.tcell")
+        self.write("s.json", b'{"units": "\xff"}')
+        self.refused(2, ["s.json: line 1", "UTF-8"], "mesh", "s.json", "-o", "x.tcell")
+        self.refused(2, ["no command '?[0m'"], "\x1b[0m")
 
     def test_existing_output_stays_when_a_new_run_fails(self):
         self.write("box.stl", solids.binary_stl(BOX))

@@ -1,4 +1,6 @@
 """Wrong usage: exit 2, one paragraph that names what is wrong, the range or the nearest known name."""
+import os
+
 import solids
 from program import Case, teracell
 
@@ -20,6 +22,16 @@ class Usage(Case):
         general = self.run_ok("--help").out
         for c in COMMANDS:
             self.assertIn(c, general)
+        self.assertEqual(self.run_ok("help").out, general)
+        self.assertEqual(self.run_ok("help", "mesh").out, self.run_ok("mesh", "--help").out)
+        self.refused(2, ["no command 'mehs'"], "help", "mehs")
+
+    def test_tables_count_in_words(self):
+        told = self.run_ok("info", "g.tcell").out
+        for phrase in ("1 chunk ", "0 chunks", "12 facets in 1 shell,", " B\n"):
+            self.assertIn(phrase, told)
+        self.assertRegex(self.run_ok("mesh", "box.stl", "--cells", 9, "-o", "h.tcell").out, r" s, 1\.\d kB, \d+\.\d MB of memory")
+        self.assertRegex(self.run_ok("verify", "g.tcell").out, r"sound\. 1\.\d kB, 1 chunk on 3 stored levels")
 
     def test_commands_and_options(self):
         for phrases, args in (
@@ -30,7 +42,7 @@ class Usage(Case):
                 (["no option '--cels'", "mean --cells?"], ["mesh", "box.stl", "--cels", "4", "-o", "x.tcell"]),
                 (["no option '--level'", "teracell info --help"], ["info", "g.tcell", "--level", "1"]),
                 (["no option '-q'"], ["info", "g.tcell", "-q"]),
-                (["not expected", "second"], ["info", "g.tcell", "second"]),
+                (["nothing more", "second"], ["info", "g.tcell", "second"]),
                 (["--output"], ["mesh", "box.stl", "--cells", 4]),
                 (["--output"], ["slice", "g.tcell", "--axis", "z", "--index", "0"]),
                 (["--output", "value"], ["export", "g.tcell", "-o"]),
@@ -56,29 +68,36 @@ class Usage(Case):
                 (["--axis", "auto", "x", "y", "z", "w"], mesh("--cells", 10, "--axis", "w")),
                 (["--fill", "evenodd"], mesh("--cells", 10, "--fill", "odd")),
                 (["--threads", "1 to 1024"], mesh("--cells", 10, "--threads", 0)),
+                (["--threads", "whole number", "'two'"], mesh("--cells", 10, "--threads", "two")),
+                (["--step", "once", "2 times"], mesh("--step", 1, "--step", 2)),
                 (["--progress", "plain"], mesh("--cells", 10, "--progress", "loud")),
                 (["--engine", "scan"], mesh("--cells", 10, "--engine", "magic")),
                 (["--report", "--output", "same"], mesh("--cells", 10, "--report", "x.tcell")),
-                (["overwritten"], ["mesh", "box.stl", "--cells", 10, "-o", "./box.stl"])):
+                (["--output", ".tcell", "found"], ["mesh", "box.stl", "--cells", 10, "-o", "./box.stl"]),
+                (["overwritten"], ["mesh", "box.stl", "--cells", 10, "-o", "box.tcell", "--report", "./box.stl"])):
             self.refused(2, phrases, *args)
+        for slip in ("s.json", "a.STL", "a.obj", "a.ply", "a.stl.gz", "a.png", "a.npy"):
+            self.refused(2, ["--output", ".tcell", slip], "mesh", "box.stl", "--cells", 10, "-o", slip)
         self.write("s.json", {"grid": GRID, "materials": {"steel": {}}, "bodies": [BODY]})
         self.refused(2, ["one scene", "2 files"], "mesh", "s.json", "box.stl", "-o", "x.tcell")
-        self.refused(2, "overwritten", "mesh", "s.json", "-o", "box.stl")
+        os.link(self.path("box.stl"), self.path("box.tcell"))
+        self.refused(2, "overwritten", "mesh", "s.json", "-o", "box.tcell")
+        self.refused(2, ["--pad", "begins and ends"], "mesh", "s.json", "--pad", 2, "-o", "x.tcell")
 
     def test_values_out_of_range_name_the_range(self):
         cut = lambda *more: ["slice", "g.tcell", "-o", "x.png", *more]
         for phrases, args in (
-                (["along z", "0 to 7", "level 0", "found 8"], cut("--axis", "z", "--index", 8)),
+                (["--index", "along z", "0 to 7", "level 0", "found 8"], cut("--axis", "z", "--index", 8)),
                 (["along z", "0 to 7", "found -1"], cut("--axis", "z", "--index", -1)),
                 (["along x", "0 to 5", "level 1", "found 6"], cut("--axis", "x", "--index", 6, "--level", 1)),
-                (["level", "0 to 4", "found 5"], cut("--axis", "x", "--index", 0, "--level", 5)),
-                (["level", "0 to 4", "found -1"], cut("--axis", "x", "--at", 0, "--level", -1)),
+                (["--level", "0 to 4", "found 5"], cut("--axis", "x", "--index", 0, "--level", 5)),
+                (["--level", "0 to 4", "found -1"], cut("--axis", "x", "--at", 0, "--level", -1)),
                 (["--index", "whole number", "'1.5'"], cut("--axis", "x", "--index", 1.5)),
                 (["--axis", "x, y or z", "'w'"], cut("--axis", "w", "--index", 0)),
                 (["--index", "--at"], cut("--axis", "z")),
                 (["--index", "--at"], cut("--axis", "z", "--index", 0, "--at", 0)),
-                (["region", "along y", "0 to 10", "0 to 11"], cut("--axis", "z", "--index", 0, "--region", "0,0,5,11")),
-                (["region", "along z", "not be empty"], cut("--axis", "x", "--index", 0, "--region", "3,4,4,4")),
+                (["--region", "along y", "0 to 10", "0 to 11"], cut("--axis", "z", "--index", 0, "--region", "0,0,5,11")),
+                (["--region", "along z", "not empty"], cut("--axis", "x", "--index", 0, "--region", "3,4,4,4")),
                 (["--region", "4 whole numbers"], cut("--axis", "z", "--index", 0, "--region", "1,2,3")),
                 ([".png", ".npy", "'x.jpg'"], ["slice", "g.tcell", "--axis", "z", "--index", 0, "-o", "x.jpg"]),
                 (["outside", "x is 0 to 11", "y is 0 to 9"], ["column", "g.tcell", "--axis", "z", "--at", "12,0"]),

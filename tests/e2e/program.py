@@ -75,7 +75,7 @@ class Case(unittest.TestCase):
     def no_debris(self):
         for folder, _, files in os.walk(self.folder):
             for name in files:
-                self.assertFalse(name.endswith(".partial"), os.path.join(folder, name))
+                self.assertFalse(".part" in name, os.path.join(folder, name))
 
     def export(self, grid, *args):
         """(shape, cells) in C order [z][y][x]."""

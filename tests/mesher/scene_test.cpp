@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "mesher/scene_names.hpp"
 #include "store/error.hpp"
 
 using namespace teracell;
@@ -129,7 +130,7 @@ TEST_CASE("a wrong value says where, expected, found", "[scene]") {
   check_error(R"({"bodies": {}})", {"bodies", "an array", "an object"});
   check_error(R"({"bodies": [{"mesh": "a.stl"}]})", {"bodies[0]", "\"material\" is missing"});
   check_error(R"({"bodies": [{"mesh": "", "material": "air"}]})", {"bodies[0].mesh", "not empty"});
-  check_error(R"({"bodies": [{"mesh": "a\u0000b", "material": "air"}]})", {"bodies[0].mesh", "NUL"});
+  check_error(R"({"bodies": [{"mesh": "a\u0000b", "material": "air"}]})", {"bodies[0].mesh", "control characters", "a\\u0000b"});
   check_error(R"({"units": "km", "bodies": []})", {"units", "mm", "\"km\""});
   check_error(R"({"units": 3, "bodies": []})", {"units", "one of m, cm", "found 3"});
   check_error(R"({"sample": [0, 1, 0], "bodies": []})", {"sample[1]", "below 1", "found 1"});
@@ -197,6 +198,22 @@ TEST_CASE("bodies without a name are named after their mesh and numbered", "[sce
   CHECK(s.bodies[1].name == "hull-3");
   CHECK(s.bodies[2].name == "hull-2");
   CHECK(s.bodies[3].name == "hull-4");
+}
+
+TEST_CASE("names that a terminal would obey are refused, in messages they are harmless", "[scene]") {
+  check_error(scene_text("", R"("name": "a\u001b[2J")"), {"bodies[0].name", "control characters", "a\\u001b[2J"});
+  check_error(scene_text("", "\"part\": \"a\x7f\""), {"bodies[0].part", "control characters", "\"a?\""});
+  check_error("{\"units\": \"\xc2\x9b\"}", {"units", "\"?\""});
+  check_error(R"({"materials": {"st\u0007": {}}, "bodies": []})", {"materials[\"st\\u0007\"]", "control characters"});
+  check_error("{\"bodies\": [], \"a\xc2\x85\": 1}", {"unknown key \"a?\""});
+  CHECK(parse(scene_text("", "\"name\": \"\xc3\x85 \xe2\x82\xac\"")).bodies[0].name == "\xc3\x85 \xe2\x82\xac");
+  CHECK(printable("a\x1b[0m\r\n\x7f \xc2\x9b \xc2\xa0 \xff") == "a?[0m??? ? \xc2\xa0 \xef\xbf\xbd");
+  CHECK(bare_scene({"a\x1b.stl"}).bodies[0].name == "a?");
+}
+
+TEST_CASE("two bodies of one name are refused with both places", "[scene]") {
+  check_error(R"({"bodies": [{"mesh": "a", "name": "x", "material": "air"}, {"mesh": "x", "material": "air"},
+    {"mesh": "b", "name": "x", "material": "air"}]})", {"bodies[2].name", "\"x\"", "bodies[0]"});
 }
 
 TEST_CASE("bare meshes are one body and one material a file", "[scene]") {
@@ -290,6 +307,8 @@ TEST_CASE("planes come from a file beside the scene", "[scene]") {
   CHECK(message_of().find("at least 2 planes") != std::string::npos);
   fs::remove(folder.path() / "x.txt");
   CHECK_THROWS_AS(read_scene(scene), IoError);
+  fs::create_symlink("/dev/zero", folder.path() / "x.txt");
+  CHECK(message_of().find("x.txt: expected at most 64000000 bytes") != std::string::npos);
 }
 
 TEST_CASE("reading a scene that is not there, is a folder, or is wrong names the file", "[scene]") {
@@ -362,6 +381,9 @@ TEST_CASE("options that contradict, are out of range, or are missing are usage e
   CHECK_THROWS_AS(resolve("", {{}, {{1, 1, -1}}}, {0, 0, 0}, {1, 1, 1}), UsageError);
   CHECK_THROWS_AS(resolve("", {{}, {}, NAN}, {0, 0, 0}, {1, 1, 1}), UsageError);
   CHECK_THROWS_AS(resolve("", {{}, {}, 1.0, -1}, {0, 0, 0}, {1, 1, 1}), UsageError);
+  const std::string fixed = R"("min": [0,0,0], "max": [1,1,1], "cells": 4, "x": {"planes": [0, 1]})";
+  CHECK_THROWS_WITH(resolve(fixed, {{}, {}, {}, 2}, {}, {}), Catch::Contains("--pad"));
+  CHECK(resolve(R"("cells": 9, "x": {"min": 0, "max": 9})", {{}, {}, {}, 2}, {0, 0, 0}, {5, 5, 5}).cells() == Index3{9, 9, 9});
   CHECK_THROWS_WITH(resolve("", {}, {0, 0, 0}, {1, 1, 1}), Catch::Contains("--cells") && Catch::Contains("--step"));
   CHECK_THROWS_AS(resolve("", {12}, {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}), InputError);
 }

@@ -278,11 +278,5 @@ TEST_CASE("a blend is the mean of premultiplied colours, half up") {
   REQUIRE(mix({{200, 100, 50, 128}, {10, 20, 30, 255}}) == Rgba{73, 46, 37, 192});
 }
 
-TEST_CASE("a colour is #rrggbb or #rrggbbaa") {
-  REQUIRE(parse_color("#8899aA") == Rgba{0x88, 0x99, 0xaa, 255});
-  REQUIRE(parse_color("#01020300") == Rgba{1, 2, 3, 0});
-  for (const char* bad : {"", "#", "8899aa", "#8899a", "#8899aag", "#8899aa0", "#8899aa001", "red", "#xyzxyz"}) REQUIRE_THROWS_AS(parse_color(bad), FormatError);
-}
-
 }  // namespace
 }  // namespace teracell
