@@ -39,11 +39,14 @@ struct Crossings {
   std::vector<uint64_t> all;
 };
 
+// Throws InputError when there are more than a tile may hold; every engine asks before it makes room for them.
+void check_crossings(const Tile& tile, uint64_t crossings);
+
 // Not thread-safe: each thread has its own engine, with its own scratch memory.
 class Engine {
  public:
   virtual ~Engine() = default;
-  // `facets` may hold more than those that meet the tile.
+  // `facets` may hold more than those that meet the tile. REQUIRES: the tile has rays.
   virtual void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) = 0;
   // How often doubles could not decide and exact arithmetic did.
   uint64_t exact_decisions() const { return exact_decisions_; }
