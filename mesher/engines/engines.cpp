@@ -1,11 +1,13 @@
 #include "mesher/engines/engines.hpp"
 
-#include <cassert>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "mesher/engines/brute.hpp"
 #include "mesher/engines/scan.hpp"
 #include "mesher/engines/slice.hpp"
 #include "mesher/engines/tree.hpp"
+#include "store/error.hpp"
 
 namespace teracell {
 
@@ -18,7 +20,7 @@ EngineMaker engine_maker(const std::string& name, const Frame& frame, const std:
   if (name == "scan") return [] { return std::make_unique<ScanEngine>(); };
   if (name == "slice") return [] { return std::make_unique<SliceEngine>(); };
   if (name == "tree") return [tree = std::make_shared<const FacetTree>(all_facets(), frame)] { return std::make_unique<TreeEngine>(tree); };
-  assert(name == "brute");
+  if (name != "brute") throw UsageError(fmt::format("there is no engine '{}', only {}", name, fmt::join(engine_names(), ", ")));
   return [scene = std::make_shared<const std::vector<const SceneFacet*>>(all_facets())] { return std::make_unique<BruteEngine>(scene); };
 }
 

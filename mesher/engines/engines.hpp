@@ -15,7 +15,7 @@ const std::vector<std::string>& engine_names();
 using EngineMaker = std::function<std::unique_ptr<Engine>()>;
 
 // For rays of `frame`. `all_facets` is called, once and here, only if the engine searches the scene; the facets it lists
-// must outlive the engines. REQUIRES: `name` is one of engine_names().
+// must outlive the engines. Throws UsageError unless `name` is one of engine_names().
 EngineMaker engine_maker(const std::string& name, const Frame& frame, const std::function<std::vector<const SceneFacet*>()>& all_facets);
 
 }  // namespace teracell

@@ -31,7 +31,7 @@ FacetTree::FacetTree(std::span<const SceneFacet* const> facets, const Frame& fra
   if (!points.empty()) build(points, 0);
 }
 
-// Every fourth level at least halves a dimension, so doubles bound the depth: at a few thousand, whatever the facets.
+// Every level halves a dimension, so the range of doubles bounds the depth, at some two thousand, whatever the facets.
 void FacetTree::build(std::span<Point> points, int dimension) {
   constexpr size_t kLeaf = 4;
   std::array<double, 4> lo, hi;

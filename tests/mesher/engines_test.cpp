@@ -282,6 +282,11 @@ TEST_CASE("Engines of one maker share its tree between threads and outlive the m
   }
 }
 
+TEST_CASE("An engine of another name is refused and the known ones are named", "[engines]") {
+  REQUIRE_THROWS_WITH(engine_maker("magic", Frame::along(0), {}), Catch::Contains("'magic'") && Catch::Contains("scan, slice, tree, brute"));
+  REQUIRE(engine_names().front() == "scan");
+}
+
 TEST_CASE("More crossings than a tile may hold are refused by their number", "[engines]") {
   const Grid grid = cube_grid(0, 1, 3);
   REQUIRE_NOTHROW(check_crossings(whole_tile(grid, 0), uint64_t{1} << 28));
