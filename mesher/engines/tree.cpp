@@ -51,7 +51,8 @@ void FacetTree::build(std::span<Point> points, int dimension) {
   } else {
     // The least goes below and the greatest above, though the middle of two neighbouring doubles is one of them.
     const double middle = lo[dimension] + (hi[dimension] - lo[dimension]) / 2, most = hi[dimension];
-    const auto upper = std::partition(points.begin(), points.end(), [&](const Point& p) { return p.at[dimension] <= middle && p.at[dimension] < most; });
+    const auto below = [&](const Point& p) { return p.at[dimension] <= middle && p.at[dimension] < most; };
+    const auto upper = std::partition(points.begin(), points.end(), below);
     build({points.begin(), upper}, (dimension + 1) % 4);
     build({upper, points.end()}, (dimension + 1) % 4);
   }
