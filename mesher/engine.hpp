@@ -39,12 +39,18 @@ struct Crossings {
   std::vector<uint64_t> all;
 };
 
+// Throws InputError when there are more than a tile may hold; every engine asks before it makes room for them.
+void check_crossings(const Tile& tile, uint64_t crossings);
+
 // Not thread-safe: each thread has its own engine, with its own scratch memory.
 class Engine {
  public:
   virtual ~Engine() = default;
-  // `facets` may hold more than those that meet the tile.
+  // `facets` may hold more than those that meet the tile. REQUIRES: the tile has rays.
   virtual void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) = 0;
+  // Whether the engine was made for the whole scene and searches that for every tile, so that cast() needs no facets.
+  // Its cost against their number is what it is there for: cast it at every tile, at those that no facet meets too.
+  virtual bool searches_scene() const { return false; }
   // How often doubles could not decide and exact arithmetic did.
   uint64_t exact_decisions() const { return exact_decisions_; }
 

@@ -9,6 +9,7 @@
 
 #include "mesher/bodies.hpp"
 #include "mesher/caps_file.hpp"
+#include "mesher/engines/engines.hpp"
 #include "mesher/report.hpp"
 #include "mesher/unit.hpp"
 #include "store/background.hpp"
@@ -181,12 +182,19 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
     spilled = bins->bytes();
     tiling.emplace(std::move(bins), [&](auto facets) { background.run([&binned, facets] { binned.add_bin(*facets); }); }, meta);
   }
+  const EngineMaker make_engine = engine_maker(options.engine, meta.frame(), [&] {
+    if (!bodies.in_memory)
+      throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan", options.engine));
+    std::vector<const SceneFacet*> all;
+    std::as_const(*bodies.facets).for_each(0, bodies.facets->size(), [&](const SceneFacet& f) { all.push_back(&f); });
+    return all;
+  });
   phases.end("prepare");
 
   std::vector<Layer> layers;  // layer_of()
   for (uint32_t b = 0; b < scene.bodies.size(); ++b) layers.insert(layers.end(), {{b, false}, {b, true}});
   std::vector<std::unique_ptr<Worker>> workers;
-  for (int i = 0; i < threads; ++i) workers.push_back(std::make_unique<Worker>(layers, labels));
+  for (int i = 0; i < threads; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, labels));
   CastTotals totals{0, 0, std::vector<unsigned __int128>(scene.bodies.size())};
   std::shared_ptr<UnitWork> current;
   uint32_t row = UnitWork::kRows;
@@ -219,7 +227,7 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
       2 * UnitWork::kRows);
   for (const auto& w : workers) {
     totals.crossings += w->cast;
-    totals.exact_decisions += w->engine.exact_decisions();
+    totals.exact_decisions += w->engine->exact_decisions();
     for (size_t b = 0; b < totals.cells.size(); ++b) totals.cells[b] += w->composer.cells()[b];
   }
   background.finish();
@@ -235,6 +243,7 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
   report["phases"] = phases.list();
   report["peak_memory_bytes"] = peak_memory_bytes();
   report["threads"] = threads;
+  report["engine"] = options.engine;
   report["exact_decisions"] = totals.exact_decisions;
   report["spilled_bytes"] = spilled;
   report["resumed_chunks"] = 0;

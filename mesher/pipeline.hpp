@@ -15,8 +15,9 @@
 namespace teracell {
 
 struct MeshOptions {
-  std::optional<int> axis;   // of the rays; chosen by cost when absent
-  int threads = 0;           // 0: as many as the machine has
+  std::optional<int> axis;      // of the rays; chosen by cost when absent
+  std::string engine = "scan";  // engines.hpp; the file is the same
+  int threads = 0;              // 0: as many as the machine has
   uint64_t memory = ~uint64_t{0};  // bytes that the whole run may take, roughly; what doesn't fit is spilled
   std::filesystem::path tmp;       // folder for that; empty: the output's
   std::filesystem::path write_caps;  // file for the caps that close open surfaces; empty: none

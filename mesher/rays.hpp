@@ -9,9 +9,9 @@
 namespace teracell {
 
 // Finds rays by coordinate with a multiplication and a margin for its roundings: never too few, seldom one too many.
-class RayFinder {
+class RayBounds {
  public:
-  explicit RayFinder(const Axis& axis) : axis_(axis) {
+  explicit RayBounds(const Axis& axis) : axis_(axis) {
     if (axis.is_graded()) return;
     per_ray_ = 1 / axis.step();
     const double offset = static_cast<double>(axis.first()) + axis.sample(), n = static_cast<double>(axis.cells());
@@ -47,7 +47,7 @@ struct TreePlace {
 struct RayFrame {
   Frame frame;
   const Axis& w;
-  RayFinder u, v;
+  RayBounds u, v;
   LevelShape shape;
 
   // Keeps references to the axes.

@@ -18,7 +18,7 @@ void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets,
   const uint32_t cu = unit_.cu * 4 + i % 4, cv = unit_.cv * 4 + i / 4, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
   Chunk fine{{}, SetTable(static_cast<uint32_t>(meta_.labels.size()))};
   Chunk& piece = pieces_[i];
-  if (facets.empty()) {  // most tiles of a large grid
+  if (facets.empty() && !worker.engine->searches_scene()) {  // most tiles of a large grid
     fine.rays.fill(nu, nv, shape_.nw, 0);
     piece.sets = fine.sets;
     piece.rays.fill((nu + 3) / 4, (nv + 3) / 4, static_cast<uint32_t>(ceil_shift(shape_.nw, 2)), 0);
@@ -27,7 +27,7 @@ void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets,
     Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
     for (uint32_t u = 0; u < nu; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(cu * shape_.chunk_rays + u));
     for (uint32_t v = 0; v < nv; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(cv * shape_.chunk_rays + v));
-    worker.engine.cast(tile, facets, worker.crossings);
+    worker.engine->cast(tile, facets, worker.crossings);
     worker.cast += worker.crossings.all.size();
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
     piece.sets = fine.sets;

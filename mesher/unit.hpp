@@ -5,7 +5,6 @@
 #include <atomic>
 
 #include "mesher/compose.hpp"
-#include "mesher/engines/scan.hpp"
 #include "mesher/labels.hpp"
 #include "mesher/tiling.hpp"
 #include "store/chunk_codec.hpp"
@@ -15,8 +14,8 @@ namespace teracell {
 
 // What one thread keeps between jobs.
 struct Worker {
-  Worker(const std::vector<Layer>& layers, const Labels& labels) : composer(layers, labels.strength, labels.of_body) {}
-  ScanEngine engine;
+  Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels) : engine(std::move(by)), composer(layers, labels.strength, labels.of_body) {}
+  std::unique_ptr<Engine> engine;
   Composer composer;
   ChunkEncoder encoder;
   Crossings crossings;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
 #include "store/error.hpp"
 #include "store/file.hpp"
@@ -81,6 +82,7 @@ void run(const Options& o) {
   check_outputs(o, scene);
   MeshOptions options;
   if (o.axis != "auto") options.axis = parse_axis(o.axis);
+  options.engine = o.engine;
   options.threads = o.threads;
   options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
   options.tmp = o.tmp;
@@ -119,7 +121,7 @@ Run setup_mesh(CLI::App& app) {
   app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
   app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd")->check(one_of({"auto", "nonzero", "evenodd"}));
   app.add_option("--closing", o->closing, "open surfaces: cap closes them, strict refuses them")->check(one_of({"cap", "strict"}));
-  app.add_option("--engine", o->engine, "how crossings are found: scan")->check(one_of({"scan"}));
+  app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice, brute; the file is the same")->check(one_of(engine_names()));
   add_threads(app, o->threads);
   app.add_option("--memory", o->memory, "how much the run may take, e.g. 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled");
   app.add_option("--tmp", o->tmp, "folder for what is spilled (default: the output's)");

@@ -9,15 +9,12 @@ class ScanEngine : public Engine {
   void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;
 
  private:
-  class Edge;
-  struct Plane;
   struct Span {  // rays [from, to) of a row that cross a facet
     uint32_t facet, row, from, to;
-    bool up;  // the facet turns left in (u, v): its sign for the winding number
+    bool up;
   };
   void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets);
   void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out);
-  void cells_of_span(const Tile& tile, const Facet& facet, const Plane& plane, const Span& span);
 
   std::vector<Span> spans_;
   std::vector<int32_t> counts_;

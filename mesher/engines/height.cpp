@@ -1,0 +1,107 @@
+#include "mesher/engines/height.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesher/predicates.hpp"
+
+namespace teracell {
+namespace {
+
+constexpr double kUnit = 0x1p-53;  // the unit roundoff
+
+}  // namespace
+
+FacetHeight::FacetHeight(const Facet& facet, const Frame& frame, const Axis& axis) : facet_(facet), frame_(frame), axis_(axis) {
+  const auto& [a, b, c] = facet.vertex;
+  u0_ = a[frame.u], v0_ = a[frame.v], w0_ = a[frame.w];
+  flat_ = b[frame.w] == w0_ && c[frame.w] == w0_;
+  if (flat_) return;
+  bound_plane();
+  if (!axis.is_graded()) bound_cells();
+}
+
+void FacetHeight::bound_plane() {
+  const auto& [a, b, c] = facet_.vertex;
+  const Frame& f = frame_;
+  const double d1u = b[f.u] - u0_, d1v = b[f.v] - v0_, d1w = b[f.w] - w0_;
+  const double d2u = c[f.u] - u0_, d2v = c[f.v] - v0_, d2w = c[f.w] - w0_;
+  // The normal; each component carries at most four roundings of its two products.
+  const double nu = d1v * d2w - d1w * d2v, eu = 4 * kUnit * (std::abs(d1v * d2w) + std::abs(d1w * d2v));
+  const double nv = d1w * d2u - d1u * d2w, ev = 4 * kUnit * (std::abs(d1w * d2u) + std::abs(d1u * d2w));
+  const double nw = d1u * d2v - d1v * d2u, ew = 4 * kUnit * (std::abs(d1u * d2v) + std::abs(d1v * d2u));
+  gu_ = -nu / nw;
+  gv_ = -nv / nw;
+  const double safe = std::abs(nw) - ew;
+  if (!(safe > 0)) {
+    slack_ = HUGE_VAL;
+    return;
+  }
+  // The gradient's error, then that of the two terms over the facet's extent and of their sum; doubled for the
+  // second-order terms that this leaves out.
+  const double width = std::max(std::abs(d1u), std::abs(d2u)), height = std::max(std::abs(d1v), std::abs(d2v));
+  const double slope_u = std::abs(gu_), slope_v = std::abs(gv_);
+  const double error_u = (eu + slope_u * ew) / safe + 4 * kUnit * slope_u;
+  const double error_v = (ev + slope_v * ew) / safe + 4 * kUnit * slope_v;
+  slack_ = 2 * (width * error_u + height * error_v + 4 * kUnit * (std::abs(w0_) + slope_u * width + slope_v * height));
+  if (!(slack_ < HUGE_VAL)) slack_ = HUGE_VAL;  // not a number either
+}
+
+// In units of cells a sample point lies at every whole t. Bounded are also the roundings of the centres themselves and of t.
+void FacetHeight::bound_cells() {
+  per_cell_ = 1 / axis_.step();
+  offset_ = static_cast<double>(axis_.first()) + axis_.sample();
+  const double reach = offset_ + static_cast<double>(axis_.cells()) + (std::abs(axis_.origin()) + std::abs(w0_)) * per_cell_;
+  cell_slack_ = slack_ * per_cell_ * (1 + 8 * kUnit) + 16 * kUnit * reach;
+}
+
+bool FacetHeight::above(double u, double v, int64_t cell, uint64_t& exact) const {
+  Vec3 p;
+  p[frame_.u] = u;
+  p[frame_.v] = v;
+  p[frame_.w] = axis_.centre(cell);
+  ++exact;
+  return is_above(facet_, frame_.w, p);
+}
+
+void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cells, uint64_t& exact) const {
+  if (flat_) {
+    std::fill_n(cells, u.size(), static_cast<uint32_t>(axis_.first_centre_from(w0_)));
+    return;
+  }
+  const double base = w0_ + gv_ * (v - v0_);
+  if (!axis_.is_graded() && cell_slack_ < 0.25) {
+    constexpr double kRound = 0x1.8p52;  // adding and subtracting it rounds to the nearest integer
+    const double most = static_cast<double>(axis_.cells()) - 0.5, min = axis_.origin();
+    const auto height = [&](double ray) { return std::clamp((base + gu_ * (ray - u0_) - min) * per_cell_ - offset_, -0.5, most); };
+    double closest = 1;
+    for (size_t i = 0; i < u.size(); ++i) {
+      const double t = height(u[i]), r = (t + kRound) - kRound;
+      cells[i] = static_cast<uint32_t>(static_cast<int32_t>(r) + (t > r));
+      closest = std::min(closest, std::abs(t - r));
+    }
+    if (closest > cell_slack_) return;
+    for (size_t i = 0; i < u.size(); ++i) {
+      const double t = height(u[i]), r = (t + kRound) - kRound;
+      const auto cell = static_cast<uint32_t>(static_cast<int32_t>(r));
+      if (std::abs(t - r) <= cell_slack_ && cell < axis_.cells()) cells[i] = above(u[i], v, cell, exact) ? cell : cell + 1;
+    }
+    return;
+  }
+  for (size_t i = 0; i < u.size(); ++i) {  // a graded axis, or a facet too steep for the bound
+    int64_t lo = 0, hi = axis_.cells();
+    if (slack_ < HUGE_VAL) {
+      const double w = base + gu_ * (u[i] - u0_);
+      lo = axis_.first_centre_from(w - slack_);
+      hi = axis_.first_centre_from(std::nextafter(w + slack_, HUGE_VAL));
+    }
+    while (lo < hi) {
+      const int64_t middle = (lo + hi) / 2;
+      if (above(u[i], v, middle, exact)) hi = middle;
+      else lo = middle + 1;
+    }
+    cells[i] = static_cast<uint32_t>(lo);
+  }
+}
+
+}  // namespace teracell

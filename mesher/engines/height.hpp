@@ -1,0 +1,36 @@
+// How high rays cross a facet, in cells: the first cell whose sample point lies above it. Every engine asks here.
+#pragma once
+#include <cstdint>
+#include <span>
+
+#include "mesher/engine.hpp"
+
+namespace teracell {
+
+// The facet's plane as w(u, v) = w0 + gu * (u - u0) + gv * (v - v0), with a bound on what rounding does to it. Within the
+// bound the exact predicate decides, so the answers are those of rational arithmetic. Keeps references to facet and axis.
+class FacetHeight {
+ public:
+  // `axis` is that of the cells: along frame.w.
+  FacetHeight(const Facet& facet, const Frame& frame, const Axis& axis);
+
+  // For the rays u[i] of the row v: cells[i] = the first cell whose (shifted) sample point lies above the facet, or the
+  // number of cells. Adds to `exact` how often the exact predicate was asked. REQUIRES: all of the rays cross the facet.
+  void first_cells(std::span<const double> u, double v, uint32_t* cells, uint64_t& exact) const;
+
+ private:
+  void bound_plane();
+  void bound_cells();
+  bool above(double u, double v, int64_t cell, uint64_t& exact) const;
+
+  const Facet& facet_;
+  const Frame frame_;
+  const Axis& axis_;
+  double u0_, v0_, w0_, gu_ = 0, gv_ = 0;
+  double slack_;  // bounds |computed - true w| over the facet's projection; infinite: don't use
+  bool flat_;     // w is w0 everywhere, exactly
+  // Of a uniform axis, in units of cells: t = (w - min) * per_cell - offset, and the bound of |computed - true t|.
+  double per_cell_ = 0, offset_ = 0, cell_slack_ = 1;
+};
+
+}  // namespace teracell

@@ -1,0 +1,83 @@
+// The slicing algorithm: each plane of rays (v constant) cuts the facets in segments, which make up the contours of the
+// bodies in that plane; each ray of the plane (u constant) is a scan line over these contours.
+//
+// Facets are sorted by the first plane that cuts them, and a list of those still cut moves along with the plane. Where a
+// segment begins and ends among the rays, and at which height a ray crosses it, are the exact answers of rows.hpp and
+// height.hpp, so that the ends of neighbouring segments agree though no contour is ever linked.
+//
+// Crossings are written a plane at a time, in place; `scan` walks the whole tile twice instead but keeps nothing of a
+// facet but its spans.
+#include "mesher/engines/slice.hpp"
+
+#include <numeric>
+
+namespace teracell {
+
+void SliceEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
+  sort_cuts(tile, facets);
+  active_.clear();
+  out.begin.assign(1, 0);
+  out.all.clear();
+  for (uint32_t row = 0; row < tile.v.size(); ++row) {
+    cut_plane(tile, row);
+    scan_contours(tile, row, out);
+  }
+}
+
+void SliceEngine::sort_cuts(const Tile& tile, std::span<const SceneFacet* const> facets) {
+  const RayFinder rows(tile.v);
+  cuts_.clear();
+  first_.assign(tile.v.size() + 1, 0);
+  for (const SceneFacet* facet : facets) {
+    const FacetRows cut(facet->facet, tile.frame, rows);
+    if (cut.begin() == cut.end()) continue;
+    cuts_.push_back({facet, cut, std::nullopt});
+    ++first_[cut.begin() + 1];
+  }
+  std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  next_.assign(first_.begin(), first_.end());
+  sorted_.resize(cuts_.size());
+  for (uint32_t i = 0; i < cuts_.size(); ++i) sorted_[next_[cuts_[i].rows.begin()]++] = i;
+}
+
+void SliceEngine::cut_plane(const Tile& tile, uint32_t row) {
+  const RayFinder rays(tile.u);
+  std::erase_if(active_, [&](uint32_t i) { return cuts_[i].rows.end() == row; });
+  active_.insert(active_.end(), sorted_.begin() + first_[row], sorted_.begin() + first_[row + 1]);
+  contours_.clear();
+  for (const uint32_t i : active_) {
+    const FacetRows::Rays segment = cuts_[i].rows.at(row, tile.v[row], rays, exact_decisions_);
+    if (segment.from < segment.to) contours_.push_back({&cuts_[i], segment});
+  }
+}
+
+void SliceEngine::scan_contours(const Tile& tile, uint32_t row, Crossings& out) {
+  const size_t nu = tile.u.size();
+  next_.assign(nu + 1, 0);  // how many segments start less how many end at each ray, then where its next crossing goes
+  for (const Segment& s : contours_) {
+    ++next_[s.rays.from];
+    --next_[s.rays.to];
+  }
+  uint64_t total = out.all.size();
+  uint32_t over = 0;
+  for (size_t i = 0; i < nu; ++i) {
+    over += next_[i];
+    next_[i] = static_cast<uint32_t>(total);
+    total += over;
+    out.begin.push_back(static_cast<uint32_t>(total));
+  }
+  check_crossings(tile, total);
+  out.all.resize(total);
+  cells_.resize(nu);
+  for (const Segment& s : contours_) {
+    Cut& cut = *s.cut;
+    if (!cut.height) cut.height.emplace(cut.facet->facet, tile.frame, *tile.axis);
+    const std::span<const double> u(tile.u.data() + s.rays.from, s.rays.to - s.rays.from);
+    cut.height->first_cells(u, tile.v[row], cells_.data(), exact_decisions_);
+    uint32_t* next = next_.data() + s.rays.from;
+    const uint64_t rest = Crossing::pack(0, cut.facet->layer, s.rays.up);
+    for (uint32_t i = 0; i < u.size(); ++i) out.all[next[i]++] = uint64_t{cells_[i]} << 32 | rest;
+  }
+}
+
+}  // namespace teracell

@@ -1,0 +1,74 @@
+// Ray casting where each ray finds its facets in an alternating digital tree: the paper's modified ray casting (T. Ma,
+// T. Ma, L. Hao, MSAM 2020) after J. Bonet, J. Peraire, "An alternating digital tree (ADT) algorithm for 3D geometric
+// searching and intersection problems" (1991).
+//
+// A facet is the point (u_min, u_max, v_min, v_max) of its projected box. The facets whose boxes hold a ray are then
+// those in a range: u_min <= u <= u_max, v_min <= v <= v_max. Each level halves its region in one of the four
+// dimensions, in turn.
+//
+// Two things differ from 1991. A region is first shrunk to the points in it, so that a search leaves empty space at once
+// and no half is ever empty: facets of equal boxes, by the thousand in walls along the rays, become one leaf and not a
+// chain of nodes. And the nodes lie in the order of the search, a few facets a leaf, which needs no stack.
+#include "mesher/engines/tree.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesher/engines/ray.hpp"
+
+namespace teracell {
+
+FacetTree::FacetTree(std::span<const SceneFacet* const> facets, const Frame& frame) {
+  std::vector<Point> points;
+  points.reserve(facets.size());
+  for (const SceneFacet* facet : facets) {
+    const auto& [a, b, c] = facet->facet.vertex;
+    const auto [u_min, u_max] = std::minmax({a[frame.u], b[frame.u], c[frame.u]});
+    const auto [v_min, v_max] = std::minmax({a[frame.v], b[frame.v], c[frame.v]});
+    points.push_back({{u_min, u_max, v_min, v_max}, facet});
+  }
+  facets_.reserve(facets.size());
+  if (!points.empty()) build(points, 0);
+}
+
+// Every level halves a dimension, so the range of doubles bounds the depth, at some two thousand, whatever the facets.
+void FacetTree::build(std::span<Point> points, int dimension) {
+  constexpr size_t kLeaf = 4;
+  std::array<double, 4> lo, hi;
+  lo.fill(HUGE_VAL), hi.fill(-HUGE_VAL);
+  for (const Point& p : points) {
+    for (int d = 0; d < 4; ++d) {
+      lo[d] = std::min(lo[d], p.at[d]);
+      hi[d] = std::max(hi[d], p.at[d]);
+    }
+  }
+  const size_t node = nodes_.size();
+  const auto first = static_cast<uint32_t>(facets_.size());
+  nodes_.push_back({{lo[0], hi[1], lo[2], hi[3]}, 0, first, first + static_cast<uint32_t>(points.size())});
+  for (int tries = 0; tries < 4 && lo[dimension] == hi[dimension]; ++tries) dimension = (dimension + 1) % 4;
+  if (points.size() <= kLeaf || lo[dimension] == hi[dimension]) {
+    for (const Point& p : points) facets_.push_back(p.facet);
+  } else {
+    // The least goes below and the greatest above, though the middle of two neighbouring doubles is one of them.
+    const double middle = lo[dimension] + (hi[dimension] - lo[dimension]) / 2, most = hi[dimension];
+    const auto below = [&](const Point& p) { return p.at[dimension] <= middle && p.at[dimension] < most; };
+    const auto upper = std::partition(points.begin(), points.end(), below);
+    build({points.begin(), upper}, (dimension + 1) % 4);
+    build({upper, points.end()}, (dimension + 1) % 4);
+  }
+  nodes_[node].skip = static_cast<uint32_t>(nodes_.size());
+}
+
+void TreeEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Crossings& out) {
+  out.begin.assign(1, 0);
+  out.all.clear();
+  for (const double v : tile.v) {
+    for (const double u : tile.u) {
+      tree_->search(u, v, [&](const SceneFacet& facet) { cross_ray(facet, tile, u, v, out.all, exact_decisions_); });
+      check_crossings(tile, out.all.size());
+      out.begin.push_back(static_cast<uint32_t>(out.all.size()));
+    }
+  }
+}
+
+}  // namespace teracell

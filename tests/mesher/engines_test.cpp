@@ -1,0 +1,297 @@
+// The engines themselves: on tiles of any size all find the same crossings, and these wind around each sample point as
+// rational arithmetic says.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <random>
+#include <thread>
+
+#include "mesher/engines/engines.hpp"
+#include "mesher/engines/tree.hpp"
+#include "store/error.hpp"
+#include "tests/support/oracle.hpp"
+#include "tests/support/shapes.hpp"
+
+namespace teracell {
+namespace {
+
+using shapes::Facets;
+
+double random_in(std::mt19937_64& random, double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); }
+int random_int(std::mt19937_64& random, int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(random); }
+
+// Facets in three layers, as a scene has them.
+class SceneFacets {
+ public:
+  explicit SceneFacets(const Facets& facets) {
+    for (const Facet& f : facets) facets_.push_back({f, static_cast<uint32_t>(facets_.size() % 3)});
+    for (const SceneFacet& f : facets_) all_.push_back(&f);
+  }
+  SceneFacets(const SceneFacets&) = delete;
+  const std::vector<const SceneFacet*>& all() const { return all_; }
+  std::unique_ptr<Engine> engine(const std::string& name, int axis) const {
+    return engine_maker(name, Frame::along(axis), [this] { return all_; })();
+  }
+
+ private:
+  std::vector<SceneFacet> facets_;
+  std::vector<const SceneFacet*> all_;
+};
+
+Grid cube_grid(double min, double step, int64_t n) {
+  const Axis axis = Axis::uniform(min, step, 0, n, 0.5);
+  return {{axis, axis, axis}};
+}
+
+// The rays [u0, u1) x [v0, v1) along `axis`.
+Tile tile_of(const Grid& grid, int axis, int64_t u0, int64_t u1, int64_t v0, int64_t v1) {
+  Tile tile{Frame::along(axis), {}, {}, &grid.axis[axis]};
+  for (int64_t i = u0; i < u1; ++i) tile.u.push_back(grid.axis[tile.frame.u].centre(i));
+  for (int64_t j = v0; j < v1; ++j) tile.v.push_back(grid.axis[tile.frame.v].centre(j));
+  return tile;
+}
+
+Tile whole_tile(const Grid& grid, int axis) {
+  const Frame f = Frame::along(axis);
+  return tile_of(grid, axis, 0, grid.axis[f.u].cells(), 0, grid.axis[f.v].cells());
+}
+
+// The crossings of each ray, sorted.
+std::vector<std::vector<uint64_t>> cast(Engine& engine, const Tile& tile, std::span<const SceneFacet* const> facets) {
+  Crossings found{{7}, {7, 7}};  // what an earlier tile left
+  engine.cast(tile, facets, found);
+  REQUIRE(found.begin.size() == tile.rays() + 1);
+  REQUIRE(found.begin.back() == found.all.size());
+  std::vector<std::vector<uint64_t>> rays;
+  for (uint32_t r = 0; r < tile.rays(); ++r) {
+    rays.emplace_back(found.all.begin() + found.begin[r], found.all.begin() + found.begin[r + 1]);
+    std::ranges::sort(rays.back());
+  }
+  return rays;
+}
+
+// The winding number around every cell, C order [z][y][x], by the crossings below it.
+std::vector<int> windings(const std::vector<std::vector<uint64_t>>& rays, const Grid& grid, int axis) {
+  const Index3 n = grid.cells();
+  const Frame f = Frame::along(axis);
+  std::vector<int> winding(n[0] * n[1] * n[2]);
+  for (size_t r = 0; r < rays.size(); ++r) {
+    int sum = 0;
+    auto next = rays[r].begin();
+    Index3 cell;
+    cell[f.u] = static_cast<int64_t>(r) % n[f.u];
+    cell[f.v] = static_cast<int64_t>(r) / n[f.u];
+    for (cell[axis] = 0; cell[axis] < n[axis]; ++cell[axis]) {
+      for (; next != rays[r].end() && Crossing::cell(*next) <= cell[axis]; ++next) sum += Crossing::step(*next);
+      // Entering a body a ray meets a facet that turns right in (u, v), but where u, v, w is left-handed.
+      winding[(cell[2] * n[1] + cell[1]) * n[0] + cell[0]] = axis == 1 ? sum : -sum;
+    }
+    for (; next != rays[r].end(); ++next) sum += Crossing::step(*next);
+    REQUIRE(sum == 0);
+  }
+  return winding;
+}
+
+void expect_exact(const Facets& facets, const Grid& grid, std::mt19937_64& random) {
+  const SceneFacets scene(facets);
+  const auto expected = oracle::winding_numbers(facets, grid, facets[0].vertex[0]);
+  for (int axis = 0; axis < 3; ++axis) {
+    const Frame f = Frame::along(axis);
+    std::vector<Tile> tiles = {whole_tile(grid, axis)};
+    for (int i = 0; i < 4; ++i) {
+      const auto range = [&](int64_t n) {
+        const int64_t from = random_int(random, 0, static_cast<int>(n) - 1);
+        return std::pair{from, random_int(random, 0, 2) == 0 ? from + 1 : random_int(random, static_cast<int>(from) + 1, static_cast<int>(n))};
+      };
+      const auto [u0, u1] = range(grid.axis[f.u].cells());
+      const auto [v0, v1] = range(grid.axis[f.v].cells());
+      tiles.push_back(tile_of(grid, axis, u0, u1, v0, v1));
+    }
+    std::vector<std::vector<std::vector<uint64_t>>> first;
+    for (const std::string& name : engine_names()) {
+      INFO(name << ", rays along " << axis_name(axis));
+      const auto engine = scene.engine(name, axis);
+      const std::span<const SceneFacet* const> listed = engine->searches_scene() ? std::span<const SceneFacet* const>() : scene.all();
+      std::vector<std::vector<std::vector<uint64_t>>> found;
+      for (const Tile& tile : tiles) found.push_back(cast(*engine, tile, listed));
+      if (first.empty()) {
+        first = found;
+        REQUIRE(windings(found[0], grid, axis) == expected);
+      }
+      REQUIRE((found == first));
+    }
+  }
+}
+
+// Splits a facet at the middle of an edge, and not its neighbour there: a facet without area closes the gap.
+Facets with_slivers(Facets facets, std::mt19937_64& random, int count) {
+  for (; count > 0; --count) {
+    Facet& f = facets[random_int(random, 0, static_cast<int>(facets.size()) - 1)];
+    const auto [a, b, c] = f.vertex;
+    Vec3 middle;
+    for (int d = 0; d < 3; ++d) middle[d] = (a[d] + b[d]) / 2;
+    f = {{a, middle, c}};
+    facets.push_back({{middle, b, c}});
+    facets.push_back({{a, b, middle}});
+  }
+  return facets;
+}
+
+Facets lattice_box(std::mt19937_64& random, int n) {  // half of its faces lie on cell centres
+  Vec3 lo, hi;
+  for (int d = 0; d < 3; ++d) {
+    lo[d] = random_int(random, -1, 2 * n - 2) / 2.0;
+    hi[d] = lo[d] + random_int(random, 1, n) / 2.0;
+  }
+  return shapes::box(lo, hi);
+}
+
+Axis random_axis(std::mt19937_64& random, int n) {
+  const double sample = std::array{0.5, 0.0, 0.25}[random_int(random, 0, 2)];
+  if (random_int(random, 0, 2) == 0) {  // graded, planes on the shapes' lattice
+    std::vector<double> planes = {-1};
+    while (planes.back() < n + 1) planes.push_back(planes.back() + random_int(random, 1, 6) / 4.0);
+    return Axis::graded(planes, sample);
+  }
+  const double step = std::array{1.0, 0.5, 0.75}[random_int(random, 0, 2)];
+  return Axis::uniform(-0.5, step, 0, static_cast<int64_t>((n + 1) / step), sample);
+}
+
+TEST_CASE("All engines find the same crossings, those of rational arithmetic, in scenes full of exact ties", "[engines]") {
+  for (uint64_t seed = 0; seed < 200; ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    const int n = random_int(random, 4, 9);
+    const Vec3 centre = {n / 2.0, n / 2.0, n / 2.0};
+    std::vector<Facets> shells;
+    for (int b = random_int(random, 1, 4); b > 0; --b) {
+      switch (random_int(random, 0, 6)) {
+        case 0: shells.push_back(lattice_box(random, n)); break;
+        case 1: shells.push_back(shapes::join({lattice_box(random, n), lattice_box(random, n)})); break;
+        case 2: shells.push_back(shapes::sphere(centre, random_in(random, 1, n / 2.0), 2, 0.5)); break;
+        case 3: shells.push_back(shapes::join(shapes::random_tetrahedra(random, 3, -1, n + 1, 0.5))); break;
+        case 4: shells.push_back(shapes::torus(centre, n / 3.0, n / 8.0, 7, 5, 0.25)); break;
+        case 5: shells.push_back(shapes::join(shapes::box_in_tetrahedra({0.5, 0.5, 0.5}, {n - 0.5, n - 0.5, n - 0.5}))); break;
+        default: shells.push_back(shapes::l_shape({0.5, 1.5, 0.5}, n - 2, 1, n - 3)); break;
+      }
+      if (random_int(random, 0, 2) == 0) shells.back() = shapes::flip(shells.back());
+    }
+    expect_exact(with_slivers(shapes::join(shells), random, 10), {{random_axis(random, n), random_axis(random, n), random_axis(random, n)}}, random);
+  }
+}
+
+TEST_CASE("All engines agree with rational arithmetic on ties that miss by a rounding", "[engines]") {
+  for (uint64_t seed = 100; seed < 120; ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    Facets facets = shapes::join(shapes::random_tetrahedra(random, 6, 0, 10, 1));
+    for (Facet& f : facets)
+      for (Vec3& p : f.vertex)
+        for (double& x : p) x = x / 10 + 0.05;  // 0.15, 0.25 ...: not representable
+    expect_exact(facets, cube_grid(0, 1.1 / 11, 11), random);
+  }
+}
+
+TEST_CASE("All engines agree with rational arithmetic on needles, near-vertical facets and far from the origin", "[engines]") {
+  for (uint64_t seed = 200; seed < 220; ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    std::vector<Facets> shells;
+    for (int b = 0; b < 3; ++b) {
+      const double tiny = std::ldexp(1.0, -random_int(random, 20, 50));
+      const Vec3 p = {random_in(random, 0, 9), random_in(random, 0, 9), random_in(random, 0, 9)};
+      Vec3 q = p, r = p, s = p;
+      q[random_int(random, 0, 2)] += 9;
+      r = q;
+      r[random_int(random, 0, 2)] += tiny;
+      s[random_int(random, 0, 2)] -= 7;
+      shells.push_back(shapes::tetrahedron(p, q, r, s));
+      shells.push_back(shapes::tetrahedron({0.5, 0.5, 0.5}, {9.5, 9.5, 0.5 + tiny}, {9.5, 9.5, 9.5}, {9.5 + tiny, 9.5, 0.5}));
+    }
+    const Facets facets = shapes::join(shells);
+    expect_exact(facets, cube_grid(0, 1, 10), random);
+    const double far = std::array{1e6, -3e9, 1e12}[random_int(random, 0, 2)];
+    expect_exact(shapes::translate(facets, {far, far, far}), cube_grid(far, 0.75, 13), random);
+  }
+}
+
+TEST_CASE("Without facets every engine finds no crossing", "[engines]") {
+  const SceneFacets scene({});
+  const Grid grid = cube_grid(0, 1, 3);
+  for (const std::string& name : engine_names()) {
+    INFO(name);
+    const auto engine = scene.engine(name, 2);
+    for (const auto& ray : cast(*engine, whole_tile(grid, 2), scene.all())) REQUIRE(ray.empty());
+  }
+}
+
+TEST_CASE("Boxes that are equal, a rounding apart or ever smaller lie in the tree as any others", "[engines]") {
+  std::mt19937_64 random(1);
+  std::vector<Facets> shells(300, shapes::box({1, 1, 1}, {3, 4, 5}));
+  for (double edge = 1; edge < 1 + 0x1p-46; edge = std::nextafter(edge, 2)) shells.push_back(shapes::box({edge, 1, edge}, {3, 1 + edge, 5}));
+  for (int i = 0; i < 60; ++i) shells.push_back(shapes::box({2, 2, 2}, {2 + std::ldexp(1.0, -i / 2), 2 + std::ldexp(1.0, -i / 3), 3}));
+  expect_exact(shapes::join(shells), cube_grid(0, 0.5, 12), random);
+}
+
+TEST_CASE("A search of the tree finds every facet whose box holds the ray and looks at few others", "[engines]") {
+  const SceneFacets scene(shapes::sphere({0, 0, 0}, 1, 5));  // 8192 facets
+  const FacetTree tree(scene.all(), Frame::along(2));
+  std::mt19937_64 random(5);
+  size_t looked_at = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double u = random_in(random, -1, 1), v = random_in(random, -1, 1);
+    std::vector<const SceneFacet*> found;
+    tree.search(u, v, [&](const SceneFacet& facet) { found.push_back(&facet); });
+    looked_at += found.size();
+    std::ranges::sort(found);
+    REQUIRE(std::ranges::adjacent_find(found) == found.end());
+    for (const SceneFacet* facet : scene.all()) {
+      const auto& [a, b, c] = facet->facet.vertex;
+      const bool holds = std::min({a[0], b[0], c[0]}) <= u && u <= std::max({a[0], b[0], c[0]}) && std::min({a[1], b[1], c[1]}) <= v &&
+                         v <= std::max({a[1], b[1], c[1]});
+      if (holds) REQUIRE(std::ranges::binary_search(found, facet));
+    }
+  }
+  REQUIRE(looked_at < 500 * 30);
+}
+
+TEST_CASE("Engines of one maker share its tree between threads and outlive the maker", "[engines][threads]") {
+  const SceneFacets scene(shapes::sphere({5, 5, 5}, 4, 4, 0.125));
+  const Grid grid = cube_grid(0, 0.25, 40);
+  const Tile tile = whole_tile(grid, 2);
+  const auto expected = cast(*scene.engine("scan", 2), tile, scene.all());
+  for (const std::string& name : engine_names()) {
+    if (name == "brute") continue;  // slow, and shares no more than the tree does
+    INFO(name);
+    std::vector<std::unique_ptr<Engine>> engines;
+    {
+      const EngineMaker make = engine_maker(name, Frame::along(2), [&] { return scene.all(); });
+      for (int i = 0; i < 3; ++i) engines.push_back(make());
+    }
+    std::vector<Crossings> found(engines.size());
+    std::vector<std::thread> threads;
+    for (size_t i = 0; i < engines.size(); ++i) threads.emplace_back([&, i] { engines[i]->cast(tile, scene.all(), found[i]); });
+    for (std::thread& thread : threads) thread.join();
+    for (Crossings& f : found) {
+      REQUIRE(f.begin.size() == expected.size() + 1);
+      for (size_t r = 0; r < expected.size(); ++r) {
+        std::sort(f.all.begin() + f.begin[r], f.all.begin() + f.begin[r + 1]);
+        REQUIRE(std::equal(expected[r].begin(), expected[r].end(), f.all.begin() + f.begin[r], f.all.begin() + f.begin[r + 1]));
+      }
+    }
+  }
+}
+
+TEST_CASE("An engine of another name is refused and the known ones are named", "[engines]") {
+  REQUIRE_THROWS_WITH(engine_maker("magic", Frame::along(0), {}), Catch::Contains("'magic'") && Catch::Contains("scan, slice, tree, brute"));
+  REQUIRE(engine_names().front() == "scan");
+}
+
+TEST_CASE("More crossings than a tile may hold are refused by their number", "[engines]") {
+  const Grid grid = cube_grid(0, 1, 3);
+  REQUIRE_NOTHROW(check_crossings(whole_tile(grid, 0), uint64_t{1} << 28));
+  REQUIRE_THROWS_WITH(check_crossings(whole_tile(grid, 0), (uint64_t{1} << 28) + 1), Catch::Contains("3 x 3 rays") && Catch::Contains("268435457"));
+}
+
+}  // namespace
+}  // namespace teracell
