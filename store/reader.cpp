@@ -5,54 +5,12 @@
 #include <fmt/format.h>
 
 #include "store/chunk_codec.hpp"
-#include "store/in_order.hpp"
 #include "store/pyramid.hpp"
-#include "store/writer.hpp"
 
 namespace teracell {
 namespace {
 
 constexpr size_t kCachedPages = 64;  // some megabytes
-
-// Byte ranges that were accounted for. Files are written nearly in order, so few separate ranges are held, except
-// where chunks are segments of rays: then one for each chunk until its neighbours have come.
-class Coverage {
- public:
-  void add(uint64_t offset, uint64_t size) {
-    if (size == 0) return;
-    auto after = ranges_.upper_bound(offset);
-    if (after != ranges_.begin() && std::prev(after)->second > offset) overlap(offset);
-    if (after != ranges_.end() && after->first < offset + size) overlap(offset);
-    uint64_t end = offset + size;
-    if (after != ranges_.end() && after->first == end) end = after->second, after = ranges_.erase(after);
-    if (after != ranges_.begin() && std::prev(after)->second == offset) std::prev(after)->second = end;
-    else ranges_[offset] = end;
-  }
-  void expect_whole(uint64_t size) const {
-    const uint64_t gap = ranges_.begin()->first != 0 ? 0 : ranges_.begin()->second;
-    if (ranges_.size() != 1 || gap != size) throw FormatError(fmt::format("byte {} belongs to nothing that the index names", gap));
-  }
-
- private:
-  [[noreturn]] static void overlap(uint64_t offset) {
-    throw FormatError(fmt::format("byte {} belongs to two things that the index names", offset));
-  }
-  std::map<uint64_t, uint64_t> ranges_;  // start -> end
-};
-
-// Patterns are numbered in the order of the rays on both sides; only ids of sets may differ.
-bool same_cells(const Chunk& a, const Chunk& b) {
-  if (a.rays.at != b.rays.at || a.rays.pattern != b.rays.pattern || a.rays.patterns.size() != b.rays.patterns.size()) return false;
-  for (uint32_t p = 0; p < a.rays.patterns.size(); ++p)
-    if (!std::ranges::equal(a.rays.patterns.sets(p), b.rays.patterns.sets(p),
-                            [&](SetId x, SetId y) { return a.sets.members(x) == b.sets.members(y); }))
-      return false;
-  return true;
-}
-
-std::string chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment) {
-  return fmt::format("level {} chunk ({}, {}, {})", level, cu, cv, segment);
-}
 
 }  // namespace
 
@@ -178,6 +136,10 @@ std::optional<std::vector<Label>> GridReader::uniform(int level, uint32_t cu, ui
   return e->uniform;
 }
 
+std::string GridReader::chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment) {
+  return fmt::format("level {} chunk ({}, {}, {})", level, cu, cv, segment);
+}
+
 void GridReader::read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& e, Chunk& out) const {
   const LevelShape s = shape(level);
   const auto labels = static_cast<uint32_t>(meta_.labels.size());
@@ -220,87 +182,6 @@ void GridReader::derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, C
   Chunk joined = join(pieces, static_cast<uint32_t>(meta_.labels.size()));
   out.rays = coarsen(joined.rays, 1, joined.sets);
   out.sets = std::move(joined.sets);
-}
-
-void GridReader::check_content_hash() const {
-  ContentHash hash;
-  Bytes bytes;
-  for (const LevelInfo& l : meta_.levels) {
-    const uint64_t size = directory_bytes(shape(l.level).pages());
-    for (uint64_t at = 0; at < size; at += bytes.size()) {
-      bytes.resize(std::min<uint64_t>(size - at, 1 << 20));
-      source_->read(l.directory + at, bytes);
-      hash.add(bytes);
-    }
-  }
-  for (const auto& [place, what] : {std::pair{footer_.metadata, "metadata"}, {footer_.report, "report"}}) {
-    read_checked(place, what, bytes);
-    hash.add(bytes);
-  }
-  if (hash.digest() != footer_.hash) throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer_.hash), hex(hash.digest())));
-}
-
-void GridReader::verify(int threads, const std::function<void(double)>& progress) const {
-  try {
-    Coverage coverage;
-    coverage.add(0, kHeaderBytes);
-    coverage.add(footer_.metadata.offset, footer_.metadata.size);
-    coverage.add(footer_.report.offset, footer_.report.size);
-    coverage.add(source_->size() - kFooterBytes, kFooterBytes);
-    report();
-    uint64_t bytes_done = 0;
-    for (const LevelInfo& l : meta_.levels) {
-      const LevelShape s = shape(l.level);
-      coverage.add(l.directory, directory_bytes(s.pages()));
-      LevelInfo sum = {l.level, l.directory, 0, 0, 0};
-      for (uint64_t p = 0; p < s.pages(); ++p) {
-        const DirectoryEntry place = page_place(l.level, p);
-        coverage.add(place.offset, place.size);
-        const Page entries = page(l.level, p);
-        struct Job {
-          uint32_t slot;
-        };
-        uint32_t next_slot = 0;
-        const auto next = [&]() -> std::optional<Job> {
-          if (next_slot == entries->size()) return std::nullopt;
-          return Job{next_slot++};
-        };
-        const auto check = [&](Job job, int) -> std::pair<uint32_t, uint64_t> {
-          const ChunkEntry& e = (*entries)[job.slot];
-          const uint32_t cu = static_cast<uint32_t>(p % s.pages_u) * s.page_chunks + job.slot % s.page_width(p);
-          const uint32_t cv = static_cast<uint32_t>(p / s.pages_u % s.pages_v) * s.page_chunks + job.slot / s.page_width(p);
-          const auto segment = static_cast<uint32_t>(p / s.pages_u / s.pages_v);
-          Chunk chunk, expected;
-          read_stored(l.level, cu, cv, segment, e, chunk);
-          if (l.level > 0) {
-            derive(l.level, cu, cv, segment, expected);
-            if (!same_cells(chunk, expected))
-              throw FormatError(fmt::format("{}: its sets are not those of the level below", chunk_name(l.level, cu, cv, segment)));
-          } else if (e.size != 0 && e.stats != stats_of(chunk.rays)) {
-            throw FormatError(fmt::format("{}: its statistics are not those of its cells", chunk_name(l.level, cu, cv, segment)));
-          }
-          return {job.slot, chunk.rays.at.size()};
-        };
-        in_order(threads, next, check, [&](std::pair<uint32_t, uint64_t> done) {
-          const ChunkEntry& e = (*entries)[done.first];
-          if (e.size == 0) return;
-          coverage.add(e.offset, e.size);
-          sum.chunks += 1;
-          sum.bytes += e.size;
-          sum.changes += done.second;
-        });
-        bytes_done += place.size;
-        progress(static_cast<double>(bytes_done) / static_cast<double>(source_->size()));
-      }
-      if (!(sum == l)) throw FormatError(fmt::format("level {}: the metadata counts {} chunks, {} bytes, {} changes; found {}, {}, {}", l.level, l.chunks,
-                                                     l.bytes, l.changes, sum.chunks, sum.bytes, sum.changes));
-    }
-    coverage.expect_whole(source_->size());
-    check_content_hash();
-  } catch (const FormatError& e) {
-    const std::string message = e.what();
-    throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));
-  }
 }
 
 }  // namespace teracell

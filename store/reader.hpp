@@ -43,11 +43,14 @@ class GridReader {
  private:
   using Page = std::shared_ptr<const std::vector<ChunkEntry>>;
   struct Cache;
+  class Coverage;
+  static std::string chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment);
   const LevelInfo& info(int level) const;
   DirectoryEntry page_place(int level, uint64_t page) const;
   Page page(int level, uint64_t page) const;
   void read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& entry, Chunk& out) const;
   void derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
+  void verify_level(const LevelInfo& info, int threads, Coverage& coverage, const std::function<void()>& progress) const;
   void check_content_hash() const;
   void read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const;
 
