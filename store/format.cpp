@@ -123,6 +123,8 @@ Bytes encode_metadata(const Metadata& meta) {
   for (const LevelInfo& l : meta.levels)
     levels.push_back({{"level", l.level}, {"directory", l.directory}, {"chunks", l.chunks}, {"bytes", l.bytes}, {"changes", l.changes}});
   j["channels"] = {{{"name", "labels"}, {"required", true}, {"coding", "runs"}, {"levels", levels}}};
+  for (const OtherChannel& c : meta.others)
+    j["channels"].push_back({{"name", c.name}, {"required", false}, {"cover", {{"offset", c.cover}, {"frames", c.frames}}}});
   return encode_text(j.dump());
 }
 
@@ -146,7 +148,11 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
     bool found = false;
     for (const auto& channel : j.at("channels")) {
       const std::string name = channel.at("name");
-      if (name != "labels" && !channel.at("required").get<bool>()) continue;
+      if (name != "labels" && !channel.at("required").get<bool>()) {
+        const auto& cover = channel.at("cover");
+        meta.others.push_back({name, whole<uint64_t>(cover, "offset", ~uint64_t{0}), whole<uint64_t>(cover, "frames", ~uint64_t{0})});
+        continue;
+      }
       if (name != "labels" || channel.at("coding") != "runs" || found)
         throw FormatError(fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know", name,
                                       channel.at("coding").dump()));
@@ -171,6 +177,7 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
   expect(!meta.labels.empty(), "there is at least one label");
   for (const MaterialInfo& m : meta.materials) expect(is_color(m.color), "a colour is #rrggbb or #rrggbbaa");
   for (const LabelInfo& l : meta.labels) expect(l.material < meta.materials.size(), "a label names a material that is not there");
+  for (const OtherChannel& c : meta.others) expect(c.frames > 0, "the cover of a channel has at least one frame");
   expect(!meta.levels.empty() && meta.levels[0].level == 0, "level 0 must be stored");
   for (size_t i = 1; i < meta.levels.size(); ++i)
     expect(meta.levels[i].level > meta.levels[i - 1].level && meta.levels[i].level < meta.grid.levels(), "stored levels must ascend");
@@ -355,6 +362,18 @@ Footer decode_footer(std::span<const uint8_t> bytes) {
   if (found != expected) throw FormatError(fmt::format("footer: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
   return footer;
 }
+
+struct RunningChecksum::State {
+  XXH3_state_t* xxh = XXH3_createState();
+  ~State() { XXH3_freeState(xxh); }
+};
+
+RunningChecksum::RunningChecksum() : state_(std::make_unique<State>()) { XXH3_64bits_reset(state_->xxh); }
+RunningChecksum::~RunningChecksum() = default;
+
+void RunningChecksum::add(std::span<const uint8_t> bytes) { XXH3_64bits_update(state_->xxh, bytes.data(), bytes.size()); }
+
+uint64_t RunningChecksum::value() const { return XXH3_64bits_digest(state_->xxh); }
 
 struct ContentHash::State {
   XXH3_state_t* xxh = XXH3_createState();

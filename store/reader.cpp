@@ -55,13 +55,10 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source) : source_(std::move(s
     for (const LevelInfo& l : meta_.levels) {
       const LevelShape s = shape(l.level);
       // Two factors at a time: a hostile grid could overflow the product of three.
-      if (uint64_t{s.pages_u} * s.pages_v > size / kDirectoryEntry / s.segments ||
-          directory_bytes(s.pages()) > size || l.directory > size - directory_bytes(s.pages()))
-        throw FormatError(fmt::format("level {}: its directory of {} pages does not fit into the file", l.level, s.pages()));
-      bytes.resize(8);
-      source_->read(l.directory, bytes);
-      check_directory_frame(bytes, s.pages());
+      const bool countable = uint64_t{s.pages_u} * s.pages_v <= size / s.segments;
+      check_directory(fmt::format("level {}", l.level), l.directory, countable ? s.pages() : ~uint64_t{0});
     }
+    for (const OtherChannel& c : meta_.others) check_directory(fmt::format("channel '{}'", c.name), c.cover, c.frames);
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
   }
@@ -89,21 +86,41 @@ bool GridReader::stored(int level) const {
   return std::ranges::find(meta_.levels, level, &LevelInfo::level) != meta_.levels.end();
 }
 
-void GridReader::read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const {
+void GridReader::check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const {
+  const uint64_t size = source_->size();
+  if (entries > size / kDirectoryEntry || directory_bytes(entries) > size || offset > size - directory_bytes(entries))
+    throw FormatError(fmt::format("{}: its directory of {} entries at byte {} does not fit into the file", whose, entries, offset));
+  Bytes bytes(8);
+  source_->read(offset, bytes);
+  check_directory_frame(bytes, entries);
+}
+
+void GridReader::check_inside(const DirectoryEntry& place, const std::string& what) const {
   if (place.size > source_->size() || place.offset > source_->size() - place.size)
     throw FormatError(fmt::format("{}: its {} bytes at {} lie outside the file of {}", what, place.size, place.offset, source_->size()));
-  out.resize(place.size);
-  source_->read(place.offset, out);
-  const uint64_t found = checksum(out);
+}
+
+void GridReader::check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found) {
   if (found != place.checksum)
     throw FormatError(fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum, found));
 }
 
-DirectoryEntry GridReader::page_place(int level, uint64_t page) const {
-  const BlockPlace block = directory_block(page / kBlockEntries, shape(level).pages());
+void GridReader::read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const {
+  check_inside(place, what);
+  out.resize(place.size);
+  source_->read(place.offset, out);
+  check_sum(place, what, checksum(out));
+}
+
+DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const {
+  const BlockPlace block = directory_block(i / kBlockEntries, entries);
   Bytes bytes(block.bytes());
-  source_->read(info(level).directory + block.offset, bytes);
-  return decode_directory_block(bytes)[page % kBlockEntries];
+  source_->read(directory + block.offset, bytes);
+  return decode_directory_block(bytes)[i % kBlockEntries];
+}
+
+DirectoryEntry GridReader::page_place(int level, uint64_t page) const {
+  return directory_entry(info(level).directory, shape(level).pages(), page);
 }
 
 GridReader::Page GridReader::page(int level, uint64_t page) const {

@@ -46,13 +46,20 @@ class GridReader {
   class Coverage;
   static std::string chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment);
   const LevelInfo& info(int level) const;
+  void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
+  DirectoryEntry directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const;
   DirectoryEntry page_place(int level, uint64_t page) const;
   Page page(int level, uint64_t page) const;
   void read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& entry, Chunk& out) const;
   void derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
   void verify_level(const LevelInfo& info, int threads, Coverage& coverage, const std::function<void()>& progress) const;
+  void verify_cover(const OtherChannel& channel, Coverage& coverage, const std::function<void()>& progress) const;
   void check_content_hash() const;
+  void check_inside(const DirectoryEntry& place, const std::string& what) const;
+  static void check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found);
   void read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const;
+  // Calls f with the bytes at `offset`, a mebibyte at a time.
+  void read_in_pieces(uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f) const;
 
   std::unique_ptr<ByteSource> source_;
   Footer footer_;

@@ -53,21 +53,22 @@ class GridReader::Coverage {
   uint64_t bytes_ = 0;
 };
 
+void GridReader::read_in_pieces(uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f) const {
+  Bytes bytes;
+  for (uint64_t done = 0; done < size; done += bytes.size()) {
+    bytes.resize(std::min<uint64_t>(size - done, 1 << 20));
+    source_->read(offset + done, bytes);
+    f(bytes);
+  }
+}
+
 void GridReader::check_content_hash() const {
   ContentHash hash;
-  Bytes bytes;
-  for (const LevelInfo& l : meta_.levels) {
-    const uint64_t size = directory_bytes(shape(l.level).pages());
-    for (uint64_t at = 0; at < size; at += bytes.size()) {
-      bytes.resize(std::min<uint64_t>(size - at, 1 << 20));
-      source_->read(l.directory + at, bytes);
-      hash.add(bytes);
-    }
-  }
-  for (const auto& [place, what] : {std::pair{footer_.metadata, "metadata"}, {footer_.report, "report"}}) {
-    read_checked(place, what, bytes);
-    hash.add(bytes);
-  }
+  const auto add = [&](uint64_t offset, uint64_t size) { read_in_pieces(offset, size, [&](auto bytes) { hash.add(bytes); }); };
+  for (const LevelInfo& l : meta_.levels) add(l.directory, directory_bytes(shape(l.level).pages()));
+  for (const OtherChannel& c : meta_.others) add(c.cover, directory_bytes(c.frames));
+  add(footer_.metadata.offset, footer_.metadata.size);
+  add(footer_.report.offset, footer_.report.size);
   if (hash.digest() != footer_.hash) throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer_.hash), hex(hash.digest())));
 }
 
@@ -115,6 +116,22 @@ void GridReader::verify_level(const LevelInfo& l, int threads, Coverage& coverag
                                   sum.chunks, sum.bytes, sum.changes));
 }
 
+// What the frames mean is for those who know the channel: here they are bytes, however many.
+void GridReader::verify_cover(const OtherChannel& c, Coverage& coverage, const std::function<void()>& progress) const {
+  coverage.add(c.cover, directory_bytes(c.frames));
+  for (uint64_t i = 0; i < c.frames; ++i) {
+    const std::string what = fmt::format("channel '{}' frame {}", c.name, i);
+    const DirectoryEntry place = directory_entry(c.cover, c.frames, i);
+    check_inside(place, what);
+    if (place.size == 0) throw FormatError(fmt::format("{}: a frame has bytes", what));
+    coverage.add(place.offset, place.size);  // before it is read: frames on top of each other must not buy time
+    RunningChecksum sum;
+    read_in_pieces(place.offset, place.size, [&](auto bytes) { sum.add(bytes); });
+    check_sum(place, what, sum.value());
+    progress();
+  }
+}
+
 void GridReader::verify(int threads, const std::function<void(double)>& progress) const {
   try {
     Coverage coverage;
@@ -125,6 +142,7 @@ void GridReader::verify(int threads, const std::function<void(double)>& progress
     report();
     const auto tell = [&] { progress(static_cast<double>(coverage.bytes()) / static_cast<double>(source_->size())); };
     for (const LevelInfo& l : meta_.levels) verify_level(l, threads, coverage, tell);
+    for (const OtherChannel& c : meta_.others) verify_cover(c, coverage, tell);
     coverage.expect_whole(source_->size());
     check_content_hash();
   } catch (const FormatError& e) {
