@@ -175,7 +175,13 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
   expect(meta.page_chunks >= 1 && meta.page_chunks <= 64, "a page has 1 to 64 chunks a side");
   expect(!meta.materials.empty() && meta.materials.size() <= 65536, "there are 1 to 65536 materials");
   expect(!meta.labels.empty(), "there is at least one label");
-  for (const MaterialInfo& m : meta.materials) expect(is_color(m.color), "a colour is #rrggbb or #rrggbbaa");
+  std::vector<bool> taken(65536);  // by rank
+  for (const MaterialInfo& m : meta.materials) {
+    expect(is_color(m.color), "a colour is #rrggbb or #rrggbbaa");
+    expect(!taken[m.rank], "no two materials may have the same rank");
+    expect(m.rank <= meta.materials[0].rank, "no rank may be above the background's");
+    taken[m.rank] = true;
+  }
   for (const LabelInfo& l : meta.labels) expect(l.material < meta.materials.size(), "a label names a material that is not there");
   for (const OtherChannel& c : meta.others) expect(c.frames > 0, "the cover of a channel has at least one frame");
   expect(!meta.levels.empty() && meta.levels[0].level == 0, "level 0 must be stored");

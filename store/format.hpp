@@ -25,7 +25,7 @@ uint64_t checksum(std::span<const uint8_t> bytes);  // XXH3, 64 bits, seed 0
 struct MaterialInfo {
   std::string name;
   std::string color;  // "#rrggbb" or "#rrggbbaa"
-  uint32_t rank = 0;  // 0 is the strongest; the background (material 0) has the largest
+  uint32_t rank = 0;  // 0 is the strongest, no two are equal; the background (material 0) has the largest
   friend bool operator==(const MaterialInfo&, const MaterialInfo&) = default;
 };
 

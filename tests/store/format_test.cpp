@@ -315,6 +315,7 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   for (const uint64_t page : {uint64_t{0}, uint64_t{65}, uint64_t{1} << 32}) refused("/chunk/page", page);
   for (const uint64_t cells : {uint64_t{0}, (uint64_t{1} << 31) - 1, ~uint64_t{0}}) refused("/axes/0/cells", cells);
   for (const uint64_t first : {(uint64_t{1} << 52) + 1, ~uint64_t{0}}) refused("/axes/0/first", first);
+  refused("/axes/0/cells", 12.0);  // whole, but not written so
   refused("/axes/0/step", 0);
   refused("/axes/0/sample", 1);
   refused("/axes/0/type", "round");
@@ -322,6 +323,10 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   refused("/axes/1/planes", {0});
   refused("/ray_axis", "w");
   refused("/ray_axis", "");
+  refused("/materials/0/rank", 0);  // equal to another
+  refused("/materials/1/rank", 1);
+  refused("/materials/1/rank", 3);  // above the background's
+  refused("/materials/0/rank", 65536);
   refused("/labels/1/material", 3);
   refused("/labels", ordered_json::array());
   refused("/materials", ordered_json::array());
