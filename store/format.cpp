@@ -5,7 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
-#include <zstd.h>
+
+#include "store/zstd_frame.hpp"
 
 namespace teracell {
 namespace {
@@ -16,26 +17,16 @@ constexpr uint32_t kSkippableMagic = 0x184D2A5E;  // zstd tools step over frames
 constexpr char kHeaderMagic[] = "teracell", kFooterMagic[] = "tcellend";
 constexpr int kIndexLevel = 6;                    // pages are small: a good ratio costs microseconds
 constexpr uint64_t kMaxText = uint64_t{1} << 26;  // metadata, report, page: a parsed JSON takes some ten times as much
-constexpr uint64_t kMaxZstdRatio = 1 << 15;       // see chunk_codec.cpp
 
 Bytes compress(std::span<const uint8_t> body) {
   if (body.size() > kMaxText)
     throw InputError(fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), kMaxText >> 20));
-  Bytes frame(ZSTD_compressBound(body.size()));
-  const size_t size = ZSTD_compress(frame.data(), frame.size(), body.data(), body.size(), kIndexLevel);
-  if (ZSTD_isError(size)) throw Error(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
-  frame.resize(size);
-  return frame;
+  return ZstdEncoder().encode(body, kIndexLevel);
 }
 
 Bytes decompress(std::span<const uint8_t> frame, const std::string& what) {
-  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size > kMaxText ||
-      size > kMaxZstdRatio * frame.size() || ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size())
-    throw FormatError(what + ": expected one zstd frame with its content size, found something else");
-  Bytes body(size);
-  const size_t found = ZSTD_decompress(body.data(), body.size(), frame.data(), frame.size());
-  if (found != size) throw FormatError(what + ": the zstd frame does not decode");
+  Bytes body;
+  ZstdDecoder().decode(frame, kMaxText, what, body);
   return body;
 }
 
@@ -217,11 +208,8 @@ Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats) {
     if (e.size != 0) put_varint(out, e.offset - base);
   for (const ChunkEntry& e : entries)
     if (e.size != 0) put_fixed(out, e.checksum);
-  for (const ChunkEntry& e : entries) {
-    if (e.size != 0) continue;
-    put_varint(out, e.uniform.size());
-    for (size_t i = 0; i < e.uniform.size(); ++i) put_varint(out, i == 0 ? e.uniform[0] : e.uniform[i] - e.uniform[i - 1] - 1);
-  }
+  for (const ChunkEntry& e : entries)
+    if (e.size == 0) put_set(out, e.uniform);
   if (with_stats) {
     for (const ChunkEntry& e : entries) {
       if (e.size == 0) continue;
@@ -246,17 +234,8 @@ std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunk
     if (e.size != 0) e.offset = base + in.varint(0, (uint64_t{1} << 62), "chunk offset");
   for (ChunkEntry& e : entries)
     if (e.size != 0) e.checksum = in.fixed<uint64_t>();
-  for (ChunkEntry& e : entries) {
-    if (e.size != 0) continue;
-    // Level 0, the one with statistics, has one label a cell.
-    e.uniform.resize(in.varint(1, with_stats ? 1 : std::min<uint64_t>(labels, in.remaining()), "set size"));
-    uint64_t label = 0;
-    for (size_t i = 0; i < e.uniform.size(); ++i) {
-      label += in.varint(0, labels, "label") + (i > 0);
-      if (label >= labels) in.fail(fmt::format("label {} of {}", label, labels));
-      e.uniform[i] = static_cast<Label>(label);
-    }
-  }
+  for (ChunkEntry& e : entries)
+    if (e.size == 0) e.uniform = take_set(in, labels, with_stats ? 1 : labels);  // level 0, with statistics, has one label a cell
   if (with_stats) {
     for (ChunkEntry& e : entries) {
       if (e.size == 0) continue;

@@ -7,7 +7,7 @@
 #include "store/in_order.hpp"
 #include "store/pyramid.hpp"
 #include "store/reader.hpp"
-#include "store/writer.hpp"
+#include "store/stats.hpp"
 
 namespace teracell {
 namespace {

@@ -46,7 +46,7 @@ void run(const Options& o) {
   refuse_overwriting(o.grid, o.output);
   const GridReader reader(o.grid);
   const Metadata& meta = reader.meta();
-  if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("--level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));
+  meta.grid.check_level(o.level);
   const Box box = o.region.empty() ? meta.grid.box(o.level) : parse_region(o.region, meta.grid, o.level);
   const bool wide = meta.materials.size() > 256;
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind

@@ -26,7 +26,7 @@ SliceView view_of(const Options& o, const Metadata& meta) {
     const Axis& a = meta.grid.axis[axis];
     if (!(*o.at >= a.min() && *o.at <= a.max()))
       throw UsageError(fmt::format("--at: along {} it must lie in {} to {} {}, found {}", o.axis, a.min(), a.max(), meta.units, *o.at));
-    if (o.level < 0 || o.level >= meta.grid.levels()) throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, o.level));
+    meta.grid.check_level(o.level);
     index = a.cell_at(*o.at) >> o.level;
   }
   SliceView view = whole_slice(meta, axis, index, o.level);
