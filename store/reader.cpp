@@ -5,35 +5,38 @@
 #include <fmt/format.h>
 
 #include "store/chunk_codec.hpp"
+#include "store/lru_cache.hpp"
 #include "store/pyramid.hpp"
 
 namespace teracell {
 namespace {
 
-constexpr size_t kCachedPages = 64;  // some megabytes
+template <class T>
+size_t memory_of(const std::vector<T>& v) {
+  return v.capacity() == 0 ? 0 : v.capacity() * sizeof(T) + 16;  // 16: what malloc adds
+}
+
+size_t memory_of_page(const std::vector<ChunkEntry>& page) {
+  size_t bytes = memory_of(page);
+  for (const ChunkEntry& e : page) bytes += memory_of(e.uniform) + memory_of(e.stats);
+  return bytes;
+}
+
+// The up to 2 x 2 x 2 chunks (u, v, segment) of the level below that a chunk covers.
+std::vector<std::array<uint32_t, 3>> chunks_below(const LevelShape& below, uint32_t cu, uint32_t cv, uint32_t segment) {
+  std::vector<std::array<uint32_t, 3>> out;
+  for (uint32_t v = 2 * cv; v < std::min(2 * cv + 2, below.chunks_v); ++v)
+    for (uint32_t u = 2 * cu; u < std::min(2 * cu + 2, below.chunks_u); ++u)
+      for (uint32_t s = 2 * segment; s < std::min(2 * segment + 2, below.segments); ++s) out.push_back({u, v, s});
+  return out;
+}
 
 }  // namespace
 
-// Least recently used pages, shared by the threads of a reader.
+// What leads to chunks, kept for the next one that it leads to.
 struct GridReader::Cache {
-  using Key = std::pair<int, uint64_t>;
-  std::mutex mutex;
-  std::list<std::pair<Key, Page>> pages;  // most recent first
-
-  Page find(const Key& key) {
-    std::lock_guard lock(mutex);
-    for (auto it = pages.begin(); it != pages.end(); ++it) {
-      if (it->first != key) continue;
-      pages.splice(pages.begin(), pages, it);
-      return it->second;
-    }
-    return nullptr;
-  }
-  void add(const Key& key, const Page& page) {
-    std::lock_guard lock(mutex);
-    pages.emplace_front(key, page);
-    if (pages.size() > kCachedPages) pages.pop_back();
-  }
+  LruCache<std::vector<DirectoryEntry>> blocks{1 << 20};  // by their offset in the file
+  LruCache<std::vector<ChunkEntry>> pages{16 << 20};      // by number * 32 + level
 };
 
 GridReader::GridReader(const std::filesystem::path& path) : GridReader(std::make_unique<InputFile>(path)) {}
@@ -114,9 +117,15 @@ void GridReader::read_checked(const DirectoryEntry& place, const std::string& wh
 
 DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const {
   const BlockPlace block = directory_block(i / kBlockEntries, entries);
-  Bytes bytes(block.bytes());
-  source_->read(directory + block.offset, bytes);
-  return decode_directory_block(bytes)[i % kBlockEntries];
+  const uint64_t offset = directory + block.offset;
+  auto found = cache_->blocks.find(offset);
+  if (!found || found->size() != block.entries) {  // in a hostile file directories may lie upon each other
+    Bytes bytes(block.bytes());
+    source_->read(offset, bytes);
+    found = std::make_shared<const std::vector<DirectoryEntry>>(decode_directory_block(bytes));
+    cache_->blocks.add(offset, found, memory_of(*found));
+  }
+  return (*found)[i % kBlockEntries];
 }
 
 DirectoryEntry GridReader::page_place(int level, uint64_t page) const {
@@ -124,14 +133,15 @@ DirectoryEntry GridReader::page_place(int level, uint64_t page) const {
 }
 
 GridReader::Page GridReader::page(int level, uint64_t page) const {
-  if (Page found = cache_->find({level, page})) return found;
+  const uint64_t key = page * 32 + static_cast<uint64_t>(level);
+  if (Page found = cache_->pages.find(key)) return found;
   const LevelShape s = shape(level);
   Bytes bytes;
   read_checked(page_place(level, page), fmt::format("level {} index page {}", level, page), bytes);
   const size_t chunks = size_t{s.page_width(page)} * s.page_height(page);
   const auto fresh = std::make_shared<const std::vector<ChunkEntry>>(
       decode_page(bytes, chunks, level == 0, static_cast<uint32_t>(meta_.labels.size())));
-  cache_->add({level, page}, fresh);
+  cache_->pages.add(key, fresh, memory_of_page(*fresh));
   return fresh;
 }
 
@@ -147,10 +157,17 @@ std::shared_ptr<const ChunkEntry> GridReader::entry(int level, uint32_t cu, uint
 }
 
 std::optional<std::vector<Label>> GridReader::uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const {
-  if (!stored(level)) return std::nullopt;
-  const auto e = entry(level, cu, cv, segment);
-  if (e->size != 0) return std::nullopt;
-  return e->uniform;
+  if (stored(level)) {
+    const auto e = entry(level, cu, cv, segment);
+    return e->size == 0 ? std::optional(e->uniform) : std::nullopt;
+  }
+  std::optional<std::vector<Label>> all;
+  for (const auto& [u, v, s] : chunks_below(shape(level - 1), cu, cv, segment)) {
+    auto set = uniform(level - 1, u, v, s);
+    if (!set || (all && *all != *set)) return std::nullopt;
+    all = std::move(set);
+  }
+  return all;
 }
 
 std::string GridReader::chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment) {
@@ -183,19 +200,15 @@ void GridReader::read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chu
   else derive(level, cu, cv, segment, out);
 }
 
-// From the 2 x 2 x 2 chunks of the level below, as far as they exist.
 void GridReader::derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const {
   const LevelShape below = shape(level - 1);
-  const uint32_t u0 = 2 * cu, v0 = 2 * cv, w0 = 2 * segment;
   std::vector<Chunk> fine;
   std::vector<Piece> pieces;
   fine.reserve(8);
-  for (uint32_t v = v0; v < std::min(v0 + 2, below.chunks_v); ++v)
-    for (uint32_t u = u0; u < std::min(u0 + 2, below.chunks_u); ++u)
-      for (uint32_t w = w0; w < std::min(w0 + 2, below.segments); ++w) {
-        read(level - 1, u, v, w, fine.emplace_back());
-        pieces.push_back({(u - u0) * below.chunk_rays, (v - v0) * below.chunk_rays, (w - w0) * below.chunk_cells, &fine.back()});
-      }
+  for (const auto& [u, v, s] : chunks_below(below, cu, cv, segment)) {
+    read(level - 1, u, v, s, fine.emplace_back());
+    pieces.push_back({u % 2 * below.chunk_rays, v % 2 * below.chunk_rays, s % 2 * below.chunk_cells, &fine.back()});
+  }
   Chunk joined = join(pieces, static_cast<uint32_t>(meta_.labels.size()));
   out.rays = coarsen(joined.rays, 1, joined.sets);
   out.sets = std::move(joined.sets);

@@ -1,12 +1,9 @@
-// Reads a .tcell file. Opening costs the header, the footer and the metadata; a chunk costs a directory block, a page
-// (kept for a while) and its own bytes. Every byte is held against its checksum before it is believed.
+// Reads a .tcell file. Opening costs the header, the footer and the metadata; a chunk costs a directory block and a page
+// (both kept, up to 17 MiB) and its own bytes. Every byte is held against its checksum before it is believed.
 #pragma once
 #include <filesystem>
 #include <functional>
-#include <list>
 #include <memory>
-#include <mutex>
-#include <unordered_map>
 
 #include "store/file.hpp"
 #include "store/format.hpp"
@@ -32,7 +29,7 @@ class GridReader {
 
   // REQUIRES: stored(level), the chunk lies in the level.
   std::shared_ptr<const ChunkEntry> entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
-  // The set that fills the chunk, if it is stored as such; derived levels never say. Costs no chunk bytes.
+  // The set that fills the chunk, if it, or each chunk below that it is derived from, is stored as such. Costs no chunk bytes.
   std::optional<std::vector<Label>> uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
   // Any level: those that are not stored are derived from the next lower one that is. `out` is overwritten.
   void read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;

@@ -188,6 +188,36 @@ TEST_CASE("The file read by threads at once is the file read by one", "[threads]
   REQUIRE(wrong == 0);
 }
 
+TEST_CASE("A chunk said to be uniform is, on stored levels and derived ones; one set below makes a derived chunk uniform") {
+  const TempFolder folder;
+  const Index3 n = {19, 16, 32};
+  std::vector<Label> cells;  // one half each; a single cell of a third label
+  for (int64_t i = 0; i < n[0] * n[1] * n[2]; ++i) cells.push_back(i == 0 ? 2 : i / (n[0] * n[1]) >= 16);
+  for (int ray_axis = 0; ray_axis < 3; ++ray_axis) {
+    store_cells(folder / "g.tcell", with_tiny_chunks(metadata_of(cubic(n[0], n[1], n[2]), ray_axis, 3)), cells);
+    const GridReader reader(folder / "g.tcell");
+    std::vector<int> said(static_cast<size_t>(reader.levels()), 0);
+    Chunk chunk;
+    for (int level = 0; level < reader.levels(); ++level) {
+      const LevelShape s = reader.shape(level);
+      for (uint32_t cv = 0; cv < s.chunks_v; ++cv)
+        for (uint32_t cu = 0; cu < s.chunks_u; ++cu)
+          for (uint32_t segment = 0; segment < s.segments; ++segment) {
+            reader.read(level, cu, cv, segment, chunk);
+            const auto set = reader.uniform(level, cu, cv, segment);
+            if (reader.stored(level)) REQUIRE(set.has_value() == chunk.rays.uniform());
+            if (!set) continue;
+            REQUIRE(chunk.rays.uniform());
+            REQUIRE(*set == chunk.sets.members(chunk.rays.sets(0)[0]));
+            ++said[static_cast<size_t>(level)];
+          }
+    }
+    REQUIRE(said[0] == 5 * 4 * 8 - 1);
+    REQUIRE(said[1] == 3 * 2 * 4 - 1);  // derived
+    REQUIRE(said[2] == 2 * 1 * 2 - 1);
+  }
+}
+
 TEST_CASE("A reader gives its descriptor back, whether the file was sound or not") {
   const TempFolder folder;
   const Bytes file = meshed_file();
