@@ -304,7 +304,7 @@ Bytes encode_header() {
   return out;
 }
 
-void check_header(std::span<const uint8_t> bytes) {
+uint16_t check_header(std::span<const uint8_t> bytes) {
   ByteReader in(bytes, "header");
   if (bytes.size() < kHeaderBytes || !std::equal(kHeaderMagic, kHeaderMagic + 8, bytes.begin() + 8))
     throw FormatError("not a teracell file: it does not start with a teracell header");
@@ -314,8 +314,11 @@ void check_header(std::span<const uint8_t> bytes) {
   const auto reserved = in.fixed<uint32_t>();
   const auto expected = in.fixed<uint64_t>(), found = checksum(bytes.first(kHeaderBytes - 8));
   if (found != expected) throw FormatError(fmt::format("header: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
-  if (major > kFormatMajor) throw FormatError(fmt::format("the file has format version {}.{}, this program reads up to {}: use a newer teracell", major, minor, kFormatMajor));
+  if (major != kFormatMajor)
+    throw FormatError(fmt::format("the file has format version {}.{}, this program reads {}.x: use a{} teracell", major, minor, kFormatMajor,
+                                  major > kFormatMajor ? " newer" : "n older"));
   if (reserved != 0) throw FormatError("header: reserved bits are set");
+  return minor;
 }
 
 Bytes encode_footer(const Footer& footer) {

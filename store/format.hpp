@@ -145,7 +145,7 @@ void check_directory_frame(std::span<const uint8_t> eight_bytes, uint64_t entrie
 
 inline constexpr uint64_t kHeaderBytes = 32, kFooterBytes = 128;
 Bytes encode_header();
-void check_header(std::span<const uint8_t> bytes);
+uint16_t check_header(std::span<const uint8_t> bytes);  // the file's minor version; the major one is ours
 
 struct Footer {
   uint64_t file_bytes = 0;

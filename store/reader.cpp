@@ -48,7 +48,7 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source) : source_(std::move(s
       throw FormatError(fmt::format("expected at least {} bytes, found {}: not a teracell file, or cut short", kHeaderBytes + kFooterBytes, size));
     Bytes bytes(kHeaderBytes);
     source_->read(0, bytes);
-    check_header(bytes);
+    minor_ = check_header(bytes);
     bytes.resize(kFooterBytes);
     source_->read(size - kFooterBytes, bytes);
     footer_ = decode_footer(bytes);

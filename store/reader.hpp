@@ -21,6 +21,7 @@ class GridReader {
   const Metadata& meta() const { return meta_; }
   const std::string& name() const { return source_->name(); }
   uint64_t file_bytes() const { return source_->size(); }
+  std::string version() const { return std::to_string(kFormatMajor) + "." + std::to_string(minor_); }  // of the file's format
   std::string hash() const;    // of the content, 32 hex digits
   std::string report() const;  // JSON
   int levels() const { return meta_.grid.levels(); }
@@ -59,6 +60,7 @@ class GridReader {
   void read_in_pieces(uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f) const;
 
   std::unique_ptr<ByteSource> source_;
+  uint16_t minor_ = 0;
   Footer footer_;
   Metadata meta_;
   std::unique_ptr<Cache> cache_;

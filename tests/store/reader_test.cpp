@@ -155,6 +155,14 @@ TEST_CASE("A reader tells what the file holds") {
   REQUIRE(reader.hash() != reader_of(chunked_file()).hash());
 }
 
+TEST_CASE("A file of a newer minor version is read, and the version told is its own") {
+  REQUIRE(reader_of(chunked_file()).version() == "1.0");
+  const Bytes newer = forge(chunked_file(), {.bytes = [](Part part, Bytes& body) { if (part == Part::kHeader) body[18] = 7; }});
+  REQUIRE(reader_of(newer).version() == "1.7");
+  REQUIRE(info_json(reader_of(newer))["file"]["version"] == "1.7");
+  REQUIRE_NOTHROW(verify(reader_of(newer)));
+}
+
 TEST_CASE("The file read by threads at once is the file read by one", "[threads]") {
   const Index3 n = {23, 21, 30};
   const Bytes file = chunked_file(2, n);
