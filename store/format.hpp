@@ -128,7 +128,8 @@ struct DirectoryEntry {
   uint64_t checksum = 0;
 };
 
-// A directory, of a level's pages or of a channel's frames, is a skippable frame of blocks: 170 entries (the last block: what is left) and a checksum.
+// A directory, of a level's pages or of a channel's frames, is a skippable frame of blocks: 170 entries (the last block: what
+// is left) and a checksum.
 inline constexpr uint64_t kDirectoryEntry = 24, kBlockEntries = 170, kBlockBytes = kBlockEntries * kDirectoryEntry + 8;
 Bytes encode_directory(const std::vector<DirectoryEntry>& entries);
 struct BlockPlace {

@@ -105,7 +105,8 @@ void GridReader::check_inside(const DirectoryEntry& place, const std::string& wh
 
 void GridReader::check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found) {
   if (found != place.checksum)
-    throw FormatError(fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum, found));
+    throw FormatError(fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum,
+                                  found));
 }
 
 void GridReader::read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const {

@@ -69,7 +69,8 @@ void GridReader::check_content_hash() const {
   for (const OtherChannel& c : meta_.others) add(c.cover, directory_bytes(c.frames));
   add(footer_.metadata.offset, footer_.metadata.size);
   add(footer_.report.offset, footer_.report.size);
-  if (hash.digest() != footer_.hash) throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer_.hash), hex(hash.digest())));
+  if (hash.digest() != footer_.hash)
+    throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer_.hash), hex(hash.digest())));
 }
 
 void GridReader::verify_level(const LevelInfo& l, int threads, Coverage& coverage, const std::function<void()>& progress) const {
@@ -112,8 +113,8 @@ void GridReader::verify_level(const LevelInfo& l, int threads, Coverage& coverag
     progress();
   }
   if (!(sum == l))
-    throw FormatError(fmt::format("level {}: the metadata counts {} chunks, {} bytes, {} changes; found {}, {}, {}", l.level, l.chunks, l.bytes, l.changes,
-                                  sum.chunks, sum.bytes, sum.changes));
+    throw FormatError(fmt::format("level {}: the metadata counts {} chunks, {} bytes, {} changes; found {}, {}, {}", l.level, l.chunks, l.bytes,
+                                  l.changes, sum.chunks, sum.bytes, sum.changes));
 }
 
 // What the frames mean is for those who know the channel: here they are bytes, however many.
