@@ -3,14 +3,14 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <zstd.h>
+
+#include "store/zstd_frame.hpp"
 
 namespace teracell {
 namespace {
 
-constexpr int kZstdLevel = 1;         // 3 gains 2 %, 9 gains 6 % for five times the time
-constexpr uint8_t kEscape = 255;      // a narrow residual that is spelled out in the wide stream
-constexpr uint64_t kMaxZstdRatio = 1 << 15;  // a zstd block of 4 bytes holds at most 128 KiB
+constexpr int kZstdLevel = 1;     // 3 gains 2 %, 9 gains 6 % for five times the time
+constexpr uint8_t kEscape = 255;  // a narrow residual that is spelled out in the wide stream
 
 uint32_t zigzag(int32_t v) { return (static_cast<uint32_t>(v) << 1) ^ static_cast<uint32_t>(v >> 31); }
 int32_t unzigzag(uint32_t v) { return static_cast<int32_t>(v >> 1) ^ -static_cast<int32_t>(v & 1); }
@@ -69,8 +69,7 @@ void walk(const RayBlock& b, One&& one, Plane&& plane) {
 // ---- encoding ---------------------------------------------------------------------------------------------------
 
 struct ChunkEncoder::Scratch {
-  ZSTD_CCtx* zstd = ZSTD_createCCtx();
-  ~Scratch() { ZSTD_freeCCtx(zstd); }
+  ZstdEncoder zstd;
   Bytes body, gaps, exceptions, narrow, wide;
   std::vector<SetId> palette;
 };
@@ -96,11 +95,7 @@ Bytes ChunkEncoder::encode(const RayBlock& b, const SetTable& sets) {
     }
   }
   put_varint(s.body, s.palette.size());
-  for (const SetId set : s.palette) {
-    const std::vector<Label> members = sets.members(set);
-    put_varint(s.body, members.size());
-    for (size_t i = 0; i < members.size(); ++i) put_varint(s.body, i == 0 ? members[0] : members[i] - members[i - 1] - 1);
-  }
+  for (const SetId set : s.palette) put_set(s.body, sets.members(set));
   s.body.insert(s.body.end(), patterns.begin(), patterns.end());
 
   // The pattern of each ray: exceptions to the prediction.
@@ -158,19 +153,13 @@ Bytes ChunkEncoder::encode(const RayBlock& b, const SetTable& sets) {
   if (s.body.size() > kMaxChunkBytes)
     throw InputError(fmt::format("a chunk of {} x {} rays has {} changes of material, more than fit in {} MiB: the surface is finer than the chunks can hold",
                                  b.nu, b.nv, b.at.size(), kMaxChunkBytes >> 20));
-  Bytes frame(ZSTD_compressBound(s.body.size()));
-  const size_t size = ZSTD_compressCCtx(s.zstd, frame.data(), frame.size(), s.body.data(), s.body.size(), kZstdLevel);
-  if (ZSTD_isError(size)) throw Error(fmt::format("zstd failed on a chunk: {}", ZSTD_getErrorName(size)));
-  frame.resize(size);
-  frame.shrink_to_fit();
-  return frame;
+  return s.zstd.encode(s.body, kZstdLevel);
 }
 
 // ---- decoding ---------------------------------------------------------------------------------------------------
 
 struct ChunkDecoder::Scratch {
-  ZSTD_DCtx* zstd = ZSTD_createDCtx();
-  ~Scratch() { ZSTD_freeDCtx(zstd); }
+  ZstdDecoder zstd;
   Bytes body;
   std::vector<SetId> palette, sets;
 };
@@ -181,19 +170,8 @@ ChunkDecoder::~ChunkDecoder() = default;
 namespace {
 
 void decode_palette(ByteReader& in, SetTable& sets, std::vector<SetId>& palette) {
-  const uint32_t labels = sets.labels();
   palette.resize(in.varint(1, in.remaining(), "palette size"));
-  std::vector<Label> set;
-  for (SetId& id : palette) {
-    set.resize(in.varint(1, std::min<uint64_t>(labels, in.remaining()), "set size"));
-    uint64_t label = 0;
-    for (size_t i = 0; i < set.size(); ++i) {
-      label += in.varint(0, labels, "label") + (i > 0);
-      if (label >= labels) in.fail(fmt::format("label {} of {}", label, labels));
-      set[i] = static_cast<Label>(label);
-    }
-    id = sets.intern(set);
-  }
+  for (SetId& id : palette) id = sets.intern(take_set(in, sets.labels(), sets.labels()));
 }
 
 void decode_patterns(ByteReader& in, RayBlock& b, const std::vector<SetId>& palette, std::vector<SetId>& sets) {
@@ -280,15 +258,8 @@ void decode_changes(ByteReader& in, RayBlock& b) {
 void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels,
                           Chunk& out) {
   if (uint64_t{nu} * nv > kMaxChunkRays) throw FormatError(fmt::format("a chunk of {} x {} rays is larger than FORMAT.md allows", nu, nv));
-  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size > kMaxChunkBytes ||
-      size > kMaxZstdRatio * frame.size() || ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size())
-    throw FormatError("chunk: expected one zstd frame with its content size, found something else");
   Scratch& s = *s_;
-  s.body.resize(size);
-  const size_t found = ZSTD_decompressDCtx(s.zstd, s.body.data(), s.body.size(), frame.data(), frame.size());
-  if (ZSTD_isError(found) || found != size)
-    throw FormatError(fmt::format("chunk: zstd says {}", ZSTD_isError(found) ? ZSTD_getErrorName(found) : "too short"));
+  s.zstd.decode(frame, kMaxChunkBytes, "chunk", s.body);
 
   ByteReader in(s.body, "chunk");
   out.rays.reset(nu, nv, length);

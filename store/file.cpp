@@ -106,10 +106,12 @@ void OutputFile::commit() {
   fd_ = -1;
   const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
   const int dir = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (dir >= 0) {
-    ::fsync(dir);
-    ::close(dir);
-  }
+  const int error = dir >= 0 && ::fsync(dir) == 0 ? 0 : errno;
+  if (dir >= 0) ::close(dir);
+  // A folder may be closed to readers, and not every file system can sync one: nothing more can be done there.
+  if (error == 0 || (dir < 0 && error == EACCES) || error == EINVAL || error == EOPNOTSUPP) return;
+  throw IoError(fmt::format("{}: the file is complete and in place, but may not outlive a power failure: can't make its folder durable: {}",
+                            target_.string(), std::strerror(error)));
 }
 
 }  // namespace teracell

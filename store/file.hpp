@@ -43,7 +43,8 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   uint64_t size() const { return size_; }
   void append(std::span<const uint8_t> bytes);
-  // When it returns, the bytes and the name are durable (fsync of file and folder).
+  // When it returns, the bytes and the name are durable (fsync of file and folder). When it throws there is no file, or, if
+  // the folder alone fails, a complete one whose name may not be durable: the message says so.
   void commit();
 
  private:

@@ -5,7 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
-#include <zstd.h>
+
+#include "store/color.hpp"
+#include "store/zstd_frame.hpp"
 
 namespace teracell {
 namespace {
@@ -16,26 +18,16 @@ constexpr uint32_t kSkippableMagic = 0x184D2A5E;  // zstd tools step over frames
 constexpr char kHeaderMagic[] = "teracell", kFooterMagic[] = "tcellend";
 constexpr int kIndexLevel = 6;                    // pages are small: a good ratio costs microseconds
 constexpr uint64_t kMaxText = uint64_t{1} << 26;  // metadata, report, page: a parsed JSON takes some ten times as much
-constexpr uint64_t kMaxZstdRatio = 1 << 15;       // see chunk_codec.cpp
 
 Bytes compress(std::span<const uint8_t> body) {
   if (body.size() > kMaxText)
     throw InputError(fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), kMaxText >> 20));
-  Bytes frame(ZSTD_compressBound(body.size()));
-  const size_t size = ZSTD_compress(frame.data(), frame.size(), body.data(), body.size(), kIndexLevel);
-  if (ZSTD_isError(size)) throw Error(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
-  frame.resize(size);
-  return frame;
+  return ZstdEncoder().encode(body, kIndexLevel);
 }
 
 Bytes decompress(std::span<const uint8_t> frame, const std::string& what) {
-  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size > kMaxText ||
-      size > kMaxZstdRatio * frame.size() || ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size())
-    throw FormatError(what + ": expected one zstd frame with its content size, found something else");
-  Bytes body(size);
-  const size_t found = ZSTD_decompress(body.data(), body.size(), frame.data(), frame.size());
-  if (found != size) throw FormatError(what + ": the zstd frame does not decode");
+  Bytes body;
+  ZstdDecoder().decode(frame, kMaxText, what, body);
   return body;
 }
 
@@ -55,10 +47,6 @@ void put_text(Bytes& out, const char* text) { out.insert(out.end(), text, text +
 ordered_json to_json(const Axis& a) {
   if (a.is_graded()) return {{"type", "graded"}, {"planes", a.planes()}, {"sample", a.sample()}};
   return {{"type", "uniform"}, {"min", a.origin()}, {"step", a.step()}, {"first", a.first()}, {"cells", a.cells()}, {"sample", a.sample()}};
-}
-
-bool is_color(const std::string& text) {
-  return (text.size() == 7 || text.size() == 9) && text[0] == '#' && text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
 }
 
 // A whole number in [0, hi]; nlohmann's own conversions would wrap or be undefined.
@@ -123,6 +111,8 @@ Bytes encode_metadata(const Metadata& meta) {
   for (const LevelInfo& l : meta.levels)
     levels.push_back({{"level", l.level}, {"directory", l.directory}, {"chunks", l.chunks}, {"bytes", l.bytes}, {"changes", l.changes}});
   j["channels"] = {{{"name", "labels"}, {"required", true}, {"coding", "runs"}, {"levels", levels}}};
+  for (const OtherChannel& c : meta.others)
+    j["channels"].push_back({{"name", c.name}, {"required", false}, {"cover", {{"offset", c.cover}, {"frames", c.frames}}}});
   return encode_text(j.dump());
 }
 
@@ -146,7 +136,11 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
     bool found = false;
     for (const auto& channel : j.at("channels")) {
       const std::string name = channel.at("name");
-      if (name != "labels" && !channel.at("required").get<bool>()) continue;
+      if (name != "labels" && !channel.at("required").get<bool>()) {
+        const auto& cover = channel.at("cover");
+        meta.others.push_back({name, whole<uint64_t>(cover, "offset", ~uint64_t{0}), whole<uint64_t>(cover, "frames", ~uint64_t{0})});
+        continue;
+      }
       if (name != "labels" || channel.at("coding") != "runs" || found)
         throw FormatError(fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know", name,
                                       channel.at("coding").dump()));
@@ -169,8 +163,15 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
   expect(meta.page_chunks >= 1 && meta.page_chunks <= 64, "a page has 1 to 64 chunks a side");
   expect(!meta.materials.empty() && meta.materials.size() <= 65536, "there are 1 to 65536 materials");
   expect(!meta.labels.empty(), "there is at least one label");
-  for (const MaterialInfo& m : meta.materials) expect(is_color(m.color), "a colour is #rrggbb or #rrggbbaa");
+  std::vector<bool> taken(65536);  // by rank
+  for (const MaterialInfo& m : meta.materials) {
+    expect(parse_color(m.color).has_value(), "a colour is #rrggbb or #rrggbbaa");
+    expect(!taken[m.rank], "no two materials may have the same rank");
+    expect(m.rank <= meta.materials[0].rank, "no rank may be above the background's");
+    taken[m.rank] = true;
+  }
   for (const LabelInfo& l : meta.labels) expect(l.material < meta.materials.size(), "a label names a material that is not there");
+  for (const OtherChannel& c : meta.others) expect(c.frames > 0, "the cover of a channel has at least one frame");
   expect(!meta.levels.empty() && meta.levels[0].level == 0, "level 0 must be stored");
   for (size_t i = 1; i < meta.levels.size(); ++i)
     expect(meta.levels[i].level > meta.levels[i - 1].level && meta.levels[i].level < meta.grid.levels(), "stored levels must ascend");
@@ -204,11 +205,8 @@ Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats) {
     if (e.size != 0) put_varint(out, e.offset - base);
   for (const ChunkEntry& e : entries)
     if (e.size != 0) put_fixed(out, e.checksum);
-  for (const ChunkEntry& e : entries) {
-    if (e.size != 0) continue;
-    put_varint(out, e.uniform.size());
-    for (size_t i = 0; i < e.uniform.size(); ++i) put_varint(out, i == 0 ? e.uniform[0] : e.uniform[i] - e.uniform[i - 1] - 1);
-  }
+  for (const ChunkEntry& e : entries)
+    if (e.size == 0) put_set(out, e.uniform);
   if (with_stats) {
     for (const ChunkEntry& e : entries) {
       if (e.size == 0) continue;
@@ -233,17 +231,8 @@ std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunk
     if (e.size != 0) e.offset = base + in.varint(0, (uint64_t{1} << 62), "chunk offset");
   for (ChunkEntry& e : entries)
     if (e.size != 0) e.checksum = in.fixed<uint64_t>();
-  for (ChunkEntry& e : entries) {
-    if (e.size != 0) continue;
-    // Level 0, the one with statistics, has one label a cell.
-    e.uniform.resize(in.varint(1, with_stats ? 1 : std::min<uint64_t>(labels, in.remaining()), "set size"));
-    uint64_t label = 0;
-    for (size_t i = 0; i < e.uniform.size(); ++i) {
-      label += in.varint(0, labels, "label") + (i > 0);
-      if (label >= labels) in.fail(fmt::format("label {} of {}", label, labels));
-      e.uniform[i] = static_cast<Label>(label);
-    }
-  }
+  for (ChunkEntry& e : entries)
+    if (e.size == 0) e.uniform = take_set(in, labels, with_stats ? 1 : labels);  // level 0, with statistics, has one label a cell
   if (with_stats) {
     for (ChunkEntry& e : entries) {
       if (e.size == 0) continue;
@@ -312,7 +301,7 @@ Bytes encode_header() {
   return out;
 }
 
-void check_header(std::span<const uint8_t> bytes) {
+uint16_t check_header(std::span<const uint8_t> bytes) {
   ByteReader in(bytes, "header");
   if (bytes.size() < kHeaderBytes || !std::equal(kHeaderMagic, kHeaderMagic + 8, bytes.begin() + 8))
     throw FormatError("not a teracell file: it does not start with a teracell header");
@@ -322,8 +311,11 @@ void check_header(std::span<const uint8_t> bytes) {
   const auto reserved = in.fixed<uint32_t>();
   const auto expected = in.fixed<uint64_t>(), found = checksum(bytes.first(kHeaderBytes - 8));
   if (found != expected) throw FormatError(fmt::format("header: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
-  if (major > kFormatMajor) throw FormatError(fmt::format("the file has format version {}.{}, this program reads up to {}: use a newer teracell", major, minor, kFormatMajor));
+  if (major != kFormatMajor)
+    throw FormatError(fmt::format("the file has format version {}.{}, this program reads {}.x: use a{} teracell", major, minor, kFormatMajor,
+                                  major > kFormatMajor ? " newer" : "n older"));
   if (reserved != 0) throw FormatError("header: reserved bits are set");
+  return minor;
 }
 
 Bytes encode_footer(const Footer& footer) {
@@ -355,6 +347,18 @@ Footer decode_footer(std::span<const uint8_t> bytes) {
   if (found != expected) throw FormatError(fmt::format("footer: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
   return footer;
 }
+
+struct RunningChecksum::State {
+  XXH3_state_t* xxh = XXH3_createState();
+  ~State() { XXH3_freeState(xxh); }
+};
+
+RunningChecksum::RunningChecksum() : state_(std::make_unique<State>()) { XXH3_64bits_reset(state_->xxh); }
+RunningChecksum::~RunningChecksum() = default;
+
+void RunningChecksum::add(std::span<const uint8_t> bytes) { XXH3_64bits_update(state_->xxh, bytes.data(), bytes.size()); }
+
+uint64_t RunningChecksum::value() const { return XXH3_64bits_digest(state_->xxh); }
 
 struct ContentHash::State {
   XXH3_state_t* xxh = XXH3_createState();

@@ -25,7 +25,7 @@ uint64_t checksum(std::span<const uint8_t> bytes);  // XXH3, 64 bits, seed 0
 struct MaterialInfo {
   std::string name;
   std::string color;  // "#rrggbb" or "#rrggbbaa"
-  uint32_t rank = 0;  // 0 is the strongest; the background (material 0) has the largest
+  uint32_t rank = 0;  // 0 is the strongest, no two are equal; the background (material 0) has the largest
   friend bool operator==(const MaterialInfo&, const MaterialInfo&) = default;
 };
 
@@ -45,6 +45,14 @@ struct LevelInfo {
   friend bool operator==(const LevelInfo&, const LevelInfo&) = default;
 };
 
+// A channel that this reader doesn't know. Its cover is a directory of all its frames: enough to verify and to copy them.
+struct OtherChannel {
+  std::string name;
+  uint64_t cover = 0;  // offset of the directory's frame
+  uint64_t frames = 0;
+  friend bool operator==(const OtherChannel&, const OtherChannel&) = default;
+};
+
 struct Metadata {
   std::string units = "m";
   Grid grid;
@@ -56,6 +64,7 @@ struct Metadata {
   uint32_t page_chunks = 16;     // a page has page_chunks x page_chunks chunks
   uint64_t crossings = 0;
   std::vector<LevelInfo> levels;  // the stored ones, ascending, 0 first
+  std::vector<OtherChannel> others;  // all channels but the labels; none is required
 
   Frame frame() const { return Frame::along(ray_axis); }
   friend bool operator==(const Metadata&, const Metadata&) = default;
@@ -119,7 +128,8 @@ struct DirectoryEntry {
   uint64_t checksum = 0;
 };
 
-// A directory is a skippable frame of blocks: 170 entries (the last block: what is left) and a checksum.
+// A directory, of a level's pages or of a channel's frames, is a skippable frame of blocks: 170 entries (the last block: what
+// is left) and a checksum.
 inline constexpr uint64_t kDirectoryEntry = 24, kBlockEntries = 170, kBlockBytes = kBlockEntries * kDirectoryEntry + 8;
 Bytes encode_directory(const std::vector<DirectoryEntry>& entries);
 struct BlockPlace {
@@ -136,7 +146,7 @@ void check_directory_frame(std::span<const uint8_t> eight_bytes, uint64_t entrie
 
 inline constexpr uint64_t kHeaderBytes = 32, kFooterBytes = 128;
 Bytes encode_header();
-void check_header(std::span<const uint8_t> bytes);
+uint16_t check_header(std::span<const uint8_t> bytes);  // the file's minor version; the major one is ours
 
 struct Footer {
   uint64_t file_bytes = 0;
@@ -146,7 +156,21 @@ struct Footer {
 Bytes encode_footer(const Footer& footer);
 Footer decode_footer(std::span<const uint8_t> bytes);
 
-// The footer's hash: fed the directories' frames in the order of their levels, then the metadata's and the report's.
+// checksum() of bytes that come in pieces.
+class RunningChecksum {
+ public:
+  RunningChecksum();
+  ~RunningChecksum();
+  RunningChecksum(const RunningChecksum&) = delete;
+  void add(std::span<const uint8_t> bytes);
+  uint64_t value() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// The footer's hash: fed the frames of the levels' directories, of the other channels' covers, of metadata and report.
 class ContentHash {
  public:
   ContentHash();

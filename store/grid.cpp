@@ -106,6 +106,10 @@ int Grid::levels() const {
   return level + 1;
 }
 
+void Grid::check_level(int level) const {
+  if (level < 0 || level >= levels()) throw UsageError(fmt::format("level must be 0 to {}, found {}", levels() - 1, level));
+}
+
 std::string cell_count_text(const Index3& cells) {
   return fmt::format("{}", static_cast<unsigned __int128>(cells[0]) * cells[1] * cells[2]);
 }

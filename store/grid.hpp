@@ -72,6 +72,7 @@ struct Grid {
   Index3 cells(int level) const;
   Box box(int level) const { return {{0, 0, 0}, cells(level)}; }
   int levels() const;  // the last one has a single cell
+  void check_level(int level) const;  // throws UsageError when there is no such level, naming the range
   friend bool operator==(const Grid&, const Grid&) = default;
 };
 

@@ -3,7 +3,6 @@
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -23,13 +22,15 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   }
   using Job = typename decltype(next())::value_type;
   using Result = decltype(make(std::declval<Job>(), 0));
-  struct Outcome {
+  struct Slot {
     std::optional<Result> result;
     std::exception_ptr error;
+    bool done = false;
   };
+  // Job i has slot i modulo their number until it is taken. All are made here: nothing a thread does outside a try throws.
+  std::vector<Slot> slots(ahead * static_cast<uint64_t>(threads));
   std::mutex mutex;
   std::condition_variable changed;
-  std::map<uint64_t, Outcome> done;
   uint64_t started = 0, taken = 0;
   bool exhausted = false, stop = false;
   std::mutex next_mutex;  // next() may take long: results are handed over meanwhile
@@ -37,39 +38,37 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   const auto work = [&](int worker) {
     for (;;) {
       std::optional<Job> job;
-      Outcome outcome;
-      uint64_t index;
+      Slot* slot;
       {
         std::lock_guard in_next(next_mutex);
         {
           std::unique_lock lock(mutex);
-          changed.wait(lock, [&] { return stop || exhausted || started < taken + ahead * static_cast<uint64_t>(threads); });
+          changed.wait(lock, [&] { return stop || exhausted || started < taken + slots.size(); });
           if (stop || exhausted) return;
-          index = started;
+          slot = &slots[started % slots.size()];
         }
         try {
           job = next();
         } catch (...) {
-          outcome.error = std::current_exception();
+          slot->error = std::current_exception();
         }
         std::lock_guard lock(mutex);
-        if (!job && !outcome.error) {
-          exhausted = true;
+        if (!job) exhausted = true;
+        if (!job && !slot->error) {
           changed.notify_all();
           return;
         }
-        started = index + 1;
-        if (outcome.error) exhausted = true;
+        ++started;
       }
       if (job) {
         try {
-          outcome.result.emplace(make(std::move(*job), worker));
+          slot->result.emplace(make(std::move(*job), worker));
         } catch (...) {
-          outcome.error = std::current_exception();
+          slot->error = std::current_exception();
         }
       }
       std::lock_guard lock(mutex);
-      done.emplace(index, std::move(outcome));
+      slot->done = true;
       changed.notify_all();
     }
   };
@@ -86,16 +85,17 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   } at_exit{mutex, changed, stop};
   for (int i = 0; i < threads; ++i) pool.emplace_back(work, i);
   for (;;) {
-    Outcome outcome;
+    Slot& slot = slots[taken % slots.size()];
     {
       std::unique_lock lock(mutex);
-      changed.wait(lock, [&] { return done.contains(taken) || (exhausted && taken == started); });
-      if (!done.contains(taken)) break;
-      outcome = std::move(done.extract(taken).mapped());
+      changed.wait(lock, [&] { return slot.done || (exhausted && taken == started); });
+      if (!slot.done) break;
     }
-    if (outcome.error) std::rethrow_exception(outcome.error);
-    take(std::move(*outcome.result));
+    if (slot.error) std::rethrow_exception(slot.error);
+    take(std::move(*slot.result));
+    slot.result.reset();
     std::lock_guard lock(mutex);
+    slot.done = false;
     ++taken;
     changed.notify_all();
   }

@@ -45,7 +45,7 @@ ordered_json info_json(const GridReader& reader) {
     j["levels"].push_back(l);
   }
   j["chunk"] = {{"rays", meta.chunk_rays}, {"cells", meta.chunk_cells}};
-  j["file"] = {{"bytes", reader.file_bytes()}, {"version", fmt::format("{}.{}", kFormatMajor, kFormatMinor)}, {"hash", reader.hash()}};
+  j["file"] = {{"bytes", reader.file_bytes()}, {"version", reader.version()}, {"hash", reader.hash()}};
   j["crossings"] = meta.crossings;
   j["bits_per_crossing"] = bits_per_crossing(meta);
   j["report"] = ordered_json::parse(reader.report());

@@ -5,6 +5,22 @@
 
 namespace teracell {
 
+void put_set(Bytes& out, const std::vector<Label>& set) {
+  put_varint(out, set.size());
+  for (size_t i = 0; i < set.size(); ++i) put_varint(out, i == 0 ? set[0] : set[i] - set[i - 1] - 1);
+}
+
+std::vector<Label> take_set(ByteReader& in, uint32_t labels, uint64_t most) {
+  std::vector<Label> set(in.varint(1, std::min<uint64_t>(most, in.remaining()), "set size"));
+  uint64_t label = 0;
+  for (size_t i = 0; i < set.size(); ++i) {
+    label += in.varint(0, labels, "label") + (i > 0);
+    if (label >= labels) in.fail("label " + std::to_string(label) + " of " + std::to_string(labels));
+    set[i] = static_cast<Label>(label);
+  }
+  return set;
+}
+
 size_t SetTable::Hash::operator()(const std::vector<Label>& v) const {
   uint64_t h = v.size();
   for (const Label label : v) h = (h ^ label) * 0x9E3779B97F4A7C15ull, h ^= h >> 29;

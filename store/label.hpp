@@ -11,10 +11,17 @@
 #include <unordered_map>
 #include <vector>
 
+#include "store/bytes.hpp"
+
 namespace teracell {
 
 using Label = uint32_t;
 using SetId = uint32_t;
+
+// A set, labels ascending, as bytes (FORMAT.md, "Index page").
+void put_set(Bytes& out, const std::vector<Label>& set);
+// Throws FormatError unless there are at most `most` labels, all below `labels`.
+std::vector<Label> take_set(ByteReader& in, uint32_t labels, uint64_t most);
 
 // Not thread-safe: one table per worker or per chunk.
 class SetTable {

@@ -5,77 +5,38 @@
 #include <fmt/format.h>
 
 #include "store/chunk_codec.hpp"
-#include "store/in_order.hpp"
+#include "store/lru_cache.hpp"
 #include "store/pyramid.hpp"
-#include "store/writer.hpp"
 
 namespace teracell {
 namespace {
 
-constexpr size_t kCachedPages = 64;  // some megabytes
-
-// Byte ranges that were accounted for. Files are written nearly in order, so few separate ranges are held, except
-// where chunks are segments of rays: then one for each chunk until its neighbours have come.
-class Coverage {
- public:
-  void add(uint64_t offset, uint64_t size) {
-    if (size == 0) return;
-    auto after = ranges_.upper_bound(offset);
-    if (after != ranges_.begin() && std::prev(after)->second > offset) overlap(offset);
-    if (after != ranges_.end() && after->first < offset + size) overlap(offset);
-    uint64_t end = offset + size;
-    if (after != ranges_.end() && after->first == end) end = after->second, after = ranges_.erase(after);
-    if (after != ranges_.begin() && std::prev(after)->second == offset) std::prev(after)->second = end;
-    else ranges_[offset] = end;
-  }
-  void expect_whole(uint64_t size) const {
-    const uint64_t gap = ranges_.begin()->first != 0 ? 0 : ranges_.begin()->second;
-    if (ranges_.size() != 1 || gap != size) throw FormatError(fmt::format("byte {} belongs to nothing that the index names", gap));
-  }
-
- private:
-  [[noreturn]] static void overlap(uint64_t offset) {
-    throw FormatError(fmt::format("byte {} belongs to two things that the index names", offset));
-  }
-  std::map<uint64_t, uint64_t> ranges_;  // start -> end
-};
-
-// Patterns are numbered in the order of the rays on both sides; only ids of sets may differ.
-bool same_cells(const Chunk& a, const Chunk& b) {
-  if (a.rays.at != b.rays.at || a.rays.pattern != b.rays.pattern || a.rays.patterns.size() != b.rays.patterns.size()) return false;
-  for (uint32_t p = 0; p < a.rays.patterns.size(); ++p)
-    if (!std::ranges::equal(a.rays.patterns.sets(p), b.rays.patterns.sets(p),
-                            [&](SetId x, SetId y) { return a.sets.members(x) == b.sets.members(y); }))
-      return false;
-  return true;
+template <class T>
+size_t memory_of(const std::vector<T>& v) {
+  return v.capacity() == 0 ? 0 : v.capacity() * sizeof(T) + 16;  // 16: what malloc adds
 }
 
-std::string chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment) {
-  return fmt::format("level {} chunk ({}, {}, {})", level, cu, cv, segment);
+size_t memory_of_page(const std::vector<ChunkEntry>& page) {
+  size_t bytes = memory_of(page);
+  for (const ChunkEntry& e : page) bytes += memory_of(e.uniform) + memory_of(e.stats);
+  return bytes;
+}
+
+// The up to 2 x 2 x 2 chunks (u, v, segment) of the level below that a chunk covers.
+std::vector<std::array<uint32_t, 3>> chunks_below(const LevelShape& below, uint32_t cu, uint32_t cv, uint32_t segment) {
+  std::vector<std::array<uint32_t, 3>> out;
+  for (uint32_t v = 2 * cv; v < std::min(2 * cv + 2, below.chunks_v); ++v)
+    for (uint32_t u = 2 * cu; u < std::min(2 * cu + 2, below.chunks_u); ++u)
+      for (uint32_t s = 2 * segment; s < std::min(2 * segment + 2, below.segments); ++s) out.push_back({u, v, s});
+  return out;
 }
 
 }  // namespace
 
-// Least recently used pages, shared by the threads of a reader.
+// What leads to chunks, kept for the next one that it leads to.
 struct GridReader::Cache {
-  using Key = std::pair<int, uint64_t>;
-  std::mutex mutex;
-  std::list<std::pair<Key, Page>> pages;  // most recent first
-
-  Page find(const Key& key) {
-    std::lock_guard lock(mutex);
-    for (auto it = pages.begin(); it != pages.end(); ++it) {
-      if (it->first != key) continue;
-      pages.splice(pages.begin(), pages, it);
-      return it->second;
-    }
-    return nullptr;
-  }
-  void add(const Key& key, const Page& page) {
-    std::lock_guard lock(mutex);
-    pages.emplace_front(key, page);
-    if (pages.size() > kCachedPages) pages.pop_back();
-  }
+  LruCache<std::vector<DirectoryEntry>> blocks{1 << 20};  // by their offset in the file
+  LruCache<std::vector<ChunkEntry>> pages{16 << 20};      // by number * 32 + level
 };
 
 GridReader::GridReader(const std::filesystem::path& path) : GridReader(std::make_unique<InputFile>(path)) {}
@@ -87,7 +48,7 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source) : source_(std::move(s
       throw FormatError(fmt::format("expected at least {} bytes, found {}: not a teracell file, or cut short", kHeaderBytes + kFooterBytes, size));
     Bytes bytes(kHeaderBytes);
     source_->read(0, bytes);
-    check_header(bytes);
+    minor_ = check_header(bytes);
     bytes.resize(kFooterBytes);
     source_->read(size - kFooterBytes, bytes);
     footer_ = decode_footer(bytes);
@@ -97,13 +58,10 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source) : source_(std::move(s
     for (const LevelInfo& l : meta_.levels) {
       const LevelShape s = shape(l.level);
       // Two factors at a time: a hostile grid could overflow the product of three.
-      if (uint64_t{s.pages_u} * s.pages_v > size / kDirectoryEntry / s.segments ||
-          directory_bytes(s.pages()) > size || l.directory > size - directory_bytes(s.pages()))
-        throw FormatError(fmt::format("level {}: its directory of {} pages does not fit into the file", l.level, s.pages()));
-      bytes.resize(8);
-      source_->read(l.directory, bytes);
-      check_directory_frame(bytes, s.pages());
+      const bool countable = uint64_t{s.pages_u} * s.pages_v <= size / s.segments;
+      check_directory(fmt::format("level {}", l.level), l.directory, countable ? s.pages() : ~uint64_t{0});
     }
+    for (const OtherChannel& c : meta_.others) check_directory(fmt::format("channel '{}'", c.name), c.cover, c.frames);
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
   }
@@ -131,32 +89,60 @@ bool GridReader::stored(int level) const {
   return std::ranges::find(meta_.levels, level, &LevelInfo::level) != meta_.levels.end();
 }
 
-void GridReader::read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const {
+void GridReader::check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const {
+  const uint64_t size = source_->size();
+  if (entries > size / kDirectoryEntry || directory_bytes(entries) > size || offset > size - directory_bytes(entries))
+    throw FormatError(fmt::format("{}: its directory of {} entries at byte {} does not fit into the file", whose, entries, offset));
+  Bytes bytes(8);
+  source_->read(offset, bytes);
+  check_directory_frame(bytes, entries);
+}
+
+void GridReader::check_inside(const DirectoryEntry& place, const std::string& what) const {
   if (place.size > source_->size() || place.offset > source_->size() - place.size)
     throw FormatError(fmt::format("{}: its {} bytes at {} lie outside the file of {}", what, place.size, place.offset, source_->size()));
+}
+
+void GridReader::check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found) {
+  if (found != place.checksum)
+    throw FormatError(fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum,
+                                  found));
+}
+
+void GridReader::read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const {
+  check_inside(place, what);
   out.resize(place.size);
   source_->read(place.offset, out);
-  const uint64_t found = checksum(out);
-  if (found != place.checksum)
-    throw FormatError(fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum, found));
+  check_sum(place, what, checksum(out));
+}
+
+DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const {
+  const BlockPlace block = directory_block(i / kBlockEntries, entries);
+  const uint64_t offset = directory + block.offset;
+  auto found = cache_->blocks.find(offset);
+  if (!found || found->size() != block.entries) {  // in a hostile file directories may lie upon each other
+    Bytes bytes(block.bytes());
+    source_->read(offset, bytes);
+    found = std::make_shared<const std::vector<DirectoryEntry>>(decode_directory_block(bytes));
+    cache_->blocks.add(offset, found, memory_of(*found));
+  }
+  return (*found)[i % kBlockEntries];
 }
 
 DirectoryEntry GridReader::page_place(int level, uint64_t page) const {
-  const BlockPlace block = directory_block(page / kBlockEntries, shape(level).pages());
-  Bytes bytes(block.bytes());
-  source_->read(info(level).directory + block.offset, bytes);
-  return decode_directory_block(bytes)[page % kBlockEntries];
+  return directory_entry(info(level).directory, shape(level).pages(), page);
 }
 
 GridReader::Page GridReader::page(int level, uint64_t page) const {
-  if (Page found = cache_->find({level, page})) return found;
+  const uint64_t key = page * 32 + static_cast<uint64_t>(level);
+  if (Page found = cache_->pages.find(key)) return found;
   const LevelShape s = shape(level);
   Bytes bytes;
   read_checked(page_place(level, page), fmt::format("level {} index page {}", level, page), bytes);
   const size_t chunks = size_t{s.page_width(page)} * s.page_height(page);
   const auto fresh = std::make_shared<const std::vector<ChunkEntry>>(
       decode_page(bytes, chunks, level == 0, static_cast<uint32_t>(meta_.labels.size())));
-  cache_->add({level, page}, fresh);
+  cache_->pages.add(key, fresh, memory_of_page(*fresh));
   return fresh;
 }
 
@@ -172,10 +158,21 @@ std::shared_ptr<const ChunkEntry> GridReader::entry(int level, uint32_t cu, uint
 }
 
 std::optional<std::vector<Label>> GridReader::uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const {
-  if (!stored(level)) return std::nullopt;
-  const auto e = entry(level, cu, cv, segment);
-  if (e->size != 0) return std::nullopt;
-  return e->uniform;
+  if (stored(level)) {
+    const auto e = entry(level, cu, cv, segment);
+    return e->size == 0 ? std::optional(e->uniform) : std::nullopt;
+  }
+  std::optional<std::vector<Label>> all;
+  for (const auto& [u, v, s] : chunks_below(shape(level - 1), cu, cv, segment)) {
+    auto set = uniform(level - 1, u, v, s);
+    if (!set || (all && *all != *set)) return std::nullopt;
+    all = std::move(set);
+  }
+  return all;
+}
+
+std::string GridReader::chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment) {
+  return fmt::format("level {} chunk ({}, {}, {})", level, cu, cv, segment);
 }
 
 void GridReader::read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& e, Chunk& out) const {
@@ -204,103 +201,18 @@ void GridReader::read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chu
   else derive(level, cu, cv, segment, out);
 }
 
-// From the 2 x 2 x 2 chunks of the level below, as far as they exist.
 void GridReader::derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const {
   const LevelShape below = shape(level - 1);
-  const uint32_t u0 = 2 * cu, v0 = 2 * cv, w0 = 2 * segment;
   std::vector<Chunk> fine;
   std::vector<Piece> pieces;
   fine.reserve(8);
-  for (uint32_t v = v0; v < std::min(v0 + 2, below.chunks_v); ++v)
-    for (uint32_t u = u0; u < std::min(u0 + 2, below.chunks_u); ++u)
-      for (uint32_t w = w0; w < std::min(w0 + 2, below.segments); ++w) {
-        read(level - 1, u, v, w, fine.emplace_back());
-        pieces.push_back({(u - u0) * below.chunk_rays, (v - v0) * below.chunk_rays, (w - w0) * below.chunk_cells, &fine.back()});
-      }
+  for (const auto& [u, v, s] : chunks_below(below, cu, cv, segment)) {
+    read(level - 1, u, v, s, fine.emplace_back());
+    pieces.push_back({u % 2 * below.chunk_rays, v % 2 * below.chunk_rays, s % 2 * below.chunk_cells, &fine.back()});
+  }
   Chunk joined = join(pieces, static_cast<uint32_t>(meta_.labels.size()));
   out.rays = coarsen(joined.rays, 1, joined.sets);
   out.sets = std::move(joined.sets);
-}
-
-void GridReader::check_content_hash() const {
-  ContentHash hash;
-  Bytes bytes;
-  for (const LevelInfo& l : meta_.levels) {
-    const uint64_t size = directory_bytes(shape(l.level).pages());
-    for (uint64_t at = 0; at < size; at += bytes.size()) {
-      bytes.resize(std::min<uint64_t>(size - at, 1 << 20));
-      source_->read(l.directory + at, bytes);
-      hash.add(bytes);
-    }
-  }
-  for (const auto& [place, what] : {std::pair{footer_.metadata, "metadata"}, {footer_.report, "report"}}) {
-    read_checked(place, what, bytes);
-    hash.add(bytes);
-  }
-  if (hash.digest() != footer_.hash) throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer_.hash), hex(hash.digest())));
-}
-
-void GridReader::verify(int threads, const std::function<void(double)>& progress) const {
-  try {
-    Coverage coverage;
-    coverage.add(0, kHeaderBytes);
-    coverage.add(footer_.metadata.offset, footer_.metadata.size);
-    coverage.add(footer_.report.offset, footer_.report.size);
-    coverage.add(source_->size() - kFooterBytes, kFooterBytes);
-    report();
-    uint64_t bytes_done = 0;
-    for (const LevelInfo& l : meta_.levels) {
-      const LevelShape s = shape(l.level);
-      coverage.add(l.directory, directory_bytes(s.pages()));
-      LevelInfo sum = {l.level, l.directory, 0, 0, 0};
-      for (uint64_t p = 0; p < s.pages(); ++p) {
-        const DirectoryEntry place = page_place(l.level, p);
-        coverage.add(place.offset, place.size);
-        const Page entries = page(l.level, p);
-        struct Job {
-          uint32_t slot;
-        };
-        uint32_t next_slot = 0;
-        const auto next = [&]() -> std::optional<Job> {
-          if (next_slot == entries->size()) return std::nullopt;
-          return Job{next_slot++};
-        };
-        const auto check = [&](Job job, int) -> std::pair<uint32_t, uint64_t> {
-          const ChunkEntry& e = (*entries)[job.slot];
-          const uint32_t cu = static_cast<uint32_t>(p % s.pages_u) * s.page_chunks + job.slot % s.page_width(p);
-          const uint32_t cv = static_cast<uint32_t>(p / s.pages_u % s.pages_v) * s.page_chunks + job.slot / s.page_width(p);
-          const auto segment = static_cast<uint32_t>(p / s.pages_u / s.pages_v);
-          Chunk chunk, expected;
-          read_stored(l.level, cu, cv, segment, e, chunk);
-          if (l.level > 0) {
-            derive(l.level, cu, cv, segment, expected);
-            if (!same_cells(chunk, expected))
-              throw FormatError(fmt::format("{}: its sets are not those of the level below", chunk_name(l.level, cu, cv, segment)));
-          } else if (e.size != 0 && e.stats != stats_of(chunk.rays)) {
-            throw FormatError(fmt::format("{}: its statistics are not those of its cells", chunk_name(l.level, cu, cv, segment)));
-          }
-          return {job.slot, chunk.rays.at.size()};
-        };
-        in_order(threads, next, check, [&](std::pair<uint32_t, uint64_t> done) {
-          const ChunkEntry& e = (*entries)[done.first];
-          if (e.size == 0) return;
-          coverage.add(e.offset, e.size);
-          sum.chunks += 1;
-          sum.bytes += e.size;
-          sum.changes += done.second;
-        });
-        bytes_done += place.size;
-        progress(static_cast<double>(bytes_done) / static_cast<double>(source_->size()));
-      }
-      if (!(sum == l)) throw FormatError(fmt::format("level {}: the metadata counts {} chunks, {} bytes, {} changes; found {}, {}, {}", l.level, l.chunks,
-                                                     l.bytes, l.changes, sum.chunks, sum.bytes, sum.changes));
-    }
-    coverage.expect_whole(source_->size());
-    check_content_hash();
-  } catch (const FormatError& e) {
-    const std::string message = e.what();
-    throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));
-  }
 }
 
 }  // namespace teracell

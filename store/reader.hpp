@@ -1,12 +1,9 @@
-// Reads a .tcell file. Opening costs the header, the footer and the metadata; a chunk costs a directory block, a page
-// (kept for a while) and its own bytes. Every byte is held against its checksum before it is believed.
+// Reads a .tcell file. Opening costs the header, the footer and the metadata; a chunk costs a directory block and a page
+// (both kept, up to 17 MiB) and its own bytes. Every byte is held against its checksum before it is believed.
 #pragma once
 #include <filesystem>
 #include <functional>
-#include <list>
 #include <memory>
-#include <mutex>
-#include <unordered_map>
 
 #include "store/file.hpp"
 #include "store/format.hpp"
@@ -24,6 +21,7 @@ class GridReader {
   const Metadata& meta() const { return meta_; }
   const std::string& name() const { return source_->name(); }
   uint64_t file_bytes() const { return source_->size(); }
+  std::string version() const { return std::to_string(kFormatMajor) + "." + std::to_string(minor_); }  // of the file's format
   std::string hash() const;    // of the content, 32 hex digits
   std::string report() const;  // JSON
   int levels() const { return meta_.grid.levels(); }
@@ -32,7 +30,7 @@ class GridReader {
 
   // REQUIRES: stored(level), the chunk lies in the level.
   std::shared_ptr<const ChunkEntry> entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
-  // The set that fills the chunk, if it is stored as such; derived levels never say. Costs no chunk bytes.
+  // The set that fills the chunk, if it, or each chunk below that it is derived from, is stored as such. Costs no chunk bytes.
   std::optional<std::vector<Label>> uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
   // Any level: those that are not stored are derived from the next lower one that is. `out` is overwritten.
   void read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
@@ -43,15 +41,26 @@ class GridReader {
  private:
   using Page = std::shared_ptr<const std::vector<ChunkEntry>>;
   struct Cache;
+  class Coverage;
+  static std::string chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment);
   const LevelInfo& info(int level) const;
+  void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
+  DirectoryEntry directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const;
   DirectoryEntry page_place(int level, uint64_t page) const;
   Page page(int level, uint64_t page) const;
   void read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& entry, Chunk& out) const;
   void derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
+  void verify_level(const LevelInfo& info, int threads, Coverage& coverage, const std::function<void()>& progress) const;
+  void verify_cover(const OtherChannel& channel, Coverage& coverage, const std::function<void()>& progress) const;
   void check_content_hash() const;
+  void check_inside(const DirectoryEntry& place, const std::string& what) const;
+  static void check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found);
   void read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const;
+  // Calls f with the bytes at `offset`, a mebibyte at a time.
+  void read_in_pieces(uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f) const;
 
   std::unique_ptr<ByteSource> source_;
+  uint16_t minor_ = 0;
   Footer footer_;
   Metadata meta_;
   std::unique_ptr<Cache> cache_;

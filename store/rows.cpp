@@ -201,8 +201,7 @@ struct Picture {
 }  // namespace
 
 SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level) {
-  if (level < 0 || level >= meta.grid.levels())
-    throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, level));
+  meta.grid.check_level(level);
   const Index3 n = meta.grid.cells(level);
   const Frame f = Frame::along(axis);
   const SliceView view{axis, index, level, 0, 0, n[f.u], n[f.v]};
@@ -211,8 +210,7 @@ SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level) 
 }
 
 void check_view(const Metadata& meta, const SliceView& view) {
-  if (view.level < 0 || view.level >= meta.grid.levels())
-    throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, view.level));
+  meta.grid.check_level(view.level);
   const Index3 n = meta.grid.cells(view.level);
   const Frame f = Frame::along(view.axis);
   if (view.index < 0 || view.index >= n[view.axis])

@@ -7,13 +7,8 @@
 namespace teracell {
 namespace {
 
-void check_level(const Metadata& meta, int level) {
-  if (level < 0 || level >= meta.grid.levels())
-    throw UsageError(fmt::format("level must be 0 to {}, found {}", meta.grid.levels() - 1, level));
-}
-
 void check_box(const Metadata& meta, int level, const Box& box) {
-  check_level(meta, level);
+  meta.grid.check_level(level);
   const Index3 n = meta.grid.cells(level);
   for (int d = 0; d < 3; ++d)
     if (box.lo[d] < 0 || box.hi[d] > n[d])
@@ -95,7 +90,7 @@ SetValue strongest_material(const Metadata& meta) {
 
 template <class T>
 void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride) {
-  check_level(reader.meta(), level);
+  reader.meta().grid.check_level(level);
   if (box.empty()) return;
   const Box inside = intersect(box, reader.meta().grid.box(level));
   if (!(inside == box)) {

@@ -16,8 +16,6 @@ struct EncodedChunk {
   ChunkEntry entry;           // all but the offset
   uint64_t changes = 0;
 };
-// Cells and box of every label of a block of level 0, labels ascending.
-std::vector<LabelStats> stats_of(const RayBlock& rays);
 EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const SetTable& sets, bool with_stats);
 
 // Not thread-safe. The file's bytes depend on the order of put().

@@ -122,7 +122,8 @@ Bytes edited_file(std::span<const uint8_t> edits) {
                    }
                  }
                  ++index;
-               }});
+               },
+               .channels = {{"unknown", {encode_text("one frame"), encode_text("and another")}}}});
 }
 
 Bytes signed_again(std::span<const uint8_t> input, size_t covered, const Bytes& behind) {

@@ -1,17 +1,29 @@
 // Files: a name appears only for a complete file, and nothing else is left behind.
 #include "store/file.hpp"
 
+#include <cerrno>
 #include <csignal>
 #include <fstream>
 
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <catch2/catch.hpp>
 
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
+
+static int folder_error = 0;  // what fsync of a folder fails with
+
+// Takes the place of libc's for the whole program.
+extern "C" int fsync(int fd) {
+  struct stat st;
+  if (folder_error == 0 || fstat(fd, &st) != 0 || !S_ISDIR(st.st_mode)) return static_cast<int>(syscall(SYS_fsync, fd));
+  errno = folder_error;
+  return -1;
+}
 
 namespace teracell {
 namespace {
@@ -160,6 +172,24 @@ TEST_CASE("A disk that is full is an IoError that names the file, in append or i
     REQUIRE_THROWS_AS(write(), IoError);
     REQUIRE_THROWS_WITH(write(), Catch::Contains("g.tcell") && Catch::Contains("too large"));
     REQUIRE(fs::is_empty(folder.path()));
+  }
+  REQUIRE(open_descriptors() == descriptors);
+}
+
+TEST_CASE("A folder that can't be made durable is reported with the file in place, one that never can be is not") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  for (const int error : {EIO, EINVAL, EOPNOTSUPP, ENOSPC, 0}) {
+    OutputFile out(folder / "g.tcell");
+    out.append(some_bytes(1000));
+    folder_error = error;
+    const bool reported = error == EIO || error == ENOSPC;
+    if (reported) CHECK_THROWS_WITH(out.commit(), Catch::Contains("g.tcell") && Catch::Contains("in place"));
+    else CHECK_NOTHROW(out.commit());
+    folder_error = 0;
+    REQUIRE(file_bytes(folder / "g.tcell") == some_bytes(1000));
+    REQUIRE_FALSE(fs::exists(folder / "g.tcell.partial"));
+    fs::remove(folder / "g.tcell");
   }
   REQUIRE(open_descriptors() == descriptors);
 }

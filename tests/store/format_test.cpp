@@ -56,9 +56,11 @@ TEST_CASE("A header cut short or with any bit flipped is refused") {
 TEST_CASE("A newer minor version is read, a newer major one is refused and named") {
   Bytes minor = encode_header(), major = encode_header();
   minor[18] = 0xFF, minor[19] = 0xFF;
-  REQUIRE_NOTHROW(check_header(signed_again(minor, 24)));
+  REQUIRE(check_header(signed_again(minor, 24)) == 0xFFFF);
   major[16] = 2;
   REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("2.0") && Catch::Contains("newer"));
+  major[16] = 0;
+  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("0.0"));
 }
 
 TEST_CASE("Reserved bits of the header are refused one by one") {
@@ -218,6 +220,7 @@ Metadata some_metadata() {
   meta.crossings = ~uint64_t{0};
   meta.levels = {{0, ~uint64_t{0}, 1, uint64_t{1} << 63, 3}, {2, 4, 5, 6, 7}};
   for (int level = 4; level <= 30; level += 2) meta.levels.push_back({level, 1, 0, 0, 0});
+  meta.others = {{"fractions", ~uint64_t{0}, 1}, {"\"", 0, ~uint64_t{0}}};
   return meta;
 }
 
@@ -256,13 +259,16 @@ Bytes edited(F&& edit) {
   return encode_text(j.dump());
 }
 
-TEST_CASE("Unknown keys and unknown optional channels of the metadata are skipped") {
-  const Metadata plain = decode_metadata(edited([](ordered_json&) {}));
+TEST_CASE("Unknown keys of the metadata are skipped; of unknown optional channels the cover is kept") {
+  Metadata plain = decode_metadata(edited([](ordered_json&) {}));
+  plain.others.insert(plain.others.begin(), {"first", 7, 8});
+  plain.others.push_back({"last", 9, 10});
   REQUIRE(decode_metadata(edited([](ordered_json& j) {
             j["new"] = {1, 2, 3};
             j["chunk"]["new"] = "x";
-            j["channels"].push_back({{"name", "fractions"}, {"required", false}, {"coding", "bytes"}, {"strange", 7}});
-            j["channels"].insert(j["channels"].begin(), ordered_json::object({{"name", "first"}, {"required", false}}));
+            j["channels"].push_back({{"name", "last"}, {"required", false}, {"coding", "bytes"}, {"strange", 7}, {"cover", {{"offset", 9}, {"frames", 10}}}});
+            j["channels"].insert(j["channels"].begin(),
+                                 ordered_json::object({{"name", "first"}, {"required", false}, {"cover", {{"offset", 7}, {"frames", 8}, {"new", 1}}}}));
           })) == plain);
 }
 
@@ -287,7 +293,8 @@ TEST_CASE("Every key of the metadata is needed and no value of another type is t
   for (const char* path : {"/units", "/ray_axis", "/axes", "/axes/0/type", "/axes/0/cells", "/axes/0/first", "/axes/1/planes", "/materials",
                            "/materials/0/name", "/materials/0/color", "/materials/0/rank", "/labels", "/labels/0/material", "/chunk", "/chunk/rays",
                            "/chunk/cells", "/chunk/page", "/crossings", "/channels", "/channels/0/name", "/channels/0/levels",
-                           "/channels/0/levels/0/level", "/channels/0/levels/0/directory", "/channels/0/levels/0/bytes"}) {
+                           "/channels/0/levels/0/level", "/channels/0/levels/0/directory", "/channels/0/levels/0/bytes", "/channels/1/required",
+                           "/channels/1/cover", "/channels/1/cover/offset", "/channels/1/cover/frames"}) {
     INFO(path);
     const ordered_json::json_pointer pointer(path);
     REQUIRE_THROWS_AS(decode_metadata(edited([&](ordered_json& j) { j[pointer.parent_pointer()].erase(pointer.back()); })), FormatError);
@@ -310,6 +317,7 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   for (const uint64_t page : {uint64_t{0}, uint64_t{65}, uint64_t{1} << 32}) refused("/chunk/page", page);
   for (const uint64_t cells : {uint64_t{0}, (uint64_t{1} << 31) - 1, ~uint64_t{0}}) refused("/axes/0/cells", cells);
   for (const uint64_t first : {(uint64_t{1} << 52) + 1, ~uint64_t{0}}) refused("/axes/0/first", first);
+  refused("/axes/0/cells", 12.0);  // whole, but not written so
   refused("/axes/0/step", 0);
   refused("/axes/0/sample", 1);
   refused("/axes/0/type", "round");
@@ -317,6 +325,10 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   refused("/axes/1/planes", {0});
   refused("/ray_axis", "w");
   refused("/ray_axis", "");
+  refused("/materials/0/rank", 0);  // equal to another
+  refused("/materials/1/rank", 1);
+  refused("/materials/1/rank", 3);  // above the background's
+  refused("/materials/0/rank", 65536);
   refused("/labels/1/material", 3);
   refused("/labels", ordered_json::array());
   refused("/materials", ordered_json::array());
@@ -326,6 +338,7 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   refused("/channels/0/levels/1/level", 30);  // twice
   refused("/channels/0/levels/2/level", 32);  // beyond the last
   refused("/channels/0/levels/2/level", 1);   // not ascending
+  refused("/channels/1/cover/frames", 0);
   REQUIRE_THROWS_AS(decode_metadata(edited([](ordered_json& j) { j["axes"].push_back(j["axes"][0]); })), FormatError);
   REQUIRE_THROWS_AS(decode_metadata(edited([](ordered_json& j) { j["axes"].erase(2); })), FormatError);
 }

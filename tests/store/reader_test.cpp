@@ -7,7 +7,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <nlohmann/json.hpp>
+
 #include "store/chunk_codec.hpp"
+#include "store/info.hpp"
 #include "store/slice.hpp"
 #include "tests/support/forged.hpp"
 #include "tests/support/meshed.hpp"
@@ -42,6 +45,12 @@ Bytes chunked_file(int ray_axis = 1, const Index3& n = {5, 6, 9}) {
   const Metadata meta = with_tiny_chunks(metadata_of(cubic(n[0], n[1], n[2]), ray_axis, 3));
   store_cells(folder / "g.tcell", meta, random_cells(random, n, 3));
   return file_bytes(folder / "g.tcell");
+}
+
+// A channel that nobody knows: its frames stand between the chunks and the directories.
+Bytes with_channel(const Bytes& file, Lies lies = {}) {
+  lies.channels.push_back({"fractions", {encode_text("half"), encode_text("a quarter"), encode_text("all of it")}});
+  return forge(file, lies);
 }
 
 void verify(const GridReader& reader, int threads = 1) {
@@ -146,6 +155,14 @@ TEST_CASE("A reader tells what the file holds") {
   REQUIRE(reader.hash() != reader_of(chunked_file()).hash());
 }
 
+TEST_CASE("A file of a newer minor version is read, and the version told is its own") {
+  REQUIRE(reader_of(chunked_file()).version() == "1.0");
+  const Bytes newer = forge(chunked_file(), {.bytes = [](Part part, Bytes& body) { if (part == Part::kHeader) body[18] = 7; }});
+  REQUIRE(reader_of(newer).version() == "1.7");
+  REQUIRE(info_json(reader_of(newer))["file"]["version"] == "1.7");
+  REQUIRE_NOTHROW(verify(reader_of(newer)));
+}
+
 TEST_CASE("The file read by threads at once is the file read by one", "[threads]") {
   const Index3 n = {23, 21, 30};
   const Bytes file = chunked_file(2, n);
@@ -179,6 +196,36 @@ TEST_CASE("The file read by threads at once is the file read by one", "[threads]
   REQUIRE(wrong == 0);
 }
 
+TEST_CASE("A chunk said to be uniform is, on stored levels and derived ones; one set below makes a derived chunk uniform") {
+  const TempFolder folder;
+  const Index3 n = {19, 16, 32};
+  std::vector<Label> cells;  // one half each; a single cell of a third label
+  for (int64_t i = 0; i < n[0] * n[1] * n[2]; ++i) cells.push_back(i == 0 ? 2 : i / (n[0] * n[1]) >= 16);
+  for (int ray_axis = 0; ray_axis < 3; ++ray_axis) {
+    store_cells(folder / "g.tcell", with_tiny_chunks(metadata_of(cubic(n[0], n[1], n[2]), ray_axis, 3)), cells);
+    const GridReader reader(folder / "g.tcell");
+    std::vector<int> said(static_cast<size_t>(reader.levels()), 0);
+    Chunk chunk;
+    for (int level = 0; level < reader.levels(); ++level) {
+      const LevelShape s = reader.shape(level);
+      for (uint32_t cv = 0; cv < s.chunks_v; ++cv)
+        for (uint32_t cu = 0; cu < s.chunks_u; ++cu)
+          for (uint32_t segment = 0; segment < s.segments; ++segment) {
+            reader.read(level, cu, cv, segment, chunk);
+            const auto set = reader.uniform(level, cu, cv, segment);
+            if (reader.stored(level)) REQUIRE(set.has_value() == chunk.rays.uniform());
+            if (!set) continue;
+            REQUIRE(chunk.rays.uniform());
+            REQUIRE(*set == chunk.sets.members(chunk.rays.sets(0)[0]));
+            ++said[static_cast<size_t>(level)];
+          }
+    }
+    REQUIRE(said[0] == 5 * 4 * 8 - 1);
+    REQUIRE(said[1] == 3 * 2 * 4 - 1);  // derived
+    REQUIRE(said[2] == 2 * 1 * 2 - 1);
+  }
+}
+
 TEST_CASE("A reader gives its descriptor back, whether the file was sound or not") {
   const TempFolder folder;
   const Bytes file = meshed_file();
@@ -207,6 +254,29 @@ TEST_CASE("What is no .tcell file is a FormatError that names it") {
     REQUIRE_THROWS_WITH(reader_of({text.begin(), text.end()}), Catch::StartsWith("memory.tcell: ") && Catch::Contains("teracell"));
 }
 
+TEST_CASE("A file with further optional channels is read like one without, and sound") {
+  const Bytes file = chunked_file();
+  std::vector<Bytes> frames;
+  for (int i = 0; i < 400; ++i) frames.push_back(encode_text(std::to_string(i)));  // more than two blocks of a directory
+  std::mt19937_64 random(3);
+  Bytes large(5 << 20);
+  for (uint8_t& b : large) b = static_cast<uint8_t>(random());
+  for (const std::vector<ForgedChannel>& channels :
+       {std::vector<ForgedChannel>{{"one", {encode_text("x")}}}, {{"one", {encode_text("x")}}, {"many", frames}}, {{"large", {large}}, {"", {encode_text("y")}}}}) {
+    const Bytes more = forge(file, {.channels = channels});
+    const GridReader reader = reader_of(more);
+    REQUIRE(reader.meta().others.size() == channels.size());
+    for (size_t i = 0; i < channels.size(); ++i) {
+      REQUIRE(reader.meta().others[i].name == channels[i].name);
+      REQUIRE(reader.meta().others[i].frames == channels[i].frames.size());
+    }
+    REQUIRE(info_json(reader)["levels"].size() == static_cast<size_t>(reader.levels()));
+    REQUIRE(read_everything(reader) == read_everything(reader_of(file)));
+    REQUIRE(reader.hash() != reader_of(file).hash());
+    REQUIRE_NOTHROW(verify(reader));
+  }
+}
+
 // ---- damaged files --------------------------------------------------------------------------------------------------
 
 TEST_CASE("A file cut short at any byte, or continued, is refused when it is opened") {
@@ -222,7 +292,7 @@ TEST_CASE("A file cut short at any byte, or continued, is refused when it is ope
 }
 
 TEST_CASE("Any single bit flipped in a file is reported by verify, and no wrong cell is ever read") {
-  for (Bytes file : {meshed_file(), chunked_file()}) {
+  for (Bytes file : {meshed_file(), chunked_file(), with_channel(chunked_file(1, {5, 2, 4}))}) {
     const Levels undamaged = read_everything(reader_of(file));
     for (size_t bit = 0; bit < 8 * file.size(); ++bit) {
       file[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
@@ -273,6 +343,34 @@ TEST_CASE("Bytes that nothing names, or that two things name, are found by verif
   const Bytes shared = forge(file, {.page = share_a_frame});
   REQUIRE(done);
   expect_verify_refuses(shared, "");
+}
+
+TEST_CASE("A cover that lies is refused when the file is opened, or by verify") {
+  const Bytes file = chunked_file();
+  const auto says = [&](const std::function<void(OtherChannel&)>& lie) { return with_channel(file, {.metadata = [=](Metadata& m) { lie(m.others[0]); }}); };
+  const uint64_t size = with_channel(file).size();
+  REQUIRE_THROWS_WITH(reader_of(says([](OtherChannel& c) { c.frames = 0; })), Catch::Contains("at least one frame"));
+  for (const uint64_t count : {uint64_t{1}, uint64_t{2}, uint64_t{4}, size, size / kDirectoryEntry, uint64_t{1} << 32, uint64_t{1} << 61, ~uint64_t{0}})
+    REQUIRE_THROWS_AS(reader_of(says([&](OtherChannel& c) { c.frames = count; })), FormatError);
+  for (const uint64_t offset : {uint64_t{0}, size - 1, size, size + 1, uint64_t{1} << 63, ~uint64_t{0} - 7, ~uint64_t{0}})
+    REQUIRE_THROWS_AS(reader_of(says([&](OtherChannel& c) { c.cover = offset; })), FormatError);
+  REQUIRE_THROWS_WITH(reader_of(says([](OtherChannel& c) { c.cover -= 1; })), Catch::StartsWith("memory.tcell: "));
+
+  const auto lists = [&](const std::function<void(std::vector<DirectoryEntry>&)>& lie) {
+    return with_channel(file, {.cover = [=](const std::string&, std::vector<DirectoryEntry>& frames) { lie(frames); }});
+  };
+  expect_verify_refuses(lists([](auto& frames) { frames.pop_back(); }), "belongs to nothing");
+  expect_verify_refuses(lists([](auto& frames) { frames[1] = frames[0]; }), "two things");
+  expect_verify_refuses(lists([](auto& frames) { frames[0].offset -= 1; }), "two things");
+  expect_verify_refuses(lists([](auto& frames) { frames[2].size += 1; }), "two things");
+  expect_verify_refuses(lists([](auto& frames) { frames[0].size -= 1; }), "checksum");
+  expect_verify_refuses(lists([](auto& frames) { frames[1].size = 0; }), "a frame has bytes");
+  expect_verify_refuses(lists([](auto& frames) { frames[1].checksum ^= 1; }), "channel 'fractions' frame 1");
+  for (const uint64_t bad : {size, uint64_t{1} << 63, ~uint64_t{0}}) {
+    expect_verify_refuses(lists([=](auto& frames) { frames[0].offset = bad; }), "outside");
+    expect_verify_refuses(lists([=](auto& frames) { frames[0].size = bad; }), "outside");
+  }
+  expect_verify_refuses(with_channel(file, {.metadata = [](Metadata& m) { m.others.push_back(m.others[0]); }}), "two things");
 }
 
 TEST_CASE("Sums, statistics, coarse sets and the content hash that lie are found by verify") {

@@ -17,11 +17,25 @@ class Forger {
     out_ = signed_again(Part::kHeader, encode_header(), kHeaderBytes - 8);
     out_.resize(out_.size() + lies_.gap);
     for (LevelInfo& level : meta_.levels) directories_.push_back(level_pages(level));
+    std::vector<std::vector<DirectoryEntry>> covers;
+    for (const ForgedChannel& channel : lies_.channels) {
+      covers.emplace_back();
+      for (const Bytes& frame : channel.frames) covers.back().push_back(append(frame));
+    }
     Bytes hashed;
-    for (size_t i = 0; i < meta_.levels.size(); ++i) {
-      const Bytes frame = directory(meta_.levels[i].level, directories_[i]);
-      meta_.levels[i].directory = append(frame).offset;
+    const auto append_directory = [&](const std::vector<DirectoryEntry>& places) {
+      const Bytes frame = directory(places);
       hashed.insert(hashed.end(), frame.begin(), frame.end());
+      return append(frame).offset;
+    };
+    for (size_t i = 0; i < meta_.levels.size(); ++i) {
+      if (lies_.directory) lies_.directory(meta_.levels[i].level, directories_[i]);
+      meta_.levels[i].directory = append_directory(directories_[i]);
+    }
+    for (size_t i = 0; i < covers.size(); ++i) {
+      const std::string& name = lies_.channels[i].name;
+      if (lies_.cover) lies_.cover(name, covers[i]);
+      meta_.others.push_back({name, append_directory(covers[i]), covers[i].size()});
     }
     if (lies_.metadata) lies_.metadata(meta_);
     Footer footer;
@@ -92,8 +106,7 @@ class Forger {
     return places;
   }
 
-  Bytes directory(int level, std::vector<DirectoryEntry> places) const {
-    if (lies_.directory) lies_.directory(level, places);
+  Bytes directory(const std::vector<DirectoryEntry>& places) const {
     const Bytes honest = encode_directory(places);
     Bytes out(honest.begin(), honest.begin() + 8);
     for (uint64_t block = 0; block * kBlockEntries < places.size(); ++block) {

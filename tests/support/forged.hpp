@@ -9,19 +9,27 @@ namespace teracell::testing {
 
 enum class Part { kHeader, kChunk, kPage, kDirectory, kMetadata, kReport, kFooter };
 
+// A channel that no reader knows: bytes.
+struct ForgedChannel {
+  std::string name;
+  std::vector<Bytes> frames;
+};
+
 struct Lies {
   // Each sees what an honest writer would write and may change it; whatever covers it is computed afterwards.
   std::function<void(int level, std::vector<ChunkEntry>&)> page;
   std::function<void(int level, std::vector<DirectoryEntry>&)> directory;
+  std::function<void(const std::string& channel, std::vector<DirectoryEntry>&)> cover;
   std::function<void(Metadata&)> metadata;
   std::function<void(Footer&)> footer;
   // The plain bytes: of chunk, page, metadata and report before they are compressed; of header, directory block and
   // footer before their checksum is appended.
   std::function<void(Part, Bytes&)> bytes;
+  std::vector<ForgedChannel> channels;  // added to the file
   uint64_t gap = 0;  // bytes behind the header that belong to nothing
 };
 
-// REQUIRES: `file` is a sound .tcell file.
+// REQUIRES: `file` is a sound .tcell file with no channel but the labels.
 Bytes forge(const Bytes& file, const Lies& lies);
 
 }  // namespace teracell::testing

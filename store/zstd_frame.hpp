@@ -1,0 +1,35 @@
+// A zstd frame as FORMAT.md has it: its content size in the header, nothing behind it. For the store's sources alone.
+#pragma once
+#include "store/bytes.hpp"
+
+struct ZSTD_CCtx_s;
+struct ZSTD_DCtx_s;
+
+namespace teracell {
+
+// Keeps scratch memory between calls; one per thread.
+class ZstdEncoder {
+ public:
+  ZstdEncoder();
+  ~ZstdEncoder();
+  ZstdEncoder(const ZstdEncoder&) = delete;
+  Bytes encode(std::span<const uint8_t> body, int level);
+
+ private:
+  ZSTD_CCtx_s* zstd_;
+};
+
+// Keeps scratch memory between calls; one per thread.
+class ZstdDecoder {
+ public:
+  ZstdDecoder();
+  ~ZstdDecoder();
+  ZstdDecoder(const ZstdDecoder&) = delete;
+  // Throws FormatError, naming `what`, unless `frame` is one frame of a body of at most `most` bytes.
+  void decode(std::span<const uint8_t> frame, uint64_t most, const std::string& what, Bytes& body);
+
+ private:
+  ZSTD_DCtx_s* zstd_;
+};
+
+}  // namespace teracell
