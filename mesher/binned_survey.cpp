@@ -1,5 +1,6 @@
 #include "mesher/binned_survey.hpp"
 
+#include <algorithm>
 #include <map>
 
 #include <xxhash.h>
@@ -16,7 +17,12 @@ uint32_t root(std::vector<uint32_t>& parent, uint32_t v) {
 
 void BinnedSurvey::add_bin(const std::vector<BinnedFacet>& facets) {
   std::map<size_t, Survey> surveys;  // by body
-  for (const BinnedFacet& f : facets) surveys[f.layer / 2].add(f.facet, f.at_home);
+  for (size_t i = 0; i < facets.size();) {  // a body's facets mostly follow each other
+    const size_t body = facets[i].layer / 2;
+    Survey& survey = surveys[body];
+    if (survey.vertices() == 0) survey.expect(std::ranges::count(facets, body, [](const BinnedFacet& f) { return f.layer / 2; }));
+    for (; i < facets.size() && facets[i].layer / 2 == body; ++i) survey.add(facets[i].facet, facets[i].at_home);
+  }
   std::map<std::pair<size_t, uint32_t>, uint32_t> node_of;  // by body and shell within the bin
   for (const BinnedFacet& f : facets) {
     if (!f.shared) continue;

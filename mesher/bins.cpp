@@ -16,14 +16,15 @@ constexpr uint64_t kLoadedBytes = 200;
 
 }  // namespace
 
-FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, Move move)
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move)
     : rays_(meta),
       float32_(float32),
       record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + sizeof(uint32_t)),
       most_facets_(std::max<uint64_t>(budget.bytes / 16 / kLoadedBytes, 1024)),
       move_(std::move(move)),
       file_(budget.folder, static_cast<uint64_t>(kBinsOfAFacet * static_cast<double>(facets * record_bytes_))),
-      root_{rays_.root(), 0, {}, {}, {}} {
+      root_{rays_.root(), 0, {}, {}, {}},
+      writer_(own_writer) {
   // As many bins from the start as are likely to be needed, if their buffers fit: what must be split later is written again.
   constexpr uint64_t kLeastBuffer = 4096;
   uint64_t bins = 1;
@@ -48,8 +49,7 @@ void FacetBins::open_children(Bin& bin) const {
   for (uint32_t k = 0; k < 16; ++k) bin.children.push_back({{bin.place.depth - 1, bin.place.cu * 4 + k % 4, bin.place.cv * 4 + k / 4}, 0, {}, {}, {}});
 }
 
-FacetBins::Places FacetBins::places_of(const Facet& moved) const {
-  const RayRange r = rays_.range_of(moved);
+FacetBins::Places FacetBins::places_of(const RayRange& r) const {
   const auto unit = static_cast<uint32_t>(rays_.size(0));
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
   return {std::min(r.u0, u) / unit, std::min(r.u1, u) / unit, std::min(r.v0, v) / unit, std::min(r.v1, v) / unit};
@@ -58,7 +58,7 @@ FacetBins::Places FacetBins::places_of(const Facet& moved) const {
 void FacetBins::add(const Facet& facet, uint32_t layer) {
   std::array<uint8_t, 9 * sizeof(double) + sizeof(uint32_t)> record;
   encode(facet, layer, {record.data(), record_bytes_});
-  put(root_, places_of(move_(facet, layer)), {record.data(), record_bytes_});
+  put(root_, places_of(rays_.range_of(move_(facet, layer))), {record.data(), record_bytes_});
 }
 
 void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> record) {
@@ -79,24 +79,29 @@ void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> rec
 
 void FacetBins::flush(Bin& bin) {
   if (bin.buffer.empty()) return;
-  bin.extents.push_back({file_.append(bin.buffer), bin.buffer.size(), checksum(bin.buffer)});
-  bin.buffer.clear();
+  bin.extents.push_back({end_, bin.buffer.size(), checksum(bin.buffer)});
+  end_ += bin.buffer.size();
+  writer_.run([this, offset = bin.extents.back().offset, bytes = std::move(bin.buffer)] { file_.write(offset, bytes); });
+  bin.buffer = {};
 }
 
-void FacetBins::finish() { split_large(root_); }
+void FacetBins::finish() {
+  split_large(root_);
+  writer_.finish();
+}
 
 void FacetBins::split_large(Bin& bin) {
   if (bin.children.empty()) {
     flush(bin);
-    bin.buffer = {};
     if (bin.facets <= most_facets_ || bin.place.depth == 0) return;
     Bin whole = std::move(bin);
     bin = {whole.place, 0, {}, {}, {}};
     open_children(bin);
+    writer_.finish();
     take_records(whole, [&](std::span<const uint8_t> record) {
       uint32_t layer;
       const Facet facet = decode(record, layer);
-      put(bin, places_of(move_(facet, layer)), record);
+      put(bin, places_of(rays_.range_of(move_(facet, layer))), record);
     });
   }
   for (Bin& child : bin.children) split_large(child);
@@ -111,7 +116,7 @@ const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
   return *bin;
 }
 
-void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet&)>& f) {
+void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet&, const RayRange&)>& f) {
   Bin& bin = const_cast<Bin&>(bin_at(place));
   const int shift = 2 * place.depth;
   const auto inside = [&](uint32_t u, uint32_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
@@ -119,16 +124,17 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
     BinnedFacet out;
     out.facet = decode(record, out.layer);
     const Facet moved = move_(out.facet, out.layer);
-    const Places places = places_of(moved);
+    const RayRange range = rays_.range_of(moved);
+    const Places places = places_of(range);
     out.shared = !inside(places.u0, places.v0) || !inside(places.u1, places.v1);
     out.at_home = true;
     if (out.shared) {
       // At home where its least vertex is: facets with the same vertices have the same home.
       const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
-      const Places home = places_of({{p, p, p}});
+      const Places home = places_of(rays_.range_of({{p, p, p}}));
       out.at_home = inside(home.u0, home.v0);
     }
-    f(out, moved);
+    f(out, moved, range);
   });
 }
 

@@ -8,6 +8,7 @@
 
 #include "mesher/rays.hpp"
 #include "mesher/spill.hpp"
+#include "store/background.hpp"
 
 namespace teracell {
 
@@ -19,13 +20,14 @@ struct BinnedFacet {
   bool shared;     // it lies in several
 };
 
-// Not thread-safe.
+// Not thread-safe, but that take() may run beside the questions.
 class FacetBins {
  public:
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, in single precision if `float32`. `move` takes them to where the grid sees them. A bin
   // takes some sixteenth of the budget when it is loaded, so do all buffers together while bins are filled.
-  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, Move move);
+  // With `own_writer` a thread of its own writes to the disk.
+  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move);
 
   void add(const Facet& facet, uint32_t layer);
   // When all are added. Splits the bins that are too large, as far as the tree goes.
@@ -33,9 +35,10 @@ class FacetBins {
 
   // After finish(). A node of the tree is a bin, has bins below it, or lies in a bin.
   bool is_split(const TreePlace& place) const { return !bin_at(place).children.empty(); }
-  // Calls f with the facets of a bin, and each as the grid sees it. They are gone from the disk then.
-  void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved)>& f);
-  uint64_t bytes() const { return file_.size(); }  // ever written
+  uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }
+  // Calls f with the facets of a bin, each also as the grid sees it and with its rays. They are gone from the disk then.
+  void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
+  uint64_t bytes() const { return end_; }  // ever written
 
  private:
   struct Extent {
@@ -56,7 +59,7 @@ class FacetBins {
   struct Places {
     uint32_t u0, u1, v0, v1;
   };
-  Places places_of(const Facet& moved) const;
+  Places places_of(const RayRange& rays) const;
   void put(Bin& bin, const Places& places, std::span<const uint8_t> record);
   void flush(Bin& bin);
   void split_large(Bin& bin);
@@ -72,7 +75,9 @@ class FacetBins {
   size_t buffer_bytes_;
   const Move move_;
   SpillFile file_;
+  uint64_t end_ = 0;  // of the file, with what the writer still has to write
   Bin root_;
+  Background writer_;  // last: its thread uses the file
 };
 
 }  // namespace teracell

@@ -212,9 +212,13 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
 
 void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const std::function<void(const Facet&)>& f) {
   if (bodies.in_memory) return bodies.facets->for_each(found.first, found.first + found.file.facets, [&](const SceneFacet& s) { f(s.facet); });
-  const SurfaceFile file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
+  read_again(body, found, [&](std::span<const Facet> facets) {
     for (const Facet& facet : facets) f(facet);
   });
+}
+
+void read_again(const SceneBody& body, const BodyFacets& found, const FacetSink& sink) {
+  const SurfaceFile file = read_facets(body.mesh, body.part, sink);
   if (file.hash != found.file.hash)
     throw InputError(fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));
 }

@@ -102,26 +102,19 @@ Facet moved_facet(const Facet& facet, const SceneBody& body) {
 // Facets that don't fit into memory are read once more, from their files into bins.
 std::unique_ptr<FacetBins> fill_bins(const Scene& scene, const Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick) {
   const auto move = [&scene, moves = which_move(scene)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved_facet(f, scene.bodies[layer / 2]) : f; };
-  auto bins = std::make_unique<FacetBins>(meta, bodies.facet_count(), bodies.float32(), budget, move);
+  auto bins = std::make_unique<FacetBins>(meta, bodies.facet_count(), bodies.float32(), budget, threads > 1, move);
   const double all = static_cast<double>(bodies.facet_count());
   uint64_t done = 0;
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const BodyFacets& found = bodies.bodies[b];
     Background background(threads > 1);
-    std::vector<Facet> batch;
-    const auto hand_over = [&] {
-      background.run([&, b, facets = std::move(batch)] {
-        for (const Facet& f : facets) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used));
+    read_again(scene.bodies[b], found, [&](std::span<const Facet> facets) {
+      background.run([&, b, batch = std::vector<Facet>(facets.begin(), facets.end())] {
+        for (const Facet& f : batch) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used));
       });
-      batch = {};
+      done += facets.size();
       tick(static_cast<double>(done) / all);
-    };
-    for_each_facet(scene.bodies[b], found, bodies, [&](const Facet& f) {
-      batch.push_back(f);
-      ++done;
-      if (batch.size() == 4096) hand_over();
     });
-    hand_over();
     background.finish();
     for (const bool parity : {false, true})
       for (const Facet& f : found.rules[parity].caps.facets) bins->add(f, layer_of(b, parity));
@@ -180,7 +173,7 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
   } else {
     auto bins = fill_bins(scene, bodies, meta, budget, threads, [&](double share) { tick("spill", share); });
     spilled = bins->bytes();
-    tiling.emplace(std::move(bins), [&](auto facets) { background.run([&binned, facets] { binned.add_bin(*facets); }); }, meta);
+    tiling.emplace(std::move(bins), [&](auto facets) { background.run([&binned, facets] { binned.add_bin(*facets); }); }, threads > 1, meta);
   }
   const EngineMaker make_engine = engine_maker(options.engine, meta.frame(), [&] {
     if (!bodies.in_memory)

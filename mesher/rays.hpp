@@ -38,6 +38,11 @@ struct RayRange {
   bool empty() const { return u0 >= u1 || v0 >= v1; }
 };
 
+// The chunks of level 0 that a facet may have rays in: [u0, u1] x [v0, v1].
+struct ChunkRange {
+  uint32_t u0, u1, v0, v1;
+};
+
 // A node of the tree: `depth` 0 is a unit, 4 x 4 chunks. (cu, cv) counts nodes of this depth.
 struct TreePlace {
   int depth = 0;
@@ -59,6 +64,11 @@ struct RayFrame {
     const auto [u_lo, u_hi] = std::minmax({a[frame.u], b[frame.u], c[frame.u]});
     const auto [v_lo, v_hi] = std::minmax({a[frame.v], b[frame.v], c[frame.v]});
     return {u.first(u_lo), u.last(u_hi), v.first(v_lo), v.last(v_hi)};
+  }
+  // REQUIRES: !range.empty().
+  ChunkRange chunks_of(const RayRange& r) const {
+    const uint32_t size = shape.chunk_rays;
+    return {r.u0 / size, (r.u1 - 1) / size, r.v0 / size, (r.v1 - 1) / size};
   }
   // A side of a node of that depth, in rays.
   uint64_t size(int depth) const { return uint64_t{4} * shape.chunk_rays << (2 * depth); }

@@ -30,16 +30,15 @@ SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected) : f
 
 SpillFile::~SpillFile() { ::close(fd_); }
 
-uint64_t SpillFile::append(std::span<const uint8_t> bytes) {
-  const uint64_t offset = size_;
+void SpillFile::write(uint64_t offset, std::span<const uint8_t> bytes) {
   while (!bytes.empty()) {
-    const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
+    const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw IoError(fmt::format("{}: can't write byte {} of a temporary file: {}: give another folder with --tmp, or more --memory", folder_, size_, std::strerror(errno)));
-    size_ += static_cast<uint64_t>(n);
+    if (n < 0)
+      throw IoError(fmt::format("{}: can't write byte {} of a temporary file: {}: give another folder with --tmp, or more --memory", folder_, offset, std::strerror(errno)));
+    offset += static_cast<uint64_t>(n);
     bytes = bytes.subspan(static_cast<size_t>(n));
   }
-  return offset;
 }
 
 void SpillFile::read(uint64_t offset, std::span<uint8_t> out) const {

@@ -1,4 +1,4 @@
-// Room on disk for what the memory budget doesn't hold. Not thread-safe.
+// Room on disk for what the memory budget doesn't hold.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -13,7 +13,7 @@ struct Budget {
   std::filesystem::path folder = ".";  // for temporary files
 };
 
-// A temporary file without a name: however the process ends, nothing stays behind. Throws IoError, "no space" with what
+// A temporary file without a name: however the process ends, nothing stays behind. Threads may share it. Throws IoError, "no space" with what
 // was needed.
 class SpillFile {
  public:
@@ -22,17 +22,14 @@ class SpillFile {
   ~SpillFile();
   SpillFile(const SpillFile&) = delete;
 
-  // Returns the offset that the bytes have from now on.
-  uint64_t append(std::span<const uint8_t> bytes);
+  void write(uint64_t offset, std::span<const uint8_t> bytes);
   void read(uint64_t offset, std::span<uint8_t> out) const;
   // Gives the room back, where the file system can.
   void discard(uint64_t offset, uint64_t bytes);
-  uint64_t size() const { return size_; }
 
  private:
   std::string folder_;
   int fd_ = -1;
-  uint64_t size_ = 0;
 };
 
 }  // namespace teracell

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#define XXH_INLINE_ALL  // see closure.cpp
 #include <xxhash.h>
 
 #include "mesher/predicates.hpp"
@@ -19,7 +20,7 @@ bool has_no_area(const Facet& f) {
 uint32_t VertexNumbers::operator()(const Vec3& vertex) {
   const XXH128_hash_t h = XXH3_128bits(vertex.data(), sizeof vertex);
   const Hash hash{h.low64, h.high64};
-  Recent& recent = recent_[hash.low >> 53];
+  Recent& recent = recent_[hash.low >> 55];
   if (recent.hash != hash || recent.number == kNone) recent = {hash, find_or_add(hash)};
   return recent.number;
 }
@@ -35,8 +36,10 @@ uint32_t VertexNumbers::find_or_add(const Hash& hash) {
   return count() - 1;
 }
 
-void VertexNumbers::grow() {
-  slots_.assign(std::max<size_t>(1024, 4 * slots_.size()), 0);
+void VertexNumbers::grow() { rehash(std::max<size_t>(1024, 4 * slots_.size())); }
+
+void VertexNumbers::rehash(size_t slots) {
+  slots_.assign(slots, 0);
   const size_t mask = slots_.size() - 1;
   for (uint32_t number = 0; number < count(); ++number) {
     size_t i = hashes_[number].low & mask;
@@ -68,11 +71,19 @@ bool DistinctCount::insert(uint64_t hash) {
   return std::exchange(slots_[i], hash) == 0;
 }
 
-void DistinctCount::grow() {
-  std::vector<uint64_t> old(std::max<size_t>(1024, 4 * slots_.size()));
+void DistinctCount::grow() { rehash(std::max<size_t>(1024, 4 * slots_.size())); }
+
+void DistinctCount::rehash(size_t slots) {
+  std::vector<uint64_t> old(slots);
   old.swap(slots_);
   for (const uint64_t hash : old)
     if (hash != 0) insert(hash);
+}
+
+// Of a closed surface with twice as many facets as vertices.
+void Survey::expect(uint64_t facets) {
+  numbers_.expect(facets / 2);
+  distinct_.expect(facets);
 }
 
 uint32_t Survey::root(uint32_t v) {

@@ -1,6 +1,7 @@
 // What a surface is made of: shells, degenerate and duplicate facets.
 #pragma once
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace teracell {
 class VertexNumbers {
  public:
   uint32_t operator()(const Vec3& vertex);
+  void expect(uint64_t vertices) { rehash(std::bit_ceil(2 * vertices + 1024)); }
   uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
 
  private:
@@ -29,7 +31,8 @@ class VertexNumbers {
   };
   uint32_t find_or_add(const Hash& hash);
   void grow();
-  std::vector<Recent> recent_ = std::vector<Recent>(2048);
+  void rehash(size_t slots);
+  std::vector<Recent> recent_ = std::vector<Recent>(512);
   std::vector<Hash> hashes_;     // by number
   std::vector<uint32_t> slots_;  // number + 1; 0 is free
 };
@@ -39,11 +42,13 @@ class DistinctCount {
  public:
   void add(uint64_t hash);
   uint64_t count();
+  void expect(uint64_t hashes) { rehash(std::bit_ceil(2 * hashes + 1024)); }
 
  private:
   static constexpr size_t kWaiting = 16;
   bool insert(uint64_t hash);
   void grow();
+  void rehash(size_t slots);
   std::vector<uint64_t> slots_;
   std::array<uint64_t, kWaiting> waiting_{};
   uint64_t count_ = 0, turn_ = 0;
@@ -52,6 +57,8 @@ class DistinctCount {
 // Takes facets one by one, in any order. Memory: some 35 bytes a facet. Not thread-safe.
 class Survey {
  public:
+  // Makes room, so that tables need not grow.
+  void expect(uint64_t facets);
   // Degenerate and duplicate facets are counted only `at_home`: surveys of parts of a surface may see a facet each.
   void add(const Facet& facet, bool at_home = true);
 

@@ -10,61 +10,85 @@ Tiling::Tiling(const Metadata& meta) : rays_(meta) {
   units_ = uint64_t{units_u_} * units_v_;
 }
 
+// Makes a node of facets in memory. It lists them from the lowest to the highest along the rays, to a 4096th of the grid,
+// and every list made from it does so too: the crossings of a ray then come out nearly sorted, which makes sorting them
+// four times cheaper.
+class Tiling::NodeBuilder {
+ public:
+  NodeBuilder(const RayFrame& rays, uint64_t facets) : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {
+    block_->chunks.reserve(facets);
+    heights_.reserve(facets);
+  }
+  // The facets of the store, one after another.
+  void add(const Facet& facet, const RayRange& r) {
+    const auto& [a, b, c] = facet.vertex;
+    const double height = (std::min({a[w_], b[w_], c[w_]}) - lowest_) * per_height_;
+    const uint16_t h = r.empty() ? kNone : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0));
+    block_->chunks.push_back(h == kNone ? ChunkRange{} : rays_.chunks_of(r));
+    heights_.push_back(h);
+    ++order_[h + 1];
+  }
+  Node finish(const TreePlace& place, std::shared_ptr<const FacetStore> facets) {
+    std::partial_sum(order_.begin(), order_.end(), order_.begin());
+    std::vector<uint32_t> numbers(order_[kNone]);
+    for (uint32_t i = 0; i < heights_.size(); ++i)
+      if (heights_[i] != kNone) numbers[order_[heights_[i]]++] = i;
+    block_->facets = std::move(facets);
+    return {place, std::move(block_), std::move(numbers)};
+  }
+
+ private:
+  static constexpr uint32_t kHeights = 4096;
+  static constexpr uint16_t kNone = kHeights;  // slips between the rays
+  const RayFrame& rays_;
+  const int w_;
+  const double lowest_, per_height_;
+  std::shared_ptr<FacetBlock> block_ = std::make_shared<FacetBlock>();
+  std::vector<uint16_t> heights_;
+  std::vector<uint32_t> order_ = std::vector<uint32_t>(kHeights + 2);
+};
+
 Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta) : Tiling(meta) {
-  path_.push_back(node_of(rays_.root(), std::move(facets)));
+  NodeBuilder root(rays_, facets->size());
+  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, rays_.range_of(f.facet)); });
+  path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 
-Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinObserver observer, const Metadata& meta) : Tiling(meta) {
+Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinObserver observer, bool ahead, const Metadata& meta) : Tiling(meta) {
   bins_ = std::move(bins);
   observer_ = std::move(observer);
+  ahead_ = ahead;
   path_.push_back({rays_.root(), nullptr, {}});
 }
 
-// The node lists facets from the lowest to the highest along the rays, to a 4096th of the grid, and every list made
-// from it does so too: the crossings of a ray then come out nearly sorted, which makes sorting them four times cheaper.
-Tiling::Node Tiling::node_of(const TreePlace& place, std::shared_ptr<const FacetStore> facets) const {
-  constexpr uint32_t kHeights = 4096;
-  constexpr uint16_t kNone = kHeights;  // slips between the rays
-  const int w = rays_.frame.w;
-  const double lowest = rays_.w.min(), per_height = kHeights / (rays_.w.max() - lowest);
-  const auto block = std::make_shared<FacetBlock>();
-  std::vector<uint16_t> heights;
-  std::vector<uint32_t> order(kHeights + 2);
-  block->rays.reserve(facets->size());
-  heights.reserve(facets->size());
-  facets->for_each(0, facets->size(), [&](const SceneFacet& facet) {
-    const auto& [a, b, c] = facet.facet.vertex;
-    const RayRange r = rays_.range_of(facet.facet);
-    const double height = (std::min({a[w], b[w], c[w]}) - lowest) * per_height;
-    const uint16_t h = r.empty() ? kNone : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0));
-    block->rays.push_back(r);
-    heights.push_back(h);
-    ++order[h + 1];
-  });
-  std::partial_sum(order.begin(), order.end(), order.begin());
-  Node node{place, block, std::vector<uint32_t>(order[kNone])};
-  for (uint32_t i = 0; i < heights.size(); ++i)
-    if (heights[i] != kNone) node.facets[order[heights[i]]++] = i;
-  block->facets = std::move(facets);
-  return node;
-}
-
-Tiling::Node Tiling::load(const TreePlace& place) {
+Tiling::Node Tiling::load(const TreePlace& place) const {
+  const uint64_t count = bins_->facets(place);
   const auto binned = std::make_shared<std::vector<BinnedFacet>>();
   const auto store = std::make_shared<FacetStore>();
-  bins_->take(place, [&](const BinnedFacet& f, const Facet& moved) {
-    if (!rays_.range_of(moved).empty()) store->append({&moved, 1}, f.layer);
+  NodeBuilder node(rays_, count);
+  binned->reserve(count);
+  bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
     binned->push_back(f);
+    if (range.empty()) return;
+    store->append({&moved, 1}, f.layer);
+    node.add(moved, range);
   });
   observer_(binned);
-  return node_of(place, store);
+  return node.finish(place, store);
+}
+
+Tiling::Node Tiling::take_bin(const TreePlace& place) {
+  Node node = next_bin_.valid() ? next_bin_.get() : load(place);
+  const auto next = std::find_if(path_.rbegin(), path_.rend(), [](const Node& n) { return !n.block; });
+  if (ahead_ && next != path_.rend() && !bins_->is_split(next->place)) next_bin_ = std::async(std::launch::async, [this, at = next->place] { return load(at); });
+  return node;
 }
 
 std::optional<Unit> Tiling::next() {
   while (!path_.empty()) {
     Node node = std::move(path_.back());
     path_.pop_back();
-    if (!node.block && !bins_->is_split(node.place)) node = load(node.place);
+    if (!node.block && !bins_->is_split(node.place)) node = take_bin(node.place);
     if (node.place.depth == 0) return Unit{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
     push_children(std::move(node));
   }
@@ -73,14 +97,14 @@ std::optional<Unit> Tiling::next() {
 
 namespace {
 
-// Calls f(child, facet) for all of a place's 4 x 4 children, of `size` rays, in the rows [first_row, last_row], that a facet may meet.
+// Calls f(child, facet) for all of a place's 4 x 4 children, of 2^shift x 2^shift chunks, that a facet may meet.
 template <class F>
-void bin(const std::vector<uint32_t>& facets, const std::vector<RayRange>& rays, uint32_t cu, uint32_t cv, uint32_t size, uint32_t first_row, uint32_t last_row, F&& f) {
+void bin(const std::vector<uint32_t>& facets, const std::vector<ChunkRange>& chunks, uint32_t cu, uint32_t cv, int shift, F&& f) {
   const uint32_t first_u = cu * 4, first_v = cv * 4;
   for (const uint32_t i : facets) {
-    const RayRange& r = rays[i];
-    const uint32_t u0 = std::max(r.u0 / size, first_u), u1 = std::min((r.u1 - 1) / size, first_u + 3);
-    const uint32_t v0 = std::max(r.v0 / size, first_v + first_row), v1 = std::min((r.v1 - 1) / size, first_v + last_row);
+    const ChunkRange& r = chunks[i];
+    const uint32_t u0 = std::max(r.u0 >> shift, first_u), u1 = std::min(r.u1 >> shift, first_u + 3);
+    const uint32_t v0 = std::max(r.v0 >> shift, first_v), v1 = std::min(r.v1 >> shift, first_v + 3);
     for (uint32_t v = v0; v <= v1; ++v)
       for (uint32_t u = u0; u <= u1; ++u) f((v - first_v) * 4 + u - first_u, i);
   }
@@ -93,7 +117,7 @@ void Tiling::push_children(Node node) {
   const int depth = at.depth - 1;
   std::array<std::vector<uint32_t>, 16> lists;
   if (node.block)
-    bin(node.facets, node.block->rays, at.cu, at.cv, static_cast<uint32_t>(rays_.size(depth)), 0, 3, [&](uint32_t child, uint32_t facet) { lists[child].push_back(facet); });
+    bin(node.facets, node.block->chunks, at.cu, at.cv, 2 * depth + 2, [&](uint32_t child, uint32_t facet) { lists[child].push_back(facet); });
   for (uint32_t k = 16; k-- > 0;) {  // the last one first: it is a stack
     const TreePlace child{depth, at.cu * 4 + k % 4, at.cv * 4 + k / 4};
     if (uint64_t{child.cu} << (2 * depth) < units_u_ && uint64_t{child.cv} << (2 * depth) < units_v_) path_.push_back({child, node.block, std::move(lists[k])});
@@ -102,8 +126,12 @@ void Tiling::push_children(Node node) {
 
 std::array<std::vector<const SceneFacet*>, 4> Tiling::split(const Unit& unit, uint32_t row) const {
   std::array<std::vector<const SceneFacet*>, 4> lists;
-  bin(unit.facets, unit.block->rays, unit.cu, unit.cv, rays_.shape.chunk_rays, row, row,
-      [&](uint32_t chunk, uint32_t facet) { lists[chunk % 4].push_back(&(*unit.block->facets)[facet]); });
+  const uint32_t first_u = unit.cu * 4, v = unit.cv * 4 + row;
+  for (const uint32_t i : unit.facets) {
+    const ChunkRange& r = unit.block->chunks[i];
+    if (v < r.v0 || v > r.v1) continue;
+    for (uint32_t u = std::max(r.u0, first_u); u <= std::min(r.u1, first_u + 3); ++u) lists[u - first_u].push_back(&(*unit.block->facets)[i]);
+  }
   return lists;
 }
 

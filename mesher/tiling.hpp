@@ -7,6 +7,7 @@
 // Facets that don't fit into memory lie in bins on disk, each a node of the tree (bins.hpp): it is loaded when the
 // walk gets there.
 #pragma once
+#include <future>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -17,10 +18,10 @@
 
 namespace teracell {
 
-// Facets in memory, and the rays that each may meet.
+// Facets in memory, and where each may have rays.
 struct FacetBlock {
   std::shared_ptr<const FacetStore> facets;
-  std::vector<RayRange> rays;
+  std::vector<ChunkRange> chunks;
 };
 
 // 4 x 4 chunks of level 0 (less at the grid's edge), one chunk of level 2: what the workers take.
@@ -37,7 +38,8 @@ class Tiling {
   Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta);
   // `observer` is told of the facets of every bin that is loaded, once.
   using BinObserver = std::function<void(std::shared_ptr<const std::vector<BinnedFacet>>)>;
-  Tiling(std::unique_ptr<FacetBins> bins, BinObserver observer, const Metadata& meta);
+  // With `ahead` the next bin is loaded by another thread while the units of one are taken.
+  Tiling(std::unique_ptr<FacetBins> bins, BinObserver observer, bool ahead, const Metadata& meta);
 
   uint64_t units() const { return units_; }
   // The units in the order of the tree; rays without facets included.
@@ -51,9 +53,10 @@ class Tiling {
     std::shared_ptr<const FacetBlock> block;  // null: in bins
     std::vector<uint32_t> facets;
   };
+  class NodeBuilder;
   explicit Tiling(const Metadata& meta);
-  Node load(const TreePlace& place);
-  Node node_of(const TreePlace& place, std::shared_ptr<const FacetStore> facets) const;
+  Node load(const TreePlace& place) const;
+  Node take_bin(const TreePlace& place);
   void push_children(Node node);
 
   RayFrame rays_;
@@ -61,7 +64,9 @@ class Tiling {
   uint64_t units_;
   std::unique_ptr<FacetBins> bins_;
   BinObserver observer_;
+  bool ahead_ = false;
   std::vector<Node> path_;
+  std::future<Node> next_bin_;  // the first one on the path, when it is valid; last: its thread uses the others
 };
 
 }  // namespace teracell
