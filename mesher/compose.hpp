@@ -4,6 +4,8 @@
 // its own (a winding number or a parity) that the crossings of its facets step. Of the bodies that hold a sample
 // point the strongest gives the label.
 #pragma once
+#include <utility>
+
 #include "mesher/engine.hpp"
 #include "store/run.hpp"
 
@@ -22,8 +24,8 @@ class Composer {
   // Turns the crossings of a tile of nu x nv rays of `length` cells into runs; sorts them on the way. Every layer's
   // surface is closed, so its counter is back at zero where the ray ends: anything else throws Error.
   void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
-  // Of each body: how many cells it owned so far.
-  const std::vector<unsigned __int128>& cells() const { return cells_; }
+  // Of each body: how many cells it owned since the last call.
+  std::vector<unsigned __int128> take_cells() { return std::exchange(cells_, std::vector<unsigned __int128>(cells_.size())); }
 
  private:
   struct Alternating {

@@ -1,18 +1,17 @@
 #include "mesher/pipeline.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <sys/resource.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mesher/bodies.hpp"
 #include "mesher/caps_file.hpp"
+#include "mesher/checkpoint.hpp"
 #include "mesher/engines/engines.hpp"
+#include "mesher/feed.hpp"
 #include "mesher/report.hpp"
 #include "mesher/unit.hpp"
-#include "store/background.hpp"
 #include "store/in_order.hpp"
 
 namespace teracell {
@@ -43,205 +42,205 @@ uint64_t peak_memory_bytes() {
   return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-// Chunks are as long as the rays, up to the format's default; on surfaces so dense that a chunk would hold millions of
-// changes they are shorter, so that reading one stays cheap.
-uint32_t chunk_length(double crossings, double rays, int64_t cells, uint32_t chunk_rays) {
-  uint32_t length = Metadata{}.chunk_cells;
-  const double per_cell = crossings / rays * chunk_rays * chunk_rays / static_cast<double>(cells);
-  while (length > 1024 && per_cell * std::min<double>(length, static_cast<double>(cells)) > 2e6) length /= 2;
-  return length;
-}
-
-double rays_along(const Grid& grid, int axis) {
-  const Frame f = Frame::along(axis);
-  return static_cast<double>(grid.axis[f.u].cells()) * static_cast<double>(grid.axis[f.v].cells());
-}
-
-// The crossings to expect along each axis, and the axis that costs least: 25 ns a crossing and 3 ns a ray, measured on
-// smooth and on empty grids. Of equals z, then y: rows of a picture along x stay rows.
-AxisChoice choose_axis(const Grid& grid, const Vec3& area, std::optional<int> asked_for) {
-  AxisChoice out;
-  Vec3 cost;
-  for (int w = 0; w < 3; ++w) {
-    const Frame f = Frame::along(w);
-    double rays_per_area = 1;
-    for (const int d : {f.u, f.v}) rays_per_area *= static_cast<double>(grid.axis[d].cells()) / (grid.axis[d].max() - grid.axis[d].min());
-    out.crossings[w] = area[w] * rays_per_area;
-    cost[w] = 25 * out.crossings[w] + 3 * rays_along(grid, w);
+// How often a long run makes what it has durable: rarely enough for that to take no more than a twentieth of the time;
+// with 0 seconds whenever it can.
+class Checkpoints {
+ public:
+  explicit Checkpoints(double seconds) : least_(seconds), next_(Clock::now() + least_) {}
+  template <class Save>
+  void maybe(Save&& save) {
+    const auto begin = Clock::now();
+    if (begin < next_) return;
+    save();
+    const auto end = Clock::now();
+    next_ = least_.count() == 0 ? end : end + std::max<Seconds>(20 * (end - begin), least_);
   }
-  for (const int w : {1, 0})
-    if (cost[w] < cost[out.axis]) out.axis = w;
-  out.asked_for = asked_for.has_value();
-  out.axis = asked_for.value_or(out.axis);
-  return out;
-}
 
-// The survey of all bodies, beside the work: it decides no cell.
-std::vector<SurveyTotals> survey_in_memory(const Bodies& bodies, const std::atomic<bool>& stop) {
-  std::vector<SurveyTotals> out;
-  for (const BodyFacets& body : bodies.bodies) {
-    Survey survey;
-    std::as_const(*bodies.facets).for_each(body.first, body.first + body.file.facets, [&](const SceneFacet& f) {
-      if (!stop) survey.add(f.facet);
-    });
-    out.push_back({survey.degenerate(), survey.duplicates(), survey.shells()});
+ private:
+  using Clock = std::chrono::steady_clock;
+  using Seconds = std::chrono::duration<double>;
+  const Seconds least_;
+  std::chrono::time_point<Clock, Seconds> next_;
+};
+
+// One run, step by step in the order of run().
+class MeshRun {
+ public:
+  MeshRun(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress, const std::atomic<bool>& stop)
+      : scene_(scene),
+        output_(output),
+        options_(options),
+        progress_(progress),
+        stop_(stop),
+        threads_(options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
+        budget_{options.memory, options.tmp.empty() ? folder_of(output) : options.tmp} {}
+
+  ordered_json run() {
+    bodies_ = read_bodies(scene_, threads_, budget_, [&](double share) { tick("read", share); });
+    if (!options_.write_caps.empty()) caps_ = write_caps(scene_, bodies_, options_.write_caps);
+    phases_.end("read");
+    plan_ = make_plan(scene_, bodies_, options_.axis, options_.chunk_rays);
+    open_output();
+    Feed feed(scene_, bodies_, plan_.meta, budget_, threads_, [&](double share) { tick("spill", share); }, stop_);
+    const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
+    phases_.end("prepare");
+    cast(feed.tiling(), make_engine);
+    const ordered_json report = make_report(scene_, bodies_, feed.surveys(), plan_.rays, totals_);
+    phases_.end("cast");
+    finish(report);
+    return whole_report(report, feed.spilled_bytes());
   }
-  return out;
-}
 
-std::vector<bool> which_move(const Scene& scene) {
-  std::vector<bool> out;
-  for (const SceneBody& body : scene.bodies) out.push_back(body.matrix != kIdentity);
-  return out;
-}
-
-Facet moved_facet(const Facet& facet, const SceneBody& body) {
-  return {{moved(facet.vertex[0], body), moved(facet.vertex[1], body), moved(facet.vertex[2], body)}};
-}
-
-// Facets that don't fit into memory are read once more, from their files into bins.
-std::unique_ptr<FacetBins> fill_bins(const Scene& scene, const Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick) {
-  const auto move = [&scene, moves = which_move(scene)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved_facet(f, scene.bodies[layer / 2]) : f; };
-  auto bins = std::make_unique<FacetBins>(meta, bodies.facet_count(), bodies.float32(), budget, threads > 1, move);
-  const double all = static_cast<double>(bodies.facet_count());
-  uint64_t done = 0;
-  for (size_t b = 0; b < scene.bodies.size(); ++b) {
-    const BodyFacets& found = bodies.bodies[b];
-    Background background(threads > 1);
-    read_again(scene.bodies[b], found, [&](std::span<const Facet> facets) {
-      background.run([&, b, batch = std::vector<Facet>(facets.begin(), facets.end())] {
-        for (const Facet& f : batch) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used));
-      });
-      done += facets.size();
-      tick(static_cast<double>(done) / all);
-    });
-    background.finish();
-    for (const bool parity : {false, true})
-      for (const Facet& f : found.rules[parity].caps.facets) bins->add(f, layer_of(b, parity));
+ private:
+  void tick(const char* phase, double share) {
+    if (stop_) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output_.string()));
+    double cells = 1;
+    for (const int64_t n : plan_.meta.grid.cells()) cells *= static_cast<double>(n);
+    progress_(phase, share, cells);
   }
-  bins->finish();
-  return bins;
-}
+
+  // What the file's bytes depend on.
+  std::string identity() const {
+    ordered_json inputs = ordered_json::array();
+    for (size_t b = 0; b < scene_.bodies.size(); ++b)
+      inputs.push_back({{"path", scene_.bodies[b].mesh_text}, {"bytes", bodies_.bodies[b].file.bytes}, {"hash", bodies_.bodies[b].file.hash}});
+    return ordered_json{{"inputs", inputs},
+                        {"scene", normalised(scene_)},
+                        {"axis", axis_name(plan_.meta.ray_axis)},
+                        {"axis_asked_for", plan_.rays.asked_for},
+                        {"chunk_rays", plan_.meta.chunk_rays},
+                        {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
+                        {"zstd", compressor_version()}}
+        .dump();
+  }
+
+  void open_output() {
+    totals_.cells.resize(scene_.bodies.size());
+    std::optional<Checkpoint> before;
+    if (options_.resume) before = load_checkpoint(output_, identity());
+    if (!before) {
+      writer_.emplace(output_, plan_.meta);
+      remove_checkpoint(output_);  // of an earlier run; only now that the lock is ours
+      pyramid_.emplace(*writer_);
+      return;
+    }
+    ByteReader state(before->writers, checkpoint_path(output_).string());
+    writer_.emplace(output_, plan_.meta, state);
+    pyramid_.emplace(*writer_);
+    pyramid_->restore(state);
+    totals_ = before->totals;
+    units_ = before->units;
+    resumed_chunks_ = writer_->chunks();
+  }
+
+  std::vector<const SceneFacet*> all_facets() const {
+    if (!bodies_.in_memory)
+      throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan",
+                                   options_.engine));
+    std::vector<const SceneFacet*> all;
+    std::as_const(*bodies_.facets).for_each(0, bodies_.facets->size(), [&](const SceneFacet& f) { all.push_back(&f); });
+    return all;
+  }
+
+  void cast(Tiling& tiling, const EngineMaker& make_engine) {
+    std::vector<Layer> layers;  // layer_of()
+    for (uint32_t b = 0; b < scene_.bodies.size(); ++b) layers.insert(layers.end(), {{b, false}, {b, true}});
+    std::vector<std::unique_ptr<Worker>> workers;
+    for (int i = 0; i < threads_; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels));
+    for (uint64_t done = 0; done < units_; ++done) tiling.next();
+
+    struct Job {
+      std::shared_ptr<UnitWork> work;
+      uint32_t row;
+    };
+    Job next{nullptr, UnitWork::kRows};
+    Checkpoints checkpoints(options_.checkpoint_seconds);
+    in_order(
+        threads_,
+        [&]() -> std::optional<Job> {
+          if (next.row == UnitWork::kRows) {
+            auto unit = tiling.next();
+            if (!unit) return std::nullopt;
+            next = {std::make_shared<UnitWork>(std::move(*unit), tiling, plan_.meta), 0};
+          }
+          return Job{next.work, next.row++};
+        },
+        [&](Job job, int worker) {
+          job.work->make_row(job.row, *workers[worker]);
+          return job;
+        },
+        [&](Job job) {
+          if (job.row + 1 < UnitWork::kRows) return;  // taken in order: with the last row all are made
+          store(*job.work);
+          checkpoints.maybe([&] { save(); });
+          tick("mesh", static_cast<double>(units_) / static_cast<double>(tiling.units()));
+        },
+        2 * UnitWork::kRows);
+  }
+
+  void store(UnitWork& work) {
+    for (const LevelChunk& chunk : work.chunks()) pyramid_->put(chunk);
+    pyramid_->rise(2, work.unit().cu, work.unit().cv, std::move(work.coarse()));
+    totals_.add(work.totals());
+    ++units_;
+  }
+
+  void save() {
+    Checkpoint c{identity(), units_, totals_, {}};
+    writer_->save(c.writers);
+    pyramid_->save(c.writers);
+    save_checkpoint(c, output_);
+  }
+
+  void finish(const ordered_json& report) {
+    tick("write", 0);
+    writer_->finish(report.dump(), totals_.crossings);
+    remove_checkpoint(output_);
+    for (const auto& file : caps_) file->commit();
+    phases_.end("finish");
+  }
+
+  ordered_json whole_report(ordered_json report, uint64_t spilled_bytes) const {
+    report["phases"] = phases_.list();
+    report["peak_memory_bytes"] = peak_memory_bytes();
+    report["threads"] = threads_;
+    report["engine"] = options_.engine;
+    report["exact_decisions"] = totals_.exact_decisions;
+    report["spilled_bytes"] = spilled_bytes;
+    report["resumed_chunks"] = resumed_chunks_;
+    report["file_bytes"] = writer_->bytes();
+    return report;
+  }
+
+  const Scene& scene_;
+  const std::filesystem::path& output_;
+  const MeshOptions& options_;
+  const Progress& progress_;
+  const std::atomic<bool>& stop_;
+  const int threads_;
+  const Budget budget_;
+  Phases phases_;
+  Bodies bodies_;
+  std::vector<std::unique_ptr<OutputFile>> caps_;
+  Plan plan_;
+  std::optional<GridWriter> writer_;
+  std::optional<PyramidWriter> pyramid_;
+  CastTotals totals_;
+  uint64_t units_ = 0;  // stored
+  uint64_t resumed_chunks_ = 0;
+};
 
 }  // namespace
 
 ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
                   const Progress& progress, const std::atomic<bool>& stop) {
-  Phases phases;
-  double cells_of_grid = 0;
-  const auto tick = [&](const char* phase, double share) {
-    if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output.string()));
-    progress(phase, share, cells_of_grid);
-  };
-  const int threads = options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-
-  const Budget budget{options.memory, options.tmp.empty() ? folder_of(output) : options.tmp};
-  Bodies bodies = read_bodies(scene, threads, budget, [&](double share) { tick("read", share); });
-  std::vector<std::unique_ptr<OutputFile>> caps;
-  if (!options.write_caps.empty()) caps = write_caps(scene, bodies, options.write_caps);
-  phases.end("read");
-
-  Metadata meta;
-  meta.units = scene.units;
-  meta.grid = resolve_grid(scene, bodies.lo, bodies.hi);
-  cells_of_grid = 1;
-  for (const int64_t n : meta.grid.cells()) cells_of_grid *= static_cast<double>(n);
-  const AxisChoice rays = choose_axis(meta.grid, bodies.area, options.axis);
-  meta.ray_axis = rays.axis;
-  meta.chunk_rays = options.chunk_rays;
-  meta.chunk_cells = chunk_length(rays.crossings[rays.axis], rays_along(meta.grid, rays.axis), meta.grid.cells()[rays.axis], meta.chunk_rays);
-  const Labels labels = make_labels(scene);
-  meta.materials = labels.materials;
-  meta.labels = labels.labels;
-  GridWriter writer(output, meta);
-  PyramidWriter pyramid(writer);
-
-  std::vector<SurveyTotals> surveys;
-  BinnedSurvey binned(scene.bodies.size());
-  Background background(threads > 1);  // for the surveys
-  std::optional<Tiling> tiling;
-  uint64_t spilled = 0;
-  if (bodies.in_memory) {
-    background.run([&] { surveys = survey_in_memory(bodies, stop); });
-    if (const auto moves = which_move(scene); std::ranges::count(moves, true) > 0) {
-      background.finish();  // it takes the files' coordinates
-      bodies.facets->for_each(0, bodies.facets->size(), [&](SceneFacet& f) {
-        if (moves[f.layer / 2]) f.facet = moved_facet(f.facet, scene.bodies[f.layer / 2]);
-      });
-    }
-    tiling.emplace(bodies.facets, meta);
-  } else {
-    auto bins = fill_bins(scene, bodies, meta, budget, threads, [&](double share) { tick("spill", share); });
-    spilled = bins->bytes();
-    tiling.emplace(std::move(bins), [&](auto facets) { background.run([&binned, facets] { binned.add_bin(*facets); }); }, threads > 1, meta);
+  try {
+    return MeshRun(scene, output, options, progress, stop).run();
+  } catch (...) {
+    // The partial file goes with the run; so does what belongs to it. Not so when a run can't even begin to resume.
+    if (!std::filesystem::exists(output.string() + ".partial")) remove_checkpoint(output);
+    throw;
   }
-  const EngineMaker make_engine = engine_maker(options.engine, meta.frame(), [&] {
-    if (!bodies.in_memory)
-      throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan", options.engine));
-    std::vector<const SceneFacet*> all;
-    std::as_const(*bodies.facets).for_each(0, bodies.facets->size(), [&](const SceneFacet& f) { all.push_back(&f); });
-    return all;
-  });
-  phases.end("prepare");
-
-  std::vector<Layer> layers;  // layer_of()
-  for (uint32_t b = 0; b < scene.bodies.size(); ++b) layers.insert(layers.end(), {{b, false}, {b, true}});
-  std::vector<std::unique_ptr<Worker>> workers;
-  for (int i = 0; i < threads; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, labels));
-  CastTotals totals{0, 0, std::vector<unsigned __int128>(scene.bodies.size())};
-  std::shared_ptr<UnitWork> current;
-  uint32_t row = UnitWork::kRows;
-  uint64_t units = 0;
-  struct Job {
-    std::shared_ptr<UnitWork> work;
-    uint32_t row;
-  };
-  in_order(
-      threads,
-      [&]() -> std::optional<Job> {
-        if (row == UnitWork::kRows) {
-          auto unit = tiling->next();
-          if (!unit) return std::nullopt;
-          current = std::make_shared<UnitWork>(std::move(*unit), *tiling, meta);
-          row = 0;
-        }
-        return Job{current, row++};
-      },
-      [&](Job job, int worker) {
-        job.work->make_row(job.row, *workers[worker]);
-        return job;
-      },
-      [&](Job job) {
-        if (job.row + 1 < UnitWork::kRows) return;  // taken in order: with the last row all are made
-        for (const LevelChunk& chunk : job.work->chunks()) pyramid.put(chunk);
-        pyramid.rise(2, job.work->unit().cu, job.work->unit().cv, std::move(job.work->coarse()));
-        tick("mesh", static_cast<double>(++units) / static_cast<double>(tiling->units()));
-      },
-      2 * UnitWork::kRows);
-  for (const auto& w : workers) {
-    totals.crossings += w->cast;
-    totals.exact_decisions += w->engine->exact_decisions();
-    for (size_t b = 0; b < totals.cells.size(); ++b) totals.cells[b] += w->composer.cells()[b];
-  }
-  background.finish();
-  if (!bodies.in_memory) surveys = binned.totals();
-  phases.end("cast");
-
-  ordered_json report = make_report(scene, bodies, surveys, rays, totals);
-  tick("write", 0);
-  writer.finish(report.dump(), totals.crossings);
-  for (const auto& file : caps) file->commit();
-  phases.end("finish");
-
-  report["phases"] = phases.list();
-  report["peak_memory_bytes"] = peak_memory_bytes();
-  report["threads"] = threads;
-  report["engine"] = options.engine;
-  report["exact_decisions"] = totals.exact_decisions;
-  report["spilled_bytes"] = spilled;
-  report["resumed_chunks"] = 0;
-  report["file_bytes"] = writer.bytes();
-  return report;
 }
 
 }  // namespace teracell

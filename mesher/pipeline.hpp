@@ -15,13 +15,15 @@
 namespace teracell {
 
 struct MeshOptions {
-  std::optional<int> axis;      // of the rays; chosen by cost when absent
-  std::string engine = "scan";  // engines.hpp; the file is the same
-  int threads = 0;              // 0: as many as the machine has
-  uint64_t memory = ~uint64_t{0};  // bytes that the whole run may take, roughly; what doesn't fit is spilled
-  std::filesystem::path tmp;       // folder for that; empty: the output's
+  std::optional<int> axis;           // of the rays; chosen by cost when absent
+  std::string engine = "scan";       // engines.hpp; the file is the same
+  int threads = 0;                   // 0: as many as the machine has
+  uint64_t memory = ~uint64_t{0};    // bytes that the whole run may take, roughly; what doesn't fit is spilled
+  std::filesystem::path tmp;         // folder for that; empty: the output's
   std::filesystem::path write_caps;  // file for the caps that close open surfaces; empty: none
-  uint32_t chunk_rays = 64;  // a chunk has chunk_rays x chunk_rays rays
+  bool resume = false;               // go on with what a killed run has left, if there is something
+  double checkpoint_seconds = 1;     // at least, between two of them
+  uint32_t chunk_rays = 64;          // a chunk has chunk_rays x chunk_rays rays
 };
 
 // Called now and then, from the thread that called mesh(): the phase, its share of 1, and the cells of the whole grid.

@@ -19,7 +19,13 @@ struct Worker {
   Composer composer;
   ChunkEncoder encoder;
   Crossings crossings;
-  uint64_t cast = 0;  // crossings so far
+};
+
+// What casting counted.
+struct CastTotals {
+  uint64_t crossings = 0, exact_decisions = 0;
+  std::vector<unsigned __int128> cells;  // that each body owns
+  void add(const CastTotals& other);
 };
 
 class UnitWork {
@@ -36,6 +42,7 @@ class UnitWork {
   const Unit& unit() const { return unit_; }
   const std::vector<LevelChunk>& chunks() const { return chunks_; }
   Chunk& coarse() { return coarse_; }
+  CastTotals totals() const;
 
  private:
   void make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker);
@@ -49,6 +56,7 @@ class UnitWork {
   std::vector<LevelChunk> chunks_;    // 16 of level 0, some of them beyond the grid and empty, and one of level 2
   std::array<Chunk, 16> pieces_;      // those of level 0, on level 2
   Chunk coarse_;
+  std::array<CastTotals, kRows> totals_;
 };
 
 }  // namespace teracell

@@ -39,7 +39,7 @@ void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
   }
 }
 
-OutputFile::OutputFile(const std::filesystem::path& target) : target_(target), partial_(target.string() + ".partial") {
+OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep) : target_(target), partial_(target.string() + ".partial") {
   std::error_code ignored;  // what else is wrong with the target, open() will say
   // The rename would put a file in the place of a device: root must not lose /dev/null.
   if (const auto found = std::filesystem::status(target_, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
@@ -65,10 +65,15 @@ OutputFile::OutputFile(const std::filesystem::path& target) : target_(target), p
     ::close(fd_);
     throw IoError(fmt::format("{}: another process has just written this file: try again", target_.string()));
   }
-  if (::ftruncate(fd_, 0) != 0) {
+  if (keep > static_cast<uint64_t>(ours.st_size)) {
+    ::close(fd_);
+    throw IoError(fmt::format("{}: expected the first {} bytes of a run to resume, found {}", partial_.string(), keep, ours.st_size));
+  }
+  if (::ftruncate(fd_, static_cast<off_t>(keep)) != 0 || ::lseek(fd_, static_cast<off_t>(keep), SEEK_SET) < 0) {
     ::close(fd_);
     throw IoError(fmt::format("{}: can't empty: {}", partial_.string(), std::strerror(errno)));
   }
+  size_ = keep;
   buffer_.reserve(kBuffer);
 }
 
@@ -96,6 +101,26 @@ void OutputFile::flush() {
     done += static_cast<size_t>(n);
   }
   buffer_.clear();
+}
+
+void OutputFile::read_kept(uint64_t offset, std::span<uint8_t> out) const {
+  while (!out.empty()) {
+    const ssize_t n = ::pread(fd_, out.data(), out.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) throw IoError(fmt::format("{}: byte {}: can't read: {}", partial_.string(), offset, n < 0 ? std::strerror(errno) : "end of file"));
+    offset += static_cast<uint64_t>(n);
+    out = out.subspan(static_cast<size_t>(n));
+  }
+}
+
+void OutputFile::abandon() {
+  ::close(fd_);
+  fd_ = -1;
+}
+
+void OutputFile::sync() {
+  flush();
+  if (::fsync(fd_) != 0) fail("can't make durable (fsync)");
 }
 
 void OutputFile::commit() {

@@ -38,11 +38,18 @@ class InputFile : public ByteSource {
 // Destroyed without commit(), it removes the partial file. Not thread-safe.
 class OutputFile {
  public:
-  explicit OutputFile(const std::filesystem::path& target);
+  // Goes on after the first `keep` bytes of what a killed writer has left; IoError when there are fewer.
+  explicit OutputFile(const std::filesystem::path& target, uint64_t keep = 0);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   uint64_t size() const { return size_; }
   void append(std::span<const uint8_t> bytes);
+  // Of the bytes that it began with. REQUIRES: nothing appended yet.
+  void read_kept(uint64_t offset, std::span<uint8_t> out) const;
+  // Leaves the partial file where it is.
+  void abandon();
+  // When it returns, the bytes so far outlive a power failure; under the temporary name.
+  void sync();
   // When it returns, the bytes and the name are durable (fsync of file and folder). When it throws there is no file, or, if
   // the folder alone fails, a complete one whose name may not be durable: the message says so.
   void commit();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <xxhash.h>
+#include <zstd.h>
 
 #include "store/color.hpp"
 #include "store/zstd_frame.hpp"
@@ -66,6 +67,8 @@ Axis axis_from(const ordered_json& j) {
 }
 
 }  // namespace
+
+std::string compressor_version() { return ZSTD_versionString(); }
 
 uint64_t checksum(std::span<const uint8_t> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 

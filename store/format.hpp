@@ -19,6 +19,7 @@ namespace teracell {
 inline constexpr uint16_t kFormatMajor = 1, kFormatMinor = 0;
 
 uint64_t checksum(std::span<const uint8_t> bytes);  // XXH3, 64 bits, seed 0
+std::string compressor_version();                   // another one may compress to other bytes
 
 // ---- metadata ---------------------------------------------------------------------------------------------------
 

@@ -51,4 +51,36 @@ void PyramidWriter::rise(int level, uint32_t cu, uint32_t cv, Chunk coarse) {
   rise(up, parent_u, parent_v, std::move(above));
 }
 
+void PyramidWriter::save(Bytes& state) {
+  for (const Open& open : open_) {
+    put_varint(state, open.missing);
+    if (open.missing == 0) continue;
+    for (const Chunk& piece : open.pieces) {
+      put_varint(state, piece.rays.nu);
+      if (piece.rays.nu == 0) continue;
+      put_varint(state, piece.rays.nv);
+      put_varint(state, piece.rays.length);
+      const Bytes frame = encoder_.encode(piece.rays, piece.sets);
+      put_varint(state, frame.size());
+      state.insert(state.end(), frame.begin(), frame.end());
+    }
+  }
+}
+
+void PyramidWriter::restore(ByteReader& state) {
+  const Metadata& meta = writer_.meta();
+  ChunkDecoder decoder;
+  for (Open& open : open_) {
+    open.missing = static_cast<uint32_t>(state.varint(0, 16, "missing pieces"));
+    if (open.missing == 0) continue;
+    for (Chunk& piece : open.pieces) {
+      const auto nu = static_cast<uint32_t>(state.varint(0, meta.chunk_rays, "rays"));
+      if (nu == 0) continue;
+      const auto nv = static_cast<uint32_t>(state.varint(1, meta.chunk_rays, "rays"));
+      const auto length = static_cast<uint32_t>(state.varint(1, Axis::kMaxCells, "cells"));
+      decoder.decode(state.take(state.varint()), nu, nv, length, static_cast<uint32_t>(meta.labels.size()), piece);
+    }
+  }
+}
+
 }  // namespace teracell

@@ -27,6 +27,9 @@ class PyramidWriter {
   // The rays of chunk (cu, cv) of `level`, two levels up: becomes part of chunk (cu / 4, cv / 4) of level + 2. Does
   // nothing when there is no such level. REQUIRES: tree order.
   void rise(int level, uint32_t cu, uint32_t cv, Chunk coarse);
+  // Appends to `state` the chunks that are not complete; restore() puts them into a fresh writer.
+  void save(Bytes& state);
+  void restore(ByteReader& state);
 
  private:
   struct Open {

@@ -20,7 +20,9 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
   return out;
 }
 
-GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : meta_(std::move(meta)), file_(path) {
+GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : GridWriter(path, std::move(meta), 0) { append_bytes(encode_header()); }
+
+GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep) : meta_(std::move(meta)), file_(path, keep) {
   for (int level = 0; level < meta_.grid.levels(); level += 2) {
     Level l{{level, 0, 0, 0, 0}, LevelShape(meta_, level), {}, {}};
     // The directory is one skippable frame; two factors at a time, the product of three could overflow.
@@ -32,12 +34,73 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : meta_
     l.directory.resize(l.shape.pages());
     levels_.push_back(std::move(l));
   }
-  file_.append(encode_header());
+}
+
+// The state: size and hash of the file, then of each level its counts, its directory so far and its open pages.
+void GridWriter::save(Bytes& state) {
+  file_.sync();
+  put_fixed(state, file_.size());
+  const auto hash = written_.digest();
+  state.insert(state.end(), hash.begin(), hash.end());
+  for (const Level& l : levels_) {
+    for (const uint64_t n : {l.info.chunks, l.info.bytes, l.info.changes}) put_varint(state, n);
+    for (const DirectoryEntry& e : l.directory)
+      for (const uint64_t n : {e.offset, e.size, e.checksum}) put_varint(state, n);
+    put_varint(state, l.open.size());
+    for (const auto& [page, open] : l.open) {
+      put_varint(state, page);
+      put_varint(state, open.missing);
+      std::vector<ChunkEntry> entries = open.entries;
+      for (ChunkEntry& e : entries)
+        if (e.size == 0 && e.uniform.empty()) e.uniform = {0};  // still missing: anything valid
+      const Bytes frame = encode_page(entries, l.info.level == 0);
+      put_varint(state, frame.size());
+      state.insert(state.end(), frame.begin(), frame.end());
+    }
+  }
+}
+
+GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteReader& state) : GridWriter(path, std::move(meta), state.fixed<uint64_t>()) {
+  Bytes block(1 << 20);
+  for (uint64_t at = 0; at < file_.size(); at += block.size()) {
+    block.resize(std::min<uint64_t>(block.size(), file_.size() - at));
+    file_.read_kept(at, block);
+    written_.add(block);
+  }
+  if (!std::ranges::equal(state.take(16), written_.digest())) {
+    file_.abandon();
+    state.fail("the partial file has other bytes than it had: it is damaged; start again without --resume");
+  }
+  const auto labels = static_cast<uint32_t>(meta_.labels.size());
+  for (Level& l : levels_) {
+    l.info.chunks = state.varint();
+    l.info.bytes = state.varint();
+    l.info.changes = state.varint();
+    for (DirectoryEntry& e : l.directory) e = {state.varint(), state.varint(), state.varint()};
+    for (uint64_t left = state.varint(0, l.shape.pages(), "open pages"); left > 0; --left) {
+      const uint64_t page = state.varint(0, l.shape.pages() - 1, "page");
+      OpenPage& open = l.open[page];
+      const size_t chunks = size_t{l.shape.page_width(page)} * l.shape.page_height(page);
+      open.missing = state.varint(1, chunks, "missing chunks");
+      open.entries = decode_page(state.take(state.varint()), chunks, l.info.level == 0, labels);
+    }
+  }
+}
+
+uint64_t GridWriter::chunks() const {
+  uint64_t chunks = 0;
+  for (const Level& l : levels_) chunks += l.info.chunks;
+  return chunks;
+}
+
+void GridWriter::append_bytes(std::span<const uint8_t> bytes) {
+  written_.add(bytes);
+  file_.append(bytes);
 }
 
 DirectoryEntry GridWriter::append(std::span<const uint8_t> frame) {
   const DirectoryEntry place{file_.size(), frame.size(), checksum(frame)};
-  file_.append(frame);
+  append_bytes(frame);
   return place;
 }
 
@@ -54,7 +117,7 @@ void GridWriter::put(int level, uint32_t cu, uint32_t cv, uint32_t segment, cons
   entry = chunk.entry;
   if (entry.size != 0) {
     entry.offset = file_.size();
-    file_.append(chunk.frame);
+    append_bytes(chunk.frame);
     l.info.chunks += 1;
     l.info.bytes += entry.size;
     l.info.changes += chunk.changes;

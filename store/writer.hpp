@@ -23,6 +23,9 @@ class GridWriter {
  public:
   // `meta.levels` is ignored: every even level is expected, and the last one if it is even.
   GridWriter(const std::filesystem::path& path, Metadata meta);
+  // Goes on where save() of a writer for the same path and metadata left off; `state` is read as far as it was written.
+  // FormatError when the partial file is not what it was then.
+  GridWriter(const std::filesystem::path& path, Metadata meta, ByteReader& state);
 
   const Metadata& meta() const { return meta_; }
   void put(int level, uint32_t cu, uint32_t cv, uint32_t segment, const EncodedChunk& chunk);
@@ -30,6 +33,9 @@ class GridWriter {
   // REQUIRES: every chunk of every stored level was put once.
   void finish(const std::string& report, uint64_t crossings);
   uint64_t bytes() const { return file_.size(); }
+  uint64_t chunks() const;  // stored so far
+  // Makes what was put durable and appends to `state` what it takes to go on from here.
+  void save(Bytes& state);
 
  private:
   struct OpenPage {
@@ -42,10 +48,13 @@ class GridWriter {
     std::map<uint64_t, OpenPage> open;
     std::vector<DirectoryEntry> directory;
   };
+  GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep);
+  void append_bytes(std::span<const uint8_t> bytes);
   DirectoryEntry append(std::span<const uint8_t> frame);
 
   Metadata meta_;
   OutputFile file_;
+  ContentHash written_;  // of all bytes
   std::vector<Level> levels_;  // level / 2
 };
 

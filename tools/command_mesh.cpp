@@ -21,6 +21,7 @@ struct Options {
   std::optional<double> step;
   std::optional<int64_t> pad;
   int threads = 0;
+  bool resume = false;
 };
 
 Scene scene_from(const Options& o) {
@@ -87,6 +88,7 @@ void run(const Options& o) {
   options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
   options.tmp = o.tmp;
   options.write_caps = o.caps;
+  options.resume = o.resume;
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);
@@ -125,6 +127,7 @@ Run setup_mesh(CLI::App& app) {
   add_threads(app, o->threads);
   app.add_option("--memory", o->memory, "how much the run may take, e.g. 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled");
   app.add_option("--tmp", o->tmp, "folder for what is spilled (default: the output's)");
+  app.add_flag("--resume", o->resume, "go on with what a killed run with the same inputs and options has left; else start from the beginning");
   app.add_option("--write-caps", o->caps, "write the facets that close open surfaces: .stl, or .ply in doubles; a file each when there are several bodies");
   app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
   add_progress(app, o->progress);

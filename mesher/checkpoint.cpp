@@ -1,0 +1,87 @@
+#include "mesher/checkpoint.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "store/error.hpp"
+#include "store/file.hpp"
+#include "store/format.hpp"
+
+namespace teracell {
+namespace {
+
+constexpr char kMagic[] = "tcellrun";
+
+// The first thing that differs, in words. An input's hash or size says most.
+std::string difference(const std::string& before, const std::string& now) {
+  const auto a = nlohmann::json::parse(before), b = nlohmann::json::parse(now);
+  const auto patch = nlohmann::json::diff(a, b);
+  const std::string path = patch.at(0).at("path");
+  const nlohmann::json::json_pointer at(path);
+  const auto shown = [&](const nlohmann::json& j) { return j.contains(at) ? j.at(at).dump() : std::string("absent"); };
+  return fmt::format("{} was {} and is {} now", path.substr(1), shown(a), shown(b));
+}
+
+}  // namespace
+
+std::filesystem::path checkpoint_path(const std::filesystem::path& output) { return output.string() + ".resume"; }
+
+void save_checkpoint(const Checkpoint& c, const std::filesystem::path& output) {
+  Bytes out;
+  out.insert(out.end(), kMagic, kMagic + 8);
+  put_varint(out, c.identity.size());
+  out.insert(out.end(), c.identity.begin(), c.identity.end());
+  for (const uint64_t n : {c.units, c.totals.crossings, c.totals.exact_decisions, uint64_t{c.totals.cells.size()}}) put_varint(out, n);
+  for (const unsigned __int128 n : c.totals.cells) {
+    put_fixed(out, static_cast<uint64_t>(n));
+    put_fixed(out, static_cast<uint64_t>(n >> 64));
+  }
+  put_varint(out, c.writers.size());
+  out.insert(out.end(), c.writers.begin(), c.writers.end());
+  put_fixed(out, checksum(out));
+  OutputFile file(checkpoint_path(output));
+  file.append(out);
+  file.commit();
+}
+
+std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, const std::string& identity) {
+  const std::filesystem::path path = checkpoint_path(output);
+  if (!std::filesystem::exists(path) || !std::filesystem::exists(output.string() + ".partial")) return std::nullopt;
+  const InputFile file(path);
+  Bytes bytes(file.size());
+  file.read(0, bytes);
+  const auto damaged = [&] { return FormatError(fmt::format("{}: damaged: start again without --resume", path.string())); };
+  if (bytes.size() < 16) throw damaged();
+  const std::span<const uint8_t> body(bytes.data(), bytes.size() - 8);
+  ByteReader end({bytes.data() + body.size(), 8}, path.string());
+  if (end.fixed<uint64_t>() != checksum(body)) throw damaged();
+  ByteReader in(body, path.string());
+  const auto magic = in.take(8);
+  if (!std::equal(magic.begin(), magic.end(), kMagic)) throw damaged();
+  Checkpoint c;
+  const auto text = in.take(in.varint());
+  c.identity.assign(text.begin(), text.end());
+  if (c.identity != identity)
+    throw InputError(fmt::format("{}: can't resume: {}: restore it, or start again without --resume", output.string(), difference(c.identity, identity)));
+  c.units = in.varint();
+  c.totals.crossings = in.varint();
+  c.totals.exact_decisions = in.varint();
+  c.totals.cells.resize(in.varint(0, in.remaining() / 16, "bodies"));
+  for (unsigned __int128& n : c.totals.cells) {
+    n = in.fixed<uint64_t>();
+    n |= static_cast<unsigned __int128>(in.fixed<uint64_t>()) << 64;
+  }
+  const auto writers = in.take(in.varint());
+  c.writers.assign(writers.begin(), writers.end());
+  in.expect_end();
+  // A run that began anew was killed before it removed this.
+  if (std::filesystem::file_size(output.string() + ".partial") < ByteReader(writers, path.string()).fixed<uint64_t>()) return std::nullopt;
+  return c;
+}
+
+void remove_checkpoint(const std::filesystem::path& output) {
+  std::error_code absent;  // is as good
+  std::filesystem::remove(checkpoint_path(output), absent);
+}
+
+}  // namespace teracell

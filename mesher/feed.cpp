@@ -1,0 +1,86 @@
+#include "mesher/feed.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace teracell {
+namespace {
+
+// The survey of all bodies, beside the work: it decides no cell.
+std::vector<SurveyTotals> survey_in_memory(const Bodies& bodies, const std::atomic<bool>& stop) {
+  std::vector<SurveyTotals> out;
+  for (const BodyFacets& body : bodies.bodies) {
+    Survey survey;
+    std::as_const(*bodies.facets).for_each(body.first, body.first + body.file.facets, [&](const SceneFacet& f) {
+      if (!stop) survey.add(f.facet);
+    });
+    out.push_back({survey.degenerate(), survey.duplicates(), survey.shells()});
+  }
+  return out;
+}
+
+std::vector<bool> which_move(const Scene& scene) {
+  std::vector<bool> out;
+  for (const SceneBody& body : scene.bodies) out.push_back(body.matrix != kIdentity);
+  return out;
+}
+
+Facet moved_facet(const Facet& facet, const SceneBody& body) {
+  return {{moved(facet.vertex[0], body), moved(facet.vertex[1], body), moved(facet.vertex[2], body)}};
+}
+
+}  // namespace
+
+Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick,
+           const std::atomic<bool>& stop)
+    : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()), background_(threads > 1) {
+  if (bodies.in_memory) {
+    use_memory(stop);
+    return;
+  }
+  auto bins = fill_bins(budget, threads, tick);
+  spilled_ = bins->bytes();
+  tiling_.emplace(std::move(bins), [this](auto facets) { background_.run([this, facets] { binned_.add_bin(*facets); }); }, threads > 1, meta);
+}
+
+void Feed::use_memory(const std::atomic<bool>& stop) {
+  background_.run([this, &stop] { in_memory_ = survey_in_memory(bodies_, stop); });
+  if (const auto moves = which_move(scene_); std::ranges::count(moves, true) > 0) {
+    background_.finish();  // it takes the files' coordinates
+    bodies_.facets->for_each(0, bodies_.facets->size(), [&](SceneFacet& f) {
+      if (moves[f.layer / 2]) f.facet = moved_facet(f.facet, scene_.bodies[f.layer / 2]);
+    });
+  }
+  tiling_.emplace(bodies_.facets, meta_);
+}
+
+std::vector<SurveyTotals> Feed::surveys() {
+  background_.finish();
+  return bodies_.in_memory ? in_memory_ : binned_.totals();
+}
+
+// They are read once more, from their files.
+std::unique_ptr<FacetBins> Feed::fill_bins(const Budget& budget, int threads, const std::function<void(double)>& tick) {
+  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved_facet(f, scene.bodies[layer / 2]) : f; };
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32(), budget, threads > 1, move);
+  const double all = static_cast<double>(bodies_.facet_count());
+  uint64_t done = 0;
+  for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const BodyFacets& found = bodies_.bodies[b];
+    Background background(threads > 1);
+    read_again(scene_.bodies[b], found, [&](std::span<const Facet> facets) {
+      background.run([&, b, batch = std::vector<Facet>(facets.begin(), facets.end())] {
+        for (const Facet& f : batch) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used));
+      });
+      done += facets.size();
+      tick(static_cast<double>(done) / all);
+    });
+    background.finish();
+    for (const bool parity : {false, true})
+      for (const Facet& f : found.rules[parity].caps.facets) bins->add(f, layer_of(b, parity));
+  }
+  bins->finish();
+  return bins;
+}
+
+}  // namespace teracell

@@ -1,0 +1,59 @@
+#include "mesher/plan.hpp"
+
+#include <algorithm>
+
+namespace teracell {
+namespace {
+
+// Chunks are as long as the rays, up to the format's default; on surfaces so dense that a chunk would hold millions of
+// changes they are shorter, so that reading one stays cheap.
+uint32_t chunk_length(double crossings, double rays, int64_t cells, uint32_t chunk_rays) {
+  uint32_t length = Metadata{}.chunk_cells;
+  const double per_cell = crossings / rays * chunk_rays * chunk_rays / static_cast<double>(cells);
+  while (length > 1024 && per_cell * std::min<double>(length, static_cast<double>(cells)) > 2e6) length /= 2;
+  return length;
+}
+
+double rays_along(const Grid& grid, int axis) {
+  const Frame f = Frame::along(axis);
+  return static_cast<double>(grid.axis[f.u].cells()) * static_cast<double>(grid.axis[f.v].cells());
+}
+
+// The crossings to expect along each axis, and the axis that costs least: 25 ns a crossing and 3 ns a ray, measured on
+// smooth and on empty grids. Of equals z, then y: rows of a picture along x stay rows.
+AxisChoice choose_axis(const Grid& grid, const Vec3& area, std::optional<int> asked_for) {
+  AxisChoice out;
+  Vec3 cost;
+  for (int w = 0; w < 3; ++w) {
+    const Frame f = Frame::along(w);
+    double rays_per_area = 1;
+    for (const int d : {f.u, f.v}) rays_per_area *= static_cast<double>(grid.axis[d].cells()) / (grid.axis[d].max() - grid.axis[d].min());
+    out.crossings[w] = area[w] * rays_per_area;
+    cost[w] = 25 * out.crossings[w] + 3 * rays_along(grid, w);
+  }
+  for (const int w : {1, 0})
+    if (cost[w] < cost[out.axis]) out.axis = w;
+  out.asked_for = asked_for.has_value();
+  out.axis = asked_for.value_or(out.axis);
+  return out;
+}
+
+}  // namespace
+
+Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays) {
+  Plan plan;
+  Metadata& meta = plan.meta;
+  meta.units = scene.units;
+  meta.grid = resolve_grid(scene, bodies.lo, bodies.hi);
+  plan.rays = choose_axis(meta.grid, bodies.area, axis);
+  const int w = plan.rays.axis;
+  meta.ray_axis = w;
+  meta.chunk_rays = chunk_rays;
+  meta.chunk_cells = chunk_length(plan.rays.crossings[w], rays_along(meta.grid, w), meta.grid.cells()[w], chunk_rays);
+  plan.labels = make_labels(scene);
+  meta.materials = plan.labels.materials;
+  meta.labels = plan.labels.labels;
+  return plan;
+}
+
+}  // namespace teracell

@@ -1,0 +1,26 @@
+// What is decided once the bodies are read: the grid, the axis of the rays, labels, the size of the chunks.
+#pragma once
+#include <optional>
+
+#include "mesher/bodies.hpp"
+#include "mesher/labels.hpp"
+
+namespace teracell {
+
+// How the axis of the rays came about.
+struct AxisChoice {
+  int axis = 2;
+  bool asked_for = false;
+  Vec3 crossings;  // expected along each axis
+};
+
+struct Plan {
+  Metadata meta;
+  AxisChoice rays;
+  Labels labels;
+};
+
+// `axis` is the one asked for, if any.
+Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays);
+
+}  // namespace teracell
