@@ -146,7 +146,6 @@ void FacetBins::take_records(Bin& bin, F&& f) {
     file_.read(e.offset, bytes);
     if (checksum(bytes) != e.checksum) throw IoError(fmt::format("a temporary file: its {} bytes at {} are not those that were written", e.bytes, e.offset));
     for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(std::span<const uint8_t>(bytes.data() + at, record_bytes_));
-    file_.discard(e.offset, e.bytes);
   }
   bin.extents = {};
 }

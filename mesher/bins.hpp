@@ -36,7 +36,7 @@ class FacetBins {
   // After finish(). A node of the tree is a bin, has bins below it, or lies in a bin.
   bool is_split(const TreePlace& place) const { return !bin_at(place).children.empty(); }
   uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }
-  // Calls f with the facets of a bin, each also as the grid sees it and with its rays. They are gone from the disk then.
+  // Calls f with the facets of a bin, each also as the grid sees it and with its rays. Once only.
   void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
   uint64_t bytes() const { return end_; }  // ever written
 

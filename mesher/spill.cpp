@@ -51,9 +51,4 @@ void SpillFile::read(uint64_t offset, std::span<uint8_t> out) const {
   }
 }
 
-void SpillFile::discard(uint64_t offset, uint64_t bytes) {
-  // Advice: where it fails the room comes back when the file is closed.
-  (void)::fallocate(fd_, FALLOC_FL_PUNCH_HOLE | FALLOC_FL_KEEP_SIZE, static_cast<off_t>(offset), static_cast<off_t>(bytes));
-}
-
 }  // namespace teracell

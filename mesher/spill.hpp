@@ -13,8 +13,9 @@ struct Budget {
   std::filesystem::path folder = ".";  // for temporary files
 };
 
-// A temporary file without a name: however the process ends, nothing stays behind. Threads may share it. Throws IoError, "no space" with what
-// was needed.
+// A temporary file without a name: however the process ends, nothing stays behind. Threads may share it. Throws IoError
+// that says what to do about it. (Giving room back piece by piece was tried: punching a hole makes ext4 write out
+// everything first, which took most of the time of a run.)
 class SpillFile {
  public:
   // `expected` bytes must be free in the folder.
@@ -24,8 +25,6 @@ class SpillFile {
 
   void write(uint64_t offset, std::span<const uint8_t> bytes);
   void read(uint64_t offset, std::span<uint8_t> out) const;
-  // Gives the room back, where the file system can.
-  void discard(uint64_t offset, uint64_t bytes);
 
  private:
   std::string folder_;
