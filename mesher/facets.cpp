@@ -148,7 +148,7 @@ double checked_coordinate(double v, const std::string& where) {
                        : fmt::format("{}: expected a coordinate of 0 or of size 1e-75 to 1e75, found {}", where, v));
 }
 
-SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink) {
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget) {
   SurfaceFile file;
   FacetStream out(part, sink);
   switch (format_of(input)) {
@@ -163,10 +163,10 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
     case Format::kObj:
       file.format = "OBJ";
       file.float32 = false;
-      read_obj(input, out);
+      read_obj(input, out, budget);
       break;
     case Format::kPly:
-      file.format = read_ply(input, out, file.float32);
+      file.format = read_ply(input, out, budget, file.float32);
       break;
   }
   out.finish(input.name(), file);
@@ -175,9 +175,9 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
   return file;
 }
 
-SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink) {
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget) {
   Input input(path);
-  return read_facets(input, part, sink);
+  return read_facets(input, part, sink, budget);
 }
 
 }  // namespace teracell

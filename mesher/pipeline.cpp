@@ -108,7 +108,7 @@ std::unique_ptr<FacetBins> fill_bins(const Scene& scene, const Bodies& bodies, c
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const BodyFacets& found = bodies.bodies[b];
     Background background(threads > 1);
-    read_again(scene.bodies[b], found, [&](std::span<const Facet> facets) {
+    read_again(scene.bodies[b], found, budget, [&](std::span<const Facet> facets) {
       background.run([&, b, batch = std::vector<Facet>(facets.begin(), facets.end())] {
         for (const Facet& f : batch) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used));
       });
