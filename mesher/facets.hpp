@@ -28,7 +28,7 @@ struct SurfaceFile {
   std::string hash;                 // XXH3-128 of those bytes, 32 hex digits
   uint64_t facets = 0;              // given to the sink
   bool float32 = true;              // every vertex given to the sink was declared as float32
-  std::vector<std::string> parts;   // named STL solids, OBJ groups and objects, in the file's order; all, not only matches
+  std::vector<std::string> parts;   // named STL solids, OBJ groups and objects, in the file's order; all, not only matches, up to some MB of names
 };
 
 // Receives facets in the file's order, some thousands at a time. The span is valid during the call only.

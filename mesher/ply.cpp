@@ -82,6 +82,8 @@ class HeaderReader {
   std::string_view next_line() {
     if (!input_.next_line(line_))
       throw InputError(fmt::format("{}: cut short: expected end_header, found the end of the file", input_.at_line()));
+    if (input_.offset() > kLongest)
+      throw InputError(fmt::format("{}: expected end_header within the first {} bytes, found a longer header", input_.at_line(), kLongest));
     return next_word(line_);
   }
   [[noreturn]] void refuse(const char* expected, std::string_view found) const {
@@ -127,6 +129,7 @@ class HeaderReader {
     refuse("expected a type (char, uchar, short, ushort, int, uint, float, double, int8 ... float64)", word);
   }
 
+  static constexpr uint64_t kLongest = uint64_t{1} << 20;  // a header is held in memory, element by element
   Input& input_;
   std::string_view line_;
 };

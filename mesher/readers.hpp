@@ -31,6 +31,7 @@ class FacetStream {
 
  private:
   static constexpr size_t kBatch = 4096;
+  void note(const std::string& name);
   void flush();
 
   const std::string& glob_;
@@ -41,6 +42,8 @@ class FacetStream {
   bool matched_ = false;  // some part is wanted
   std::vector<std::string> parts_;
   std::unordered_set<std::string> known_parts_;
+  uint64_t names_ = 0;       // bytes that these two take, about
+  bool more_parts_ = false;  // than they hold
 };
 
 // A polygon as a fan from its first vertex, one vertex after the other.
