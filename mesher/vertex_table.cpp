@@ -23,29 +23,25 @@ VertexTable::VertexTable(const Budget& budget)
 
 void VertexTable::begin_piece() {
   const uint64_t number = size_ / kPiece;
-  if (number <= last_place_) {
-    places_.push_back({number, true, std::make_unique<Piece>()});
-    return;
-  }
-  Place& place = places_[number & last_place_];
+  if (number <= last_place_) places_.push_back(std::make_unique<Piece>());
+  Piece& place = *places_[number & last_place_];
   make_room(place);
   place.number = number;
 }
 
-void VertexTable::bring(Place& place, uint64_t number) {
+void VertexTable::load(uint64_t number, Piece& place) {
   make_room(place);
-  place.number = number;
-  place.changed = false;
-  file_->read(number * sizeof(Piece), bytes_of(*place.piece));
-  if (checksum(bytes_of(place.piece->vertices)) != place.piece->checksum)
+  file_->read(number * sizeof(Piece), bytes_of(place));
+  if (place.number != number || place.checksum != checksum(bytes_of(place.vertices)))
     throw IoError(fmt::format("{}: a temporary file: its {} bytes at {} are not those that were written", folder_.string(), sizeof(Piece), number * sizeof(Piece)));
 }
 
-void VertexTable::make_room(Place& place) {
+void VertexTable::make_room(Piece& place) {
   if (!place.changed) return;
   if (!file_) file_.emplace(folder_, sizeof(Piece));
-  place.piece->checksum = checksum(bytes_of(place.piece->vertices));
-  file_->write(place.number * sizeof(Piece), bytes_of(*place.piece));
+  place.changed = false;
+  place.checksum = checksum(bytes_of(place.vertices));
+  file_->write(place.number * sizeof(Piece), bytes_of(place));
 }
 
 }  // namespace teracell

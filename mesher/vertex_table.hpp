@@ -25,36 +25,33 @@ class VertexTable {
   uint64_t size() const { return size_; }
   void push_back(const Vec3& v) {
     if (size_ % kPiece == 0) begin_piece();
-    Place& place = place_of(size_);
-    place.changed = true;
-    place.piece->vertices[size_++ % kPiece] = v;
+    Piece& piece = piece_of(size_);
+    piece.changed = true;
+    piece.vertices[size_++ % kPiece] = v;
   }
   // Valid until the next call. REQUIRES: i < size().
-  const Vec3& operator[](uint64_t i) { return place_of(i).piece->vertices[i % kPiece]; }
+  const Vec3& operator[](uint64_t i) { return piece_of(i).vertices[i % kPiece]; }
 
  private:
   static constexpr uint64_t kPiece = 256;
   struct Piece {
+    uint64_t number;
+    uint64_t checksum;  // of the vertices, while it is on disk
+    bool changed;       // since it was on disk
     std::array<Vec3, kPiece> vertices;
-    uint64_t checksum;  // while it is on disk
   };
-  struct Place {
-    uint64_t number;  // of the piece that is here
-    bool changed;     // since it was on disk
-    std::unique_ptr<Piece> piece;
-  };
-  Place& place_of(uint64_t i) {
-    Place& place = places_[i / kPiece & last_place_];
-    if (place.number != i / kPiece) [[unlikely]] bring(place, i / kPiece);
-    return place;
+  Piece& piece_of(uint64_t i) {
+    Piece& piece = *places_[i / kPiece & last_place_];
+    if (piece.number != i / kPiece) [[unlikely]] load(i / kPiece, piece);
+    return piece;
   }
   void begin_piece();
-  void bring(Place& place, uint64_t number);
-  void make_room(Place& place);
+  void load(uint64_t number, Piece& place);
+  void make_room(Piece& place);
 
   const std::filesystem::path folder_;
   const uint64_t last_place_;  // their number, a power of two, less one
-  std::vector<Place> places_;
+  std::vector<std::unique_ptr<Piece>> places_;
   std::optional<SpillFile> file_;
   uint64_t size_ = 0;
 };
