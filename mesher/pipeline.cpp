@@ -173,7 +173,11 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
   } else {
     auto bins = fill_bins(scene, bodies, meta, budget, threads, [&](double share) { tick("spill", share); });
     spilled = bins->bytes();
-    tiling.emplace(std::move(bins), [&](auto facets) { background.run([&binned, facets] { binned.add_bin(*facets); }); }, threads > 1, meta);
+    const auto survey_bin = [&](auto facets) {
+      background.finish();  // bins that wait would be held in memory
+      background.run([&binned, facets] { binned.add_bin(*facets); });
+    };
+    tiling.emplace(std::move(bins), survey_bin, threads > 1, meta);
   }
   const EngineMaker make_engine = engine_maker(options.engine, meta.frame(), [&] {
     if (!bodies.in_memory)
