@@ -128,7 +128,8 @@ void close_body(const SceneBody& body, size_t b, const BoundaryProof& proof, con
   if (closed) return;
 
   std::array<std::vector<BoundaryEdge>, 2> edges;  // of shells by winding number, by parity
-  edges[0] = boundary_edges([&](const auto& f) { for_each_facet(body, found, bodies, budget, f); }, std::max(budget.bytes / 4, kLeastMemory), body.mesh.string());
+  edges[0] = boundary_edges([&](const auto& f) { for_each_facet(body, found, bodies, budget, f); },
+                            std::max(budget.bytes / 4, kLeastMemory), body.mesh.string());
   if (edges[0].empty()) throw InputError(fmt::format("{}: the file changed while it was read", body.mesh.string()));
   found.flips = group_flips(edges[0], body.matrix);
   if (automatic && !found.flips.empty()) split_by_shell(body, b, budget, bodies, found, edges);
@@ -210,7 +211,8 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
   return out;
 }
 
-void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&)>& f) {
+void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
+                    const std::function<void(const Facet&)>& f) {
   if (bodies.in_memory) return bodies.facets->for_each(found.first, found.first + found.file.facets, [&](const SceneFacet& s) { f(s.facet); });
   read_again(body, found, budget, [&](std::span<const Facet> facets) {
     for (const Facet& facet : facets) f(facet);

@@ -119,7 +119,8 @@ void FacetStream::finish(const std::string& name, SurfaceFile& file) {
     std::vector<std::string> some;
     for (size_t i = 0; i < std::min<size_t>(parts_.size(), 8); ++i) some.push_back(shown(parts_[i]));
     throw InputError(fmt::format("{}: no part matches {}: the file has {}{} parts: {}{}", name, shown(glob_),
-                                 more_parts_ ? "more than " : "", parts_.size(), fmt::join(some, ", "), more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
+                                 more_parts_ ? "more than " : "", parts_.size(), fmt::join(some, ", "),
+                                 more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
   }
   if (facets_ == 0)
     throw InputError(glob_.empty() ? fmt::format("{}: holds no facet", name)

@@ -42,7 +42,8 @@ class ObjReader {
     while (more && line.ends_with('\\')) {
       joined_.append(line.substr(0, line.size() - 1)) += ' ';
       if (joined_.size() > Input::kLongestLine)
-        throw InputError(fmt::format("{}: expected at most {} bytes in lines joined by backslashes, found more", input_.at_line(), Input::kLongestLine));
+        throw InputError(
+            fmt::format("{}: expected at most {} bytes in lines joined by backslashes, found more", input_.at_line(), Input::kLongestLine));
       more = input_.next_line(line);
     }
     if (more) joined_.append(line);

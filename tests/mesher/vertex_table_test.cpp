@@ -23,7 +23,10 @@ std::vector<std::vector<uint64_t>> some_faces(uint64_t vertices, uint64_t count,
   std::vector<std::vector<uint64_t>> faces(count);
   for (uint64_t f = 0; f < count; ++f) {
     const uint64_t corners = 3 + random() % 4;
-    for (uint64_t i = 0; i < corners; ++i) faces[f].push_back(f % 3 == 0 ? (f + i) % vertices : f % 3 == 1 ? (i % 2 ? vertices - 1 - i : i) : random() % vertices);
+    for (uint64_t i = 0; i < corners; ++i) {
+      const uint64_t at_ends = i % 2 ? vertices - 1 - i : i;
+      faces[f].push_back(f % 3 == 0 ? (f + i) % vertices : f % 3 == 1 ? at_ends : random() % vertices);
+    }
   }
   return faces;
 }
@@ -73,7 +76,10 @@ TEST_CASE("OBJ: the facets do not depend on the memory given") {
   std::mt19937_64 random(2);
   std::string text;
   for (uint64_t declared = 0; declared < kMany;) {  // faces between the vertices, and behind them
-    for (const uint64_t stop = declared + 20000; declared < stop; ++declared) text += fmt::format("v {} {} {}\n", vertex(declared)[0], vertex(declared)[1], vertex(declared)[2]);
+    for (const uint64_t stop = declared + 20000; declared < stop; ++declared) {
+      const Vec3 v = vertex(declared);
+      text += fmt::format("v {} {} {}\n", v[0], v[1], v[2]);
+    }
     for (const auto& face : some_faces(declared, 3000, random)) {
       text += 'f';
       for (const uint64_t i : face) text += random() % 2 ? fmt::format(" {}", i + 1) : fmt::format(" -{}", declared - i);
