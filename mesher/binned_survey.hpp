@@ -1,5 +1,6 @@
 // The survey of bodies that are never in memory whole: bin by bin, then what the bins share.
 #pragma once
+#include <map>
 #include <unordered_map>
 
 #include "mesher/bins.hpp"
@@ -15,7 +16,10 @@ struct SurveyTotals {
 class BinnedSurvey {
  public:
   explicit BinnedSurvey(size_t bodies) : bodies_(bodies) {}
-  void add_bin(const std::vector<BinnedFacet>& facets);
+  // The facets of a bin, one by one, between begin_bin() and end_bin(). `facets` is their number.
+  void begin_bin(uint64_t facets);
+  void add(const BinnedFacet& facet);
+  void end_bin();
   std::vector<SurveyTotals> totals() const;
 
  private:
@@ -26,6 +30,9 @@ class BinnedSurvey {
     std::vector<uint32_t> parent;                  // union-find over nodes
   };
   std::vector<Body> bodies_;
+  // Of the bin at hand.
+  std::map<uint32_t, Survey> surveys_;  // by body
+  std::vector<std::pair<uint32_t, Vec3>> shared_;  // body and first vertex of the facets that lie in other bins too
 };
 
 }  // namespace teracell

@@ -60,7 +60,7 @@ std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const Matr
 }
 
 // Of the boundary of the part taken: does any edge belong to other parts of the file?
-bool touches_other_parts(const SceneBody& body, const std::array<std::vector<BoundaryEdge>, 2>& edges) {
+bool touches_other_parts(const SceneBody& body, const std::array<std::vector<BoundaryEdge>, 2>& edges, const Budget& budget) {
   const auto key = [](const Vec3& a, const Vec3& b) { return std::pair(std::min(a, b), std::max(a, b)); };
   std::vector<std::pair<std::pair<Vec3, Vec3>, uint64_t>> uses;
   for (const auto& list : edges)
@@ -75,7 +75,7 @@ bool touches_other_parts(const SceneBody& body, const std::array<std::vector<Bou
         const auto it = std::ranges::lower_bound(uses, edge, {}, [](const auto& u) { return u.first; });
         if (it != uses.end() && it->first == edge) found |= ++in_all[it - uses.begin()] > it->second;
       }
-  });
+  }, budget);
   return found;
 }
 
@@ -103,7 +103,7 @@ void split_by_shell(const SceneBody& body, size_t b, const Budget& budget, Bodie
                                  "allow twice that with --memory, or say which fill rule it has",
                                  body.mesh.string(), need / 1000000));
   Survey survey;
-  for_each_facet(body, found, bodies, [&](const Facet& f) { survey.add(f, false); });
+  for_each_facet(body, found, bodies, budget, [&](const Facet& f) { survey.add(f, false); });
   std::vector<Vec3> flips;
   for (const BoundaryEdge& e : edges[0])
     if (!e.odd()) flips.push_back(e.from);
@@ -128,7 +128,8 @@ void close_body(const SceneBody& body, size_t b, const BoundaryProof& proof, con
   if (closed) return;
 
   std::array<std::vector<BoundaryEdge>, 2> edges;  // of shells by winding number, by parity
-  edges[0] = boundary_edges([&](const auto& f) { for_each_facet(body, found, bodies, f); }, std::max(budget.bytes / 4, kLeastMemory), body.mesh.string());
+  edges[0] = boundary_edges([&](const auto& f) { for_each_facet(body, found, bodies, budget, f); },
+                            std::max(budget.bytes / 4, kLeastMemory), body.mesh.string());
   if (edges[0].empty()) throw InputError(fmt::format("{}: the file changed while it was read", body.mesh.string()));
   found.flips = group_flips(edges[0], body.matrix);
   if (automatic && !found.flips.empty()) split_by_shell(body, b, budget, bodies, found, edges);
@@ -136,7 +137,7 @@ void close_body(const SceneBody& body, size_t b, const BoundaryProof& proof, con
     std::erase_if(edges[0], [](const BoundaryEdge& e) { return !e.odd(); });
     edges[0].swap(edges[1]);
   }
-  found.cut_from_others = !body.part.empty() && touches_other_parts(body, edges);
+  found.cut_from_others = !body.part.empty() && touches_other_parts(body, edges, budget);
   for (const bool parity : {false, true}) {
     if (edges[parity].empty()) continue;
     if (body.closing == Closing::kStrict) refuse_open(body, found, parity, edges[parity]);
@@ -199,7 +200,7 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
         });
       }
       tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
-    });
+    }, budget);
     background.finish();
     out.lo = study.lo;
     out.hi = study.hi;
@@ -210,15 +211,16 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
   return out;
 }
 
-void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const std::function<void(const Facet&)>& f) {
+void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
+                    const std::function<void(const Facet&)>& f) {
   if (bodies.in_memory) return bodies.facets->for_each(found.first, found.first + found.file.facets, [&](const SceneFacet& s) { f(s.facet); });
-  read_again(body, found, [&](std::span<const Facet> facets) {
+  read_again(body, found, budget, [&](std::span<const Facet> facets) {
     for (const Facet& facet : facets) f(facet);
   });
 }
 
-void read_again(const SceneBody& body, const BodyFacets& found, const FacetSink& sink) {
-  const SurfaceFile file = read_facets(body.mesh, body.part, sink);
+void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink) {
+  const SurfaceFile file = read_facets(body.mesh, body.part, sink, budget);
   if (file.hash != found.file.hash)
     throw InputError(fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));
 }

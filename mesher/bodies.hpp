@@ -68,9 +68,10 @@ struct Bodies {
 Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick);
 
 // Calls f with the facets of a body as its file has them: from memory, or from the file.
-void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const std::function<void(const Facet&)>& f);
+void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
+                    const std::function<void(const Facet&)>& f);
 // Reads a body's file once more. InputError when it has changed.
-void read_again(const SceneBody& body, const BodyFacets& found, const FacetSink& sink);
+void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink);
 
 // A vertex as the grid sees it. Throws InputError when it leaves what coordinates may be.
 Vec3 moved(const Vec3& p, const SceneBody& body);

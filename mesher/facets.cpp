@@ -87,10 +87,21 @@ FacetStream::FacetStream(const std::string& glob, const FacetSink& sink)
 
 bool FacetStream::wants(std::string_view part) {
   const std::string name(part);
-  if (!name.empty() && known_parts_.insert(name).second) parts_.push_back(name);
+  if (!name.empty() && !known_parts_.contains(name)) note(name);
   const bool wanted = glob_.empty() || fnmatch(glob_.c_str(), name.c_str(), 0) == 0;
   matched_ |= wanted;
   return wanted;
+}
+
+// The names are for messages only: those of a file that has millions are not worth the memory.
+void FacetStream::note(const std::string& name) {
+  constexpr uint64_t kMostBytes = uint64_t{1} << 23;
+  const uint64_t bytes = 2 * (name.size() + 64);
+  more_parts_ |= names_ + bytes > kMostBytes;
+  if (more_parts_) return;
+  names_ += bytes;
+  known_parts_.insert(name);
+  parts_.push_back(name);
 }
 
 void FacetStream::flush() {
@@ -102,13 +113,14 @@ void FacetStream::flush() {
 
 void FacetStream::finish(const std::string& name, SurfaceFile& file) {
   flush();
-  if (!matched_ && parts_.empty())
+  if (!matched_ && parts_.empty() && !more_parts_)
     throw InputError(fmt::format("{}: no part matches {}: the file names no parts", name, shown(glob_)));
   if (!matched_) {
     std::vector<std::string> some;
     for (size_t i = 0; i < std::min<size_t>(parts_.size(), 8); ++i) some.push_back(shown(parts_[i]));
-    throw InputError(fmt::format("{}: no part matches {}: the file has {} parts: {}{}", name, shown(glob_),
-                                 parts_.size(), fmt::join(some, ", "), parts_.size() > some.size() ? ", ..." : ""));
+    throw InputError(fmt::format("{}: no part matches {}: the file has {}{} parts: {}{}", name, shown(glob_),
+                                 more_parts_ ? "more than " : "", parts_.size(), fmt::join(some, ", "),
+                                 more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
   }
   if (facets_ == 0)
     throw InputError(glob_.empty() ? fmt::format("{}: holds no facet", name)
@@ -148,7 +160,7 @@ double checked_coordinate(double v, const std::string& where) {
                        : fmt::format("{}: expected a coordinate of 0 or of size 1e-75 to 1e75, found {}", where, v));
 }
 
-SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink) {
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget) {
   SurfaceFile file;
   FacetStream out(part, sink);
   switch (format_of(input)) {
@@ -163,10 +175,10 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
     case Format::kObj:
       file.format = "OBJ";
       file.float32 = false;
-      read_obj(input, out);
+      read_obj(input, out, budget);
       break;
     case Format::kPly:
-      file.format = read_ply(input, out, file.float32);
+      file.format = read_ply(input, out, budget, file.float32);
       break;
   }
   out.finish(input.name(), file);
@@ -175,9 +187,9 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
   return file;
 }
 
-SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink) {
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget) {
   Input input(path);
-  return read_facets(input, part, sink);
+  return read_facets(input, part, sink, budget);
 }
 
 }  // namespace teracell

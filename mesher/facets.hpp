@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "mesher/spill.hpp"
 #include "store/grid.hpp"
 
 namespace teracell {
@@ -27,20 +28,21 @@ struct SurfaceFile {
   std::string hash;                 // XXH3-128 of those bytes, 32 hex digits
   uint64_t facets = 0;              // given to the sink
   bool float32 = true;              // every vertex given to the sink was declared as float32
-  std::vector<std::string> parts;   // named STL solids, OBJ groups and objects, in the file's order; all, not only matches
+  std::vector<std::string> parts;   // named STL solids, OBJ groups and objects, in the file's order; all, not only matches, up to some MB of names
 };
 
 // Receives facets in the file's order, some thousands at a time. The span is valid during the call only.
 using FacetSink = std::function<void(std::span<const Facet>)>;
 
 // Streams the facets of `path` into `sink`: those of the parts whose name matches the glob `part`, or all when it is
-// empty. Polygons are fans from their first vertex. STL and its memory: constant; OBJ and PLY hold the vertex table.
+// empty. Polygons are fans from their first vertex. Memory is constant, but that OBJ and PLY keep their vertices: those
+// beyond an eighth of the budget on disk, in its folder.
 // A part of an OBJ is each of the groups (`g`) or the object (`o`) a facet is in; of an ASCII STL, the solid; what has no
 // name has the name "". `*`, `?` and `[...]` as in fnmatch(3), case-sensitive.
 // Throws InputError (file, line or byte offset, expected, found) or IoError. No facet at all is an InputError, and so is
 // a `part` that nothing matches. Facets before the fault have been given to the sink when it throws. What the sink throws
 // passes through.
-SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink);
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget = {});
 
 // Throws InputError with `where` in front unless v may be a vertex coordinate; -0 becomes +0.
 double checked_coordinate(double v, const std::string& where);

@@ -40,7 +40,7 @@ Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budge
   }
   auto bins = fill_bins(budget, threads, tick);
   spilled_ = bins->bytes();
-  tiling_.emplace(std::move(bins), [this](auto facets) { background_.run([this, facets] { binned_.add_bin(*facets); }); }, threads > 1, meta);
+  tiling_.emplace(std::move(bins), binned_, threads > 1, meta);
 }
 
 void Feed::use_memory(const std::atomic<bool>& stop) {
@@ -68,7 +68,7 @@ std::unique_ptr<FacetBins> Feed::fill_bins(const Budget& budget, int threads, co
   for (size_t b = 0; b < scene_.bodies.size(); ++b) {
     const BodyFacets& found = bodies_.bodies[b];
     Background background(threads > 1);
-    read_again(scene_.bodies[b], found, [&](std::span<const Facet> facets) {
+    read_again(scene_.bodies[b], found, budget, [&](std::span<const Facet> facets) {
       background.run([&, b, batch = std::vector<Facet>(facets.begin(), facets.end())] {
         for (const Facet& f : batch) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used));
       });

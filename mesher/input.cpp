@@ -16,13 +16,6 @@
 #include "store/error.hpp"
 
 namespace teracell {
-namespace {
-
-// A line is held in memory whole. Polygons of millions of vertices fit; a file of zeros doesn't fill the machine.
-constexpr size_t kLongestLine = size_t{1} << 26;
-
-}  // namespace
-
 void Input::Release::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
 
 void Input::Release::operator()(z_stream_s* stream) const {

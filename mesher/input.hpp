@@ -42,6 +42,8 @@ class Input {
   // REQUIRES: n <= window(0).size().
   void consume(size_t n) { begin_ += n; }
 
+  // A line is held in memory whole. Polygons of a million vertices fit; a file of zeros doesn't fill the machine.
+  static constexpr size_t kLongestLine = size_t{1} << 24;
   // The next line without its end ("\n" or "\r\n"); the last line needs none. False at the end of the contents.
   bool next_line(std::string_view& line);
   // '\r' for texts of old Macintosh programs.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "mesher/readers.hpp"
+#include "mesher/vertex_table.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -12,7 +13,7 @@ namespace {
 
 class ObjReader {
  public:
-  ObjReader(Input& input, FacetStream& out) : input_(input), out_(out), wanted_(out.wants("")) {}
+  ObjReader(Input& input, FacetStream& out, const Budget& budget) : input_(input), out_(out), vertices_(budget), wanted_(out.wants("")) {}
 
   void read() {
     for (std::string_view line; next_statement(line);) {
@@ -40,6 +41,9 @@ class ObjReader {
     bool more = true;
     while (more && line.ends_with('\\')) {
       joined_.append(line.substr(0, line.size() - 1)) += ' ';
+      if (joined_.size() > Input::kLongestLine)
+        throw InputError(
+            fmt::format("{}: expected at most {} bytes in lines joined by backslashes, found more", input_.at_line(), Input::kLongestLine));
       more = input_.next_line(line);
     }
     if (more) joined_.append(line);
@@ -107,6 +111,6 @@ class ObjReader {
 
 }  // namespace
 
-void read_obj(Input& input, FacetStream& out) { ObjReader(input, out).read(); }
+void read_obj(Input& input, FacetStream& out, const Budget& budget) { ObjReader(input, out, budget).read(); }
 
 }  // namespace teracell

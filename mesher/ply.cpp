@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "mesher/readers.hpp"
+#include "mesher/vertex_table.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -81,6 +82,8 @@ class HeaderReader {
   std::string_view next_line() {
     if (!input_.next_line(line_))
       throw InputError(fmt::format("{}: cut short: expected end_header, found the end of the file", input_.at_line()));
+    if (input_.offset() > kLongest)
+      throw InputError(fmt::format("{}: expected end_header within the first {} bytes, found a longer header", input_.at_line(), kLongest));
     return next_word(line_);
   }
   [[noreturn]] void refuse(const char* expected, std::string_view found) const {
@@ -126,6 +129,7 @@ class HeaderReader {
     refuse("expected a type (char, uchar, short, ushort, int, uint, float, double, int8 ... float64)", word);
   }
 
+  static constexpr uint64_t kLongest = uint64_t{1} << 20;  // a header is held in memory, element by element
   Input& input_;
   std::string_view line_;
 };
@@ -314,7 +318,7 @@ void read_vertex(Values& values, const Layout& layout, VertexTable& vertices) {
 }
 
 template <class Values>
-void read_face(Values& values, const Layout& layout, const VertexTable& vertices, Fan fan) {
+void read_face(Values& values, const Layout& layout, VertexTable& vertices, Fan fan) {
   for (const Property& p : layout.face->properties) {
     if (&p != layout.indices) {
       skip_property(values, p);
@@ -333,9 +337,9 @@ void read_face(Values& values, const Layout& layout, const VertexTable& vertices
 }
 
 template <class Values>
-void read_body(Values values, const Header& header, const Layout& layout, FacetStream& out) {
+void read_body(Values values, const Header& header, const Layout& layout, FacetStream& out, const Budget& budget) {
   const bool wanted = out.wants("");
-  VertexTable vertices;
+  VertexTable vertices(budget);
   for (const Element& element : header.elements) {
     if (element.properties.empty()) continue;  // its rows take no bytes, however many there are
     for (uint64_t row = 0; row < element.count; ++row) {
@@ -354,20 +358,20 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
 
 }  // namespace
 
-std::string read_ply(Input& input, FacetStream& out, bool& float32) {
+std::string read_ply(Input& input, FacetStream& out, const Budget& budget, bool& float32) {
   const Header header = HeaderReader(input).read();
   const Layout layout = layout_of(header, input);
   float32 = true;
   for (const Property* p : layout.xyz) float32 &= p->type == Type::kFloat32;
   if (header.format == "ascii") {
-    read_body(AsciiValues(input), header, layout, out);
+    read_body(AsciiValues(input), header, layout, out, budget);
     return "PLY (ASCII)";
   }
   if (header.format == "binary_little_endian") {
-    read_body(BinaryValues<std::endian::little>(input), header, layout, out);
+    read_body(BinaryValues<std::endian::little>(input), header, layout, out, budget);
     return "PLY (binary, little endian)";
   }
-  read_body(BinaryValues<std::endian::big>(input), header, layout, out);
+  read_body(BinaryValues<std::endian::big>(input), header, layout, out, budget);
   return "PLY (binary, big endian)";
 }
 

@@ -1,4 +1,4 @@
-// What the surface readers (stl, obj, ply) share: where facets go, the vertex table, words and numbers of a text.
+// What the surface readers (stl, obj, ply) share: where facets go, words and numbers of a text.
 // Private to the mesher; users include facets.hpp.
 #pragma once
 #include <charconv>
@@ -31,6 +31,7 @@ class FacetStream {
 
  private:
   static constexpr size_t kBatch = 4096;
+  void note(const std::string& name);
   void flush();
 
   const std::string& glob_;
@@ -41,23 +42,8 @@ class FacetStream {
   bool matched_ = false;  // some part is wanted
   std::vector<std::string> parts_;
   std::unordered_set<std::string> known_parts_;
-};
-
-// Vertices by number. Grows piece by piece as vertices come: never on the word of a header, and without the moment in
-// which a doubling vector holds three times as much.
-class VertexTable {
- public:
-  uint64_t size() const { return size_; }
-  void push_back(const Vec3& v) {
-    if (size_ % kPiece == 0) pieces_.push_back(std::make_unique_for_overwrite<Vec3[]>(kPiece));
-    pieces_.back()[size_++ % kPiece] = v;
-  }
-  const Vec3& operator[](uint64_t i) const { return pieces_[i / kPiece][i % kPiece]; }
-
- private:
-  static constexpr uint64_t kPiece = 1 << 14;
-  std::vector<std::unique_ptr<Vec3[]>> pieces_;
-  uint64_t size_ = 0;
+  uint64_t names_ = 0;       // bytes that these two take, about
+  bool more_parts_ = false;  // than they hold
 };
 
 // A polygon as a fan from its first vertex, one vertex after the other.
@@ -65,16 +51,16 @@ class Fan {
  public:
   Fan(FacetStream& out, bool wanted) : out_(out), wanted_(wanted) {}
   void add(const Vec3& v) {
-    if (vertices_ >= 2 && wanted_) out_.add(*first_, *last_, v);
-    if (vertices_++ == 0) first_ = &v;
-    last_ = &v;
+    if (vertices_ >= 2 && wanted_) out_.add(first_, last_, v);
+    if (vertices_++ == 0) first_ = v;
+    last_ = v;
   }
   uint64_t vertices() const { return vertices_; }
 
  private:
   FacetStream& out_;
   const bool wanted_;
-  const Vec3 *first_ = nullptr, *last_ = nullptr;
+  Vec3 first_, last_;
   uint64_t vertices_ = 0;
 };
 
@@ -143,13 +129,14 @@ inline int64_t text_integer(std::string_view word, const char* expected, const I
   return v;
 }
 
-// The readers, one a format. Each takes all of `input`. read_ply returns SurfaceFile::format and sets `float32`.
+// The readers, one a format. Each takes all of `input`; OBJ and PLY keep vertices within `budget`. read_ply returns
+// SurfaceFile::format and sets `float32`.
 void read_binary_stl(Input& input, FacetStream& out);
 void read_ascii_stl(Input& input, FacetStream& out);
-void read_obj(Input& input, FacetStream& out);
-std::string read_ply(Input& input, FacetStream& out, bool& float32);
+void read_obj(Input& input, FacetStream& out, const Budget& budget);
+std::string read_ply(Input& input, FacetStream& out, const Budget& budget, bool& float32);
 
 // read_facets() of facets.hpp over a file already opened, or over bytes in memory.
-SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink);
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget = {});
 
 }  // namespace teracell

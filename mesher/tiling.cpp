@@ -15,7 +15,8 @@ Tiling::Tiling(const Metadata& meta) : rays_(meta) {
 // four times cheaper.
 class Tiling::NodeBuilder {
  public:
-  NodeBuilder(const RayFrame& rays, uint64_t facets) : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {
+  explicit NodeBuilder(const RayFrame& rays) : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {}
+  void expect(uint64_t facets) {
     block_->chunks.reserve(facets);
     heights_.reserve(facets);
   }
@@ -49,31 +50,31 @@ class Tiling::NodeBuilder {
 };
 
 Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta) : Tiling(meta) {
-  NodeBuilder root(rays_, facets->size());
+  NodeBuilder root(rays_);
+  root.expect(facets->size());
   facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, rays_.range_of(f.facet)); });
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 
-Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinObserver observer, bool ahead, const Metadata& meta) : Tiling(meta) {
+Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, bool ahead, const Metadata& meta) : Tiling(meta) {
   bins_ = std::move(bins);
-  observer_ = std::move(observer);
+  survey_ = &survey;
   ahead_ = ahead;
   path_.push_back({rays_.root(), nullptr, {}});
 }
 
 Tiling::Node Tiling::load(const TreePlace& place) const {
   const uint64_t count = bins_->facets(place);
-  const auto binned = std::make_shared<std::vector<BinnedFacet>>();
   const auto store = std::make_shared<FacetStore>();
-  NodeBuilder node(rays_, count);
-  binned->reserve(count);
+  NodeBuilder node(rays_);
+  survey_->begin_bin(count);
   bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
-    binned->push_back(f);
+    survey_->add(f);
     if (range.empty()) return;
     store->append({&moved, 1}, f.layer);
     node.add(moved, range);
   });
-  observer_(binned);
+  survey_->end_bin();
   return node.finish(place, store);
 }
 

@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "mesher/binned_survey.hpp"
 #include "mesher/bins.hpp"
 #include "mesher/facet_store.hpp"
 #include "mesher/rays.hpp"
@@ -36,10 +37,9 @@ class Tiling {
  public:
   // Of facets as the grid sees them.
   Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta);
-  // `observer` is told of the facets of every bin that is loaded, once.
-  using BinObserver = std::function<void(std::shared_ptr<const std::vector<BinnedFacet>>)>;
-  // With `ahead` the next bin is loaded by another thread while the units of one are taken.
-  Tiling(std::unique_ptr<FacetBins> bins, BinObserver observer, bool ahead, const Metadata& meta);
+  // `survey` sees the facets of every bin as it is loaded. With `ahead` another thread loads the next bin while the units
+  // of one are taken.
+  Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, bool ahead, const Metadata& meta);
 
   uint64_t units() const { return units_; }
   // The units in the order of the tree; rays without facets included.
@@ -63,7 +63,7 @@ class Tiling {
   uint32_t units_u_, units_v_;
   uint64_t units_;
   std::unique_ptr<FacetBins> bins_;
-  BinObserver observer_;
+  BinnedSurvey* survey_ = nullptr;  // of the bins
   bool ahead_ = false;
   std::vector<Node> path_;
   std::future<Node> next_bin_;  // the first one on the path, when it is valid; last: its thread uses the others

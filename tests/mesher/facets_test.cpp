@@ -185,6 +185,15 @@ TEST_CASE("A part of an OBJ is a group or an object, and the names may be a glob
   CHECK_THAT(refusal(text + "g last\n", "last"), Contains("the parts that match 'last' hold no facet"));
 }
 
+TEST_CASE("Names of parts are kept up to some megabytes, and parts are found however many there are") {
+  std::string text = kObj;
+  for (int i = 0; i < 100'000; ++i) text += "g " + std::to_string(i) + "\n";
+  text += "g last\nf 1 2 3\n";
+  CHECK(read(text, "last").facets.size() == 1);
+  CHECK(read(text).file.parts.size() < 100'000);
+  CHECK_THAT(refusal(text, "deck"), Contains("no part matches 'deck': the file has more than ") && Contains("'0', '1', '2'"));
+}
+
 TEST_CASE("A part of an STL is a named solid; binary STL and PLY have one part without a name") {
   const std::string text = ascii_stl(tetrahedron(), "lower deck") + ascii_stl(tetrahedron(), "hull");
   CHECK(read(text, "lower*").facets == tetrahedron());

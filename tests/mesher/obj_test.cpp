@@ -22,6 +22,13 @@ TEST_CASE("OBJ: polygons are fans from their first vertex") {
   CHECK(read(large).facets.size() == 299'998);
 }
 
+TEST_CASE("OBJ: lines joined without end are refused before they fill the memory") {
+  std::string text = "v 0 0 0\nf ";
+  while (text.size() < 2 * Input::kLongestLine) text += "1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 \\\n";
+  CHECK_THAT(refusal(text), Contains("expected at most 16777216 bytes in lines joined by backslashes"));
+  CHECK_THAT(refusal(kObj + std::string(2 * Input::kLongestLine, ' ')), Contains("line 10: longer than 16777216 bytes"));
+}
+
 TEST_CASE("OBJ: what is decoration is skipped, what would leave a hole is not") {
   const std::string decorated = "mtllib a.mtl\nusemtl steel\ns off\nvp 1 2\nl 1 2\np 1\nsomething new 1 2 3\n\n  \t\n";
   CHECK(read(decorated + kObj).facets == tetrahedron());

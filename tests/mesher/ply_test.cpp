@@ -68,6 +68,12 @@ TEST_CASE("PLY: a header that is wrong is named with its line") {
   CHECK_THAT(refusal("ply\nformat ascii 1.0\n"), Contains("line 2: cut short: expected end_header"));
 }
 
+TEST_CASE("PLY: a header without end is refused before it fills the memory") {
+  std::string text = "ply\nformat ascii 1.0\nelement vertex 4\n";
+  while (text.size() < 2'000'000) text += "property int a\n";
+  CHECK_THAT(refusal(text), Contains("expected end_header within the first 1048576 bytes, found a longer header"));
+}
+
 TEST_CASE("PLY: values that are wrong are named with their place") {
   const std::string whole = ply_header("ascii") + kPlyBody;
   const auto message = [&](const std::string& old, const std::string& by) { return refusal(replaced(whole, old, by)); };

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include <fmt/format.h>
+#include <fstream>
 
 #include "store/error.hpp"
 #include "tests/support/meshed.hpp"
@@ -78,6 +79,21 @@ TEST_CASE("A single unit of rays takes all facets, however many there are") {
   MeshOptions options;
   options.memory = 1;
   REQUIRE(mesh_quietly(scene, folder / "b.tcell", options)["spilled_bytes"] > 0);
+  REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
+}
+
+TEST_CASE("An OBJ whose vertices don't fit into the memory given makes the same file") {
+  const TempFolder folder;
+  const Grid grid{{Axis::uniform(-50, 1, 0, 100, 0.5), Axis::uniform(-50, 1, 0, 100, 0.5), Axis::uniform(-50, 1, 0, 100, 0.5)}};
+  const Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 40, 5)}}, grid);
+  std::string obj = bytes_of(folder / "body0.obj"), unused;
+  for (int i = 0; i < 300000; ++i) unused += "v 1 2 3\n";
+  obj.insert(obj.find("\nf ") + 1, unused);  // every facet is far from its vertices
+  std::ofstream(folder / "body0.obj") << obj;
+  mesh_quietly(scene, folder / "a.tcell");
+  MeshOptions options;
+  options.memory = 1;
+  mesh_quietly(scene, folder / "b.tcell", options);
   REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
 }
 
