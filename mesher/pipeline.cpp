@@ -227,7 +227,7 @@ ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const
   if (!bodies.in_memory) surveys = binned.totals();
   phases.end("cast");
 
-  ordered_json report = make_report(scene, bodies, surveys, rays, totals);
+  ordered_json report = make_report(scene, bodies, surveys, meta.grid, rays, totals);
   tick("write", 0);
   writer.finish(report.dump(), totals.crossings);
   for (const auto& file : caps) file->commit();
