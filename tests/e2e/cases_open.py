@@ -1,12 +1,14 @@
-"""Open surfaces: closed by caps whatever their shape, described in words."""
+"""Open surfaces: closed by caps whatever their shape, described in words; and the same on surfaces that nobody here made."""
 import math
 import os
+import unittest
 
 import solids
-from program import Case
+from program import Case, teracell
 
 BOX = solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0))
 LARGE, SMALL = ((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0)), ((-1.0, -1.0, -2.0), (1.0, 1.0, 2.0))
+MESHES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/meshes")
 
 
 def pipe(n, radius):
@@ -132,3 +134,77 @@ class OpenSurfaces(Case):
     def test_loose_facets_are_told_from_holes(self):
         err, _ = self.told("soup.stl", solids.binary_stl([tuple((v[0] + 5 * i, v[1], v[2]) for v in f) for i, f in enumerate(BOX)]))
         self.assertIn("No two facets share an edge, so they enclose nothing", err)
+
+
+@unittest.skipUnless(os.path.isdir(MESHES), "no shared/meshes beside the project")
+class RealSurfaces(Case):
+    def mesh_of(self, name):
+        return os.path.join(MESHES, name)
+
+    def facets_of(self, name):
+        with open(self.mesh_of(name), "rb") as f:
+            return solids.read_facets(f.read())
+
+    def test_every_surface_is_meshed_or_refused_in_words(self):
+        for folder, _, names in os.walk(MESHES):
+            for name in names:
+                if name.endswith(".md"):
+                    continue
+                r = teracell("mesh", os.path.join(folder, name), "--cells", 100, "-o", "g.tcell", cwd=self.folder)
+                if name.startswith("empty"):
+                    self.assertEqual(r.status, 1, name)
+                    self.assertIn("holds no facet", r.err)
+                    continue
+                self.assertEqual(r.status, 0, f"{name}: {r.err}")
+                self.run_ok("verify", "g.tcell")
+                report = self.json_of("info", "g.tcell")["report"]
+                broken = report["bodies"][0]["holes"] or report["bodies"][0]["flips"]
+                self.assertEqual(len(report["warnings"]) > 0, len(broken) > 0, name)
+                self.assertEqual("".join(f"warning: {w}\n" for w in report["warnings"]), r.err)
+
+    def test_the_bunny_with_its_caps_is_closed_and_has_the_same_cells_and_volume(self):
+        bunny = self.mesh_of("broken/bunny.ply")
+        self.refused(1, ["'bunny' is not closed", "223 edges", "closing cap"], "mesh", bunny, "--cells", 300, "--closing", "strict", "-o", "x.tcell")
+        self.run_ok("mesh", bunny, "--cells", 300, "--write-caps", "caps.stl", "-o", "open.tcell")
+        holes = self.json_of("info", "open.tcell")["report"]["bodies"][0]["holes"]
+        caps = solids.read_facets(self.bytes("caps.stl"))
+        self.assertEqual((len(holes), sum(h["edges"] for h in holes), len(caps)), (5, 223, 223))
+        whole = solids.binary_stl(self.facets_of("broken/bunny.ply") + caps)
+        self.write("whole.stl", whole)
+        whole = solids.read_facets(whole)
+        self.assertEqual(solids.open_edges(whole), {})
+        self.assertEqual(self.run_ok("mesh", "whole.stl", "--cells", 300, "-o", "whole.tcell", "--closing", "strict").err, "")
+        self.run_ok("export", "open.tcell", "-o", "open.raw")
+        self.run_ok("export", "whole.tcell", "-o", "whole.raw")
+        self.assertEqual(self.bytes("open.raw"), self.bytes("whole.raw"))
+        volume = self.json_of("stats", "open.tcell")["materials"][1]["volume"]
+        self.assertAlmostEqual(volume / abs(solids.volume(whole)), 1, delta=0.003)  # it is inside out
+
+    def test_caps_of_doubles_want_ply(self):
+        with open(self.mesh_of("rocker-arm.obj")) as f:
+            obj = "\n".join(f.read().split("\n")[:-40])
+        self.write("open.obj", obj)
+        self.refused(2, ["'open'", ".ply"], "mesh", "open.obj", "--cells", 60, "-o", "x.tcell", "--write-caps", "caps.stl")
+        self.run_ok("mesh", "open.obj", "--cells", 60, "-o", "open.tcell", "--write-caps", "caps.ply")
+        facets = solids.read_facets(obj.encode()) + solids.read_facets(self.bytes("caps.ply"))
+        self.assertEqual(solids.open_edges(facets), {})
+        self.write("whole.ply", solids.ply_of(facets))
+        self.run_ok("mesh", "whole.ply", "--cells", 60, "-o", "whole.tcell", "--closing", "strict")
+        self.assertEqual(self.export("open.tcell"), self.export("whole.tcell"))
+
+    def test_every_engine_writes_the_same_bytes(self):
+        for name in ("rocker-arm.obj", "broken/bunny.ply", "gears.stl"):
+            for axis in "yz":
+                files = []
+                for engine in ("scan", "tree", "slice", "brute"):
+                    self.run_ok("mesh", self.mesh_of(name), "--cells", 100, "--axis", axis, "--engine", engine, "-o", "g.tcell")
+                    files.append(self.bytes("g.tcell"))
+                self.assertEqual([f == files[0] for f in files], [True] * 4, f"{name} {axis}")
+
+    def test_little_memory_writes_the_same_bytes(self):
+        for name in ("rocker-arm.obj", "broken/bunny.ply", "gears.stl", "broken/featuretype.STL"):
+            files = []
+            for memory in ("1G", "4M", "1K"):
+                self.run_ok("mesh", self.mesh_of(name), "--cells", 200, "--memory", memory, "-o", "g.tcell")
+                files.append(self.bytes("g.tcell"))
+            self.assertEqual([f == files[0] for f in files], [True] * 3, name)
