@@ -42,7 +42,7 @@ void print_holes(const ordered_json& holes, const std::string& units) {
   for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
     const ordered_json& h = *sorted[i];
     const std::string edges = counted(h.at("edges").get<uint64_t>(), "edge");
-    detail(std::exchange(title, ""), fmt::format("{:.4g} {} wide ({:.3g} cells) at {}, {}, closed by a cap of {:.4g} {}^2", diameter(&h), units,
+    detail(std::exchange(title, ""), fmt::format("{:.4g} {} wide ({:.3g} cells) at {}, {}, cap of {:.4g} {}^2", diameter(&h), units,
                                                  h.at("diameter_cells").get<double>(), place(h.at("at")), edges,
                                                  h.at("cap_area").get<double>(), units));
   }

@@ -108,7 +108,7 @@ class OpenSurfaces(Case):
         err, info = self.told("box.stl", solids.binary_stl(BOX[:-2]))
         for phrase in ("body 'box' is open: 1 hole (4 edges), closed by a cap of 6 m^2", "3.606 m wide, 36.1 cells, at (4, 1.5, 1)", "whether it should be open"):
             self.assertIn(phrase, err)
-        self.assertRegex(info, r"holes +3\.606 m wide \(36\.1 cells\) at \(4, 1\.5, 1\), 4 edges, closed by a cap of 6 m\^2\n")
+        self.assertRegex(info, r"holes +3\.606 m wide \(36\.1 cells\) at \(4, 1\.5, 1\), 4 edges, cap of 6 m\^2\n")
         self.assertRegex(info, r"inside +of 1 shell: where the surface winds around \(nonzero: facets are oriented alike\)\n")
 
     def test_a_hole_below_two_cells_is_harmless_and_only_the_largest_are_listed(self):
