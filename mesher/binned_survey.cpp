@@ -12,22 +12,22 @@ uint32_t root(std::vector<uint32_t>& parent, uint32_t v) {
 
 }  // namespace
 
-void BinnedSurvey::begin_bin(uint64_t facets) {
-  surveys_.clear();
-  shared_.clear();
-  if (bodies_.size() == 1) surveys_[0].expect(facets);
+BinnedSurvey::Bin::Bin(BinnedSurvey& survey, uint64_t facets) : survey_(survey) {
+  if (survey.bodies_.size() == 1) surveys_[0].expect(facets);
 }
 
-void BinnedSurvey::add(const BinnedFacet& f) {
+void BinnedSurvey::Bin::add(const BinnedFacet& f) {
+  if (f.cap) return;  // the file doesn't have it
   const uint32_t body = f.layer / 2;
   surveys_[body].add(f.facet, f.at_home);
   if (f.shared) shared_.emplace_back(body, f.facet.vertex[0]);
 }
 
-void BinnedSurvey::end_bin() {
+void BinnedSurvey::Bin::finish() {
+  std::lock_guard lock(survey_.mutex_);
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> node_of;  // by body and shell within the bin
   for (const auto& [b, vertex] : shared_) {
-    Body& body = bodies_[b];
+    Body& body = survey_.bodies_[b];
     const auto fresh = static_cast<uint32_t>(body.parent.size());
     const auto [node, first] = body.nodes.try_emplace(XXH3_64bits(vertex.data(), sizeof vertex), fresh);
     if (first) body.parent.push_back(fresh);
@@ -36,12 +36,11 @@ void BinnedSurvey::end_bin() {
     else body.parent[root(body.parent, node->second)] = root(body.parent, in_bin->second);
   }
   for (auto& [b, survey] : surveys_) {
-    SurveyTotals& totals = bodies_[b].totals;
+    SurveyTotals& totals = survey_.bodies_[b].totals;
     totals.degenerate += survey.degenerate();
     totals.duplicates += survey.duplicates();
     totals.shells += survey.shells();
   }
-  begin_bin(0);
 }
 
 std::vector<SurveyTotals> BinnedSurvey::totals() const {

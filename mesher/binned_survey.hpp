@@ -1,6 +1,7 @@
 // The survey of bodies that are never in memory whole: bin by bin, then what the bins share.
 #pragma once
 #include <map>
+#include <mutex>
 #include <unordered_map>
 
 #include "mesher/bins.hpp"
@@ -12,14 +13,23 @@ struct SurveyTotals {
   uint64_t degenerate = 0, duplicates = 0, shells = 0;  // survey.hpp
 };
 
-// Memory: by the facets that lie in several bins, and by the shells. Not thread-safe.
+// Memory: by the facets that lie in several bins, and by the shells. Threads may share it, each with bins of its own.
 class BinnedSurvey {
  public:
   explicit BinnedSurvey(size_t bodies) : bodies_(bodies) {}
-  // The facets of a bin, one by one, between begin_bin() and end_bin(). `facets` is their number.
-  void begin_bin(uint64_t facets);
-  void add(const BinnedFacet& facet);
-  void end_bin();
+
+  // One bin, of about `facets` facets. Not thread-safe.
+  class Bin {
+   public:
+    Bin(BinnedSurvey& survey, uint64_t facets);
+    void add(const BinnedFacet& facet);
+    void finish();  // after the last one
+
+   private:
+    BinnedSurvey& survey_;
+    std::map<uint32_t, Survey> surveys_;             // by body
+    std::vector<std::pair<uint32_t, Vec3>> shared_;  // body and first vertex of the facets that lie in other bins too
+  };
   std::vector<SurveyTotals> totals() const;
 
  private:
@@ -29,10 +39,8 @@ class BinnedSurvey {
     std::unordered_map<uint64_t, uint32_t> nodes;  // of shared facets, by a hash of the first vertex
     std::vector<uint32_t> parent;                  // union-find over nodes
   };
+  std::mutex mutex_;
   std::vector<Body> bodies_;
-  // Of the bin at hand.
-  std::map<uint32_t, Survey> surveys_;  // by body
-  std::vector<std::pair<uint32_t, Vec3>> shared_;  // body and first vertex of the facets that lie in other bins too
 };
 
 }  // namespace teracell

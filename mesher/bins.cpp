@@ -55,9 +55,9 @@ FacetBins::Places FacetBins::places_of(const RayRange& r) const {
   return {std::min(r.u0, u) / unit, std::min(r.u1, u) / unit, std::min(r.v0, v) / unit, std::min(r.v1, v) / unit};
 }
 
-void FacetBins::add(const Facet& facet, uint32_t layer) {
+void FacetBins::add(const Facet& facet, uint32_t layer, bool cap) {
   std::array<uint8_t, 9 * sizeof(double) + sizeof(uint32_t)> record;
-  encode(facet, layer, {record.data(), record_bytes_});
+  encode(facet, cap ? layer | kCap : layer, {record.data(), record_bytes_});
   put(root_, places_of(rays_.range_of(move_(facet, layer))), {record.data(), record_bytes_});
 }
 
@@ -99,9 +99,9 @@ void FacetBins::split_large(Bin& bin) {
     open_children(bin);
     writer_.finish();
     take_records(whole, [&](std::span<const uint8_t> record) {
-      uint32_t layer;
-      const Facet facet = decode(record, layer);
-      put(bin, places_of(rays_.range_of(move_(facet, layer))), record);
+      uint32_t tag;
+      const Facet facet = decode(record, tag);
+      put(bin, places_of(rays_.range_of(move_(facet, tag & ~kCap))), record);
     });
   }
   for (Bin& child : bin.children) split_large(child);
@@ -122,7 +122,10 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
   const auto inside = [&](uint32_t u, uint32_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
   take_records(bin, [&](std::span<const uint8_t> record) {
     BinnedFacet out;
-    out.facet = decode(record, out.layer);
+    uint32_t tag;
+    out.facet = decode(record, tag);
+    out.layer = tag & ~kCap;
+    out.cap = (tag & kCap) != 0;
     const Facet moved = move_(out.facet, out.layer);
     const RayRange range = rays_.range_of(moved);
     const Places places = places_of(range);
@@ -150,7 +153,7 @@ void FacetBins::take_records(Bin& bin, F&& f) {
   bin.extents = {};
 }
 
-void FacetBins::encode(const Facet& facet, uint32_t layer, std::span<uint8_t> record) const {
+void FacetBins::encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const {
   uint8_t* to = record.data();
   for (const Vec3& p : facet.vertex)
     for (const double x : p) {
@@ -163,10 +166,10 @@ void FacetBins::encode(const Facet& facet, uint32_t layer, std::span<uint8_t> re
         to += sizeof x;
       }
     }
-  std::memcpy(to, &layer, sizeof layer);
+  std::memcpy(to, &tag, sizeof tag);
 }
 
-Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& layer) const {
+Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& tag) const {
   Facet facet;
   const uint8_t* from = record.data();
   for (Vec3& p : facet.vertex)
@@ -181,7 +184,7 @@ Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& layer) const 
         from += sizeof x;
       }
     }
-  std::memcpy(&layer, from, sizeof layer);
+  std::memcpy(&tag, from, sizeof tag);
   return facet;
 }
 

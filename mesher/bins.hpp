@@ -18,9 +18,10 @@ struct BinnedFacet {
   uint32_t layer;  // of its body, bodies.hpp
   bool at_home;    // in just one of the bins that it lies in
   bool shared;     // it lies in several
+  bool cap;        // it closes a hole
 };
 
-// Not thread-safe, but that take() may run beside the questions.
+// Not thread-safe while it is filled; then threads may take different bins at once.
 class FacetBins {
  public:
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
@@ -29,7 +30,7 @@ class FacetBins {
   // With `own_writer` a thread of its own writes to the disk.
   FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move);
 
-  void add(const Facet& facet, uint32_t layer);
+  void add(const Facet& facet, uint32_t layer, bool cap);
   // When all are added. Splits the bins that are too large, as far as the tree goes.
   void finish();
 
@@ -65,8 +66,10 @@ class FacetBins {
   void split_large(Bin& bin);
   template <class F>
   void take_records(Bin& bin, F&& f);
-  void encode(const Facet& facet, uint32_t layer, std::span<uint8_t> record) const;
-  Facet decode(std::span<const uint8_t> record, uint32_t& layer) const;
+  // A record: nine coordinates, then the layer and whether the facet is a cap.
+  static constexpr uint32_t kCap = uint32_t{1} << 31;
+  void encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const;
+  Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
 
   RayFrame rays_;
   const bool float32_;

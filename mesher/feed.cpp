@@ -40,7 +40,7 @@ Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budge
   }
   auto bins = fill_bins(budget, threads, tick);
   spilled_ = bins->bytes();
-  tiling_.emplace(std::move(bins), binned_, threads > 1, meta);
+  tiling_.emplace(std::move(bins), binned_, threads > 1 ? threads : 0, meta);
 }
 
 void Feed::use_memory(const std::atomic<bool>& stop) {
@@ -70,14 +70,14 @@ std::unique_ptr<FacetBins> Feed::fill_bins(const Budget& budget, int threads, co
     Background background(threads > 1);
     read_again(scene_.bodies[b], found, budget, [&](std::span<const Facet> facets) {
       background.run([&, b, batch = std::vector<Facet>(facets.begin(), facets.end())] {
-        for (const Facet& f : batch) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used));
+        for (const Facet& f : batch) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used), false);
       });
       done += facets.size();
       tick(static_cast<double>(done) / all);
     });
     background.finish();
     for (const bool parity : {false, true})
-      for (const Facet& f : found.rules[parity].caps.facets) bins->add(f, layer_of(b, parity));
+      for (const Facet& f : found.rules[parity].caps.facets) bins->add(f, layer_of(b, parity), true);
   }
   bins->finish();
   return bins;

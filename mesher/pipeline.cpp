@@ -85,7 +85,7 @@ class MeshRun {
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
     phases_.end("prepare");
     cast(feed.tiling(), make_engine);
-    const ordered_json report = make_report(scene_, bodies_, feed.surveys(), plan_.rays, totals_);
+    const ordered_json report = make_report(scene_, bodies_, feed.surveys(), plan_.meta.grid, plan_.rays, totals_);
     phases_.end("cast");
     finish(report);
     return whole_report(report, feed.spilled_bytes());

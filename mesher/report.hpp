@@ -8,7 +8,9 @@
 
 namespace teracell {
 
-// The report in the file: only what inputs and options determine, so no times, memory or counts of threads. One survey a body.
-nlohmann::ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const AxisChoice& axis, const CastTotals& totals);
+// The report in the file: only what inputs and options determine, so no times, memory or counts of threads. One survey a
+// body.
+nlohmann::ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Grid& grid,
+                                   const AxisChoice& axis, const CastTotals& totals);
 
 }  // namespace teracell

@@ -56,33 +56,37 @@ Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta) :
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 
-Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, bool ahead, const Metadata& meta) : Tiling(meta) {
+Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, int ahead, const Metadata& meta) : Tiling(meta) {
   bins_ = std::move(bins);
   survey_ = &survey;
-  ahead_ = ahead;
+  ahead_ = static_cast<size_t>(ahead);
   path_.push_back({rays_.root(), nullptr, {}});
 }
 
 Tiling::Node Tiling::load(const TreePlace& place) const {
-  const uint64_t count = bins_->facets(place);
   const auto store = std::make_shared<FacetStore>();
   NodeBuilder node(rays_);
-  survey_->begin_bin(count);
+  BinnedSurvey::Bin survey(*survey_, bins_->facets(place));
   bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
-    survey_->add(f);
+    survey.add(f);
     if (range.empty()) return;
     store->append({&moved, 1}, f.layer);
     node.add(moved, range);
   });
-  survey_->end_bin();
+  survey.finish();
   return node.finish(place, store);
 }
 
 Tiling::Node Tiling::take_bin(const TreePlace& place) {
-  Node node = next_bin_.valid() ? next_bin_.get() : load(place);
-  const auto next = std::find_if(path_.rbegin(), path_.rend(), [](const Node& n) { return !n.block; });
-  if (ahead_ && next != path_.rend() && !bins_->is_split(next->place)) next_bin_ = std::async(std::launch::async, [this, at = next->place] { return load(at); });
-  return node;
+  std::future<Node> loading;
+  if (!next_bins_.empty()) {
+    loading = std::move(next_bins_.front());
+    next_bins_.pop_front();
+  }
+  size_t bins = 0;  // on the path, before one that is split
+  for (auto n = path_.rbegin(); n != path_.rend() && next_bins_.size() < ahead_ && (n->block || !bins_->is_split(n->place)); ++n)
+    if (!n->block && ++bins > next_bins_.size()) next_bins_.push_back(std::async(std::launch::async, [this, at = n->place] { return load(at); }));
+  return loading.valid() ? loading.get() : load(place);
 }
 
 std::optional<Unit> Tiling::next() {

@@ -7,6 +7,7 @@
 // Facets that don't fit into memory lie in bins on disk, each a node of the tree (bins.hpp): it is loaded when the
 // walk gets there.
 #pragma once
+#include <deque>
 #include <future>
 #include <memory>
 #include <optional>
@@ -37,9 +38,9 @@ class Tiling {
  public:
   // Of facets as the grid sees them.
   Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta);
-  // `survey` sees the facets of every bin as it is loaded. With `ahead` another thread loads the next bin while the units
-  // of one are taken.
-  Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, bool ahead, const Metadata& meta);
+  // `survey` sees the facets of every bin as it is loaded. The next `ahead` bins are loaded by threads of their own while
+  // the units of one are taken.
+  Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, int ahead, const Metadata& meta);
 
   uint64_t units() const { return units_; }
   // The units in the order of the tree; rays without facets included.
@@ -64,9 +65,9 @@ class Tiling {
   uint64_t units_;
   std::unique_ptr<FacetBins> bins_;
   BinnedSurvey* survey_ = nullptr;  // of the bins
-  bool ahead_ = false;
+  size_t ahead_ = 0;
   std::vector<Node> path_;
-  std::future<Node> next_bin_;  // the first one on the path, when it is valid; last: its thread uses the others
+  std::deque<std::future<Node>> next_bins_;  // the first ones on the path; last: their threads use the others
 };
 
 }  // namespace teracell

@@ -1,8 +1,11 @@
 // teracell info: what a file holds.
+#include <algorithm>
 #include <iostream>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "store/error.hpp"
@@ -21,16 +24,74 @@ struct Options {
 
 void row(const std::string& name, const std::string& text) { say(fmt::format("{:<12}{}", name, text)); }
 
-void print_report(const ordered_json& report) {
-  std::string title = "bodies";
-  for (const auto& b : report.value("bodies", ordered_json::array())) {
-    std::string text = fmt::format("{}: {} in {}, {}, {} cells", b.at("name").get<std::string>(), counted(b.at("facets").get<uint64_t>(), "facet"),
-                                   counted(b.at("shells").get<uint64_t>(), "shell"), b.at("fill").at(0).at("rule").get<std::string>(),
-                                   b.contains("cells_text") ? b.at("cells_text").get<std::string>() : b.at("cells").dump());
-    for (const char* flaw : {"degenerate", "duplicates"})
-      if (const auto count = b.at(flaw).get<uint64_t>(); count > 0) text += fmt::format(", {} {}", count, flaw);
-    row(std::exchange(title, ""), text);
+// A line below a body.
+void detail(const std::string& name, const std::string& text) { row("", fmt::format("  {:<12}{}", name, text)); }
+
+std::string place(const ordered_json& at) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", at.at(0).get<double>(), at.at(1).get<double>(), at.at(2).get<double>());
+}
+
+// The largest holes of a body.
+void print_holes(const ordered_json& holes, const std::string& units) {
+  constexpr size_t kShown = 5;
+  const auto diameter = [](const ordered_json* h) { return h->at("diameter").get<double>(); };
+  std::vector<const ordered_json*> sorted;
+  for (const auto& h : holes) sorted.push_back(&h);
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, diameter);
+  std::string title = "holes";
+  for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
+    const ordered_json& h = *sorted[i];
+    const std::string edges = counted(h.at("edges").get<uint64_t>(), "edge");
+    detail(std::exchange(title, ""), fmt::format("{:.4g} {} wide ({:.3g} cells) at {}, {}, cap of {:.4g} {}^2", diameter(&h), units,
+                                                 h.at("diameter_cells").get<double>(), place(h.at("at")), edges,
+                                                 h.at("cap_area").get<double>(), units));
   }
+  if (sorted.size() > kShown)
+    detail("", fmt::format("and {} more, none wider than {:.4g} {}", sorted.size() - kShown, diameter(sorted[kShown]), units));
+}
+
+void print_flips(const ordered_json& flips) {
+  constexpr size_t kShown = 3;
+  std::string title = "flips";
+  for (size_t i = 0; i < std::min(flips.size(), kShown); ++i) {
+    const std::string edges = counted(flips[i].at("edges").get<uint64_t>(), "edge");
+    detail(std::exchange(title, ""), fmt::format("neighbours face opposite ways along {} at {}", edges, place(flips[i].at("at"))));
+  }
+  if (flips.size() > kShown) detail("", fmt::format("and along {}", counted(flips.size() - kShown, "more curve")));
+}
+
+void print_rules(const ordered_json& fill) {
+  std::string title = "inside";
+  for (const auto& f : fill) {
+    const std::string rule = f.at("rule"), why = f.at("why"), shells = counted(f.at("shells").get<uint64_t>(), "shell");
+    const char* where = rule == "evenodd" ? "a ray out passes the surface an odd number of times" : "the surface winds around";
+    detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", shells, where, rule, why));
+  }
+}
+
+// A body in a line, and below it what is not as it should be.
+void print_body(const std::string& title, const ordered_json& b, const std::string& units) {
+  const ordered_json &fill = b.at("fill"), &holes = b.at("holes"), &flips = b.at("flips");
+  const auto count = [&](const char* key) { return b.at(key).get<uint64_t>(); };
+  std::vector<std::string> rules;
+  for (const auto& f : fill) rules.push_back(f.at("rule"));
+  const bool evenodd = std::ranges::count(rules, "evenodd") > 0, nonzero = std::ranges::count(rules, "nonzero") > 0;
+  const std::string cells = b.contains("cells_text") ? b.at("cells_text").get<std::string>() : b.at("cells").dump();
+  row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.at("name").get<std::string>(), counted(count("facets"), "facet"),
+                         counted(count("shells"), "shell"), fmt::join(rules, " and "), cells, cells == "1" ? "" : "s"));
+  if (evenodd || !holes.empty() || !flips.empty()) print_rules(fill);
+  print_holes(holes, units);
+  print_flips(flips);
+  if (const uint64_t n = count("duplicates"); n > 0)
+    detail("duplicates", fmt::format("{}: {}{}{}", counted(n, "facet"), nonzero ? "no matter where nonzero, what winds twice winds around" : "",
+                                     nonzero && evenodd ? "; " : "", evenodd ? "two that coincide count as none where evenodd" : ""));
+  if (const uint64_t n = count("degenerate"); n > 0)
+    detail("degenerate", fmt::format("{} without area: no matter, no ray meets them", counted(n, "facet")));
+}
+
+void print_report(const ordered_json& report, const std::string& units) {
+  std::string title = "bodies";
+  for (const auto& b : report.value("bodies", ordered_json::array())) print_body(std::exchange(title, ""), b, units);
   title = "warnings";
   for (const auto& w : report.value("warnings", ordered_json::array())) row(std::exchange(title, ""), w.get<std::string>());
 }
@@ -63,7 +124,7 @@ void print(const GridReader& reader) {
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
   }
   try {
-    print_report(ordered_json::parse(reader.report()));
+    print_report(ordered_json::parse(reader.report()), meta.units);
   } catch (const ordered_json::exception&) {
     row("report", "is not laid out as this program lays it out");
   }

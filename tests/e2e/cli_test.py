@@ -15,6 +15,8 @@ if __name__ == "__main__":
     from cases_shapes import *  # noqa: F401,F403
     from cases_usage import *  # noqa: F401,F403
     from cases_inputs import *  # noqa: F401,F403
+    from cases_open import *  # noqa: F401,F403
+    from cases_faults import *  # noqa: F401,F403
     from cases_files import *  # noqa: F401,F403
 
     unittest.main()

@@ -74,3 +74,54 @@ def cells_of(axes, boxes):
                 for x in inside[0]:
                     out[(z * ny + y) * nx + x] = material
     return bytes(out)
+
+
+def flip(facet):
+    return (facet[0], facet[2], facet[1])
+
+
+def walls(lo, hi):
+    """A box without bottom and top."""
+    return [f for f in box_facets(lo, hi) if len({v[2] for v in f}) > 1]
+
+
+def ply_of(facets):
+    """Binary, in doubles."""
+    head = (f"ply\nformat binary_little_endian 1.0\nelement vertex {3 * len(facets)}\nproperty double x\nproperty double y\nproperty double z\n"
+            f"element face {len(facets)}\nproperty list uchar uint vertex_indices\nend_header\n").encode()
+    return (head + b"".join(struct.pack("<9d", *[x for v in f for x in v]) for f in facets)
+            + b"".join(struct.pack("<B3I", 3, 3 * i, 3 * i + 1, 3 * i + 2) for i in range(len(facets))))
+
+
+def read_facets(data):
+    """Of a surface that the program wrote, or of a simple one that it reads: STL (binary), PLY (ASCII; or doubles as above), OBJ."""
+    if data[:4] == b"ply\n":
+        head, body = data.split(b"end_header\n", 1)
+        vertices, faces = (int(head.split(f"element {what} ".encode())[1].split()[0]) for what in ("vertex", "face"))
+        if b"format ascii" in head:
+            lines = body.split(b"\n")
+            v = [tuple(map(float, line.split()[:3])) for line in lines[:vertices]]
+            return [tuple(v[int(i)] for i in line.split()[1:4]) for line in lines[vertices : vertices + faces]]
+        x = struct.unpack(f"<{3 * vertices}d", body[: 24 * vertices])
+        return [tuple(tuple(x[9 * i + 3 * k : 9 * i + 3 * k + 3]) for k in range(3)) for i in range(faces)]
+    if data[:2] in (b"v ", b"# "):
+        lines = [line.split() for line in data.split(b"\n")]
+        v = [tuple(map(float, words[1:4])) for words in lines if words[:1] == [b"v"]]
+        return [tuple(v[int(w.split(b"/")[0]) - 1] for w in words[1:4]) for words in lines if words[:1] == [b"f"]]
+    return [tuple(x[3 + 3 * k : 6 + 3 * k] for k in range(3)) for x in struct.iter_unpack("<12fH", data[84:])]
+
+
+def open_edges(facets):
+    """Directed edges that their reverse does not match, with their net count."""
+    net = {}
+    for f in facets:
+        for a, b in zip(f, f[1:] + f[:1]):
+            if a != b:
+                key, sign = ((a, b), 1) if a < b else ((b, a), -1)
+                net[key] = net.get(key, 0) + sign
+    return {edge: n for edge, n in net.items() if n}
+
+
+def volume(facets):
+    """By the divergence theorem."""
+    return math.fsum(a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0]) for a, b, c in facets) / 6

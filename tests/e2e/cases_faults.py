@@ -1,0 +1,160 @@
+"""What fails while a surface is read, closed and spilled: one paragraph that names what and where, and nothing left behind."""
+import gzip
+import os
+import resource
+import signal
+import subprocess
+import threading
+import unittest
+
+import solids
+from program import PROGRAM, Case, teracell
+
+READ_FAULT = os.path.join(os.path.dirname(PROGRAM), "tests", "libread_fault.so")  # tests/CMakeLists.txt
+STALKS = [f for i in range(120) for f in solids.box_facets((i / 32, i / 32, i / 32), (i / 32 + 0.015625, i / 32 + 0.015625, 5.0))]
+OPEN = [f for i, f in enumerate(STALKS) if i % 12]
+SPILLED = ["--cells", 2000, "--axis", "x", "-o", "x.tcell", "--memory", "1K"]  # each facet lies in several bins
+
+
+def limit_files():
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (16384, resource.RLIM_INFINITY))
+
+
+class Spilling(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("s.stl", solids.binary_stl(STALKS))
+        os.mkdir(self.path("tmp"))
+
+    def fails(self, phrases, *args, mesh="s.stl", **options):
+        """One paragraph with the phrases, and the folder is as it was."""
+        before = sorted(os.listdir(self.folder))
+        r = teracell("mesh", mesh, *SPILLED, *args, cwd=self.folder, **options)
+        self.assertEqual((r.status, r.out), (1, ""), r.err)
+        self.assert_paragraph(r.err)
+        for phrase in phrases:
+            self.assertIn(phrase, r.err)
+        self.assertEqual([n for n in sorted(os.listdir(self.folder)) if n not in before], [])
+        self.assertEqual(os.listdir(self.path("tmp")), [])
+
+    def test_what_is_spilled_has_no_name(self):
+        self.run_ok("mesh", "s.stl", *SPILLED, "--tmp", "tmp", "--report", "r.json")
+        self.assertEqual(os.listdir(self.path("tmp")), [])
+        self.run_ok("mesh", "s.stl", "--cells", 2000, "--axis", "x", "-o", "y.tcell")
+        self.assertEqual(self.bytes("x.tcell"), self.bytes("y.tcell"))
+        self.assertNotIn(b'"spilled_bytes": 0,', self.bytes("r.json"))
+
+    def test_a_folder_that_takes_no_files(self):
+        self.fails(["nowhere: no folder for temporary files: No such file", "--tmp"], "--tmp", "nowhere")
+        self.fails(["s.stl: can't create a temporary file: Not a directory", "--tmp"], "--tmp", "s.stl")
+        self.fails(["/proc: ", "temporary files", "--tmp"], "--tmp", "/proc")
+        if os.geteuid() == 0:
+            return  # who may write everywhere
+        os.chmod(self.path("tmp"), 0o500)
+        self.fails(["tmp: can't create a temporary file: Permission denied", "--tmp"], "--tmp", "tmp")
+
+    def test_a_full_disk(self):
+        full = ["tmp: can't write byte ", "of a temporary file", "--tmp", "--memory"]
+        self.fails([*full, "File too large"], "--tmp", "tmp", preexec_fn=limit_files, restore_signals=False)
+        self.write("open.stl", solids.binary_stl(OPEN))
+        self.fails([*full, "File too large"], "--tmp", "tmp", "--write-caps", "caps.stl", mesh="open.stl", preexec_fn=limit_files, restore_signals=False)
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.path("tmp")], capture_output=True).returncode != 0:
+            return  # not root
+        try:
+            self.fails(["tmp: expected", "of free space for temporary files", "--tmp"], "--tmp", "tmp")
+            subprocess.run(["mount", "-o", "remount,size=96k", self.path("tmp")], check=True)
+            self.fails([*full, "No space left"], "--tmp", "tmp")  # several bins take more than was foreseen
+        finally:
+            subprocess.run(["umount", self.path("tmp")], check=True)
+
+    def test_ctrl_c_while_much_is_spilled(self):
+        process = subprocess.Popen([PROGRAM, "mesh", "s.stl", "--cells", "200000", "-o", "x.tcell", "--memory", "1K", "--tmp", "tmp", "--threads", "1"],
+                                   cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        with self.assertRaises(subprocess.TimeoutExpired):
+            process.wait(0.5)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+        self.assertEqual((process.returncode, out), (130, ""), err)
+        self.assert_paragraph(err)
+        self.assertEqual((sorted(os.listdir(self.folder)), os.listdir(self.path("tmp"))), (["s.stl", "tmp"], []))
+
+
+class Readings(Case):
+    """Surfaces that don't fit are read twice, open ones more often; the first reading is served through a pipe."""
+
+    def meshed(self, name, first, then, *args):
+        """The file holds `first` when it is opened, and from then on `then`, or is gone if that is None."""
+        os.mkfifo(self.path(name))
+
+        def serve():
+            with open(self.path(name), "wb") as pipe:  # waits for the program
+                if then is None:
+                    os.unlink(self.path(name))
+                else:
+                    self.write("then", then)
+                    os.replace(self.path("then"), self.path(name))
+                pipe.write(first)
+
+        server = threading.Thread(target=serve)
+        server.start()
+        r = teracell("mesh", name, *SPILLED, *args, cwd=self.folder)
+        server.join()
+        left = set(os.listdir(self.folder)) - {name}
+        self.assertEqual(left, {"x.tcell"} if r.status == 0 else set(), r.err)
+        for n in (*left, name):
+            if os.path.exists(self.path(n)):
+                os.unlink(self.path(n))
+        return r
+
+    def test_files_that_change_or_vanish_between_two_readings(self):
+        other = [tuple(tuple(x + 1 for x in v) for v in f) for f in STALKS]
+        for facets in (STALKS, OPEN):
+            whole = solids.binary_stl(facets)
+            self.assertEqual(self.meshed("a.stl", whole, whole).status, 0)
+            for then, phrases in ((solids.binary_stl(other), ["a.stl: the file changed while it was"]), (whole[:-25], ["a.stl", "cut short"]),
+                                  (b"solid nothing\nendsolid\n", ["a.stl", "no facet"]), (None, ["a.stl", "No such file"])):
+                r = self.meshed("a.stl", whole, then, "--write-caps", "caps.stl")
+                self.assertEqual((r.status, r.out), (1, ""), r.err)
+                self.assert_paragraph(r.err)
+                for phrase in phrases:
+                    self.assertIn(phrase, r.err)
+
+    def test_truncated_gzip(self):
+        self.write("s.stl.gz", gzip.compress(solids.binary_stl(STALKS))[:-400])
+        self.refused(1, ["s.stl.gz", "cut short", "byte"], "mesh", "s.stl.gz", *SPILLED)
+        self.assertEqual(os.listdir(self.folder), ["s.stl.gz"])
+
+    @unittest.skipUnless(os.path.exists(READ_FAULT), "no libread_fault.so beside the program: built by CMake with the tests")
+    def test_a_disk_that_fails_while_it_is_read(self):
+        for facets in (STALKS, OPEN):
+            self.write("s.stl", solids.binary_stl(facets))
+            size = len(self.bytes("s.stl"))
+            for at in (0, size // 2, size, size + size // 2):  # in the first reading and in the second one
+                env = {**os.environ, "LD_PRELOAD": READ_FAULT, "READ_FAULT_PATH": os.path.realpath(self.path("s.stl")), "READ_FAULT_BYTES": str(at),
+                       "ASAN_OPTIONS": "verify_asan_link_order=0:" + os.environ.get("ASAN_OPTIONS", "")}
+                self.refused(1, [f"s.stl: byte {at % size if at != size else size}: can't be read: Input/output error"], "mesh", "s.stl", *SPILLED,
+                             "--write-caps", "caps.stl", env=env)
+                self.assertEqual(os.listdir(self.folder), ["s.stl"])
+
+
+class MemoryAndCaps(Case):
+    def test_sizes_that_are_none(self):
+        self.write("s.stl", solids.binary_stl(STALKS))
+        for size in (-1, "many", "1.5G", "8Q", "G", "18446744073709551616", "16777216T"):
+            self.refused(2, ["--memory", "size like 512M", f"'{size}'"], "mesh", "s.stl", "--cells", 20, "-o", "x.tcell", f"--memory={size}")
+        for size in ("1K", "1KB", "4MiB", "512M", "99999T"):
+            self.run_ok("mesh", "s.stl", "--cells", 20, "-o", "x.tcell", "--memory", size)
+
+    def test_engines_that_search_all_facets_say_what_they_need(self):
+        self.write("s.stl", solids.binary_stl(STALKS))
+        for engine in ("tree", "brute"):
+            self.refused(1, [f"engine {engine}", "--memory", "scan"], "mesh", "s.stl", *SPILLED, "--engine", engine)
+
+    def test_names_for_caps(self):
+        self.write("s.stl", solids.binary_stl(OPEN))
+        mesh = ["mesh", "s.stl", "--cells", 20, "-o", "x.tcell", "--write-caps"]
+        self.refused(2, ["caps.obj", ".stl or .ply"], *mesh, "caps.obj")
+        self.refused(2, ["s.stl", "overwritten"], *mesh, "./s.stl")
+        self.refused(1, ["nowhere/caps.stl", "no folder"], *mesh, "nowhere/caps.stl")
+        self.assertEqual(os.listdir(self.folder), ["s.stl"])
