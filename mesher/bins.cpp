@@ -11,6 +11,7 @@ namespace {
 
 // A surface whose facets are small next to a bin lies in little more than one each.
 constexpr double kBinsOfAFacet = 1.2;
+constexpr size_t kPage = 4096;
 // Loaded, a facet takes what it takes on disk, in the store, and in its survey.
 constexpr uint64_t kLoadedBytes = 200;
 
@@ -64,7 +65,7 @@ void FacetBins::add(const Facet& facet, uint32_t layer, bool cap) {
 void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> record) {
   if (bin.children.empty()) {
     ++bin.facets;
-    if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_);
+    if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_ + kPage);
     bin.buffer.insert(bin.buffer.end(), record.begin(), record.end());
     if (bin.buffer.size() >= buffer_bytes_) flush(bin);
     return;
@@ -80,6 +81,7 @@ void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> rec
 void FacetBins::flush(Bin& bin) {
   if (bin.buffer.empty()) return;
   bin.extents.push_back({end_, bin.buffer.size(), checksum(bin.buffer)});
+  bin.buffer.resize((bin.buffer.size() + kPage - 1) / kPage * kPage);  // whole pages: the system fills up others, which costs a fifth of writing
   end_ += bin.buffer.size();
   writer_.run([this, offset = bin.extents.back().offset, bytes = std::move(bin.buffer)] { file_.write(offset, bytes); });
   bin.buffer = {};

@@ -43,6 +43,15 @@ struct Study {
   }
 };
 
+// What is spilled is read again, so it must be there again.
+void expect_files(const Scene& scene, size_t last) {
+  for (size_t b = 0; b <= last; ++b)
+    if (std::filesystem::is_other(scene.bodies[b].mesh))
+      throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
+                                   "save it as a file, or allow more with --memory",
+                                   scene.bodies[b].mesh.string()));
+}
+
 // Edges that run the same way in two facets, grouped where they meet.
 std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const Matrix& matrix) {
   std::unordered_map<uint32_t, size_t> group_of;  // by shell number of the edges as a graph
@@ -182,6 +191,7 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
     found.first = out.facets->size();
     found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
       if (out.in_memory && out.facets->size() + facets.size() > most) {
+        expect_files(scene, b);
         background.finish();
         out.in_memory = false;
         out.facets = std::make_shared<FacetStore>();

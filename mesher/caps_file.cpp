@@ -1,5 +1,6 @@
 #include "mesher/caps_file.hpp"
 
+#include <algorithm>
 #include <bit>
 
 #include <fmt/format.h>
@@ -39,9 +40,24 @@ void put_ply(Bytes& out, const std::vector<Facet>& facets) {
 
 }  // namespace
 
+std::vector<std::filesystem::path> caps_names(const Scene& scene, const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  if (ending != ".stl" && ending != ".ply") throw UsageError(fmt::format("--write-caps: expected a name that ends in .stl or .ply, found '{}'", path.string()));
+  if (scene.bodies.size() == 1) return {path};
+  std::vector<std::filesystem::path> names;
+  for (const SceneBody& body : scene.bodies) {
+    std::string stem = path.stem().string() + '-' + body.name;
+    std::ranges::replace(stem, '/', '_');
+    std::filesystem::path name = path.parent_path() / (stem + ending);
+    for (int n = 2; std::ranges::find(names, name) != names.end(); ++n) name = path.parent_path() / fmt::format("{}-{}{}", stem, n, ending);
+    names.push_back(name);
+  }
+  return names;
+}
+
 std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bodies& bodies, const std::filesystem::path& path) {
   const bool ply = path.extension() == ".ply";
-  if (!ply && path.extension() != ".stl") throw UsageError(fmt::format("{}: expected a name for the caps that ends in .stl or .ply", path.string()));
+  const std::vector<std::filesystem::path> names = caps_names(scene, path);
   std::vector<std::unique_ptr<OutputFile>> files;
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const BodyFacets& found = bodies.bodies[b];
@@ -49,13 +65,9 @@ std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bo
     for (const Rule& rule : found.rules) facets.insert(facets.end(), rule.caps.facets.begin(), rule.caps.facets.end());
     if (facets.empty()) continue;
     if (!ply && !found.file.float32)
-      throw UsageError(fmt::format("{}: the vertices of body '{}' are doubles, which STL can't hold: give the caps a name that ends in .ply", path.string(), scene.bodies[b].name));
-    std::string name = path.stem().string();
-    if (scene.bodies.size() > 1) {
-      name += '-';
-      for (const char c : scene.bodies[b].name) name += c == '/' ? '_' : c;
-    }
-    files.push_back(std::make_unique<OutputFile>(path.parent_path() / (name + path.extension().string())));
+      throw UsageError(fmt::format("--write-caps: the vertices of body '{}' are doubles, which STL can't hold: expected a name that ends in .ply, found '{}'",
+                                   scene.bodies[b].name, path.string()));
+    files.push_back(std::make_unique<OutputFile>(names[b]));
     Bytes bytes;
     if (ply) put_ply(bytes, facets);
     else put_stl(bytes, facets);

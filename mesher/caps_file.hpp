@@ -7,9 +7,12 @@
 
 namespace teracell {
 
-// Binary STL, or binary PLY in doubles for a path that ends in .ply. One file a body that has caps: `path` when the
-// scene has one body, "stem-name.ext" when it has several. Nothing stands under these names until the files are
-// committed. UsageError: another ending, or .stl for vertices that are doubles.
+// The names of the files, one a body: `path` when the scene has one body, "stem-body.ext" when it has several, numbered
+// where that is no name of its own. UsageError unless `path` ends in .stl or .ply.
+std::vector<std::filesystem::path> caps_names(const Scene& scene, const std::filesystem::path& path);
+
+// Binary STL, or binary PLY in doubles: of the bodies that have caps. Nothing stands under the names until the files are
+// committed. UsageError for .stl when the vertices are doubles.
 std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bodies& bodies, const std::filesystem::path& path);
 
 }  // namespace teracell

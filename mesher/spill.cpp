@@ -17,8 +17,8 @@ SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected) : f
   struct statvfs disk;
   if (::statvfs(folder_.c_str(), &disk) != 0) throw IoError(fmt::format("{}: no folder for temporary files: {}: give one with --tmp", folder_, std::strerror(errno)));
   if (const uint64_t room = uint64_t{disk.f_bavail} * disk.f_frsize; room < expected)
-    throw IoError(fmt::format("{}: expected {} MB of free space for temporary files, found {} MB: give another folder with --tmp, or more --memory", folder_,
-                              expected / 1000000, room / 1000000));
+    throw IoError(fmt::format("{}: expected {} bytes of free space for temporary files, found {}: give another folder with --tmp, or more --memory", folder_,
+                              expected, room));
   fd_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (fd_ < 0) {  // not every file system has files without names
     std::string name = (folder / "teracell-XXXXXX").string();

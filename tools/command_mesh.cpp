@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
 #include "store/error.hpp"
@@ -57,7 +58,12 @@ void check_outputs(const Options& o, const Scene& scene) {
   std::error_code none;
   if (!o.report.empty() && (o.report == o.output || o.report == o.output + ".partial" || std::filesystem::equivalent(o.report, o.output, none)))
     throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
-  for (const std::string& output : {o.output, o.report, o.caps}) {
+  std::vector<std::string> outputs = {o.output, o.report};
+  if (!o.caps.empty())
+    for (const auto& name : caps_names(scene, o.caps)) outputs.push_back(name.string());
+  for (size_t i = 2; i < outputs.size(); ++i)
+    if (outputs[i] == o.output || outputs[i] == o.report) throw UsageError(fmt::format("--write-caps: expected a name of its own, found {}", outputs[i]));
+  for (const std::string& output : outputs) {
     for (const std::string& input : o.inputs) refuse_overwriting(input, output);
     for (const SceneBody& body : scene.bodies) refuse_overwriting(body.mesh.string(), output);
     for (const SceneAxis& axis : scene.axis) refuse_overwriting(axis.planes_file.string(), output);
@@ -86,6 +92,7 @@ void run(const Options& o) {
   options.engine = o.engine;
   options.threads = o.threads;
   options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
+  if (options.memory == 0) throw UsageError("--memory: expected a size like 512M or 8G, found 0");
   options.tmp = o.tmp;
   options.write_caps = o.caps;
   options.resume = o.resume;

@@ -1,10 +1,11 @@
 """Open surfaces: closed by caps whatever their shape, described in words; and the same on surfaces that nobody here made."""
 import math
 import os
+import subprocess
 import unittest
 
 import solids
-from program import Case, teracell
+from program import PROGRAM, Case, teracell
 
 BOX = solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0))
 LARGE, SMALL = ((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0)), ((-1.0, -1.0, -2.0), (1.0, 1.0, 2.0))
@@ -77,6 +78,33 @@ class OpenSurfaces(Case):
                     if caps:
                         os.unlink(self.path("caps.ply"))
         self.no_debris()
+
+    def test_torn_surfaces_have_the_same_file_whatever_the_memory(self):
+        for name, facets in TORN.items():
+            self.write("s.ply", solids.ply_of(facets))
+            for fill in ("nonzero", "evenodd", "auto"):
+                with self.subTest(name, fill=fill):
+                    self.cells("s.ply", fill, "--axis", "z")
+                    expected = self.bytes("g.tcell")
+                    self.cells("s.ply", fill, "--axis", "z", memory="1K")
+                    self.assertEqual(self.bytes("g.tcell"), expected)
+
+    def test_caps_of_several_bodies_never_replace_an_input(self):
+        for name in ("a.stl", "caps-a.stl"):
+            self.write(name, solids.binary_stl(BOX[:-1]))
+        before = self.bytes("caps-a.stl")
+        self.refused(2, ["caps-a.stl", "overwritten"], "mesh", "a.stl", "caps-a.stl", "--cells", 20, "-o", "z.tcell", "--write-caps", "caps.stl")
+        self.refused(2, ["--write-caps", ".stl or .ply"], "mesh", "a.stl", "--cells", 20, "-o", "z.tcell", "--write-caps", "caps.obj")
+        self.assertEqual(self.bytes("caps-a.stl"), before)
+
+    def test_a_pipe_that_does_not_fit_the_memory(self):
+        self.write("box.stl", solids.binary_stl(BOX))
+        command = f"{PROGRAM} mesh <(cat box.stl) --cells 10 -o z.tcell"
+        run = lambda *more: subprocess.run(["bash", "-c", " ".join([command, *more])], cwd=self.folder, capture_output=True, timeout=60)
+        self.assertEqual(run().returncode, 0)
+        refused = run("--memory", "1K")
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn(b"read twice", refused.stderr)
 
     def test_two_overlapping_boxes_one_facet_flipped_are_their_union(self):
         boxes = (((0.25, 0.25, 0.25), (3.25, 3.25, 3.25)), ((1.25, 1.25, 1.25), (5.25, 4.25, 6.25)))
