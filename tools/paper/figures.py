@@ -27,16 +27,16 @@ TERACELL = os.path.join(ROOT, "build/bench/teracell")
 SUBDIVIDE = os.path.join(ROOT, "build/bench/tools/peers/subdivide")
 COLUMNS = ["input", "engine", "facets", "n", "cells", "rays", "crossings", "cast_seconds", "run_seconds", "peak_bytes"]
 AXIS = {"bust": "z", "stadium": "x"}  # of the rays, in every run
-MOST_TESTS = 4.7e9  # rays times facets for the brute engine: 20 s
+MOST_TESTS = 4.7e9  # rays times facets for the brute engine: 15 s
 
-# How the facets are made: cut in four so many times, or vertices clustered in cubes of so many cubes a domain (bust) or
-# so many metres (stadium).
+# How the facets are made: each cut in four so many times, or vertices clustered in cubes: so many along the domain (bust),
+# or so many metres wide (stadium).
 BUST = [("clustered", 6), ("clustered", 12), ("clustered", 24), ("clustered", 64), ("cut", 0), ("cut", 1), ("cut", 2), ("cut", 3)]
 STADIUM = [("clustered", 30), ("clustered", 10), ("clustered", 4), ("cut", 0), ("cut", 1), ("cut", 2)]
-FACETS_N = 1024               # cells along the longest axis while facets vary
-PER_RAY_N = (512, 2048)       # two more, whose difference is the cost of rays alone
+FACETS_N = 1000                # cells along the longest axis while facets vary
+PER_RAY_N = (464, 2154)        # two more, whose difference is the cost of rays alone
 BUST_N = [46, 100, 215, 464, 1000, 2154, 4642, 10000]  # while cells vary: 10^5 to 10^12
-STADIUM_N = [100, 215, 464, 1000, 2108, 4642]          # 2108: the paper's 1.5e9 cells
+STADIUM_N = [100, 215, 464, 1000, 2108, 4642]          # 2108: 1.5e9 cells, as many as the paper's
 
 
 def cases():
@@ -137,11 +137,13 @@ def measure(inputs, name, how, n, engine):
         return None
     grid, report = inputs.path("grid.tcell"), inputs.path("report.json")
     # The shell in between is small: a process starts with the peak memory of the one that made it.
-    process = subprocess.Popen(["sh", "-c", '"$@"; exit $?', "sh", TERACELL, "mesh", scene, "-o", grid, "--engine", engine,
-                                "--axis", AXIS[name], "--threads", "1", "--report", report, "--progress", "none"], stdout=subprocess.DEVNULL)
-    _, status, used = os.wait4(process.pid, 0)
-    if status != 0:
-        sys.exit(f"teracell mesh of {name}, {how}, n = {n}, {engine} failed")
+    with open(inputs.path("errors"), "w+") as errors:
+        process = subprocess.Popen(["sh", "-c", '"$@"; exit $?', "sh", TERACELL, "mesh", scene, "-o", grid, "--engine", engine, "--axis", AXIS[name],
+                                    "--threads", "1", "--report", report, "--progress", "none"], stdout=subprocess.DEVNULL, stderr=errors)
+        _, status, used = os.wait4(process.pid, 0)
+        if status != 0:
+            errors.seek(0)
+            sys.exit(f"\nteracell mesh of {name}, {how}, n = {n}, engine {engine}: {errors.read()}")
     with open(report) as f:
         found = json.load(f)
     seconds = {phase["name"]: phase["seconds"] for phase in found["phases"]}
@@ -150,6 +152,15 @@ def measure(inputs, name, how, n, engine):
     share = min(1, run / (seconds["read"] + seconds["prepare"] + seconds["cast"]))
     return [name, engine, facets, n, cells[0] * cells[1] * cells[2], rays, found["crossings"], seconds["cast"] * share, run,
             found["peak_memory_bytes"]]
+
+
+def print_table(points):
+    """Seconds of casting against facets and cells together, tree / scan."""
+    cast = {(p[2], p[3], p[1]): p[-3] for p in points if p[0] == "bust"}
+    grids = sorted({*PER_RAY_N, FACETS_N})
+    print("| facets |" + "".join(f" {n}^3 |" for n in grids) + "\n|---:|" + "---:|" * len(grids))
+    for facets in sorted({facets for facets, _, _ in cast}):
+        print(f"| {facets:,} |" + "".join(f" {cast[facets, n, 'tree']:.2f} / {cast[facets, n, 'scan']:.2f} |" for n in grids))
 
 
 def main(arguments, build):
@@ -171,12 +182,13 @@ def main(arguments, build):
                 if row:
                     rows.setdefault(case, []).append(row)
     print(file=sys.stderr)
+    points = [same[0][:-3] + [statistics.median(column) for column in zip(*(row[-3:] for row in same))] for same in sorted(rows.values())]
     os.makedirs(options.output, exist_ok=True)
     with open(os.path.join(options.output, "points.csv"), "w", newline="") as f:
         table = csv.writer(f, lineterminator="\n")
         table.writerow(COLUMNS)
-        for found in rows.values():
-            medians = [statistics.median(column) for column in zip(*(row[-3:] for row in found))]
-            table.writerow(found[0][:-3] + [f"{medians[0]:.4f}", f"{medians[1]:.4f}", int(medians[2])])
+        for point in points:
+            table.writerow(point[:-3] + [f"{point[-3]:.4f}", f"{point[-2]:.4f}", int(point[-1])])
     subprocess.run(["gnuplot", os.path.join(HERE, "figures.gp")], cwd=options.output, check=True)
+    print_table(points)
     print(f"{options.output}: points.csv and {len([p for p in os.listdir(options.output) if p.endswith('.svg')])} pictures")
