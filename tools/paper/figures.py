@@ -1,0 +1,194 @@
+"""tools/bench paper: the figures of T. Ma, T. Ma, L. Hao (MSAM 2020) measured here: time and memory of every engine
+against facets and cells. README.md beside this file says what they show.
+
+Usage: tools/bench paper [--runs K] [--mesh nefertiti.obj] [--output paper-out]
+
+Two inputs: the bust (--mesh, an OBJ file) in its cubic domain, and the sample stadium. For fewer facets their vertices
+are clustered, for more their facets are cut in four. Engines take turns, and all is done --runs times, each run with one
+thread. Writes points.csv, the medians, and the pictures.
+"""
+import argparse
+import csv
+import json
+import math
+import os
+import statistics
+import struct
+import subprocess
+import sys
+import tempfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+ROOT = os.path.dirname(os.path.dirname(HERE))
+sys.path.insert(0, os.path.join(ROOT, "tools/peers"))
+from cubic_scene import cubic_scene  # noqa: E402
+
+TERACELL = os.path.join(ROOT, "build/bench/teracell")
+SUBDIVIDE = os.path.join(ROOT, "build/bench/tools/peers/subdivide")
+COLUMNS = ["input", "engine", "facets", "n", "cells", "rays", "crossings", "cast_seconds", "run_seconds", "peak_bytes"]
+AXIS = {"bust": "z", "stadium": "x"}  # of the rays, in every run
+MOST_TESTS = 4.7e9  # rays times facets for the brute engine: 15 s
+
+# How the facets are made: each cut in four so many times, or vertices clustered in cubes: so many along the domain (bust),
+# or so many metres wide (stadium).
+BUST = [("clustered", 6), ("clustered", 12), ("clustered", 24), ("clustered", 64), ("cut", 0), ("cut", 1), ("cut", 2), ("cut", 3)]
+STADIUM = [("clustered", 30), ("clustered", 10), ("clustered", 4), ("cut", 0), ("cut", 1), ("cut", 2)]
+FACETS_N = 1000                # cells along the longest axis while facets vary
+PER_RAY_N = (464, 2154)        # two more, whose difference is the cost of rays alone
+BUST_N = [46, 100, 215, 464, 1000, 2154, 4642, 10000]  # while cells vary: 10^5 to 10^12
+STADIUM_N = [100, 215, 464, 1000, 2108, 4642]          # 2108: 1.5e9 cells, as many as the paper's
+
+
+def cases():
+    """(input, how its facets are made, n, engine), engines in turn."""
+    for how in BUST:
+        for n in (PER_RAY_N[0], FACETS_N, PER_RAY_N[1]):
+            yield from (("bust", how, n, engine) for engine in ("tree", "slice", "scan"))
+        yield "bust", how, FACETS_N, "brute"
+    for how in STADIUM:
+        yield from (("stadium", how, FACETS_N, engine) for engine in ("tree", "slice", "scan", "brute"))
+    for name, cells in (("bust", BUST_N), ("stadium", STADIUM_N)):
+        for n in cells:
+            yield from ((name, ("cut", 0), n, engine) for engine in ("tree", "slice", "scan", "brute"))
+
+
+FACET = struct.Struct("<12fH")  # of a binary STL: normal, three vertices, nothing
+
+
+def facet_count(stl):
+    with open(stl, "rb") as f:
+        return struct.unpack("<80xI", f.read(84))[0]
+
+
+def cluster(stl, edge):
+    """Vertices that share a cube of `edge` become the first of them, facets that lose a side by it go. Every edge keeps as
+    many facets on one side as on the other: what was closed stays closed. A surface that would vanish is left alone."""
+    first, kept = {}, []
+    with open(stl, "rb") as f:
+        for row in FACET.iter_unpack(f.read()[84:]):
+            corners = [first.setdefault(tuple(x // edge for x in row[i:i + 3]), row[i:i + 3]) for i in (3, 6, 9)]
+            if len(set(corners)) == 3:
+                kept.append(FACET.pack(0, 0, 0, *corners[0], *corners[1], *corners[2], 0))
+    if kept:
+        with open(stl, "wb") as f:
+            f.write(bytes(80) + struct.pack("<I", len(kept)) + b"".join(kept))
+
+
+class Inputs:
+    """The surfaces, each made once, and scenes of them."""
+
+    def __init__(self, mesh, folder):
+        self.mesh, self.folder, self.made = mesh, folder, {}
+        subprocess.run([TERACELL, "sample", "stadium", "-o", self.path("stadium")], check=True, stdout=subprocess.DEVNULL)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def template(self, name, n):
+        """A scene of the surfaces as they are."""
+        if name == "bust":
+            return cubic_scene(self.mesh, n)
+        with open(self.path("stadium/scene.json")) as f:
+            scene = json.load(f)
+        scene["grid"]["cells"] = n
+        for body in scene["bodies"]:
+            body["mesh"] = self.path("stadium/" + body["mesh"])
+        return scene
+
+    def surfaces(self, name, how):
+        """The files of the bodies, and their facets."""
+        if (name, how) not in self.made:
+            scene, files, (way, amount) = self.template(name, 1000), [], how
+            for i, body in enumerate(scene["bodies"]):
+                files.append(self.path(f"{name}-{way}-{amount}-{i}.stl"))
+                subprocess.run([SUBDIVIDE, body["mesh"], files[-1], str(amount if way == "cut" else 0)], check=True)
+                if way == "clustered":
+                    domain = scene["grid"]["max"][0] - scene["grid"]["min"][0]
+                    cluster(files[-1], domain / amount if name == "bust" else amount)
+            self.made[name, how] = files, sum(map(facet_count, files))
+        return self.made[name, how]
+
+    def scene(self, name, how, n):
+        """A scene file, its facets and its cells along each axis: the same grid, whatever the facets."""
+        files, facets = self.surfaces(name, how)
+        scene = self.template(name, n)
+        for body, file in zip(scene["bodies"], files):
+            body["mesh"] = file
+        path = self.path("scene.json")
+        with open(path, "w") as f:
+            json.dump(scene, f)
+        return path, facets
+
+
+def grid_of(scene, n):
+    """Cells along each axis, as teracell makes them: cubes, n on the longest."""
+    with open(scene) as f:
+        grid = json.load(f)["grid"]
+    extent = [b - a for a, b in zip(grid["min"], grid["max"])]
+    return [max(1, math.ceil(e * n / max(extent) - 1e-6)) for e in extent]
+
+
+def measure(inputs, name, how, n, engine):
+    """One run as a row of COLUMNS, None if it would take too long."""
+    scene, facets = inputs.scene(name, how, n)
+    cells = grid_of(scene, n)
+    rays = cells[1] * cells[2] if AXIS[name] == "x" else cells[0] * cells[1]
+    if engine == "brute" and rays * facets > MOST_TESTS:
+        return None
+    grid, report = inputs.path("grid.tcell"), inputs.path("report.json")
+    # The shell in between is small: a process starts with the peak memory of the one that made it.
+    with open(inputs.path("errors"), "w+") as errors:
+        process = subprocess.Popen(["sh", "-c", '"$@"; exit $?', "sh", TERACELL, "mesh", scene, "-o", grid, "--engine", engine, "--axis", AXIS[name],
+                                    "--threads", "1", "--report", report, "--progress", "none"], stdout=subprocess.DEVNULL, stderr=errors)
+        _, status, used = os.wait4(process.pid, 0)
+        if status != 0:
+            errors.seek(0)
+            sys.exit(f"\nteracell mesh of {name}, {how}, n = {n}, engine {engine}: {errors.read()}")
+    with open(report) as f:
+        found = json.load(f)
+    seconds = {phase["name"]: phase["seconds"] for phase in found["phases"]}
+    run = used.ru_utime + used.ru_stime
+    # Phases are told in wall time: what share of it was ours? `finish` mostly waits for the disk.
+    share = min(1, run / (seconds["read"] + seconds["prepare"] + seconds["cast"]))
+    return [name, engine, facets, n, cells[0] * cells[1] * cells[2], rays, found["crossings"], seconds["cast"] * share, run,
+            found["peak_memory_bytes"]]
+
+
+def print_table(points):
+    """Seconds of casting against facets and cells together, tree / scan."""
+    cast = {(p[2], p[3], p[1]): p[-3] for p in points if p[0] == "bust"}
+    grids = sorted({*PER_RAY_N, FACETS_N})
+    print("| facets |" + "".join(f" {n}^3 |" for n in grids) + "\n|---:|" + "---:|" * len(grids))
+    for facets in sorted({facets for facets, _, _ in cast}):
+        print(f"| {facets:,} |" + "".join(f" {cast[facets, n, 'tree']:.2f} / {cast[facets, n, 'scan']:.2f} |" for n in grids))
+
+
+def main(arguments, build):
+    parser = argparse.ArgumentParser(prog="tools/bench paper", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--mesh", default=os.path.join(ROOT, "../shared/meshes/nefertiti.obj"))
+    parser.add_argument("-o", "--output", default="paper-out")
+    options = parser.parse_args(arguments)
+    build("gnuplot-nox", "teracell", "subdivide")
+    if not os.path.exists(options.mesh):
+        sys.exit(f"{options.mesh}: no such mesh: give an OBJ file with --mesh")
+    rows = {}
+    with tempfile.TemporaryDirectory() as folder:
+        inputs = Inputs(os.path.abspath(options.mesh), folder)
+        for turn in range(options.runs):
+            for i, case in enumerate(dict.fromkeys(cases())):
+                print(f"\rround {turn + 1} of {options.runs}, {i:3}: {' '.join(map(str, case)):60}", end="", file=sys.stderr, flush=True)
+                row = measure(inputs, *case)
+                if row:
+                    rows.setdefault(case, []).append(row)
+    print(file=sys.stderr)
+    points = [same[0][:-3] + [statistics.median(column) for column in zip(*(row[-3:] for row in same))] for same in sorted(rows.values())]
+    os.makedirs(options.output, exist_ok=True)
+    with open(os.path.join(options.output, "points.csv"), "w", newline="") as f:
+        table = csv.writer(f, lineterminator="\n")
+        table.writerow(COLUMNS)
+        for point in points:
+            table.writerow(point[:-3] + [f"{point[-3]:.4f}", f"{point[-2]:.4f}", int(point[-1])])
+    subprocess.run(["gnuplot", os.path.join(HERE, "figures.gp")], cwd=options.output, check=True)
+    print_table(points)
+    print(f"{options.output}: points.csv and {len([p for p in os.listdir(options.output) if p.endswith('.svg')])} pictures")
