@@ -74,8 +74,9 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   const auto writers = in.take(in.varint());
   c.writers.assign(writers.begin(), writers.end());
   in.expect_end();
-  // A run that began anew was killed before it removed this.
-  if (std::filesystem::file_size(output.string() + ".partial") < ByteReader(writers, path.string()).fixed<uint64_t>()) return std::nullopt;
+  const uint64_t expected = ByteReader(writers, path.string()).fixed<uint64_t>(), found = std::filesystem::file_size(output.string() + ".partial");
+  if (found < expected)
+    throw FormatError(fmt::format("{}.partial: expected at least {} bytes to resume, found {}: start again without --resume", output.string(), expected, found));
   return c;
 }
 

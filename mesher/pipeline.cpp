@@ -1,7 +1,7 @@
 #include "mesher/pipeline.hpp"
 
 #include <chrono>
-#include <sys/resource.h>
+#include <fstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -36,10 +36,12 @@ class Phases {
 
 std::filesystem::path folder_of(const std::filesystem::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
+// Of this process: getrusage() would tell the launching one's, if that was larger before exec.
 uint64_t peak_memory_bytes() {
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (uint64_t kib; word == "VmHWM:" && status >> kib) return kib * 1024;
+  return 0;
 }
 
 // How often a long run makes what it has durable: rarely enough for that to take no more than a twentieth of the time;

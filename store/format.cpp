@@ -8,6 +8,7 @@
 #include <zstd.h>
 
 #include "store/color.hpp"
+#include "store/json_text.hpp"
 #include "store/zstd_frame.hpp"
 
 namespace teracell {
@@ -123,7 +124,7 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
   const std::string text = decode_text(frame, "metadata");
   Metadata meta;
   try {
-    const ordered_json j = ordered_json::parse(text);
+    const ordered_json j = parse_json(text, "metadata");
     meta.units = j.at("units");
     const std::string axis = j.at("ray_axis");
     if (axis != "x" && axis != "y" && axis != "z") throw FormatError("metadata: ray_axis is x, y or z, found " + axis);

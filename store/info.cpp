@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "store/json_text.hpp"
+
 namespace teracell {
 namespace {
 
@@ -48,7 +50,7 @@ ordered_json info_json(const GridReader& reader) {
   j["file"] = {{"bytes", reader.file_bytes()}, {"version", reader.version()}, {"hash", reader.hash()}};
   j["crossings"] = meta.crossings;
   j["bits_per_crossing"] = bits_per_crossing(meta);
-  j["report"] = ordered_json::parse(reader.report());
+  j["report"] = parse_json(reader.report(), reader.name() + ": report");
   return j;
 }
 

@@ -10,6 +10,7 @@
 
 #include "store/error.hpp"
 #include "store/info.hpp"
+#include "store/json_text.hpp"
 #include "tools/command.hpp"
 
 namespace teracell {
@@ -123,21 +124,21 @@ void print(const GridReader& reader) {
       if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", l.chunks, l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
   }
+  const std::string report = reader.report();
+  const auto strange = [] { row("report", "is not laid out as this program lays it out"); };
   try {
-    print_report(ordered_json::parse(reader.report()), meta.units);
+    print_report(parse_json(report, "report"), meta.units);
   } catch (const ordered_json::exception&) {
-    row("report", "is not laid out as this program lays it out");
+    strange();
+  } catch (const FormatError&) {
+    strange();
   }
 }
 
 void run(const Options& o) {
   const GridReader reader(o.grid);
   if (!o.json) return print(reader);
-  try {
-    std::cout << info_json(reader).dump() << "\n";
-  } catch (const ordered_json::parse_error&) {
-    throw FormatError(fmt::format("{}: report: expected JSON, found something else", o.grid));
-  }
+  std::cout << info_json(reader).dump() << "\n";
 }
 
 }  // namespace

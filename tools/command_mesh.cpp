@@ -92,6 +92,7 @@ void run(const Options& o) {
   options.engine = o.engine;
   options.threads = o.threads;
   options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
+  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp)) throw IoError(fmt::format("{}: no folder for temporary files: {}: give one with --tmp", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"));
   if (options.memory == 0) throw UsageError("--memory: expected a size like 512M or 8G, found 0");
   options.tmp = o.tmp;
   options.write_caps = o.caps;

@@ -1,5 +1,6 @@
 // Header, footer, directory, page and metadata: to bytes and back, damaged, and with numbers that lie.
 #include "store/format.hpp"
+#include "store/json_text.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -376,6 +377,14 @@ TEST_CASE("Chunks and pages of a level divide its rays and cells without gap or 
     REQUIRE(rays == uint64_t{s.nu} * s.nv * s.nw);
     for (uint64_t page = 0; page < s.pages(); ++page) REQUIRE(chunks[page] == s.page_width(page) * s.page_height(page));
   }
+}
+
+TEST_CASE("JSON that is none, or nested without end, is a FormatError that says what it was") {
+  REQUIRE(parse_json("{\"a\": [1]}", "report")["a"][0] == 1);
+  REQUIRE_THROWS_WITH(parse_json("{\"a\": ", "report"), Catch::Contains("report: expected JSON"));
+  REQUIRE_THROWS_AS(parse_json("{\"a\": ", "report"), FormatError);
+  const std::string deep(100000, '[');
+  REQUIRE_THROWS_WITH(parse_json(deep + std::string(100000, ']'), "report"), Catch::Contains("64 levels"));
 }
 
 }  // namespace
