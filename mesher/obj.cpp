@@ -69,6 +69,11 @@ class ObjReader {
 
   // v, v/t, v//n or v/t/n; a negative number counts back from the vertex declared last.
   const Vec3& vertex(std::string_view word) {
+    // Nearly all words are a few digits; the general way takes three times as long.
+    uint64_t digits = 0;
+    size_t n = 0;
+    for (; n < word.size() && n < 10 && word[n] >= '0' && word[n] <= '9'; ++n) digits = 10 * digits + static_cast<uint64_t>(word[n] - '0');
+    if (n == word.size() && digits >= 1 && digits <= vertices_.size()) return vertices_[digits - 1];
     const size_t slash = std::min(word.find('/'), word.size());
     if (slash == 0 || word.find_first_not_of("0123456789+-/", slash) != std::string_view::npos)
       refuse_number(word, "a vertex v, v/t, v//n or v/t/n", input_);
