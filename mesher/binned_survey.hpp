@@ -9,10 +9,6 @@
 
 namespace teracell {
 
-struct SurveyTotals {
-  uint64_t degenerate = 0, duplicates = 0, shells = 0;  // survey.hpp
-};
-
 // Memory: by the facets that lie in several bins, and by the shells. Threads may share it, each with bins of its own.
 class BinnedSurvey {
  public:

@@ -21,10 +21,10 @@ constexpr uint64_t kBytesPerFacet = 160, kBytesPerFacetOfShells = 20;
 // What closing a surface may take, however small the budget.
 constexpr uint64_t kLeastMemory = uint64_t{1} << 24;
 
-// The one pass over a body's facets: is it closed, and what box and projections has it got where its matrix puts it?
+// The one pass over the bodies' facets: is one closed, and what box and projections have all where their matrices put them?
 struct Study {
   BoundaryProof proof;
-  Vec3 lo, hi, area;
+  Vec3 lo{HUGE_VAL, HUGE_VAL, HUGE_VAL}, hi{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, area{};
 
   void take(const Facet& facet, const SceneBody& body, bool moves) {
     proof.add(facet);
@@ -176,46 +176,58 @@ bool Bodies::float32() const {
   return std::ranges::all_of(bodies, [](const BodyFacets& b) { return b.file.float32; });
 }
 
+std::vector<SurveyTotals> Bodies::survey_totals() {
+  helper->finish_all();
+  std::vector<SurveyTotals> out;
+  for (Survey& survey : surveys) out.push_back(survey.totals());
+  return out;
+}
+
 Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick) {
   Bodies out;
-  out.lo.fill(HUGE_VAL);
-  out.hi.fill(-HUGE_VAL);
+  const auto study = std::make_shared<Study>();  // its jobs may outlive this function, when it throws
+  out.helper = std::make_unique<Background>(threads > 1);
   const uint64_t most = budget.bytes / 8 * 5 / kBytesPerFacet;
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     const bool moves = body.matrix != kIdentity;
     const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);
-    Study study{{}, out.lo, out.hi, out.area};
-    Background background(threads > 1);  // after the study, which it uses
+    study->proof = {};
+    Survey* const survey = &out.surveys.emplace_back();
     BodyFacets found;
     found.first = out.facets->size();
     found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
       if (out.in_memory && out.facets->size() + facets.size() > most) {
         expect_files(scene, b);
-        background.finish();
+        out.helper->finish();
+        out.helper->drop_later();
         out.in_memory = false;
         out.facets = std::make_shared<FacetStore>();
+        out.surveys.clear();
       }
       if (out.in_memory) {
         while (!facets.empty()) {
           const std::span<const SceneFacet> stored = out.facets->append(facets, layer);
           facets = facets.subspan(stored.size());
-          background.run([&study, &body, stored, moves] {
-            for (const SceneFacet& f : stored) study.take(f.facet, body, moves);
+          out.helper->run([study, &body, stored, moves] {
+            for (const SceneFacet& f : stored) study->take(f.facet, body, moves);
+          });
+          out.helper->run_later([survey, stored] {
+            for (const SceneFacet& f : stored) survey->add(f.facet);
           });
         }
       } else {
-        background.run([&study, &body, moves, copy = std::vector<Facet>(facets.begin(), facets.end())] {
-          for (const Facet& f : copy) study.take(f, body, moves);
+        out.helper->run([study, &body, moves, copy = std::vector<Facet>(facets.begin(), facets.end())] {
+          for (const Facet& f : copy) study->take(f, body, moves);
         });
       }
       tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
     }, budget);
-    background.finish();
-    out.lo = study.lo;
-    out.hi = study.hi;
-    out.area = study.area;
-    close_body(body, b, study.proof, budget, out, found);
+    out.helper->finish();
+    out.lo = study->lo;
+    out.hi = study->hi;
+    out.area = study->area;
+    close_body(body, b, study->proof, budget, out, found);
     out.bodies.push_back(std::move(found));
   }
   return out;

@@ -1,5 +1,6 @@
 // The bodies of a scene: read, closed, and each shell given its fill rule.
 #pragma once
+#include <deque>
 #include <functional>
 #include <memory>
 
@@ -8,6 +9,7 @@
 #include "mesher/facet_store.hpp"
 #include "mesher/spill.hpp"
 #include "mesher/survey.hpp"
+#include "store/background.hpp"
 
 namespace teracell {
 
@@ -57,6 +59,11 @@ struct Bodies {
   std::vector<BodyFacets> bodies;
   Vec3 lo, hi;  // the box of all vertices, as the grid sees them
   Vec3 area{};  // of the facets' projections along x, y, z
+
+  // The survey of facets in memory decides no cell: it is made beside the work, from the files' coordinates.
+  std::deque<Survey> surveys;
+  std::unique_ptr<Background> helper;  // last: its jobs use the others
+  std::vector<SurveyTotals> survey_totals();  // of each body; waits. REQUIRES: in_memory
 
   uint64_t facet_count() const;  // without caps
   bool float32() const;          // every vertex is one

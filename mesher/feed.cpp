@@ -1,23 +1,9 @@
 #include "mesher/feed.hpp"
 
 #include <algorithm>
-#include <utility>
 
 namespace teracell {
 namespace {
-
-// The survey of all bodies, beside the work: it decides no cell.
-std::vector<SurveyTotals> survey_in_memory(const Bodies& bodies, const std::atomic<bool>& stop) {
-  std::vector<SurveyTotals> out;
-  for (const BodyFacets& body : bodies.bodies) {
-    Survey survey;
-    std::as_const(*bodies.facets).for_each(body.first, body.first + body.file.facets, [&](const SceneFacet& f) {
-      if (!stop) survey.add(f.facet);
-    });
-    out.push_back({survey.degenerate(), survey.duplicates(), survey.shells()});
-  }
-  return out;
-}
 
 std::vector<bool> which_move(const Scene& scene) {
   std::vector<bool> out;
@@ -31,11 +17,10 @@ Facet moved_facet(const Facet& facet, const SceneBody& body) {
 
 }  // namespace
 
-Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick,
-           const std::atomic<bool>& stop)
-    : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()), background_(threads > 1) {
+Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick)
+    : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()) {
   if (bodies.in_memory) {
-    use_memory(stop);
+    use_memory();
     return;
   }
   auto bins = fill_bins(budget, threads, tick);
@@ -43,10 +28,9 @@ Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budge
   tiling_.emplace(std::move(bins), binned_, threads > 1 ? threads : 0, meta);
 }
 
-void Feed::use_memory(const std::atomic<bool>& stop) {
-  background_.run([this, &stop] { in_memory_ = survey_in_memory(bodies_, stop); });
+void Feed::use_memory() {
   if (const auto moves = which_move(scene_); std::ranges::count(moves, true) > 0) {
-    background_.finish();  // it takes the files' coordinates
+    bodies_.helper->finish_all();  // the survey takes the files' coordinates
     bodies_.facets->for_each(0, bodies_.facets->size(), [&](SceneFacet& f) {
       if (moves[f.layer / 2]) f.facet = moved_facet(f.facet, scene_.bodies[f.layer / 2]);
     });
@@ -55,8 +39,7 @@ void Feed::use_memory(const std::atomic<bool>& stop) {
 }
 
 std::vector<SurveyTotals> Feed::surveys() {
-  background_.finish();
-  return bodies_.in_memory ? in_memory_ : binned_.totals();
+  return bodies_.in_memory ? bodies_.survey_totals() : binned_.totals();
 }
 
 // They are read once more, from their files.

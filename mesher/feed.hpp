@@ -1,6 +1,5 @@
-// Facets -> tiling, from memory or by way of bins on disk; and their survey, which decides no cell, beside the work.
+// Facets -> tiling, from memory or by way of bins on disk.
 #pragma once
-#include <atomic>
 #include <optional>
 
 #include "mesher/binned_survey.hpp"
@@ -13,8 +12,7 @@ class Feed {
  public:
   // Keeps references to all but `tick`, which is called with shares of 1 while facets are spilled. Facets in memory are
   // moved to where the grid sees them.
-  Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick,
-       const std::atomic<bool>& stop);
+  Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick);
 
   Tiling& tiling() { return *tiling_; }
   uint64_t spilled_bytes() const { return spilled_; }
@@ -22,17 +20,15 @@ class Feed {
   std::vector<SurveyTotals> surveys();
 
  private:
-  void use_memory(const std::atomic<bool>& stop);
+  void use_memory();
   std::unique_ptr<FacetBins> fill_bins(const Budget& budget, int threads, const std::function<void(double)>& tick);
 
   const Scene& scene_;
   Bodies& bodies_;
   const Metadata& meta_;
   uint64_t spilled_ = 0;
-  std::vector<SurveyTotals> in_memory_;
   BinnedSurvey binned_;
-  Background background_;         // for the surveys
-  std::optional<Tiling> tiling_;  // last: it feeds the background
+  std::optional<Tiling> tiling_;  // last: it feeds the survey
 };
 
 }  // namespace teracell

@@ -83,7 +83,7 @@ class MeshRun {
     phases_.end("read");
     plan_ = make_plan(scene_, bodies_, options_.axis, options_.chunk_rays);
     open_output();
-    Feed feed(scene_, bodies_, plan_.meta, budget_, threads_, [&](double share) { tick("spill", share); }, stop_);
+    Feed feed(scene_, bodies_, plan_.meta, budget_, threads_, [&](double share) { tick("spill", share); });
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
     phases_.end("prepare");
     cast(feed.tiling(), make_engine);

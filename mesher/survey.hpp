@@ -54,6 +54,10 @@ class DistinctCount {
   uint64_t count_ = 0, turn_ = 0;
 };
 
+struct SurveyTotals {
+  uint64_t degenerate = 0, duplicates = 0, shells = 0;  // as of Survey
+};
+
 // Takes facets one by one, in any order. Memory: some 35 bytes a facet. Not thread-safe.
 class Survey {
  public:
@@ -67,6 +71,7 @@ class Survey {
   uint64_t distinct() { return distinct_.count(); }                   // facets with the same three vertices count once
   uint64_t duplicates() { return facets_ - distinct_.count(); }       // the others
   uint64_t shells() const;                                            // groups of facets connected by equal vertices
+  SurveyTotals totals() { return {degenerate(), duplicates(), shells()}; }
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
   uint32_t shell_of(const Vec3& vertex) { return root(numbers_(vertex)); }
 

@@ -9,11 +9,13 @@
 
 namespace teracell {
 
-// run() and finish() are for one thread; run() waits while kMostWaiting jobs have not begun. What a job throws, the next
-// run() or finish() throws; the jobs after it are dropped. The destructor drops what has not begun.
+// Its functions are for one thread. What a job throws, the next call throws; the jobs after it are dropped. The destructor
+// drops what has not begun.
 class Background {
  public:
-  // Without a thread of its own, run() does the job itself.
+  using Job = std::function<void()>;
+
+  // Without a thread of its own, the caller's does each job at once.
   explicit Background(bool own_thread) {
     if (own_thread) thread_ = std::thread([this] { work(); });
   }
@@ -22,38 +24,61 @@ class Background {
     {
       std::lock_guard lock(mutex_);
       jobs_.clear();
+      later_.clear();
       closed_ = true;
     }
     changed_.notify_all();
     thread_.join();
   }
 
-  void run(std::function<void()> job) {
+  // Waits while kMostWaiting such jobs have not begun.
+  void run(Job job) {
     if (!thread_.joinable()) return job();
-    {
-      std::unique_lock lock(mutex_);
-      changed_.wait(lock, [&] { return jobs_.size() < kMostWaiting || error_; });
-      if (error_) std::rethrow_exception(error_);
-      jobs_.push_back(std::move(job));
-    }
+    wait([&] { return jobs_.size() < kMostWaiting; }, [&] { jobs_.push_back(std::move(job)); });
     changed_.notify_all();
   }
-  // Waits until every job is done.
+  // A job that nobody waits for yet: it begins when none of run() is left. (On a thread of its own such work took the
+  // reader's core from it where there are only two.)
+  void run_later(Job job) {
+    if (!thread_.joinable()) return job();
+    wait([] { return true; }, [&] { later_.push_back(std::move(job)); });
+    changed_.notify_all();
+  }
+  // Waits until every job of run() is done.
   void finish() {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [&] { return (jobs_.empty() && !busy_) || error_; });
-    if (error_) std::rethrow_exception(error_);
+    wait([&] { return jobs_.empty() && busy_ != kRun; }, [] {});
+  }
+  // Waits until every job is done.
+  void finish_all() {
+    wait([&] { return jobs_.empty() && later_.empty() && busy_ == kIdle; }, [] {});
+  }
+  // Forgets the jobs of run_later() that have not begun and waits for one that has.
+  void drop_later() {
+    wait([] { return true; }, [&] { later_.clear(); });
+    wait([&] { return busy_ != kLater; }, [] {});
   }
 
  private:
+  enum Busy { kIdle, kRun, kLater };
+  static constexpr size_t kMostWaiting = 16;
+
+  template <class Ready, class Then>
+  void wait(Ready&& ready, Then&& then) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return error_ || ready(); });
+    if (error_) std::rethrow_exception(error_);
+    then();
+  }
+
   void work() {
     std::unique_lock lock(mutex_);
     for (;;) {
-      changed_.wait(lock, [&] { return closed_ || !jobs_.empty(); });
-      if (jobs_.empty()) return;
-      std::function<void()> job = std::move(jobs_.front());
-      jobs_.pop_front();
-      busy_ = true;
+      changed_.wait(lock, [&] { return closed_ || !jobs_.empty() || !later_.empty(); });
+      if (jobs_.empty() && later_.empty()) return;
+      busy_ = jobs_.empty() ? kLater : kRun;
+      std::deque<Job>& queue = busy_ == kRun ? jobs_ : later_;
+      Job job = std::move(queue.front());
+      queue.pop_front();
       lock.unlock();
       std::exception_ptr error;
       try {
@@ -63,22 +88,24 @@ class Background {
       }
       job = nullptr;  // what it holds is freed now, not when the next one comes
       lock.lock();
-      busy_ = false;
+      const bool was_full = busy_ == kRun && jobs_.size() + 1 == kMostWaiting;
+      busy_ = kIdle;
       if (error) {
         error_ = error;
         jobs_.clear();
+        later_.clear();
         return changed_.notify_all();
       }
-      if (jobs_.empty() || jobs_.size() + 1 == kMostWaiting) changed_.notify_all();
+      if (jobs_.empty() || was_full) changed_.notify_all();
     }
   }
 
-  static constexpr size_t kMostWaiting = 16;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::function<void()>> jobs_;
+  std::deque<Job> jobs_, later_;
   std::exception_ptr error_;
-  bool busy_ = false, closed_ = false;
+  Busy busy_ = kIdle;
+  bool closed_ = false;
   std::thread thread_;  // last: it uses the others
 };
 

@@ -23,8 +23,8 @@ class RayFinder {
   double operator[](uint32_t i) const { return rays_[i]; }
   // The first ray at or above x.
   uint32_t from(double x) const {
-    const double guess = (x - rays_[0]) * per_unit_;
-    uint32_t i = guess <= 0 ? 0 : guess >= size() ? size() : static_cast<uint32_t>(guess);
+    const double guess = std::clamp((x - rays_[0]) * per_unit_ + 1, 0.0, static_cast<double>(size()));
+    auto i = static_cast<uint32_t>(static_cast<int32_t>(guess));
     while (i > 0 && rays_[i - 1] >= x) --i;
     while (i < size() && rays_[i] < x) ++i;
     return i;
@@ -38,7 +38,7 @@ class RayFinder {
 // The line through lo and hi, two vertices of a facet with lo below hi in v.
 class FacetEdge {
  public:
-  FacetEdge() = default;
+  FacetEdge() {}  // not set: most facets need two of three
   FacetEdge(const Vec3& lo, const Vec3& hi, const Frame& f)
       : lo_u_(lo[f.u]), lo_v_(lo[f.v]), hi_u_(hi[f.u]), hi_v_(hi[f.v]), slope_((hi_u_ - lo_u_) / (hi_v_ - lo_v_)) {
     // u(v) = lo_u + (v - lo_v) * slope: six roundings of at most |hi_u - lo_u|, one of |lo_u| more; an upright edge is exact.
@@ -60,7 +60,7 @@ class FacetEdge {
   }
 
  private:
-  double lo_u_ = 0, lo_v_ = 0, hi_u_ = 0, hi_v_ = 0, slope_ = 0, slack_ = 0;
+  double lo_u_, lo_v_, hi_u_, hi_v_, slope_, slack_;
 };
 
 // The rays of a tile that cross a facet: in each row from begin() to end() the rays [from, to).
@@ -74,8 +74,10 @@ class FacetRows {
   // `rows` are the tile's v. Keeps no reference.
   FacetRows(const Facet& facet, const Frame& f, const RayFinder& rows) {
     const Vec3 *lo = &facet.vertex[0], *mid = &facet.vertex[1], *hi = &facet.vertex[2];
-    const auto order = [&](const Vec3*& a, const Vec3*& b) {
-      if ((*b)[f.v] < (*a)[f.v]) std::swap(a, b), odd_ = !odd_;
+    const auto order = [&](const Vec3*& a, const Vec3*& b) {  // without a branch: it would be mispredicted every other time
+      const bool swap = (*b)[f.v] < (*a)[f.v];
+      const Vec3 *const first = swap ? b : a, *const second = swap ? a : b;
+      a = first, b = second, odd_ ^= swap;
     };
     order(lo, mid), order(mid, hi), order(lo, mid);
     begin_ = rows.from((*lo)[f.v]);

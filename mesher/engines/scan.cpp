@@ -43,6 +43,13 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
   counts_.assign(size_t{nu + 1} * rows.size(), 0);
   spans_.clear();
   for (uint32_t index = 0; index < facets.size(); ++index) {
+    // They come in the order of their heights, from all over the memory: waiting for them was a quarter of this loop.
+    constexpr uint32_t kAhead = 8;
+    if (index + kAhead < facets.size()) {
+      const Facet& coming = facets[index + kAhead]->facet;
+      __builtin_prefetch(&coming.vertex[0]);
+      __builtin_prefetch(&coming.vertex[2][2]);
+    }
     const FacetRows facet(facets[index]->facet, tile.frame, rows);
     for (uint32_t row = facet.begin(); row < facet.end(); ++row) {
       const auto [from, to, up] = facet.at(row, tile.v[row], rays, exact_decisions_);

@@ -1,0 +1,90 @@
+#include "store/background.hpp"
+
+#include <future>
+#include <stdexcept>
+#include <vector>
+
+#include <catch2/catch.hpp>
+
+using namespace teracell;
+
+TEST_CASE("jobs are done in order, on another thread or on this one", "[background][threads]") {
+  for (const bool own_thread : {false, true}) {
+    std::vector<int> done;
+    Background work(own_thread);
+    for (int i = 0; i < 100; ++i) work.run([&done, i] { done.push_back(i); });  // more than may wait
+    work.finish();
+    REQUIRE(done.size() == 100);
+    CHECK(std::is_sorted(done.begin(), done.end()));
+  }
+}
+
+TEST_CASE("work for later lets what is waited for pass", "[background][threads]") {
+  std::vector<int> done;
+  std::promise<void> go;
+  Background work(true);
+  work.run([&] { go.get_future().wait(); });
+  work.run_later([&] { done.push_back(2); });
+  work.run([&] { done.push_back(1); });
+  go.set_value();
+  work.finish_all();
+  CHECK(done == std::vector{1, 2});
+}
+
+TEST_CASE("finish() waits for no work for later, and such work can be dropped", "[background][threads]") {
+  std::promise<void> begun, go;
+  int later = 0;
+  Background work(true);
+  work.run_later([&] {
+    begun.set_value();
+    go.get_future().wait();
+    ++later;
+  });
+  work.run_later([&] { ++later; });
+  begun.get_future().wait();
+  std::thread opener([&] { go.set_value(); });
+  work.drop_later();
+  opener.join();
+  work.finish_all();
+  CHECK(later == 1);
+  int now = 0;
+  work.run([&] { ++now; });
+  work.finish();
+  CHECK(now == 1);
+}
+
+TEST_CASE("what a job throws reaches the next call, and later jobs are not begun", "[background][threads]") {
+  for (const bool later : {false, true}) {
+    bool begun = false;
+    Background work(true);
+    const auto fails = [] { throw std::runtime_error("no"); };
+    if (later) work.run_later(fails);
+    else work.run(fails);
+    CHECK_THROWS_WITH(work.finish_all(), "no");
+    CHECK_THROWS_WITH(work.run([&] { begun = true; }), "no");
+    CHECK_THROWS_WITH(work.run_later([&] { begun = true; }), "no");
+    CHECK_FALSE(begun);
+  }
+}
+
+TEST_CASE("leaving drops what has not begun", "[background][threads]") {
+  int done = 0;
+  std::promise<void> begun, go;
+  std::thread opener;
+  {
+    Background work(true);
+    work.run([&] {
+      begun.set_value();
+      go.get_future().wait();
+      ++done;
+    });
+    for (int i = 0; i < 10; ++i) work.run_later([&] { ++done; });
+    begun.get_future().wait();
+    opener = std::thread([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the destructor has begun, or has all still to drop
+      go.set_value();
+    });
+  }
+  opener.join();
+  CHECK(done == 1);
+}
