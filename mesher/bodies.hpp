@@ -45,7 +45,7 @@ struct BodyFacets {
   SurfaceFile file;
   uint64_t first = 0;                  // when in memory: Bodies::facets has its facets at [first, first + file.facets), then its caps
   std::array<Rule, 2> rules;           // nonzero, evenodd
-  std::shared_ptr<ShellRules> shells;  // when both are used
+  std::shared_ptr<ShellRules> shells;  // when facets are oriented both ways and the rule is chosen by shell
   std::vector<Flip> flips;
   bool cut_from_others = false;        // edges of its boundary belong to parts that were left out
 };

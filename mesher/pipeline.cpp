@@ -118,8 +118,9 @@ class MeshRun {
 
   void open_output() {
     totals_.cells.resize(scene_.bodies.size());
+    identity_ = identity();
     std::optional<Checkpoint> before;
-    if (options_.resume) before = load_checkpoint(output_, identity());
+    if (options_.resume) before = load_checkpoint(output_, identity_);
     if (!before) {
       writer_.emplace(output_, plan_.meta);
       remove_checkpoint(output_);  // of an earlier run; only now that the lock is ours
@@ -149,7 +150,10 @@ class MeshRun {
     for (uint32_t b = 0; b < scene_.bodies.size(); ++b) layers.insert(layers.end(), {{b, false}, {b, true}});
     std::vector<std::unique_ptr<Worker>> workers;
     for (int i = 0; i < threads_; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels));
-    for (uint64_t done = 0; done < units_; ++done) tiling.next();
+    for (uint64_t done = 0; done < units_; ++done) {
+      tiling.next();
+      tick("resume", static_cast<double>(done) / static_cast<double>(units_));
+    }
 
     struct Job {
       std::shared_ptr<UnitWork> work;
@@ -188,7 +192,7 @@ class MeshRun {
   }
 
   void save() {
-    Checkpoint c{identity(), units_, totals_, {}};
+    Checkpoint c{identity_, units_, totals_, {}};
     writer_->save(c.writers);
     pyramid_->save(c.writers);
     save_checkpoint(c, output_);
@@ -227,6 +231,7 @@ class MeshRun {
   Plan plan_;
   std::optional<GridWriter> writer_;
   std::optional<PyramidWriter> pyramid_;
+  std::string identity_;
   CastTotals totals_;
   uint64_t units_ = 0;  // stored
   uint64_t resumed_chunks_ = 0;

@@ -66,25 +66,3 @@ TEST_CASE("what a job throws reaches the next call, and later jobs are not begun
     CHECK_FALSE(begun);
   }
 }
-
-TEST_CASE("leaving drops what has not begun", "[background][threads]") {
-  int done = 0;
-  std::promise<void> begun, go;
-  std::thread opener;
-  {
-    Background work(true);
-    work.run([&] {
-      begun.set_value();
-      go.get_future().wait();
-      ++done;
-    });
-    for (int i = 0; i < 10; ++i) work.run_later([&] { ++done; });
-    begun.get_future().wait();
-    opener = std::thread([&] {
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));  // the destructor has begun, or has all still to drop
-      go.set_value();
-    });
-  }
-  opener.join();
-  CHECK(done == 1);
-}
