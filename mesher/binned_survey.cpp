@@ -1,7 +1,5 @@
 #include "mesher/binned_survey.hpp"
 
-#include <xxhash.h>
-
 namespace teracell {
 namespace {
 
@@ -29,7 +27,7 @@ void BinnedSurvey::Bin::finish() {
   for (const auto& [b, vertex] : shared_) {
     Body& body = survey_.bodies_[b];
     const auto fresh = static_cast<uint32_t>(body.parent.size());
-    const auto [node, first] = body.nodes.try_emplace(XXH3_64bits(vertex.data(), sizeof vertex), fresh);
+    const auto [node, first] = body.nodes.try_emplace(vertex_hash(vertex).low, fresh);
     if (first) body.parent.push_back(fresh);
     const auto [in_bin, first_of_shell] = node_of.try_emplace({b, surveys_[b].shell_of(vertex)}, node->second);
     if (first_of_shell) --body.totals.shells;

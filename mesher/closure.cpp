@@ -3,33 +3,23 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#define XXH_INLINE_ALL  // a call for each vertex took a fifth of the proof
-#include <xxhash.h>
 
+#include "mesher/vertex_hash.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
 namespace {
 
-// The folded 128-bit product: a cheap mix that depends on the order of its arguments through the constants.
-uint64_t fold(uint64_t a, uint64_t b) {
-  const unsigned __int128 p = static_cast<unsigned __int128>(a) * b;
-  return static_cast<uint64_t>(p) ^ static_cast<uint64_t>(p >> 64);
-}
-
-constexpr uint64_t kMix[4] = {0xA0761D6478BD642F, 0xE7037ED1A0B428DB, 0x8EBC6AF09C88C6E3, 0x589965CC75374CC3};
-
 // Calls f(hash, forward, i) for the edges from vertex i to the next: the same hash both ways, `forward` in one of them.
 template <class F>
 void for_each_edge(const Facet& facet, F&& f) {
-  XXH128_hash_t h[3];
-  for (int i = 0; i < 3; ++i) h[i] = XXH3_128bits(facet.vertex[i].data(), sizeof(Vec3));
+  const std::array<VertexHash, 3> h = {vertex_hash(facet.vertex[0]), vertex_hash(facet.vertex[1]), vertex_hash(facet.vertex[2])};
   for (int i = 0; i < 3; ++i) {
-    XXH128_hash_t a = h[i], b = h[(i + 1) % 3];
+    VertexHash a = h[i], b = h[(i + 1) % 3];
     if (facet.vertex[i] == facet.vertex[(i + 1) % 3]) continue;  // no length, no edge
-    const bool forward = a.low64 < b.low64 || (a.low64 == b.low64 && a.high64 < b.high64);
+    const bool forward = a < b;
     if (!forward) std::swap(a, b);
-    f(std::array{fold(a.low64 ^ kMix[0], b.low64 ^ kMix[1]), fold(a.high64 ^ kMix[2], b.high64 ^ kMix[3])}, forward, i);
+    f(std::array{fold(a.low ^ kHashKeys[0], b.low ^ kHashKeys[1]), fold(a.high ^ kHashKeys[2], b.high ^ kHashKeys[3])}, forward, i);
   }
 }
 

@@ -54,26 +54,41 @@ class ObjReader {
   // x y z; a weight or colours may follow.
   void read_vertex(std::string_view line) {
     Vec3 v;
-    for (double& x : v) x = text_coordinate<double>(next_word(line), input_);
+    for (double& x : v) x = next_coordinate<double>(line, input_);
     vertices_.push_back(v);
   }
 
   void read_face(std::string_view line) {
     Fan fan(out_, wanted_);
-    for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line))
+    for (;;) {
+      if (const Vec3* v = plain_vertex(line)) {
+        fan.add(*v);
+        continue;
+      }
+      const std::string_view word = next_word(line);
+      if (word.empty() || word[0] == '#') break;
       fan.add(vertex(word));
+    }
     if (fan.vertices() < 3)
       throw InputError(
           fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
   }
 
+  // The vertex whose number is the next word of `line`, if that is a few digits: nearly all are, and the general way takes
+  // three times as long. Else null, and `line` is as it was.
+  const Vec3* plain_vertex(std::string_view& line) {
+    const char* p = line.data();
+    const char* const end = p + line.size();
+    while (p != end && is_blank(*p)) ++p;
+    uint64_t number = 0;
+    for (int digits = 0; p != end && *p >= '0' && *p <= '9' && digits < 10; ++p, ++digits) number = 10 * number + static_cast<uint64_t>(*p - '0');
+    if ((p != end && !is_blank(*p)) || number == 0 || number > vertices_.size()) return nullptr;
+    line = {p, static_cast<size_t>(end - p)};
+    return &vertices_[number - 1];
+  }
+
   // v, v/t, v//n or v/t/n; a negative number counts back from the vertex declared last.
   const Vec3& vertex(std::string_view word) {
-    // Nearly all words are a few digits; the general way takes three times as long.
-    uint64_t digits = 0;
-    size_t n = 0;
-    for (; n < word.size() && n < 10 && word[n] >= '0' && word[n] <= '9'; ++n) digits = 10 * digits + static_cast<uint64_t>(word[n] - '0');
-    if (n == word.size() && digits >= 1 && digits <= vertices_.size()) return vertices_[digits - 1];
     const size_t slash = std::min(word.find('/'), word.size());
     if (slash == 0 || word.find_first_not_of("0123456789+-/", slash) != std::string_view::npos)
       refuse_number(word, "a vertex v, v/t, v//n or v/t/n", input_);

@@ -155,8 +155,7 @@ class AsciiValues {
   }
   double coordinate(Type type) {
     if (is_integer(type)) return static_cast<double>(integer(type));
-    const std::string_view word = next_word(line_);
-    return type == Type::kFloat32 ? text_coordinate<float>(word, input_) : text_coordinate<double>(word, input_);
+    return type == Type::kFloat32 ? next_coordinate<float>(line_, input_) : next_coordinate<double>(line_, input_);
   }
   int64_t integer(Type type) {
     const std::string_view word = next_word(line_);

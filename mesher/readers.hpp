@@ -60,7 +60,7 @@ class Fan {
  private:
   FacetStream& out_;
   const bool wanted_;
-  Vec3 first_, last_;
+  Vec3 first_{}, last_{};
   uint64_t vertices_ = 0;
 };
 
@@ -118,6 +118,19 @@ double text_coordinate(std::string_view word, const Input& input) {
     refuse_number(word, "a number", input);
   if (error == std::errc::result_out_of_range) v = round_extreme(digits, T{});
   if (!is_coordinate(v)) refuse_coordinate(word, v, input);
+  return v + 0.0;  // -0 is +0
+}
+
+// The next word of `line` as a coordinate; nearly every one is a plain number, found in one pass.
+template <class T>
+double next_coordinate(std::string_view& line, const Input& input) {
+  const char* p = line.data();
+  const char* const end = p + line.size();
+  while (p != end && is_blank(*p)) ++p;
+  T v = 0;
+  const auto [stop, error] = std::from_chars(p, end, v);
+  if (error != std::errc{} || (stop != end && !is_blank(*stop)) || !is_coordinate(v)) return text_coordinate<T>(next_word(line), input);
+  line = {stop, static_cast<size_t>(end - stop)};
   return v + 0.0;  // -0 is +0
 }
 

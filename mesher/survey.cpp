@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#define XXH_INLINE_ALL  // see closure.cpp
-#include <xxhash.h>
-
 #include "mesher/predicates.hpp"
 
 namespace teracell {
@@ -18,14 +15,13 @@ bool has_no_area(const Facet& f) {
 }  // namespace
 
 uint32_t VertexNumbers::operator()(const Vec3& vertex) {
-  const XXH128_hash_t h = XXH3_128bits(vertex.data(), sizeof vertex);
-  const Hash hash{h.low64, h.high64};
+  const VertexHash hash = vertex_hash(vertex);
   Recent& recent = recent_[hash.low >> 55];
   if (recent.hash != hash || recent.number == kNone) recent = {hash, find_or_add(hash)};
   return recent.number;
 }
 
-uint32_t VertexNumbers::find_or_add(const Hash& hash) {
+uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
   if (2 * hashes_.size() >= slots_.size()) grow();
   const size_t mask = slots_.size() - 1;
   size_t i = hash.low & mask;
@@ -102,7 +98,7 @@ void Survey::add(const Facet& facet, bool at_home) {
   ++facets_;
   degenerate_ += has_no_area(facet);
   std::ranges::sort(v);  // the same facet, whatever the order of its vertices
-  distinct_.add(XXH3_64bits(v.data(), sizeof v));
+  distinct_.add(fold(fold(v[0] ^ kHashKeys[0], v[1] ^ kHashKeys[1]) ^ kHashKeys[2], v[2] ^ kHashKeys[3]));
 }
 
 uint64_t Survey::shells() const {

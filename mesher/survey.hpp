@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesher/facets.hpp"
+#include "mesher/vertex_hash.hpp"
 
 namespace teracell {
 
@@ -19,21 +20,17 @@ class VertexNumbers {
   uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
 
  private:
-  struct Hash {
-    uint64_t low = 0, high = 0;
-    friend bool operator==(const Hash&, const Hash&) = default;
-  };
   // Neighbouring facets come one after another and share vertices: a small cache in front spares two of three look-ups.
   static constexpr uint32_t kNone = ~uint32_t{0};
   struct Recent {
-    Hash hash;
+    VertexHash hash;
     uint32_t number = kNone;
   };
-  uint32_t find_or_add(const Hash& hash);
+  uint32_t find_or_add(const VertexHash& hash);
   void grow();
   void rehash(size_t slots);
   std::vector<Recent> recent_ = std::vector<Recent>(512);
-  std::vector<Hash> hashes_;     // by number
+  std::vector<VertexHash> hashes_;     // by number
   std::vector<uint32_t> slots_;  // number + 1; 0 is free
 };
 
