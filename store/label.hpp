@@ -34,6 +34,7 @@ class SetTable {
   std::vector<Label> members(SetId id) const;
   // REQUIRES: members ascend strictly, are below labels(), at least one.
   SetId intern(const std::vector<Label>& members);
+  size_t memory() const;  // bytes on the heap, about
   SetId unite(SetId a, SetId b) {
     if (a == b) return a;
     if (a > b) std::swap(a, b);

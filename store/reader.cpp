@@ -39,9 +39,11 @@ struct GridReader::Cache {
   LruCache<std::vector<ChunkEntry>> pages{16 << 20};      // by number * 32 + level
 };
 
-GridReader::GridReader(const std::filesystem::path& path) : GridReader(std::make_unique<InputFile>(path)) {}
+GridReader::GridReader(const std::filesystem::path& path, std::shared_ptr<ChunkKeeper> keeper)
+    : GridReader(std::make_unique<InputFile>(path), std::move(keeper)) {}
 
-GridReader::GridReader(std::unique_ptr<ByteSource> source) : source_(std::move(source)), cache_(std::make_unique<Cache>()) {
+GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<ChunkKeeper> keeper)
+    : source_(std::move(source)), keeper_(std::move(keeper)), cache_(std::make_unique<Cache>()) {
   try {
     const uint64_t size = source_->size();
     if (size < kHeaderBytes + kFooterBytes)
@@ -199,6 +201,19 @@ void GridReader::read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segme
 void GridReader::read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const {
   if (stored(level)) read_stored(level, cu, cv, segment, *entry(level, cu, cv, segment), out);
   else derive(level, cu, cv, segment, out);
+}
+
+std::shared_ptr<const Chunk> GridReader::chunk(int level, uint32_t cu, uint32_t cv, uint32_t segment, std::shared_ptr<Chunk>& scratch) const {
+  const auto decoded = [&](std::shared_ptr<Chunk>& into) {
+    if (!into) into = std::make_shared<Chunk>();
+    read(level, cu, cv, segment, *into);
+    return into;
+  };
+  if (!keeper_) return decoded(scratch);
+  return keeper_->get({level, cu, cv, segment}, [&]() -> std::shared_ptr<const Chunk> {
+    std::shared_ptr<Chunk> fresh;
+    return decoded(fresh);
+  });
 }
 
 void GridReader::derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const {

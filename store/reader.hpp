@@ -11,11 +11,28 @@
 
 namespace teracell {
 
+// The place of a chunk in its grid.
+struct ChunkKey {
+  int level;
+  uint32_t cu, cv, segment;
+  friend bool operator==(const ChunkKey&, const ChunkKey&) = default;
+};
+
+// Decoded chunks kept by somebody else, for one grid or many. Threads share it.
+class ChunkKeeper {
+ public:
+  using Make = std::function<std::shared_ptr<const Chunk>()>;
+  virtual ~ChunkKeeper() = default;
+  // The chunk that is kept, or what make() returns.
+  virtual std::shared_ptr<const Chunk> get(const ChunkKey& key, const Make& make) = 0;
+};
+
 // Threads may share a reader. Throws IoError or FormatError, the latter with the file's name and the place in it.
 class GridReader {
  public:
-  explicit GridReader(const std::filesystem::path& path);
-  explicit GridReader(std::unique_ptr<ByteSource> source);
+  // Without a keeper a chunk is decoded each time that it is asked for.
+  explicit GridReader(const std::filesystem::path& path, std::shared_ptr<ChunkKeeper> keeper = nullptr);
+  explicit GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<ChunkKeeper> keeper = nullptr);
   ~GridReader();
 
   const Metadata& meta() const { return meta_; }
@@ -34,6 +51,8 @@ class GridReader {
   std::optional<std::vector<Label>> uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
   // Any level: those that are not stored are derived from the next lower one that is. `out` is overwritten.
   void read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
+  // The same by way of the keeper. Without one `scratch` holds it, until it is used again.
+  std::shared_ptr<const Chunk> chunk(int level, uint32_t cu, uint32_t cv, uint32_t segment, std::shared_ptr<Chunk>& scratch) const;
 
   // Checks every byte and every invariant of FORMAT.md; throws at the first that fails. `progress` gets shares of 1.
   void verify(int threads, const std::function<void(double)>& progress) const;
@@ -60,6 +79,7 @@ class GridReader {
   void read_in_pieces(uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f) const;
 
   std::unique_ptr<ByteSource> source_;
+  std::shared_ptr<ChunkKeeper> keeper_;
   uint16_t minor_ = 0;
   Footer footer_;
   Metadata meta_;

@@ -84,7 +84,7 @@ struct Picture {
     const auto cell = static_cast<uint32_t>(view.index % shape.chunk_cells);
     by_bands(shape.chunk_rays, [&](const Band& band, std::vector<uint16_t>& cells) {
       const auto cv = static_cast<uint32_t>(band.from / shape.chunk_rays);
-      Chunk chunk;
+      std::shared_ptr<Chunk> scratch;
       for (int64_t cu = view.u0 / shape.chunk_rays; cu * shape.chunk_rays < view.u1; ++cu) {
         const int64_t first = cu * shape.chunk_rays;
         const int64_t u0 = std::max(view.u0, first), u1 = std::min<int64_t>(view.u1, first + shape.chunk_rays);
@@ -94,7 +94,8 @@ struct Picture {
           for (int64_t v = band.from; v < band.to; ++v) std::fill_n(place(v), u1 - u0, all);
           continue;
         }
-        reader.read(view.level, static_cast<uint32_t>(cu), cv, segment, chunk);
+        const auto held = reader.chunk(view.level, static_cast<uint32_t>(cu), cv, segment, scratch);
+        const Chunk& chunk = *held;
         Values values(chunk, value);
         const RayBlock& b = chunk.rays;
         for (int64_t v = band.from; v < band.to; ++v) {
@@ -120,7 +121,7 @@ struct Picture {
     const bool fixed_u = rays.u == view.axis;
     const int64_t first_cell = int64_t{segment} * shape.chunk_cells;
     const auto fixed_chunk = static_cast<uint32_t>(view.index / shape.chunk_rays), fixed = static_cast<uint32_t>(view.index % shape.chunk_rays);
-    Chunk chunk;
+    std::shared_ptr<Chunk> scratch;
     for (int64_t c = lo / shape.chunk_rays; c * shape.chunk_rays < hi; ++c) {
       const int64_t first = c * shape.chunk_rays, from = std::max(lo, first), to = std::min<int64_t>(hi, first + shape.chunk_rays);
       const uint32_t cu = fixed_u ? fixed_chunk : static_cast<uint32_t>(c), cv = fixed_u ? static_cast<uint32_t>(c) : fixed_chunk;
@@ -129,7 +130,8 @@ struct Picture {
         for (int64_t i = from; i < to; ++i) f(i, first_cell, first_cell + shape.length(segment), all);
         continue;
       }
-      reader.read(view.level, cu, cv, segment, chunk);
+      const auto held = reader.chunk(view.level, cu, cv, segment, scratch);
+      const Chunk& chunk = *held;
       Values values(chunk, value);
       for (int64_t i = from; i < to; ++i) {
         const auto r = static_cast<uint32_t>(i - first);

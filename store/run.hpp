@@ -30,6 +30,7 @@ class PatternTable {
   uint32_t changes(uint32_t pattern) const { return begin_[pattern + 1] - begin_[pattern] - 1; }
   uint32_t size() const { return static_cast<uint32_t>(begin_.size()) - 1; }
   void clear();
+  size_t memory() const { return (begin_.capacity() + sets_.capacity() + slots_.capacity()) * 4; }  // bytes on the heap
 
  private:
   void grow();
@@ -82,6 +83,10 @@ struct RayBlock {
 struct Chunk {
   RayBlock rays;
   SetTable sets{1};
+  // Bytes, with all that it points to.
+  size_t memory() const {
+    return sizeof *this + rays.patterns.memory() + (rays.pattern.capacity() + rays.begin.capacity() + rays.at.capacity()) * 4 + sets.memory();
+  }
 };
 
 // The cells [from, to) of every ray, renumbered from 0.

@@ -101,9 +101,10 @@ void read_box(const GridReader& reader, int level, const Box& box, const SetValu
   if (inside.empty()) return;
   const Frame f = reader.meta().frame();
   const int64_t step_u = stride[f.u], step_v = stride[f.v], step_w = stride[f.w];
-  Chunk chunk;
+  std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(inside, f), [&](const ChunkPart& p) {
-    reader.read(level, p.cu, p.cv, p.segment, chunk);
+    const auto held = reader.chunk(level, p.cu, p.cv, p.segment, scratch);
+    const Chunk& chunk = *held;
     std::vector<std::pair<SetId, T>> values;  // of the sets met; a chunk has few
     T* origin = data + (p.first_u - box.lo[f.u]) * step_u + (p.first_v - box.lo[f.v]) * step_v + (p.first_w - box.lo[f.w]) * step_w;
     for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
@@ -124,9 +125,10 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
   check_box(reader.meta(), level, box);
   if (box.empty()) return;
   const Frame frame = reader.meta().frame();
-  Chunk chunk;
+  std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(box, frame), [&](const ChunkPart& p) {
-    reader.read(level, p.cu, p.cv, p.segment, chunk);
+    const auto held = reader.chunk(level, p.cu, p.cv, p.segment, scratch);
+    const Chunk& chunk = *held;
     std::unordered_map<SetId, std::vector<Label>> sets;
     for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
       const auto [it, fresh] = sets.try_emplace(set);
@@ -149,11 +151,12 @@ std::optional<std::vector<Label>> uniform_set(const GridReader& reader, int leve
     if (!set) set = found;
     several |= *set != found;
   };
-  Chunk chunk;
+  std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(box, reader.meta().frame()), [&](const ChunkPart& p) {
     if (several) return;
     if (const auto all = reader.uniform(level, p.cu, p.cv, p.segment)) return meet(*all);
-    reader.read(level, p.cu, p.cv, p.segment, chunk);
+    const auto held = reader.chunk(level, p.cu, p.cv, p.segment, scratch);
+    const Chunk& chunk = *held;
     SetId last = ~0u;
     for_each_part_run(chunk.rays, p, [&](uint32_t, uint32_t, uint32_t, uint32_t, SetId id) {
       if (several || id == last) return;
@@ -219,7 +222,7 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
   };
 
   const LevelShape shape = reader.shape(0);
-  Chunk chunk;
+  std::shared_ptr<Chunk> scratch;
   for_each_part(shape, RayBox(box, f), [&](const ChunkPart& p) {
     const auto found = reader.entry(0, p.cu, p.cv, p.segment);
     const ChunkEntry& entry = *found;
@@ -232,7 +235,8 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
         add(meta.labels[s.label].material, s.cells, {first[0] + s.lo[0], first[1] + s.lo[1], first[2] + s.lo[2]},
             {first[0] + s.hi[0], first[1] + s.hi[1], first[2] + s.hi[2]});
     } else {
-      reader.read(0, p.cu, p.cv, p.segment, chunk);
+      const auto held = reader.chunk(0, p.cu, p.cv, p.segment, scratch);
+      const Chunk& chunk = *held;
       for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
         add(meta.labels[label].material, to - from, {first[0] + u, first[1] + v, first[2] + from},
             {first[0] + u + 1, first[1] + v + 1, first[2] + to});

@@ -1,0 +1,121 @@
+#include "server/service.hpp"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+namespace teracell {
+namespace {
+
+// Part of every ETag: to be raised when the same grid is answered with other bytes.
+constexpr int kRevision = 1;
+
+// Counts what is read of a file.
+class CountedSource : public ByteSource {
+ public:
+  CountedSource(const std::filesystem::path& path, std::shared_ptr<Service::Counters> counters) : file_(path), counters_(std::move(counters)) {}
+  uint64_t size() const override { return file_.size(); }
+  const std::string& name() const override { return file_.name(); }
+  void read(uint64_t offset, std::span<uint8_t> out) const override {
+    counters_->reads.fetch_add(1, std::memory_order_relaxed);
+    counters_->bytes.fetch_add(out.size(), std::memory_order_relaxed);
+    file_.read(offset, out);
+  }
+
+ private:
+  InputFile file_;
+  std::shared_ptr<Service::Counters> counters_;
+};
+
+// A grid's part of the chunk cache.
+class Keeper : public ChunkKeeper {
+ public:
+  Keeper(std::shared_ptr<Service::ChunkCache> cache, uint64_t grid) : cache_(std::move(cache)), grid_(grid) {}
+  std::shared_ptr<const Chunk> get(const ChunkKey& key, const Make& make) override {
+    return cache_->get({grid_, key}, [&] {
+      std::shared_ptr<const Chunk> chunk = make();
+      const size_t bytes = chunk->memory();
+      return std::pair(std::move(chunk), bytes);
+    });
+  }
+
+ private:
+  std::shared_ptr<Service::ChunkCache> cache_;
+  uint64_t grid_;
+};
+
+std::string gzipped(const std::string& bytes) {
+  z_stream z{};
+  if (deflateInit2(&z, 1, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
+  std::string out(deflateBound(&z, bytes.size()), '\0');
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  z.avail_in = static_cast<uInt>(bytes.size());
+  z.next_out = reinterpret_cast<Bytef*>(out.data());
+  z.avail_out = static_cast<uInt>(out.size());
+  deflate(&z, Z_FINISH);
+  out.resize(z.total_out);
+  deflateEnd(&z);
+  return out;
+}
+
+std::string cache_key(const ServedGrid& grid, const std::string& what, bool gzip) { return fmt::format("{}{}{}", grid.number, gzip ? 'z' : ' ', what); }
+
+// If-None-Match may list several, or be "*". Weak ones match too (RFC 9110, 13.1.2).
+bool has_etag(std::string_view list, std::string_view etag) {
+  for (size_t at = list.find(etag); at != std::string_view::npos; at = list.find(etag, at + 1)) {
+    const size_t end = at + etag.size();
+    const char before = at == 0 ? ',' : list[at - 1], after = end == list.size() ? ',' : list[end];
+    if ((before == ',' || before == ' ' || before == '/') && (after == ',' || after == ' ')) return true;
+  }
+  return list == "*";
+}
+
+}  // namespace
+
+size_t ChunkPlaceHash::operator()(const ChunkPlace& p) const {
+  uint64_t h = p.grid;
+  for (const uint64_t x : {static_cast<uint64_t>(p.chunk.level), uint64_t{p.chunk.cu}, uint64_t{p.chunk.cv}, uint64_t{p.chunk.segment}})
+    h = (h ^ x) * 0x9E3779B97F4A7C15, h ^= h >> 29;
+  return h;
+}
+
+Service::Service(ServiceOptions options)
+    : options_(std::move(options)),
+      counters_(std::make_shared<Counters>()),
+      chunks_(std::make_shared<ChunkCache>(options_.cache_bytes)),
+      answers_(std::make_unique<AnswerCache>(options_.cache_bytes)),
+      grids_(std::make_unique<Grids>(options_.named, [counters = counters_, chunks = chunks_](const std::filesystem::path& path, uint64_t number) {
+        return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number));
+      })) {}
+
+std::string Service::etag(const ServedGrid& grid, bool gzip) const { return fmt::format("\"{}-{}{}\"", grid.hash, kRevision, gzip ? "-gz" : ""); }
+
+bool Service::ready(const Request& request, const ServedGrid& grid, const std::string& what, bool compress) const {
+  const bool gzip = compress && request.accepts_gzip;
+  return has_etag(request.if_none_match, etag(grid, gzip)) || answers_->find(cache_key(grid, what, gzip));
+}
+
+Response Service::answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe) {
+  Response r;
+  r.route = recipe.route;
+  r.content_type = recipe.content_type;
+  const std::string* version = target.find("v");
+  if (version && *version != grid.hash) throw not_found(fmt::format("grid '{}' has no version '{}' any more; its version is {}", grid.id, version->substr(0, 64), grid.hash));
+  r.cache_control = version ? "public, max-age=31536000, immutable" : "no-cache";
+  const bool gzip = recipe.compress && request.accepts_gzip;
+  r.etag = etag(grid, gzip);
+  if (gzip) r.content_encoding = "gzip";
+  if (has_etag(request.if_none_match, r.etag)) {
+    r.status = 304;
+    return r;
+  }
+  const auto make = [&] {
+    std::string text = recipe.make();
+    auto body = body_of(gzip ? gzipped(text) : std::move(text));
+    const size_t bytes = body->capacity() + recipe.what.size();
+    return std::pair(std::move(body), bytes);
+  };
+  r.body = recipe.keep ? answers_->get(cache_key(grid, recipe.what, gzip), make) : make().first;
+  return r;
+}
+
+}  // namespace teracell

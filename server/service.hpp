@@ -1,0 +1,72 @@
+// What all routes stand on: the grids, the two caches, and the one way to answer with something made from a grid.
+#pragma once
+#include <atomic>
+#include <functional>
+
+#include "server/grids.hpp"
+#include "server/http.hpp"
+#include "server/target.hpp"
+#include "store/shared_cache.hpp"
+
+namespace teracell {
+
+// A chunk among those of all grids.
+struct ChunkPlace {
+  uint64_t grid;  // ServedGrid::number
+  ChunkKey chunk;
+  friend bool operator==(const ChunkPlace&, const ChunkPlace&) = default;
+};
+struct ChunkPlaceHash {
+  size_t operator()(const ChunkPlace& p) const;
+};
+
+struct ServiceOptions {
+  std::vector<std::filesystem::path> named;  // files and folders
+  size_t cache_bytes = size_t{256} << 20;    // of decoded chunks; of encoded answers as many
+  uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
+};
+
+// Threads share it.
+class Service {
+ public:
+  explicit Service(ServiceOptions options);
+  const ServiceOptions& options() const { return options_; }
+  Grids& grids() { return *grids_; }
+
+  // How an answer is made and named.
+  struct Recipe {
+    const char* route;         // for the metrics
+    std::string content_type;
+    std::string what;          // tells it from all other answers of this grid: its cache key
+    bool keep = true;          // in the cache
+    bool compress = false;     // with gzip, for clients that accept it: what is not compressed already
+    std::function<std::string()> make;
+  };
+  // The answer, or 304 when the client has it, without making it. It may be kept for ever when the address names this
+  // version of the grid ("v=<hash>" in its query), else it must be asked about each time. Throws HttpError 404 for a
+  // version that is not served any more, and what make() throws.
+  Response answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe);
+  // Whether answer() would have to make something.
+  bool ready(const Request& request, const ServedGrid& grid, const std::string& what, bool compress) const;
+
+  struct Counters {
+    std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
+    std::atomic<uint64_t> damaged{0};          // requests that met a damaged chunk
+  };
+  const Counters& counters() const { return *counters_; }
+  using ChunkCache = SharedCache<ChunkPlace, Chunk, ChunkPlaceHash>;
+  using AnswerCache = SharedCache<std::string, std::string>;
+  ChunkCache& chunks() { return *chunks_; }
+  AnswerCache& answers() { return *answers_; }
+
+ private:
+  std::string etag(const ServedGrid& grid, bool gzip) const;
+
+  const ServiceOptions options_;
+  std::shared_ptr<Counters> counters_;
+  std::shared_ptr<ChunkCache> chunks_;  // readers keep it alive
+  std::unique_ptr<AnswerCache> answers_;
+  std::unique_ptr<Grids> grids_;
+};
+
+}  // namespace teracell

@@ -1,0 +1,111 @@
+#include "server/target.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "server/http.hpp"
+
+namespace teracell {
+namespace {
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if ((c | 32) >= 'a' && (c | 32) <= 'f') return (c | 32) - 'a' + 10;
+  return -1;
+}
+
+std::string decoded(std::string_view text) {
+  std::string out;
+  for (size_t i = 0; i < text.size(); ++i) {
+    unsigned char c = static_cast<unsigned char>(text[i]);
+    if (c == '%') {
+      const int high = i + 1 < text.size() ? hex_digit(text[i + 1]) : -1, low = i + 2 < text.size() ? hex_digit(text[i + 2]) : -1;
+      if (high < 0 || low < 0) throw bad_request("the address has a '%' without two hexadecimal digits after it");
+      c = static_cast<unsigned char>(16 * high + low);
+      i += 2;
+    }
+    if (c < 0x20 || c == 0x7f) throw bad_request("the address holds a control character");
+    out += static_cast<char>(c);
+  }
+  return out;
+}
+
+template <class F>
+void for_each_part(std::string_view text, char separator, F&& f) {
+  for (;;) {
+    const size_t stop = text.find(separator);
+    f(text.substr(0, stop));
+    if (stop == std::string_view::npos) return;
+    text.remove_prefix(stop + 1);
+  }
+}
+
+// What a client sent, as a message may show it.
+std::string shown(std::string_view text) { return fmt::format("'{}{}'", text.substr(0, 48), text.size() > 48 ? "..." : ""); }
+
+}  // namespace
+
+const std::string* Target::find(std::string_view key) const {
+  const std::string* found = nullptr;
+  for (const auto& [name, value] : query) {
+    if (name != key) continue;
+    if (found) throw bad_request(fmt::format("{}: expected once, found twice", key));
+    found = &value;
+  }
+  return found;
+}
+
+void Target::allow(std::initializer_list<std::string_view> known) const {
+  for (const auto& [name, value] : query)
+    if (std::ranges::find(known, name) == known.end())
+      throw bad_request(fmt::format("there is no parameter {}; expected {}", shown(name), known.size() == 0 ? std::string("none") : fmt::format("one of {}", fmt::join(known, ", "))));
+}
+
+Target parse_target(std::string_view target) {
+  if (!target.starts_with('/')) throw bad_request("expected an address that begins with '/'");
+  Target out;
+  const size_t question = target.find('?');
+  for_each_part(target.substr(1, question == std::string_view::npos ? question : question - 1), '/', [&](std::string_view part) { out.path.push_back(decoded(part)); });
+  if (question != std::string_view::npos && question + 1 < target.size())
+    for_each_part(target.substr(question + 1), '&', [&](std::string_view part) {
+      const size_t sign = part.find('=');
+      out.query.emplace_back(decoded(part.substr(0, sign)), sign == std::string_view::npos ? "" : decoded(part.substr(sign + 1)));
+    });
+  return out;
+}
+
+int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int64_t hi) {
+  int64_t value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || stop != text.data() + text.size() || error != std::errc{} || value < lo || value > hi)
+    throw bad_request(fmt::format("{}: expected a whole number from {} to {}, found {}", name, lo, hi, shown(text)));
+  return value;
+}
+
+std::vector<int64_t> integers(std::string_view text, size_t count, std::string_view name) {
+  std::vector<int64_t> out;
+  bool good = true;
+  for_each_part(text, ',', [&](std::string_view part) {
+    int64_t value = 0;
+    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    good &= !part.empty() && stop == part.data() + part.size() && error == std::errc{};
+    if (out.size() <= count) out.push_back(value);
+  });
+  if (!good || out.size() != count) throw bad_request(fmt::format("{}: expected {} whole numbers separated by commas, found {}", name, count, shown(text)));
+  return out;
+}
+
+std::optional<int64_t> plain_integer(std::string_view text) {
+  int64_t value = 0;
+  if (text.empty() || text.size() > 18 || (text[0] == '0' && text.size() > 1)) return std::nullopt;
+  for (const char c : text) {
+    if (c < '0' || c > '9') return std::nullopt;
+    value = 10 * value + (c - '0');
+  }
+  return value;
+}
+
+}  // namespace teracell

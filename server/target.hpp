@@ -1,0 +1,34 @@
+// The target of a request: path segments and query parameters, percent-decoded. Pure.
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace teracell {
+
+struct Target {
+  std::vector<std::string> path;  // "/a/b%20c" has "a", "b c"; a slash at the end adds an empty segment
+  std::vector<std::pair<std::string, std::string>> query;
+
+  // Null when it is not there. Throws HttpError 400 when it is there twice.
+  const std::string* find(std::string_view key) const;
+  // Throws HttpError 400 naming the first parameter that is not one of `known`.
+  void allow(std::initializer_list<std::string_view> known) const;
+};
+
+// Throws HttpError 400 unless it begins with '/', its percent-encodings are whole, and decoded it is free of NUL and other
+// control characters. "." and ".." are segments like others: no file is ever named by them.
+Target parse_target(std::string_view target);
+
+// `text` as a whole number in [lo, hi]. Throws HttpError 400 with `name` and the range.
+int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int64_t hi);
+// "1,2,3" as `count` whole numbers. Throws HttpError 400 with `name`.
+std::vector<int64_t> integers(std::string_view text, size_t count, std::string_view name);
+// The same without a message, for clients whose URLs have numbers inside names ("0-64_0-64_0-1"): nothing but digits, no
+// superfluous zero in front, below 2^62.
+std::optional<int64_t> plain_integer(std::string_view text);
+
+}  // namespace teracell

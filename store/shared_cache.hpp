@@ -1,0 +1,116 @@
+// Values made once however many ask for them at the same time, kept up to a number of bytes. Threads share it.
+#pragma once
+#include <condition_variable>
+#include <cstdint>
+#include <exception>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <unordered_map>
+#include <utility>
+
+namespace teracell {
+
+template <class Key, class Value, class Hash = std::hash<Key>>
+class SharedCache {
+ public:
+  using Pointer = std::shared_ptr<const Value>;
+  explicit SharedCache(size_t bytes) : most_(bytes) {}
+
+  // Null when it is not here (or still being made).
+  Pointer find(const Key& key) {
+    std::lock_guard lock(mutex_);
+    const auto it = entries_.find(key);
+    if (it == entries_.end() || !it->second->value) return nullptr;
+    ++hits_;
+    touch(it->second);
+    return it->second->value;
+  }
+
+  // make() returns {value, the bytes of memory that it takes}. While one thread is in it, others that want the same value
+  // wait. What it throws, all of them throw, and the next one tries anew. A value larger than the cache is not kept.
+  template <class Make>
+  Pointer get(const Key& key, Make&& make) {
+    std::unique_lock lock(mutex_);
+    std::shared_ptr<Entry>& place = entries_[key];
+    const bool mine = !place;
+    if (mine) place = std::make_shared<Entry>(Entry{key});
+    const std::shared_ptr<Entry> entry = place;
+    if (!mine) {
+      ++hits_;
+      made_.wait(lock, [&] { return entry->value || entry->error; });
+      if (entry->error) std::rethrow_exception(entry->error);
+      touch(entry);
+      return entry->value;
+    }
+    ++misses_;
+    lock.unlock();
+    std::pair<Pointer, size_t> made;
+    std::exception_ptr error;
+    try {
+      made = make();
+    } catch (...) {
+      error = std::current_exception();
+    }
+    lock.lock();
+    made_.notify_all();
+    if (error) {
+      entry->error = error;
+      entries_.erase(key);
+      std::rethrow_exception(error);
+    }
+    entry->value = made.first;
+    entry->bytes = made.second + kOverhead;
+    if (entry->bytes > most_) {
+      entries_.erase(key);
+      return entry->value;
+    }
+    recent_.push_front(entry);
+    entry->place = recent_.begin();
+    entry->listed = true;
+    bytes_ += entry->bytes;
+    while (bytes_ > most_) {
+      const std::shared_ptr<Entry> oldest = recent_.back();
+      recent_.pop_back();
+      oldest->listed = false;
+      bytes_ -= oldest->bytes;
+      entries_.erase(oldest->key);
+    }
+    return entry->value;
+  }
+
+  struct Counts {
+    uint64_t hits, misses;
+    size_t bytes, entries, limit;
+  };
+  Counts counts() const {
+    std::lock_guard lock(mutex_);
+    return {hits_, misses_, bytes_, recent_.size(), most_};
+  }
+
+ private:
+  struct Entry {
+    Key key;
+    Pointer value;
+    std::exception_ptr error;
+    size_t bytes = 0;
+    bool listed = false;
+    typename std::list<std::shared_ptr<Entry>>::iterator place{};
+  };
+  // What an entry takes besides its value: itself, its nodes in list and map, as malloc rounds them.
+  static constexpr size_t kOverhead = sizeof(Entry) + sizeof(Key) + 160;
+
+  void touch(const std::shared_ptr<Entry>& entry) {
+    if (entry->listed) recent_.splice(recent_.begin(), recent_, entry->place);
+  }
+
+  const size_t most_;
+  mutable std::mutex mutex_;
+  std::condition_variable made_;
+  std::unordered_map<Key, std::shared_ptr<Entry>, Hash> entries_;
+  std::list<std::shared_ptr<Entry>> recent_;  // made, the most recent first
+  uint64_t hits_ = 0, misses_ = 0;
+  size_t bytes_ = 0;
+};
+
+}  // namespace teracell
