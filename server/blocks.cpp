@@ -55,7 +55,7 @@ std::string deflated(std::string_view bytes, Wrapping wrapping) {
 }
 
 Service::Recipe cube_recipe(const ServedGrid& grid, int level, const Box& cube, Wrapping wrapping) {
-  return {.route = "other", .content_type = "application/octet-stream", .what = "", .make = [&grid, level, cube, wrapping] {
+  return {.route = "other", .content_type = "application/octet-stream", .make = [&grid, level, cube, wrapping] {
             return deflated(labels_in(grid.reader(), level, cube), wrapping);
           }};
 }

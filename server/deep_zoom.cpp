@@ -25,11 +25,12 @@ std::string description(const ScaledSlice& slice) {
 std::optional<Service::Recipe> find_tile(const ScaledSlice& slice, int scale, std::string_view name) {
   const auto numbers = without(name, kTile);
   const auto parts = split(numbers.value_or(""), '_');
-  const auto column = plain_integer(parts[0]), row = parts.size() == 2 ? plain_integer(parts[1]) : std::nullopt;
+  if (parts.size() != 2) return std::nullopt;
+  const auto column = plain_integer(parts[0]), row = plain_integer(parts[1]);
   const int64_t width = slice.width(scale), height = slice.height(scale);
   if (!column || !row || *column > (width - 1) / kTilePixels || *row > (height - 1) / kTilePixels) return std::nullopt;
   const int64_t x = *column * kTilePixels, y = *row * kTilePixels;
-  return Service::Recipe{.route = "other", .content_type = "image/png", .what = "", .make = [=] {
+  return Service::Recipe{.route = "other", .content_type = "image/png", .make = [=] {
                            return slice.png(scale, x, y, std::min(x + kTilePixels, width), std::min(y + kTilePixels, height));
                          }};
 }
@@ -41,7 +42,7 @@ std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std:
   const auto index = without(path[1], tile ? kFolder : kDocument);
   const auto slice = index ? slice_at(grid.reader(), path[0], *index) : std::nullopt;
   if (!slice) return std::nullopt;
-  if (!tile) return Service::Recipe{.route = "other", .content_type = "application/xml", .what = "", .make = [s = *slice] { return description(s); }};
+  if (!tile) return Service::Recipe{.route = "other", .content_type = "application/xml", .make = [s = *slice] { return description(s); }};
   const int last = slice->scale_within(1);
   const auto level = plain_integer(path[2]);
   return level && *level <= last ? find_tile(*slice, last - static_cast<int>(*level), path[3]) : std::nullopt;

@@ -19,11 +19,11 @@ Response missing(const char* route) {
 Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const Find& find) {
   return or_missing(route, [&] {
     const auto grid = service.grids().find(id);
-    const std::span<const std::string> path(target.path);
-    auto recipe = find(*grid, path.subspan(2));
+    auto recipe = find(*grid, std::span(target.path).subspan(2));
     if (!recipe) return missing(route);
     recipe->route = route;
-    recipe->what = joined(path);
+    // An answer is kept by its address: queries that mean nothing here would fill the cache with the same.
+    if (std::ranges::any_of(target.query, [](const auto& q) { return q.first != "v"; })) recipe->keep = false;
     return service.answer(request, target, *grid, *recipe);
   });
 }
@@ -37,7 +37,7 @@ std::optional<Service::Recipe> find_document(const Documents& documents, std::st
 Service::Recipe json_recipe(std::function<nlohmann::ordered_json()> make) {
   // A grid's id comes from a file's name, which may be no UTF-8.
   const auto text = [make = std::move(make)] { return make().dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace); };
-  return {.route = "other", .content_type = "application/json", .what = "", .compress = true, .make = text};
+  return {.route = "other", .content_type = "application/json", .compress = true, .make = text};
 }
 
 std::string joined(std::span<const std::string> path) { return fmt::format("{}", fmt::join(path, "/")); }

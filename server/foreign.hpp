@@ -28,7 +28,7 @@ Response or_missing(const char* route, F&& serve) {
 }
 
 // How to make what stands at `path` of a grid; nothing when there is no such thing. `path` begins behind the id; the recipe
-// needs neither route nor what. REQUIRES: no two paths for which it gives a recipe are equal when joined by '/'.
+// needs no route.
 using Find = std::function<std::optional<Service::Recipe>(const ServedGrid& grid, std::span<const std::string> path)>;
 // Answers with what `find` finds. REQUIRES: target.path has at least two segments.
 Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const Find& find);

@@ -104,7 +104,7 @@ std::optional<Service::Recipe> find_coordinates(const ServedGrid& grid, int leve
   for (int axis = 0; axis < 3; ++axis) {
     const int64_t n = grid.meta().grid.cells(level)[axis];
     if (name != axis_name(axis) || !chunk || *chunk > (n - 1) / kCoordinates) continue;
-    return Service::Recipe{.route = "other", .content_type = "application/octet-stream", .what = "", .make = [&grid, level, axis, n, k = *chunk] {
+    return Service::Recipe{.route = "other", .content_type = "application/octet-stream", .make = [&grid, level, axis, n, k = *chunk] {
                              return deflated(coordinates(grid.meta().grid.axis[axis], level, n, k), Wrapping::kZlib);
                            }};
   }
