@@ -48,10 +48,18 @@ std::string Grids::new_id(const std::filesystem::path& path) const {
   return id;
 }
 
+void Grids::lose(const std::filesystem::path& path) {
+  const auto it = places_.find(path);
+  if (it == places_.end() || !it->second.there) return;
+  it->second.there = false;
+  it->second.grid = nullptr;
+  ++epoch_;
+}
+
 void Grids::look(const std::filesystem::path& path) {
   struct stat s;
   if (stat(path.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) {
-    if (const auto it = places_.find(path); it != places_.end()) it->second.there = false, it->second.grid = nullptr;
+    lose(path);
     return;
   }
   auto it = places_.find(path);
@@ -61,6 +69,7 @@ void Grids::look(const std::filesystem::path& path) {
   if (place.there && place.stamp == stamp) return;
   place.there = true;
   place.stamp = stamp;
+  ++epoch_;
   try {
     const uint64_t number = next_number_++;
     auto file = open_(path, number);
@@ -77,10 +86,8 @@ void Grids::refresh() {
   if (refreshed_ != 0 && now < refreshed_ + kEveryMilliseconds) return;
   refreshed_ = now;
   order_.clear();
-  for (auto& [path, place] : places_) {
-    struct stat s;
-    if (place.there && stat(path.c_str(), &s) != 0) place.there = false, place.grid = nullptr;
-  }
+  for (auto& [path, place] : places_)
+    if (struct stat s; stat(path.c_str(), &s) != 0) lose(path);
   for (const auto& path : named_) {
     std::error_code error;
     const bool folder = std::filesystem::is_directory(path, error);
@@ -89,6 +96,14 @@ void Grids::refresh() {
       if (std::ranges::find(order_, file) == order_.end()) order_.push_back(file);
     }
   }
+}
+
+uint64_t Grids::epoch() {
+  if (steady_milliseconds() >= refreshed_ + kEveryMilliseconds) {
+    std::lock_guard lock(mutex_);
+    refresh();
+  }
+  return epoch_;
 }
 
 std::shared_ptr<const ServedGrid> Grids::find(const std::string& id) {

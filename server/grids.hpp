@@ -1,6 +1,7 @@
 // The grids that are served: files named at the start, and every *.tcell directly in a folder named there. A file that is
 // replaced, added or removed is noticed without a restart; who holds the old one goes on reading it.
 #pragma once
+#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -33,6 +34,8 @@ class Grids {
 
   // Throws HttpError: 404 when there is no such grid, 500 with what is wrong when its file can't be read.
   std::shared_ptr<const ServedGrid> find(const std::string& id);
+  // Another number whenever all() or find() would answer otherwise than before.
+  uint64_t epoch();
   // Those that can be read, in the order of the command line, those of a folder by name.
   std::vector<std::shared_ptr<const ServedGrid>> all();
 
@@ -52,12 +55,14 @@ class Grids {
   };
   void refresh();                                      // at most once a second; REQUIRES: locked
   void look(const std::filesystem::path& path);        // at one file
+  void lose(const std::filesystem::path& path);
   std::string new_id(const std::filesystem::path& path) const;
 
   const std::vector<std::filesystem::path> named_;
   const Open open_;
   std::mutex mutex_;
-  uint64_t next_number_ = 1, refreshed_ = 0;           // refreshed_: steady milliseconds, 0 is never
+  uint64_t next_number_ = 1;
+  std::atomic<uint64_t> epoch_ = 0, refreshed_ = 0;    // refreshed_: steady milliseconds, 0 is never
   std::vector<std::filesystem::path> order_;           // of the places, as all() has them
   std::map<std::filesystem::path, Place> places_;      // those gone keep their ids
 };

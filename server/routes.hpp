@@ -7,8 +7,8 @@ namespace teracell {
 
 // Answers any request: what is thrown becomes an error response. Threads may call it at once.
 Response handle(Service& service, const Request& request);
-// Whether handle() will answer from memory: such a request needs no thread of its own.
-bool is_quick(Service& service, const Request& request);
+// The same when nothing must be read or made for it, so that it needs no thread of its own.
+std::optional<Response> handle_at_once(Service& service, const Request& request);
 
 // One file each: other people's protocols. They get the path below their prefix and return 404 with an empty body for
 // what does not exist in them.

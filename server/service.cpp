@@ -9,12 +9,13 @@ namespace {
 // Part of every ETag: to be raised when the same grid is answered with other bytes.
 constexpr int kRevision = 1;
 
-// Counts what is read of a file.
+// Counts what is read of a file. Its name is without the folder: clients get to see it in messages.
 class CountedSource : public ByteSource {
  public:
-  CountedSource(const std::filesystem::path& path, std::shared_ptr<Service::Counters> counters) : file_(path), counters_(std::move(counters)) {}
+  CountedSource(const std::filesystem::path& path, std::shared_ptr<Service::Counters> counters)
+      : file_(path), name_(path.filename().string()), counters_(std::move(counters)) {}
   uint64_t size() const override { return file_.size(); }
-  const std::string& name() const override { return file_.name(); }
+  const std::string& name() const override { return name_; }
   void read(uint64_t offset, std::span<uint8_t> out) const override {
     counters_->reads.fetch_add(1, std::memory_order_relaxed);
     counters_->bytes.fetch_add(out.size(), std::memory_order_relaxed);
@@ -23,6 +24,7 @@ class CountedSource : public ByteSource {
 
  private:
   InputFile file_;
+  const std::string name_;
   std::shared_ptr<Service::Counters> counters_;
 };
 
@@ -57,7 +59,13 @@ std::string gzipped(const std::string& bytes) {
   return out;
 }
 
-std::string cache_key(const ServedGrid& grid, const std::string& what, bool gzip) { return fmt::format("{}{}{}", grid.number, gzip ? 'z' : ' ', what); }
+std::string etag_of(const ServedGrid& grid, bool gzip) { return fmt::format("\"{}-{}{}\"", grid.hash, kRevision, gzip ? "-gz" : ""); }
+
+std::string cache_key(uint64_t epoch, bool gzip, const std::string& target) {
+  std::string key = std::to_string(epoch);
+  key += gzip ? 'z' : ' ';
+  return key += target;
+}
 
 // If-None-Match may list several, or be "*". Weak ones match too (RFC 9110, 13.1.2).
 bool has_etag(std::string_view list, std::string_view etag) {
@@ -87,14 +95,19 @@ Service::Service(ServiceOptions options)
         return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number));
       })) {}
 
-std::string Service::etag(const ServedGrid& grid, bool gzip) const { return fmt::format("\"{}-{}{}\"", grid.hash, kRevision, gzip ? "-gz" : ""); }
-
-bool Service::ready(const Request& request, const ServedGrid& grid, const std::string& what, bool compress) const {
-  const bool gzip = compress && request.accepts_gzip;
-  return has_etag(request.if_none_match, etag(grid, gzip)) || answers_->find(cache_key(grid, what, gzip));
+std::optional<Response> Service::recall(const Request& request) {
+  const uint64_t epoch = grids_->epoch();
+  AnswerCache::Pointer kept;
+  if (request.accepts_gzip) kept = answers_->find(cache_key(epoch, true, request.target));
+  if (!kept) kept = answers_->find(cache_key(epoch, false, request.target));
+  if (!kept) return std::nullopt;
+  Response r = *kept;
+  if (has_etag(request.if_none_match, r.etag)) r.status = 304, r.body = nullptr;
+  return r;
 }
 
 Response Service::answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe) {
+  const uint64_t epoch = grids_->epoch();
   Response r;
   r.route = recipe.route;
   r.content_type = recipe.content_type;
@@ -102,7 +115,7 @@ Response Service::answer(const Request& request, const Target& target, const Ser
   if (version && *version != grid.hash) throw not_found(fmt::format("grid '{}' has no version '{}' any more; its version is {}", grid.id, version->substr(0, 64), grid.hash));
   r.cache_control = version ? "public, max-age=31536000, immutable" : "no-cache";
   const bool gzip = recipe.compress && request.accepts_gzip;
-  r.etag = etag(grid, gzip);
+  r.etag = etag_of(grid, gzip);
   if (gzip) r.content_encoding = "gzip";
   if (has_etag(request.if_none_match, r.etag)) {
     r.status = 304;
@@ -110,12 +123,24 @@ Response Service::answer(const Request& request, const Target& target, const Ser
   }
   const auto make = [&] {
     std::string text = recipe.make();
-    auto body = body_of(gzip ? gzipped(text) : std::move(text));
-    const size_t bytes = body->capacity() + recipe.what.size();
-    return std::pair(std::move(body), bytes);
+    Response made = r;
+    made.body = body_of(gzip ? gzipped(text) : std::move(text));
+    return made;
   };
-  r.body = recipe.keep ? answers_->get(cache_key(grid, recipe.what, gzip), make) : make().first;
-  return r;
+  if (!recipe.keep) return make();
+  const std::string key = cache_key(epoch, gzip, request.target);
+  return *answers_->get(key, [&] {
+    auto made = std::make_shared<const Response>(make());
+    const size_t bytes = sizeof(Response) + made->body->capacity() + 3 * key.size() + 256;  // 256: the other strings
+    return std::pair(std::move(made), bytes);
+  });
+}
+
+void Service::damaged(const std::string& message) {
+  constexpr size_t kMostComplaints = 1000;
+  counters_->damaged.fetch_add(1, std::memory_order_relaxed);
+  std::lock_guard lock(complaints_mutex_);
+  if (complaints_.size() < kMostComplaints && complaints_.insert(message).second && options_.complain) options_.complain(message);
 }
 
 }  // namespace teracell

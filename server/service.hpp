@@ -2,6 +2,9 @@
 #pragma once
 #include <atomic>
 #include <functional>
+#include <mutex>
+#include <optional>
+#include <set>
 
 #include "server/grids.hpp"
 #include "server/http.hpp"
@@ -24,6 +27,7 @@ struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files and folders
   size_t cache_bytes = size_t{256} << 20;    // of decoded chunks; of encoded answers as many
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
+  std::function<void(const std::string&)> complain;  // gets what is found damaged, each thing once; any thread
 };
 
 // Threads share it.
@@ -33,40 +37,42 @@ class Service {
   const ServiceOptions& options() const { return options_; }
   Grids& grids() { return *grids_; }
 
-  // How an answer is made and named.
+  // How an answer is made.
   struct Recipe {
-    const char* route;         // for the metrics
+    const char* route;       // for the metrics
     std::string content_type;
-    std::string what;          // tells it from all other answers of this grid: its cache key
-    bool keep = true;          // in the cache
-    bool compress = false;     // with gzip, for clients that accept it: what is not compressed already
+    bool keep = true;        // in the cache
+    bool compress = false;   // with gzip, for clients that accept it: what is not compressed already
     std::function<std::string()> make;
   };
   // The answer, or 304 when the client has it, without making it. It may be kept for ever when the address names this
   // version of the grid ("v=<hash>" in its query), else it must be asked about each time. Throws HttpError 404 for a
-  // version that is not served any more, and what make() throws.
+  // version that is not served any more, and what make() throws. REQUIRES: what is made depends on the grid and on
+  // request.target alone, unless keep is false.
   Response answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe);
-  // Whether answer() would have to make something.
-  bool ready(const Request& request, const ServedGrid& grid, const std::string& what, bool compress) const;
+  // What answer() gave for the same address, if it is still kept.
+  std::optional<Response> recall(const Request& request);
 
   struct Counters {
     std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
     std::atomic<uint64_t> damaged{0};          // requests that met a damaged chunk
   };
   const Counters& counters() const { return *counters_; }
+  // A request met bytes that can't be read or are damaged: counts it, and complains unless that was done before.
+  void damaged(const std::string& message);
   using ChunkCache = SharedCache<ChunkPlace, Chunk, ChunkPlaceHash>;
-  using AnswerCache = SharedCache<std::string, std::string>;
+  using AnswerCache = SharedCache<std::string, Response>;  // by grids().epoch(), encoding and target
   ChunkCache& chunks() { return *chunks_; }
   AnswerCache& answers() { return *answers_; }
 
  private:
-  std::string etag(const ServedGrid& grid, bool gzip) const;
-
   const ServiceOptions options_;
   std::shared_ptr<Counters> counters_;
   std::shared_ptr<ChunkCache> chunks_;  // readers keep it alive
   std::unique_ptr<AnswerCache> answers_;
   std::unique_ptr<Grids> grids_;
+  std::mutex complaints_mutex_;
+  std::set<std::string> complaints_;
 };
 
 }  // namespace teracell

@@ -1,5 +1,6 @@
 #include "server/tile_png.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "server/png_rows.hpp"
@@ -23,10 +24,14 @@ std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t
     ends.push_back(changes.size());
   }
 
+  // Colours that are alike share a place.
   std::vector<Rgba> palette;
   std::vector<uint32_t> value(colors.size(), 0);
-  for (size_t n = 0; n < colors.size(); ++n)
-    if (occurs[n]) value[n] = static_cast<uint32_t>(palette.size()), palette.push_back(colors[n]);
+  for (size_t n = 0; n < colors.size() && palette.size() <= PngRows::kMostColors; ++n) {
+    if (!occurs[n]) continue;
+    value[n] = static_cast<uint32_t>(std::ranges::find(palette, colors[n]) - palette.begin());
+    if (value[n] == palette.size()) palette.push_back(colors[n]);
+  }
   if (palette.size() > PngRows::kMostColors) {
     palette.clear();
     for (size_t n = 0; n < colors.size(); ++n) value[n] = PngRows::rgba(colors[n]);

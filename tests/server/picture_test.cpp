@@ -70,7 +70,7 @@ void require_picture(const Decoded& d, const SetColors& colors, const Rows& rows
   }
 }
 
-TEST_CASE("a picture takes the fewest bits that tell its colours apart") {
+TEST_CASE("a picture takes the fewest bits that tell its colours apart", "[server]") {
   std::mt19937 random(1);
   const std::pair<uint32_t, int> cases[] = {{1, 1}, {2, 1}, {3, 2}, {4, 2}, {5, 4}, {16, 4}, {17, 8}, {255, 8}, {256, 8}};
   for (const auto& [count, bits] : cases) {
@@ -87,7 +87,7 @@ TEST_CASE("a picture takes the fewest bits that tell its colours apart") {
   }
 }
 
-TEST_CASE("more than 256 colours are RGBA") {
+TEST_CASE("more than 256 colours are RGBA", "[server]") {
   std::mt19937 random(2);
   for (const uint32_t alpha : {255u, 77u}) {
     const Metadata meta = with_colors(different_colors(257, alpha));
@@ -101,14 +101,14 @@ TEST_CASE("more than 256 colours are RGBA") {
   }
 }
 
-TEST_CASE("colours that are alike share a number") {
+TEST_CASE("colours that are alike share a number", "[server]") {
   const Metadata meta = with_colors(std::vector<std::string>(300, "#102030"));
   const SetColors colors(meta, 0);
   REQUIRE(colors.colors().size() == 1);
   REQUIRE(colors.complete());
 }
 
-TEST_CASE("tRNS ends with the last colour that is not opaque") {
+TEST_CASE("tRNS ends with the last colour that is not opaque", "[server]") {
   const std::pair<std::vector<std::string>, size_t> cases[] = {{{"#000000", "#ffffff"}, 0},
                                                                {{"#00000000", "#ffffff", "#102030ff"}, 1},
                                                                {{"#000000", "#ffffff80", "#102030"}, 2},
@@ -124,7 +124,7 @@ TEST_CASE("tRNS ends with the last colour that is not opaque") {
   }
 }
 
-TEST_CASE("a row may be longer than a chunk of data") {
+TEST_CASE("a row may be longer than a chunk of data", "[server]") {
   std::mt19937 random(3);
   for (const uint32_t count : {2u, 256u, 300u}) {
     const Metadata meta = with_colors(different_colors(count));
@@ -137,7 +137,7 @@ TEST_CASE("a row may be longer than a chunk of data") {
   }
 }
 
-TEST_CASE("rows that repeat cost next to nothing") {
+TEST_CASE("rows that repeat cost next to nothing", "[server]") {
   const Metadata meta = with_colors({"#000000", "#ffffff"});
   const SetColors colors(meta, 0);
   const Rows rows(10000, std::vector<uint16_t>(1000, 1));
@@ -146,7 +146,7 @@ TEST_CASE("rows that repeat cost next to nothing") {
   require_picture(decode(png), colors, rows);
 }
 
-TEST_CASE("the sets of a few materials have a palette, numbered as they turn up in others") {
+TEST_CASE("the sets of a few materials have a palette, numbered as they turn up in others", "[server]") {
   const Metadata few = with_colors({"#00000000", "#ff0000", "#0000ff"});
   SetColors colors(few, 1);
   REQUIRE(colors.complete());
@@ -169,7 +169,7 @@ TEST_CASE("the sets of a few materials have a palette, numbered as they turn up 
   require_picture(d, growing, rows);
 }
 
-TEST_CASE("bodies of one material count once in a blend") {
+TEST_CASE("bodies of one material count once in a blend", "[server]") {
   Metadata meta = with_colors({"#000000", "#ffffff"});
   meta.labels = {{0, ""}, {1, "left"}, {1, "right"}};
   SetColors colors(meta, 1);
@@ -177,7 +177,7 @@ TEST_CASE("bodies of one material count once in a blend") {
   REQUIRE(colors.number({1}) == colors.number({1, 2}));
 }
 
-TEST_CASE("a blend is the mean of premultiplied colours, half up") {
+TEST_CASE("a blend is the mean of premultiplied colours, half up", "[server]") {
   const auto mix = [](std::vector<Rgba> colors) { return blend(colors); };
   REQUIRE(mix({{1, 2, 3, 4}}) == Rgba{1, 2, 3, 4});  // one colour stays what it is
   REQUIRE(mix({{255, 0, 0, 255}, {0, 0, 255, 255}}) == Rgba{128, 0, 128, 255});

@@ -71,7 +71,7 @@ Numbers rings(uint32_t width, uint32_t height, uint32_t numbers) {
   return out;
 }
 
-TEST_CASE("tiles of every width and number of colours come back as they were") {
+TEST_CASE("tiles of every width and number of colours come back as they were", "[server]") {
   Random random(1);
   for (const uint32_t count : {1u, 2u, 3u, 4u, 5u, 16u, 17u, 256u, 257u, 1000u}) {
     const auto colors = different_colors(count);
@@ -89,7 +89,7 @@ TEST_CASE("tiles of every width and number of colours come back as they were") {
   }
 }
 
-TEST_CASE("only colours that occur are in the palette") {
+TEST_CASE("only colours that occur are in the palette", "[server]") {
   const auto colors = different_colors(300);
   Numbers numbers(512 * 512, 299);
   auto d = require_tile(512, 512, numbers, colors);
@@ -102,8 +102,19 @@ TEST_CASE("only colours that occur are in the palette") {
   REQUIRE((d.bits == 2 && d.palette.size() == 4));
 }
 
+TEST_CASE("colours that are alike share a place in the palette", "[server]") {
+  Random random(4);
+  auto colors = different_colors(300);
+  for (size_t n = 0; n < 300; ++n) colors[n] = colors[n % 4];
+  const Numbers numbers = noise(random, 65, 30, 300);
+  const std::string png = encode_png(65, 30, numbers, colors);
+  const auto d = testing::decode({reinterpret_cast<const uint8_t*>(png.data()), png.size()});
+  REQUIRE((d.bits == 2 && d.palette.size() == 4));
+  for (size_t i = 0; i < numbers.size(); ++i) REQUIRE(d.rows[i / 65][i % 65] == colors[numbers[i]]);
+}
+
 // A row of the stream may be at most 32768 bytes long for a match of what is above.
-TEST_CASE("rows about as long as a match can reach back, and longer") {
+TEST_CASE("rows about as long as a match can reach back, and longer", "[server]") {
   Random random(2);
   const auto around = [&](uint32_t bits, uint32_t count) {
     for (const int more : {-9, -8, -1, 0, 1, 8, 9, 70000}) {
@@ -122,7 +133,7 @@ TEST_CASE("rows about as long as a match can reach back, and longer") {
 }
 
 // Matches are 3 to 258 bytes long: stretches of all lengths around the multiples of that, and of what is shorter.
-TEST_CASE("stretches of every length") {
+TEST_CASE("stretches of every length", "[server]") {
   const auto colors = different_colors(256);
   for (uint32_t stretch = 1; stretch <= 1100; ++stretch) {
     Numbers numbers(1500 * 2, 1);
@@ -136,7 +147,7 @@ TEST_CASE("stretches of every length") {
 }
 
 // Counts that grow like Fibonacci's numbers make the deepest Huffman codes: they must be cut to 15 bits.
-TEST_CASE("colours of very unequal frequency") {
+TEST_CASE("colours of very unequal frequency", "[server]") {
   Numbers numbers;
   uint32_t a = 1, b = 1;
   for (uint16_t n = 0; n < 24; ++n) {
@@ -150,7 +161,7 @@ TEST_CASE("colours of very unequal frequency") {
   require_tile(300, height, numbers, different_colors(24));
 }
 
-TEST_CASE("a tile that repeats costs next to nothing") {
+TEST_CASE("a tile that repeats costs next to nothing", "[server]") {
   const auto colors = different_colors(300);
   REQUIRE(encode_png(512, 512, Numbers(512 * 512, 1), colors).size() < 256);
   Numbers stripes;

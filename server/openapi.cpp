@@ -1,0 +1,126 @@
+#include "server/openapi.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace teracell {
+namespace {
+
+using nlohmann::ordered_json;
+
+ordered_json parameter(const char* name, const char* in, const char* description, ordered_json schema) {
+  return {{"name", name}, {"in", in}, {"required", std::string(in) == "path"}, {"description", description}, {"schema", std::move(schema)}};
+}
+
+const ordered_json kInteger = {{"type", "integer"}, {"minimum", 0}};
+const ordered_json kString = {{"type", "string"}};
+ordered_json flag() { return {{"type", "integer"}, {"enum", {0, 1}}}; }
+
+ordered_json grid_id() { return parameter("id", "path", "the grid: its file's stem", kString); }
+ordered_json axis() { return parameter("axis", "path", "the axis across the slice, or along the column", {{"type", "string"}, {"enum", {"x", "y", "z"}}}); }
+ordered_json version() { return parameter("v", "query", "the grid's hash: the answer may then be kept for ever", kString); }
+ordered_json level(const char* in) { return parameter("level", in, "of the pyramid; its cells are 2^level times as wide", kInteger); }
+ordered_json materials() { return parameter("materials", "query", "ids of the materials to show, separated by commas; default: all", kString); }
+ordered_json outline() { return parameter("outline", "query", "1 draws the boundaries between materials", flag()); }
+
+ordered_json content(const char* type, const char* schema) {
+  ordered_json c = {{type, ordered_json::object()}};
+  if (schema) c[type]["schema"] = {{"$ref", std::string("#/components/schemas/") + schema}};
+  return c;
+}
+
+// A GET. Those about a grid have an ETag, and can be 304, 400, 404 and 500.
+ordered_json get(const char* summary, ordered_json parameters, const char* type, const char* schema, bool of_grid = true) {
+  ordered_json responses = {{"200", {{"description", "done"}, {"content", content(type, schema)}}}};
+  const auto error = [&](const char* status, const char* description) { responses[status] = {{"description", description}, {"content", content("application/json", "Error")}}; };
+  if (of_grid) {
+    responses["200"]["headers"] = {{"ETag", {{"description", "strong: the grid's content and encoding"}, {"schema", {{"type", "string"}}}}}};
+    responses["304"] = {{"description", "the client has it"}};
+    error("404", "no such grid, tile or version");
+    error("500", "the file is damaged there");
+  }
+  error("400", "a malformed or out-of-range value; the message says the range");
+  return {{"get", {{"summary", summary}, {"parameters", std::move(parameters)}, {"responses", responses}}}};
+}
+
+ordered_json object(ordered_json properties) {
+  ordered_json required = ordered_json::array();
+  for (const auto& [key, value] : properties.items()) required.push_back(key);
+  return {{"type", "object"}, {"required", required}, {"properties", std::move(properties)}};
+}
+ordered_json array(ordered_json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+const ordered_json kNumber = {{"type", "number"}};
+
+ordered_json schemas() {
+  const ordered_json text = {{"type", "string"}}, three = {{"type", "array"}, {"items", kNumber}, {"minItems", 3}, {"maxItems", 3}};
+  const ordered_json index = {{"type", "array"}, {"items", kInteger}, {"minItems", 3}, {"maxItems", 3}};
+  const ordered_json box = {{"type", "array"}, {"items", kInteger}, {"minItems", 6}, {"maxItems", 6}};
+  ordered_json box_or_null = box;
+  box_or_null["type"] = {"array", "null"};
+  return {
+      {"Error", object({{"error", object({{"code", text}, {"message", text}})}})},
+      {"Grids", object({{"schema", kInteger}, {"grids", array(object({{"id", text}, {"name", text}, {"cells", index}, {"bytes", kInteger}, {"hash", text}, {"units", text}}))}})},
+      {"Info", object({{"schema", kInteger},
+                       {"id", text},
+                       {"units", text},
+                       {"ray_axis", text},
+                       {"grid", object({{"min", three}, {"max", three}, {"cells", index}, {"sample", three}, {"axes", array({{"type", "object"}})}})},
+                       {"materials", array(object({{"id", kInteger}, {"name", text}, {"color", text}, {"rank", kInteger}}))},
+                       {"levels", array(object({{"level", kInteger}, {"cells", index}, {"stored", {{"type", "boolean"}}}, {"chunks", kInteger}, {"bytes", kInteger}}))},
+                       {"file", object({{"bytes", kInteger}, {"version", text}, {"hash", text}})},
+                       {"crossings", kInteger},
+                       {"bits_per_crossing", kNumber},
+                       {"report", {{"type", "object"}}}})},
+      {"Cell", object({{"schema", kInteger}, {"index", index}, {"level", kInteger}, {"centre", three}, {"materials", array(object({{"id", kInteger}, {"name", text}}))}})},
+      {"Column", object({{"schema", kInteger},
+                         {"axis", text},
+                         {"at", {{"type", "array"}, {"items", kInteger}, {"minItems", 2}, {"maxItems", 2}}},
+                         {"runs", array(object({{"from", kInteger}, {"to", kInteger}, {"min", kNumber}, {"max", kNumber}, {"material", kInteger}, {"name", text}}))}})},
+      {"Stats", object({{"schema", kInteger}, {"region", box}, {"materials", array(object({{"id", kInteger}, {"name", text}, {"cells", kNumber}, {"volume", kNumber}, {"box", box_or_null}}))}})},
+  };
+}
+
+}  // namespace
+
+std::string openapi_json(const Request& request) {
+  const ordered_json id = grid_id();
+  const std::string grid = "/api/v1/grids/{id}";
+  ordered_json paths;
+  paths["/healthz"] = get("is the server alive?", ordered_json::array(), "application/json", nullptr, false);
+  paths["/metrics"] = get("Prometheus metrics", ordered_json::array(), "text/plain", nullptr, false);
+  paths["/openapi.json"] = get("this description", ordered_json::array(), "application/json", nullptr, false);
+  paths["/api/v1/grids"] = get("the grids that are served", ordered_json::array(), "application/json", "Grids", false);
+  paths[grid] = get("a grid: axes, materials, levels, what meshing reported", {id, version()}, "application/json", "Info");
+  paths[grid + "/slice/{axis}/{index}.png"] = get(
+      "a slice as a picture, v upwards", {id, axis(), parameter("index", "path", "the slice, in cells of the level", kInteger), level("query"),
+                                          parameter("region", "query", "U0,V0,U1,V1: half open, in cells of the level", kString), materials(), outline(), version()},
+      "image/png", nullptr);
+  const auto tile = [&](ordered_json more) {
+    ordered_json p = {id, axis(), parameter("index", "path", "the slice, in cells of the level", kInteger), level("path"),
+                      parameter("col", "path", "counted from u = 0", kInteger), parameter("row", "path", "counted from v = 0", kInteger)};
+    for (auto& m : more) p.push_back(m);
+    return p;
+  };
+  paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.png"] = get("a tile of 512 x 512 cells, cut at the edges; v upwards inside", tile({materials(), outline(), version()}), "image/png", nullptr);
+  paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.bin"] =
+      get("a tile as labels, row v = 0 first: the id of the strongest material of each cell, a byte, or two (little endian) past 256 materials. With sets=1: the number of sets (u32); of each "
+          "its number of materials and their ids (u16 each); then the number of each cell's set, a byte, or two past 256 sets",
+          tile({parameter("sets", "query", "1: the sets of coarse cells", flag()), version()}), "application/octet-stream", nullptr);
+  paths[grid + "/cell"] = get("the materials of a cell", {id, parameter("i", "query", "along x", kInteger), parameter("j", "query", "along y", kInteger),
+                                                          parameter("k", "query", "along z", kInteger), level("query"), version()}, "application/json", "Cell");
+  for (auto& p : paths[grid + "/cell"]["get"]["parameters"])
+    if (p["name"] == "i" || p["name"] == "j" || p["name"] == "k") p["required"] = true;
+  paths[grid + "/column/{axis}/{a}_{b}"] = get(
+      "the runs of a column of cells", {id, axis(), parameter("a", "path", "the first coordinate across", kInteger), parameter("b", "path", "the second one", kInteger), version()},
+      "application/json", "Column");
+  paths[grid + "/stats"] = get("exact cells, volume and box of every material, counted from runs",
+                               {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()}, "application/json", "Stats");
+  const ordered_json out = {{"openapi", "3.1.0"},
+                            {"info", {{"title", "teracell"}, {"version", "1"}, {"description", "Slices, columns and statistics of huge Cartesian grids. The same grids for other clients: /zarr, "
+                                                                                              "/zarr2, /xarray, /precomputed, /dzi, /iiif."}}},
+                            {"servers", {{{"url", request.prefix.empty() ? "/" : request.prefix}}}},
+                            {"paths", paths},
+                            {"components", {{"schemas", schemas()}}}};
+  return out.dump();
+}
+
+}  // namespace teracell

@@ -1,0 +1,276 @@
+#include "server/routes.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "server/openapi.hpp"
+#include "server/start_page.hpp"
+#include "server/tiles.hpp"
+#include "store/info.hpp"
+
+namespace teracell {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr int64_t kTile = 512;
+constexpr const char* kJson = "application/json";
+
+// Names come from anybody's files: what is no UTF-8 in them is replaced.
+std::string text_of(const ordered_json& j) { return j.dump(-1, ' ', false, ordered_json::error_handler_t::replace); }
+
+Response error_response(int status, const std::string& code, const std::string& message) {
+  Response r;
+  r.status = status;
+  r.content_type = kJson;
+  r.cache_control = "no-store";
+  r.body = body_of(text_of({{"error", {{"code", code}, {"message", message}}}}));
+  return r;
+}
+
+Response plain(const char* route, const char* type, std::string text) {
+  Response r;
+  r.route = route;
+  r.content_type = type;
+  r.cache_control = "no-cache";
+  r.body = body_of(std::move(text));
+  return r;
+}
+
+int axis_of(const std::string& name) {
+  if (name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') return name[0] - 'x';
+  throw bad_request(fmt::format("axis: expected x, y or z, found '{}'", name.substr(0, 48)));
+}
+
+// "12.png" -> "12", ".png"
+std::pair<std::string, std::string> split_name(const std::string& name) {
+  const size_t dot = std::min(name.find('.'), name.size());
+  return {name.substr(0, dot), name.substr(dot)};
+}
+
+// The two numbers of "a_b".
+std::pair<std::string, std::string> split_pair(const std::string& text, const char* what) {
+  const size_t sign = text.find('_');
+  if (sign == std::string::npos) throw bad_request(fmt::format("{}: expected two whole numbers joined by '_', found '{}'", what, text.substr(0, 48)));
+  return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
+int level_of(const std::string* text, const GridReader& reader) { return text ? static_cast<int>(integer_in(*text, "level", 0, reader.levels() - 1)) : 0; }
+
+// "?materials=1,3" and "?outline=1".
+Look look_of(const Target& target, const Metadata& meta) {
+  Look look;
+  if (const std::string* outline = target.find("outline")) look.outline = integer_in(*outline, "outline", 0, 1) == 1;
+  if (const std::string* list = target.find("materials")) {
+    look.shown.assign(meta.materials.size(), false);
+    const auto count = static_cast<size_t>(std::ranges::count(*list, ',') + 1);
+    if (!list->empty())
+      for (const int64_t m : integers(*list, count, "materials"))
+        look.shown.at(static_cast<size_t>(integer_in(std::to_string(m), "materials", 0, static_cast<int64_t>(meta.materials.size()) - 1))) = true;
+  }
+  return look;
+}
+
+// Routes below /api/v1/grids/{id}/: the grid, and the segments after the id.
+struct GridRequest {
+  Service& service;
+  const Request& request;
+  const Target& target;
+  std::shared_ptr<const ServedGrid> grid;
+  std::vector<std::string> rest;
+  const GridReader& reader() const { return grid->reader(); }
+  const Metadata& meta() const { return grid->meta(); }
+};
+
+Response json_answer(const GridRequest& r, const char* route, std::function<ordered_json()> make) {
+  return r.service.answer(r.request, r.target, *r.grid, {route, kJson, true, true, [make = std::move(make)] { return text_of(make()); }});
+}
+
+Response info(const GridRequest& r) {
+  r.target.allow({"v"});
+  return json_answer(r, "info", [&] {
+    ordered_json j = info_json(r.reader());
+    j["id"] = r.grid->id;
+    return j;
+  });
+}
+
+Response slice(const GridRequest& r) {
+  r.target.allow({"v", "level", "region", "materials", "outline"});
+  const int axis = axis_of(r.rest[1]), level = level_of(r.target.find("level"), r.reader());
+  const auto [index, extension] = split_name(r.rest[2]);
+  if (extension != ".png") throw not_found("slices are pictures: expected a name that ends in .png");
+  const Index3 n = r.meta().grid.cells(level);
+  SliceView view = whole_slice(r.meta(), axis, integer_in(index, "index", 0, n[axis] - 1), level);
+  if (const std::string* region = r.target.find("region")) {
+    const auto c = integers(*region, 4, "region");
+    view.u0 = c[0], view.v0 = c[1], view.u1 = c[2], view.v1 = c[3];
+    check_view(r.meta(), view);
+  }
+  const auto width = static_cast<uint64_t>(view.u1 - view.u0), height = static_cast<uint64_t>(view.v1 - view.v0);
+  if (const uint64_t most = r.service.options().max_pixels; height > most / width)
+    throw bad_request(fmt::format("region: expected at most {} pixels, found {} x {}: ask for a part with region=, or a coarser level", most, width, height));
+  const Look look = look_of(r.target, r.meta());
+  return r.service.answer(r.request, r.target, *r.grid, {"slice", "image/png", true, false, [&] { return picture_png(r.reader(), view, look); }});
+}
+
+Response tile(const GridRequest& r) {
+  const int axis = axis_of(r.rest[1]), level = level_of(&r.rest[3], r.reader());
+  const Index3 n = r.meta().grid.cells(level);
+  SliceView view = whole_slice(r.meta(), axis, integer_in(r.rest[2], "index", 0, n[axis] - 1), level);
+  const auto [place, extension] = split_name(r.rest[4]);
+  const auto [col, row] = split_pair(place, "tile");
+  const int64_t u = integer_in(col, "column", 0, Axis::kMaxCells), v = integer_in(row, "row", 0, Axis::kMaxCells);
+  const auto tiles = [](int64_t cells) { return (cells + kTile - 1) / kTile; };
+  if (u >= tiles(view.u1) || v >= tiles(view.v1))
+    throw not_found(fmt::format("there is no tile {}_{}: level {} has columns 0 to {} and rows 0 to {}", u, v, level, tiles(view.u1) - 1, tiles(view.v1) - 1));
+  view.u0 = u * kTile, view.v0 = v * kTile;
+  view.u1 = std::min(view.u1, view.u0 + kTile), view.v1 = std::min(view.v1, view.v0 + kTile);
+  if (extension == ".bin") {
+    r.target.allow({"v", "sets"});
+    const std::string* sets = r.target.find("sets");
+    const bool with_sets = sets && integer_in(*sets, "sets", 0, 1) == 1;
+    return r.service.answer(r.request, r.target, *r.grid, {"tile_bin", "application/octet-stream", true, true, [&] {
+                              return with_sets ? raw_sets(r.reader(), view) : raw_labels(r.reader(), view);
+                            }});
+  }
+  if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));
+  r.target.allow({"v", "materials", "outline"});
+  const Look look = look_of(r.target, r.meta());
+  return r.service.answer(r.request, r.target, *r.grid, {"tile", "image/png", true, false, [&] { return picture_png(r.reader(), view, look); }});
+}
+
+Response cell(const GridRequest& r) {
+  r.target.allow({"v", "i", "j", "k", "level"});
+  const int level = level_of(r.target.find("level"), r.reader());
+  const Metadata& meta = r.meta();
+  const Index3 n = meta.grid.cells(level);
+  Box box;
+  for (int d = 0; d < 3; ++d) {
+    const std::string name(1, "ijk"[d]);
+    const std::string* text = r.target.find(name);
+    if (!text) throw bad_request(fmt::format("missing {}: expected a whole number from 0 to {}", name, n[d] - 1));
+    box.lo[d] = integer_in(*text, name, 0, n[d] - 1);
+    box.hi[d] = box.lo[d] + 1;
+  }
+  return json_answer(r, "cell", [&, box] {
+    ordered_json j = {{"schema", 1}, {"index", box.lo}, {"level", level}, {"centre", ordered_json::array()}, {"materials", ordered_json::array()}};
+    for (int d = 0; d < 3; ++d) {
+      const Axis& a = meta.grid.axis[d];
+      const int64_t first = box.lo[d] << level, last = std::min(a.cells(), box.hi[d] << level);
+      j["centre"].push_back(level == 0 ? a.centre(first) : (a.plane(first) + a.plane(last)) / 2);
+    }
+    std::vector<uint32_t> materials;
+    for_each_run(r.reader(), level, box, [&](const BoxRun& run) {
+      for (const Label label : *run.set) materials.push_back(meta.labels[label].material);
+    });
+    std::ranges::sort(materials);
+    materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
+    for (const uint32_t m : materials) j["materials"].push_back({{"id", m}, {"name", meta.materials[m].name}});
+    return j;
+  });
+}
+
+Response column(const GridRequest& r) {
+  r.target.allow({"v"});
+  const int axis = axis_of(r.rest[1]);
+  const Frame f = Frame::along(axis);
+  const Index3 n = r.meta().grid.cells();
+  const auto [a_text, b_text] = split_pair(r.rest[2], "column");
+  const int64_t a = integer_in(a_text, axis_name(f.u), 0, n[f.u] - 1), b = integer_in(b_text, axis_name(f.v), 0, n[f.v] - 1);
+  return json_answer(r, "column", [&, a, b] { return column_json(r.meta(), axis, a, b, read_column(r.reader(), axis, a, b)); });
+}
+
+Response stats(const GridRequest& r) {
+  r.target.allow({"v", "region"});
+  Box box = r.meta().grid.box(0);
+  if (const std::string* region = r.target.find("region")) {
+    const auto c = integers(*region, 6, "region");
+    const Index3 n = r.meta().grid.cells();
+    for (int d = 0; d < 3; ++d) {
+      box.lo[d] = c[d], box.hi[d] = c[d + 3];
+      if (box.lo[d] < 0 || box.hi[d] > n[d] || box.lo[d] >= box.hi[d])
+        throw bad_request(fmt::format("region: expected 0 to {} along {} (half open, not empty), found {} to {}", n[d], axis_name(d), c[d], c[d + 3]));
+    }
+  }
+  return json_answer(r, "stats", [&, box] { return stats_json(r.meta(), box, read_stats(r.reader(), box)); });
+}
+
+Response list(Service& service, const Target& target) {
+  target.allow({});
+  ordered_json j = {{"schema", 1}, {"grids", ordered_json::array()}};
+  for (const auto& grid : service.grids().all())
+    j["grids"].push_back({{"id", grid->id},
+                          {"name", grid->id},
+                          {"cells", grid->meta().grid.cells()},
+                          {"bytes", grid->reader().file_bytes()},
+                          {"hash", grid->hash},
+                          {"units", grid->meta().units}});
+  return plain("grids", kJson, text_of(j));
+}
+
+Response api(Service& service, const Request& request, const Target& target) {
+  const auto& path = target.path;  // "api", "v1", "grids", id, what, ...
+  if (path.size() < 3 || path[1] != "v1" || path[2] != "grids") throw not_found("there is nothing at this address: see /openapi.json");
+  if (path.size() == 3) return list(service, target);
+  const GridRequest r{service, request, target, service.grids().find(path[3]), {path.begin() + 4, path.end()}};
+  const auto is = [&](const char* name, size_t segments) { return r.rest.size() == segments && r.rest[0] == name; };
+  if (r.rest.empty()) return info(r);
+  if (is("slice", 3)) return slice(r);
+  if (is("tile", 5)) return tile(r);
+  if (is("cell", 1)) return cell(r);
+  if (is("column", 3)) return column(r);
+  if (is("stats", 1)) return stats(r);
+  throw not_found("there is nothing at this address: see /openapi.json");
+}
+
+struct Prefix {
+  const char* name;
+  Response (*serve)(Service&, const Request&, const Target&);
+};
+constexpr Prefix kPrefixes[] = {{"api", api},
+                                {"zarr", serve_zarr3},
+                                {"zarr2", serve_zarr2},
+                                {"xarray", serve_xarray},
+                                {"precomputed", serve_precomputed},
+                                {"dzi", serve_deep_zoom},
+                                {"iiif", serve_iiif}};
+
+Response route(Service& service, const Request& request) {
+  const Target target = parse_target(request.target);
+  const std::string& first = target.path[0];
+  if (target.path.size() == 1 && first.empty()) return plain("page", "text/html; charset=utf-8", start_page(service, request));
+  if (target.path.size() == 1 && first == "openapi.json") return plain("openapi", kJson, openapi_json(request));
+  for (const Prefix& p : kPrefixes)
+    if (first == p.name) return p.serve(service, request, target);
+  throw not_found("there is nothing at this address: see /openapi.json");
+}
+
+}  // namespace
+
+std::optional<Response> handle_at_once(Service& service, const Request& request) { return service.recall(request); }
+
+Response handle(Service& service, const Request& request) {
+  try {
+    return route(service, request);
+  } catch (const HttpError& e) {
+    if (e.status >= 500) service.damaged(e.what());
+    return error_response(e.status, e.code, e.what());
+  } catch (const UsageError& e) {
+    return error_response(400, "bad_request", e.what());
+  } catch (const FormatError& e) {
+    service.damaged(e.what());
+    return error_response(500, "damaged", e.what());
+  } catch (const IoError& e) {
+    service.damaged(e.what());
+    return error_response(500, "unreadable", e.what());
+  } catch (const std::bad_alloc&) {
+    return error_response(503, "out_of_memory", "the server is out of memory: ask for less at once, or again later");
+  } catch (const std::exception& e) {
+    return error_response(500, "failed", e.what());
+  }
+}
+
+}  // namespace teracell
