@@ -1,6 +1,7 @@
 // Neuroglancer precomputed: a segmentation whose ids are materials. A level's cells come in flat blocks, for each of the
 // three cross-sections its own: a view needs few of them, and blocks that are made when asked for cost nothing to offer.
 // Blocks at the edge are cut; the background, 0, is what the viewer hides.
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
