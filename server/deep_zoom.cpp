@@ -1,4 +1,6 @@
 // Deep Zoom: a slice as tiles without overlap, level 0 a single pixel, the last level the slice itself.
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "server/foreign.hpp"

@@ -1,4 +1,7 @@
 // IIIF Image API 3.0, level 0: the tiles that info.json speaks of, the whole picture at their scales, and nothing between.
+#include <algorithm>
+#include <array>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 

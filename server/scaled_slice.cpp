@@ -1,7 +1,6 @@
 #include "server/scaled_slice.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 #include "server/tiles.hpp"
 
@@ -17,10 +16,7 @@ int ScaledSlice::scale_within(int64_t pixels) const {
 }
 
 std::string ScaledSlice::png(int scale, int64_t x0, int64_t y0, int64_t x1, int64_t y1) const {
-  std::vector<int64_t> u(static_cast<size_t>(x1 - x0)), v(static_cast<size_t>(y1 - y0));
-  std::iota(u.begin(), u.end(), x0);
-  for (size_t i = 0; i < v.size(); ++i) v[i] = (height() - 1 - ((y0 + static_cast<int64_t>(i)) << scale)) >> scale;
-  return sampled_png(*reader, axis, index >> scale, scale, u, v);
+  return picture_png(*reader, {axis, index >> scale, scale, x0, height(scale) - y1, x1, height(scale) - y0});
 }
 
 std::optional<ScaledSlice> slice_at(const GridReader& reader, std::string_view axis, std::string_view index) {

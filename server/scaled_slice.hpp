@@ -1,8 +1,8 @@
 // A slice as viewers of large pictures know it: a picture that comes in halved sizes, its rows counted from the top.
 //
 // Scale s has ceil(width / 2^s) x ceil(height / 2^s) pixels. A pixel stands for the cells of level 0 from its place, times
-// 2^s, on; it shows the cell of level s that holds the first of them. Counted from the top as well as from the bottom, that
-// is a cell a pixel.
+// 2^s, on; it shows the cell of level s that holds the first of them: for row y that is (height - 1 - y 2^s) >> s, which is
+// height(s) - 1 - y. So a scale is nothing but the level's slice, a cell a pixel.
 #pragma once
 #include <optional>
 #include <string>

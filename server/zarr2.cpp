@@ -2,6 +2,7 @@
 //
 // xarray turns an array with a fill value into floats, so there it has none; a reader of such an array takes memory as it
 // is for a chunk that is missing, so none in range may ever be.
+#include <algorithm>
 #include <bit>
 
 #include <nlohmann/json.hpp>

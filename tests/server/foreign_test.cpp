@@ -14,7 +14,7 @@ const std::vector<std::string> kAddresses = {
     "/zarr/g/zarr.json",   "/zarr/g/1/zarr.json",     "/zarr/g/labels/material/0/c/1/2/1", "/zarr/g/0/c/1/2/1",         "/zarr2/g/.zattrs",
     "/zarr2/g/.zmetadata", "/zarr2/g/0/0/1/1",        "/xarray/g/0/.zmetadata",            "/xarray/g/1/label/0/1/0",   "/xarray/g/0/y/0",
     "/precomputed/g/info", "/precomputed/g/segprops/info", "/precomputed/g/s1/0-35_0-65_3-4", "/dzi/g/z/12.dzi",         "/dzi/g/z/12_files/7/0_0.png",
-    "/iiif/g-y-3/info.json", "/iiif/g-y-3/0,0,70,67/35,34/0/default.png"};
+    "/iiif/g-y-3/info.json", "/iiif/g-y-3/0,0,70,67/70,67/0/default.png"};
 
 TEST_CASE("Foreign: an answer has a strong ETag and comes once; under its version's address it is kept for ever", "[server]") {
   ServedCells served(odd_grid(), 2, 4);

@@ -1,4 +1,6 @@
 // Neuroglancer precomputed: every block of every size on every level, cut at the edges.
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 

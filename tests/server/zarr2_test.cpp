@@ -1,4 +1,5 @@
 // Zarr v2, as OME-Zarr and for xarray: every cell of every level, and where it lies.
+#include <algorithm>
 #include <bit>
 
 #include <catch2/catch.hpp>

@@ -1,5 +1,5 @@
 // Zarr v3: what a client that knows only the documents reads is every cell of every level.
-#include <set>
+#include <algorithm>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
