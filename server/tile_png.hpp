@@ -16,8 +16,8 @@
 //   libspng-6, 8 bits                        33  2.8     30  1.7      41  6.3       14  1.0      57  1.1
 //
 // Where boundaries stand every few cells a search finds more than the row above: libdeflate then takes half our time and half
-// our bytes (and half the time for noise of 2 materials). With 7,500 changes in a tile, the most of the 22, it is still ahead
-// by neither.
+// our bytes (and half the time for noise of 2 materials). The busiest of the 22 tiles, with 7,500 changes between neighbours,
+// still takes less than half of libdeflate's time, for the same size.
 #pragma once
 #include <cstdint>
 #include <span>
