@@ -53,11 +53,11 @@ CastTotals UnitWork::totals() const {
 }
 
 void UnitWork::make_level2(Worker& worker) {
-  const Chunk level2 = join_pieces(pieces_, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
+  const Chunk level2 = join_pieces(pieces_.data(), 4, 4, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
   pieces_ = {};
   chunks_[16] = encode_level(worker.encoder, meta_, 2, unit_.cu, unit_.cv, level2);
   coarse_.sets = level2.sets;
-  coarse_.rays = coarsen(level2.rays, 2, coarse_.sets);
+  coarse_.rays = coarsen(level2.rays, 1, coarse_.sets);
 }
 
 }  // namespace teracell

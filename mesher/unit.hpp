@@ -38,7 +38,7 @@ class UnitWork {
   // Different rows may be made by different threads at once.
   void make_row(uint32_t row, Worker& worker);
 
-  // When all rows are made: the unit's chunks, and its rays on level 4.
+  // When all rows are made: the unit's chunks, and its rays on level 3.
   const Unit& unit() const { return unit_; }
   const std::vector<LevelChunk>& chunks() const { return chunks_; }
   Chunk& coarse() { return coarse_; }

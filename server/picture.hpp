@@ -1,14 +1,12 @@
 // Pictures of label rows: PNG, streamed row by row, and the colours of sets.
 #pragma once
 #include <cstdint>
-#include <functional>
-#include <memory>
 #include <mutex>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
-#include "store/color.hpp"
+#include "server/png_rows.hpp"
 #include "store/slice.hpp"
 
 namespace teracell {
@@ -40,33 +38,21 @@ class SetColors {
   std::unordered_map<uint32_t, uint16_t> by_color_;
 };
 
-// Writes a PNG of any size with the memory of a few rows. A palette of up to 256 colours takes 1, 2, 4 or 8 bits a
-// pixel; without one, rows are RGBA. Rows come from the top.
+// Writes a PNG of any size with the memory of a few rows: pictures of 10^5 x 10^5 cells must stream. Rows come from the top.
 class PngWriter {
  public:
-  using Sink = std::function<void(std::span<const uint8_t>)>;
+  using Sink = PngRows::Sink;
   // `colors` gives the colour of a number when a row is written; when it is complete it is the palette.
   PngWriter(uint32_t width, uint32_t height, const SetColors& colors, Sink sink);
-  ~PngWriter();
   void row(std::span<const uint16_t> numbers);  // REQUIRES: width of them
   void finish();                                // REQUIRES: height rows were written
 
  private:
-  void fill_rgba();
-  void deflate_bytes(std::span<const uint8_t> bytes, bool last);
-  void chunk(const char* type, std::span<const uint8_t> data);
-
-  struct Deflate;
-  const uint32_t width_, height_;
   const SetColors& colors_;
-  Sink sink_;
-  int bits_;  // a pixel: 1, 2, 4, 8 with a palette, 32 without
-  std::vector<Rgba> known_;
-  std::vector<uint16_t> numbers_;            // of the row before
-  std::vector<uint8_t> above_, row_, filtered_, same_;
-  std::vector<uint8_t> out_;  // the IDAT to come
-  size_t filled_ = 0;
-  std::unique_ptr<Deflate> deflate_;
+  PngRows rows_;
+  std::vector<uint32_t> value_;    // of a number, for rows_
+  std::vector<uint16_t> numbers_;  // of the row before
+  std::vector<uint32_t> changed_;
 };
 
 }  // namespace teracell

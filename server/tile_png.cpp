@@ -1,57 +1,51 @@
 #include "server/tile_png.hpp"
 
-#include <new>
+#include <algorithm>
 #include <vector>
 
-#include <zlib.h>
+#include "server/png_rows.hpp"
 
 namespace teracell {
-namespace {
-
-void put_be32(std::string& out, uint32_t v) {
-  for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(v >> shift);
-}
-
-void chunk(std::string& out, const std::string& type_and_data) {
-  put_be32(out, static_cast<uint32_t>(type_and_data.size() - 4));
-  out += type_and_data;
-  put_be32(out, static_cast<uint32_t>(crc32(0, reinterpret_cast<const Bytef*>(type_and_data.data()), static_cast<uInt>(type_and_data.size()))));
-}
-
-}  // namespace
 
 std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t> numbers, std::span<const Rgba> colors) {
-  const bool palette = colors.size() <= 256;
-  std::string out = "\x89PNG\r\n\x1a\n", head = "IHDR";
-  put_be32(head, width);
-  put_be32(head, height);
-  head += {8, static_cast<char>(palette ? 3 : 6), 0, 0, 0};
-  chunk(out, head);
-  if (palette) {
-    std::string rgb = "PLTE", alpha = "tRNS";
-    for (const Rgba& c : colors) {
-      rgb.append({static_cast<char>(c[0]), static_cast<char>(c[1]), static_cast<char>(c[2])});
-      alpha += static_cast<char>(c[3]);
+  const auto row = [&](uint32_t r) { return numbers.subspan(size_t{r} * width, width); };
+  // A number that occurs first in a row differs there from the row above: its group is a change.
+  std::vector<uint32_t> changes;
+  std::vector<size_t> ends;  // of each row's
+  std::vector<uint8_t> occurs(colors.size(), 0);
+  ends.reserve(height);
+  for (uint32_t r = 0; r < height; ++r) {
+    const size_t before = changes.size();
+    append_changes(r == 0 ? std::span<const uint16_t>() : row(r - 1), row(r), changes);
+    for (size_t i = before; i < changes.size(); ++i) {
+      const size_t first = size_t{changes[i]} * 8;
+      for (const uint16_t n : row(r).subspan(first, std::min<size_t>(8, width - first))) occurs[n] = 1;
     }
-    chunk(out, rgb);
-    chunk(out, alpha);
+    ends.push_back(changes.size());
   }
-  std::string raw;
-  raw.reserve((size_t{width} * (palette ? 1 : 4) + 1) * height);
-  for (size_t i = 0; i < numbers.size(); ++i) {
-    if (i % width == 0) raw += '\0';
-    if (palette) raw += static_cast<char>(numbers[i]);
-    else
-      for (const uint8_t channel : colors[numbers[i]]) raw += static_cast<char>(channel);
+
+  // Colours that are alike share a place.
+  std::vector<Rgba> palette;
+  std::vector<uint32_t> value(colors.size(), 0);
+  for (size_t n = 0; n < colors.size() && palette.size() <= PngRows::kMostColors; ++n) {
+    if (!occurs[n]) continue;
+    value[n] = static_cast<uint32_t>(std::ranges::find(palette, colors[n]) - palette.begin());
+    if (value[n] == palette.size()) palette.push_back(colors[n]);
   }
-  uLongf size = compressBound(raw.size());
-  std::string data(size + 4, '\0');
-  data.replace(0, 4, "IDAT");
-  if (compress2(reinterpret_cast<Bytef*>(data.data() + 4), &size, reinterpret_cast<const Bytef*>(raw.data()), raw.size(), 1) != Z_OK) throw std::bad_alloc();
-  data.resize(size + 4);
-  chunk(out, data);
-  chunk(out, "IEND");
-  return out;
+  if (palette.size() > PngRows::kMostColors) {
+    palette.clear();
+    for (size_t n = 0; n < colors.size(); ++n) value[n] = PngRows::rgba(colors[n]);
+  }
+
+  std::string png;
+  PngRows rows(width, height, palette, [&](std::span<const uint8_t> bytes) { png.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); });
+  size_t begin = 0;
+  for (uint32_t r = 0; r < height; ++r) {
+    rows.row(row(r), std::span(changes).subspan(begin, ends[r] - begin), value.data());
+    begin = ends[r];
+  }
+  rows.finish();
+  return png;
 }
 
 }  // namespace teracell

@@ -1,4 +1,4 @@
-// A whole picture as PNG, in memory.
+// A whole picture of labels, in memory, as PNG: what the server's tiles are.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -8,7 +8,8 @@
 
 namespace teracell {
 
-// Numbers row by row from the top, each below colors.size().
+// `numbers` row by row from the top, each below colors.size(). The colours that occur are the palette; past 256 of them the
+// picture is RGBA. REQUIRES: width, height >= 1, width * height numbers. Threads may call it at once.
 std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t> numbers, std::span<const Rgba> colors);
 
 }  // namespace teracell

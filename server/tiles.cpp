@@ -127,19 +127,4 @@ std::string raw_sets(const GridReader& reader, const SliceView& view) {
   return out;
 }
 
-std::string sampled_png(const GridReader& reader, int axis, int64_t index, int level, std::span<const int64_t> u, std::span<const int64_t> v) {
-  SetNumbers sets(reader.meta());
-  const SliceView view{axis, index, level, u.front(), v.back(), u.back() + 1, v.front() + 1};
-  std::vector<uint16_t> numbers;
-  numbers.reserve(u.size() * v.size());
-  size_t next = 0;
-  for_each_row(reader, view, sets.value(), true, 1, [&](int64_t at, std::span<const uint16_t> row) {
-    for (; next < v.size() && v[next] == at; ++next)
-      for (const int64_t column : u) numbers.push_back(row[static_cast<size_t>(column - view.u0)]);
-  });
-  std::vector<Rgba> colors;
-  for (const auto& set : sets.sets()) colors.push_back(color_of(set, reader.meta(), {}));
-  return encode_png(static_cast<uint32_t>(u.size()), static_cast<uint32_t>(v.size()), numbers, colors);
-}
-
 }  // namespace teracell

@@ -21,8 +21,4 @@ std::string raw_labels(const GridReader& reader, const SliceView& view);
 // each cell the number of its set, a byte each when there are at most 256 sets, else two. All little endian.
 std::string raw_sets(const GridReader& reader, const SliceView& view);
 
-// A picture of width x height whose pixel (x, y), y from the top, is the cell (u[x], v[y]) of the slice of that level.
-// REQUIRES: all of them in the level, u ascending, v descending, no steps but 0 or 1.
-std::string sampled_png(const GridReader& reader, int axis, int64_t index, int level, std::span<const int64_t> u, std::span<const int64_t> v);
-
 }  // namespace teracell

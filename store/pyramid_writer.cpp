@@ -17,24 +17,34 @@ LevelChunk encode_level(ChunkEncoder& encoder, const Metadata& meta, int level, 
   return out;
 }
 
-Chunk join_pieces(const std::array<Chunk, 16>& pieces, uint32_t chunk_rays, uint32_t labels) {
+Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t chunk_rays, uint32_t labels) {
   std::vector<Piece> places;
-  for (uint32_t i = 0; i < 16; ++i)
-    if (pieces[i].rays.rays() != 0) places.push_back({i % 4 * (chunk_rays / 4), i / 4 * (chunk_rays / 4), 0, &pieces[i]});
-  return join(places, labels);
+  for (uint32_t v = 0; v < side; ++v)
+    for (uint32_t u = 0; u < side; ++u)
+      if (const Chunk& piece = pieces[v * stride + u]; piece.rays.rays() != 0) places.push_back({u * (chunk_rays / side), v * (chunk_rays / side), 0, &piece});
+  return places.empty() ? Chunk() : join(places, labels);
 }
 
-PyramidWriter::PyramidWriter(GridWriter& writer) : writer_(writer), open_((writer.meta().grid.levels() + 1) / 2) {}
+PyramidWriter::PyramidWriter(GridWriter& writer) : writer_(writer), open_(writer.meta().grid.levels() / 2 + 1) {}
 
 void PyramidWriter::put(const LevelChunk& chunk) {
   for (uint32_t s = 0; s < chunk.segments.size(); ++s) writer_.put(chunk.level, chunk.cu, chunk.cv, s, chunk.segments[s]);
 }
 
+namespace {
+
+Chunk one_level_up(const Chunk& rays) {
+  Chunk up{{}, rays.sets};
+  up.rays = coarsen(rays.rays, 1, up.sets);
+  return up;
+}
+
+}  // namespace
+
 void PyramidWriter::rise(int level, uint32_t cu, uint32_t cv, Chunk coarse) {
   const Metadata& meta = writer_.meta();
-  const int up = level + 2;
-  if (up >= meta.grid.levels()) return;
-  Open& open = open_[up / 2];
+  if (level + (level == 0 ? 2 : 1) >= meta.grid.levels()) return;
+  Open& open = open_[level / 2 + 1];
   const uint32_t parent_u = cu / 4, parent_v = cv / 4;
   if (open.missing == 0) {
     const LevelShape below(meta, level);
@@ -42,13 +52,28 @@ void PyramidWriter::rise(int level, uint32_t cu, uint32_t cv, Chunk coarse) {
   }
   open.pieces[cv % 4 * 4 + cu % 4] = std::move(coarse);
   if (--open.missing > 0) return;
-  const Chunk rays = join_pieces(open.pieces, meta.chunk_rays, static_cast<uint32_t>(meta.labels.size()));
+  const auto labels = static_cast<uint32_t>(meta.labels.size());
+  if (level == 0) {
+    const Chunk rays = join_pieces(open.pieces.data(), 4, 4, meta.chunk_rays, labels);
+    open.pieces = {};
+    return finish(2, parent_u, parent_v, rays);
+  }
+  // 2 x 2 chunks of the odd level between, and from them the one of the even level above.
+  std::array<Chunk, 4> quarters;
+  for (uint32_t q = 0; q < 4; ++q) {
+    const Chunk rays = join_pieces(&open.pieces[q / 2 * 8 + q % 2 * 2], 2, 4, meta.chunk_rays, labels);
+    if (rays.rays.rays() == 0) continue;
+    put(encode_level(encoder_, meta, level + 1, parent_u * 2 + q % 2, parent_v * 2 + q / 2, rays));
+    if (level + 2 < meta.grid.levels()) quarters[q] = one_level_up(rays);
+  }
   open.pieces = {};
-  put(encode_level(encoder_, meta, up, parent_u, parent_v, rays));
-  Chunk above;
-  above.sets = rays.sets;
-  above.rays = coarsen(rays.rays, 2, above.sets);
-  rise(up, parent_u, parent_v, std::move(above));
+  if (level + 2 < meta.grid.levels()) finish(level + 2, parent_u, parent_v, join_pieces(quarters.data(), 2, 2, meta.chunk_rays, labels));
+}
+
+// A whole chunk of an even level.
+void PyramidWriter::finish(int level, uint32_t cu, uint32_t cv, const Chunk& rays) {
+  put(encode_level(encoder_, writer_.meta(), level, cu, cv, rays));
+  if (level + 1 < writer_.meta().grid.levels()) rise(level, cu, cv, one_level_up(rays));
 }
 
 void PyramidWriter::save(Bytes& state) {

@@ -1,11 +1,12 @@
-// Levels 2, 4, 6 ... while level 0 is being written: each gets its chunks' pieces from the level below and passes its
-// own on to the next. Fed in the order of the tree (mesher/tiling.hpp) it holds at most one unfinished chunk a level.
+// Levels 2, 3, 4 ... while level 0 is being written: each gets its chunks' pieces from the level below and passes its
+// own on to the next. Fed in the order of the tree (mesher/tiling.hpp), whose nodes are those of the even levels, it holds
+// at most 4 x 4 pieces every other level.
 #pragma once
 #include "store/writer.hpp"
 
 namespace teracell {
 
-// A chunk of level `level` that is ready, and what it becomes two levels up: a quarter of the rays each way.
+// A chunk of level `level` that is ready.
 struct LevelChunk {
   int level;
   uint32_t cu, cv;
@@ -15,17 +16,17 @@ struct LevelChunk {
 // The chunks along the rays of a block that holds whole rays. Any thread.
 LevelChunk encode_level(ChunkEncoder& encoder, const Metadata& meta, int level, uint32_t cu, uint32_t cv, const Chunk& rays);
 
-// Joins 4 x 4 pieces, each a quarter of a chunk wide (less at the edge), into the rays of a chunk; piece (u, v) at v * 4 + u.
-// Pieces beyond the edge have no rays. Any thread.
-Chunk join_pieces(const std::array<Chunk, 16>& pieces, uint32_t chunk_rays, uint32_t labels);
+// Joins side x side pieces, each 1 / side of a chunk wide (less at the edge), into the rays of a chunk; piece (u, v) at
+// v * stride + u. Pieces beyond the edge have no rays; nor has the chunk when none has. Any thread.
+Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t chunk_rays, uint32_t labels);
 
 // Not thread-safe.
 class PyramidWriter {
  public:
   explicit PyramidWriter(GridWriter& writer);
   void put(const LevelChunk& chunk);
-  // The rays of chunk (cu, cv) of `level`, two levels up: becomes part of chunk (cu / 4, cv / 4) of level + 2. Does
-  // nothing when there is no such level. REQUIRES: tree order.
+  // The rays of chunk (cu, cv) of an even level: of level 0 as they are on level 2, of others one level up. They become
+  // part of the chunks above. REQUIRES: tree order.
   void rise(int level, uint32_t cu, uint32_t cv, Chunk coarse);
   // Appends to `state` the chunks that are not complete; restore() puts them into a fresh writer.
   void save(Bytes& state);
@@ -36,6 +37,7 @@ class PyramidWriter {
     std::array<Chunk, 16> pieces;
     uint32_t missing = 0;  // 0: not begun
   };
+  void finish(int level, uint32_t cu, uint32_t cv, const Chunk& rays);
   GridWriter& writer_;
   ChunkEncoder encoder_;
   std::vector<Open> open_;  // level / 2

@@ -216,18 +216,21 @@ std::shared_ptr<const Chunk> GridReader::chunk(int level, uint32_t cu, uint32_t 
   });
 }
 
+// Each chunk below is made coarser before they are joined: joining first moves four times as many rays.
 void GridReader::derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const {
   const LevelShape below = shape(level - 1);
-  std::vector<Chunk> fine;
+  std::vector<Chunk> parts;
   std::vector<Piece> pieces;
-  fine.reserve(8);
+  parts.reserve(8);
+  Chunk fine;
   for (const auto& [u, v, s] : chunks_below(below, cu, cv, segment)) {
-    read(level - 1, u, v, s, fine.emplace_back());
-    pieces.push_back({u % 2 * below.chunk_rays, v % 2 * below.chunk_rays, s % 2 * below.chunk_cells, &fine.back()});
+    read(level - 1, u, v, s, fine);
+    Chunk& part = parts.emplace_back();
+    part.rays = coarsen(fine.rays, 1, fine.sets);
+    part.sets = std::move(fine.sets);
+    pieces.push_back({u % 2 * below.chunk_rays / 2, v % 2 * below.chunk_rays / 2, s % 2 * below.chunk_cells / 2, &part});
   }
-  Chunk joined = join(pieces, static_cast<uint32_t>(meta_.labels.size()));
-  out.rays = coarsen(joined.rays, 1, joined.sets);
-  out.sets = std::move(joined.sets);
+  out = join(pieces, static_cast<uint32_t>(meta_.labels.size()));
 }
 
 }  // namespace teracell

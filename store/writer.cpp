@@ -23,7 +23,8 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : GridWriter(path, std::move(meta), 0) { append_bytes(encode_header()); }
 
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep) : meta_(std::move(meta)), file_(path, keep) {
-  for (int level = 0; level < meta_.grid.levels(); level += 2) {
+  // Level 1 would take as much again as level 0 and is derived when it is read; all above take a tenth.
+  for (int level = 0; level < meta_.grid.levels(); level += level == 0 ? 2 : 1) {
     Level l{{level, 0, 0, 0, 0}, LevelShape(meta_, level), {}, {}};
     // The directory is one skippable frame; two factors at a time, the product of three could overflow.
     const LevelShape& s = l.shape;
@@ -105,7 +106,7 @@ DirectoryEntry GridWriter::append(std::span<const uint8_t> frame) {
 }
 
 void GridWriter::put(int level, uint32_t cu, uint32_t cv, uint32_t segment, const EncodedChunk& chunk) {
-  Level& l = levels_[level / 2];
+  Level& l = levels_[slot(level)];
   const uint64_t page = l.shape.page_of(cu, cv, segment);
   const auto [it, fresh] = l.open.try_emplace(page);
   OpenPage& open = it->second;

@@ -21,7 +21,7 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
 // Not thread-safe. The file's bytes depend on the order of put().
 class GridWriter {
  public:
-  // `meta.levels` is ignored: every even level is expected, and the last one if it is even.
+  // `meta.levels` is ignored: level 0 and all from 2 on are expected.
   GridWriter(const std::filesystem::path& path, Metadata meta);
   // Goes on where save() of a writer for the same path and metadata left off; `state` is read as far as it was written.
   // FormatError when the partial file is not what it was then.
@@ -55,7 +55,8 @@ class GridWriter {
   Metadata meta_;
   OutputFile file_;
   ContentHash written_;  // of all bytes
-  std::vector<Level> levels_;  // level / 2
+  static size_t slot(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }
+  std::vector<Level> levels_;  // by slot()
 };
 
 }  // namespace teracell

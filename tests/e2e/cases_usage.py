@@ -31,7 +31,7 @@ class Usage(Case):
         for phrase in ("1 chunk ", "0 chunks", "12 facets in 1 shell,", " B\n"):
             self.assertIn(phrase, told)
         self.assertRegex(self.run_ok("mesh", "box.stl", "--cells", 9, "-o", "h.tcell").out, r" s, 1\.\d kB, \d+\.\d MB of memory")
-        self.assertRegex(self.run_ok("verify", "g.tcell").out, r"sound\. 1\.\d kB, 1 chunk on 3 stored levels")
+        self.assertRegex(self.run_ok("verify", "g.tcell").out, r"sound\. 1\.\d kB, 1 chunk on 4 stored levels")
 
     def test_commands_and_options(self):
         for phrases, args in (

@@ -1,106 +1,18 @@
 // Pictures decoded back: every pixel has its colour, whatever the bits a pixel takes.
 #include "server/picture.hpp"
 
-#include <cstring>
 #include <random>
 
 #include <catch2/catch.hpp>
-#include <zlib.h>
 
-#include "store/error.hpp"
+#include "tests/support/png.hpp"
 
 namespace teracell {
 namespace {
 
 using Rows = std::vector<std::vector<uint16_t>>;
-
-// ---- a decoder of what PngWriter writes: palette or RGBA, filters "none" and "up", not interlaced
-
-struct Chunk {
-  std::string type;
-  std::vector<uint8_t> data;
-};
-
-uint32_t be32(const uint8_t* p) { return uint32_t{p[0]} << 24 | uint32_t{p[1]} << 16 | uint32_t{p[2]} << 8 | p[3]; }
-
-std::vector<Chunk> chunks_of(const std::vector<uint8_t>& png) {
-  constexpr uint8_t kSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  REQUIRE(png.size() > 8);
-  REQUIRE(std::equal(kSignature, kSignature + 8, png.begin()));
-  std::vector<Chunk> chunks;
-  for (size_t at = 8; at < png.size();) {
-    REQUIRE(png.size() - at >= 12);
-    const uint32_t size = be32(&png[at]);
-    REQUIRE(png.size() - at - 12 >= size);
-    REQUIRE(be32(&png[at + 8 + size]) == crc32(0, &png[at + 4], size + 4));
-    chunks.push_back({std::string(png.begin() + at + 4, png.begin() + at + 8), {png.begin() + at + 8, png.begin() + at + 8 + size}});
-    at += 12 + size;
-  }
-  REQUIRE(chunks.front().type == "IHDR");
-  REQUIRE(chunks.back().type == "IEND");
-  REQUIRE(chunks.back().data.empty());
-  return chunks;
-}
-
-std::vector<uint8_t> inflated(const std::vector<uint8_t>& data, size_t expected) {
-  std::vector<uint8_t> out(expected + 1);  // one more, to notice what is too long
-  uLongf size = out.size();
-  REQUIRE(uncompress(out.data(), &size, data.data(), data.size()) == Z_OK);
-  REQUIRE(size == expected);
-  out.resize(size);
-  return out;
-}
-
-struct Decoded {
-  uint32_t width = 0, height = 0;
-  int bits = 0, kind = 0;  // of a sample; 3 is a palette, 6 RGBA
-  size_t data_chunks = 0, alphas = 0;
-  std::vector<Rgba> palette;
-  std::vector<std::vector<Rgba>> rows;
-};
-
-Decoded decode(const std::vector<uint8_t>& png) {
-  Decoded d;
-  std::vector<uint8_t> data, alpha;
-  for (const Chunk& c : chunks_of(png)) {
-    if (c.type == "IHDR") {
-      REQUIRE(c.data.size() == 13);
-      d.width = be32(&c.data[0]), d.height = be32(&c.data[4]), d.bits = c.data[8], d.kind = c.data[9];
-      REQUIRE((c.data[10] == 0 && c.data[11] == 0 && c.data[12] == 0));
-    } else if (c.type == "PLTE") {
-      for (size_t i = 0; i + 2 < c.data.size(); i += 3) d.palette.push_back({c.data[i], c.data[i + 1], c.data[i + 2], 255});
-    } else if (c.type == "tRNS") {
-      d.alphas = c.data.size();
-      REQUIRE(d.alphas <= d.palette.size());
-      for (size_t i = 0; i < d.alphas; ++i) d.palette[i][3] = c.data[i];
-    } else if (c.type == "IDAT") {
-      data.insert(data.end(), c.data.begin(), c.data.end());
-      ++d.data_chunks;
-    }
-  }
-  const bool palette = d.kind == 3;
-  REQUIRE((palette || (d.kind == 6 && d.bits == 8)));
-  const size_t line = (size_t{d.width} * static_cast<size_t>(palette ? d.bits : 32) + 7) / 8;
-  const auto raw = inflated(data, d.height * (line + 1));
-  std::vector<uint8_t> above(line, 0);
-  for (uint32_t r = 0; r < d.height; ++r) {
-    const uint8_t* p = &raw[r * (line + 1)];
-    REQUIRE((p[0] == 0 || p[0] == 2));
-    for (size_t i = 0; i < line; ++i) above[i] = static_cast<uint8_t>(p[i + 1] + (p[0] == 2 ? above[i] : 0));
-    auto& row = d.rows.emplace_back();
-    for (uint32_t i = 0; i < d.width; ++i) {
-      if (!palette) {
-        row.push_back({above[4 * i], above[4 * i + 1], above[4 * i + 2], above[4 * i + 3]});
-        continue;
-      }
-      const uint32_t per_byte = 8 / static_cast<uint32_t>(d.bits), shift = static_cast<uint32_t>(d.bits) * (per_byte - 1 - i % per_byte);
-      const uint32_t number = above[i / per_byte] >> shift & ((1u << d.bits) - 1);
-      if (number >= d.palette.size()) FAIL("a pixel has no colour");
-      row.push_back(d.palette[number]);
-    }
-  }
-  return d;
-}
+using testing::decode;
+using testing::Decoded;
 
 // ---- what is written
 
@@ -158,7 +70,7 @@ void require_picture(const Decoded& d, const SetColors& colors, const Rows& rows
   }
 }
 
-TEST_CASE("a picture takes the fewest bits that tell its colours apart") {
+TEST_CASE("a picture takes the fewest bits that tell its colours apart", "[server]") {
   std::mt19937 random(1);
   const std::pair<uint32_t, int> cases[] = {{1, 1}, {2, 1}, {3, 2}, {4, 2}, {5, 4}, {16, 4}, {17, 8}, {255, 8}, {256, 8}};
   for (const auto& [count, bits] : cases) {
@@ -175,7 +87,7 @@ TEST_CASE("a picture takes the fewest bits that tell its colours apart") {
   }
 }
 
-TEST_CASE("more than 256 colours are RGBA") {
+TEST_CASE("more than 256 colours are RGBA", "[server]") {
   std::mt19937 random(2);
   for (const uint32_t alpha : {255u, 77u}) {
     const Metadata meta = with_colors(different_colors(257, alpha));
@@ -189,14 +101,14 @@ TEST_CASE("more than 256 colours are RGBA") {
   }
 }
 
-TEST_CASE("colours that are alike share a number") {
+TEST_CASE("colours that are alike share a number", "[server]") {
   const Metadata meta = with_colors(std::vector<std::string>(300, "#102030"));
   const SetColors colors(meta, 0);
   REQUIRE(colors.colors().size() == 1);
   REQUIRE(colors.complete());
 }
 
-TEST_CASE("tRNS ends with the last colour that is not opaque") {
+TEST_CASE("tRNS ends with the last colour that is not opaque", "[server]") {
   const std::pair<std::vector<std::string>, size_t> cases[] = {{{"#000000", "#ffffff"}, 0},
                                                                {{"#00000000", "#ffffff", "#102030ff"}, 1},
                                                                {{"#000000", "#ffffff80", "#102030"}, 2},
@@ -212,7 +124,7 @@ TEST_CASE("tRNS ends with the last colour that is not opaque") {
   }
 }
 
-TEST_CASE("a row may be longer than a chunk of data") {
+TEST_CASE("a row may be longer than a chunk of data", "[server]") {
   std::mt19937 random(3);
   for (const uint32_t count : {2u, 256u, 300u}) {
     const Metadata meta = with_colors(different_colors(count));
@@ -225,7 +137,7 @@ TEST_CASE("a row may be longer than a chunk of data") {
   }
 }
 
-TEST_CASE("rows that repeat cost next to nothing") {
+TEST_CASE("rows that repeat cost next to nothing", "[server]") {
   const Metadata meta = with_colors({"#000000", "#ffffff"});
   const SetColors colors(meta, 0);
   const Rows rows(10000, std::vector<uint16_t>(1000, 1));
@@ -234,7 +146,7 @@ TEST_CASE("rows that repeat cost next to nothing") {
   require_picture(decode(png), colors, rows);
 }
 
-TEST_CASE("the sets of a few materials have a palette, numbered as they turn up in others") {
+TEST_CASE("the sets of a few materials have a palette, numbered as they turn up in others", "[server]") {
   const Metadata few = with_colors({"#00000000", "#ff0000", "#0000ff"});
   SetColors colors(few, 1);
   REQUIRE(colors.complete());
@@ -257,7 +169,7 @@ TEST_CASE("the sets of a few materials have a palette, numbered as they turn up 
   require_picture(d, growing, rows);
 }
 
-TEST_CASE("bodies of one material count once in a blend") {
+TEST_CASE("bodies of one material count once in a blend", "[server]") {
   Metadata meta = with_colors({"#000000", "#ffffff"});
   meta.labels = {{0, ""}, {1, "left"}, {1, "right"}};
   SetColors colors(meta, 1);
@@ -265,7 +177,7 @@ TEST_CASE("bodies of one material count once in a blend") {
   REQUIRE(colors.number({1}) == colors.number({1, 2}));
 }
 
-TEST_CASE("a blend is the mean of premultiplied colours, half up") {
+TEST_CASE("a blend is the mean of premultiplied colours, half up", "[server]") {
   const auto mix = [](std::vector<Rgba> colors) { return blend(colors); };
   REQUIRE(mix({{1, 2, 3, 4}}) == Rgba{1, 2, 3, 4});  // one colour stays what it is
   REQUIRE(mix({{255, 0, 0, 255}, {0, 0, 255, 255}}) == Rgba{128, 0, 128, 255});

@@ -148,7 +148,7 @@ TEST_CASE("A reader tells what the file holds") {
   REQUIRE(reader.file_bytes() == file.size());
   REQUIRE(reader.meta().grid == cubic(12, 9, 8));
   REQUIRE(reader.levels() == 5);
-  REQUIRE((reader.stored(0) && !reader.stored(1) && reader.stored(2) && !reader.stored(3) && reader.stored(4)));
+  REQUIRE((reader.stored(0) && !reader.stored(1) && reader.stored(2) && reader.stored(3) && reader.stored(4)));
   REQUIRE(reader.report().starts_with('{'));
   REQUIRE(reader.hash().size() == 32);
   REQUIRE(reader.hash() == reader_of(meshed_file()).hash());
@@ -417,7 +417,8 @@ TEST_CASE("Offsets outside the file, and sizes beyond it, are refused wherever t
     INFO(bad);
     REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.metadata.offset = bad; }})), FormatError);
     REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.metadata.size = bad; }})), FormatError);
-    REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.file_bytes = bad; }})), FormatError);
+    const Bytes resized = forge(file, {.footer = [&](Footer& f) { f.file_bytes = bad; }});
+    if (resized.size() != bad) REQUIRE_THROWS_AS(reader_of(resized), FormatError);
     REQUIRE_THROWS_AS(reader_of(forge(file, {.metadata = [&](Metadata& m) { m.levels[0].directory = bad; }})), FormatError);
     const Bytes report = forge(file, {.footer = [&](Footer& f) { f.report.offset = bad; }});
     REQUIRE_THROWS_WITH(reader_of(report).report(), Catch::StartsWith("memory.tcell: "));

@@ -1,0 +1,72 @@
+#include "server/prefetch.hpp"
+
+#include <cstring>
+
+#include "server/target.hpp"
+
+namespace teracell {
+
+std::vector<std::string> neighbours(const std::string& target) {
+  if (target.compare(0, 14, "/api/v1/grids/") != 0) return {};
+  const size_t slash = target.find('/', 14);
+  if (slash == std::string::npos || target.compare(slash, 6, "/tile/") != 0) return {};
+  const size_t begin = slash + 8, end = target.find('/', begin);  // "/tile/x/": one letter
+  if (end == std::string::npos) return {};
+  const auto index = plain_integer(std::string_view(target).substr(begin, end - begin));
+  if (!index) return {};
+  std::vector<std::string> out = {target.substr(0, begin) + std::to_string(*index + 1) + target.substr(end)};
+  if (*index > 0) out.push_back(target.substr(0, begin) + std::to_string(*index - 1) + target.substr(end));
+  return out;
+}
+
+Prefetch::Prefetch(std::function<void(const std::string&)> fetch) : fetch_(std::move(fetch)), thread_([this] { work(); }) {}
+
+Prefetch::~Prefetch() {
+  {
+    std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void Prefetch::begin() {
+  std::lock_guard lock(mutex_);
+  ++under_way_;
+}
+
+void Prefetch::end() {
+  {
+    std::lock_guard lock(mutex_);
+    if (--under_way_ > 0 || waiting_.empty()) return;
+  }
+  changed_.notify_all();
+}
+
+void Prefetch::answered(const std::string& target, const Response& response) {
+  if ((response.status != 200 && response.status != 304) || std::strncmp(response.route, "tile", 4) != 0) return;
+  {
+    std::lock_guard lock(mutex_);
+    if (target == last_) return;
+    last_ = target;
+    for (std::string& next : neighbours(target)) waiting_.push_back(std::move(next));
+    while (waiting_.size() > kMostWaiting) waiting_.pop_front();
+    if (under_way_ > 0) return;
+  }
+  changed_.notify_all();
+}
+
+void Prefetch::work() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    changed_.wait(lock, [&] { return closed_ || (under_way_ == 0 && !waiting_.empty()); });
+    if (closed_) return;
+    const std::string target = std::move(waiting_.back());  // the most recent first
+    waiting_.pop_back();
+    lock.unlock();
+    fetch_(target);
+    lock.lock();
+  }
+}
+
+}  // namespace teracell

@@ -1,0 +1,30 @@
+#include "server/scaled_slice.hpp"
+
+#include <algorithm>
+
+#include "server/tiles.hpp"
+
+namespace teracell {
+
+int64_t ScaledSlice::width(int scale) const { return ceil_shift(reader->meta().grid.cells()[Frame::along(axis).u], scale); }
+int64_t ScaledSlice::height(int scale) const { return ceil_shift(reader->meta().grid.cells()[Frame::along(axis).v], scale); }
+
+int ScaledSlice::scale_within(int64_t pixels) const {
+  int scale = 0;
+  while (std::max(width(scale), height(scale)) > pixels) ++scale;
+  return scale;
+}
+
+std::string ScaledSlice::png(int scale, int64_t x0, int64_t y0, int64_t x1, int64_t y1) const {
+  return picture_png(*reader, {axis, index >> scale, scale, x0, height(scale) - y1, x1, height(scale) - y0});
+}
+
+std::optional<ScaledSlice> slice_at(const GridReader& reader, std::string_view axis, std::string_view index) {
+  for (int a = 0; a < 3; ++a) {
+    const auto i = plain_integer(index);
+    if (axis == axis_name(a) && i && *i < reader.meta().grid.cells()[a]) return ScaledSlice{&reader, a, *i};
+  }
+  return std::nullopt;
+}
+
+}  // namespace teracell

@@ -1,0 +1,340 @@
+// Requests by hand, answers held against the cells: nothing is in between but the routes.
+#include "server/routes.hpp"
+
+#include <fstream>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/meshed.hpp"
+#include "tests/support/stored.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+using nlohmann::json;
+
+const Index3 kCells = {37, 530, 21};
+constexpr uint32_t kMaterials = 5;
+
+Grid grid() { return {{Axis::uniform(-1, 0.5, 0, kCells[0], 0.5), Axis::uniform(2, 0.25, 0, kCells[1], 0.5), Axis::uniform(0, 1, 0, kCells[2], 0.5)}}; }
+
+// A service over one grid "g" of random cells.
+struct Served {
+  TempFolder folder;
+  std::vector<Label> cells;
+  std::filesystem::path path = folder / "g.tcell";
+  std::unique_ptr<Service> service;
+
+  explicit Served(int ray_axis = 2, ServiceOptions options = {}) {
+    std::mt19937_64 random(7);
+    cells = random_cells(random, kCells, kMaterials);
+    store_cells(path, metadata_of(grid(), ray_axis, kMaterials), cells);
+    options.named = {folder.path()};
+    service = std::make_unique<Service>(options);
+  }
+  Label at(int64_t x, int64_t y, int64_t z) const { return cells[static_cast<size_t>((z * kCells[1] + y) * kCells[0] + x)]; }
+  Response get(const std::string& target) {
+    Request r;
+    r.target = target;
+    return handle(*service, r);
+  }
+  json parsed(const std::string& target) {
+    const Response r = get(target);
+    INFO(target << ": " << (r.body ? *r.body : ""));
+    REQUIRE(r.status == 200);
+    REQUIRE(r.content_type == "application/json");
+    return json::parse(*r.body);
+  }
+  std::string hash() { return service->grids().find("g")->hash; }
+};
+
+TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the ray axis", "[server]") {
+  for (const int ray_axis : {0, 1, 2}) {
+    Served s(ray_axis);
+    const Metadata& meta = s.service->grids().find("g")->meta();
+    for (int level = 0; level < meta.grid.levels(); ++level) {
+      const auto sets = level_by_hand(meta.grid, s.cells, level);
+      const Index3 n = meta.grid.cells(level);
+      for (int axis = 0; axis < 3; ++axis) {
+        const Frame f = Frame::along(axis);
+        for (const int64_t index : {int64_t{0}, n[axis] / 2, n[axis] - 1})
+          for (int64_t row = 0; row * 512 < n[f.v]; ++row)
+            for (int64_t col = 0; col * 512 < n[f.u]; ++col) {
+              const std::string target = "/api/v1/grids/g/tile/" + axis_name(axis) + "/" + std::to_string(index) + "/" + std::to_string(level) + "/" + std::to_string(col) + "_" + std::to_string(row);
+              INFO(target);
+              const Response labels = s.get(target + ".bin"), with_sets = s.get(target + ".bin?sets=1");
+              REQUIRE(labels.status == 200);
+              REQUIRE(with_sets.status == 200);
+              const int64_t width = std::min<int64_t>(512, n[f.u] - col * 512), height = std::min<int64_t>(512, n[f.v] - row * 512);
+              REQUIRE(labels.body->size() == static_cast<size_t>(width * height));
+              // The table of sets, then a byte a cell: there are at most 31 sets of 5 materials.
+              const std::string& b = *with_sets.body;
+              const auto u16 = [&](size_t at) { return static_cast<unsigned>(static_cast<uint8_t>(b.at(at)) | static_cast<uint8_t>(b.at(at + 1)) << 8); };
+              std::vector<Mask> table;
+              size_t at = 4;
+              for (unsigned i = u16(0); i > 0; --i) {
+                Mask mask = 0;
+                const unsigned members = u16(at);
+                for (unsigned m = 0; m < members; ++m) mask |= Mask{1} << u16(at + 2 + 2 * m);
+                at += 2 + 2 * members;
+                table.push_back(mask);
+              }
+              REQUIRE(b.size() == at + static_cast<size_t>(width * height));
+              bool same = true;
+              for (int64_t v = 0; v < height; ++v)
+                for (int64_t u = 0; u < width; ++u) {
+                  Index3 cell;
+                  cell[f.u] = col * 512 + u, cell[f.v] = row * 512 + v, cell[axis] = index;
+                  const Mask set = sets[static_cast<size_t>((cell[2] * n[1] + cell[1]) * n[0] + cell[0])];
+                  const auto place = static_cast<size_t>(v * width + u);
+                  same &= static_cast<unsigned>((*labels.body)[place]) == 63u - static_cast<unsigned>(__builtin_clzll(set));  // the last material is the strongest
+                  same &= table.at(static_cast<uint8_t>(b[at + place])) == set;
+                }
+              REQUIRE(same);
+            }
+      }
+    }
+  }
+}
+
+TEST_CASE("Cells, columns and statistics are those of the grid", "[server]") {
+  Served s;
+  std::mt19937_64 random(3);
+  for (int i = 0; i < 30; ++i) {
+    const int x = random_int(random, 0, 36), y = random_int(random, 0, 529), z = random_int(random, 0, 20);
+    const json cell = s.parsed("/api/v1/grids/g/cell?i=" + std::to_string(x) + "&j=" + std::to_string(y) + "&k=" + std::to_string(z));
+    REQUIRE(cell["materials"].size() == 1);
+    REQUIRE(cell["materials"][0]["id"] == s.at(x, y, z));
+    REQUIRE(cell["centre"] == json({-1 + (x + 0.5) * 0.5, 2 + (y + 0.5) * 0.25, z + 0.5}));
+    const json column = s.parsed("/api/v1/grids/g/column/y/" + std::to_string(x) + "_" + std::to_string(z));
+    bool found = false;
+    for (const json& run : column["runs"])
+      if (run["from"] <= y && run["to"] > y) found = run["material"] == s.at(x, y, z);
+    REQUIRE(found);
+  }
+  const json stats = s.parsed("/api/v1/grids/g/stats?region=3,100,5,20,400,9");
+  std::vector<uint64_t> counted(kMaterials);
+  for (int z = 5; z < 9; ++z)
+    for (int y = 100; y < 400; ++y)
+      for (int x = 3; x < 20; ++x) ++counted[s.at(x, y, z)];
+  for (uint32_t m = 0; m < kMaterials; ++m) REQUIRE(stats["materials"][m]["cells"] == counted[m]);
+  REQUIRE(s.parsed("/api/v1/grids")["grids"][0]["id"] == "g");
+  REQUIRE(s.parsed("/api/v1/grids/g")["grid"]["cells"] == json(kCells));
+  const json coarse = s.parsed("/api/v1/grids/g/cell?i=0&j=0&k=0&level=10");
+  REQUIRE(coarse["materials"].size() == kMaterials);
+}
+
+TEST_CASE("What is malformed or out of range is 400 and the message says the range; what is not there is 404", "[server]") {
+  Served s;
+  const std::string g = "/api/v1/grids/g";
+  for (const std::string& bad : std::initializer_list<std::string>{
+           g + "/slice/w/0.png", g + "/slice/z/21.png", g + "/slice/z/-1.png", g + "/slice/z/x.png", g + "/slice/z/0.png?level=11", g + "/slice/z/0.png?level=",
+           g + "/slice/z/0.png?region=0,0,38,1", g + "/slice/z/0.png?region=0,0,0,1", g + "/slice/z/0.png?region=1,2,3", g + "/slice/z/0.png?colour=1", g + "/slice/z/0.png?materials=5",
+           g + "/slice/z/0.png?outline=2", g + "/tile/z/0/11/0_0.png", g + "/tile/z/21/0/0_0.png", g + "/tile/z/0/0/0.png", g + "/tile/z/0/0/a_b.png", g + "/cell?i=0&j=0",
+           g + "/cell?i=0&j=0&k=21", g + "/column/z/37_0", g + "/column/z/0", g + "/stats?region=0,0,0,38,1,1", g + "/stats?region=1,1,1,1,2,2", "/%", g + "/stats?a%00=1"}) {
+    INFO(bad);
+    const Response r = s.get(bad);
+    REQUIRE(r.status == 400);
+    REQUIRE(json::parse(*r.body)["error"]["code"] == "bad_request");
+  }
+  for (const std::string& missing : std::initializer_list<std::string>{"/nothing", "/api", "/api/v2/grids", "/api/v1/grids/h", "/api/v1/grids/..", "/api/v1/grids/g.tcell", "/api/v1/grids/%2e%2e%2fg",
+                                                                      g + "/tile/z/0/0/1_0.png", g + "/tile/z/0/0/0_2.png", g + "/tile/z/0/0/0_0.jpg", g + "/slice/z/0.jpg", g + "/nothing", g + "/",
+                                                                      g + "?v=0123", "/index.html"}) {
+    INFO(missing);
+    REQUIRE(s.get(missing).status == 404);
+  }
+  const Response r = s.get(g + "/slice/z/21.png");
+  CHECK(json::parse(*r.body)["error"]["message"] == "index: expected a whole number from 0 to 20, found '21'");
+}
+
+TEST_CASE("Pictures of too many pixels are refused before anything is made", "[server]") {
+  ServiceOptions options;
+  options.max_pixels = 10000;
+  Served s(2, options);
+  CHECK(s.get("/api/v1/grids/g/slice/z/0.png").status == 400);
+  CHECK(s.get("/api/v1/grids/g/slice/z/0.png?region=0,0,37,270").status == 200);
+  CHECK(s.get("/api/v1/grids/g/slice/z/0.png?level=1").status == 200);
+}
+
+TEST_CASE("ETags are the grid's content; a version in the address may be kept for ever", "[server]") {
+  Served s;
+  const std::string tile = "/api/v1/grids/g/tile/z/0/0/0_0.png";
+  const Response first = s.get(tile), versioned = s.get(tile + "?v=" + s.hash());
+  CHECK(first.cache_control == "no-cache");
+  CHECK(versioned.cache_control == "public, max-age=31536000, immutable");
+  CHECK(first.etag == versioned.etag);
+  CHECK(first.etag.front() == '"');
+  Request again;
+  again.target = tile;
+  for (const std::string& match : {first.etag, "\"x\", " + first.etag, "W/" + first.etag, std::string("*")}) {
+    again.if_none_match = match;
+    const Response r = handle(*s.service, again);
+    CHECK(r.status == 304);
+    CHECK(r.etag == first.etag);
+  }
+  again.if_none_match = "\"other\"";
+  CHECK(handle(*s.service, again).status == 200);
+  Request json_request;
+  json_request.target = "/api/v1/grids/g";
+  const Response raw = handle(*s.service, json_request);
+  json_request.accepts_gzip = true;
+  const Response gzipped = handle(*s.service, json_request);
+  CHECK(gzipped.content_encoding == "gzip");
+  CHECK(raw.content_encoding.empty());
+  CHECK(gzipped.etag != raw.etag);  // strong: other bytes, another ETag
+}
+
+TEST_CASE("What was answered once is answered at once, until the file is replaced", "[server]") {
+  Served s;
+  Request request;
+  request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
+  CHECK_FALSE(handle_at_once(*s.service, request));
+  const Response made = handle(*s.service, request);
+  const auto again = handle_at_once(*s.service, request);
+  REQUIRE(again);
+  CHECK(again->body == made.body);
+  store_cells(s.path, metadata_of(grid(), 2, kMaterials), std::vector<Label>(s.cells.size(), 1));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  CHECK_FALSE(handle_at_once(*s.service, request));
+  const Response fresh = handle(*s.service, request);
+  CHECK(fresh.etag != made.etag);
+  CHECK(fresh.body->find_first_not_of('\1') == std::string::npos);
+}
+
+TEST_CASE("A damaged chunk is a 500 for what needs it, counted, complained of once, and nothing else suffers", "[server]") {
+  Served s;
+  std::vector<std::string> complaints;
+  ServiceOptions options;
+  options.named = {s.path};
+  options.complain = [&](const std::string& message) { complaints.push_back(message); };
+  const auto entry = s.service->grids().find("g")->reader().entry(0, 0, 0, 0);
+  REQUIRE(entry->size > 0);
+  std::fstream file(s.path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(entry->offset + entry->size / 2));
+  file.put('\x55').put('\xaa').put('\x55');
+  file.close();
+  Service service(options);
+  const auto status = [&](const std::string& target) {
+    Request r;
+    r.target = target;
+    return handle(service, r).status;
+  };
+  for (int i = 0; i < 3; ++i) CHECK(status("/api/v1/grids/g/tile/z/0/0/0_0.png") == 500);
+  CHECK(status("/api/v1/grids/g/tile/z/0/0/0_1.png") == 200);
+  CHECK(status("/api/v1/grids/g/stats") == 200);
+  CHECK(service.counters().damaged == 3);
+  REQUIRE(complaints.size() == 1);
+  CHECK(complaints[0].find("level 0 chunk (0, 0, 0)") != std::string::npos);
+  CHECK(complaints[0].find(s.folder.path().string()) == std::string::npos);
+}
+
+TEST_CASE("The caches stay within their limit", "[server]") {
+  ServiceOptions options;
+  options.cache_bytes = 200000;
+  Served s(1, options);
+  for (int z = 0; z < 21; ++z)
+    for (const char* kind : {"png", "bin"}) REQUIRE(s.get("/api/v1/grids/g/tile/z/" + std::to_string(z) + "/0/0_0." + kind).status == 200);
+  CHECK(s.service->chunks().counts().bytes <= 200000);
+  CHECK(s.service->answers().counts().bytes <= 200000);
+  CHECK(s.service->chunks().counts().hits > 0);
+}
+
+// ---- the description is held against the answers
+
+// Whether a value has the shape that a schema of openapi.json gives it.
+std::string mismatch(const json& schema, const json& value, const json& all, const std::string& where) {
+  if (schema.contains("$ref")) return mismatch(all["components"]["schemas"][schema["$ref"].get<std::string>().substr(21)], value, all, where);
+  if (!schema.contains("type")) return "";
+  const auto is = [&](const std::string& type) {
+    return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) || (type == "string" && value.is_string()) || (type == "number" && value.is_number()) ||
+           (type == "integer" && value.is_number_integer()) || (type == "boolean" && value.is_boolean()) || (type == "null" && value.is_null());
+  };
+  bool good = false;
+  for (const json& type : schema["type"].is_array() ? schema["type"] : json::array({schema["type"]})) good |= is(type);
+  if (!good) return where + " is no " + schema["type"].dump();
+  if (value.is_object())
+    for (const json& key : schema.value("required", json::array())) {
+      if (!value.contains(key)) return where + " has no " + key.get<std::string>();
+      if (const auto wrong = mismatch(schema["properties"][key.get<std::string>()], value[key.get<std::string>()], all, where + "." + key.get<std::string>()); !wrong.empty()) return wrong;
+    }
+  if (value.is_array()) {
+    if (value.size() < schema.value("minItems", size_t{0}) || value.size() > schema.value("maxItems", ~size_t{0})) return where + " has " + std::to_string(value.size()) + " items";
+    for (const json& item : value)
+      if (const auto wrong = mismatch(schema.value("items", json::object()), item, all, where + "[]"); !wrong.empty()) return wrong;
+  }
+  return "";
+}
+
+TEST_CASE("Every address of the description answers as it says", "[server]") {
+  Served s;
+  const json api = s.parsed("/openapi.json");
+  CHECK(api["openapi"] == "3.1.0");
+  const std::map<std::string, std::string> values = {{"id", "g"}, {"axis", "z"}, {"index", "4"}, {"level", "1"}, {"col", "0"}, {"row", "0"}, {"a", "3"}, {"b", "4"}, {"i", "1"}, {"j", "2"}, {"k", "3"}};
+  int seen = 0;
+  for (const auto& [path, operations] : api["paths"].items()) {
+    if (path == "/healthz" || path == "/metrics") continue;  // the listener's
+    INFO(path);
+    std::string target = path, query;
+    for (const json& p : operations["get"]["parameters"]) {
+      const std::string name = p["name"];
+      if (p["in"] == "path") {
+        REQUIRE(p["required"] == true);
+        const std::string place = "{" + name + "}";
+        REQUIRE(target.find(place) != std::string::npos);
+        target.replace(target.find(place), place.size(), values.at(name));
+      } else if (p["required"] == true) {
+        query += (query.empty() ? "?" : "&") + name + "=" + values.at(name);
+      }
+    }
+    REQUIRE(target.find('{') == std::string::npos);
+    const Response r = s.get(target + query);
+    REQUIRE(r.status == 200);
+    const json& content = operations["get"]["responses"]["200"]["content"];
+    REQUIRE(content.size() == 1);
+    REQUIRE(r.content_type == content.begin().key());
+    if (content.begin().value().contains("schema")) {
+      const std::string wrong = mismatch(content.begin().value()["schema"], json::parse(*r.body), api, path);
+      INFO(wrong);
+      REQUIRE(wrong.empty());
+    }
+    const Response error = s.get(target + query + (query.empty() ? "?" : "&") + "no_such_parameter=1");
+    if (path != "/openapi.json") {
+      REQUIRE(error.status == 400);
+      REQUIRE(mismatch(operations["get"]["responses"]["400"]["content"]["application/json"]["schema"], json::parse(*error.body), api, path).empty());
+    }
+    ++seen;
+  }
+  CHECK(seen >= 9);
+}
+
+TEST_CASE("The start page names the grids and holds nothing that a file's name could smuggle in", "[server]") {
+  Served s;
+  std::filesystem::rename(s.path, s.folder / "<script>alert('x')&\".tcell");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  const Response page = s.get("/");
+  REQUIRE(page.status == 200);
+  CHECK(page.content_type == "text/html; charset=utf-8");
+  CHECK(page.body->find("<script>") == std::string::npos);
+  CHECK(page.body->find("&lt;script&gt;") != std::string::npos);
+}
+
+TEST_CASE("Whatever is asked for, the answer is one of the few", "[server]") {
+  Served s;
+  std::mt19937_64 random(11);
+  const std::vector<std::string> words = {"api", "v1", "grids", "g", "tile", "slice", "cell", "column", "stats", "z", "0", "1", "-1", "99999999999999999999", "0_0.png", "0_0.bin", "0.png", "..", "", "%00",
+                                          "zarr", "zarr2", "xarray", "precomputed", "dzi", "iiif", "zarr.json", ".zarray", "info", "c", "0.dzi", "g-z-0", "full", "max", "s0", "0-64_0-64_0-1", "?level=1", "?v=x", "&i=1"};
+  for (int i = 0; i < 5000; ++i) {
+    std::string target;
+    for (auto n = random() % 8; n > 0; --n) target += "/" + words[random() % words.size()];
+    const Response r = s.get(target);
+    INFO(target);
+    REQUIRE((r.status == 200 || r.status == 302 || r.status == 303 || r.status == 400 || r.status == 404));
+    REQUIRE(r.body);
+  }
+  CHECK(s.service->counters().damaged == 0);
+}
+
+}  // namespace
+}  // namespace teracell

@@ -1,0 +1,38 @@
+// The picture that viewers of scaled slices must see, from the cells by brute force.
+#pragma once
+#include "tests/support/foreign.hpp"
+
+namespace teracell::testing {
+
+// Pixel by pixel: the one at (x, y) from the top left of scale s stands for the pixel (x, y) * 2^s of the slice, and has the
+// colour of the cell of level s that holds that one.
+inline Png expected_picture(const ServedCells& served, int axis, int64_t index, int scale) {
+  const Grid& grid = served.meta().grid;
+  const Frame f = Frame::along(axis);
+  const int64_t width = grid.cells()[static_cast<size_t>(f.u)], height = grid.cells()[static_cast<size_t>(f.v)];
+  const auto colors = served.colors(scale);
+  const Index3 n = grid.cells(scale);
+  Png out{ceil_shift(width, scale), ceil_shift(height, scale), {}};
+  for (int64_t y = 0; y < out.height; ++y)
+    for (int64_t x = 0; x < out.width; ++x) {
+      Index3 cell;
+      cell[static_cast<size_t>(f.u)] = (x << scale) >> scale;
+      cell[static_cast<size_t>(f.v)] = (height - 1 - (y << scale)) >> scale;
+      cell[static_cast<size_t>(f.w)] = index >> scale;
+      out.pixels.push_back(colors[static_cast<size_t>((cell[2] * n[1] + cell[1]) * n[0] + cell[0])]);
+    }
+  return out;
+}
+
+// Whether `part` is what `whole` shows from (x, y) on.
+inline bool shows(const Png& part, const Png& whole, int64_t x, int64_t y) {
+  if (x + part.width > whole.width || y + part.height > whole.height) return false;
+  for (int64_t r = 0; r < part.height; ++r)
+    if (!std::equal(part.pixels.begin() + r * part.width, part.pixels.begin() + (r + 1) * part.width, whole.pixels.begin() + (y + r) * whole.width + x)) return false;
+  return true;
+}
+
+// Of many pixels along x and z.
+inline Grid long_grid() { return {{Axis::uniform(0, 1, 0, 1100, 0.5), Axis::uniform(0, 1, 0, 3, 0.5), Axis::uniform(0, 1, 0, 531, 0.5)}}; }
+
+}  // namespace teracell::testing

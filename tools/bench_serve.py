@@ -1,0 +1,213 @@
+"""The rows of `tools/bench serve`: the slice server on the 10^12-cell grid, against nginx and against its own promises."""
+import argparse
+import http.client
+import json
+import os
+import random
+import re
+import socket
+import statistics
+import subprocess
+import tempfile
+import threading
+import time
+
+AXES = "xyz"
+
+
+class Server:
+    """`teracell serve` on a free port."""
+
+    def __init__(self, teracell, *arguments):
+        self.process = subprocess.Popen([teracell, "serve", *arguments, "--port", "0", "--log", "none"], stdout=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        self.port = int(re.search(r":(\d+)/", line).group(1))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+    def connection(self):
+        return http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
+
+    def get(self, path):
+        connection = self.connection()
+        connection.request("GET", path)
+        answer = connection.getresponse()
+        body = answer.read()
+        connection.close()
+        if answer.status != 200:
+            raise SystemExit(f"{path}: {answer.status} {body[:200]}")
+        return body
+
+    def rss(self):
+        """MB."""
+        with open(f"/proc/{self.process.pid}/statm") as f:
+            return int(f.read().split()[1]) * 4096 / 1e6
+
+
+def random_tile(rng, info):
+    """Any tile of levels 0 to 5."""
+    axis = rng.randrange(3)
+    level = rng.choice([l for l in info["levels"] if l["level"] <= 5])
+    n = level["cells"]
+    u, v = (0 if axis else 1), (1 if axis == 2 else 2)
+    return (f"/api/v1/grids/{info['id']}/tile/{AXES[axis]}/{rng.randrange(n[axis])}/{level['level']}/"
+            f"{rng.randrange((n[u] + 511) // 512)}_{rng.randrange((n[v] + 511) // 512)}.png")
+
+
+def fetch_random(server, info, seed, count, connections):
+    """Seconds in all and of each tile."""
+    took = []
+
+    def work(part):
+        rng = random.Random(seed * 1000 + part)
+        connection = server.connection()
+        for _ in range(count // connections):
+            path = random_tile(rng, info)
+            began = time.perf_counter()
+            connection.request("GET", path)
+            answer = connection.getresponse()
+            answer.read()
+            took.append(time.perf_counter() - began)
+            if answer.status != 200:
+                raise SystemExit(f"{path}: {answer.status}")
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(connections)]
+    began = time.perf_counter()
+    for t in threads:
+        t.start()
+    for t in threads:
+        t.join()
+    return time.perf_counter() - began, sorted(took)
+
+
+def wrk(url, seconds):
+    out = subprocess.run(["wrk", "-t2", "-c16", f"-d{seconds}s", url], check=True, capture_output=True, text=True).stdout
+    if "Non-2xx" in out:
+        raise SystemExit(out)
+    return float(re.search(r"Requests/sec:\s*([\d.]+)", out).group(1))
+
+
+class Nginx:
+    """A static file, as nginx serves it."""
+
+    def __init__(self, folder, body):
+        with open(os.path.join(folder, "tile.png"), "wb") as f:
+            f.write(body)
+        with socket.socket() as s:
+            s.bind(("127.0.0.1", 0))
+            self.port = s.getsockname()[1]
+        os.chmod(folder, 0o755)
+        config = os.path.join(folder, "nginx.conf")
+        with open(config, "w") as f:
+            f.write(f"worker_processes 2; pid {folder}/nginx.pid; error_log {folder}/error.log; daemon off;\n"
+                    "events { worker_connections 1024; }\n"
+                    f"http {{ access_log off; sendfile on; tcp_nopush on; keepalive_requests 100000000; types {{ image/png png; }}\n"
+                    f"open_file_cache max=100; server {{ listen 127.0.0.1:{self.port}; root {folder}; }} }}\n")
+        self.process = subprocess.Popen(["nginx", "-c", config, "-p", folder], stderr=subprocess.DEVNULL)
+        for _ in range(100):
+            try:
+                socket.create_connection(("127.0.0.1", self.port)).close()
+                return
+            except OSError:
+                time.sleep(0.05)
+        raise SystemExit("nginx does not start")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+
+def warm_row(row, server, info, folder, runs):
+    n = info["grid"]["cells"]
+    path = f"/api/v1/grids/{info['id']}/tile/z/{n[2] // 2}/0/{n[0] // 1024}_{n[1] // 1024}.png"
+    body = server.get(path)
+    with Nginx(folder, body) as nginx:
+        rates = []
+        for _ in range(runs):
+            ours = wrk(f"http://127.0.0.1:{server.port}{path}", 4)
+            theirs = wrk(f"http://127.0.0.1:{nginx.port}/tile.png", 4)
+            rates.append((ours, theirs))
+    ratio = statistics.median(a / b for a, b in rates)
+    row(f"a warm tile of {len(body)} bytes, wrk -c16 / nginx, the same file", f"{rates[-1][0]:.0f} / {rates[-1][1]:.0f} a second = {ratio:.2f}", ">= 0.5")
+
+
+def cold_row(row, server, info):
+    seconds, took = fetch_random(server, info, 1, 2000, 4)
+    row("cold random tiles, all axes, levels 0 to 5, 4 connections", f"{len(took) / seconds:.0f} a second, p99 {1e3 * took[int(len(took) * 0.99)]:.0f} ms", ">= 300, <= 50 ms")
+
+
+def memory_row(row, server, info, count):
+    peaks = []
+    for part in range(10):
+        fetch_random(server, info, 100 + part, count // 10, 4)
+        peaks.append(server.rss())
+    row(f"{count} random tiles, caches of 256 MB: RSS at half and at the end", f"{peaks[4]:.0f} MB, {peaks[-1]:.0f} MB", "<= 512, flat")
+
+
+def idle_row(row, server):
+    before = server.rss()
+    sockets = []
+    for i in range(800):
+        s = socket.create_connection(("127.0.0.1", server.port))
+        if i % 2:
+            s.sendall(b"GET /healthz HT")
+        sockets.append(s)
+    took = []
+    for _ in range(50):
+        began = time.perf_counter()
+        server.get("/healthz")
+        took.append(time.perf_counter() - began)
+    grown = server.rss() - before
+    began = time.perf_counter()
+    for s in sockets:  # they are closed by the server
+        s.settimeout(120)
+        while s.recv(4096):
+            pass
+        s.close()
+    row("health beside 800 idle and half-sent connections", f"{1e3 * max(took):.1f} ms at most, {grown:.0f} MB more; all dropped after {time.perf_counter() - began:.0f} s", "at once")
+
+
+def main(arguments, build, root):
+    parser = argparse.ArgumentParser(prog="tools/bench serve", description=__doc__)
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--mesh", default=os.path.join(root, "../shared/meshes/nefertiti.obj"))
+    parser.add_argument("--tiles", type=int, default=100000, help="of the memory row")
+    parser.add_argument("--huge", action="store_true", help="also a file of 10^15 cells, which takes minutes to make")
+    options = parser.parse_args(arguments)
+    build("wrk nginx-light", "teracell")
+    teracell = os.path.join(root, "build/bench/teracell")
+
+    def row(what, found, bar=""):
+        print(f"{what:<72} {found:<56} {bar}", flush=True)
+
+    with tempfile.TemporaryDirectory() as folder:
+        def grid(n):
+            scene, path = os.path.join(folder, f"{n}.json"), os.path.join(folder, f"g{n}.tcell")
+            subprocess.run(["python3", os.path.join(root, "tools/peers/cubic_scene.py"), options.mesh, str(n), scene], check=True)
+            subprocess.run([teracell, "mesh", scene, "-o", path, "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
+            return path
+
+        path = grid(10000)
+        with Server(teracell, path, "--cache", "256M") as server:
+            info = json.loads(server.get("/api/v1/grids/g10000"))
+            cold_row(row, server, info)
+            warm_row(row, server, info, folder, options.runs)
+            memory_row(row, server, info, options.tiles)
+        with Server(teracell, path, "--request-timeout", "5", "--idle-timeout", "5") as server:
+            idle_row(row, server)
+        if options.huge:
+            path = grid(100000)
+            with Server(teracell, path) as server:
+                info = json.loads(server.get("/api/v1/grids/g100000"))
+                before, began = server.rss(), time.perf_counter()
+                server.get(f"/api/v1/grids/g100000/tile/z/{info['levels'][8]['cells'][2] // 2}/8/0_0.png")
+                seconds = time.perf_counter() - began
+                row("10^15 cells: the first overview tile", f"{1e3 * seconds:.0f} ms, {server.rss() - before:.0f} MB more", "<= 100 ms")
