@@ -28,7 +28,7 @@ Rgba blend(std::span<const Rgba> colors) {
   return out;
 }
 
-SetColors::SetColors(const Metadata& meta, int level) : meta_(meta) {
+SetColors::SetColors(const Metadata& meta, int level, std::vector<bool> shown) : meta_(meta), shown_(std::move(shown)) {
   for (const MaterialInfo& m : meta.materials) material_colors_.push_back(parse_color(m.color).value());
   const auto n = static_cast<uint32_t>(meta.materials.size());
   for (uint32_t m = 0; m < n; ++m) number_of_materials({m});
@@ -45,8 +45,9 @@ SetColors::SetColors(const Metadata& meta, int level) : meta_(meta) {
 
 uint16_t SetColors::number_of_materials(const std::vector<uint32_t>& materials) {
   std::vector<Rgba> members;
-  for (const uint32_t m : materials) members.push_back(material_colors_[m]);
-  const Rgba color = blend(members);
+  for (const uint32_t m : materials)
+    if (shown_.empty() || shown_[m]) members.push_back(material_colors_[m]);
+  const Rgba color = members.empty() ? Rgba{0, 0, 0, 0} : blend(members);
   std::lock_guard lock(mutex_);
   if (const auto it = by_color_.find(PngRows::rgba(color)); it != by_color_.end()) return it->second;
   if (colors_.size() == kMaxSetColors) throw Error(fmt::format("the picture has more than {} colours", kMaxSetColors));

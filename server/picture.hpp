@@ -19,8 +19,9 @@ Rgba blend(std::span<const Rgba> colors);
 // all known beforehand, so that a picture can have a palette. Threads may share it.
 class SetColors {
  public:
-  // The pictures of `level`: on level 0 sets have one member. Keeps a reference to `meta`.
-  SetColors(const Metadata& meta, int level);
+  // The pictures of `level`: on level 0 sets have one member. Keeps a reference to `meta`. Materials that are not `shown`
+  // (empty: all are) leave their sets, and a cell of nothing else is transparent.
+  SetColors(const Metadata& meta, int level, std::vector<bool> shown = {});
   uint16_t number(const std::vector<Label>& set);
   SetValue value() {
     return [this](const std::vector<Label>& set) { return number(set); };
@@ -31,6 +32,7 @@ class SetColors {
  private:
   uint16_t number_of_materials(const std::vector<uint32_t>& materials);
   const Metadata& meta_;
+  const std::vector<bool> shown_;
   std::vector<Rgba> material_colors_;
   bool complete_ = false;
   mutable std::mutex mutex_;

@@ -55,6 +55,7 @@ std::string gzipped(const std::string& bytes) {
   z.avail_out = static_cast<uInt>(out.size());
   deflate(&z, Z_FINISH);
   out.resize(z.total_out);
+  out.shrink_to_fit();  // the caches pay for what is reserved
   deflateEnd(&z);
   return out;
 }

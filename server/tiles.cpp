@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include <fmt/format.h>
+
 #include "server/picture.hpp"
 #include "server/tile_png.hpp"
 #include "store/error.hpp"
@@ -82,9 +84,24 @@ void put16(std::string& out, uint32_t v) {
   out += static_cast<char>(v >> 8);
 }
 
+// Row by row: a picture larger than this is never in memory as numbers.
+constexpr int64_t kMostInMemory = int64_t{1} << 22;
+
+std::string streamed_png(const GridReader& reader, const SliceView& view, const Look& look) {
+  if (look.outline) throw UsageError(fmt::format("outline: expected a picture of at most {} pixels: ask for a part of it, or for a coarser level", kMostInMemory));
+  std::string out;
+  SetColors colors(reader.meta(), view.level, look.shown);
+  PngWriter png(static_cast<uint32_t>(view.u1 - view.u0), static_cast<uint32_t>(view.v1 - view.v0), colors,
+                [&](std::span<const uint8_t> bytes) { out.append(bytes.begin(), bytes.end()); });
+  for_each_row(reader, view, colors.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) { png.row(row); });
+  png.finish();
+  return out;
+}
+
 }  // namespace
 
 std::string picture_png(const GridReader& reader, const SliceView& view, const Look& look) {
+  if ((view.u1 - view.u0) * (view.v1 - view.v0) > kMostInMemory) return streamed_png(reader, view, look);
   SetNumbers sets(reader.meta());
   std::vector<uint16_t> numbers = numbers_of(reader, view, sets);
   uint16_t outline = 0;

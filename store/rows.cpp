@@ -18,19 +18,27 @@ namespace {
 // Values of the sets of one chunk, asked for once each.
 class Values {
  public:
-  Values(const Chunk& chunk, const SetValue& value) : chunk_(chunk), value_(value) {}
+  Values(const SetTable& sets, const SetValue& value) : sets_(sets), value_(value) {}
   uint16_t operator()(SetId set) {
     for (const auto& [id, v] : known_)
       if (id == set) return v;
-    known_.emplace_back(set, static_cast<uint16_t>(value_(chunk_.sets.members(set))));
+    known_.emplace_back(set, static_cast<uint16_t>(value_(sets_.members(set))));
     return known_.back().second;
   }
 
  private:
-  const Chunk& chunk_;
+  const SetTable& sets_;
   const SetValue& value_;
   std::vector<std::pair<SetId, uint16_t>> known_;
 };
+
+// The run of a ray that holds a cell.
+uint32_t run_at(std::span<const uint32_t> changes, uint32_t cell) {
+  if (changes.size() > 32) return static_cast<uint32_t>(std::ranges::upper_bound(changes, cell) - changes.begin());
+  uint32_t run = 0;
+  for (const uint32_t at : changes) run += at <= cell;
+  return run;
+}
 
 struct Picture {
   const GridReader& reader;
@@ -79,7 +87,50 @@ struct Picture {
         [&](const std::pair<Band, std::vector<uint16_t>>& done) { deliver(done.first, done.second); });
   }
 
+  // A derived level: of the chunks below, the two cells of each ray that the slice covers. (Deriving its chunks whole takes
+  // twice as long.)
+  void across_derived() const {
+    const LevelShape below = reader.shape(view.level - 1);
+    const auto segment = static_cast<uint32_t>(2 * view.index / below.chunk_cells);
+    const auto cell = static_cast<uint32_t>(2 * view.index % below.chunk_cells);  // even, like chunk_cells
+    const int64_t half = below.chunk_rays / 2;
+    by_bands(half, [&](const Band& band, std::vector<uint16_t>& cells) {
+      const auto cv = static_cast<uint32_t>(band.from / half);
+      std::shared_ptr<Chunk> scratch;
+      for (int64_t cu = view.u0 / half; cu * half < view.u1; ++cu) {
+        const int64_t u0 = std::max(view.u0, cu * half), u1 = std::min(view.u1, (cu + 1) * half);
+        const auto place = [&](int64_t v) { return cells.data() + (v - band.from) * width() + (u0 - view.u0); };
+        if (const auto set = reader.uniform(view.level - 1, static_cast<uint32_t>(cu), cv, segment)) {
+          const auto all = static_cast<uint16_t>(value(*set));
+          for (int64_t v = band.from; v < band.to; ++v) std::fill_n(place(v), u1 - u0, all);
+          continue;
+        }
+        const auto held = reader.chunk(view.level - 1, static_cast<uint32_t>(cu), cv, segment, scratch);
+        const RayBlock& b = held->rays;
+        SetTable sets = held->sets;  // unions get ids
+        Values values(sets, value);
+        const auto set_of = [&](uint32_t ray) {
+          const auto changes = b.changes(ray);
+          const auto of_ray = b.sets(ray);
+          const uint32_t run = run_at(changes, cell);
+          return run < changes.size() && changes[run] == cell + 1 ? sets.unite(of_ray[run], of_ray[run + 1]) : of_ray[run];
+        };
+        for (int64_t v = band.from; v < band.to; ++v) {
+          uint16_t* out = place(v);
+          const auto row = static_cast<uint32_t>(2 * (v - cv * half)), rows = std::min(2u, b.nv - row);
+          for (int64_t u = u0; u < u1; ++u) {
+            const auto column = static_cast<uint32_t>(2 * (u - cu * half)), columns = std::min(2u, b.nu - column);
+            SetId set = set_of(row * b.nu + column);
+            for (uint32_t i = 1; i < rows * columns; ++i) set = sets.unite(set, set_of((row + i / columns) * b.nu + column + i % columns));
+            *out++ = values(set);
+          }
+        }
+      }
+    });
+  }
+
   void across() const {
+    if (!reader.stored(view.level)) return across_derived();
     const auto segment = static_cast<uint32_t>(view.index / shape.chunk_cells);
     const auto cell = static_cast<uint32_t>(view.index % shape.chunk_cells);
     by_bands(shape.chunk_rays, [&](const Band& band, std::vector<uint16_t>& cells) {
@@ -96,19 +147,12 @@ struct Picture {
         }
         const auto held = reader.chunk(view.level, static_cast<uint32_t>(cu), cv, segment, scratch);
         const Chunk& chunk = *held;
-        Values values(chunk, value);
+        Values values(chunk.sets, value);
         const RayBlock& b = chunk.rays;
         for (int64_t v = band.from; v < band.to; ++v) {
           uint16_t* out = place(v);
           uint32_t ray = static_cast<uint32_t>(v % shape.chunk_rays) * b.nu + static_cast<uint32_t>(u0 - first);
-          for (int64_t u = u0; u < u1; ++u, ++ray) {
-            const uint32_t *at = b.at.data() + b.begin[ray], *end = b.at.data() + b.begin[ray + 1];
-            uint32_t run = 0;
-            if (end - at > 32) run = static_cast<uint32_t>(std::upper_bound(at, end, cell) - at);
-            else
-              for (; at < end; ++at) run += *at <= cell;
-            *out++ = values(b.sets(ray)[run]);
-          }
+          for (int64_t u = u0; u < u1; ++u, ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
         }
       }
     });
@@ -132,7 +176,7 @@ struct Picture {
       }
       const auto held = reader.chunk(view.level, cu, cv, segment, scratch);
       const Chunk& chunk = *held;
-      Values values(chunk, value);
+      Values values(chunk.sets, value);
       for (int64_t i = from; i < to; ++i) {
         const auto r = static_cast<uint32_t>(i - first);
         const uint32_t ray = fixed_u ? r * chunk.rays.nu + fixed : fixed * chunk.rays.nu + r;

@@ -25,6 +25,7 @@ Run setup_stats(CLI::App& app);
 Run setup_export(CLI::App& app);
 Run setup_verify(CLI::App& app);
 Run setup_sample(CLI::App& app);
+Run setup_serve(CLI::App& app);
 
 // ---- what the commands share ------------------------------------------------------------------------------------
 

@@ -15,5 +15,5 @@ need() {
   "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
 }
 
-build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev)
-test_packages=(catch2 clang libclang-rt-14-dev python3 zstd libboost-dev)
+build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libboost-dev)
+test_packages=(catch2 clang libclang-rt-14-dev python3 zstd nginx-light curl openssl)

@@ -32,6 +32,7 @@ constexpr Command kCommands[] = {
     {"export", "a box of cells as a dense array", setup_export},
     {"verify", "check every byte and every invariant of a file", setup_verify},
     {"sample", "write a built-in scene", setup_sample},
+    {"serve", "grids over HTTP: pictures, numbers, other viewers' formats", setup_serve},
 };
 
 constexpr const char* kNoRoom = "out of memory, or of threads: free some, or take fewer --threads, a smaller --region, or surfaces with fewer facets";

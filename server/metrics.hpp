@@ -1,0 +1,63 @@
+// What the server counts, and the two documents that tell of it: /healthz and /metrics (Prometheus text, version 0.0.4).
+#pragma once
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/handler.hpp"
+
+namespace teracell {
+
+// Threads share it; nothing in it locks.
+class Metrics {
+ public:
+  // Upper bounds of the buckets of a request's duration, in seconds; one more is without bound.
+  static constexpr std::array<double, 12> kBuckets = {0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30};
+
+  // `route` has static storage; the first few dozen different ones are told apart.
+  void request(const char* route, int status, double seconds);
+
+  std::atomic<uint64_t> connections{0};     // open
+  std::atomic<uint64_t> accepted{0};        // connections ever
+  std::atomic<uint64_t> refused{0};         // for --max-connections
+  std::atomic<uint64_t> idle{0};            // dropped: nothing came
+  std::atomic<uint64_t> slow_requests{0};   // dropped: a head that didn't end
+  std::atomic<uint64_t> slow_answers{0};    // dropped: an answer that wasn't taken
+  std::atomic<uint64_t> waiting{0};         // requests that wait for a thread, or have one
+  std::atomic<uint64_t> overloaded{0};      // answered 503, for too many of them
+
+  struct Route {
+    std::atomic<const char*> name{nullptr};
+    std::array<std::atomic<uint64_t>, 500> statuses{};  // 100 to 599
+    std::array<std::atomic<uint64_t>, kBuckets.size() + 1> buckets{};
+    std::atomic<uint64_t> nanoseconds{0};
+  };
+  const std::array<Route, 32>& routes() const { return routes_; }
+
+ private:
+  Route& route(const char* name);
+  std::array<Route, 32> routes_;  // filled from the front; the last one takes what doesn't fit
+};
+
+// What is not counted here but asked for.
+struct CacheState {
+  const char* name;  // "chunks", "answers"
+  uint64_t bytes, limit, hits, misses;
+};
+struct ServerState {
+  std::vector<CacheState> caches;
+  uint64_t grids = 0, reads = 0, read_bytes = 0, damaged = 0;
+  uint64_t resident_bytes = 0;
+  std::string version;
+};
+std::string metrics_text(const Metrics& metrics, const ServerState& state);
+
+uint64_t resident_bytes();  // of this process; 0 where the system doesn't tell
+
+// `inner`, with /healthz and /metrics in front.
+Handler with_operations(Handler inner, const Metrics& metrics, std::function<ServerState()> state);
+
+}  // namespace teracell
