@@ -82,13 +82,13 @@ function expect_chunk({ shape: [, ny, nx], data }, chunk, what) {
   return w * h * d;
 }
 
-// The cell with a label that is nearest to the middle of the grid.
+// The cell with a label that is nearest to the middle of the grid, in height above all: the stadium stands on wide ground.
 function middle(grid, [nx, ny, nz]) {
   const { data } = exported(grid, 0);
   let best = [], least = Infinity;
   data.forEach((label, i) => {
     const cell = [i % nx, Math.floor(i / nx) % ny, Math.floor(i / nx / ny)];
-    const distance = label ? Math.hypot(cell[0] - nx / 2, cell[1] - ny / 2, cell[2] - nz / 2) : Infinity;
+    const distance = label ? Math.hypot(cell[0] - nx / 2, cell[1] - ny / 2, 8 * (cell[2] - nz / 2)) : Infinity;
     if (distance < least) [best, least] = [cell, distance];
   });
   return best;
