@@ -324,10 +324,12 @@ Awaitable<bool> Connection::send() {
   co_return true;
 }
 
-// Closing with unread bytes would throw away the answer that says what was wrong with them.
+// Closing with unread bytes would throw away what the client has not taken yet, such as the answer that says what was
+// wrong with them.
 Awaitable<void> Connection::linger() {
   error_code error;
   socket_.shutdown(tcp::socket::shutdown_send, error);
+  if (loop_.stopping) finish();
   state_ = kLingering;
   deadline_ = Clock::now() + kLinger;
   for (size_t read = 0; !error && read < kMostLingering;)
@@ -360,7 +362,7 @@ Awaitable<void> Connection::serve() {
     state_ = kIdle;
     deadline_ = now + shared_.options.idle_timeout;
   }
-  if (!loop_.stopping) co_await linger();
+  co_await linger();
 }
 
 void Connection::drop_if_late(Clock::time_point now) {

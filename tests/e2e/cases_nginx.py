@@ -1,0 +1,65 @@
+"""nginx in front of the server: TLS, HTTP/2, a path of its own, and its cache."""
+import os
+import shutil
+import socket
+import subprocess
+import time
+
+from serving import ServeCase
+
+RECIPE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "nginx.conf.in")
+PATH = os.environ.get("PATH", "") + ":/usr/sbin"
+
+
+class Nginx(ServeCase):
+    def front(self, server):
+        """Starts nginx; its port."""
+        with socket.socket() as s:
+            s.bind(("127.0.0.1", 0))
+            port = s.getsockname()[1]
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost", "-addext",
+                        "subjectAltName=DNS:localhost", "-keyout", self.path("key.pem"), "-out", self.path("cert.pem")], check=True, stderr=subprocess.DEVNULL)
+        with open(RECIPE) as f:
+            text = f.read()
+        for word, value in {"USER": "user root;" if os.geteuid() == 0 else "", "FOLDER": self.folder, "UPSTREAM": server.port, "PORT": port}.items():
+            text = text.replace(f"@{word}@", str(value))
+        self.write("nginx.conf", text)
+        nginx = subprocess.Popen([shutil.which("nginx", path=PATH), "-e", self.path("nginx.log"), "-c", self.path("nginx.conf"), "-g", "daemon off;"])
+        self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
+        for _ in range(100):
+            with socket.socket() as s:
+                if s.connect_ex(("127.0.0.1", port)) == 0:
+                    return port
+            time.sleep(0.1)
+        self.fail(self.bytes("nginx.log").decode())
+
+    def curl(self, port, path, *args):
+        """(HTTP version, status, headers, body)."""
+        done = subprocess.run(["curl", "-sS", "--http2", "--max-time", "30", "--cacert", self.path("cert.pem"), "-D", self.path("head"), "-o", self.path("body"), "-w",
+                               "%{http_version} %{http_code}", *args, f"https://localhost:{port}{path}"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = [line.split(": ", 1) for line in self.bytes("head").decode().splitlines() if ": " in line]
+        version, status = done.stdout.split()
+        return version, int(status), {k.lower(): v for k, v in lines}, self.bytes("body") if os.path.exists(self.path("body")) else b""
+
+    def test_a_tile_comes_through_and_then_from_the_cache(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        port = self.front(server)
+        direct = server.get("/api/v1/grids/g/tile/z/5/0/0_0.png")
+        info = server.get("/api/v1/grids/g").json()
+        tile = "/grids/api/v1/grids/g/tile/z/5/0/0_0.png"
+        for expected in ["MISS", "HIT", "HIT"]:
+            version, status, headers, body = self.curl(port, f"{tile}?v={info['file']['hash']}")
+            self.assertEqual((version, status, headers["x-cache"], body), ("2", 200, expected, direct.body))
+            self.assertEqual((headers["etag"], headers["access-control-allow-origin"]), (direct.headers["ETag"], "*"))
+        for _ in range(2):  # without a version it is asked for each time
+            _, status, headers, body = self.curl(port, tile)
+            self.assertEqual((status, headers["x-cache"], body), (200, "MISS", direct.body))
+        _, status, _, _ = self.curl(port, tile, "-H", f"If-None-Match: {direct.headers['ETag']}")
+        self.assertEqual(status, 304)
+        _, status, _, body = self.curl(port, "/grids/iiif/g-z-5/info.json")
+        self.assertIn(f'"https://localhost:{port}/grids/iiif/g-z-5"'.encode(), body.replace(b" ", b""))
+        self.assertEqual(self.curl(port, "/grids/healthz", "-X", "OPTIONS")[1], 204)
+        self.assertEqual(self.curl(port, "/grids/api/v1/grids/nobody")[1], 404)
+        self.stop(server)

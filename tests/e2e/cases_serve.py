@@ -1,0 +1,217 @@
+"""What `teracell serve` answers, as HTTP: methods, errors, links, tokens, files that change."""
+import gzip
+import json
+import re
+import time
+
+from program import read_png
+from serving import ServeCase
+
+TILE = "/api/v1/grids/g/tile/z/5/0/0_0"
+
+
+class Serving(ServeCase):
+    def test_a_grid_by_keep_alive(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        self.assertEqual(server.grids, 1)
+        connection = server.connection()
+        for _ in range(3):
+            connection.request("GET", TILE + ".png")
+            response = connection.getresponse()
+            self.assertEqual((response.status, response.headers["Content-Type"]), (200, "image/png"))
+            local = connection.sock.getsockname()
+            picture = read_png(response.read())
+            self.assertEqual(connection.sock.getsockname(), local)  # the same connection
+        self.assertEqual((picture.width, picture.height), (512, 32))
+        connection.close()
+        self.assertEqual(server.get("/api/v1/grids").json()["grids"][0]["id"], "g")
+        self.assertEqual(server.get("/healthz").json(), {"status": "ok"})
+        self.stop(server)
+
+    def test_head_and_options(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        body = server.get("/api/v1/grids/g").body
+        for encoding in ["identity", "gzip"]:
+            head = server.get("/api/v1/grids/g", "HEAD", Accept_Encoding=encoding)
+            self.assertEqual((head.status, head.body, head.headers["Content-Length"]), (200, b"", str(len(body))))
+            self.assertIsNone(head.headers["Content-Encoding"])
+        zipped = server.get("/api/v1/grids/g", Accept_Encoding="gzip")
+        if zipped.headers["Content-Encoding"]:
+            self.assertEqual(gzip.decompress(zipped.body), body)
+        options = server.get(TILE + ".png", "OPTIONS", Origin="http://elsewhere", Access_Control_Request_Headers="range")
+        self.assertEqual((options.status, options.body), (204, b""))
+        self.assertIn("range", options.headers["Access-Control-Allow-Headers"])
+        for a in [options, head, server.get("/nowhere")]:
+            self.assertEqual(a.headers["Access-Control-Allow-Origin"], "*")
+            self.assertEqual(a.headers["X-Content-Type-Options"], "nosniff")
+            self.assertRegex(a.headers["Date"], r"\w{3}, \d\d \w{3} \d{4} \d\d:\d\d:\d\d GMT")
+        self.stop(server)
+
+    def test_etags(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        tile = server.get(TILE + ".png")
+        self.assertRegex(tile.headers["ETag"], r'^"[^"]+"$')
+        self.assertEqual(tile.headers["Cache-Control"], "no-cache")
+        for given in [tile.headers["ETag"], f'"other", {tile.headers["ETag"]}', "*"]:
+            again = server.get(TILE + ".png", If_None_Match=given)
+            self.assertEqual((again.status, again.body, again.headers["ETag"]), (304, b"", tile.headers["ETag"]))
+        self.assertEqual(server.get(TILE + ".png", If_None_Match='"other"').status, 200)
+        self.assertEqual(server.get(TILE + ".png", Range="bytes=0-3").status, 200)  # ranges are ignored
+        version = server.get("/api/v1/grids/g").json()["file"]["hash"]
+        self.assertIn("immutable", server.get(f"{TILE}.png?v={version}").headers["Cache-Control"])
+        self.stop(server)
+
+    def test_errors_are_json(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        for status, method, path in [(404, "GET", "/nowhere"), (404, "GET", "/api/v1/grids/h"), (400, "GET", TILE + ".png?nonsense=1"),
+                                     (405, "POST", "/"), (405, "DELETE", TILE + ".png"), (404, "GET", "/api/v1/grids/..%2Fg")]:
+            answer = server.get(path, method)
+            self.assertEqual(answer.status, status, (method, path))
+            self.assertEqual(answer.headers["Content-Type"], "application/json")
+            self.assertEqual(set(answer.json()["error"]), {"code", "message"})
+        self.assertEqual(server.get("/", "PUT").headers["Allow"], "GET, HEAD, OPTIONS")
+        self.stop(server)
+
+    def test_base_path_and_forwarded_headers(self):
+        self.grid()
+        server = self.serve("g.tcell", "--base-path", "/base/")
+        self.assertEqual(server.base, "/base/")
+        self.assertEqual(server.get("/api/v1/grids").status, 404)
+        self.assertEqual(server.get("/base/api/v1/grids").status, 200)
+        for path in ["/", "/base"]:
+            moved = server.get(path)
+            self.assertEqual((moved.status, moved.headers["Location"]), (302, "/base/"))
+        info = server.get("/base/iiif/g-z-5/info.json").json()
+        self.assertEqual(info["id"], f"http://127.0.0.1:{server.port}/base/iiif/g-z-5")
+        info = server.get("/base/iiif/g-z-5/info.json", X_Forwarded_Proto="https", X_Forwarded_Host="maps.example", X_Forwarded_Prefix="/sub").json()
+        self.assertEqual(info["id"], "https://maps.example/sub/base/iiif/g-z-5")
+        info = server.get("/base/iiif/g-z-5/info.json", X_Forwarded_Host="a\"<b", X_Forwarded_Prefix="//evil.example").json()
+        self.assertEqual(info["id"], f"http://127.0.0.1:{server.port}/base/iiif/g-z-5")
+        self.stop(server)
+
+    def test_a_token(self):
+        self.grid()
+        self.write("token", "s3cret \nsecond line\n")
+        server = self.serve("g.tcell", "--token-file", "token")
+        refused = server.get("/api/v1/grids")
+        self.assertEqual((refused.status, refused.headers["WWW-Authenticate"].split()[0]), (401, "Bearer"))
+        self.assertEqual(refused.headers["Cache-Control"], "no-store")
+        for wrong in ["Bearer s3cre", "Bearer s3cret2", "Basic s3cret", "Bearer"]:
+            self.assertEqual(server.get("/api/v1/grids", Authorization=wrong).status, 401)
+        self.assertEqual(server.get("/api/v1/grids", Authorization="Bearer s3cret").status, 200)
+        self.assertEqual(server.get("/healthz").status, 200)
+        self.assertEqual(server.get("/metrics").status, 401)
+        self.stop(server)
+        self.assertNotIn("s3cret", "".join(server.lines))
+
+    def test_a_folder_and_files_that_change(self):
+        self.grid("g.tcell")
+        server = self.serve(".")
+        before = server.get(TILE + ".bin")
+        version = server.get("/api/v1/grids/g").json()["file"]["hash"]
+        self.grid("g.tcell", hi=(600, 30, 5))
+        self.grid("new.tcell")
+        self.write("broken.tcell", "nothing of a grid")
+        time.sleep(1.2)
+        after = server.get(TILE + ".bin")
+        self.assertNotEqual((before.body, before.headers["ETag"]), (after.body, after.headers["ETag"]))
+        self.assertEqual(server.get(f"{TILE}.bin?v={version}").status, 404)
+        self.assertEqual([g["id"] for g in server.get("/api/v1/grids").json()["grids"]], ["g", "new"])
+        self.stop(server)
+
+    def test_metrics(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        for _ in range(3):
+            server.get(TILE + ".png")
+        server.get("/nowhere")
+        kept = server.connection()
+        kept.request("GET", "/healthz")
+        kept.getresponse().read()
+        answer = server.get("/metrics")
+        kept.close()
+        self.assertTrue(answer.headers["Content-Type"].startswith("text/plain; version=0.0.4"))
+        samples = {}
+        for line in answer.body.decode().splitlines():
+            if not line.startswith("#"):
+                found = re.fullmatch(r'([a-z_]+(?:\{(?:[a-z]+="[^"\\]*",?)+\})?) ([0-9.e+-]+)', line)
+                self.assertTrue(found, line)
+                samples[found[1]] = float(found[2])
+        self.assertEqual(sum(v for k, v in samples.items() if k.startswith("teracell_requests_total") and 'status="200"' in k and "tile" in k), 3)
+        self.assertEqual(sum(v for k, v in samples.items() if k.startswith("teracell_requests_total") and 'status="404"' in k), 1)
+        self.assertGreaterEqual(samples["teracell_connections"], 2)
+        self.assertGreaterEqual(samples['teracell_cache_hits_total{cache="answers"}'], 2)
+        self.assertGreater(samples['teracell_cache_bytes{cache="answers"}'], 0)
+        self.assertEqual(samples['teracell_cache_limit_bytes{cache="chunks"}'], 256 << 20)
+        self.assertGreater(samples["teracell_read_bytes_total"], 0)
+        self.assertEqual(samples["teracell_damaged_total"], 0)
+        self.assertEqual(samples["teracell_grids"], 1)
+        self.assertGreater(samples["process_resident_memory_bytes"], 1e6)
+        self.stop(server)
+
+    def test_the_log(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        server.get("/nowhere?a=b")
+        self.assertRegex(server.log_line(), r"^\S+Z 127\.0\.0\.1 GET /nowhere\?a=b 404 \d+ \d+\.\d{3} \w+$")
+        server.raw(b"GET /\xc2\x9b31m\xff\"\\ HTTP/1.0\r\n\r\n")
+        self.assertRegex(server.log_line(), r"^\S+Z 127\.0\.0\.1 \S+ \S+ 40\d ")
+        server.raw(b"\x1b[31m red\r\n\r\n")
+        self.assertRegex(server.log_line(), r"^\S+Z 127\.0\.0\.1 \S+ \S+ 400 ")
+        self.stop(server)
+        for line in server.lines:
+            self.assertTrue(all(" " <= c <= "~" for c in line), line)
+
+        server = self.serve("g.tcell", "--log", "json")
+        server.raw(b"GET /\xc2\x9b31m\"\\ HTTP/1.0\r\n\r\n")
+        entry = json.loads(server.log_line())
+        self.assertEqual((entry["client"], entry["bytes"] > 0), ("127.0.0.1", True))
+        server.signal(15)
+        self.assertEqual(server.wait(), 0)
+
+        server = self.serve("g.tcell", "--log", "none")
+        server.get("/")
+        self.stop(server)
+        self.assertEqual(server.lines, [])
+
+
+class ServeUsage(ServeCase):
+    def test_what_it_refuses(self):
+        self.grid()
+        self.write("empty", "\n")
+        for phrases, args in [
+            (["grids"], []),
+            (["nowhere.tcell", "expected a .tcell file or a folder"], ["nowhere.tcell"]),
+            (["--port", "0 to 65535", "70000"], ["g.tcell", "--port", "70000"]),
+            (["--base-path", "//evil"], ["g.tcell", "--base-path", "//evil"]),
+            (["--log", "text, json, none", "xml"], ["g.tcell", "--log", "xml"]),
+            (["--cache", "much"], ["g.tcell", "--cache", "much"]),
+            (["--max-connections", "'0'"], ["g.tcell", "--max-connections", "0"]),
+            (["--request-timeout", "'x'"], ["g.tcell", "--request-timeout", "x"]),
+            (["--token-file empty", "first line"], ["g.tcell", "--token-file", "empty"]),
+        ]:
+            self.refused(2, phrases, "serve", *args)
+        self.refused(1, ["--token-file nowhere"], "serve", "g.tcell", "--token-file", "nowhere")
+        self.refused(1, ["--host 999.1.2.3"], "serve", "g.tcell", "--host", "999.1.2.3")
+        self.refused(1, ["192.0.2.1"], "serve", "g.tcell", "--host", "192.0.2.1", "--port", "0")
+
+    def test_a_port_in_use(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        self.refused(1, [f"port {server.port}", "Address already in use", "--port"], "serve", "g.tcell", "--port", server.port)
+        self.stop(server)
+
+    def test_a_warning_beyond_loopback_without_a_token(self):
+        self.grid()
+        self.write("token", "t")
+        server = self.serve("g.tcell", "--host", "0.0.0.0")
+        server.signal(15)
+        self.assertEqual(server.wait(), 0)
+        self.assertEqual(len(server.problems), 1)
+        self.assertIn("warning", server.problems[0])
+        self.assertIn("--token-file", server.problems[0])
+        self.stop(self.serve("g.tcell", "--host", "0.0.0.0", "--token-file", "token"))

@@ -1,0 +1,138 @@
+"""`teracell serve` among clients that are slow, many, wrong or gone, and how it ends."""
+import signal
+import time
+
+from serving import ServeCase, read_all
+
+TILE = "/api/v1/grids/g/tile/z/5/0/0_0"
+
+
+class Limits(ServeCase):
+    def test_requests_that_are_too_large_or_malformed(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        for status, data in [
+            (400, b"nonsense\r\n\r\n"),
+            (400, b"GET / HTTP/1.1\r\n\r\n"),
+            (400, b"GET / HTTP/1.1\r\nHost: h\r\nbad field\r\n\r\n"),
+            (400, b"GET / HTTP/1.1\r\nHost: h\r\nContent-Length: -1\r\n\r\n"),
+            (413, b"GET / HTTP/1.1\r\nHost: h\r\nContent-Length: 100000\r\n\r\n" + b"x" * 100000),
+            (413, b"GET / HTTP/1.1\r\nHost: h\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nabcde\r\n0\r\n\r\n"),
+            (414, b"GET /" + b"a" * 100000 + b" HTTP/1.1\r\nHost: h\r\n\r\n"),
+            (431, b"GET / HTTP/1.1\r\nHost: h\r\n" + b"".join(b"X%d: y\r\n" % i for i in range(10000)) + b"\r\n"),
+            (505, b"GET / HTTP/3.0\r\nHost: h\r\n\r\n"),
+        ]:
+            got = server.raw(data)
+            self.assertTrue(got.startswith(b"HTTP/1.1 %d " % status), (data[:60], got[:200]))
+            self.assertIn(b'{"error":{"code":', got)
+        self.assertEqual(server.get("/healthz").status, 200)
+        self.stop(server)
+
+    def test_800_idle_and_half_sent_connections(self):
+        self.grid()
+        server = self.serve("g.tcell", "--request-timeout", 3, "--idle-timeout", 3)
+        server.get(TILE + ".png")
+        memory, descriptors = server.memory(), server.descriptors()
+        sockets = [server.socket() for _ in range(800)]
+        for i, s in enumerate(sockets):
+            if i % 2:
+                s.sendall(b"GET /healthz HTTP/1.1\r\nHost: h\r\nX: ")
+        began = time.monotonic()
+        self.assertEqual(server.get("/healthz").status, 200)
+        self.assertEqual(server.get(TILE + ".png").status, 200)
+        self.assertLess(time.monotonic() - began, 1)
+        self.assertLess(server.memory() - memory, 32 << 20)
+        for s in sockets:
+            self.assertEqual(read_all(s), b"")
+            s.close()
+        self.assertLess(time.monotonic() - began, 10)
+        for _ in range(50):
+            if server.descriptors() <= descriptors + 1:
+                break
+            time.sleep(0.1)
+        self.assertLessEqual(server.descriptors(), descriptors + 1)
+        metrics = server.get("/metrics").body.decode()
+        self.assertIn('reason="idle"} 400\n', metrics)
+        self.assertIn('reason="slow_request"} 400\n', metrics)
+        self.stop(server)
+
+    def test_more_connections_than_allowed(self):
+        self.grid()
+        server = self.serve("g.tcell", "--max-connections", 2)
+        kept = [server.connection(), server.connection()]
+        for c in kept:
+            c.request("GET", "/healthz")
+            c.getresponse().read()
+        with server.socket() as s:
+            self.assertEqual(read_all(s), b"")
+        for c in kept:
+            c.close()
+        for _ in range(50):
+            try:
+                self.assertEqual(server.get("/healthz").status, 200)
+                break
+            except OSError:
+                time.sleep(0.1)
+        self.assertIn('reason="full"}', server.get("/metrics").body.decode())
+        self.stop(server)
+
+
+class Ending(ServeCase):
+    def slow_download(self, server, count=200):
+        """A client that has asked for much (52 MB) and taken nothing yet."""
+        s = server.socket(receive=4096)
+        s.sendall(f"GET {TILE}.bin HTTP/1.1\r\nHost: h\r\n\r\n".encode() * count)
+        time.sleep(0.5)
+        return s
+
+    def test_what_is_under_way_is_answered(self):
+        self.grid(hi=(600, 600, 20))
+        server = self.serve("g.tcell")
+        body = server.get(TILE + ".bin").body
+        self.assertEqual(len(body), 512 * 512)
+        with server.socket() as idle, self.slow_download(server) as slow:
+            server.signal(signal.SIGTERM)
+            self.assertEqual(read_all(idle), b"")  # at once
+            with self.assertRaises(ConnectionRefusedError):
+                for _ in range(50):
+                    server.socket().close()
+                    time.sleep(0.1)
+            data = read_all(slow)
+        self.assertEqual(server.wait(), 0)
+        answers = data.split(b"HTTP/1.1 200 OK\r\n")[1:]
+        self.assertTrue(0 < len(answers) < 200, len(answers))
+        for answer in answers:  # all that was begun came whole
+            self.assertEqual(answer.split(b"\r\n\r\n", 1)[1], body)
+        self.assertIn(b"Connection: close", answers[-1])
+        self.assertEqual(server.problems, [])
+
+    def test_not_for_ever(self):
+        self.grid(hi=(600, 600, 20))
+        server = self.serve("g.tcell", "--drain-timeout", 0.5)
+        with self.slow_download(server):
+            began = time.monotonic()
+            server.signal(signal.SIGINT)
+            self.assertEqual(server.wait(), 0)
+            self.assertLess(time.monotonic() - began, 5)
+        self.assertEqual(len(server.problems), 1)
+        self.assertIn("requests under way", server.problems[0])
+
+    def test_a_second_signal_ends_it_at_once(self):
+        self.grid(hi=(600, 600, 20))
+        for number in [signal.SIGINT, signal.SIGTERM]:
+            server = self.serve("g.tcell")
+            with self.slow_download(server), server.socket() as idle:
+                server.signal(number)
+                self.assertEqual(read_all(idle), b"")  # it has seen the first one
+                began = time.monotonic()
+                server.signal(number)
+                self.assertEqual(server.wait(), -number)
+                self.assertLess(time.monotonic() - began, 2)
+
+    def test_the_log_is_complete_at_the_end(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        for i in range(100):
+            server.get(f"/nowhere/{i}")
+        self.stop(server)
+        self.assertEqual(sorted(line.split()[3] for line in server.lines), sorted(f"/nowhere/{i}" for i in range(100)))
