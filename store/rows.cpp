@@ -117,11 +117,11 @@ struct Picture {
         };
         for (int64_t v = band.from; v < band.to; ++v) {
           uint16_t* out = place(v);
-          const auto row = static_cast<uint32_t>(2 * (v - cv * half)), rows = std::min(2u, b.nv - row);
+          const auto first = static_cast<uint32_t>(2 * (v - cv * half)), rows = std::min(2u, b.nv - first);
           for (int64_t u = u0; u < u1; ++u) {
             const auto column = static_cast<uint32_t>(2 * (u - cu * half)), columns = std::min(2u, b.nu - column);
-            SetId set = set_of(row * b.nu + column);
-            for (uint32_t i = 1; i < rows * columns; ++i) set = sets.unite(set, set_of((row + i / columns) * b.nu + column + i % columns));
+            SetId set = set_of(first * b.nu + column);
+            for (uint32_t i = 1; i < rows * columns; ++i) set = sets.unite(set, set_of((first + i / columns) * b.nu + column + i % columns));
             *out++ = values(set);
           }
         }
