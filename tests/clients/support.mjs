@@ -1,0 +1,88 @@
+// What the clients in JavaScript share: where the server is, what `teracell export` says, and a browser.
+import { execFileSync } from "node:child_process";
+import { createReadStream, readFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { extname, join } from "node:path";
+import { chromium } from "playwright-core";
+
+export const server = process.env.TERACELL_URL;
+// Exports, and pages to be browsed; screenshots go there too.
+export const folder = process.env.TERACELL_FOLDER;
+export const grids = JSON.parse(readFileSync(join(folder, "grids.json")));
+
+// {shape: [nz, ny, nx], data} of a level as exported.
+export function exported(grid, level) {
+  const file = readFileSync(join(folder, `${grid}.${level}.npy`));
+  const header_end = 10 + file.readUInt16LE(8);
+  const header = file.toString("latin1", 10, header_end);
+  const shape = header.match(/'shape': \(([^)]*)\)/)[1].split(",").filter((n) => n.trim()).map(Number);
+  const bytes = new Uint8Array(file.subarray(header_end)).buffer;
+  return { shape, data: header.includes("<u2") ? new Uint16Array(bytes) : new Uint8Array(bytes) };
+}
+
+// Fails at the first difference, saying where it is.
+export function expect_same(found, expected, what) {
+  if (found.length !== expected.length) throw new Error(`${what}: ${found.length} values, expected ${expected.length}`);
+  const at = expected.findIndex((value, i) => value !== found[i]);
+  if (at >= 0) throw new Error(`${what}: value ${at} is ${found[at]}, expected ${expected[at]}`);
+}
+
+const kTypes = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
+const kZarrDocument = /\/(\.zarray|\.zattrs|\.zgroup|\.zmetadata|zarr\.json)$/;
+
+// Chromium on pages of `folder`, which come from another origin than the cells, as they do for everybody else.
+export async function open_browser() {
+  const pages = createServer((request, response) => {
+    const file = createReadStream(join(folder, "pages", new URL(request.url, "http://pages").pathname));
+    file.on("error", () => response.writeHead(404).end());
+    file.on("open", () => {
+      response.writeHead(200, { "content-type": kTypes[extname(file.path)] ?? "application/octet-stream" });
+      file.pipe(response);
+    });
+  });
+  await new Promise((listening) => pages.listen(0, "127.0.0.1", listening));
+  // WebGL2 without a graphics card: ANGLE on SwiftShader, which is part of Chromium.
+  const browser = await chromium.launch({
+    executablePath: "/usr/bin/chromium",
+    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"],
+  });
+  return {
+    // A page on which every error of its own, and every failed request to the server, is in `errors`. Zarr's clients look
+    // for documents of both versions.
+    async open(path) {
+      const page = await browser.newPage({ viewport: { width: 1500, height: 900 } });
+      const errors = [];
+      page.on("pageerror", (error) => errors.push(String(error)));
+      page.on("requestfailed", (request) => {
+        if (request.url().startsWith(server) && request.failure().errorText !== "net::ERR_ABORTED") errors.push(`${request.url()}: ${request.failure().errorText}`);
+      });
+      page.on("response", (response) => {
+        if (response.url().startsWith(server) && response.status() >= 400 && !(response.status() === 404 && kZarrDocument.test(response.url()))) errors.push(`${response.url()}: ${response.status()}`);
+      });
+      await page.goto(`http://127.0.0.1:${pages.address().port}/${path}`);
+      return { page, errors };
+    },
+    async close() {
+      await browser.close();
+      pages.close();
+    },
+  };
+}
+
+// Takes a screenshot and returns its number of different colours.
+export async function screenshot(page, name) {
+  const png = await page.screenshot({ path: join(folder, `${name}.png`) });
+  return page.evaluate(async (url) => {
+    const picture = await createImageBitmap(await (await fetch(url)).blob());
+    const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+    context.drawImage(picture, 0, 0);
+    return new Set(new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer)).size;
+  }, `data:image/png;base64,${png.toString("base64")}`);
+}
+
+// `teracell slice` as PNG.
+export function slice_picture(grid, axis, index) {
+  const file = join(folder, `${grid}-${axis}-${index}.png`);
+  execFileSync(process.env.TERACELL, ["slice", `${grid}.tcell`, "--axis", axis, "--index", String(index), "-o", file], { cwd: folder, stdio: "ignore" });
+  return readFileSync(file);
+}
