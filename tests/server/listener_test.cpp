@@ -259,7 +259,7 @@ TEST_CASE("the client decides whether the connection stays", "[server][listener]
   CHECK(kept.answer().status == 200);
 }
 
-TEST_CASE("health is answered while every thread of the pool is held, and too many waiting are turned away", "[server][listener]") {
+TEST_CASE("health is answered while every thread of the pool is held, and too many waiting are turned away", "[server][listener][threads]") {
   ListenerOptions o;
   o.max_waiting = 3;
   Fixture f(o);
@@ -277,7 +277,7 @@ TEST_CASE("health is answered while every thread of the pool is held, and too ma
   CHECK(f.metrics.waiting == 0);
 }
 
-TEST_CASE("nothing is made for a client that has gone", "[server][listener]") {
+TEST_CASE("nothing is made for a client that has gone", "[server][listener][threads]") {
   ListenerOptions o;
   Fixture f(o);
   Client first = f.client(), second = f.client();
@@ -356,7 +356,7 @@ TEST_CASE("an answer that nobody takes is given up, and counted", "[server][list
   CHECK(c.answer().body.size() < 64 << 20);
 }
 
-TEST_CASE("stopping does not wait for a client that takes nothing", "[server][listener]") {
+TEST_CASE("stopping does not wait for a client that takes nothing", "[server][listener][threads]") {
   ListenerOptions o;
   o.drain_timeout = 300ms;
   Fixture f(o);
@@ -413,7 +413,7 @@ TEST_CASE("400 idle and half-sent connections: health at once, then they are dro
   CHECK(teracell::testing::open_descriptors() == descriptors);
 }
 
-TEST_CASE("stopping: idle ones are closed, nobody new comes in, what is under way is answered", "[server][listener]") {
+TEST_CASE("stopping: idle ones are closed, nobody new comes in, what is under way is answered", "[server][listener][threads]") {
   Fixture f;
   Client idle = f.client(), half = f.client(), held = f.client();
   idle.get("/");
@@ -433,7 +433,7 @@ TEST_CASE("stopping: idle ones are closed, nobody new comes in, what is under wa
   CHECK(f.result.get());
 }
 
-TEST_CASE("stopping does not wait for ever for what is being made", "[server][listener]") {
+TEST_CASE("stopping does not wait for ever for what is being made", "[server][listener][threads]") {
   ListenerOptions o;
   o.drain_timeout = 100ms;
   Fixture f(o);
