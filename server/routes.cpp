@@ -8,6 +8,7 @@
 #include "server/openapi.hpp"
 #include "server/start_page.hpp"
 #include "server/tiles.hpp"
+#include "server/wire.hpp"
 #include "store/info.hpp"
 
 namespace teracell {
@@ -20,15 +21,6 @@ constexpr const char* kJson = "application/json";
 
 // Names come from anybody's files: what is no UTF-8 in them is replaced.
 std::string text_of(const ordered_json& j) { return j.dump(-1, ' ', false, ordered_json::error_handler_t::replace); }
-
-Response error_response(int status, const std::string& code, const std::string& message) {
-  Response r;
-  r.status = status;
-  r.content_type = kJson;
-  r.cache_control = "no-store";
-  r.body = body_of(text_of({{"error", {{"code", code}, {"message", message}}}}));
-  return r;
-}
 
 Response plain(const char* route, const char* type, std::string text) {
   Response r;

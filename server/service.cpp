@@ -91,7 +91,7 @@ Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       counters_(std::make_shared<Counters>()),
       chunks_(std::make_shared<ChunkCache>(options_.cache_bytes)),
-      answers_(std::make_unique<AnswerCache>(options_.cache_bytes)),
+      answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
       grids_(std::make_unique<Grids>(options_.named, [counters = counters_, chunks = chunks_](const std::filesystem::path& path, uint64_t number) {
         return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number));
       })) {}

@@ -25,7 +25,7 @@ struct ChunkPlaceHash {
 
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files and folders
-  size_t cache_bytes = size_t{256} << 20;    // of decoded chunks; of encoded answers as many
+  size_t cache_bytes = size_t{256} << 20;    // of decoded chunks; of encoded answers, which are small, an eighth of that
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
   std::function<void(const std::string&)> complain;  // gets what is found damaged, each thing once; any thread
 };

@@ -1,4 +1,5 @@
 // teracell serve: grids over HTTP.
+#include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -97,6 +98,9 @@ void run(const Options& o) {
   listen.drain_timeout = milliseconds(o.drain_timeout);
   listen.stop_on_signals = true;
   raise_descriptor_limit(o.max_connections);
+  // Chunks are made by one thread and freed by another: with a heap for each thread a cache of 256 MB took 120 MB more, with
+  // one it takes 60, and the tiles come as fast.
+  mallopt(M_ARENA_MAX, 1);
 
   Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, [](const std::string& m) { warn("teracell: " + m); }});
   Prefetch prefetch([&](const std::string& target) { handle(service, {.target = target}); });
@@ -121,7 +125,7 @@ Run setup_serve(CLI::App& app) {
   app.add_option("--host", o->host, "the address to listen at (default 127.0.0.1: this machine only)");
   app.add_option("--port", o->port, "the port (default 8080); 0: any that is free")->check(in_range("--port", 0, 65535));
   add_threads(app, o->threads);
-  app.add_option("--cache", o->cache, "memory for decoded chunks, and as much for answers (default 256M)");
+  app.add_option("--cache", o->cache, "memory for decoded chunks, and an eighth as much for answers (default 256M)");
   app.add_option("--max-pixels", o->max_pixels, "of one picture (default 67108864)")->check(in_range("--max-pixels", 1, 1e12));
   app.add_option("--base-path", o->base_path, "serve below this path");
   app.add_option("--token-file", o->token_file, "its first line is the token that clients must bear (Authorization: Bearer TOKEN)");

@@ -237,7 +237,7 @@ TEST_CASE("The caches stay within their limit", "[server]") {
   for (int z = 0; z < 21; ++z)
     for (const char* kind : {"png", "bin"}) REQUIRE(s.get("/api/v1/grids/g/tile/z/" + std::to_string(z) + "/0/0_0." + kind).status == 200);
   CHECK(s.service->chunks().counts().bytes <= 200000);
-  CHECK(s.service->answers().counts().bytes <= 200000);
+  CHECK(s.service->answers().counts().bytes <= 25000);
   CHECK(s.service->chunks().counts().hits > 0);
 }
 
