@@ -11,6 +11,7 @@ namespace teracell {
 Response missing(const char* route) {
   Response r;
   r.status = 404;
+  r.cache_control = "no-store";  // a cache on the way must not make holes last
   r.body = body_of("");
   r.route = route;
   return r;
@@ -36,7 +37,7 @@ std::optional<Service::Recipe> find_document(const Documents& documents, std::st
 
 Service::Recipe json_recipe(std::function<nlohmann::ordered_json()> make) {
   // A grid's id comes from a file's name, which may be no UTF-8.
-  const auto text = [make = std::move(make)] { return make().dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace); };
+  const auto text = [make = std::move(make)] { return make().dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace); };
   return {.route = "other", .content_type = "application/json", .compress = true, .make = text};
 }
 

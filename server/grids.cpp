@@ -18,14 +18,21 @@ uint64_t steady_milliseconds() {
   return static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()) + 1;
 }
 
-// The *.tcell of a folder by name; nothing when it can't be read.
-std::vector<std::filesystem::path> grids_in(const std::filesystem::path& folder) {
+// The *.tcell of a folder by name. None when it can't be read.
+std::optional<std::vector<std::filesystem::path>> grids_in(const std::filesystem::path& folder) {
   std::vector<std::filesystem::path> out;
-  std::error_code error;
+  std::error_code error, of_file;
   for (auto it = std::filesystem::directory_iterator(folder, error); !error && it != std::filesystem::directory_iterator(); it.increment(error))
-    if (it->path().extension() == ".tcell" && it->is_regular_file(error)) out.push_back(it->path());
+    if (it->path().extension() == ".tcell" && it->is_regular_file(of_file)) out.push_back(it->path());
+  if (error) return std::nullopt;
   std::ranges::sort(out);
   return out;
+}
+
+// Clients get to see what is wrong, but no folder of this machine.
+std::string without_folder(std::string message, const std::filesystem::path& path) {
+  for (size_t at; (at = message.find(path.string())) != std::string::npos;) message.replace(at, path.string().size(), path.filename().string());
+  return message;
 }
 
 }  // namespace
@@ -66,36 +73,41 @@ void Grids::look(const std::filesystem::path& path) {
   if (it == places_.end()) it = places_.emplace(path, Place{new_id(path)}).first;
   Place& place = it->second;
   const Stamp stamp{s.st_dev, s.st_ino, static_cast<uint64_t>(s.st_size), int64_t{s.st_mtim.tv_sec} * 1000000000 + s.st_mtim.tv_nsec};
-  if (place.there && place.stamp == stamp) return;
+  if (place.there && place.stamp == stamp && place.grid) return;  // one that could not be opened is tried again
+  const bool was_there = place.grid != nullptr;
   place.there = true;
   place.stamp = stamp;
-  ++epoch_;
+  place.error = "its file could not be opened";
   try {
     const uint64_t number = next_number_++;
     auto file = open_(path, number);
     const std::string hash = file->hash();
     place.grid = std::make_shared<const ServedGrid>(ServedGrid{place.id, number, hash, std::move(file)});
-  } catch (const Error& e) {
+  } catch (const std::exception& e) {
     place.grid = nullptr;
-    place.error = e.what();
+    place.error = without_folder(e.what(), path);
   }
+  if (place.grid || was_there) ++epoch_;
 }
 
 void Grids::refresh() {
   const uint64_t now = steady_milliseconds();
   if (refreshed_ != 0 && now < refreshed_ + kEveryMilliseconds) return;
   refreshed_ = now;
-  order_.clear();
+  std::vector<std::filesystem::path> order;
   for (auto& [path, place] : places_)
     if (struct stat s; stat(path.c_str(), &s) != 0) lose(path);
   for (const auto& path : named_) {
     std::error_code error;
     const bool folder = std::filesystem::is_directory(path, error);
-    for (const auto& file : folder ? grids_in(path) : std::vector{path}) {
+    // A folder that can't be read just now keeps what it had: clients would take a 404 for empty cells.
+    if (auto found = folder ? grids_in(path) : std::nullopt) listed_[path] = std::move(*found);
+    for (const auto& file : folder || listed_.contains(path) ? listed_[path] : std::vector{path}) {
       look(file);
-      if (std::ranges::find(order_, file) == order_.end()) order_.push_back(file);
+      if (std::ranges::find(order, file) == order.end()) order.push_back(file);
     }
   }
+  order_ = std::move(order);
 }
 
 uint64_t Grids::epoch() {
@@ -104,6 +116,13 @@ uint64_t Grids::epoch() {
     refresh();
   }
   return epoch_;
+}
+
+std::optional<uint64_t> Grids::epoch_of(const ServedGrid& grid) {
+  std::lock_guard lock(mutex_);
+  for (const auto& [path, place] : places_)
+    if (place.grid.get() == &grid) return epoch_;
+  return std::nullopt;
 }
 
 std::shared_ptr<const ServedGrid> Grids::find(const std::string& id) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,8 @@ class Grids {
   std::shared_ptr<const ServedGrid> find(const std::string& id);
   // Another number whenever all() or find() would answer otherwise than before.
   uint64_t epoch();
+  // That number, unless the grid is not what find() gives any more.
+  std::optional<uint64_t> epoch_of(const ServedGrid& grid);
   // Those that can be read, in the order of the command line, those of a folder by name.
   std::vector<std::shared_ptr<const ServedGrid>> all();
 
@@ -64,6 +67,7 @@ class Grids {
   uint64_t next_number_ = 1;
   std::atomic<uint64_t> epoch_ = 0, refreshed_ = 0;    // refreshed_: steady milliseconds, 0 is never
   std::vector<std::filesystem::path> order_;           // of the places, as all() has them
+  std::map<std::filesystem::path, std::vector<std::filesystem::path>> listed_;  // of folders, when they could be read last
   std::map<std::filesystem::path, Place> places_;      // those gone keep their ids
 };
 

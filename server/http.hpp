@@ -28,6 +28,7 @@ struct Response {
   std::string etag;           // strong, with its quotes; empty: none
   std::string cache_control;  // empty: none
   std::string content_encoding;  // "gzip", or empty
+  bool compressible = false;     // a client that accepts gzip gets another answer
   std::string location;          // of a redirect
   const char* route = "other";   // for the metrics: one of a fixed few, never anything out of the request
 };

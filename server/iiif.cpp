@@ -132,7 +132,8 @@ Response serve_iiif(Service& service, const Request& request, const Target& targ
     if (joined(path) != "info.json") return find_picture(*slice, path, most);
     auto recipe = json_recipe([slice = *slice, address, most] { return info(slice, address, most); });
     recipe.content_type = R"(application/ld+json;profile="http://iiif.io/api/image/3/context.json")";
-    recipe.keep = false;  // it holds the address that it was asked for by
+    recipe.keep = false;
+    recipe.address = fmt::format("{} {}", address, most);
     return recipe;
   });
 }

@@ -157,6 +157,7 @@ class Connection {
   // What the system has of a request is still read; then comes the end.
   void finish() {
     error_code ignored;
+    finishing_ = true;
     socket_.shutdown(tcp::socket::shutdown_receive, ignored);
   }
   void drop_if_late(Clock::time_point now);
@@ -178,6 +179,7 @@ class Connection {
   Socket socket_;
   std::list<Connection*>::iterator place_;
   State state_ = kReading;
+  std::atomic<bool> finishing_ = false;  // the end of what is received is our own doing
   Clock::time_point deadline_;
   std::string client_, local_;
 
@@ -274,7 +276,7 @@ Response Connection::handled() const {
 // On a thread of the pool. Nobody waits for an answer on a connection that was closed: browsers give up tiles so.
 asio::awaitable<void> Connection::make_in_pool() {
   char byte;
-  if (recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0) {
+  if (!finishing_ && recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0) {
     response_ = error_response(499, "gone", "the client closed the connection");
     keep_ = false;
   } else {

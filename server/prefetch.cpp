@@ -64,7 +64,10 @@ void Prefetch::work() {
     const std::string target = std::move(waiting_.back());  // the most recent first
     waiting_.pop_back();
     lock.unlock();
-    fetch_(target);
+    try {
+      fetch_(target);
+    } catch (...) {  // whoever asks for it will be told
+    }
     lock.lock();
   }
 }

@@ -19,8 +19,8 @@ using nlohmann::ordered_json;
 constexpr int64_t kTile = 512;
 constexpr const char* kJson = "application/json";
 
-// Names come from anybody's files: what is no UTF-8 in them is replaced.
-std::string text_of(const ordered_json& j) { return j.dump(-1, ' ', false, ordered_json::error_handler_t::replace); }
+// Names come from anybody's files: what is no UTF-8 in them is replaced. ASCII, as some readers of JSON take nothing else (zarr 2.13).
+std::string text_of(const ordered_json& j) { return j.dump(-1, ' ', true, ordered_json::error_handler_t::replace); }
 
 Response plain(const char* route, const char* type, std::string text) {
   Response r;

@@ -19,7 +19,13 @@ class CountedSource : public ByteSource {
   void read(uint64_t offset, std::span<uint8_t> out) const override {
     counters_->reads.fetch_add(1, std::memory_order_relaxed);
     counters_->bytes.fetch_add(out.size(), std::memory_order_relaxed);
-    file_.read(offset, out);
+    try {
+      file_.read(offset, out);
+    } catch (const IoError& e) {
+      std::string message = e.what();
+      if (message.starts_with(file_.name())) message.replace(0, file_.name().size(), name_);
+      throw IoError(message);
+    }
   }
 
  private:
@@ -60,7 +66,10 @@ std::string gzipped(const std::string& bytes) {
   return out;
 }
 
-std::string etag_of(const ServedGrid& grid, bool gzip) { return fmt::format("\"{}-{}{}\"", grid.hash, kRevision, gzip ? "-gz" : ""); }
+std::string etag_of(const ServedGrid& grid, const std::string& address, bool gzip) {
+  const auto bytes = std::span(reinterpret_cast<const uint8_t*>(address.data()), address.size());
+  return fmt::format("\"{}-{}{}{}\"", grid.hash, kRevision, address.empty() ? "" : fmt::format("-{:x}", checksum(bytes)), gzip ? "-gz" : "");
+}
 
 std::string cache_key(uint64_t epoch, bool gzip, const std::string& target) {
   std::string key = std::to_string(epoch);
@@ -101,22 +110,23 @@ std::optional<Response> Service::recall(const Request& request) {
   AnswerCache::Pointer kept;
   if (request.accepts_gzip) kept = answers_->find(cache_key(epoch, true, request.target));
   if (!kept) kept = answers_->find(cache_key(epoch, false, request.target));
-  if (!kept) return std::nullopt;
+  if (!kept || (request.accepts_gzip && kept->compressible)) return std::nullopt;
   Response r = *kept;
   if (has_etag(request.if_none_match, r.etag)) r.status = 304, r.body = nullptr;
   return r;
 }
 
 Response Service::answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe) {
-  const uint64_t epoch = grids_->epoch();
+  const std::optional<uint64_t> epoch = grids_->epoch_of(grid);  // not the one before or after: the answer is this grid's
   Response r;
   r.route = recipe.route;
   r.content_type = recipe.content_type;
   const std::string* version = target.find("v");
   if (version && *version != grid.hash) throw not_found(fmt::format("grid '{}' has no version '{}' any more; its version is {}", grid.id, version->substr(0, 64), grid.hash));
-  r.cache_control = version ? "public, max-age=31536000, immutable" : "no-cache";
+  r.cache_control = !version || !recipe.address.empty() ? "no-cache" : options_.anybody ? "public, max-age=31536000, immutable" : "private, max-age=31536000, immutable";
   const bool gzip = recipe.compress && request.accepts_gzip;
-  r.etag = etag_of(grid, gzip);
+  r.etag = etag_of(grid, recipe.address, gzip);
+  r.compressible = recipe.compress && !gzip;
   if (gzip) r.content_encoding = "gzip";
   if (has_etag(request.if_none_match, r.etag)) {
     r.status = 304;
@@ -128,8 +138,8 @@ Response Service::answer(const Request& request, const Target& target, const Ser
     made.body = body_of(gzip ? gzipped(text) : std::move(text));
     return made;
   };
-  if (!recipe.keep) return make();
-  const std::string key = cache_key(epoch, gzip, request.target);
+  if (!recipe.keep || !epoch) return make();
+  const std::string key = cache_key(*epoch, gzip, request.target);
   return *answers_->get(key, [&] {
     auto made = std::make_shared<const Response>(make());
     const size_t bytes = sizeof(Response) + made->body->capacity() + 3 * key.size() + 256;  // 256: the other strings

@@ -27,6 +27,7 @@ struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files and folders
   size_t cache_bytes = size_t{256} << 20;    // of decoded chunks; of encoded answers, which are small, an eighth of that
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
+  bool anybody = true;                       // may have the answers: caches on the way may keep them for others
   std::function<void(const std::string&)> complain;  // gets what is found damaged, each thing once; any thread
 };
 
@@ -44,6 +45,7 @@ class Service {
     bool keep = true;        // in the cache
     bool compress = false;   // with gzip, for clients that accept it: what is not compressed already
     std::function<std::string()> make;
+    std::string address = {};       // that it holds, if any: then it is another answer for another address
   };
   // The answer, or 304 when the client has it, without making it. It may be kept for ever when the address names this
   // version of the grid ("v=<hash>" in its query), else it must be asked about each time. Throws HttpError 404 for a

@@ -17,6 +17,15 @@ struct Unit {
 constexpr Unit kUnits[] = {{"m", "meter", 1e9},     {"cm", "centimeter", 1e7}, {"mm", "millimeter", 1e6}, {"um", "micrometer", 1e3},
                            {"nm", "nanometer", 1}, {"in", "inch", 2.54e7},    {"ft", "foot", 3.048e8}};
 
+// Viewers show a coarser level beyond the grid's end by up to one of its cells (Neuroglancer does not clip them): what is
+// listed ends where a level is a single block. The levels above are there all the same.
+int listed_levels(const Grid& grid) {
+  constexpr int64_t kBlock = 64;
+  int level = 0;
+  while (std::ranges::max(grid.cells(level)) > kBlock) ++level;
+  return level + 1;
+}
+
 }  // namespace
 
 Space::Space(const Metadata& meta) : index(true), unit(""), nanometres(1), grid_(meta.grid) {
@@ -43,7 +52,7 @@ ordered_json multiscale_json(const Metadata& meta, const std::string& name) {
     axes.push_back({{"name", axis_name(axis)}, {"type", "space"}});
     if (!space.index) axes.back()["unit"] = space.unit;
   }
-  for (int level = 0; level < meta.grid.levels(); ++level) {
+  for (int level = 0; level < listed_levels(meta.grid); ++level) {
     ordered_json scale = ordered_json::array(), translation = ordered_json::array();
     for (const int axis : {2, 1, 0}) {
       scale.push_back(space.step(axis, level));

@@ -159,7 +159,7 @@ Response error_response(int status, const std::string& code, const std::string& 
   r.status = status;
   r.content_type = "application/json";
   r.cache_control = "no-store";
-  r.body = body_of(Json{{"error", {{"code", code}, {"message", message}}}}.dump(-1, ' ', false, Json::error_handler_t::replace));
+  r.body = body_of(Json{{"error", {{"code", code}, {"message", message}}}}.dump(-1, ' ', true, Json::error_handler_t::replace));
   return r;
 }
 

@@ -64,6 +64,13 @@ void for_each_part(const LevelShape& s, const RayBox& b, F&& f) {
           for (int64_t cu = std::max(u0, pu * side); cu <= std::min(u1, pu * side + side - 1); ++cu) chunk(cu, cv, segment);
 }
 
+// Calls f(u, v) for the rays of a part.
+template <class F>
+void for_each_ray(const ChunkPart& p, F&& f) {
+  for (uint32_t v = p.v0; v < p.v1; ++v)
+    for (uint32_t u = p.u0; u < p.u1; ++u) f(u, v);
+}
+
 // Calls f(u, v, from, to, set id) for the runs of a part, in the chunk's own rays and cells.
 template <class F>
 void for_each_part_run(const RayBlock& rays, const ChunkPart& p, F&& f) {
@@ -103,17 +110,24 @@ void read_box(const GridReader& reader, int level, const Box& box, const SetValu
   const int64_t step_u = stride[f.u], step_v = stride[f.v], step_w = stride[f.w];
   std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(inside, f), [&](const ChunkPart& p) {
+    T* origin = data + (p.first_u - box.lo[f.u]) * step_u + (p.first_v - box.lo[f.v]) * step_v + (p.first_w - box.lo[f.w]) * step_w;
+    const auto fill = [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, T with) {
+      T* out = origin + u * step_u + v * step_v;
+      if (step_w == 1) std::fill(out + from, out + to, with);
+      else
+        for (uint32_t w = from; w < to; ++w) out[w * step_w] = with;
+    };
+    if (const auto set = reader.uniform(level, p.cu, p.cv, p.segment)) {
+      const auto with = static_cast<T>(value(*set));
+      return for_each_ray(p, [&](uint32_t u, uint32_t v) { fill(u, v, p.w0, p.w1, with); });
+    }
     const auto held = reader.chunk(level, p.cu, p.cv, p.segment, scratch);
     const Chunk& chunk = *held;
     std::vector<std::pair<SetId, T>> values;  // of the sets met; a chunk has few
-    T* origin = data + (p.first_u - box.lo[f.u]) * step_u + (p.first_v - box.lo[f.v]) * step_v + (p.first_w - box.lo[f.w]) * step_w;
     for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
       auto it = std::ranges::find(values, set, &std::pair<SetId, T>::first);
       if (it == values.end()) it = values.insert(it, {set, static_cast<T>(value(chunk.sets.members(set)))});
-      T* out = origin + u * step_u + v * step_v;
-      if (step_w == 1) std::fill(out + from, out + to, it->second);
-      else
-        for (uint32_t w = from; w < to; ++w) out[w * step_w] = it->second;
+      fill(u, v, from, to, it->second);
     });
   });
 }
@@ -127,17 +141,21 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
   const Frame frame = reader.meta().frame();
   std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(box, frame), [&](const ChunkPart& p) {
+    const auto tell = [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, const std::vector<Label>& set) {
+      BoxRun run{{}, to - from, &set};
+      run.start[frame.u] = p.first_u + u;
+      run.start[frame.v] = p.first_v + v;
+      run.start[frame.w] = p.first_w + from;
+      f(run);
+    };
+    if (const auto set = reader.uniform(level, p.cu, p.cv, p.segment)) return for_each_ray(p, [&](uint32_t u, uint32_t v) { tell(u, v, p.w0, p.w1, *set); });
     const auto held = reader.chunk(level, p.cu, p.cv, p.segment, scratch);
     const Chunk& chunk = *held;
     std::unordered_map<SetId, std::vector<Label>> sets;
     for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
       const auto [it, fresh] = sets.try_emplace(set);
       if (fresh) it->second = chunk.sets.members(set);
-      BoxRun run{{}, to - from, &it->second};
-      run.start[frame.u] = p.first_u + u;
-      run.start[frame.v] = p.first_v + v;
-      run.start[frame.w] = p.first_w + from;
-      f(run);
+      tell(u, v, from, to, it->second);
     });
   });
 }
@@ -181,7 +199,9 @@ std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a
   const SetValue material = strongest_material(meta);
   for_each_run(reader, 0, box, [&](const BoxRun& run) {
     const int64_t from = run.start[axis], to = from + (axis == meta.ray_axis ? run.length : 1);
-    runs.push_back({from, to, material(*run.set)});
+    const uint32_t m = material(*run.set);
+    if (!runs.empty() && runs.back().to == from && runs.back().material == m) runs.back().to = to;  // across the rays a cell at a time
+    else runs.push_back({from, to, m});
   });
   std::ranges::sort(runs, {}, &ColumnRun::from);
   std::vector<ColumnRun> joined;

@@ -70,9 +70,15 @@ Handler handler_of(Service& service, Prefetch& prefetch) {
             return r;
           },
           [&](const Request& request) {
-            prefetch.begin();
-            Response r = handle(service, request);
-            prefetch.end();
+            struct UnderWay {
+              Prefetch& prefetch;
+              explicit UnderWay(Prefetch& p) : prefetch(p) { prefetch.begin(); }
+              ~UnderWay() { prefetch.end(); }
+            };
+            Response r = [&] {
+              const UnderWay under_way(prefetch);
+              return handle(service, request);
+            }();
             prefetch.answered(request.target, r);
             return r;
           }};
@@ -102,7 +108,7 @@ void run(const Options& o) {
   // one it takes 60, and the tiles come as fast.
   mallopt(M_ARENA_MAX, 1);
 
-  Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, [](const std::string& m) { warn("teracell: " + m); }});
+  Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, listen.token.empty(), [](const std::string& m) { warn("teracell: " + m); }});
   Prefetch prefetch([&](const std::string& target) { handle(service, {.target = target}); });
   Metrics metrics;
   AccessLog log(o.log == "none" ? LogFormat::kNone : o.log == "json" ? LogFormat::kJson : LogFormat::kText, STDERR_FILENO);

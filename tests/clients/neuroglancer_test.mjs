@@ -147,13 +147,15 @@ for (const [grid, info] of Object.entries(grids)) {
       assert.ok(cell.every((c, i) => Math.abs(c - at[i]) <= 1), `the mouse is on cell ${cell}, expected ${at}`);
       assert.equal(shown, label(cell));
 
-      // Every level, as the view is zoomed out: all that the viewer has decoded by then.
-      for (const { level, cells: size } of info.levels.slice(1)) {
+      // Every level that it is told of, as the view is zoomed out: all that the viewer has decoded by then. (OME-Zarr lists those
+      // down to a single block.)
+      const many = protocol === "precomputed" ? info.levels.length : 1 + info.levels.findIndex((level) => Math.max(...level.cells) <= 64);
+      for (const { level, cells: size } of info.levels.slice(1, many)) {
         await page.evaluate((scale) => (viewer.navigationState.zoomFactor.value = scale), 2 ** level * space.scale[0]);
         await wait_for(page, size);
       }
       const levels = new Map(info.levels.map((level) => [String(level.cells), level.level]));
-      const compared = info.levels.map(() => 0);
+      const compared = info.levels.slice(0, many).map(() => 0);
       for (const volume of await decoded(page)) {
         const level = levels.get(String(volume.size)), expected = exported(grid, level);
         for (const chunk of volume.chunks) compared[level] += expect_chunk(expected, chunk, `${protocol} ${grid} level ${level}`);

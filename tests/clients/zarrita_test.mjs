@@ -19,15 +19,17 @@ async function expect_export(array, grid, level, what) {
 
 for (const [grid, info] of Object.entries(grids)) {
   const levels = info.levels.length;
+  // What multiscales lists ends with the first level that is a single block; the others are there all the same.
+  const listed = Array.from({ length: 1 + info.levels.findIndex(({ cells }) => Math.max(...cells) <= 64) }, (_, level) => String(level));
 
   for (const path of [grid, `${grid}/labels/material`]) {
     test(`v3: every level of ${path} is as exported`, async () => {
       const group = await zarr.open.v3(new zarr.FetchStore(`${server}/zarr/${path}`), { kind: "group" });
       const { version, multiscales } = group.attrs.ome;
       assert.equal(version, "0.5");
-      assert.equal(multiscales[0].datasets.length, levels);
-      for (const [level, dataset] of multiscales[0].datasets.entries()) {
-        const array = await zarr.open.v3(group.resolve(dataset.path), { kind: "array" });
+      assert.deepEqual(multiscales[0].datasets.map(({ path }) => path), listed);
+      for (let level = 0; level < levels; ++level) {
+        const array = await zarr.open.v3(group.resolve(String(level)), { kind: "array" });
         assert.deepEqual(array.dimensionNames, ["z", "y", "x"]);
         await expect_export(array, grid, level, `${path} level ${level}`);
       }
@@ -72,10 +74,9 @@ for (const [grid, info] of Object.entries(grids)) {
 
   test(`v2: every level of ${grid} is as exported`, async () => {
     const group = await zarr.open.v2(new zarr.FetchStore(`${server}/zarr2/${grid}`), { kind: "group" });
-    const { datasets } = group.attrs.multiscales[0];
-    assert.equal(datasets.length, levels);
-    for (const [level, dataset] of datasets.entries()) {
-      await expect_export(await zarr.open.v2(group.resolve(dataset.path), { kind: "array" }), grid, level, `v2 ${grid} level ${level}`);
+    assert.deepEqual(group.attrs.multiscales[0].datasets.map(({ path }) => path), listed);
+    for (let level = 0; level < levels; ++level) {
+      await expect_export(await zarr.open.v2(group.resolve(String(level)), { kind: "array" }), grid, level, `v2 ${grid} level ${level}`);
     }
   });
 

@@ -66,7 +66,12 @@ TEST_CASE("What can't be served is refused at the start", "[server]") {
     FAIL("found");
   } catch (const HttpError& e) {
     CHECK(e.status == 500);
+    CHECK(std::string(e.what()).find(folder.path().string()) == std::string::npos);  // clients learn no folder
   }
+  std::filesystem::remove(folder / "bad.tcell");
+  store(folder / "bad.tcell", 1);
+  wait_for_a_look();
+  CHECK(ids(grids) == Ids{"bad"});
 }
 
 TEST_CASE("A file that is replaced, added or removed is noticed; who holds the old one reads on", "[server]") {

@@ -230,6 +230,40 @@ TEST_CASE("A damaged chunk is a 500 for what needs it, counted, complained of on
   CHECK(complaints[0].find(s.folder.path().string()) == std::string::npos);
 }
 
+TEST_CASE("A client that accepts gzip gets it, whoever asked before, and finds it kept", "[server]") {
+  Served s;
+  Request request;
+  request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
+  const Response plain = handle(*s.service, request);
+  CHECK(plain.content_encoding.empty());
+  request.accepts_gzip = true;
+  CHECK_FALSE(handle_at_once(*s.service, request));
+  const Response gzip = handle(*s.service, request);
+  CHECK(gzip.content_encoding == "gzip");
+  CHECK(gzip.body->size() < plain.body->size());
+  REQUIRE(handle_at_once(*s.service, request));
+  CHECK(handle_at_once(*s.service, request)->body == gzip.body);
+  request.if_none_match = gzip.etag;
+  CHECK(handle_at_once(*s.service, request)->status == 304);
+}
+
+TEST_CASE("Behind a token nothing may be kept for others", "[server]") {
+  ServiceOptions options;
+  options.anybody = false;
+  Served s(2, options);
+  CHECK(s.get("/api/v1/grids/g/tile/z/0/0/0_0.png?v=" + s.hash()).cache_control == "private, max-age=31536000, immutable");
+}
+
+TEST_CASE("JSON is ASCII, whatever the names", "[server]") {
+  Served s;
+  std::filesystem::rename(s.path, s.folder / "\xc3\xbcn\xff.tcell");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  const Response list = s.get("/api/v1/grids");
+  REQUIRE(list.status == 200);
+  CHECK(std::ranges::all_of(*list.body, [](char c) { return static_cast<unsigned char>(c) < 0x80; }));
+  CHECK(json::parse(*list.body)["grids"][0]["id"] == "\xc3\xbcn\xef\xbf\xbd");
+}
+
 TEST_CASE("The caches stay within their limit", "[server]") {
   ServiceOptions options;
   options.cache_bytes = 200000;

@@ -49,10 +49,11 @@ TEST_CASE("Zarr v3: every cell of every level, as an image and as labels of it, 
   for (int ray_axis = 0; ray_axis < 3; ++ray_axis) {
     ServedCells served(odd_grid(), ray_axis, 7);
     const ordered_json scales = served.json("/zarr/g/zarr.json")["attributes"]["ome"]["multiscales"][0]["datasets"];
-    REQUIRE(scales.size() == 9);
+    REQUIRE(scales.size() == 3);  // the last one listed is a single block; the others are there all the same
     for (int level = 0; level < 9; ++level) {
       const auto expected = served.materials(level);
-      const std::string path = scales[static_cast<size_t>(level)]["path"];
+      const std::string path = std::to_string(level);
+      if (level < 3) REQUIRE(scales[static_cast<size_t>(level)]["path"] == path);
       REQUIRE((read_array(served, "/zarr/g/" + path) == expected));
       if (ray_axis == 0) REQUIRE((read_array(served, "/zarr/g/labels/material/" + path) == expected));
     }
@@ -78,7 +79,7 @@ TEST_CASE("Zarr v3: OME-Zarr places the centre of a level's first cell, the leve
   const ordered_json& scales = ome["multiscales"][0];
   REQUIRE(scales["name"] == "g");
   for (size_t i = 0; i < 3; ++i) REQUIRE(scales["axes"][i] == ordered_json{{"name", std::string(1, "zyx"[i])}, {"type", "space"}, {"unit", "millimeter"}});
-  for (int level = 0; level < 9; ++level)
+  for (int level = 0; level < 3; ++level)
     for (int axis = 0; axis < 3; ++axis) {
       const ordered_json& to_space = scales["datasets"][static_cast<size_t>(level)]["coordinateTransformations"];
       REQUIRE(to_space[0]["type"] == "scale");
@@ -95,7 +96,7 @@ TEST_CASE("Zarr v3: samples that are no centres shift all levels alike", "[serve
   grid.axis[0] = Axis::uniform(-3, 0.1, 5, 70, 0);
   ServedCells served(grid, 2, 3);
   const ordered_json scales = served.json("/zarr/g/zarr.json")["attributes"]["ome"]["multiscales"][0]["datasets"];
-  for (int level = 0; level < 9; ++level) {
+  for (int level = 0; level < 3; ++level) {
     const ordered_json& to_space = scales[static_cast<size_t>(level)]["coordinateTransformations"];
     // The lower face of a level's first voxel.
     REQUIRE(to_space[1]["translation"][2].get<double>() - to_space[0]["scale"][2].get<double>() / 2 == Approx(-2.5 - 0.05));
