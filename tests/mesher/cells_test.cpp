@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "tests/support/meshed.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace teracell {
 namespace {
@@ -67,7 +68,7 @@ TEST_CASE("Six tetrahedra around a diagonal fill their box: every ray meets edge
 }
 
 TEST_CASE("Random scenes full of exact ties equal rational arithmetic along every axis") {
-  for (uint64_t seed = 0; seed < 40; ++seed) {
+  for (uint64_t seed = 0; seed < rounds(40); ++seed) {
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     const int n = random_int(random, 5, 11);

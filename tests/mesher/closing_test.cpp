@@ -8,6 +8,7 @@
 #include "mesher/bodies.hpp"
 #include "store/error.hpp"
 #include "tests/support/meshed.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace teracell {
 namespace {
@@ -178,7 +179,7 @@ TEST_CASE("A box with a missing facet has the cells of the box") {
 
 TEST_CASE("Torn surfaces have the cells of surface and caps together, by rational arithmetic") {
   const Grid grid = uniform_grid(-0.5, 0.5, 18);
-  for (uint64_t seed = 0; seed < 12; ++seed) {
+  for (uint64_t seed = 0; seed < rounds(12); ++seed) {
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     const TempFolder folder;

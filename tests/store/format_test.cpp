@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell {
@@ -239,7 +240,7 @@ TEST_CASE("Metadata cut short, as a frame or as text, are refused") {
 
 TEST_CASE("Metadata with any bit flipped are refused or are metadata that can be written again") {
   const std::string text = decode_text(encode_metadata(some_metadata()), "metadata");
-  for (size_t bit = 0; bit < 8 * text.size(); ++bit) {
+  for (size_t bit = 0; bit < 8 * text.size(); bit += kStride) {
     std::string damaged = text;
     damaged[bit / 8] = static_cast<char>(damaged[bit / 8] ^ 1 << bit % 8);
     try {
