@@ -1,9 +1,5 @@
 #include "server/blocks.hpp"
 
-#include <zlib.h>
-
-#include <new>
-
 namespace teracell {
 
 std::string labels_in(const GridReader& reader, int level, const Box& box) {
@@ -18,11 +14,9 @@ std::string labels_in(const GridReader& reader, int level, const Box& box) {
   }
   std::vector<uint16_t> ids(cells);
   read_box<uint16_t>(reader, level, box, material, 0, ids.data(), stride);
-  std::string out(2 * cells, '\0');
-  for (size_t i = 0; i < cells; ++i) {
-    out[2 * i] = static_cast<char>(ids[i] & 0xFF);
-    out[2 * i + 1] = static_cast<char>(ids[i] >> 8);
-  }
+  std::string out;
+  out.reserve(2 * cells);
+  put_labels(out, ids, true);
   return out;
 }
 
@@ -39,23 +33,8 @@ std::optional<Box> zarr_cube(const Metadata& meta, int level, std::span<const st
   return box;
 }
 
-std::string deflated(std::string_view bytes, Wrapping wrapping) {
-  z_stream z{};
-  if (deflateInit2(&z, 1, Z_DEFLATED, MAX_WBITS + (wrapping == Wrapping::kGzip ? 16 : 0), 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
-  std::string out(deflateBound(&z, bytes.size()), '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  z.avail_in = static_cast<uInt>(bytes.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data());
-  z.avail_out = static_cast<uInt>(out.size());
-  deflate(&z, Z_FINISH);
-  out.resize(z.total_out);
-  out.shrink_to_fit();  // it is kept in a cache
-  deflateEnd(&z);
-  return out;
-}
-
 Service::Recipe cube_recipe(const ServedGrid& grid, int level, const Box& cube, Wrapping wrapping) {
-  return {.route = "other", .content_type = "application/octet-stream", .make = [&grid, level, cube, wrapping] {
+  return {.content_type = "application/octet-stream", .make = [&grid, level, cube, wrapping] {
             return deflated(labels_in(grid.reader(), level, cube), wrapping);
           }};
 }

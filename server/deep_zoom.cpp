@@ -32,7 +32,7 @@ std::optional<Service::Recipe> find_tile(const ScaledSlice& slice, int scale, st
   const int64_t width = slice.width(scale), height = slice.height(scale);
   if (!column || !row || *column > (width - 1) / kTilePixels || *row > (height - 1) / kTilePixels) return std::nullopt;
   const int64_t x = *column * kTilePixels, y = *row * kTilePixels;
-  return Service::Recipe{.route = "other", .content_type = "image/png", .make = [=] {
+  return Service::Recipe{.content_type = "image/png", .make = [=] {
                            return slice.png(scale, x, y, std::min(x + kTilePixels, width), std::min(y + kTilePixels, height));
                          }};
 }
@@ -44,7 +44,7 @@ std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std:
   const auto index = without(path[1], tile ? kFolder : kDocument);
   const auto slice = index ? slice_at(grid.reader(), path[0], *index) : std::nullopt;
   if (!slice) return std::nullopt;
-  if (!tile) return Service::Recipe{.route = "other", .content_type = "application/xml", .make = [s = *slice] { return description(s); }};
+  if (!tile) return Service::Recipe{.content_type = "application/xml", .make = [s = *slice] { return description(s); }};
   const int last = slice->scale_within(1);
   const auto level = plain_integer(path[2]);
   return level && *level <= last ? find_tile(*slice, last - static_cast<int>(*level), path[3]) : std::nullopt;

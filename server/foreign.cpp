@@ -38,22 +38,12 @@ std::optional<Service::Recipe> find_document(const Documents& documents, std::st
 Service::Recipe json_recipe(std::function<nlohmann::ordered_json()> make) {
   // A grid's id comes from a file's name, which may be no UTF-8.
   const auto text = [make = std::move(make)] { return make().dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace); };
-  return {.route = "other", .content_type = "application/json", .compress = true, .make = text};
+  return {.content_type = "application/json", .compress = true, .make = text};
 }
 
 std::string joined(std::span<const std::string> path) { return fmt::format("{}", fmt::join(path, "/")); }
 
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const size_t stop = text.find(separator);
-    parts.push_back(text.substr(0, stop));
-    if (stop == std::string_view::npos) return parts;
-    text.remove_prefix(stop + 1);
-  }
-}
-
-std::optional<int> level_of(const Metadata& meta, std::string_view text) {
+std::optional<int> find_level(const Metadata& meta, std::string_view text) {
   const auto level = plain_integer(text);
   return level && *level < meta.grid.levels() ? std::optional(static_cast<int>(*level)) : std::nullopt;
 }

@@ -27,10 +27,9 @@ Response or_missing(const char* route, F&& serve) {
   }
 }
 
-// How to make what stands at `path` of a grid; nothing when there is no such thing. `path` begins behind the id; the recipe
-// needs no route.
+// How to make what stands at `path` of a grid; nothing when there is no such thing. `path` begins behind the id.
 using Find = std::function<std::optional<Service::Recipe>(const ServedGrid& grid, std::span<const std::string> path)>;
-// Answers with what `find` finds. REQUIRES: target.path has at least two segments.
+// Answers with what `find` finds, counted as `route`. REQUIRES: target.path has at least two segments.
 Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const Find& find);
 
 // The documents of a hierarchy, by their path in it.
@@ -40,8 +39,7 @@ std::optional<Service::Recipe> find_document(const Documents& documents, std::st
 Service::Recipe json_recipe(std::function<nlohmann::ordered_json()> make);
 
 std::string joined(std::span<const std::string> path);  // by '/'
-std::vector<std::string_view> split(std::string_view text, char separator);
 // The level that `text` names, if the grid has it.
-std::optional<int> level_of(const Metadata& meta, std::string_view text);
+std::optional<int> find_level(const Metadata& meta, std::string_view text);
 
 }  // namespace teracell

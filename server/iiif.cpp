@@ -28,16 +28,6 @@ std::optional<Name> parse_name(const std::string& text) {
   return Name{text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
 }
 
-std::string percent_encoded(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    const bool plain = (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'z') || c == '-' || c == '.' || c == '_' || c == '~';
-    if (plain) out += c;
-    else out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
-  return out;
-}
-
 // At the last one the picture is a single tile.
 int last_scale(const ScaledSlice& slice) { return slice.scale_within(kTilePixels); }
 
@@ -102,7 +92,7 @@ std::optional<Service::Recipe> find_picture(const ScaledSlice& slice, std::span<
     const int64_t w = ceil_shift(region->w, scale), h = ceil_shift(region->h, scale), x = region->x >> scale, y = region->y >> scale;
     if (!is_offered(*region, scale, slice) || !is_size(path[1], w, h, scale)) continue;
     if (w * h > most) throw bad_request(fmt::format("size: expected at most {} pixels, found {} x {}; info.json lists the sizes", most, w, h));
-    return Service::Recipe{.route = kRoute, .content_type = "image/png", .make = [=] { return slice.png(scale, x, y, x + w, y + h); }};
+    return Service::Recipe{.content_type = "image/png", .make = [=] { return slice.png(scale, x, y, x + w, y + h); }};
   }
   return std::nullopt;
 }

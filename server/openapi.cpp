@@ -1,13 +1,16 @@
 #include "server/openapi.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "server/tiles.hpp"
 
 namespace teracell {
 namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json parameter(const char* name, const char* in, const char* description, ordered_json schema) {
+ordered_json parameter(const char* name, const char* in, const std::string& description, ordered_json schema) {
   return {{"name", name}, {"in", in}, {"required", std::string(in) == "path"}, {"description", description}, {"schema", std::move(schema)}};
 }
 
@@ -20,7 +23,7 @@ ordered_json axis() { return parameter("axis", "path", "the axis across the slic
 ordered_json version() { return parameter("v", "query", "the grid's hash: the answer may then be kept for ever", kString); }
 ordered_json level(const char* in) { return parameter("level", in, "of the pyramid; its cells are 2^level times as wide", kInteger); }
 ordered_json materials() { return parameter("materials", "query", "ids of the materials to show, separated by commas; default: all", kString); }
-ordered_json outline() { return parameter("outline", "query", "1 draws the boundaries between materials", flag()); }
+ordered_json outline() { return parameter("outline", "query", fmt::format("1 draws the boundaries between materials, in pictures of at most {} pixels", kMostOutlined), flag()); }
 
 ordered_json content(const char* type, const char* schema) {
   ordered_json c = {{type, ordered_json::object()}};
@@ -28,17 +31,22 @@ ordered_json content(const char* type, const char* schema) {
   return c;
 }
 
-// A GET. Those about a grid have an ETag, and can be 304, 400, 404 and 500.
-ordered_json get(const char* summary, ordered_json parameters, const char* type, const char* schema, bool of_grid = true) {
+// What an answer is made of: the server itself, at once; the list of grids, or the like; a grid, and then it has an ETag.
+enum class Source { kServer, kGrids, kGrid };
+
+ordered_json get(const char* summary, ordered_json parameters, const char* type, const char* schema, Source source = Source::kGrid) {
   ordered_json responses = {{"200", {{"description", "done"}, {"content", content(type, schema)}}}};
   const auto error = [&](const char* status, const char* description) { responses[status] = {{"description", description}, {"content", content("application/json", "Error")}}; };
-  if (of_grid) {
+  error("400", "a malformed or out-of-range value; the message says the range");
+  error("401", "the server wants a token, and this is none or another");
+  if (source == Source::kGrid) {
     responses["200"]["headers"] = {{"ETag", {{"description", "strong: the grid's content and encoding"}, {"schema", {{"type", "string"}}}}}};
     responses["304"] = {{"description", "the client has it"}};
     error("404", "no such grid, tile or version");
     error("500", "the file is damaged there");
   }
-  error("400", "a malformed or out-of-range value; the message says the range");
+  error("405", "another method than GET, HEAD and OPTIONS");
+  if (source != Source::kServer) error("503", "too many requests wait, or memory is short: again in a second");
   return {{"get", {{"summary", summary}, {"parameters", std::move(parameters)}, {"responses", responses}}}};
 }
 
@@ -85,10 +93,12 @@ std::string openapi_json(const Request& request) {
   const ordered_json id = grid_id();
   const std::string grid = "/api/v1/grids/{id}";
   ordered_json paths;
-  paths["/healthz"] = get("is the server alive?", ordered_json::array(), "application/json", nullptr, false);
-  paths["/metrics"] = get("Prometheus metrics", ordered_json::array(), "text/plain", nullptr, false);
-  paths["/openapi.json"] = get("this description", ordered_json::array(), "application/json", nullptr, false);
-  paths["/api/v1/grids"] = get("the grids that are served", ordered_json::array(), "application/json", "Grids", false);
+  paths["/healthz"] = get("is the server alive?", ordered_json::array(), "application/json", nullptr, Source::kServer);
+  paths["/healthz"]["get"]["responses"].erase("401");
+  paths["/healthz"]["get"]["security"] = ordered_json::array();
+  paths["/metrics"] = get("Prometheus metrics", ordered_json::array(), "text/plain", nullptr, Source::kServer);
+  paths["/openapi.json"] = get("this description", ordered_json::array(), "application/json", nullptr, Source::kGrids);
+  paths["/api/v1/grids"] = get("the grids that are served", ordered_json::array(), "application/json", "Grids", Source::kGrids);
   paths[grid] = get("a grid: axes, materials, levels, what meshing reported", {id, version()}, "application/json", "Info");
   paths[grid + "/slice/{axis}/{index}.png"] = get(
       "a slice as a picture, v upwards", {id, axis(), parameter("index", "path", "the slice, in cells of the level", kInteger), level("query"),
@@ -116,10 +126,11 @@ std::string openapi_json(const Request& request) {
                                {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()}, "application/json", "Stats");
   const ordered_json out = {{"openapi", "3.1.0"},
                             {"info", {{"title", "teracell"}, {"version", "1"}, {"description", "Slices, columns and statistics of huge Cartesian grids. The same grids for other clients: /zarr, "
-                                                                                              "/zarr2, /xarray, /precomputed, /dzi, /iiif."}}},
+                                                                                              "/zarr2, /xarray, /precomputed, /dzi, /iiif. HEAD is answered like GET, without the body."}}},
                             {"servers", {{{"url", request.prefix.empty() ? "/" : request.prefix}}}},
                             {"paths", paths},
-                            {"components", {{"schemas", schemas()}}}};
+                            {"security", {ordered_json::object(), {{"bearer", ordered_json::array()}}}},  // none, or this
+                            {"components", {{"schemas", schemas()}, {"securitySchemes", {{"bearer", {{"type", "http"}, {"scheme", "bearer"}, {"description", "where the server was given a token"}}}}}}}};
   return out.dump();
 }
 

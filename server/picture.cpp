@@ -28,8 +28,18 @@ Rgba blend(std::span<const Rgba> colors) {
   return out;
 }
 
-SetColors::SetColors(const Metadata& meta, int level, std::vector<bool> shown) : meta_(meta), shown_(std::move(shown)) {
-  for (const MaterialInfo& m : meta.materials) material_colors_.push_back(parse_color(m.color).value());
+MaterialColors::MaterialColors(const Metadata& meta, std::vector<bool> shown) : shown_(std::move(shown)) {
+  for (const MaterialInfo& m : meta.materials) colors_.push_back(parse_color(m.color).value());
+}
+
+Rgba MaterialColors::of(std::span<const uint32_t> materials) const {
+  std::vector<Rgba> members;
+  for (const uint32_t m : materials)
+    if (shown_.empty() || shown_[m]) members.push_back(colors_[m]);
+  return members.empty() ? Rgba{0, 0, 0, 0} : blend(members);
+}
+
+SetColors::SetColors(const Metadata& meta, int level, std::vector<bool> shown) : meta_(meta), of_materials_(meta, std::move(shown)) {
   const auto n = static_cast<uint32_t>(meta.materials.size());
   for (uint32_t m = 0; m < n; ++m) number_of_materials({m});
   // Every set of 8 materials or fewer: 255 of them.
@@ -44,25 +54,14 @@ SetColors::SetColors(const Metadata& meta, int level, std::vector<bool> shown) :
 }
 
 uint16_t SetColors::number_of_materials(const std::vector<uint32_t>& materials) {
-  std::vector<Rgba> members;
-  for (const uint32_t m : materials)
-    if (shown_.empty() || shown_[m]) members.push_back(material_colors_[m]);
-  const Rgba color = members.empty() ? Rgba{0, 0, 0, 0} : blend(members);
+  const Rgba color = of_materials_.of(materials);
   std::lock_guard lock(mutex_);
   if (const auto it = by_color_.find(PngRows::rgba(color)); it != by_color_.end()) return it->second;
-  if (colors_.size() == kMaxSetColors) throw Error(fmt::format("the picture has more than {} colours", kMaxSetColors));
+  if (colors_.size() == kMaxSetColors) throw UsageError(fmt::format("the picture has more than {} colours: ask for a smaller part of it", kMaxSetColors));
   colors_.push_back(color);
   const auto number = static_cast<uint16_t>(colors_.size() - 1);
   by_color_[PngRows::rgba(color)] = number;
   return number;
-}
-
-uint16_t SetColors::number(const std::vector<Label>& set) {
-  std::vector<uint32_t> materials;
-  for (const Label label : set) materials.push_back(meta_.labels[label].material);
-  std::ranges::sort(materials);
-  materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
-  return number_of_materials(materials);
 }
 
 std::vector<Rgba> SetColors::colors() const {

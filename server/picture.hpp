@@ -15,25 +15,34 @@ namespace teracell {
 // channels and alpha averaged (half up), and the channels divided by the mean alpha again (half up) for the PNG.
 Rgba blend(std::span<const Rgba> colors);
 
+// The colour of a cell by the materials of its set: those that are shown, blended; transparent when none is.
+class MaterialColors {
+ public:
+  explicit MaterialColors(const Metadata& meta, std::vector<bool> shown = {});  // by material; empty: all
+  Rgba of(std::span<const uint32_t> materials) const;
+
+ private:
+  std::vector<Rgba> colors_;
+  std::vector<bool> shown_;
+};
+
 // Colours by number, handed out as sets turn up; number 0 is material 0's. With at most 256 colours possible they are
 // all known beforehand, so that a picture can have a palette. Threads may share it.
 class SetColors {
  public:
-  // The pictures of `level`: on level 0 sets have one member. Keeps a reference to `meta`. Materials that are not `shown`
-  // (empty: all are) leave their sets, and a cell of nothing else is transparent.
+  // The pictures of `level`: on level 0 sets have one member. Keeps a reference to `meta`.
   SetColors(const Metadata& meta, int level, std::vector<bool> shown = {});
-  uint16_t number(const std::vector<Label>& set);
+  uint16_t number(const std::vector<Label>& set) { return number_of_materials(materials_of(meta_, set)); }
   SetValue value() {
     return [this](const std::vector<Label>& set) { return number(set); };
   }
-  bool complete() const { return complete_; }      // colors() will not grow
+  bool complete() const { return complete_; }  // colors() will not grow
   std::vector<Rgba> colors() const;
 
  private:
   uint16_t number_of_materials(const std::vector<uint32_t>& materials);
   const Metadata& meta_;
-  const std::vector<bool> shown_;
-  std::vector<Rgba> material_colors_;
+  const MaterialColors of_materials_;
   bool complete_ = false;
   mutable std::mutex mutex_;
   std::vector<Rgba> colors_;

@@ -90,10 +90,10 @@ std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std:
   if (name == "info") return json_recipe([&grid] { return info(grid); });
   if (name == "segprops/info") return json_recipe([&grid] { return segment_properties(grid); });
   if (path.size() != 2 || !path[0].starts_with('s')) return std::nullopt;
-  const auto level = level_of(grid.meta(), std::string_view(path[0]).substr(1));
+  const auto level = find_level(grid.meta(), std::string_view(path[0]).substr(1));
   const auto box = level ? block_of(grid.meta(), *level, path[1]) : std::nullopt;
   if (!box) return std::nullopt;
-  return Service::Recipe{.route = "other", .content_type = "application/octet-stream", .compress = true,
+  return Service::Recipe{.content_type = "application/octet-stream", .compress = true,
                          .make = [&grid, level = *level, box = *box] { return labels_in(grid.reader(), level, box); }};
 }
 

@@ -19,7 +19,7 @@ std::vector<std::string> neighbours(const std::string& target) {
   return out;
 }
 
-Prefetch::Prefetch(std::function<void(const std::string&)> fetch) : fetch_(std::move(fetch)), thread_([this] { work(); }) {}
+Prefetch::Prefetch(std::function<void(const Request&)> fetch) : fetch_(std::move(fetch)), thread_([this] { work(); }) {}
 
 Prefetch::~Prefetch() {
   {
@@ -43,13 +43,13 @@ void Prefetch::end() {
   changed_.notify_all();
 }
 
-void Prefetch::answered(const std::string& target, const Response& response) {
+void Prefetch::answered(const Request& request, const Response& response) {
   if ((response.status != 200 && response.status != 304) || std::strncmp(response.route, "tile", 4) != 0) return;
   {
     std::lock_guard lock(mutex_);
-    if (target == last_) return;
-    last_ = target;
-    for (std::string& next : neighbours(target)) waiting_.push_back(std::move(next));
+    if (request.target == last_) return;
+    last_ = request.target;
+    for (std::string& next : neighbours(last_)) waiting_.push_back({.target = std::move(next), .accepts_gzip = request.accepts_gzip});
     while (waiting_.size() > kMostWaiting) waiting_.pop_front();
     if (under_way_ > 0) return;
   }
@@ -61,11 +61,11 @@ void Prefetch::work() {
   for (;;) {
     changed_.wait(lock, [&] { return closed_ || (under_way_ == 0 && !waiting_.empty()); });
     if (closed_) return;
-    const std::string target = std::move(waiting_.back());  // the most recent first
+    const Request request = std::move(waiting_.back());  // the most recent first
     waiting_.pop_back();
     lock.unlock();
     try {
-      fetch_(target);
+      fetch_(request);
     } catch (...) {  // whoever asks for it will be told
     }
     lock.lock();

@@ -19,26 +19,26 @@ std::vector<std::string> neighbours(const std::string& target);
 // Threads share it.
 class Prefetch {
  public:
-  // `fetch` makes the answer to a target and keeps it; it is called on a thread of its own.
-  explicit Prefetch(std::function<void(const std::string& target)> fetch);
+  // `fetch` makes the answer to a request and keeps it; it is called on a thread of its own.
+  explicit Prefetch(std::function<void(const Request&)> fetch);
   ~Prefetch();  // waits for the one under way
   Prefetch(const Prefetch&) = delete;
 
   // Around the making of an answer: nothing is fetched ahead meanwhile.
   void begin();
   void end();
-  // A request for `target` was answered.
-  void answered(const std::string& target, const Response& response);
+  // The neighbours are asked for as the request was: with gzip, or without.
+  void answered(const Request& request, const Response& response);
 
  private:
   static constexpr size_t kMostWaiting = 64;  // then the oldest are forgotten: the user has scrolled on
   void work();
 
-  const std::function<void(const std::string&)> fetch_;
+  const std::function<void(const Request&)> fetch_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<std::string> waiting_;
-  std::string last_;
+  std::deque<Request> waiting_;
+  std::string last_;  // target
   int under_way_ = 0;
   bool closed_ = false;
   std::thread thread_;  // last: it uses the others

@@ -16,7 +16,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr int64_t kTile = 512;
 constexpr const char* kJson = "application/json";
 
 // Names come from anybody's files: what is no UTF-8 in them is replaced. ASCII, as some readers of JSON take nothing else (zarr 2.13).
@@ -31,8 +30,10 @@ Response plain(const char* route, const char* type, std::string text) {
   return r;
 }
 
+HttpError no_such_address(const Request& request) { return not_found(fmt::format("there is nothing at this address: {}/openapi.json lists what there is", request.prefix)); }
+
 int axis_of(const std::string& name) {
-  if (name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') return name[0] - 'x';
+  if (const auto axis = axis_named(name)) return *axis;
   throw bad_request(fmt::format("axis: expected x, y or z, found '{}'", name.substr(0, 48)));
 }
 
@@ -56,11 +57,15 @@ Look look_of(const Target& target, const Metadata& meta) {
   Look look;
   if (const std::string* outline = target.find("outline")) look.outline = integer_in(*outline, "outline", 0, 1) == 1;
   if (const std::string* list = target.find("materials")) {
-    look.shown.assign(meta.materials.size(), false);
-    const auto count = static_cast<size_t>(std::ranges::count(*list, ',') + 1);
+    const size_t n = meta.materials.size();
+    look.shown.assign(n, false);
     if (!list->empty())
-      for (const int64_t m : integers(*list, count, "materials"))
-        look.shown.at(static_cast<size_t>(integer_in(std::to_string(m), "materials", 0, static_cast<int64_t>(meta.materials.size()) - 1))) = true;
+      for (const std::string_view text : split(*list, ',')) {
+        const auto id = plain_integer(text);
+        if (!id || static_cast<size_t>(*id) >= n)
+          throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'", n - 1, text.substr(0, 48)));
+        look.shown[static_cast<size_t>(*id)] = true;
+      }
   }
   return look;
 }
@@ -77,7 +82,7 @@ struct GridRequest {
 };
 
 Response json_answer(const GridRequest& r, const char* route, std::function<ordered_json()> make) {
-  return r.service.answer(r.request, r.target, *r.grid, {route, kJson, true, true, [make = std::move(make)] { return text_of(make()); }});
+  return r.service.answer(r.request, r.target, *r.grid, {.route = route, .content_type = kJson, .compress = true, .make = [make = std::move(make)] { return text_of(make()); }});
 }
 
 Response info(const GridRequest& r) {
@@ -93,7 +98,7 @@ Response slice(const GridRequest& r) {
   r.target.allow({"v", "level", "region", "materials", "outline"});
   const int axis = axis_of(r.rest[1]), level = level_of(r.target.find("level"), r.reader());
   const auto [index, extension] = split_name(r.rest[2]);
-  if (extension != ".png") throw not_found("slices are pictures: expected a name that ends in .png");
+  if (extension != ".png") throw not_found(fmt::format("slices are .png, found '{}'", extension.substr(0, 48)));
   const Index3 n = r.meta().grid.cells(level);
   SliceView view = whole_slice(r.meta(), axis, integer_in(index, "index", 0, n[axis] - 1), level);
   if (const std::string* region = r.target.find("region")) {
@@ -105,7 +110,7 @@ Response slice(const GridRequest& r) {
   if (const uint64_t most = r.service.options().max_pixels; height > most / width)
     throw bad_request(fmt::format("region: expected at most {} pixels, found {} x {}: ask for a part with region=, or a coarser level", most, width, height));
   const Look look = look_of(r.target, r.meta());
-  return r.service.answer(r.request, r.target, *r.grid, {"slice", "image/png", true, false, [&] { return picture_png(r.reader(), view, look); }});
+  return r.service.answer(r.request, r.target, *r.grid, {.route = "slice", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, look); }});
 }
 
 Response tile(const GridRequest& r) {
@@ -115,23 +120,23 @@ Response tile(const GridRequest& r) {
   const auto [place, extension] = split_name(r.rest[4]);
   const auto [col, row] = split_pair(place, "tile");
   const int64_t u = integer_in(col, "column", 0, Axis::kMaxCells), v = integer_in(row, "row", 0, Axis::kMaxCells);
-  const auto tiles = [](int64_t cells) { return (cells + kTile - 1) / kTile; };
+  const auto tiles = [](int64_t cells) { return (cells + kTilePixels - 1) / kTilePixels; };
   if (u >= tiles(view.u1) || v >= tiles(view.v1))
     throw not_found(fmt::format("there is no tile {}_{}: level {} has columns 0 to {} and rows 0 to {}", u, v, level, tiles(view.u1) - 1, tiles(view.v1) - 1));
-  view.u0 = u * kTile, view.v0 = v * kTile;
-  view.u1 = std::min(view.u1, view.u0 + kTile), view.v1 = std::min(view.v1, view.v0 + kTile);
+  view.u0 = u * kTilePixels, view.v0 = v * kTilePixels;
+  view.u1 = std::min(view.u1, view.u0 + kTilePixels), view.v1 = std::min(view.v1, view.v0 + kTilePixels);
   if (extension == ".bin") {
     r.target.allow({"v", "sets"});
     const std::string* sets = r.target.find("sets");
     const bool with_sets = sets && integer_in(*sets, "sets", 0, 1) == 1;
-    return r.service.answer(r.request, r.target, *r.grid, {"tile_bin", "application/octet-stream", true, true, [&] {
+    return r.service.answer(r.request, r.target, *r.grid, {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&] {
                               return with_sets ? raw_sets(r.reader(), view) : raw_labels(r.reader(), view);
                             }});
   }
   if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));
   r.target.allow({"v", "materials", "outline"});
   const Look look = look_of(r.target, r.meta());
-  return r.service.answer(r.request, r.target, *r.grid, {"tile", "image/png", true, false, [&] { return picture_png(r.reader(), view, look); }});
+  return r.service.answer(r.request, r.target, *r.grid, {.route = "tile", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, look); }});
 }
 
 Response cell(const GridRequest& r) {
@@ -154,13 +159,9 @@ Response cell(const GridRequest& r) {
       const int64_t first = box.lo[d] << level, last = std::min(a.cells(), box.hi[d] << level);
       j["centre"].push_back(level == 0 ? a.centre(first) : (a.plane(first) + a.plane(last)) / 2);
     }
-    std::vector<uint32_t> materials;
-    for_each_run(r.reader(), level, box, [&](const BoxRun& run) {
-      for (const Label label : *run.set) materials.push_back(meta.labels[label].material);
+    for_each_run(r.reader(), level, box, [&](const BoxRun& run) {  // a single one
+      for (const uint32_t m : materials_of(meta, *run.set)) j["materials"].push_back({{"id", m}, {"name", meta.materials[m].name}});
     });
-    std::ranges::sort(materials);
-    materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
-    for (const uint32_t m : materials) j["materials"].push_back({{"id", m}, {"name", meta.materials[m].name}});
     return j;
   });
 }
@@ -184,7 +185,7 @@ Response stats(const GridRequest& r) {
     for (int d = 0; d < 3; ++d) {
       box.lo[d] = c[d], box.hi[d] = c[d + 3];
       if (box.lo[d] < 0 || box.hi[d] > n[d] || box.lo[d] >= box.hi[d])
-        throw bad_request(fmt::format("region: expected 0 to {} along {} (half open, not empty), found {} to {}", n[d], axis_name(d), c[d], c[d + 3]));
+        throw bad_request(fmt::format("region: expected a part of 0 to {} along {} (half open, not empty), found {} to {}", n[d], axis_name(d), c[d], c[d + 3]));
     }
   }
   return json_answer(r, "stats", [&, box] { return stats_json(r.meta(), box, read_stats(r.reader(), box)); });
@@ -205,7 +206,7 @@ Response list(Service& service, const Target& target) {
 
 Response api(Service& service, const Request& request, const Target& target) {
   const auto& path = target.path;  // "api", "v1", "grids", id, what, ...
-  if (path.size() < 3 || path[1] != "v1" || path[2] != "grids") throw not_found("there is nothing at this address: see /openapi.json");
+  if (path.size() < 3 || path[1] != "v1" || path[2] != "grids") throw no_such_address(request);
   if (path.size() == 3) return list(service, target);
   const GridRequest r{service, request, target, service.grids().find(path[3]), {path.begin() + 4, path.end()}};
   const auto is = [&](const char* name, size_t segments) { return r.rest.size() == segments && r.rest[0] == name; };
@@ -215,7 +216,7 @@ Response api(Service& service, const Request& request, const Target& target) {
   if (is("cell", 1)) return cell(r);
   if (is("column", 3)) return column(r);
   if (is("stats", 1)) return stats(r);
-  throw not_found("there is nothing at this address: see /openapi.json");
+  throw no_such_address(request);
 }
 
 struct Prefix {
@@ -237,7 +238,7 @@ Response route(Service& service, const Request& request) {
   if (target.path.size() == 1 && first == "openapi.json") return plain("openapi", kJson, openapi_json(request));
   for (const Prefix& p : kPrefixes)
     if (first == p.name) return p.serve(service, request, target);
-  throw not_found("there is nothing at this address: see /openapi.json");
+  throw no_such_address(request);
 }
 
 }  // namespace

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "server/tiles.hpp"
-
 namespace teracell {
 
 int64_t ScaledSlice::width(int scale) const { return ceil_shift(reader->meta().grid.cells()[Frame::along(axis).u], scale); }
@@ -20,11 +18,9 @@ std::string ScaledSlice::png(int scale, int64_t x0, int64_t y0, int64_t x1, int6
 }
 
 std::optional<ScaledSlice> slice_at(const GridReader& reader, std::string_view axis, std::string_view index) {
-  for (int a = 0; a < 3; ++a) {
-    const auto i = plain_integer(index);
-    if (axis == axis_name(a) && i && *i < reader.meta().grid.cells()[a]) return ScaledSlice{&reader, a, *i};
-  }
-  return std::nullopt;
+  const auto a = axis_named(axis);
+  const auto i = plain_integer(index);
+  return a && i && *i < reader.meta().grid.cells()[*a] ? std::optional(ScaledSlice{&reader, *a, *i}) : std::nullopt;
 }
 
 }  // namespace teracell

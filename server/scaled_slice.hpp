@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "store/reader.hpp"
+#include "server/tiles.hpp"
 
 namespace teracell {
 
@@ -24,8 +24,6 @@ struct ScaledSlice {
   // The pixels [x0, x1) x [y0, y1) of a scale as PNG. REQUIRES: they lie in it.
   std::string png(int scale, int64_t x0, int64_t y0, int64_t x1, int64_t y1) const;
 };
-
-inline constexpr int64_t kTilePixels = 512;
 
 // The slice that "x", "y" or "z" and an index name, if the grid has it.
 std::optional<ScaledSlice> slice_at(const GridReader& reader, std::string_view axis, std::string_view index);

@@ -1,7 +1,8 @@
 #include "server/service.hpp"
 
 #include <fmt/format.h>
-#include <zlib.h>
+
+#include "server/deflate.hpp"
 
 namespace teracell {
 namespace {
@@ -51,21 +52,6 @@ class Keeper : public ChunkKeeper {
   uint64_t grid_;
 };
 
-std::string gzipped(const std::string& bytes) {
-  z_stream z{};
-  if (deflateInit2(&z, 1, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
-  std::string out(deflateBound(&z, bytes.size()), '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  z.avail_in = static_cast<uInt>(bytes.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data());
-  z.avail_out = static_cast<uInt>(out.size());
-  deflate(&z, Z_FINISH);
-  out.resize(z.total_out);
-  out.shrink_to_fit();  // the caches pay for what is reserved
-  deflateEnd(&z);
-  return out;
-}
-
 std::string etag_of(const ServedGrid& grid, const std::string& address, bool gzip) {
   const auto bytes = std::span(reinterpret_cast<const uint8_t*>(address.data()), address.size());
   return fmt::format("\"{}-{}{}{}\"", grid.hash, kRevision, address.empty() ? "" : fmt::format("-{:x}", checksum(bytes)), gzip ? "-gz" : "");
@@ -99,19 +85,26 @@ size_t ChunkPlaceHash::operator()(const ChunkPlace& p) const {
 Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       counters_(std::make_shared<Counters>()),
-      chunks_(std::make_shared<ChunkCache>(options_.cache_bytes)),
+      chunks_(std::make_shared<ChunkCache>(options_.cache_bytes - options_.cache_bytes / 16)),
+      index_(std::make_shared<IndexCache>(options_.cache_bytes / 16)),
       answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
-      grids_(std::make_unique<Grids>(options_.named, [counters = counters_, chunks = chunks_](const std::filesystem::path& path, uint64_t number) {
-        return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number));
+      grids_(std::make_unique<Grids>(options_.named, [counters = counters_, chunks = chunks_, index = index_](const std::filesystem::path& path, uint64_t number) {
+        return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number), index);
       })) {}
 
-std::optional<Response> Service::recall(const Request& request) {
+Service::AnswerCache::Pointer Service::kept(const Request& request) {
   const uint64_t epoch = grids_->epoch();
-  AnswerCache::Pointer kept;
-  if (request.accepts_gzip) kept = answers_->find(cache_key(epoch, true, request.target));
-  if (!kept) kept = answers_->find(cache_key(epoch, false, request.target));
-  if (!kept || (request.accepts_gzip && kept->compressible)) return std::nullopt;
-  Response r = *kept;
+  if (request.accepts_gzip)
+    if (auto gzip = answers_->find(cache_key(epoch, true, request.target))) return gzip;
+  auto plain = answers_->find(cache_key(epoch, false, request.target));
+  return plain && request.accepts_gzip && plain->compressible ? nullptr : plain;
+}
+
+std::optional<Response> Service::recall(const Request& request) {
+  const auto answer = kept(request);
+  if (!answer) return std::nullopt;
+  answers_->hit();
+  Response r = *answer;
   if (has_etag(request.if_none_match, r.etag)) r.status = 304, r.body = nullptr;
   return r;
 }
@@ -122,7 +115,7 @@ Response Service::answer(const Request& request, const Target& target, const Ser
   r.route = recipe.route;
   r.content_type = recipe.content_type;
   const std::string* version = target.find("v");
-  if (version && *version != grid.hash) throw not_found(fmt::format("grid '{}' has no version '{}' any more; its version is {}", grid.id, version->substr(0, 64), grid.hash));
+  if (version && *version != grid.hash) throw not_found(fmt::format("v: grid '{}' is of version {}, found '{}': its file was replaced, or the address is that of another", grid.id, grid.hash, version->substr(0, 64)));
   r.cache_control = !version || !recipe.address.empty() ? "no-cache" : options_.anybody ? "public, max-age=31536000, immutable" : "private, max-age=31536000, immutable";
   const bool gzip = recipe.compress && request.accepts_gzip;
   r.etag = etag_of(grid, recipe.address, gzip);
@@ -135,7 +128,7 @@ Response Service::answer(const Request& request, const Target& target, const Ser
   const auto make = [&] {
     std::string text = recipe.make();
     Response made = r;
-    made.body = body_of(gzip ? gzipped(text) : std::move(text));
+    made.body = body_of(gzip ? deflated(text, Wrapping::kGzip) : std::move(text));
     return made;
   };
   if (!recipe.keep || !epoch) return make();

@@ -1,4 +1,4 @@
-// What all routes stand on: the grids, the two caches, and the one way to answer with something made from a grid.
+// What all routes stand on: the grids, the caches, and the one way to answer with something made from a grid.
 #pragma once
 #include <atomic>
 #include <functional>
@@ -25,7 +25,7 @@ struct ChunkPlaceHash {
 
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files and folders
-  size_t cache_bytes = size_t{256} << 20;    // of decoded chunks; of encoded answers, which are small, an eighth of that
+  size_t cache_bytes = size_t{256} << 20;    // of decoded chunks and, a sixteenth, the index that leads to them; of answers, which are small, an eighth besides
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
   bool anybody = true;                       // may have the answers: caches on the way may keep them for others
   std::function<void(const std::string&)> complain;  // gets what is found damaged, each thing once; any thread
@@ -40,12 +40,12 @@ class Service {
 
   // How an answer is made.
   struct Recipe {
-    const char* route;       // for the metrics
+    const char* route = "other";  // for the metrics
     std::string content_type;
-    bool keep = true;        // in the cache
-    bool compress = false;   // with gzip, for clients that accept it: what is not compressed already
+    bool keep = true;             // in the cache
+    bool compress = false;        // with gzip, for clients that accept it: what is not compressed already
     std::function<std::string()> make;
-    std::string address = {};       // that it holds, if any: then it is another answer for another address
+    std::string address = {};     // that it holds, if any: then it is another answer for another address
   };
   // The answer, or 304 when the client has it, without making it. It may be kept for ever when the address names this
   // version of the grid ("v=<hash>" in its query), else it must be asked about each time. Throws HttpError 404 for a
@@ -54,6 +54,7 @@ class Service {
   Response answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe);
   // What answer() gave for the same address, if it is still kept.
   std::optional<Response> recall(const Request& request);
+  bool keeps(const Request& request) { return kept(request) != nullptr; }  // counts as no use of it
 
   struct Counters {
     std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
@@ -66,11 +67,14 @@ class Service {
   using AnswerCache = SharedCache<std::string, Response>;  // by grids().epoch(), encoding and target
   ChunkCache& chunks() { return *chunks_; }
   AnswerCache& answers() { return *answers_; }
+  IndexCache& index() { return *index_; }
 
  private:
+  AnswerCache::Pointer kept(const Request& request);
   const ServiceOptions options_;
   std::shared_ptr<Counters> counters_;
-  std::shared_ptr<ChunkCache> chunks_;  // readers keep it alive
+  std::shared_ptr<ChunkCache> chunks_;  // readers keep it alive, and the next
+  std::shared_ptr<IndexCache> index_;
   std::unique_ptr<AnswerCache> answers_;
   std::unique_ptr<Grids> grids_;
   std::mutex complaints_mutex_;

@@ -21,15 +21,6 @@ std::string html(std::string_view text) {
   return out;
 }
 
-// For one segment of an address.
-std::string encoded(std::string_view text) {
-  std::string out;
-  for (const char c : text)
-    out += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' || c == '.' || c == '~' ? std::string(1, c)
-                                                                                                       : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  return out;
-}
-
 // The finest level at which a slice across `axis` fits into a small picture.
 int preview_level(const Grid& grid, int axis) {
   constexpr int64_t kMost = 480;
@@ -41,7 +32,7 @@ int preview_level(const Grid& grid, int axis) {
 
 std::string card(const ServedGrid& grid, const Request& request) {
   const Index3 n = grid.meta().grid.cells();
-  const std::string id = encoded(grid.id), base = request.prefix, api = fmt::format("{}/api/v1/grids/{}", base, id);
+  const std::string id = percent_encoded(grid.id), base = request.prefix, api = fmt::format("{}/api/v1/grids/{}", base, id);
   std::string pictures;
   for (const int axis : {2, 1, 0}) {
     const int level = preview_level(grid.meta().grid, axis);

@@ -33,16 +33,6 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-template <class F>
-void for_each_part(std::string_view text, char separator, F&& f) {
-  for (;;) {
-    const size_t stop = text.find(separator);
-    f(text.substr(0, stop));
-    if (stop == std::string_view::npos) return;
-    text.remove_prefix(stop + 1);
-  }
-}
-
 // What a client sent, as a message may show it.
 std::string shown(std::string_view text) { return fmt::format("'{}{}'", text.substr(0, 48), text.size() > 48 ? "..." : ""); }
 
@@ -68,12 +58,32 @@ Target parse_target(std::string_view target) {
   if (!target.starts_with('/')) throw bad_request("expected an address that begins with '/'");
   Target out;
   const size_t question = target.find('?');
-  for_each_part(target.substr(1, question == std::string_view::npos ? question : question - 1), '/', [&](std::string_view part) { out.path.push_back(decoded(part)); });
+  for (const std::string_view part : split(target.substr(1, question == std::string_view::npos ? question : question - 1), '/')) out.path.push_back(decoded(part));
   if (question != std::string_view::npos && question + 1 < target.size())
-    for_each_part(target.substr(question + 1), '&', [&](std::string_view part) {
+    for (const std::string_view part : split(target.substr(question + 1), '&')) {
       const size_t sign = part.find('=');
       out.query.emplace_back(decoded(part.substr(0, sign)), sign == std::string_view::npos ? "" : decoded(part.substr(sign + 1)));
-    });
+    }
+  return out;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const size_t stop = text.find(separator);
+    parts.push_back(text.substr(0, stop));
+    if (stop == std::string_view::npos) return parts;
+    text.remove_prefix(stop + 1);
+  }
+}
+
+std::string percent_encoded(std::string_view segment) {
+  std::string out;
+  for (const char c : segment) {
+    const bool plain = (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'z') || c == '-' || c == '.' || c == '_' || c == '~';
+    if (plain) out += c;
+    else out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
   return out;
 }
 
@@ -88,12 +98,12 @@ int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int
 std::vector<int64_t> integers(std::string_view text, size_t count, std::string_view name) {
   std::vector<int64_t> out;
   bool good = true;
-  for_each_part(text, ',', [&](std::string_view part) {
+  for (const std::string_view part : split(text, ',')) {
     int64_t value = 0;
     const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     good &= !part.empty() && stop == part.data() + part.size() && error == std::errc{};
-    if (out.size() <= count) out.push_back(value);
-  });
+    out.push_back(value);
+  }
   if (!good || out.size() != count) throw bad_request(fmt::format("{}: expected {} whole numbers separated by commas, found {}", name, count, shown(text)));
   return out;
 }

@@ -23,6 +23,11 @@ struct Target {
 // control characters. "." and ".." are segments like others: no file is ever named by them.
 Target parse_target(std::string_view target);
 
+// The parts between separators: one more than there are of these.
+std::vector<std::string_view> split(std::string_view text, char separator);
+// For one segment of an address.
+std::string percent_encoded(std::string_view segment);
+
 // `text` as a whole number in [lo, hi]. Throws HttpError 400 with `name` and the range.
 int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int64_t hi);
 // "1,2,3" as `count` whole numbers. Throws HttpError 400 with `name`.

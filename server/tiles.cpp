@@ -23,15 +23,12 @@ class SetNumbers {
   const std::vector<std::vector<uint32_t>>& sets() const { return sets_; }
 
  private:
-  uint32_t number(const std::vector<Label>& labels) {
-    std::vector<uint32_t> materials;
-    for (const Label label : labels) materials.push_back(meta_.labels[label].material);
-    std::ranges::sort(materials);
-    materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
-    const auto [it, fresh] = numbers_.try_emplace(materials, static_cast<uint32_t>(sets_.size()));
+  static constexpr size_t kMostSets = 65535;  // a number more is the outline's
+  uint32_t number(const std::vector<Label>& set) {
+    const auto [it, fresh] = numbers_.try_emplace(materials_of(meta_, set), static_cast<uint32_t>(sets_.size()));
     if (fresh) {
-      if (sets_.size() == 65535) throw Error("the picture has more than 65535 different sets of materials: ask for a smaller part of it");
-      sets_.push_back(materials);
+      if (sets_.size() == kMostSets) throw UsageError(fmt::format("the picture has more than {} different sets of materials: ask for a smaller part of it", kMostSets));
+      sets_.push_back(it->first);
     }
     return it->second;
   }
@@ -40,59 +37,48 @@ class SetNumbers {
   std::vector<std::vector<uint32_t>> sets_;
 };
 
-Rgba color_of(const std::vector<uint32_t>& materials, const Metadata& meta, const Look& look) {
-  std::vector<Rgba> members;
-  for (const uint32_t m : materials)
-    if (look.shown.empty() || look.shown[m]) members.push_back(parse_color(meta.materials[m].color).value());
-  return members.empty() ? Rgba{0, 0, 0, 0} : blend(members);
-}
-
 constexpr Rgba kOutline = {24, 24, 24, 255};
 
-// The numbers of the sets of a view, its highest v first.
-std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets) {
+size_t width_of(const SliceView& view) { return static_cast<size_t>(view.u1 - view.u0); }
+size_t height_of(const SliceView& view) { return static_cast<size_t>(view.v1 - view.v0); }
+
+// The numbers of the sets of a view.
+std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets, bool top_down) {
   std::vector<uint16_t> out;
-  out.reserve(static_cast<size_t>((view.u1 - view.u0) * (view.v1 - view.v0)));
-  for_each_row(reader, view, sets.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) { out.insert(out.end(), row.begin(), row.end()); });
+  out.reserve(width_of(view) * height_of(view));
+  for_each_row(reader, view, sets.value(), top_down, 1, [&](int64_t, std::span<const uint16_t> row) { out.insert(out.end(), row.begin(), row.end()); });
   return out;
 }
 
-// Gives the cells of `view` that differ from the one above or on the right the number `outline`. The view is looked at
-// with a margin of one cell there, so that neighbouring pictures fit together.
-std::vector<uint16_t> outlined(const GridReader& reader, const SliceView& view, SetNumbers& sets, std::vector<uint16_t> numbers, uint16_t& outline) {
+// The same from the top; cells that differ from the one above or on the right have a number more than the sets. The view
+// is read with a margin of a cell there, so that neighbouring pictures fit together.
+std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets) {
   SliceView wider = view;
   const Index3 n = reader.meta().grid.cells(view.level);
   const Frame f = Frame::along(view.axis);
   wider.u1 = std::min(n[f.u], view.u1 + 1);
   wider.v1 = std::min(n[f.v], view.v1 + 1);
-  const std::vector<uint16_t> all = numbers_of(reader, wider, sets);
-  outline = static_cast<uint16_t>(sets.sets().size());
-  const auto width = static_cast<size_t>(view.u1 - view.u0), wide = static_cast<size_t>(wider.u1 - wider.u0);
-  const auto top = static_cast<size_t>(wider.v1 - view.v1);  // rows of margin
-  for (size_t r = 0; r < static_cast<size_t>(view.v1 - view.v0); ++r)
-    for (size_t c = 0; c < width; ++c) {
-      const uint16_t here = all[(r + top) * wide + c];
-      const bool right = c + 1 < wide && all[(r + top) * wide + c + 1] != here;
-      const bool above = r + top > 0 && all[(r + top - 1) * wide + c] != here;
-      if (right || above) numbers[r * width + c] = outline;
+  const std::vector<uint16_t> all = numbers_of(reader, wider, sets, true);
+  const auto outline = static_cast<uint16_t>(sets.sets().size());
+  const size_t wide = width_of(wider), margin = height_of(wider) - height_of(view);  // margin: rows
+  std::vector<uint16_t> out;
+  out.reserve(width_of(view) * height_of(view));
+  for (size_t r = margin; r < height_of(wider); ++r)
+    for (size_t c = 0; c < width_of(view); ++c) {
+      const uint16_t* here = &all[r * wide + c];
+      const bool right = c + 1 < wide && here[1] != *here, above = r > 0 && *(here - wide) != *here;
+      out.push_back(right || above ? outline : *here);
     }
-  return numbers;
+  return out;
 }
 
-void put16(std::string& out, uint32_t v) {
-  out += static_cast<char>(v);
-  out += static_cast<char>(v >> 8);
-}
-
-// Row by row: a picture larger than this is never in memory as numbers.
-constexpr int64_t kMostInMemory = int64_t{1} << 22;
-
+// Row by row: a picture larger than kMostOutlined is never in memory as numbers.
 std::string streamed_png(const GridReader& reader, const SliceView& view, const Look& look) {
-  if (look.outline) throw UsageError(fmt::format("outline: expected a picture of at most {} pixels: ask for a part of it, or for a coarser level", kMostInMemory));
+  if (look.outline)
+    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it, or a coarser level", kMostOutlined, width_of(view), height_of(view)));
   std::string out;
   SetColors colors(reader.meta(), view.level, look.shown);
-  PngWriter png(static_cast<uint32_t>(view.u1 - view.u0), static_cast<uint32_t>(view.v1 - view.v0), colors,
-                [&](std::span<const uint8_t> bytes) { out.append(bytes.begin(), bytes.end()); });
+  PngWriter png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), colors, [&](std::span<const uint8_t> bytes) { out.append(bytes.begin(), bytes.end()); });
   for_each_row(reader, view, colors.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) { png.row(row); });
   png.finish();
   return out;
@@ -101,46 +87,35 @@ std::string streamed_png(const GridReader& reader, const SliceView& view, const 
 }  // namespace
 
 std::string picture_png(const GridReader& reader, const SliceView& view, const Look& look) {
-  if ((view.u1 - view.u0) * (view.v1 - view.v0) > kMostInMemory) return streamed_png(reader, view, look);
+  if (width_of(view) * height_of(view) > kMostOutlined) return streamed_png(reader, view, look);
   SetNumbers sets(reader.meta());
-  std::vector<uint16_t> numbers = numbers_of(reader, view, sets);
-  uint16_t outline = 0;
-  if (look.outline) numbers = outlined(reader, view, sets, std::move(numbers), outline);
+  const std::vector<uint16_t> numbers = look.outline ? outlined_numbers_of(reader, view, sets) : numbers_of(reader, view, sets, true);
+  const MaterialColors of_materials(reader.meta(), look.shown);
   std::vector<Rgba> colors;
-  for (const auto& set : sets.sets()) colors.push_back(color_of(set, reader.meta(), look));
+  for (const auto& set : sets.sets()) colors.push_back(of_materials.of(set));
   if (look.outline) colors.push_back(kOutline);
-  return encode_png(static_cast<uint32_t>(view.u1 - view.u0), static_cast<uint32_t>(view.v1 - view.v0), numbers, colors);
+  return encode_png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), numbers, colors);
 }
 
 std::string raw_labels(const GridReader& reader, const SliceView& view) {
-  const bool wide = reader.meta().materials.size() > 256;
+  const bool wide = wide_labels(reader.meta());
   std::string out;
-  out.reserve(static_cast<size_t>((view.u1 - view.u0) * (view.v1 - view.v0)) * (wide ? 2 : 1));
-  for_each_row(reader, view, strongest_material(reader.meta()), false, 1, [&](int64_t, std::span<const uint16_t> row) {
-    for (const uint16_t id : row) {
-      out += static_cast<char>(id);
-      if (wide) out += static_cast<char>(id >> 8);
-    }
-  });
+  out.reserve(width_of(view) * height_of(view) * (wide ? 2 : 1));
+  for_each_row(reader, view, strongest_material(reader.meta()), false, 1, [&](int64_t, std::span<const uint16_t> row) { put_labels(out, row, wide); });
   return out;
 }
 
 std::string raw_sets(const GridReader& reader, const SliceView& view) {
   SetNumbers sets(reader.meta());
-  std::vector<uint16_t> numbers;
-  for_each_row(reader, view, sets.value(), false, 1, [&](int64_t, std::span<const uint16_t> row) { numbers.insert(numbers.end(), row.begin(), row.end()); });
-  const bool wide = sets.sets().size() > 256;
-  std::string out;
-  put16(out, static_cast<uint32_t>(sets.sets().size()));
-  put16(out, 0);
+  const std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
+  std::vector<uint16_t> table = {static_cast<uint16_t>(sets.sets().size()), 0};
   for (const auto& set : sets.sets()) {
-    put16(out, static_cast<uint32_t>(set.size()));
-    for (const uint32_t material : set) put16(out, material);
+    table.push_back(static_cast<uint16_t>(set.size()));
+    table.insert(table.end(), set.begin(), set.end());
   }
-  for (const uint16_t n : numbers) {
-    out += static_cast<char>(n);
-    if (wide) out += static_cast<char>(n >> 8);
-  }
+  std::string out;
+  put_labels(out, table, true);
+  put_labels(out, numbers, sets.sets().size() > 256);
   return out;
 }
 

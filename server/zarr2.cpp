@@ -85,7 +85,7 @@ std::optional<Service::Recipe> find_cube(const ServedGrid& grid, int level, std:
 
 std::optional<Service::Recipe> find_ome(const ServedGrid& grid, std::span<const std::string> path) {
   if (path.size() != 4) return find_in(ome_documents(grid), path);
-  const auto level = level_of(grid.meta(), path[0]);
+  const auto level = find_level(grid.meta(), path[0]);
   return level ? find_cube(grid, *level, path.subspan(1)) : std::nullopt;
 }
 
@@ -105,7 +105,7 @@ std::optional<Service::Recipe> find_coordinates(const ServedGrid& grid, int leve
   for (int axis = 0; axis < 3; ++axis) {
     const int64_t n = grid.meta().grid.cells(level)[axis];
     if (name != axis_name(axis) || !chunk || *chunk > (n - 1) / kCoordinates) continue;
-    return Service::Recipe{.route = "other", .content_type = "application/octet-stream", .make = [&grid, level, axis, n, k = *chunk] {
+    return Service::Recipe{.content_type = "application/octet-stream", .make = [&grid, level, axis, n, k = *chunk] {
                              return deflated(coordinates(grid.meta().grid.axis[axis], level, n, k), Wrapping::kZlib);
                            }};
   }
@@ -113,7 +113,7 @@ std::optional<Service::Recipe> find_coordinates(const ServedGrid& grid, int leve
 }
 
 std::optional<Service::Recipe> find_xarray(const ServedGrid& grid, std::span<const std::string> path) {
-  const auto level = path.empty() ? std::nullopt : level_of(grid.meta(), path[0]);
+  const auto level = path.empty() ? std::nullopt : find_level(grid.meta(), path[0]);
   if (!level) return std::nullopt;
   path = path.subspan(1);
   if (path.size() == 4 && path[0] == "label") return find_cube(grid, *level, path.subspan(1));

@@ -82,7 +82,7 @@ std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std:
   }
   if (path.size() > 2 && joined(path.first(2)) == kMaterial) path = path.subspan(2);
   if (path.size() != 5 || path[1] != "c") return std::nullopt;
-  const auto level = level_of(grid.meta(), path[0]);
+  const auto level = find_level(grid.meta(), path[0]);
   const auto cube = level ? zarr_cube(grid.meta(), *level, path.subspan(2)) : std::nullopt;
   if (!cube) return std::nullopt;
   return cube_recipe(grid, *level, *cube, Wrapping::kGzip);

@@ -5,7 +5,9 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace teracell {
@@ -86,6 +88,9 @@ struct Frame {
 
 // "x", "y" or "z".
 inline std::string axis_name(int axis) { return std::string(1, "xyz"[axis]); }
+inline std::optional<int> axis_named(std::string_view name) {
+  return name == "x" ? std::optional(0) : name == "y" ? std::optional(1) : name == "z" ? std::optional(2) : std::nullopt;
+}
 
 // The product of three counts as text; it may pass 2^64.
 std::string cell_count_text(const Index3& cells);

@@ -6,16 +6,19 @@
 #include <mutex>
 #include <unordered_map>
 
+#include "store/cache_counts.hpp"
+
 namespace teracell {
 
-template <class Value>
+template <class Key, class Value, class Hash = std::hash<Key>>
 class LruCache {
  public:
   explicit LruCache(size_t bytes) : most_(bytes) {}
 
-  std::shared_ptr<const Value> find(uint64_t key) {  // null when it is not here
+  std::shared_ptr<const Value> find(const Key& key) {  // null when it is not here
     std::lock_guard lock(mutex_);
     const auto it = places_.find(key);
+    ++(it == places_.end() ? misses_ : hits_);
     if (it == places_.end()) return nullptr;
     entries_.splice(entries_.begin(), entries_, it->second);
     return it->second->value;
@@ -23,7 +26,7 @@ class LruCache {
 
   // `bytes` is the memory that the value takes. It stays until others push it out, though it alone be more than the cache
   // should hold: who reads a page chunk by chunk must not decode it for each.
-  void add(uint64_t key, std::shared_ptr<const Value> value, size_t bytes) {
+  void add(const Key& key, std::shared_ptr<const Value> value, size_t bytes) {
     std::lock_guard lock(mutex_);
     if (places_.contains(key)) return;  // another thread was faster
     entries_.push_front({key, std::move(value), bytes});
@@ -36,22 +39,23 @@ class LruCache {
     }
   }
 
-  size_t bytes() const {
+  CacheCounts counts() const {
     std::lock_guard lock(mutex_);
-    return bytes_;
+    return {hits_, misses_, bytes_, entries_.size(), most_};
   }
 
  private:
   struct Entry {
-    uint64_t key;
+    Key key;
     std::shared_ptr<const Value> value;
     size_t bytes;
   };
   const size_t most_;
   mutable std::mutex mutex_;
+  uint64_t hits_ = 0, misses_ = 0;
   size_t bytes_ = 0;
   std::list<Entry> entries_;  // most recent first
-  std::unordered_map<uint64_t, typename std::list<Entry>::iterator> places_;
+  std::unordered_map<Key, typename std::list<Entry>::iterator, Hash> places_;
 };
 
 }  // namespace teracell

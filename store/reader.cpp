@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "store/chunk_codec.hpp"
-#include "store/lru_cache.hpp"
 #include "store/pyramid.hpp"
 
 namespace teracell {
@@ -16,9 +15,9 @@ size_t memory_of(const std::vector<T>& v) {
   return v.capacity() == 0 ? 0 : v.capacity() * sizeof(T) + 16;  // 16: what malloc adds
 }
 
-size_t memory_of_page(const std::vector<ChunkEntry>& page) {
-  size_t bytes = memory_of(page);
-  for (const ChunkEntry& e : page) bytes += memory_of(e.uniform) + memory_of(e.stats);
+size_t memory_of(const IndexPart& part) {
+  size_t bytes = sizeof(IndexPart) + memory_of(part.block) + memory_of(part.page);
+  for (const ChunkEntry& e : part.page) bytes += memory_of(e.uniform) + memory_of(e.stats);
   return bytes;
 }
 
@@ -33,17 +32,10 @@ std::vector<std::array<uint32_t, 3>> chunks_below(const LevelShape& below, uint3
 
 }  // namespace
 
-// What leads to chunks, kept for the next one that it leads to.
-struct GridReader::Cache {
-  LruCache<std::vector<DirectoryEntry>> blocks{1 << 20};  // by their offset in the file
-  LruCache<std::vector<ChunkEntry>> pages{16 << 20};      // by number * 32 + level
-};
+GridReader::GridReader(const std::filesystem::path& path) : GridReader(std::make_unique<InputFile>(path)) {}
 
-GridReader::GridReader(const std::filesystem::path& path, std::shared_ptr<ChunkKeeper> keeper)
-    : GridReader(std::make_unique<InputFile>(path), std::move(keeper)) {}
-
-GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<ChunkKeeper> keeper)
-    : source_(std::move(source)), keeper_(std::move(keeper)), cache_(std::make_unique<Cache>()) {
+GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<ChunkKeeper> keeper, std::shared_ptr<IndexCache> index)
+    : source_(std::move(source)), keeper_(std::move(keeper)), index_(index ? std::move(index) : std::make_shared<IndexCache>(16 << 20)), number_(index_->new_reader()) {
   try {
     const uint64_t size = source_->size();
     if (size < kHeaderBytes + kFooterBytes)
@@ -68,8 +60,6 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
   }
 }
-
-GridReader::~GridReader() = default;
 
 std::string GridReader::hash() const { return hex(footer_.hash); }
 
@@ -121,30 +111,30 @@ void GridReader::read_checked(const DirectoryEntry& place, const std::string& wh
 DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const {
   const BlockPlace block = directory_block(i / kBlockEntries, entries);
   const uint64_t offset = directory + block.offset;
-  auto found = cache_->blocks.find(offset);
-  if (!found || found->size() != block.entries) {  // in a hostile file directories may lie upon each other
+  const IndexPlace place{number_, false, offset};
+  auto found = index_->find(place);
+  if (!found || found->block.size() != block.entries) {  // in a hostile file directories may lie upon each other
     Bytes bytes(block.bytes());
     source_->read(offset, bytes);
-    found = std::make_shared<const std::vector<DirectoryEntry>>(decode_directory_block(bytes));
-    cache_->blocks.add(offset, found, memory_of(*found));
+    found = std::make_shared<const IndexPart>(IndexPart{decode_directory_block(bytes), {}});
+    index_->add(place, found, memory_of(*found));
   }
-  return (*found)[i % kBlockEntries];
+  return found->block[i % kBlockEntries];
 }
 
 DirectoryEntry GridReader::page_place(int level, uint64_t page) const {
   return directory_entry(info(level).directory, shape(level).pages(), page);
 }
 
-GridReader::Page GridReader::page(int level, uint64_t page) const {
-  const uint64_t key = page * 32 + static_cast<uint64_t>(level);
-  if (Page found = cache_->pages.find(key)) return found;
+std::shared_ptr<const IndexPart> GridReader::page(int level, uint64_t page) const {
+  const IndexPlace place{number_, true, page * 32 + static_cast<uint64_t>(level)};
+  if (auto found = index_->find(place)) return found;
   const LevelShape s = shape(level);
   Bytes bytes;
   read_checked(page_place(level, page), fmt::format("level {} index page {}", level, page), bytes);
   const size_t chunks = size_t{s.page_width(page)} * s.page_height(page);
-  const auto fresh = std::make_shared<const std::vector<ChunkEntry>>(
-      decode_page(bytes, chunks, level == 0, static_cast<uint32_t>(meta_.labels.size())));
-  cache_->pages.add(key, fresh, memory_of_page(*fresh));
+  const auto fresh = std::make_shared<const IndexPart>(IndexPart{{}, decode_page(bytes, chunks, level == 0, static_cast<uint32_t>(meta_.labels.size()))});
+  index_->add(place, fresh, memory_of(*fresh));
   return fresh;
 }
 
@@ -152,8 +142,8 @@ std::shared_ptr<const ChunkEntry> GridReader::entry(int level, uint32_t cu, uint
   try {
     const LevelShape s = shape(level);
     const uint64_t p = s.page_of(cu, cv, segment);
-    const Page found = page(level, p);
-    return {found, &(*found)[s.slot_of(cu, cv, p)]};  // keeps the page alive
+    const auto found = page(level, p);
+    return {found, &found->page[s.slot_of(cu, cv, p)]};  // keeps the page alive
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
   }
@@ -190,7 +180,7 @@ void GridReader::read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segme
   thread_local ChunkDecoder decoder;
   thread_local Bytes frame;
   try {
-    read_checked({e.offset, e.size, e.checksum}, chunk_name(level, cu, cv, segment), frame);
+    read_checked({e.offset, e.size, e.checksum}, "its frame", frame);
     decoder.decode(frame, nu, nv, length, labels, out);
     if (level == 0 && out.sets.ids() != labels) throw FormatError("a cell of level 0 has one label, found a set of several");
   } catch (const FormatError& error) {

@@ -1,12 +1,12 @@
 // Reads a .tcell file. Opening costs the header, the footer and the metadata; a chunk costs a directory block and a page
-// (both kept, up to 17 MiB) and its own bytes. Every byte is held against its checksum before it is believed.
+// (both kept, up to 16 MiB) and its own bytes. Every byte is held against its checksum before it is believed.
 #pragma once
 #include <filesystem>
 #include <functional>
 #include <memory>
 
 #include "store/file.hpp"
-#include "store/format.hpp"
+#include "store/index_cache.hpp"
 #include "store/run.hpp"
 
 namespace teracell {
@@ -30,10 +30,9 @@ class ChunkKeeper {
 // Threads may share a reader. Throws IoError or FormatError, the latter with the file's name and the place in it.
 class GridReader {
  public:
-  // Without a keeper a chunk is decoded each time that it is asked for.
-  explicit GridReader(const std::filesystem::path& path, std::shared_ptr<ChunkKeeper> keeper = nullptr);
-  explicit GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<ChunkKeeper> keeper = nullptr);
-  ~GridReader();
+  explicit GridReader(const std::filesystem::path& path);
+  // Without a keeper a chunk is decoded each time that it is asked for; without an index cache the reader has one of its own.
+  explicit GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<ChunkKeeper> keeper = nullptr, std::shared_ptr<IndexCache> index = nullptr);
 
   const Metadata& meta() const { return meta_; }
   const std::string& name() const { return source_->name(); }
@@ -58,15 +57,13 @@ class GridReader {
   void verify(int threads, const std::function<void(double)>& progress) const;
 
  private:
-  using Page = std::shared_ptr<const std::vector<ChunkEntry>>;
-  struct Cache;
   class Coverage;
   static std::string chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment);
   const LevelInfo& info(int level) const;
   void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
   DirectoryEntry directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const;
   DirectoryEntry page_place(int level, uint64_t page) const;
-  Page page(int level, uint64_t page) const;
+  std::shared_ptr<const IndexPart> page(int level, uint64_t page) const;
   void read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& entry, Chunk& out) const;
   void derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
   void verify_level(const LevelInfo& info, int threads, Coverage& coverage, const std::function<void()>& progress) const;
@@ -80,10 +77,11 @@ class GridReader {
 
   std::unique_ptr<ByteSource> source_;
   std::shared_ptr<ChunkKeeper> keeper_;
+  std::shared_ptr<IndexCache> index_;
+  const uint64_t number_;  // among the readers of index_
   uint16_t minor_ = 0;
   Footer footer_;
   Metadata meta_;
-  std::unique_ptr<Cache> cache_;
 };
 
 }  // namespace teracell

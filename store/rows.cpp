@@ -6,6 +6,7 @@
 //                would miss the cache 10^8 times; the sweep touches only what changes
 //   lying        the picture's rows are rays: a run is a stretch of a row
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -185,50 +186,65 @@ struct Picture {
     }
   }
 
-  void upright() const {
+  // Neighbouring columns of a band as the sweep takes them. Where many cells differ from the one before, the cells themselves
+  // take less memory than changes: never more than two bytes each.
+  struct Columns {
     struct Change {
-      uint32_t at;  // row, counted from the first one delivered
-      uint32_t u;
-      uint16_t value;
+      uint32_t row;  // counted from the first one delivered
+      uint16_t u, value;
     };
-    const auto n = static_cast<size_t>(width());
-    std::vector<uint16_t> current(n);
+    size_t first, wide;           // in the view
+    std::vector<Change> changes;  // by row
+    size_t next = 0;              // of them
+    std::vector<uint16_t> cells;  // or these, row by row
+
+    // Makes the row before into this one. `out`: from the first column on.
+    void turn(size_t row, uint16_t* out) {
+      if (!cells.empty()) std::copy_n(cells.data() + row * wide, wide, out);
+      for (; next < changes.size() && changes[next].row == row; ++next) out[changes[next].u] = changes[next].value;
+    }
+  };
+
+  Columns columns(const Band& band, int64_t from, int64_t to) const {
+    const auto rows = static_cast<size_t>(band.to - band.from);
+    std::vector<Columns::Change> found;
+    std::vector<uint32_t> start(rows + 1, 0);  // of each row, sorted
+    runs(from, to, static_cast<uint32_t>(band.from / shape.chunk_cells), [&](int64_t u, int64_t a, int64_t b, uint16_t v) {
+      a = std::max(a, band.from), b = std::min(b, band.to);
+      if (a >= b) return;  // a run begins, for the sweep, at the end that comes first
+      found.push_back({static_cast<uint32_t>(top_down ? band.to - b : a - band.from), static_cast<uint16_t>(u - from), v});
+      ++start[found.back().row + 1];
+    });
+    for (size_t r = 0; r < rows; ++r) start[r + 1] += start[r];
+    Columns out{static_cast<size_t>(from - view.u0), static_cast<size_t>(to - from), std::vector<Columns::Change>(found.size())};
+    for (const Columns::Change& c : found) out.changes[start[c.row]++] = c;
+    if (found.size() * sizeof(Columns::Change) <= rows * out.wide * sizeof(uint16_t)) return out;
+    std::vector<uint16_t> cells(rows * out.wide);
+    for (size_t r = 0; r < rows; ++r) {
+      uint16_t* row_cells = cells.data() + r * out.wide;
+      if (r > 0) std::copy_n(row_cells - out.wide, out.wide, row_cells);
+      out.turn(r, row_cells);
+    }
+    return {out.first, out.wide, {}, 0, std::move(cells)};
+  }
+
+  void upright() const {
+    std::vector<uint16_t> current(static_cast<size_t>(width()));
     for (const Band& band : bands(shape.chunk_cells)) {  // one segment at a time
-      const auto segment = static_cast<uint32_t>(band.from / shape.chunk_cells);
-      const auto rows = static_cast<size_t>(band.to - band.from);
-      // The columns' chunks in parallel, a part of the width each; then a counting sort by row.
-      std::vector<Change> changes;
-      std::vector<uint32_t> start(rows + 1, 0);
+      std::vector<Columns> parts;  // made in parallel
+      const int64_t part = 4 * int64_t{shape.chunk_rays};  // at most 1024
       int64_t next = view.u0;
-      const int64_t part = 4 * int64_t{shape.chunk_rays};
       in_order(
           threads,
           [&]() -> std::optional<int64_t> {
             if (next >= view.u1) return std::nullopt;
-            const int64_t from = next;
-            next = std::min(view.u1, (from / part + 1) * part);
-            return from;
+            return std::exchange(next, std::min(view.u1, (next / part + 1) * part));
           },
-          [&](int64_t from, int) {
-            std::vector<Change> found;
-            runs(from, std::min(view.u1, (from / part + 1) * part), segment, [&](int64_t u, int64_t a, int64_t b, uint16_t v) {
-              a = std::max(a, band.from), b = std::min(b, band.to);
-              if (a >= b) return;  // a run begins, for the sweep, at the end that comes first
-              found.push_back({static_cast<uint32_t>(top_down ? band.to - b : a - band.from), static_cast<uint32_t>(u - view.u0), v});
-            });
-            return found;
-          },
-          [&](const std::vector<Change>& found) {
-            for (const Change& c : found) ++start[c.at + 1];
-            changes.insert(changes.end(), found.begin(), found.end());
-          });
-      for (size_t r = 0; r < rows; ++r) start[r + 1] += start[r];
-      std::vector<std::pair<uint32_t, uint16_t>> sorted(changes.size());
-      std::vector<uint32_t> fill(start.begin(), start.end() - 1);
-      for (const Change& c : changes) sorted[fill[c.at]++] = {c.u, c.value};
-      for (size_t r = 0; r < rows; ++r) {
-        for (uint32_t i = start[r]; i < start[r + 1]; ++i) current[sorted[i].first] = sorted[i].second;
-        row(top_down ? band.to - 1 - static_cast<int64_t>(r) : band.from + static_cast<int64_t>(r), current);
+          [&](int64_t from, int) { return columns(band, from, std::min(view.u1, (from / part + 1) * part)); },
+          [&](Columns&& made) { parts.push_back(std::move(made)); });
+      for (int64_t r = 0; r < band.to - band.from; ++r) {
+        for (Columns& p : parts) p.turn(static_cast<size_t>(r), current.data() + p.first);
+        row(top_down ? band.to - 1 - r : band.from + r, current);
       }
     }
   }

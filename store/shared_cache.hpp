@@ -1,5 +1,6 @@
 // Values made once however many ask for them at the same time, kept up to a number of bytes. Threads share it.
 #pragma once
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <exception>
@@ -9,6 +10,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "store/cache_counts.hpp"
+
 namespace teracell {
 
 template <class Key, class Value, class Hash = std::hash<Key>>
@@ -17,18 +20,19 @@ class SharedCache {
   using Pointer = std::shared_ptr<const Value>;
   explicit SharedCache(size_t bytes) : most_(bytes) {}
 
-  // Null when it is not here (or still being made).
+  // Null when it is not here, or still being made. Counts nothing: who answers with it tells by hit().
   Pointer find(const Key& key) {
     std::lock_guard lock(mutex_);
     const auto it = entries_.find(key);
     if (it == entries_.end() || !it->second->value) return nullptr;
-    ++hits_;
     touch(it->second);
     return it->second->value;
   }
+  void hit() { ++hits_; }
 
   // make() returns {value, the bytes of memory that it takes}. While one thread is in it, others that want the same value
-  // wait. What it throws, all of them throw, and the next one tries anew. A value larger than the cache is not kept.
+  // wait. What it throws, all of them throw, and the next one tries anew. A value larger than the cache is not kept. A hit is
+  // a value that was here, not one that was waited for.
   template <class Make>
   Pointer get(const Key& key, Make&& make) {
     std::unique_lock lock(mutex_);
@@ -36,14 +40,13 @@ class SharedCache {
     const bool mine = !place;
     if (mine) place = std::make_shared<Entry>(Entry{key});
     const std::shared_ptr<Entry> entry = place;
+    ++(entry->value ? hits_ : misses_);
     if (!mine) {
-      ++hits_;
       made_.wait(lock, [&] { return entry->value || entry->error; });
       if (entry->error) std::rethrow_exception(entry->error);
       touch(entry);
       return entry->value;
     }
-    ++misses_;
     lock.unlock();
     std::pair<Pointer, size_t> made;
     std::exception_ptr error;
@@ -79,11 +82,7 @@ class SharedCache {
     return entry->value;
   }
 
-  struct Counts {
-    uint64_t hits, misses;
-    size_t bytes, entries, limit;
-  };
-  Counts counts() const {
+  CacheCounts counts() const {
     std::lock_guard lock(mutex_);
     return {hits_, misses_, bytes_, recent_.size(), most_};
   }
@@ -109,7 +108,7 @@ class SharedCache {
   std::condition_variable made_;
   std::unordered_map<Key, std::shared_ptr<Entry>, Hash> entries_;
   std::list<std::shared_ptr<Entry>> recent_;  // made, the most recent first
-  uint64_t hits_ = 0, misses_ = 0;
+  std::atomic<uint64_t> hits_ = 0, misses_ = 0;
   size_t bytes_ = 0;
 };
 

@@ -82,6 +82,22 @@ void for_each_part_run(const RayBlock& rays, const ChunkPart& p, F&& f) {
       });
 }
 
+// What an index page says of a whole chunk of level 0 (store/stats.hpp), of a part.
+std::vector<LabelStats> stats_of_part(const RayBlock& rays, const ChunkPart& p) {
+  std::vector<LabelStats> all;
+  for_each_part_run(rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
+    auto it = std::ranges::find(all, label, &LabelStats::label);
+    if (it == all.end()) it = all.insert(it, LabelStats{label, 0, {u, v, from}, {u, v, from}});
+    it->cells += to - from;
+    const std::array<uint32_t, 3> lo = {u, v, from}, hi = {u + 1, v + 1, to};
+    for (int d = 0; d < 3; ++d) {
+      it->lo[d] = std::min(it->lo[d], lo[d]);
+      it->hi[d] = std::max(it->hi[d], hi[d]);
+    }
+  });
+  return all;
+}
+
 }  // namespace
 
 SetValue strongest_material(const Metadata& meta) {
@@ -93,6 +109,14 @@ SetValue strongest_material(const Metadata& meta) {
     }
     return best;
   };
+}
+
+std::vector<uint32_t> materials_of(const Metadata& meta, const std::vector<Label>& set) {
+  std::vector<uint32_t> materials;
+  for (const Label label : set) materials.push_back(meta.labels[label].material);
+  std::ranges::sort(materials);
+  materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
+  return materials;
 }
 
 template <class T>
@@ -219,49 +243,44 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
   const Frame f = meta.frame();
   std::vector<MaterialStats> stats(meta.materials.size());
   if (box.empty()) return stats;
-  bool graded = false;
-  for (const Axis& a : grid.axis) graded |= a.is_graded();
+  const bool graded = std::ranges::any_of(grid.axis, &Axis::is_graded);
+  const auto length = [&](int axis, int64_t lo, int64_t hi) { return grid.axis[axis].plane(hi) - grid.axis[axis].plane(lo); };
 
-  // Cells [lo, hi) of the level along u, v, w all belong to the label's material, `cells` of them.
-  const auto add = [&](uint32_t material, uint64_t cells, const Index3& lo, const Index3& hi) {
-    MaterialStats& s = stats[material];
-    Box b;
-    b.lo[f.u] = lo[0], b.lo[f.v] = lo[1], b.lo[f.w] = lo[2];
-    b.hi[f.u] = hi[0], b.hi[f.v] = hi[1], b.hi[f.w] = hi[2];
-    if (s.cells == 0) s.box = b;
-    for (int d = 0; d < 3; ++d) {
-      s.box.lo[d] = std::min(s.box.lo[d], b.lo[d]);
-      s.box.hi[d] = std::max(s.box.hi[d], b.hi[d]);
-    }
-    s.cells += cells;
-    if (graded) {
-      double volume = 1;
-      for (int d = 0; d < 3; ++d) volume *= grid.axis[d].plane(b.hi[d]) - grid.axis[d].plane(b.lo[d]);
-      s.volume += volume;
-    }
-  };
-
-  const LevelShape shape = reader.shape(0);
   std::shared_ptr<Chunk> scratch;
-  for_each_part(shape, RayBox(box, f), [&](const ChunkPart& p) {
-    const auto found = reader.entry(0, p.cu, p.cv, p.segment);
-    const ChunkEntry& entry = *found;
-    const Index3 first = {p.first_u, p.first_v, p.first_w};
-    if (entry.size == 0) {
-      add(meta.labels[entry.uniform[0]].material, uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0),
-          {first[0] + p.u0, first[1] + p.v0, first[2] + p.w0}, {first[0] + p.u1, first[1] + p.v1, first[2] + p.w1});
-    } else if (p.whole && !graded) {
-      for (const LabelStats& s : entry.stats)
-        add(meta.labels[s.label].material, s.cells, {first[0] + s.lo[0], first[1] + s.lo[1], first[2] + s.lo[2]},
-            {first[0] + s.hi[0], first[1] + s.hi[1], first[2] + s.hi[2]});
-    } else {
-      const auto held = reader.chunk(0, p.cu, p.cv, p.segment, scratch);
-      const Chunk& chunk = *held;
-      for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
-        add(meta.labels[label].material, to - from, {first[0] + u, first[1] + v, first[2] + from},
-            {first[0] + u + 1, first[1] + v + 1, first[2] + to});
-      });
+  for_each_part(reader.shape(0), RayBox(box, f), [&](const ChunkPart& p) {
+    const auto entry = reader.entry(0, p.cu, p.cv, p.segment);
+    std::shared_ptr<const Chunk> decoded;
+    const auto rays = [&]() -> const RayBlock& {
+      if (!decoded) decoded = reader.chunk(0, p.cu, p.cv, p.segment, scratch);
+      return decoded->rays;
+    };
+    std::vector<LabelStats> counted;
+    if (entry->size == 0) counted = {{entry->uniform[0], uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0), {p.u0, p.v0, p.w0}, {p.u1, p.v1, p.w1}}};
+    else if (!p.whole) counted = stats_of_part(rays(), p);
+    std::vector<Label> scattered;  // labels whose cells don't fill their boxes: where steps differ their volumes must be summed
+    for (const LabelStats& l : entry->size != 0 && p.whole ? entry->stats : counted) {
+      if (l.hi[0] > p.u1 || l.hi[1] > p.v1 || l.hi[2] > p.w1)
+        throw FormatError(fmt::format("{}: level 0 chunk ({}, {}, {}): its statistics reach outside of it", reader.name(), p.cu, p.cv, p.segment));
+      MaterialStats& s = stats[meta.labels[l.label].material];
+      Box b;
+      b.lo[f.u] = p.first_u + l.lo[0], b.lo[f.v] = p.first_v + l.lo[1], b.lo[f.w] = p.first_w + l.lo[2];
+      b.hi[f.u] = p.first_u + l.hi[0], b.hi[f.v] = p.first_v + l.hi[1], b.hi[f.w] = p.first_w + l.hi[2];
+      if (s.cells == 0) s.box = b;
+      for (int d = 0; d < 3; ++d) {
+        s.box.lo[d] = std::min(s.box.lo[d], b.lo[d]);
+        s.box.hi[d] = std::max(s.box.hi[d], b.hi[d]);
+      }
+      s.cells += l.cells;
+      if (!graded) continue;
+      if (l.cells == uint64_t{l.hi[0] - l.lo[0]} * (l.hi[1] - l.lo[1]) * (l.hi[2] - l.lo[2])) s.volume += length(0, b.lo[0], b.hi[0]) * length(1, b.lo[1], b.hi[1]) * length(2, b.lo[2], b.hi[2]);
+      else scattered.push_back(l.label);
     }
+    if (scattered.empty()) return;
+    for_each_part_run(rays(), p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
+      if (std::ranges::find(scattered, label) == scattered.end()) return;
+      stats[meta.labels[label].material].volume +=
+          length(f.u, p.first_u + u, p.first_u + u + 1) * length(f.v, p.first_v + v, p.first_v + v + 1) * length(f.w, p.first_w + from, p.first_w + to);
+    });
   });
   if (!graded)
     for (MaterialStats& s : stats) s.volume = static_cast<double>(s.cells) * (grid.axis[0].step() * grid.axis[1].step() * grid.axis[2].step());

@@ -13,6 +13,19 @@ namespace teracell {
 using SetValue = std::function<uint32_t(const std::vector<Label>&)>;
 // The material of highest precedence.
 SetValue strongest_material(const Metadata& meta);
+// The ids of all its materials, ascending.
+std::vector<uint32_t> materials_of(const Metadata& meta, const std::vector<Label>& set);
+
+// Arrays of material ids have a byte a cell, or two past 256 materials, little endian.
+inline bool wide_labels(const Metadata& meta) { return meta.materials.size() > 256; }
+// Appends ids so to bytes of any type.
+template <class Out>
+void put_labels(Out& out, std::span<const uint16_t> ids, bool wide) {
+  for (const uint16_t id : ids) {
+    out.push_back(static_cast<typename Out::value_type>(id));
+    if (wide) out.push_back(static_cast<typename Out::value_type>(id >> 8));
+  }
+}
 
 // Writes the values of the cells of `box` (x, y, z; half open; may reach outside the grid, or be larger than it) to
 // data[(x - lo.x) * stride[0] + (y - lo.y) * stride[1] + (z - lo.z) * stride[2]]; cells outside the grid get `outside`.
@@ -47,7 +60,8 @@ struct MaterialStats {
   double volume = 0;
   Box box;  // empty when there is no cell
 };
-// By material id. Chunks that lie in the box are counted from their summaries unless an axis is graded.
+// By material id. Chunks that lie in the box are counted from their summaries; where an axis is graded, those whose labels
+// fill boxes.
 std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box);
 
 // A rectangle of a slice across `axis` at `index`, in cells of `level`: u in [u0, u1), v in [v0, v1) of Frame::along(axis).
@@ -62,8 +76,8 @@ SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level);
 void check_view(const Metadata& meta, const SliceView& view);
 
 // Calls row(v, values) for every row of the view, from the top (v1 - 1) down or from v0 up; values has u1 - u0 entries
-// below 65536. Memory: rows of chunks; where the rays stand upright in the picture, the changes of one segment of its rays:
-// never the picture. Decodes on `threads` threads.
+// below 65536. Memory: rows of chunks; where the rays stand upright in the picture, what changes along one segment of its
+// rays, at most two bytes a cell. Decodes on `threads` threads.
 using RowSink = std::function<void(int64_t v, std::span<const uint16_t> values)>;
 void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row);
 

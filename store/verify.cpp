@@ -80,14 +80,15 @@ void GridReader::verify_level(const LevelInfo& l, int threads, Coverage& coverag
   for (uint64_t p = 0; p < s.pages(); ++p) {
     const DirectoryEntry place = page_place(l.level, p);
     coverage.add(place.offset, place.size);
-    const Page entries = page(l.level, p);
+    const auto part = page(l.level, p);
+    const std::vector<ChunkEntry>& entries = part->page;
     uint32_t next_slot = 0;
     const auto next = [&]() -> std::optional<uint32_t> {
-      if (next_slot == entries->size()) return std::nullopt;
+      if (next_slot == entries.size()) return std::nullopt;
       return next_slot++;
     };
     const auto check = [&](uint32_t slot, int) -> std::pair<uint32_t, uint64_t> {
-      const ChunkEntry& e = (*entries)[slot];
+      const ChunkEntry& e = entries[slot];
       const uint32_t cu = static_cast<uint32_t>(p % s.pages_u) * s.page_chunks + slot % s.page_width(p);
       const uint32_t cv = static_cast<uint32_t>(p / s.pages_u % s.pages_v) * s.page_chunks + slot / s.page_width(p);
       const auto segment = static_cast<uint32_t>(p / s.pages_u / s.pages_v);
@@ -103,7 +104,7 @@ void GridReader::verify_level(const LevelInfo& l, int threads, Coverage& coverag
       return {slot, chunk.rays.at.size()};
     };
     in_order(threads, next, check, [&](std::pair<uint32_t, uint64_t> done) {
-      const ChunkEntry& e = (*entries)[done.first];
+      const ChunkEntry& e = entries[done.first];
       if (e.size == 0) return;
       coverage.add(e.offset, e.size);
       sum.chunks += 1;

@@ -60,8 +60,8 @@ uint64_t parse_size(const std::string& text, const std::string& option) {
 }
 
 int parse_axis(const std::string& text) {
-  if (text != "x" && text != "y" && text != "z") throw UsageError(fmt::format("--axis: expected x, y or z, found '{}'", text));
-  return text[0] - 'x';
+  if (const auto axis = axis_named(text)) return *axis;
+  throw UsageError(fmt::format("--axis: expected x, y or z, found '{}'", text));
 }
 
 void check_level(const Grid& grid, int level) {

@@ -49,7 +49,7 @@ void run(const Options& o) {
   const Metadata& meta = reader.meta();
   check_level(meta.grid, o.level);
   const Box box = o.region.empty() ? meta.grid.box(o.level) : parse_region(o.region, meta.grid, o.level);
-  const bool wide = meta.materials.size() > 256;
+  const bool wide = wide_labels(meta);
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
   OutputFile file(o.output);
   if (format == "npy") file.append(npy_header(wide ? "<u2" : "|u1", {box.hi[2] - box.lo[2], box.hi[1] - box.lo[1], box.hi[0] - box.lo[0]}));

@@ -66,7 +66,7 @@ void raise_descriptor_limit(uint64_t connections) {
 Handler handler_of(Service& service, Prefetch& prefetch) {
   return {[&](const Request& request) {
             std::optional<Response> r = handle_at_once(service, request);
-            if (r) prefetch.answered(request.target, *r);
+            if (r) prefetch.answered(request, *r);
             return r;
           },
           [&](const Request& request) {
@@ -79,7 +79,7 @@ Handler handler_of(Service& service, Prefetch& prefetch) {
               const UnderWay under_way(prefetch);
               return handle(service, request);
             }();
-            prefetch.answered(request.target, r);
+            prefetch.answered(request, r);
             return r;
           }};
 }
@@ -87,7 +87,7 @@ Handler handler_of(Service& service, Prefetch& prefetch) {
 ServerState state_of(Service& service) {
   const auto cache = [](const char* name, const auto& counts) { return CacheState{name, counts.bytes, counts.limit, counts.hits, counts.misses}; };
   const Service::Counters& c = service.counters();
-  return {{cache("chunks", service.chunks().counts()), cache("answers", service.answers().counts())},
+  return {{cache("chunks", service.chunks().counts()), cache("index", service.index().counts()), cache("answers", service.answers().counts())},
           service.grids().all().size(), c.reads, c.bytes, c.damaged, resident_bytes(), TERACELL_VERSION};
 }
 
@@ -109,7 +109,9 @@ void run(const Options& o) {
   mallopt(M_ARENA_MAX, 1);
 
   Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, listen.token.empty(), [](const std::string& m) { warn("teracell: " + m); }});
-  Prefetch prefetch([&](const std::string& target) { handle(service, {.target = target}); });
+  Prefetch prefetch([&](const Request& request) {
+    if (!service.keeps(request)) handle(service, request);
+  });
   Metrics metrics;
   AccessLog log(o.log == "none" ? LogFormat::kNone : o.log == "json" ? LogFormat::kJson : LogFormat::kText, STDERR_FILENO);
   Listener listener(listen, with_operations(handler_of(service, prefetch), metrics, [&] { return state_of(service); }), metrics, log);
@@ -131,7 +133,7 @@ Run setup_serve(CLI::App& app) {
   app.add_option("--host", o->host, "the address to listen at (default 127.0.0.1: this machine only)");
   app.add_option("--port", o->port, "the port (default 8080); 0: any that is free")->check(in_range("--port", 0, 65535));
   add_threads(app, o->threads);
-  app.add_option("--cache", o->cache, "memory for decoded chunks, and an eighth as much for answers (default 256M)");
+  app.add_option("--cache", o->cache, "memory for decoded chunks and index pages of all grids, and an eighth as much for answers (default 256M)");
   app.add_option("--max-pixels", o->max_pixels, "of one picture (default 67108864)")->check(in_range("--max-pixels", 1, 1e12));
   app.add_option("--base-path", o->base_path, "serve below this path");
   app.add_option("--token-file", o->token_file, "its first line is the token that clients must bear (Authorization: Bearer TOKEN)");

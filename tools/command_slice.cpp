@@ -55,16 +55,13 @@ void write_png(const GridReader& reader, const SliceView& view, const Options& o
 
 // Row 0 is v = v0: index order, unlike a picture.
 void write_npy(const GridReader& reader, const SliceView& view, const Options& o, const std::atomic<bool>& stop, OutputFile& file) {
-  const bool wide = reader.meta().materials.size() > 256;
+  const bool wide = wide_labels(reader.meta());
   file.append(npy_header(wide ? "<u2" : "|u1", {view.v1 - view.v0, view.u1 - view.u0}));
   Bytes bytes;
   for_each_row(reader, view, strongest_material(reader.meta()), false, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
     stop_if(stop, o.output);
     bytes.clear();
-    for (const uint16_t id : row) {
-      bytes.push_back(static_cast<uint8_t>(id));
-      if (wide) bytes.push_back(static_cast<uint8_t>(id >> 8));
-    }
+    put_labels(bytes, row, wide);
     file.append(bytes);
   });
 }

@@ -22,9 +22,11 @@ struct Fetched {
   std::mutex mutex;
   std::condition_variable changed;
   Targets all;
-  void add(const std::string& target) {
+  size_t with_gzip = 0;
+  void add(const Request& request) {
     std::lock_guard lock(mutex);
-    all.push_back(target);
+    all.push_back(request.target);
+    with_gzip += request.accepts_gzip;
     changed.notify_all();
   }
   Targets wait_for(size_t count) {
@@ -45,16 +47,16 @@ TEST_CASE("The neighbours of a tile are those of the slices before and behind", 
 
 TEST_CASE("Neighbours are fetched once nothing is under way, and only of tiles that were there", "[server][threads]") {
   Fetched fetched;
-  Prefetch prefetch([&](const std::string& target) { fetched.add(target); });
+  Prefetch prefetch([&](const Request& request) { fetched.add(request); });
   prefetch.begin();
   prefetch.begin();
-  prefetch.answered("/api/v1/grids/g/tile/z/7/0/0_0.png", tile());
+  prefetch.answered({.target = "/api/v1/grids/g/tile/z/7/0/0_0.png"}, tile());
   Response missing = tile();
   missing.status = 404;
-  prefetch.answered("/api/v1/grids/g/tile/z/70/0/0_0.png", missing);
+  prefetch.answered({.target = "/api/v1/grids/g/tile/z/70/0/0_0.png"}, missing);
   Response other = tile();
   other.route = "slice";
-  prefetch.answered("/api/v1/grids/g/tile/z/80/0/0_0.png", other);
+  prefetch.answered({.target = "/api/v1/grids/g/tile/z/80/0/0_0.png"}, other);
   prefetch.end();
   std::this_thread::sleep_for(std::chrono::milliseconds(20));
   {
@@ -65,12 +67,22 @@ TEST_CASE("Neighbours are fetched once nothing is under way, and only of tiles t
   CHECK(fetched.wait_for(2) == Targets{"/api/v1/grids/g/tile/z/6/0/0_0.png", "/api/v1/grids/g/tile/z/8/0/0_0.png"});
 }
 
+TEST_CASE("Neighbours are asked for with gzip when the tile was", "[server][threads]") {
+  Fetched fetched;
+  Prefetch prefetch([&](const Request& request) { fetched.add(request); });
+  prefetch.answered({.target = "/api/v1/grids/g/tile/z/7/0/0_0.bin", .accepts_gzip = true}, tile());
+  fetched.wait_for(2);
+  prefetch.answered({.target = "/api/v1/grids/g/tile/z/70/0/0_0.bin"}, tile());
+  fetched.wait_for(4);
+  CHECK(fetched.with_gzip == 2);
+}
+
 TEST_CASE("Of many that wait the latest are fetched, the oldest forgotten", "[server][threads]") {
   Fetched fetched;
   {
-    Prefetch prefetch([&](const std::string& target) { fetched.add(target); });
+    Prefetch prefetch([&](const Request& request) { fetched.add(request); });
     prefetch.begin();
-    for (int i = 1; i <= 1000; ++i) prefetch.answered("/api/v1/grids/g/tile/z/" + std::to_string(10 * i) + "/0/0_0.png", tile());
+    for (int i = 1; i <= 1000; ++i) prefetch.answered({.target = "/api/v1/grids/g/tile/z/" + std::to_string(10 * i) + "/0/0_0.png"}, tile());
     prefetch.end();
     CHECK(fetched.wait_for(64).size() == 64);
   }

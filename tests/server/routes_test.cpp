@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/foreign.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
@@ -47,7 +48,13 @@ struct Served {
     REQUIRE(r.content_type == "application/json");
     return json::parse(*r.body);
   }
+  std::string error(const std::string& target) { return json::parse(*get(target).body)["error"]["message"]; }
   std::string hash() { return service->grids().find("g")->hash; }
+  void rename(const std::string& file) {
+    std::filesystem::rename(path, folder / file);
+    wait_until_noticed();
+  }
+  static void wait_until_noticed() { std::this_thread::sleep_for(std::chrono::milliseconds(1100)); }  // files are looked at once a second
 };
 
 TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the ray axis", "[server]") {
@@ -145,8 +152,26 @@ TEST_CASE("What is malformed or out of range is 400 and the message says the ran
     INFO(missing);
     REQUIRE(s.get(missing).status == 404);
   }
-  const Response r = s.get(g + "/slice/z/21.png");
-  CHECK(json::parse(*r.body)["error"]["message"] == "index: expected a whole number from 0 to 20, found '21'");
+  CHECK(s.error(g + "/slice/z/21.png") == "index: expected a whole number from 0 to 20, found '21'");
+  for (const char* materials : {"steel", "1,5", "1,", "-1"}) CHECK_THAT(s.error(g + "/slice/z/0.png?materials=" + materials), Catch::Contains("materials: expected ids from 0 to 4 separated by commas"));
+  CHECK_THAT(s.error(g + "?v=0123"), Catch::Contains("v: grid 'g' is of version " + s.hash() + ", found '0123'"));
+}
+
+TEST_CASE("Outlines stand where neighbours differ, also across the edge of a tile", "[server]") {
+  Served s(1);
+  const std::string g = "/api/v1/grids/g/slice/x/7.png?outline=1&region=";
+  const auto pixels = [&](const std::string& region) { return png_of(*s.get(g + region).body); };
+  const Png whole = pixels("0,0,530,21"), part = pixels("100,3,140,9");
+  const Rgba dark = {24, 24, 24, 255};
+  int64_t wrong = 0;
+  for (int64_t z = 0; z < 21; ++z)
+    for (int64_t y = 0; y < 530; ++y) {
+      const bool differs = (y < 529 && s.at(7, y + 1, z) != s.at(7, y, z)) || (z < 20 && s.at(7, y, z + 1) != s.at(7, y, z));
+      const Rgba pixel = whole.pixels[static_cast<size_t>((20 - z) * 530 + y)];
+      wrong += (pixel == dark) != differs;
+      if (z >= 3 && z < 9 && y >= 100 && y < 140) wrong += part.pixels[static_cast<size_t>((8 - z) * 40 + y - 100)] != pixel;
+    }
+  CHECK(wrong == 0);
 }
 
 TEST_CASE("Pictures of too many pixels are refused before anything is made", "[server]") {
@@ -196,7 +221,7 @@ TEST_CASE("What was answered once is answered at once, until the file is replace
   REQUIRE(again);
   CHECK(again->body == made.body);
   store_cells(s.path, metadata_of(grid(), 2, kMaterials), std::vector<Label>(s.cells.size(), 1));
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  Served::wait_until_noticed();
   CHECK_FALSE(handle_at_once(*s.service, request));
   const Response fresh = handle(*s.service, request);
   CHECK(fresh.etag != made.etag);
@@ -226,8 +251,7 @@ TEST_CASE("A damaged chunk is a 500 for what needs it, counted, complained of on
   CHECK(status("/api/v1/grids/g/stats") == 200);
   CHECK(service.counters().damaged == 3);
   REQUIRE(complaints.size() == 1);
-  CHECK(complaints[0].find("level 0 chunk (0, 0, 0)") != std::string::npos);
-  CHECK(complaints[0].find(s.folder.path().string()) == std::string::npos);
+  CHECK_THAT(complaints[0], Catch::StartsWith("g.tcell: level 0 chunk (0, 0, 0): its frame at byte "));  // the place once, no folder
 }
 
 TEST_CASE("A client that accepts gzip gets it, whoever asked before, and finds it kept", "[server]") {
@@ -256,8 +280,7 @@ TEST_CASE("Behind a token nothing may be kept for others", "[server]") {
 
 TEST_CASE("JSON is ASCII, whatever the names", "[server]") {
   Served s;
-  std::filesystem::rename(s.path, s.folder / "\xc3\xbcn\xff.tcell");
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  s.rename("\xc3\xbcn\xff.tcell");
   const Response list = s.get("/api/v1/grids");
   REQUIRE(list.status == 200);
   CHECK(std::ranges::all_of(*list.body, [](char c) { return static_cast<unsigned char>(c) < 0x80; }));
@@ -273,6 +296,37 @@ TEST_CASE("The caches stay within their limit", "[server]") {
   CHECK(s.service->chunks().counts().bytes <= 200000);
   CHECK(s.service->answers().counts().bytes <= 25000);
   CHECK(s.service->chunks().counts().hits > 0);
+}
+
+TEST_CASE("The pages of all grids share the cache", "[server]") {
+  ServiceOptions options;
+  options.cache_bytes = 128000;
+  Served s(1, options);
+  for (int i = 0; i < 40; ++i) std::filesystem::copy_file(s.path, s.folder / ("copy" + std::to_string(i) + ".tcell"));
+  Served::wait_until_noticed();
+  for (int i = 0; i < 40; ++i) REQUIRE(s.get("/api/v1/grids/copy" + std::to_string(i) + "/stats").status == 200);
+  const CacheCounts index = s.service->index().counts(), chunks = s.service->chunks().counts();
+  CHECK(index.limit + chunks.limit == 128000);
+  CHECK(index.bytes > index.limit / 2);
+  CHECK(index.bytes <= index.limit);
+}
+
+TEST_CASE("What is looked for ahead, or waited for, is no hit", "[server]") {
+  Served s;
+  Request request;
+  request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
+  CHECK_FALSE(s.service->keeps(request));
+  handle(*s.service, request);
+  CHECK(s.service->keeps(request));
+  CHECK(s.service->answers().counts().hits == 0);
+  CHECK(s.service->answers().counts().misses == 1);
+  request.accepts_gzip = true;
+  CHECK_FALSE(s.service->keeps(request));  // it would get another one
+  CHECK_FALSE(handle_at_once(*s.service, request));
+  CHECK(s.service->answers().counts().hits == 0);
+  request.accepts_gzip = false;
+  CHECK(handle_at_once(*s.service, request));
+  CHECK(s.service->answers().counts().hits == 1);
 }
 
 // ---- the description is held against the answers
@@ -308,7 +362,11 @@ TEST_CASE("Every address of the description answers as it says", "[server]") {
   const std::map<std::string, std::string> values = {{"id", "g"}, {"axis", "z"}, {"index", "4"}, {"level", "1"}, {"col", "0"}, {"row", "0"}, {"a", "3"}, {"b", "4"}, {"i", "1"}, {"j", "2"}, {"k", "3"}};
   int seen = 0;
   for (const auto& [path, operations] : api["paths"].items()) {
-    if (path == "/healthz" || path == "/metrics") continue;  // the listener's
+    const json& responses = operations["get"]["responses"];
+    CHECK(responses.contains("405"));
+    CHECK(responses.contains("401") == (path != "/healthz"));
+    CHECK(responses.contains("503") == (path != "/healthz" && path != "/metrics"));
+    if (path == "/healthz" || path == "/metrics") continue;  // not of the service
     INFO(path);
     std::string target = path, query;
     for (const json& p : operations["get"]["parameters"]) {
@@ -345,8 +403,7 @@ TEST_CASE("Every address of the description answers as it says", "[server]") {
 
 TEST_CASE("The start page names the grids and holds nothing that a file's name could smuggle in", "[server]") {
   Served s;
-  std::filesystem::rename(s.path, s.folder / "<script>alert('x')&\".tcell");
-  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  s.rename("<script>alert('x')&\".tcell");
   const Response page = s.get("/");
   REQUIRE(page.status == 200);
   CHECK(page.content_type == "text/html; charset=utf-8");

@@ -392,6 +392,14 @@ TEST_CASE("Sums, statistics, coarse sets and the content hash that lie are found
   expect_verify_refuses(forge(file, {.footer = [](Footer& f) { f.hash[15] ^= 1; }}), "content hash");
 }
 
+TEST_CASE("Statistics that reach out of their chunk are refused before any coordinate is looked up") {
+  const GridReader reader = reader_of(forge(chunked_file(), {.page = [](int, std::vector<ChunkEntry>& entries) {
+                                              for (ChunkEntry& e : entries)
+                                                for (LabelStats& s : e.stats) s.hi[2] += 1000;
+                                            }}));
+  REQUIRE_THROWS_WITH(read_stats(reader, reader.meta().grid.box(0)), Catch::Contains("its statistics reach outside of it"));
+}
+
 TEST_CASE("A cell of level 0 with a set of several labels is refused, by verify and by every reading of it") {
   const Bytes file = meshed_file();
   bool done = false;

@@ -22,6 +22,8 @@ TEST_CASE("A value is made once and found again", "[shared_cache]") {
   CHECK(*cache.find("a") == 1);
   CHECK_FALSE(cache.find("b"));
   CHECK(cache.counts().misses == 1);
+  CHECK(cache.counts().hits == 2);  // finding alone counts nothing
+  cache.hit();
   CHECK(cache.counts().hits == 3);
   CHECK(cache.counts().entries == 1);
   CHECK(cache.counts().bytes > 100);
@@ -61,6 +63,8 @@ TEST_CASE("While one thread makes a value the others wait for it", "[shared_cach
   for (auto& t : threads) t.join();
   CHECK(times == 50);
   CHECK(wrong == 0);
+  CHECK(cache.counts().hits + cache.counts().misses == 400);
+  CHECK(cache.counts().misses >= 50);  // who waited did not find it
 }
 
 TEST_CASE("A failure reaches all who wait for it and is not kept", "[shared_cache][threads]") {

@@ -1,0 +1,34 @@
+// What leads to chunks, kept for the next one that it leads to: blocks of directories, pages of the index. Readers that share
+// a cache share its bytes. Threads may share it.
+#pragma once
+#include <atomic>
+
+#include "store/format.hpp"
+#include "store/lru_cache.hpp"
+
+namespace teracell {
+
+struct IndexPlace {
+  uint64_t reader;  // IndexCache::new_reader()
+  bool page;        // else a block
+  uint64_t at;      // a page's number * 32 + level; a block's offset in the file
+  friend bool operator==(const IndexPlace&, const IndexPlace&) = default;
+};
+struct IndexPlaceHash {
+  size_t operator()(const IndexPlace& p) const { return ((p.reader * 2 + p.page) * 0x9E3779B97F4A7C15 ^ p.at) * 0x9E3779B97F4A7C15 >> 16; }
+};
+struct IndexPart {  // one of them
+  std::vector<DirectoryEntry> block;
+  std::vector<ChunkEntry> page;
+};
+
+class IndexCache : public LruCache<IndexPlace, IndexPart, IndexPlaceHash> {
+ public:
+  using LruCache::LruCache;
+  uint64_t new_reader() { return readers_++; }
+
+ private:
+  std::atomic<uint64_t> readers_ = 0;
+};
+
+}  // namespace teracell

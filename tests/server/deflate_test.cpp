@@ -1,0 +1,27 @@
+// What is compressed is read back by zlib itself.
+#include "server/deflate.hpp"
+
+#include <random>
+
+#include <catch2/catch.hpp>
+
+#include "tests/support/foreign.hpp"
+
+namespace teracell {
+namespace {
+
+TEST_CASE("What is compressed is read back, empty or noise, in both wrappings", "[server]") {
+  std::mt19937 random(1);
+  std::string noise(300000, '\0');
+  for (char& c : noise) c = static_cast<char>(random());
+  for (const Wrapping wrapping : {Wrapping::kZlib, Wrapping::kGzip})
+    for (const std::string& text : {std::string(), std::string("a"), std::string(1000000, 'x'), noise}) {
+      const std::string packed = deflated(text, wrapping);
+      CHECK(static_cast<uint8_t>(packed.at(0)) == (wrapping == Wrapping::kGzip ? 0x1F : 0x78));
+      CHECK(packed.capacity() <= packed.size() + 32);
+      CHECK(testing::inflated(packed, text.size()) == text);
+    }
+}
+
+}  // namespace
+}  // namespace teracell
