@@ -85,7 +85,8 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
       {"full", &m.refused}, {"idle", &m.idle}, {"slow_request", &m.slow_requests}, {"slow_answer", &m.slow_answers}};
   for (const auto& [why, n] : drops) fmt::format_to(end(), "teracell_connections_dropped_total{{reason=\"{}\"}} {}\n", why, n->load(kRelaxed));
   single(out, "teracell_waiting_requests", "gauge", "Requests that are being made, or wait for a thread.", m.waiting.load(kRelaxed));
-  single(out, "teracell_overloaded_total", "counter", "Requests refused because too many waited.", m.overloaded.load(kRelaxed));
+  single(out, "teracell_held_bytes", "gauge", "Bytes of answers that wait for their clients to take them.", m.held_bytes.load(kRelaxed));
+  single(out, "teracell_overloaded_total", "counter", "Requests refused because too many waited, or too many bytes were held.", m.overloaded.load(kRelaxed));
   single(out, "process_resident_memory_bytes", "gauge", "Resident memory.", state.resident_bytes);
   return out;
 }
