@@ -78,6 +78,7 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
   single(out, "teracell_reads_total", "counter", "Reads of the files: chunks and index pages.", state.reads);
   single(out, "teracell_read_bytes_total", "counter", "Bytes that they gave.", state.read_bytes);
   single(out, "teracell_damaged_total", "counter", "Requests that met a damaged chunk.", state.damaged);
+  single(out, "teracell_log_dropped_total", "counter", "Lines of the log that nobody took in time, or that could not be written.", state.log_dropped);
   single(out, "teracell_connections", "gauge", "Open connections.", m.connections.load(kRelaxed));
   single(out, "teracell_connections_accepted_total", "counter", "Connections ever accepted.", m.accepted.load(kRelaxed));
   describe(out, "teracell_connections_dropped_total", "counter", "Connections closed for what the client did, or didn't do in time.");

@@ -71,7 +71,7 @@ struct CacheState {
 };
 struct ServerState {
   std::vector<CacheState> caches;
-  uint64_t grids = 0, reads = 0, read_bytes = 0, damaged = 0;
+  uint64_t grids = 0, reads = 0, read_bytes = 0, damaged = 0, log_dropped = 0;
   uint64_t resident_bytes = 0;
   std::string version;
 };

@@ -114,7 +114,7 @@ TEST_CASE("the state of caches, files, connections and memory", "[server][metric
   m.connections = 3;
   m.refused = 4;
   m.held_bytes = 5;
-  const auto s = samples(metrics_text(m, {{{"chunks", 1, 2, 3, 4}, {"answers", 5, 6, 7, 8}}, 9, 10, 11, 12, 13, "1.2.3"}));
+  const auto s = samples(metrics_text(m, {{{"chunks", 1, 2, 3, 4}, {"answers", 5, 6, 7, 8}}, 9, 10, 11, 12, 13, 14, "1.2.3"}));
   CHECK(s.at(R"(teracell_cache_bytes{cache="chunks"})") == 1);
   CHECK(s.at(R"(teracell_cache_limit_bytes{cache="answers"})") == 6);
   CHECK(s.at(R"(teracell_cache_hits_total{cache="chunks"})") == 3);
@@ -123,7 +123,8 @@ TEST_CASE("the state of caches, files, connections and memory", "[server][metric
   CHECK(s.at("teracell_reads_total") == 10);
   CHECK(s.at("teracell_read_bytes_total") == 11);
   CHECK(s.at("teracell_damaged_total") == 12);
-  CHECK(s.at("process_resident_memory_bytes") == 13);
+  CHECK(s.at("teracell_log_dropped_total") == 13);
+  CHECK(s.at("process_resident_memory_bytes") == 14);
   CHECK(s.at(R"(teracell_build_info{version="1.2.3"})") == 1);
   CHECK(s.at("teracell_connections") == 3);
   CHECK(s.at("teracell_held_bytes") == 5);
