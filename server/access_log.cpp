@@ -10,7 +10,8 @@
 #include <iterator>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "server/wire.hpp"
 
 namespace teracell {
 namespace {
@@ -31,8 +32,7 @@ void append_harmless(std::string& out, std::string_view text) {
 }
 
 void append_note(std::string& out, LogFormat format, std::string_view time, std::string_view message) {
-  using Json = nlohmann::ordered_json;
-  if (format == LogFormat::kJson) out += Json{{"time", time}, {"message", message}}.dump(-1, ' ', true, Json::error_handler_t::replace);
+  if (format == LogFormat::kJson) fmt::format_to(std::back_inserter(out), R"({{"time":"{}","message":{}}})", time, json_text(message));
   else fmt::format_to(std::back_inserter(out), "teracell: {}", message);
   out += '\n';
 }

@@ -20,6 +20,8 @@ Response failure() {
     throw;
   } catch (const HttpError& e) {
     return error_response(e.status, e.code, e.what());
+  } catch (const std::bad_alloc&) {
+    return error_response(503, "out_of_memory", "the server is out of memory: ask again later");
   } catch (const std::exception& e) {
     return error_response(500, "internal", e.what());
   } catch (...) {
