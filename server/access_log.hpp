@@ -1,18 +1,25 @@
-// One line a request, gathered in memory: the warm path must not pay a system call for it.
+// One line a request, and what else is to be said while serving. Lines are gathered in memory and written by a thread of
+// its own: neither a system call nor a reader that has stopped reading costs an answer anything. When too much has gathered,
+// lines are dropped; how many stands in the log once it moves again.
 #pragma once
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <cstdint>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <thread>
 
 namespace teracell {
 
-enum class LogFormat { kNone, kText, kJson };
+enum class LogFormat { kNone, kText, kJson };  // of requests; notes are written with kNone, too
 
 struct LogEntry {
   std::string_view client, method, target;
   int status = 0;
-  uint64_t bytes = 0;  // of the body
+  uint64_t bytes = 0;  // of the body, as far as they were sent
   double milliseconds = 0;
   std::string_view route;
 };
@@ -24,21 +31,39 @@ void append_log_line(std::string& out, LogFormat format, std::string_view time, 
 // Threads share it.
 class AccessLog {
  public:
-  AccessLog(LogFormat format, int descriptor) : format_(format), descriptor_(descriptor) {}
-  ~AccessLog() { flush(); }
+  static constexpr size_t kMost = size_t{1} << 20;  // bytes that may wait to be written
+
+  AccessLog(LogFormat format, int descriptor);
+  ~AccessLog() { finish(); }
   AccessLog(const AccessLog&) = delete;
   AccessLog& operator=(const AccessLog&) = delete;
 
-  void write(const LogEntry& entry);  // writes through when much has gathered
-  void flush();                       // to be called every second or so
+  void write(const LogEntry& entry) noexcept;
+  void note(std::string_view message) noexcept;  // REQUIRES: no control characters in it
+  uint64_t dropped() const { return dropped_; }  // lines, ever
+  // All that has gathered is written when it returns, or given up because nobody took it for two seconds. What comes later
+  // is dropped.
+  void finish();
 
  private:
-  static constexpr size_t kMuch = size_t{64} << 10;
+  template <class Append>
+  void add(Append append) noexcept;
+  std::string_view time();  // REQUIRES: locked
+  void work();
+  void write_through(std::string_view lines);
+  bool takes_some();
+
   const LogFormat format_;
   const int descriptor_;
-  std::mutex mutex_, writing_;
-  std::string lines_, second_text_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::string lines_;
+  std::atomic<bool> finished_{false};
+  std::chrono::steady_clock::time_point give_up_;  // once finished
   int64_t second_ = 0;
+  std::array<char, 32> time_{};  // the last one asked for
+  std::atomic<uint64_t> dropped_{0};
+  std::thread thread_;  // last: it uses the others
 };
 
 }  // namespace teracell

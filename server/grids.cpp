@@ -3,147 +3,192 @@
 #include <sys/stat.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <chrono>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "server/http.hpp"
 
 namespace teracell {
 namespace {
 
-constexpr uint64_t kEveryMilliseconds = 1000;
+namespace fs = std::filesystem;
 
-uint64_t steady_milliseconds() {
-  return static_cast<uint64_t>(std::chrono::duration_cast<std::chrono::milliseconds>(std::chrono::steady_clock::now().time_since_epoch()).count()) + 1;
-}
+constexpr auto kEvery = std::chrono::milliseconds(500);
+constexpr size_t kMostGone = 1000;  // files that are gone, whose ids are kept for them
 
-// The *.tcell of a folder by name. None when it can't be read.
-std::optional<std::vector<std::filesystem::path>> grids_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> out;
-  std::error_code error, of_file;
-  for (auto it = std::filesystem::directory_iterator(folder, error); !error && it != std::filesystem::directory_iterator(); it.increment(error))
+// The *.tcell of a folder by name.
+std::vector<fs::path> grids_in(const fs::path& folder, std::error_code& error) {
+  std::vector<fs::path> out;
+  std::error_code of_file;
+  for (auto it = fs::directory_iterator(folder, error); !error && it != fs::directory_iterator(); it.increment(error))
     if (it->path().extension() == ".tcell" && it->is_regular_file(of_file)) out.push_back(it->path());
-  if (error) return std::nullopt;
   std::ranges::sort(out);
   return out;
 }
 
-// Clients get to see what is wrong, but no folder of this machine.
-std::string without_folder(std::string message, const std::filesystem::path& path) {
-  for (size_t at; (at = message.find(path.string())) != std::string::npos;) message.replace(at, path.string().size(), path.filename().string());
+// A message about a file, as clients get to see it: without the folders of this machine.
+std::string without_folder(std::string message, const fs::path& path) {
+  const std::string whole = path.string(), name = path.filename().string();
+  for (size_t at = 0; (at = message.find(whole, at)) != std::string::npos; at += name.size()) message.replace(at, whole.size(), name);
   return message;
+}
+
+// The same as whoever runs the server gets to see it, who may serve several folders.
+std::string with_folder(const std::string& message, const fs::path& path) {
+  const std::string name = path.filename().string();
+  return path.string() + (message.starts_with(name + ":") ? message.substr(name.size()) : ": " + message);
+}
+
+// The stem as an address can hold it and as JSON tells it: UTF-8 without control characters, and neither "." nor "..", which
+// clients resolve.
+std::string stem_of(const fs::path& path) {
+  using Json = nlohmann::json;
+  std::string stem = Json::parse(Json(path.stem().string()).dump(-1, ' ', false, Json::error_handler_t::replace));
+  std::ranges::replace_if(stem, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
+  if (stem == "." || stem == "..") std::ranges::replace(stem, '.', '_');
+  return stem;
 }
 
 }  // namespace
 
-Grids::Grids(std::vector<std::filesystem::path> named, Open open) : named_(std::move(named)), open_(std::move(open)) {
-  for (const auto& path : named_)
-    if (!std::filesystem::is_directory(path) && !std::filesystem::is_regular_file(path))
-      throw UsageError(fmt::format("{}: expected a .tcell file or a folder, found {}", path.string(), std::filesystem::exists(path) ? "something else" : "nothing"));
-  std::lock_guard lock(mutex_);
-  refresh();
-  for (const auto& path : named_)
-    if (const auto it = places_.find(path); it != places_.end() && !it->second.grid) throw FormatError(it->second.error);
-}
-
-std::string Grids::new_id(const std::filesystem::path& path) const {
-  const std::string stem = path.stem().string();
-  const auto taken = [&](const std::string& id) { return std::ranges::any_of(places_, [&](const auto& p) { return p.second.id == id; }); };
-  std::string id = stem;
-  for (int n = 2; taken(id); ++n) id = fmt::format("{}-{}", stem, n);
-  return id;
-}
-
-void Grids::lose(const std::filesystem::path& path) {
-  const auto it = places_.find(path);
-  if (it == places_.end() || !it->second.there) return;
-  it->second.there = false;
-  it->second.grid = nullptr;
-  ++epoch_;
-}
-
-void Grids::look(const std::filesystem::path& path) {
-  struct stat s;
-  if (stat(path.c_str(), &s) != 0 || !S_ISREG(s.st_mode)) {
-    lose(path);
-    return;
+Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) : open_(std::move(open)), complain_(std::move(complain)) {
+  for (const auto& path : named) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    if (!fs::status_known(status)) throw IoError(fmt::format("{}: can't be read: {}", path.string(), error.message()));
+    if (!fs::is_directory(status) && !fs::is_regular_file(status))
+      throw UsageError(fmt::format("{}: expected a .tcell file or a folder, found {}", path.string(), fs::exists(status) ? "something else" : "nothing"));
+    named_.push_back({path, fs::is_directory(status), {path}, ""});
   }
+  look();
+  for (const Named& n : named_) {
+    if (!n.error.empty()) throw IoError(n.error);
+    if (n.folder) continue;
+    if (const auto it = places_.find(n.path); it != places_.end() && !it->second.grid) throw FormatError(with_folder(it->second.error, n.path));
+  }
+  watch_ = std::jthread([this](const std::stop_token& stop) {
+    std::unique_lock lock(waiting_);
+    while (!stopped_.wait_for(lock, stop, kEvery, [&] { return stop.stop_requested(); })) try {
+        look();
+      } catch (const std::exception&) {  // no memory to look with: what is known holds
+      }
+  });
+}
+
+void Grids::look() {
+  std::lock_guard lock(looking_);
+  ++looks_;
+  auto next = std::make_shared<Known>();
+  for (Named& named : named_) {
+    if (named.folder) list(named);
+    for (const auto& path : named.files)
+      if (const Place* place = look_at(path); place && next->by_id.try_emplace(place->id, Known::Entry{place->grid, place->error}).second && place->grid)
+        next->readable.push_back(place->grid);
+  }
+  forget_gone();
+  if (next->by_id == known_->by_id && next->readable == known_->readable) return;
+  next->epoch = epoch_ + 1;
+  std::lock_guard publishing(known_mutex_);
+  epoch_ = next->epoch;
+  known_ = std::move(next);
+}
+
+// A folder that can't be read just now keeps what it had: clients would take a 404 for empty cells.
+void Grids::list(Named& named) {
+  std::error_code error;
+  auto found = grids_in(named.path, error);
+  if (!error) named.files = std::move(found);
+  else if (looks_ == 1) named.files.clear();
+  if (error && named.error.empty() && looks_ > 1) complain_(fmt::format("{}: can't be read: {}", named.path.string(), error.message()));
+  named.error = error ? fmt::format("{}: can't be read: {}", named.path.string(), error.message()) : "";
+}
+
+Grids::Place* Grids::look_at(const fs::path& path) {
+  struct stat s;
+  const int error = stat(path.c_str(), &s) == 0 ? 0 : errno;
+  if (error == ENOENT || error == ENOTDIR || (error == 0 && !S_ISREG(s.st_mode))) return nullptr;
   auto it = places_.find(path);
-  if (it == places_.end()) it = places_.emplace(path, Place{new_id(path)}).first;
+  if (it == places_.end()) {
+    it = places_.emplace(path, Place{new_id(path)}).first;
+    ids_.insert(it->second.id);
+  }
   Place& place = it->second;
+  place.seen = looks_;
+  if (error != 0) {  // just now: what was opened can still be read
+    if (!place.grid) place.error = fmt::format("{}: {}", path.filename().string(), std::generic_category().message(error));
+    return &place;
+  }
   const Stamp stamp{s.st_dev, s.st_ino, static_cast<uint64_t>(s.st_size), int64_t{s.st_mtim.tv_sec} * 1000000000 + s.st_mtim.tv_nsec};
-  if (place.there && place.stamp == stamp && place.grid) return;  // one that could not be opened is tried again
-  const bool was_there = place.grid != nullptr;
-  place.there = true;
+  if (!place.grid || place.stamp != stamp) open(path, place, stamp);  // one that could not be opened is tried again
+  return &place;
+}
+
+void Grids::open(const fs::path& path, Place& place, const Stamp& stamp) {
+  const bool changed = place.stamp != stamp;
   place.stamp = stamp;
+  place.grid = nullptr;
   place.error = "its file could not be opened";
+  if (changed) place.complained = false;
   try {
     const uint64_t number = next_number_++;
     auto file = open_(path, number);
     const std::string hash = file->hash();
     place.grid = std::make_shared<const ServedGrid>(ServedGrid{place.id, number, hash, std::move(file)});
   } catch (const std::exception& e) {
-    place.grid = nullptr;
     place.error = without_folder(e.what(), path);
+    if (changed || place.complained) return;
+    place.complained = true;
+    complain_(with_folder(place.error, path));
   }
-  if (place.grid || was_there) ++epoch_;
 }
 
-void Grids::refresh() {
-  const uint64_t now = steady_milliseconds();
-  if (refreshed_ != 0 && now < refreshed_ + kEveryMilliseconds) return;
-  refreshed_ = now;
-  std::vector<std::filesystem::path> order;
+void Grids::forget_gone() {
+  std::vector<std::pair<uint64_t, fs::path>> gone;
   for (auto& [path, place] : places_)
-    if (struct stat s; stat(path.c_str(), &s) != 0) lose(path);
-  for (const auto& path : named_) {
-    std::error_code error;
-    const bool folder = std::filesystem::is_directory(path, error);
-    // A folder that can't be read just now keeps what it had: clients would take a 404 for empty cells.
-    if (auto found = folder ? grids_in(path) : std::nullopt) listed_[path] = std::move(*found);
-    for (const auto& file : folder || listed_.contains(path) ? listed_[path] : std::vector{path}) {
-      look(file);
-      if (std::ranges::find(order, file) == order.end()) order.push_back(file);
+    if (place.seen != looks_) {
+      place.grid = nullptr;
+      gone.emplace_back(place.seen, path);
     }
-  }
-  order_ = std::move(order);
-}
-
-uint64_t Grids::epoch() {
-  if (steady_milliseconds() >= refreshed_ + kEveryMilliseconds) {
-    std::lock_guard lock(mutex_);
-    refresh();
-  }
-  return epoch_;
-}
-
-std::optional<uint64_t> Grids::epoch_of(const ServedGrid& grid) {
-  std::lock_guard lock(mutex_);
-  for (const auto& [path, place] : places_)
-    if (place.grid.get() == &grid) return epoch_;
-  return std::nullopt;
-}
-
-std::shared_ptr<const ServedGrid> Grids::find(const std::string& id) {
-  std::lock_guard lock(mutex_);
-  refresh();
-  for (const auto& path : order_) {
+  if (gone.size() <= kMostGone) return;
+  std::ranges::sort(gone);
+  gone.resize(gone.size() - kMostGone);  // the longest gone
+  for (const auto& [seen, path] : gone) {
     const auto it = places_.find(path);
-    if (it == places_.end() || it->second.id != id || !it->second.there) continue;
-    if (!it->second.grid) throw HttpError(500, "unreadable", it->second.error);
-    return it->second.grid;
+    ids_.erase(it->second.id);
+    places_.erase(it);
   }
-  throw not_found(fmt::format("there is no grid '{}'", id.substr(0, 64)));
 }
 
-std::vector<std::shared_ptr<const ServedGrid>> Grids::all() {
-  std::lock_guard lock(mutex_);
-  refresh();
-  std::vector<std::shared_ptr<const ServedGrid>> out;
-  for (const auto& path : order_)
-    if (const auto it = places_.find(path); it != places_.end() && it->second.grid) out.push_back(it->second.grid);
-  return out;
+std::string Grids::new_id(const fs::path& path) const {
+  const std::string stem = stem_of(path);
+  std::string id = stem;
+  for (int n = 2; ids_.contains(id); ++n) id = fmt::format("{}-{}", stem, n);
+  return id;
 }
+
+std::shared_ptr<const Grids::Known> Grids::known() const {
+  std::lock_guard lock(known_mutex_);
+  return known_;
+}
+
+std::optional<uint64_t> Grids::epoch_of(const ServedGrid& grid) const {
+  const auto now = known();
+  const auto it = now->by_id.find(grid.id);
+  if (it == now->by_id.end() || it->second.grid.get() != &grid) return std::nullopt;
+  return now->epoch;
+}
+
+std::shared_ptr<const ServedGrid> Grids::find(const std::string& id) const {
+  const auto now = known();
+  const auto it = now->by_id.find(id);
+  if (it == now->by_id.end()) throw not_found(fmt::format("there is no grid '{}'", id.substr(0, 64)));
+  if (!it->second.grid) throw HttpError(500, "unreadable", it->second.error);
+  return it->second.grid;
+}
+
+std::vector<std::shared_ptr<const ServedGrid>> Grids::all() const { return known()->readable; }
 
 }  // namespace teracell

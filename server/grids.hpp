@@ -1,14 +1,18 @@
-// The grids that are served: files named at the start, and every *.tcell directly in a folder named there. A file that is
-// replaced, added or removed is noticed without a restart; who holds the old one goes on reading it.
+// The grids that are served: files named at the start, and every *.tcell directly in a folder named there. A thread looks
+// at the files, so that no request waits for a disk: who asks gets what was known at the last look. A file that is replaced,
+// added or removed is noticed within a second; who holds the old one goes on reading it.
 #pragma once
 #include <atomic>
+#include <condition_variable>
 #include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "store/reader.hpp"
@@ -17,7 +21,7 @@ namespace teracell {
 
 // One file as it was when it was opened. Immutable; threads share it.
 struct ServedGrid {
-  std::string id;    // a name, never a path: the file's stem, numbered when repeated
+  std::string id;    // a name, never a path: the file's stem as an address can hold it, numbered when repeated
   uint64_t number;   // no other file that was ever opened here has it, not even the same one replaced
   std::string hash;  // of the content, for ETags and versioned addresses
   std::unique_ptr<const GridReader> file;
@@ -25,22 +29,28 @@ struct ServedGrid {
   const Metadata& meta() const { return file->meta(); }
 };
 
+// Threads share it.
 class Grids {
  public:
   // Makes the reader of a file; `number` is the grid's.
   using Open = std::function<std::unique_ptr<const GridReader>(const std::filesystem::path&, uint64_t number)>;
+  using Complain = std::function<void(const std::string&)>;
 
-  // Throws UsageError for a path that is neither a folder nor a file, or when a named file can't be opened.
-  Grids(std::vector<std::filesystem::path> named, Open open);
+  // Throws UsageError for a path that is neither a folder nor a file, IoError for a folder that can't be read, FormatError for
+  // a named file that can't be opened. What can't be read later, or is in a folder, is complained of, on any thread: once, when
+  // it has stopped changing.
+  Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain);
 
   // Throws HttpError: 404 when there is no such grid, 500 with what is wrong when its file can't be read.
-  std::shared_ptr<const ServedGrid> find(const std::string& id);
+  std::shared_ptr<const ServedGrid> find(const std::string& id) const;
   // Another number whenever all() or find() would answer otherwise than before.
-  uint64_t epoch();
+  uint64_t epoch() const { return epoch_; }
   // That number, unless the grid is not what find() gives any more.
-  std::optional<uint64_t> epoch_of(const ServedGrid& grid);
+  std::optional<uint64_t> epoch_of(const ServedGrid& grid) const;
   // Those that can be read, in the order of the command line, those of a folder by name.
-  std::vector<std::shared_ptr<const ServedGrid>> all();
+  std::vector<std::shared_ptr<const ServedGrid>> all() const;
+  // Looks at the files now, instead of in half a second at most.
+  void look();
 
  private:
   // Tells one state of a file from another.
@@ -51,24 +61,53 @@ class Grids {
   };
   struct Place {
     std::string id;
-    bool there = true;
+    uint64_t seen = 0;  // at this look, the last time
     Stamp stamp;
     std::shared_ptr<const ServedGrid> grid;  // null: `error` says why
     std::string error;
+    bool complained = false;
   };
-  void refresh();                                      // at most once a second; REQUIRES: locked
-  void look(const std::filesystem::path& path);        // at one file
-  void lose(const std::filesystem::path& path);
-  std::string new_id(const std::filesystem::path& path) const;
+  struct Named {
+    std::filesystem::path path;
+    bool folder;
+    std::vector<std::filesystem::path> files;  // itself, or what it held when it could be read last
+    std::string error;                         // why it can't be read now
+  };
+  // What is served at some time. Immutable.
+  struct Known {
+    struct Entry {
+      std::shared_ptr<const ServedGrid> grid;  // null: `error` says why
+      std::string error;
+      friend bool operator==(const Entry&, const Entry&) = default;
+    };
+    std::map<std::string, Entry> by_id;
+    std::vector<std::shared_ptr<const ServedGrid>> readable;
+    uint64_t epoch = 0;
+  };
 
-  const std::vector<std::filesystem::path> named_;
+  void list(Named& named);
+  Place* look_at(const std::filesystem::path& path);  // null when it is not there
+  void open(const std::filesystem::path& path, Place& place, const Stamp& stamp);
+  void forget_gone();
+  std::string new_id(const std::filesystem::path& path) const;
+  std::shared_ptr<const Known> known() const;
+
   const Open open_;
-  std::mutex mutex_;
-  uint64_t next_number_ = 1;
-  std::atomic<uint64_t> epoch_ = 0, refreshed_ = 0;    // refreshed_: steady milliseconds, 0 is never
-  std::vector<std::filesystem::path> order_;           // of the places, as all() has them
-  std::map<std::filesystem::path, std::vector<std::filesystem::path>> listed_;  // of folders, when they could be read last
-  std::map<std::filesystem::path, Place> places_;      // those gone keep their ids
+  const Complain complain_;
+
+  std::mutex looking_;  // guards what only looks use, down to known_
+  std::vector<Named> named_;
+  std::map<std::filesystem::path, Place> places_;  // also of files that are gone: they keep their ids
+  std::set<std::string> ids_;                      // of places_
+  uint64_t looks_ = 0, next_number_ = 1;
+
+  mutable std::mutex known_mutex_;  // held for no longer than a pointer takes
+  std::shared_ptr<const Known> known_ = std::make_shared<const Known>();
+  std::atomic<uint64_t> epoch_ = 0;  // of known_
+
+  std::mutex waiting_;
+  std::condition_variable_any stopped_;
+  std::jthread watch_;  // last: it uses the others
 };
 
 }  // namespace teracell

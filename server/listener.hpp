@@ -1,6 +1,6 @@
-// HTTP/1.1 over TCP: the only file of the server that knows a socket, listener.cpp. Each io thread owns its connections
-// from accept to close, so they need no lock; requests that take long go to a pool of other threads, so that health and
-// warm tiles are answered while cold ones are made.
+// HTTP/1.1 over TCP. This one accepts; each io thread (loop.hpp) owns its connections (connection.hpp) from then to the end,
+// and no other file knows a socket. Requests that take long go to a pool of other threads, so that health and warm tiles are
+// answered while cold ones are made.
 #pragma once
 #include <chrono>
 #include <cstdint>
@@ -22,12 +22,15 @@ struct ListenerOptions {
   std::string token;              // empty: none is asked for
   size_t max_connections = 1024;  // more are closed at once
   size_t max_waiting = 256;       // requests in the pool; more are answered 503
+  // Bytes of answers that clients are taking, what several take counted for each: beyond, what must be made is answered 503.
+  // Passed by at most an answer a thread.
+  size_t max_held = size_t{256} << 20;
   Milliseconds request_timeout{10'000};  // for a request, from its first byte or from the connection's beginning
   Milliseconds idle_timeout{60'000};     // between requests
   Milliseconds answer_timeout{60'000};   // for taking an answer, and a second more for each kSlowest bytes of it
   Milliseconds drain_timeout{10'000};    // for requests under way when it stops
   bool stop_on_signals = false;   // SIGINT and SIGTERM; the second one has its usual effect
-  static constexpr size_t kMaxHead = size_t{16} << 10, kMaxBody = size_t{8} << 10, kSlowest = size_t{32} << 10;
+  static constexpr size_t kSlowest = size_t{32} << 10;
 };
 
 class Listener {

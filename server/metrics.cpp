@@ -78,6 +78,7 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
   single(out, "teracell_reads_total", "counter", "Reads of the files: chunks and index pages.", state.reads);
   single(out, "teracell_read_bytes_total", "counter", "Bytes that they gave.", state.read_bytes);
   single(out, "teracell_damaged_total", "counter", "Requests that met a damaged chunk.", state.damaged);
+  single(out, "teracell_log_dropped_total", "counter", "Lines of the log that nobody took in time, or that could not be written.", state.log_dropped);
   single(out, "teracell_connections", "gauge", "Open connections.", m.connections.load(kRelaxed));
   single(out, "teracell_connections_accepted_total", "counter", "Connections ever accepted.", m.accepted.load(kRelaxed));
   describe(out, "teracell_connections_dropped_total", "counter", "Connections closed for what the client did, or didn't do in time.");
@@ -85,7 +86,8 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
       {"full", &m.refused}, {"idle", &m.idle}, {"slow_request", &m.slow_requests}, {"slow_answer", &m.slow_answers}};
   for (const auto& [why, n] : drops) fmt::format_to(end(), "teracell_connections_dropped_total{{reason=\"{}\"}} {}\n", why, n->load(kRelaxed));
   single(out, "teracell_waiting_requests", "gauge", "Requests that are being made, or wait for a thread.", m.waiting.load(kRelaxed));
-  single(out, "teracell_overloaded_total", "counter", "Requests refused because too many waited.", m.overloaded.load(kRelaxed));
+  single(out, "teracell_held_bytes", "gauge", "Bytes of answers that wait for their clients to take them.", m.held_bytes.load(kRelaxed));
+  single(out, "teracell_overloaded_total", "counter", "Requests refused because too many waited, or too many bytes were held.", m.overloaded.load(kRelaxed));
   single(out, "process_resident_memory_bytes", "gauge", "Resident memory.", state.resident_bytes);
   return out;
 }

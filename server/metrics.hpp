@@ -4,12 +4,33 @@
 #include <atomic>
 #include <cstdint>
 #include <string>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "server/handler.hpp"
 
 namespace teracell {
+
+// A part of a counter for as long as it lives.
+class Counted {
+ public:
+  Counted() = default;
+  explicit Counted(std::atomic<uint64_t>& counter, uint64_t n = 1) : counter_(&counter), n_(n) { counter.fetch_add(n); }
+  Counted(Counted&& other) noexcept : counter_(std::exchange(other.counter_, nullptr)), n_(other.n_) {}
+  Counted& operator=(Counted&& other) noexcept {
+    std::swap(counter_, other.counter_);
+    std::swap(n_, other.n_);
+    return *this;
+  }
+  ~Counted() {
+    if (counter_) counter_->fetch_sub(n_);
+  }
+  explicit operator bool() const { return counter_ != nullptr; }
+
+ private:
+  std::atomic<uint64_t>* counter_ = nullptr;
+  uint64_t n_ = 0;
+};
 
 // Threads share it; nothing in it locks.
 class Metrics {
@@ -27,7 +48,8 @@ class Metrics {
   std::atomic<uint64_t> slow_requests{0};   // dropped: a head that didn't end
   std::atomic<uint64_t> slow_answers{0};    // dropped: an answer that wasn't taken
   std::atomic<uint64_t> waiting{0};         // requests that wait for a thread, or have one
-  std::atomic<uint64_t> overloaded{0};      // answered 503, for too many of them
+  std::atomic<uint64_t> held_bytes{0};      // of answers that were made, or that clients are slow to take
+  std::atomic<uint64_t> overloaded{0};      // answered 503, for too much of these two
 
   struct Route {
     std::atomic<const char*> name{nullptr};
@@ -49,7 +71,7 @@ struct CacheState {
 };
 struct ServerState {
   std::vector<CacheState> caches;
-  uint64_t grids = 0, reads = 0, read_bytes = 0, damaged = 0;
+  uint64_t grids = 0, reads = 0, read_bytes = 0, damaged = 0, log_dropped = 0;
   uint64_t resident_bytes = 0;
   std::string version;
 };

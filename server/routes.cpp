@@ -249,7 +249,7 @@ Response handle(Service& service, const Request& request) {
   try {
     return route(service, request);
   } catch (const HttpError& e) {
-    if (e.status >= 500) service.damaged(e.what());
+    if (e.status >= 500) service.unreadable();
     return error_response(e.status, e.code, e.what());
   } catch (const UsageError& e) {
     return error_response(400, "bad_request", e.what());

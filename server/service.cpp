@@ -90,7 +90,7 @@ Service::Service(ServiceOptions options)
       answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
       grids_(std::make_unique<Grids>(options_.named, [counters = counters_, chunks = chunks_, index = index_](const std::filesystem::path& path, uint64_t number) {
         return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number), index);
-      })) {}
+      }, [this](const std::string& message) { complain(message); })) {}
 
 Service::AnswerCache::Pointer Service::kept(const Request& request) {
   const uint64_t epoch = grids_->epoch();
@@ -141,8 +141,12 @@ Response Service::answer(const Request& request, const Target& target, const Ser
 }
 
 void Service::damaged(const std::string& message) {
-  constexpr size_t kMostComplaints = 1000;
   counters_->damaged.fetch_add(1, std::memory_order_relaxed);
+  complain(message);
+}
+
+void Service::complain(const std::string& message) {
+  constexpr size_t kMostComplaints = 1000;
   std::lock_guard lock(complaints_mutex_);
   if (complaints_.size() < kMostComplaints && complaints_.insert(message).second && options_.complain) options_.complain(message);
 }

@@ -63,6 +63,8 @@ class Service {
   const Counters& counters() const { return *counters_; }
   // A request met bytes that can't be read or are damaged: counts it, and complains unless that was done before.
   void damaged(const std::string& message);
+  // It met a file that the grids have complained of.
+  void unreadable() { counters_->damaged.fetch_add(1, std::memory_order_relaxed); }
   using ChunkCache = SharedCache<ChunkPlace, Chunk, ChunkPlaceHash>;
   using AnswerCache = SharedCache<std::string, Response>;  // by grids().epoch(), encoding and target
   ChunkCache& chunks() { return *chunks_; }
@@ -70,15 +72,17 @@ class Service {
   IndexCache& index() { return *index_; }
 
  private:
+  void complain(const std::string& message);
   AnswerCache::Pointer kept(const Request& request);
+
   const ServiceOptions options_;
   std::shared_ptr<Counters> counters_;
   std::shared_ptr<ChunkCache> chunks_;  // readers keep it alive, and the next
   std::shared_ptr<IndexCache> index_;
   std::unique_ptr<AnswerCache> answers_;
-  std::unique_ptr<Grids> grids_;
   std::mutex complaints_mutex_;
   std::set<std::string> complaints_;
+  std::unique_ptr<Grids> grids_;  // last: it looks at files, and complains, on a thread of its own
 };
 
 }  // namespace teracell

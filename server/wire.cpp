@@ -153,13 +153,18 @@ bool take_off_base(std::string& target, std::string_view base) {
   return true;
 }
 
+// Not by way of a JSON object: to destroy one takes memory, and there may be none.
+std::string json_text(std::string_view text) {
+  using Json = nlohmann::json;
+  return Json(text).dump(-1, ' ', true, Json::error_handler_t::replace);
+}
+
 Response error_response(int status, const std::string& code, const std::string& message) {
-  using Json = nlohmann::ordered_json;
   Response r;
   r.status = status;
   r.content_type = "application/json";
   r.cache_control = "no-store";
-  r.body = body_of(Json{{"error", {{"code", code}, {"message", message}}}}.dump(-1, ' ', true, Json::error_handler_t::replace));
+  r.body = body_of(fmt::format(R"({{"error":{{"code":"{}","message":{}}}}})", code, json_text(message)));
   return r;
 }
 

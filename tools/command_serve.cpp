@@ -3,12 +3,16 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <system_error>
 
 #include <fmt/format.h>
 
+#include "mesher/scene_names.hpp"
 #include "server/listener.hpp"
 #include "server/prefetch.hpp"
 #include "server/routes.hpp"
@@ -29,10 +33,10 @@ struct Options {
 
 std::chrono::milliseconds milliseconds(double seconds) { return std::chrono::milliseconds(std::llround(seconds * 1000)); }
 
-CLI::Validator in_range(const std::string& option, double lo, double hi) {
+CLI::Validator in_range(double lo, double hi) {
   return CLI::Validator([=](std::string& found) {
     double value;
-    return CLI::detail::lexical_cast(found, value) && value >= lo && value <= hi ? "" : fmt::format("{}: expected {} to {}, found '{}'", option, lo, hi, found);
+    return CLI::detail::lexical_cast(found, value) && value >= lo && value <= hi ? "" : fmt::format("expected {:.15g} to {:.15g}, found '{}'", lo, hi, found);
   }, "");
 }
 
@@ -40,11 +44,14 @@ CLI::Validator in_range(const std::string& option, double lo, double hi) {
 std::string token_in(const std::string& file) {
   std::ifstream in(file);
   std::string token;
-  if (!in) throw IoError(fmt::format("--token-file {}: can't be read", file));
+  if (in) in.peek();  // a folder can be opened, not read
+  if (in.bad() || !in.is_open()) throw IoError(fmt::format("--token-file {}: can't be read: {}", file, std::generic_category().message(errno)));
   std::getline(in, token);
   while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back()))) token.pop_back();
-  if (token.empty() || token.size() > 4096 || !std::ranges::all_of(token, [](char c) { return c > 0x20 && c < 0x7f; }))
-    throw UsageError(fmt::format("--token-file {}: expected a first line of 1 to 4096 printable characters without spaces, found something else", file));
+  const auto is_bad = [](char c) { return c <= 0x20 || c >= 0x7f; };
+  if (token.empty() || token.size() > 4096 || std::ranges::any_of(token, is_bad))
+    throw UsageError(fmt::format("--token-file {}: expected a first line of 1 to 4096 printable ASCII characters without spaces, found {}", file,
+                                 token.empty() ? "an empty one" : token.size() > 4096 ? fmt::format("{} characters", token.size()) : "other ones"));
   return token;
 }
 
@@ -84,14 +91,15 @@ Handler handler_of(Service& service, Prefetch& prefetch) {
           }};
 }
 
-ServerState state_of(Service& service) {
+ServerState state_of(Service& service, const AccessLog& log) {
   const auto cache = [](const char* name, const auto& counts) { return CacheState{name, counts.bytes, counts.limit, counts.hits, counts.misses}; };
   const Service::Counters& c = service.counters();
   return {{cache("chunks", service.chunks().counts()), cache("index", service.index().counts()), cache("answers", service.answers().counts())},
-          service.grids().all().size(), c.reads, c.bytes, c.damaged, resident_bytes(), TERACELL_VERSION};
+          service.grids().all().size(), c.reads, c.bytes, c.damaged, log.dropped(), resident_bytes(), TERACELL_VERSION};
 }
 
 void run(const Options& o) {
+  if (o.host.empty()) throw UsageError("--host: expected an address of this machine, found ''");  // which would be all of them
   ListenerOptions listen;
   listen.host = o.host;
   listen.port = static_cast<uint16_t>(o.port);
@@ -108,20 +116,21 @@ void run(const Options& o) {
   // one it takes 60, and the tiles come as fast.
   mallopt(M_ARENA_MAX, 1);
 
-  Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, listen.token.empty(), [](const std::string& m) { warn("teracell: " + m); }});
+  AccessLog log(o.log == "none" ? LogFormat::kNone : o.log == "json" ? LogFormat::kJson : LogFormat::kText, STDERR_FILENO);
+  const auto note = [&](const std::string& message) { log.note(printable(message)); };
+  Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, listen.token.empty(), note});
   Prefetch prefetch([&](const Request& request) {
     if (!service.keeps(request)) handle(service, request);
   });
   Metrics metrics;
-  AccessLog log(o.log == "none" ? LogFormat::kNone : o.log == "json" ? LogFormat::kJson : LogFormat::kText, STDERR_FILENO);
-  Listener listener(listen, with_operations(handler_of(service, prefetch), metrics, [&] { return state_of(service); }), metrics, log);
+  Listener listener(listen, with_operations(handler_of(service, prefetch), metrics, [&] { return state_of(service, log); }), metrics, log);
   if (!listener.loopback() && listen.token.empty())
-    warn(fmt::format("teracell: warning: anybody who reaches {} can read these grids: give a --token-file, or put a server that asks in front", o.host));
+    note(fmt::format("warning: anybody who reaches {} can read these grids: give a --token-file, or put a server that asks in front", o.host));
   say(fmt::format("teracell: serving {} at {}", counted(service.grids().all().size(), "grid"), listener.url()));
   std::fflush(stdout);
   if (listener.run()) return;
-  warn(fmt::format("teracell: warning: stopped with requests under way after {} s", o.drain_timeout));
-  std::fflush(stderr);
+  note(fmt::format("warning: stopped with requests under way after {} s", o.drain_timeout));
+  log.finish();
   _exit(0);  // what is still being made can't be interrupted
 }
 
@@ -131,17 +140,17 @@ Run setup_serve(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("grids", o->grids, ".tcell files, and folders whose .tcell files are served, new ones too")->required();
   app.add_option("--host", o->host, "the address to listen at (default 127.0.0.1: this machine only)");
-  app.add_option("--port", o->port, "the port (default 8080); 0: any that is free")->check(in_range("--port", 0, 65535));
+  app.add_option("--port", o->port, "the port (default 8080); 0: any that is free")->check(in_range(0, 65535));
   add_threads(app, o->threads);
   app.add_option("--cache", o->cache, "memory for decoded chunks and index pages of all grids, and an eighth as much for answers (default 256M)");
-  app.add_option("--max-pixels", o->max_pixels, "of one picture (default 67108864)")->check(in_range("--max-pixels", 1, 1e12));
+  app.add_option("--max-pixels", o->max_pixels, "of one picture (default 67108864)")->check(in_range(1, 1e12));
   app.add_option("--base-path", o->base_path, "serve below this path");
   app.add_option("--token-file", o->token_file, "its first line is the token that clients must bear (Authorization: Bearer TOKEN)");
   app.add_option("--log", o->log, "a line a request on stderr: text (default), json, none")->check(one_of({"text", "json", "none"}));
-  app.add_option("--max-connections", o->max_connections, "at once (default 1024)")->check(in_range("--max-connections", 1, 1e6));
-  app.add_option("--request-timeout", o->request_timeout, "seconds that a client may take to send a request (default 10)")->check(in_range("--request-timeout", 0.1, 86400));
-  app.add_option("--idle-timeout", o->idle_timeout, "seconds that a connection is kept between requests (default 60)")->check(in_range("--idle-timeout", 0.1, 86400));
-  app.add_option("--drain-timeout", o->drain_timeout, "seconds that requests under way are given when it is stopped (default 10)")->check(in_range("--drain-timeout", 0, 86400));
+  app.add_option("--max-connections", o->max_connections, "at once (default 1024)")->check(in_range(1, 1e6));
+  app.add_option("--request-timeout", o->request_timeout, "seconds that a client may take to send a request (default 10)")->check(in_range(0.1, 86400));
+  app.add_option("--idle-timeout", o->idle_timeout, "seconds that a connection is kept between requests (default 60)")->check(in_range(0.1, 86400));
+  app.add_option("--drain-timeout", o->drain_timeout, "seconds that requests under way are given when it is stopped (default 10)")->check(in_range(0, 86400));
   app.footer("SIGTERM or SIGINT stops it: requests under way are answered first. A second one ends it at once.\n"
              "Examples:\n  teracell serve g.tcell\n  teracell serve grids/ --host 0.0.0.0 --token-file token --log json");
   return [o] { run(*o); };

@@ -121,7 +121,8 @@ class Serving(ServeCase):
         self.assertNotEqual((before.body, before.headers["ETag"]), (after.body, after.headers["ETag"]))
         self.assertEqual(server.get(f"{TILE}.bin?v={version}").status, 404)
         self.assertEqual([g["id"] for g in server.get("/api/v1/grids").json()["grids"]], ["g", "new"])
-        self.stop(server)
+        self.assertRegex(server.problem(), r"^teracell: \./broken\.tcell: .*expected")
+        self.stop(server, problems=1)
 
     def test_metrics(self):
         self.grid()
@@ -183,19 +184,27 @@ class ServeUsage(ServeCase):
     def test_what_it_refuses(self):
         self.grid()
         self.write("empty", "\n")
+        self.write("spaced", "a token")
+        self.write("broken.tcell", "nothing of a grid")
         for phrases, args in [
             (["grids"], []),
             (["nowhere.tcell", "expected a .tcell file or a folder"], ["nowhere.tcell"]),
-            (["--port", "0 to 65535", "70000"], ["g.tcell", "--port", "70000"]),
+            (["teracell: --port: expected 0 to 65535, found '70000'"], ["g.tcell", "--port", "70000"]),
+            (["teracell: --max-pixels: expected 1 to 1000000000000, found '0'"], ["g.tcell", "--max-pixels", "0"]),
             (["--base-path", "//evil"], ["g.tcell", "--base-path", "//evil"]),
             (["--log", "text, json, none", "xml"], ["g.tcell", "--log", "xml"]),
             (["--cache", "much"], ["g.tcell", "--cache", "much"]),
             (["--max-connections", "'0'"], ["g.tcell", "--max-connections", "0"]),
             (["--request-timeout", "'x'"], ["g.tcell", "--request-timeout", "x"]),
-            (["--token-file empty", "first line"], ["g.tcell", "--token-file", "empty"]),
+            (["--token-file empty", "first line", "an empty one"], ["g.tcell", "--token-file", "empty"]),
+            (["--token-file spaced", "other ones"], ["g.tcell", "--token-file", "spaced"]),
+            (["--host", "expected an address"], ["g.tcell", "--host", ""]),
         ]:
             self.refused(2, phrases, "serve", *args)
-        self.refused(1, ["--token-file nowhere"], "serve", "g.tcell", "--token-file", "nowhere")
+        self.refused(1, ["--token-file nowhere: can't be read: No such file"], "serve", "g.tcell", "--token-file", "nowhere")
+        self.refused(1, ["--token-file .: can't be read: Is a directory"], "serve", "g.tcell", "--token-file", ".")
+        self.refused(1, ["teracell: broken.tcell: "], "serve", "broken.tcell")
+        self.refused(1, [f"teracell: {self.path('broken.tcell')}: "], "serve", self.path("broken.tcell"))
         self.refused(1, ["--host 999.1.2.3"], "serve", "g.tcell", "--host", "999.1.2.3")
         self.refused(1, ["192.0.2.1"], "serve", "g.tcell", "--host", "192.0.2.1", "--port", "0")
 

@@ -45,6 +45,12 @@ class Server:
         """The next one, which must come within a second or so."""
         return self.queue.get(timeout=5)
 
+    def problem(self):
+        """The next line that is none of the access log's."""
+        while LINE.fullmatch(line := self.queue.get(timeout=5)):
+            pass
+        return line
+
     def signal(self, number):
         self.process.send_signal(number)
 
@@ -135,7 +141,7 @@ class ServeCase(Case):
         self.servers.append(Server(self.folder, *args))
         return self.servers[-1]
 
-    def stop(self, server, status=0):
+    def stop(self, server, problems=0):
         server.signal(signal.SIGTERM)
-        self.assertEqual(server.wait(), status, server.lines[-5:])
-        self.assertEqual(server.problems, [])
+        self.assertEqual(server.wait(), 0, server.lines[-5:])
+        self.assertEqual(len(server.problems), problems, server.problems)

@@ -1,7 +1,14 @@
 // Lines of the access log: nothing in them is the client's to steer.
 #include "server/access_log.hpp"
 
+#include <poll.h>
 #include <unistd.h>
+
+#include <csignal>
+#include <future>
+#include <regex>
+#include <sstream>
+#include <thread>
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -15,6 +22,37 @@ std::string line(LogFormat format, std::string_view target, std::string_view met
   append_log_line(out, format, "TIME", {"::1", method, target, 200, 12, 0.25, "tile"});
   return out;
 }
+
+// The log writes into it.
+struct Pipe {
+  int out = -1, in = -1;
+  Pipe() {
+    int ends[2];
+    if (pipe(ends) != 0) throw std::runtime_error("no pipe");
+    out = ends[0], in = ends[1];
+  }
+  ~Pipe() {
+    close(in);
+    close_out();
+  }
+  void close_out() {
+    if (out >= 0) close(std::exchange(out, -1));
+  }
+  // What comes until so many lines are there; without a number, what is there.
+  std::string rest(size_t lines = 0) const {
+    std::string text;
+    char bytes[4096];
+    for (pollfd p{out, POLLIN, 0}; lines > 0 || poll(&p, 1, 0) > 0;) {
+      const ssize_t n = read(out, bytes, sizeof bytes);
+      if (n <= 0) break;
+      text.append(bytes, static_cast<size_t>(n));
+      const auto found = static_cast<size_t>(std::count(bytes, bytes + n, '\n'));
+      if (lines > 0 && found >= lines) break;
+      if (lines > 0) lines -= found;
+    }
+    return text;
+  }
+};
 
 }  // namespace
 
@@ -44,20 +82,77 @@ TEST_CASE("a long target is cut", "[server][log]") {
   CHECK(line(LogFormat::kText, std::string(20000, 'a')) == "TIME ::1 GET " + std::string(1024, 'a') + "... 200 12 0.250 tile\n");
 }
 
-TEST_CASE("lines are gathered until flushed, with the time in front", "[server][log]") {
-  int ends[2];
-  REQUIRE(pipe(ends) == 0);
+TEST_CASE("lines and notes are written with the time in front, all of them when it is finished", "[server][log]") {
+  Pipe pipe;
   {
-    AccessLog log(LogFormat::kText, ends[1]);
+    AccessLog log(LogFormat::kText, pipe.in);
     log.write({"::1", "GET", "/a", 200, 1, 1, "x"});
+    log.note("a note");
     log.write({"::1", "GET", "/b", 200, 1, 1, "x"});
   }
-  close(ends[1]);
-  char text[200] = {};
-  REQUIRE(read(ends[0], text, sizeof text - 1) > 0);
-  close(ends[0]);
-  const std::string out = text;
-  CHECK(std::count(out.begin(), out.end(), '\n') == 2);
-  CHECK(out.substr(23, 18) == "Z ::1 GET /a 200 1");
-  CHECK((out[4] == '-' && out[10] == 'T' && out[19] == '.'));
+  const std::string out = pipe.rest();
+  const std::regex lines(R"((\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z) ::1 GET /a 200 1 1\.000 x\nteracell: a note\n\S+Z ::1 GET /b 200 1 1\.000 x\n)");
+  CHECK(std::regex_match(out, lines));
+}
+
+TEST_CASE("notes are written without a log of requests, and as JSON in a JSON log", "[server][log]") {
+  Pipe none, as_json;
+  {
+    AccessLog log(LogFormat::kNone, none.in), j(LogFormat::kJson, as_json.in);
+    log.write({"::1", "GET", "/a", 200, 1, 1, "x"});
+    log.note("a note");
+    j.note("a \"note\" \xff");
+  }
+  CHECK(none.rest() == "teracell: a note\n");
+  CHECK(nlohmann::json::parse(as_json.rest())["message"] == "a \"note\" \xef\xbf\xbd");
+}
+
+TEST_CASE("lines that nobody reads are dropped, not waited for; the log says how many once it is read again", "[server][log][threads]") {
+  Pipe pipe;
+  AccessLog log(LogFormat::kText, pipe.in);
+  const std::string target(1000, 'a');
+  constexpr size_t kEach = AccessLog::kMost / 1000, kLines = 4 * kEach;
+  {
+    std::vector<std::jthread> threads;
+    for (int t = 0; t < 4; ++t)
+      threads.emplace_back([&] {
+        for (size_t i = 0; i < kEach; ++i) log.write({"::1", "GET", target, 200, 1, 1, "x"});
+      });
+  }
+  const uint64_t dropped = log.dropped();
+  CHECK(dropped > 0);
+  auto out = std::async(std::launch::async, [&] { return pipe.rest(kLines - dropped); });
+  REQUIRE(out.wait_for(std::chrono::seconds(20)) == std::future_status::ready);
+  const std::string text = out.get();
+  log.finish();
+  const std::string all = text + pipe.rest();
+  uint64_t told = 0;
+  size_t lines = 0;
+  const std::string notice = "teracell: ";
+  std::istringstream in(all);
+  for (std::string line; std::getline(in, line); ++lines)
+    if (line.starts_with(notice)) told += std::stoul(line.substr(notice.size())), --lines;
+  CHECK(told == dropped);
+  CHECK(lines == kLines - dropped);
+  CHECK(log.dropped() == dropped);
+}
+
+TEST_CASE("who finishes it does not wait for ever for a reader", "[server][log]") {
+  Pipe pipe;
+  AccessLog log(LogFormat::kText, pipe.in);
+  for (int i = 0; i < 1000; ++i) log.write({"::1", "GET", std::string(1000, 'a'), 200, 1, 1, "x"});
+  log.finish();
+  CHECK(log.dropped() > 0);
+  log.write({"::1", "GET", "/late", 200, 1, 1, "x"});
+  CHECK(pipe.rest().find("/late") == std::string::npos);
+}
+
+TEST_CASE("a log whose reader went away is lost, and counted", "[server][log]") {
+  std::signal(SIGPIPE, SIG_IGN);  // as the program does
+  Pipe pipe;
+  pipe.close_out();
+  AccessLog log(LogFormat::kText, pipe.in);
+  for (int i = 0; i < 10; ++i) log.write({"::1", "GET", "/a", 200, 1, 1, "x"});
+  log.finish();
+  CHECK(log.dropped() == 10);
 }

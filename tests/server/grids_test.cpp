@@ -21,18 +21,20 @@ void store(const std::filesystem::path& path, Label filling) {
   store_cells(path, metadata_of(kGrid, 2, 3), std::vector<Label>(5 * 6 * 7, filling));
 }
 
-Grids grids_of(std::vector<std::filesystem::path> named) {
-  return {std::move(named), [](const std::filesystem::path& path, uint64_t) { return std::make_unique<const GridReader>(path); }};
-}
+// Grids, and what they complain of.
+struct Watched {
+  explicit Watched(const std::vector<std::filesystem::path>& named)
+      : grids(named, [](const std::filesystem::path& path, uint64_t) { return std::make_unique<const GridReader>(path); },
+              [this](const std::string& message) { complaints.push_back(message); }) {}
+  std::vector<std::string> complaints;
+  Grids grids;
+};
 
-std::vector<std::string> ids(Grids& grids) {
+std::vector<std::string> ids(const Grids& grids) {
   std::vector<std::string> out;
   for (const auto& grid : grids.all()) out.push_back(grid->id);
   return out;
 }
-
-// Files are looked at once a second.
-void wait_for_a_look() { std::this_thread::sleep_for(std::chrono::milliseconds(1100)); }
 
 using Ids = std::vector<std::string>;
 
@@ -45,7 +47,8 @@ TEST_CASE("Ids are stems, numbered when repeated; only what was named and *.tcel
   store(folder / "b" / "deep" / "x.tcell", 1);
   store(folder / "other.tcell", 1);
   std::ofstream(folder / "b" / "notes.txt") << "no grid";
-  Grids grids = grids_of({folder / "a" / "g.tcell", folder / "b"});
+  const Watched w({folder / "a" / "g.tcell", folder / "b"});
+  const Grids& grids = w.grids;
   CHECK(ids(grids) == Ids{"g", "g-2", "h"});
   CHECK(grids.find("g")->hash != grids.find("g-2")->hash);
   for (const char* unknown : {"other", "x", "notes", "", ".", "..", "a/g", "../other", "g.tcell"}) {
@@ -54,13 +57,26 @@ TEST_CASE("Ids are stems, numbered when repeated; only what was named and *.tcel
   }
 }
 
-TEST_CASE("What can't be served is refused at the start", "[server]") {
+TEST_CASE("What can't be served is refused at the start, with the folder in the message", "[server]") {
   TempFolder folder;
-  CHECK_THROWS_AS(grids_of({folder / "missing.tcell"}), UsageError);
+  CHECK_THROWS_AS(Watched({folder / "missing.tcell"}), UsageError);
   std::ofstream(folder / "bad.tcell") << "not a grid";
-  CHECK_THROWS_AS(grids_of({folder / "bad.tcell"}), FormatError);
-  Grids grids = grids_of({folder.path()});  // in a folder it is an error of that grid alone
-  CHECK(ids(grids).empty());
+  CHECK_THROWS_AS(Watched({folder / "bad.tcell"}), FormatError);
+  CHECK_THROWS_WITH(Watched({folder / "bad.tcell"}), Catch::StartsWith((folder / "bad.tcell").string() + ": "));
+  const auto here = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  CHECK_THROWS_WITH(Watched({"bad.tcell"}), Catch::StartsWith("bad.tcell: "));
+  std::filesystem::current_path(here);
+}
+
+TEST_CASE("A bad file in a folder is an error of that grid alone, complained of once when it has stopped changing", "[server]") {
+  TempFolder folder;
+  const auto bad = folder / "bad.tcell";
+  std::ofstream(bad) << "not a grid";
+  store(folder / "good.tcell", 1);
+  Watched w({folder.path()});
+  Grids& grids = w.grids;
+  CHECK(ids(grids) == Ids{"good"});
   try {
     grids.find("bad");
     FAIL("found");
@@ -68,22 +84,29 @@ TEST_CASE("What can't be served is refused at the start", "[server]") {
     CHECK(e.status == 500);
     CHECK(std::string(e.what()).find(folder.path().string()) == std::string::npos);  // clients learn no folder
   }
-  std::filesystem::remove(folder / "bad.tcell");
-  store(folder / "bad.tcell", 1);
-  wait_for_a_look();
-  CHECK(ids(grids) == Ids{"bad"});
+  for (int i = 0; i < 3; ++i) grids.look();
+  REQUIRE(w.complaints.size() == 1);
+  CHECK(w.complaints[0].starts_with(bad.string() + ": "));
+  std::filesystem::remove(bad);
+  store(bad, 1);
+  const uint64_t epoch = grids.epoch();
+  grids.look();
+  CHECK(ids(grids) == Ids{"bad", "good"});
+  CHECK(grids.epoch() != epoch);
+  CHECK(w.complaints.size() == 1);
 }
 
 TEST_CASE("A file that is replaced, added or removed is noticed; who holds the old one reads on", "[server]") {
   TempFolder folder;
   const auto path = folder / "g.tcell";
   store(path, 0);
-  Grids grids = grids_of({folder.path()});
+  Watched w({folder.path()});
+  Grids& grids = w.grids;
   const auto old = grids.find("g");
   const uint64_t epoch = grids.epoch();
   store(path, 2);
   store(folder / "new.tcell", 1);
-  wait_for_a_look();
+  grids.look();
   CHECK(grids.epoch() != epoch);
   const auto fresh = grids.find("g");
   CHECK(fresh->hash != old->hash);
@@ -92,12 +115,93 @@ TEST_CASE("A file that is replaced, added or removed is noticed; who holds the o
   CHECK(all_cells(fresh->reader()) == std::vector<uint32_t>(210, 2));
   CHECK(ids(grids) == Ids{"g", "new"});
   std::filesystem::remove(path);
-  wait_for_a_look();
+  grids.look();
   CHECK(ids(grids) == Ids{"new"});
   CHECK_THROWS_AS(grids.find("g"), HttpError);
   store(path, 1);
-  wait_for_a_look();
+  grids.look();
   CHECK(ids(grids) == Ids{"g", "new"});
+}
+
+TEST_CASE("Nobody has to ask for a look", "[server][threads]") {
+  TempFolder folder;
+  store(folder / "g.tcell", 0);
+  const Watched w({folder.path()});
+  const uint64_t epoch = w.grids.epoch();
+  store(folder / "new.tcell", 1);
+  for (int i = 0; i < 1000 && w.grids.epoch() == epoch; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  CHECK(ids(w.grids) == Ids{"g", "new"});
+}
+
+TEST_CASE("The same answers have the same epoch", "[server]") {
+  TempFolder folder;
+  store(folder / "g.tcell", 0);
+  std::ofstream(folder / "bad.tcell") << "not a grid";
+  Watched w({folder.path()});
+  const uint64_t epoch = w.grids.epoch();
+  const auto grid = w.grids.find("g");
+  CHECK(w.grids.epoch_of(*grid) == epoch);
+  for (int i = 0; i < 3; ++i) w.grids.look();
+  CHECK(w.grids.epoch() == epoch);
+  store(folder / "g.tcell", 1);
+  w.grids.look();
+  CHECK(w.grids.epoch() != epoch);
+  CHECK_FALSE(w.grids.epoch_of(*grid));
+}
+
+TEST_CASE("A file that becomes a folder is gone, a folder that can't be read keeps what it had", "[server]") {
+  TempFolder folder;
+  for (const char* sub : {"a", "b"}) std::filesystem::create_directory(folder / sub);
+  for (const char* file : {"a/g.tcell", "b/h.tcell", "named.tcell"}) store(folder / file, 0);
+  Watched w({folder / "a", folder / "b", folder / "named.tcell"});
+  CHECK(ids(w.grids) == Ids{"g", "h", "named"});
+  for (const char* file : {"a/g.tcell", "named.tcell"}) {
+    std::filesystem::remove(folder / file);
+    std::filesystem::create_directory(folder / file);
+  }
+  store(folder / "named.tcell" / "inside.tcell", 1);
+  w.grids.look();
+  CHECK(ids(w.grids) == Ids{"h"});
+  CHECK_THROWS_AS(w.grids.find("g"), HttpError);
+  CHECK(w.complaints.empty());
+  std::filesystem::rename(folder / "b", folder / "c");
+  std::ofstream(folder / "b") << "no folder";
+  for (int i = 0; i < 2; ++i) w.grids.look();
+  CHECK(ids(w.grids).empty());  // its files are not there any more
+  REQUIRE(w.complaints.size() == 1);
+  CHECK(w.complaints[0].starts_with((folder / "b").string() + ": can't be read: "));
+}
+
+TEST_CASE("Every name has an id that an address can hold", "[server]") {
+  TempFolder folder;
+  for (const char* name : {"..tcell", "...tcell", "a\nb.tcell", "a\x7f" "b.tcell", "\xff.tcell", "\xc3\xbc %?#.tcell"}) store(folder / name, 0);
+  const Watched w({folder.path()});
+  CHECK(ids(w.grids) == Ids{"__", "_", "a_b", "a_b-2", "\xc3\xbc %?#", "\xef\xbf\xbd"});
+}
+
+TEST_CASE("A file that comes back has its id again; those long gone are forgotten", "[server]") {
+  TempFolder folder;
+  for (const char* sub : {"a", "b"}) std::filesystem::create_directory(folder / sub);
+  const auto a = folder / "a" / "g.tcell", b = folder / "b" / "g.tcell";
+  store(a, 0);
+  Watched w({folder / "a", folder / "b"});
+  std::filesystem::remove(a);
+  store(b, 1);
+  w.grids.look();
+  CHECK(ids(w.grids) == Ids{"g-2"});  // g is the other one's
+  store(a, 0);
+  w.grids.look();
+  CHECK(ids(w.grids) == Ids{"g", "g-2"});
+  for (const auto& path : {a, b}) std::filesystem::remove(path);
+  w.grids.look();
+  const auto other = [&](int i) { return folder / "b" / fmt::format("x{}.tcell", i); };
+  for (int i = 0; i < 1000; ++i) std::ofstream(other(i)) << "not a grid";
+  w.grids.look();
+  for (int i = 0; i < 1000; ++i) std::filesystem::remove(other(i));
+  w.grids.look();
+  store(b, 1);
+  w.grids.look();
+  CHECK(ids(w.grids) == Ids{"g"});
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <condition_variable>
+#include <csignal>
 #include <future>
 #include <mutex>
 #include <thread>
@@ -109,11 +110,11 @@ class Door {
 struct Fixture {
   Door door;
   Metrics metrics;
-  AccessLog log{LogFormat::kNone, 2};
+  AccessLog log;
   std::unique_ptr<Listener> listener;
   std::future<bool> result;
 
-  explicit Fixture(ListenerOptions o = {}) {
+  explicit Fixture(ListenerOptions o = {}, int log_descriptor = -1) : log(log_descriptor < 0 ? LogFormat::kNone : LogFormat::kText, log_descriptor) {
     o.port = 0;
     if (o.threads == 1) o.threads = 2;
     const auto answer = [](const Request& r) {
@@ -122,10 +123,18 @@ struct Fixture {
                                           : fmt::format("{} {} {}{} {} {}", r.method, r.target, r.origin, r.prefix, r.if_none_match, r.accepts_gzip));
       return a;
     };
-    Handler h{[=](const Request& r) { return r.target == "/held" || r.target == "/cold" || r.target == "/thrown" ? std::nullopt : std::optional(answer(r)); },
+    const auto throw_if_asked = [](const std::string& target) {
+      if (target.ends_with("/thrown")) throw std::runtime_error("thrown");
+      if (target.ends_with("/anything")) throw 7;
+    };
+    Handler h{[=](const Request& r) {
+                if (r.target == "/held" || r.target.starts_with("/cold")) return std::optional<Response>();
+                throw_if_asked(r.target);
+                return std::optional(answer(r));
+              },
               [=, this](const Request& r) {
                 if (r.target == "/held") door.wait();
-                if (r.target == "/thrown") throw std::runtime_error("thrown");
+                throw_if_asked(r.target);
                 return answer(r);
               }};
     listener = std::make_unique<Listener>(o, with_operations(std::move(h), metrics, [] { return ServerState{}; }), metrics, log);
@@ -220,8 +229,20 @@ TEST_CASE("requests that are not ours to answer", "[server][listener]") {
   std::string many = "GET / HTTP/1.1\r\n" + host;
   for (int i = 0; i < 3000; ++i) many += fmt::format("X{}: y\r\n", i);
   CHECK(status_of(f, many) == 431);  // even without an end
-  CHECK(f.get("/thrown").status == 500);
-  CHECK(f.get("/after").status == 200);
+}
+
+TEST_CASE("what a handler throws is an answer, and the connection goes on", "[server][listener]") {
+  Fixture f;
+  Client c = f.client();
+  for (const char* target : {"/thrown", "/anything", "/cold/thrown", "/cold/anything"}) {
+    c.get(target);
+    const auto a = c.answer();
+    CHECK(a.status == 500);
+    CHECK_FALSE(a.has("Connection: close"));
+  }
+  c.get("/after");
+  CHECK(c.answer().status == 200);
+  CHECK(f.metrics.waiting == 0);
 }
 
 TEST_CASE("fields that trickle in are counted together", "[server][listener]") {
@@ -230,6 +251,16 @@ TEST_CASE("fields that trickle in are counted together", "[server][listener]") {
   c.send("GET / HTTP/1.1\r\nHost: h\r\n");
   for (int i = 0; i < 400 && c.send(fmt::format("X{}: {}\r\n", i, std::string(100, 'x'))); ++i) std::this_thread::sleep_for(1ms);
   CHECK(c.answer().status == 431);
+}
+
+TEST_CASE("an empty line after a request belongs to none", "[server][listener]") {
+  Fixture f;
+  Client c = f.client();
+  c.send("\r\nGET /1 HTTP/1.1\r\nHost: h\r\n\r\n\r\nGET /2 HTTP/1.1\r\nHost: h\r\n\r\n\r\n");
+  CHECK(c.answer().body == "GET /1 http://h  false");
+  CHECK(c.answer().body == "GET /2 http://h  false");
+  c.get("/3");
+  CHECK(c.answer().body == "GET /3 http://h  false");
 }
 
 TEST_CASE("what is malformed is refused, said so in JSON, and closed", "[server][listener]") {
@@ -260,9 +291,7 @@ TEST_CASE("the client decides whether the connection stays", "[server][listener]
 }
 
 TEST_CASE("health is answered while every thread of the pool is held, and too many waiting are turned away", "[server][listener][threads]") {
-  ListenerOptions o;
-  o.max_waiting = 3;
-  Fixture f(o);
+  Fixture f({.max_waiting = 3});
   Client held[3] = {f.client(), f.client(), f.client()};
   for (Client& c : held) c.get("/held");
   f.door.wait_for(2);  // as many as threads
@@ -278,8 +307,7 @@ TEST_CASE("health is answered while every thread of the pool is held, and too ma
 }
 
 TEST_CASE("nothing is made for a client that has gone", "[server][listener][threads]") {
-  ListenerOptions o;
-  Fixture f(o);
+  Fixture f;
   Client first = f.client(), second = f.client();
   first.get("/held");
   second.get("/held");
@@ -295,9 +323,7 @@ TEST_CASE("nothing is made for a client that has gone", "[server][listener][thre
 }
 
 TEST_CASE("a token is asked for everywhere but at /healthz and in preflights", "[server][listener]") {
-  ListenerOptions o;
-  o.token = "secret";
-  Fixture f(o);
+  Fixture f({.token = "secret"});
   CHECK(f.get("/a").status == 401);
   CHECK(f.get("/a").has("WWW-Authenticate: Bearer realm=\"teracell\""));
   CHECK(f.get("/a", "Authorization: Bearer wrong\r\n").status == 401);
@@ -309,9 +335,7 @@ TEST_CASE("a token is asked for everywhere but at /healthz and in preflights", "
 }
 
 TEST_CASE("below a base path", "[server][listener]") {
-  ListenerOptions o;
-  o.base_path = "/base";
-  Fixture f(o);
+  Fixture f({.base_path = "/base"});
   CHECK(f.listener->url().ends_with("/base/"));
   CHECK(f.get("/base/a?b").body == "GET /a?b http://h/base  false");
   CHECK(f.get("/base/a", "X-Forwarded-Prefix: /sub\r\nX-Forwarded-Proto: https\r\nX-Forwarded-Host: p\r\n").body == "GET /a https://p/sub/base  false");
@@ -327,10 +351,7 @@ TEST_CASE("below a base path", "[server][listener]") {
 }
 
 TEST_CASE("who is idle or slow is dropped in time, and counted", "[server][listener]") {
-  ListenerOptions o;
-  o.request_timeout = 400ms;
-  o.idle_timeout = 800ms;
-  Fixture f(o);
+  Fixture f({.request_timeout = 400ms, .idle_timeout = 800ms});
   Client silent = f.client(), half = f.client(), trickling = f.client(), idle = f.client();
   half.send("GET / HT");
   idle.get("/");
@@ -346,9 +367,7 @@ TEST_CASE("who is idle or slow is dropped in time, and counted", "[server][liste
 }
 
 TEST_CASE("an answer that nobody takes is given up, and counted", "[server][listener]") {
-  ListenerOptions o;
-  o.answer_timeout = -ListenerOptions::Milliseconds((64 << 20) / ListenerOptions::kSlowest * 1000);  // what its length gives it
-  Fixture f(o);
+  Fixture f({.answer_timeout = -ListenerOptions::Milliseconds((64 << 20) / ListenerOptions::kSlowest * 1000)});  // what its length gives it
   Client c = f.client();
   c.get("/big");
   REQUIRE(soon([&] { return f.metrics.slow_answers == 1; }));
@@ -356,10 +375,71 @@ TEST_CASE("an answer that nobody takes is given up, and counted", "[server][list
   CHECK(c.answer().body.size() < 64 << 20);
 }
 
+TEST_CASE("while clients are slow to take much, nothing more is made", "[server][listener][threads]") {
+  Fixture f({.max_held = 1 << 20});
+  {
+    Client slow = f.client();
+    slow.get("/big");
+    REQUIRE(soon([&] { return f.metrics.held_bytes == 64 << 20; }));
+    const auto refused = f.get("/cold");
+    CHECK(refused.status == 503);
+    CHECK(refused.body.find("67108864 bytes") != std::string::npos);
+    CHECK(f.get("/warm").status == 200);
+    CHECK(f.metrics.overloaded == 1);
+  }
+  REQUIRE(soon([&] { return f.metrics.held_bytes == 0; }));
+  CHECK(f.get("/cold").status == 200);
+  CHECK(soon([&] { return f.metrics.held_bytes == 0; }));
+}
+
+TEST_CASE("the log tells what was sent of a body", "[server][listener][log]") {
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  {
+    Fixture f({}, ends[1]);
+    Client c = f.client();
+    c.get("/a");
+    CHECK(c.answer().body.size() == 22);
+    c.send("HEAD /a HTTP/1.1\r\nHost: h\r\n\r\n");
+    CHECK(c.answer(false).status == 200);
+    Client big = f.client();
+    big.get("/big");
+    REQUIRE(soon([&] { return f.metrics.held_bytes > 0; }));
+  }
+  close(ends[1]);
+  std::string text(4096, '\0');
+  text.resize(static_cast<size_t>(std::max<ssize_t>(0, read(ends[0], text.data(), text.size()))));
+  close(ends[0]);
+  CHECK(text.find(" GET /a 200 22 ") != std::string::npos);
+  CHECK(text.find(" HEAD /a 200 0 ") != std::string::npos);
+  const size_t at = text.find(" GET /big 200 ");
+  REQUIRE(at != std::string::npos);
+  const size_t bytes = std::stoul(text.substr(at + 14));
+  CHECK((bytes > 0 && bytes < 64 << 20));
+}
+
+TEST_CASE("a log that nobody reads costs lines, no answers", "[server][listener][threads]") {
+  std::signal(SIGPIPE, SIG_IGN);  // as the program does
+  int ends[2];
+  REQUIRE(pipe(ends) == 0);
+  {
+    Fixture f({}, ends[1]);
+    Client c = f.client();
+    const std::string target = "/" + std::string(1000, 'a');
+    int good = 0;
+    for (int i = 0; i < 1400; ++i) {
+      c.get(target);
+      good += c.answer().status == 200;
+    }
+    CHECK(good == 1400);
+    CHECK(f.log.dropped() > 0);
+    close(ends[0]);  // so that the end needs no patience
+  }
+  close(ends[1]);
+}
+
 TEST_CASE("stopping does not wait for a client that takes nothing", "[server][listener][threads]") {
-  ListenerOptions o;
-  o.drain_timeout = 300ms;
-  Fixture f(o);
+  Fixture f({.drain_timeout = 300ms});
   Client c = f.client();
   c.get("/big");
   REQUIRE(soon([&] {
@@ -370,9 +450,7 @@ TEST_CASE("stopping does not wait for a client that takes nothing", "[server][li
 }
 
 TEST_CASE("connections beyond the limit are closed, and there is room again when others go", "[server][listener]") {
-  ListenerOptions o;
-  o.max_connections = 3;
-  Fixture f(o);
+  Fixture f({.max_connections = 3});
   {
     Client a = f.client(), b = f.client(), c = f.client();
     a.get("/");
@@ -390,9 +468,7 @@ TEST_CASE("connections beyond the limit are closed, and there is room again when
 TEST_CASE("400 idle and half-sent connections: health at once, then they are dropped and their memory and descriptors too", "[server][listener]") {
   const size_t descriptors = teracell::testing::open_descriptors();
   {
-    ListenerOptions o;
-    o.request_timeout = 2s;
-    Fixture f(o);
+    Fixture f({.request_timeout = 2s});
     const uint64_t before = resident_bytes();
     {
       std::vector<std::unique_ptr<Client>> clients;
@@ -434,9 +510,7 @@ TEST_CASE("stopping: idle ones are closed, nobody new comes in, what is under wa
 }
 
 TEST_CASE("stopping does not wait for ever for what is being made", "[server][listener][threads]") {
-  ListenerOptions o;
-  o.drain_timeout = 100ms;
-  Fixture f(o);
+  Fixture f({.drain_timeout = 100ms});
   Client held = f.client();
   held.get("/held");
   f.door.wait_for(1);

@@ -92,11 +92,29 @@ TEST_CASE("threads count without losing any", "[server][metrics][threads]") {
   CHECK(s.at(R"(teracell_requests_total{route="even",status="200"})") == 4000);
 }
 
+TEST_CASE("what is counted is counted as long as it lives, wherever it is moved", "[server][metrics]") {
+  std::atomic<uint64_t> n{0};
+  {
+    Counted a(n), b(n, 10);
+    CHECK(n == 11);
+    Counted c(std::move(a));
+    CHECK_FALSE(a);
+    CHECK(n == 11);
+    b = {};
+    CHECK(n == 1);
+    b = std::move(c);
+    CHECK(b);
+    CHECK(n == 1);
+  }
+  CHECK(n == 0);
+}
+
 TEST_CASE("the state of caches, files, connections and memory", "[server][metrics]") {
   Metrics m;
   m.connections = 3;
   m.refused = 4;
-  const auto s = samples(metrics_text(m, {{{"chunks", 1, 2, 3, 4}, {"answers", 5, 6, 7, 8}}, 9, 10, 11, 12, 13, "1.2.3"}));
+  m.held_bytes = 5;
+  const auto s = samples(metrics_text(m, {{{"chunks", 1, 2, 3, 4}, {"answers", 5, 6, 7, 8}}, 9, 10, 11, 12, 13, 14, "1.2.3"}));
   CHECK(s.at(R"(teracell_cache_bytes{cache="chunks"})") == 1);
   CHECK(s.at(R"(teracell_cache_limit_bytes{cache="answers"})") == 6);
   CHECK(s.at(R"(teracell_cache_hits_total{cache="chunks"})") == 3);
@@ -105,9 +123,11 @@ TEST_CASE("the state of caches, files, connections and memory", "[server][metric
   CHECK(s.at("teracell_reads_total") == 10);
   CHECK(s.at("teracell_read_bytes_total") == 11);
   CHECK(s.at("teracell_damaged_total") == 12);
-  CHECK(s.at("process_resident_memory_bytes") == 13);
+  CHECK(s.at("teracell_log_dropped_total") == 13);
+  CHECK(s.at("process_resident_memory_bytes") == 14);
   CHECK(s.at(R"(teracell_build_info{version="1.2.3"})") == 1);
   CHECK(s.at("teracell_connections") == 3);
+  CHECK(s.at("teracell_held_bytes") == 5);
   CHECK(s.at(R"(teracell_connections_dropped_total{reason="full"})") == 4);
   CHECK(resident_bytes() > 1e6);
 }

@@ -133,6 +133,12 @@ TEST_CASE("what a status asks for", "[server][wire]") {
   CHECK(has_line(head_of({.status = 503}), "Retry-After: 1"));
 }
 
+TEST_CASE("an error is JSON, whatever its message", "[server][wire]") {
+  const Response r = error_response(400, "bad_request", "a \"b\" \n \xff \xc3\xbc");
+  CHECK(*r.body == R"({"error":{"code":"bad_request","message":"a \"b\" \n \ufffd \u00fc"}})");
+  CHECK((r.status == 400 && r.content_type == "application/json" && r.cache_control == "no-store"));
+}
+
 TEST_CASE("no value ends its line", "[server][wire]") {
   CHECK(has_line(head_of({.status = 302, .location = "/a\r\nSet-Cookie: b\x7f"}), "Location: /a??Set-Cookie: b?"));
 }
