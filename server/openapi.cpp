@@ -124,13 +124,15 @@ std::string openapi_json(const Request& request) {
       "application/json", "Column");
   paths[grid + "/stats"] = get("exact cells, volume and box of every material, counted from runs",
                                {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()}, "application/json", "Stats");
+  const ordered_json bearer = {{"type", "http"}, {"scheme", "bearer"}, {"description", "where the server was given a token"}};
   const ordered_json out = {{"openapi", "3.1.0"},
                             {"info", {{"title", "teracell"}, {"version", "1"}, {"description", "Slices, columns and statistics of huge Cartesian grids. The same grids for other clients: /zarr, "
-                                                                                              "/zarr2, /xarray, /precomputed, /dzi, /iiif. HEAD is answered like GET, without the body."}}},
+                                                                                              "/zarr2, /xarray, /precomputed, /dzi, /iiif. HEAD is answered like "
+                                                                                              "GET, without the body."}}},
                             {"servers", {{{"url", request.prefix.empty() ? "/" : request.prefix}}}},
                             {"paths", paths},
                             {"security", {ordered_json::object(), {{"bearer", ordered_json::array()}}}},  // none, or this
-                            {"components", {{"schemas", schemas()}, {"securitySchemes", {{"bearer", {{"type", "http"}, {"scheme", "bearer"}, {"description", "where the server was given a token"}}}}}}}};
+                            {"components", {{"schemas", schemas()}, {"securitySchemes", {{"bearer", bearer}}}}}};
   return out.dump();
 }
 

@@ -18,7 +18,8 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::array<Index3, 3> kBlocks = {{{256, 256, 1}, {256, 1, 256}, {1, 256, 256}}};
-// Volumes are told where the index has them in a fraction of a second (2.6 us a chunk): a viewer waits for them.
+// Volumes are told where the index has them in a fraction of a second (0.35 us a chunk, cold, of a surface at 10,000^3): a viewer
+// waits for them.
 constexpr uint64_t kMostChunks = uint64_t{1} << 17;
 
 ordered_json info(const ServedGrid& grid) {

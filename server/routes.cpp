@@ -30,7 +30,9 @@ Response plain(const char* route, const char* type, std::string text) {
   return r;
 }
 
-HttpError no_such_address(const Request& request) { return not_found(fmt::format("there is nothing at this address: {}/openapi.json lists what there is", request.prefix)); }
+HttpError no_such_address(const Request& request) {
+  return not_found(fmt::format("there is nothing at this address: {}/openapi.json lists what there is", request.prefix));
+}
 
 int axis_of(const std::string& name) {
   if (const auto axis = axis_named(name)) return *axis;
@@ -63,7 +65,8 @@ Look look_of(const Target& target, const Metadata& meta) {
       for (const std::string_view text : split(*list, ',')) {
         const auto id = plain_integer(text);
         if (!id || static_cast<size_t>(*id) >= n)
-          throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'", n - 1, text.substr(0, 48)));
+          throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'", n - 1,
+                                        text.substr(0, 48)));
         look.shown[static_cast<size_t>(*id)] = true;
       }
   }

@@ -115,7 +115,8 @@ Response Service::answer(const Request& request, const Target& target, const Ser
   r.route = recipe.route;
   r.content_type = recipe.content_type;
   const std::string* version = target.find("v");
-  if (version && *version != grid.hash) throw not_found(fmt::format("v: grid '{}' is of version {}, found '{}': its file was replaced, or the address is that of another", grid.id, grid.hash, version->substr(0, 64)));
+  if (version && *version != grid.hash)
+    throw not_found(fmt::format("v: grid '{}' is of version {}, found '{}': its file was replaced, or the address is that of another", grid.id, grid.hash, version->substr(0, 64)));
   r.cache_control = !version || !recipe.address.empty() ? "no-cache" : options_.anybody ? "public, max-age=31536000, immutable" : "private, max-age=31536000, immutable";
   const bool gzip = recipe.compress && request.accepts_gzip;
   r.etag = etag_of(grid, recipe.address, gzip);

@@ -25,7 +25,7 @@ struct ChunkPlaceHash {
 
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files and folders
-  size_t cache_bytes = size_t{256} << 20;    // of decoded chunks and, a sixteenth, the index that leads to them; of answers, which are small, an eighth besides
+  size_t cache_bytes = size_t{256} << 20;    // a sixteenth for the index, the rest for decoded chunks; besides, an eighth for answers, which are small
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
   bool anybody = true;                       // may have the answers: caches on the way may keep them for others
   std::function<void(const std::string&)> complain;  // gets what is found damaged, each thing once; any thread
@@ -54,7 +54,7 @@ class Service {
   Response answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe);
   // What answer() gave for the same address, if it is still kept.
   std::optional<Response> recall(const Request& request);
-  bool keeps(const Request& request) { return kept(request) != nullptr; }  // counts as no use of it
+  bool keeps(const Request& request) { return kept(request) != nullptr; }  // whether it is; no hit
 
   struct Counters {
     std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages

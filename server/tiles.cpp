@@ -27,7 +27,8 @@ class SetNumbers {
   uint32_t number(const std::vector<Label>& set) {
     const auto [it, fresh] = numbers_.try_emplace(materials_of(meta_, set), static_cast<uint32_t>(sets_.size()));
     if (fresh) {
-      if (sets_.size() == kMostSets) throw UsageError(fmt::format("the picture has more than {} different sets of materials: ask for a smaller part of it", kMostSets));
+      if (sets_.size() == kMostSets)
+        throw UsageError(fmt::format("the picture has more than {} different sets of materials: ask for a smaller part of it", kMostSets));
       sets_.push_back(it->first);
     }
     return it->second;
@@ -75,10 +76,12 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
 // Row by row: a picture larger than kMostOutlined is never in memory as numbers.
 std::string streamed_png(const GridReader& reader, const SliceView& view, const Look& look) {
   if (look.outline)
-    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it, or a coarser level", kMostOutlined, width_of(view), height_of(view)));
+    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it, or a coarser level", kMostOutlined,
+                                 width_of(view), height_of(view)));
   std::string out;
   SetColors colors(reader.meta(), view.level, look.shown);
-  PngWriter png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), colors, [&](std::span<const uint8_t> bytes) { out.append(bytes.begin(), bytes.end()); });
+  PngWriter png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), colors,
+                [&](std::span<const uint8_t> bytes) { out.append(bytes.begin(), bytes.end()); });
   for_each_row(reader, view, colors.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) { png.row(row); });
   png.finish();
   return out;

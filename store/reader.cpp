@@ -35,7 +35,10 @@ std::vector<std::array<uint32_t, 3>> chunks_below(const LevelShape& below, uint3
 GridReader::GridReader(const std::filesystem::path& path) : GridReader(std::make_unique<InputFile>(path)) {}
 
 GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<ChunkKeeper> keeper, std::shared_ptr<IndexCache> index)
-    : source_(std::move(source)), keeper_(std::move(keeper)), index_(index ? std::move(index) : std::make_shared<IndexCache>(16 << 20)), number_(index_->new_reader()) {
+    : source_(std::move(source)),
+      keeper_(std::move(keeper)),
+      index_(index ? std::move(index) : std::make_shared<IndexCache>(16 << 20)),
+      number_(index_->new_reader()) {
   try {
     const uint64_t size = source_->size();
     if (size < kHeaderBytes + kFooterBytes)

@@ -35,7 +35,7 @@ struct ChunkPart {
   uint32_t cu, cv, segment;
   uint32_t u0, u1, v0, v1, w0, w1;
   int64_t first_u, first_v, first_w;  // of the chunk, in the level
-  bool whole;
+  bool all_rays, whole;
 };
 
 // Calls f(part) for the chunks that meet the box. REQUIRES: the box lies in the level.
@@ -51,7 +51,8 @@ void for_each_part(const LevelShape& s, const RayBox& b, F&& f) {
     std::tie(p.u0, p.u1) = cut(b.u0, b.u1, p.first_u, s.rays_u(p.cu));
     std::tie(p.v0, p.v1) = cut(b.v0, b.v1, p.first_v, s.rays_v(p.cv));
     std::tie(p.w0, p.w1) = cut(b.w0, b.w1, p.first_w, s.length(p.segment));
-    p.whole = p.u0 == 0 && p.v0 == 0 && p.w0 == 0 && p.u1 == s.rays_u(p.cu) && p.v1 == s.rays_v(p.cv) && p.w1 == s.length(p.segment);
+    p.all_rays = p.u0 == 0 && p.v0 == 0 && p.u1 == s.rays_u(p.cu) && p.v1 == s.rays_v(p.cv);
+    p.whole = p.all_rays && p.w0 == 0 && p.w1 == s.length(p.segment);
     f(p);
   };
   // Page by page: each page of the index is then read once.
@@ -95,6 +96,25 @@ std::vector<LabelStats> stats_of_part(const RayBlock& rays, const ChunkPart& p) 
       it->hi[d] = std::max(it->hi[d], hi[d]);
     }
   });
+  return all;
+}
+
+// The same from what the index says of the whole chunk, where that is enough: the part has all rays, and all labels but one lie
+// between its ends or outside. That one fills both ends of every ray, and has all the cells that are left.
+std::optional<std::vector<LabelStats>> stats_of_part(const std::vector<LabelStats>& whole, const ChunkPart& p) {
+  if (!p.all_rays) return std::nullopt;
+  std::vector<LabelStats> all;
+  uint64_t left = uint64_t{p.u1} * p.v1 * (p.w1 - p.w0);
+  std::optional<Label> rest;
+  for (const LabelStats& l : whole) {
+    if (l.lo[2] >= p.w1 || l.hi[2] <= p.w0) continue;
+    const bool between = l.lo[2] > p.w0 && l.hi[2] < p.w1;
+    if ((!between && rest) || l.cells > left) return std::nullopt;
+    if (!between) rest = l.label;
+    else all.push_back(l), left -= l.cells;
+  }
+  if (!rest) return std::nullopt;
+  all.push_back({*rest, left, {0, 0, p.w0}, {p.u1, p.v1, p.w1}});
   return all;
 }
 
@@ -256,7 +276,10 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
     };
     std::vector<LabelStats> counted;
     if (entry->size == 0) counted = {{entry->uniform[0], uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0), {p.u0, p.v0, p.w0}, {p.u1, p.v1, p.w1}}};
-    else if (!p.whole) counted = stats_of_part(rays(), p);
+    else if (!p.whole) {
+      auto known = stats_of_part(entry->stats, p);
+      counted = known ? std::move(*known) : stats_of_part(rays(), p);
+    }
     std::vector<Label> scattered;  // labels whose cells don't fill their boxes: where steps differ their volumes must be summed
     for (const LabelStats& l : entry->size != 0 && p.whole ? entry->stats : counted) {
       if (l.hi[0] > p.u1 || l.hi[1] > p.v1 || l.hi[2] > p.w1)
@@ -272,8 +295,8 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
       }
       s.cells += l.cells;
       if (!graded) continue;
-      if (l.cells == uint64_t{l.hi[0] - l.lo[0]} * (l.hi[1] - l.lo[1]) * (l.hi[2] - l.lo[2])) s.volume += length(0, b.lo[0], b.hi[0]) * length(1, b.lo[1], b.hi[1]) * length(2, b.lo[2], b.hi[2]);
-      else scattered.push_back(l.label);
+      if (l.cells != uint64_t{l.hi[0] - l.lo[0]} * (l.hi[1] - l.lo[1]) * (l.hi[2] - l.lo[2])) scattered.push_back(l.label);
+      else s.volume += length(0, b.lo[0], b.hi[0]) * length(1, b.lo[1], b.hi[1]) * length(2, b.lo[2], b.hi[2]);
     }
     if (scattered.empty()) return;
     for_each_part_run(rays(), p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {

@@ -4,6 +4,7 @@
 #include <random>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "tests/support/png.hpp"
 
@@ -21,7 +22,7 @@ Metadata with_colors(const std::vector<std::string>& colors) {
   Metadata meta;
   for (const std::string& color : colors) {
     meta.labels.push_back({static_cast<uint32_t>(meta.materials.size()), ""});
-    meta.materials.push_back({"m" + std::to_string(meta.materials.size()), color, 0});
+    meta.materials.push_back({fmt::format("m{}", meta.materials.size()), color, 0});
   }
   return meta;
 }

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/support/foreign.hpp"
@@ -69,7 +70,7 @@ TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the 
         for (const int64_t index : {int64_t{0}, n[axis] / 2, n[axis] - 1})
           for (int64_t row = 0; row * 512 < n[f.v]; ++row)
             for (int64_t col = 0; col * 512 < n[f.u]; ++col) {
-              const std::string target = "/api/v1/grids/g/tile/" + axis_name(axis) + "/" + std::to_string(index) + "/" + std::to_string(level) + "/" + std::to_string(col) + "_" + std::to_string(row);
+              const std::string target = fmt::format("/api/v1/grids/g/tile/{}/{}/{}/{}_{}", axis_name(axis), index, level, col, row);
               INFO(target);
               const Response labels = s.get(target + ".bin"), with_sets = s.get(target + ".bin?sets=1");
               REQUIRE(labels.status == 200);
@@ -111,11 +112,11 @@ TEST_CASE("Cells, columns and statistics are those of the grid", "[server]") {
   std::mt19937_64 random(3);
   for (int i = 0; i < 30; ++i) {
     const int x = random_int(random, 0, 36), y = random_int(random, 0, 529), z = random_int(random, 0, 20);
-    const json cell = s.parsed("/api/v1/grids/g/cell?i=" + std::to_string(x) + "&j=" + std::to_string(y) + "&k=" + std::to_string(z));
+    const json cell = s.parsed(fmt::format("/api/v1/grids/g/cell?i={}&j={}&k={}", x, y, z));
     REQUIRE(cell["materials"].size() == 1);
     REQUIRE(cell["materials"][0]["id"] == s.at(x, y, z));
     REQUIRE(cell["centre"] == json({-1 + (x + 0.5) * 0.5, 2 + (y + 0.5) * 0.25, z + 0.5}));
-    const json column = s.parsed("/api/v1/grids/g/column/y/" + std::to_string(x) + "_" + std::to_string(z));
+    const json column = s.parsed(fmt::format("/api/v1/grids/g/column/y/{}_{}", x, z));
     bool found = false;
     for (const json& run : column["runs"])
       if (run["from"] <= y && run["to"] > y) found = run["material"] == s.at(x, y, z);
@@ -292,7 +293,7 @@ TEST_CASE("The caches stay within their limit", "[server]") {
   options.cache_bytes = 200000;
   Served s(1, options);
   for (int z = 0; z < 21; ++z)
-    for (const char* kind : {"png", "bin"}) REQUIRE(s.get("/api/v1/grids/g/tile/z/" + std::to_string(z) + "/0/0_0." + kind).status == 200);
+    for (const char* kind : {"png", "bin"}) REQUIRE(s.get(fmt::format("/api/v1/grids/g/tile/z/{}/0/0_0.{}", z, kind)).status == 200);
   CHECK(s.service->chunks().counts().bytes <= 200000);
   CHECK(s.service->answers().counts().bytes <= 25000);
   CHECK(s.service->chunks().counts().hits > 0);

@@ -222,7 +222,15 @@ struct Checked {
     }
     columns();
     stats(grid().box(0));
-    for (int i = 0; i < 10; ++i) stats(random_box(0, 0));
+    for (int i = 0; i < 10; ++i) {
+      const Box part = random_box(0, 0);
+      stats(part);
+      for (int d = 0; d < 3; ++d) {  // slabs: whole chunks cut along one axis
+        Box slab = grid().box(0);
+        slab.lo[d] = part.lo[d], slab.hi[d] = part.hi[d];
+        stats(slab);
+      }
+    }
   }
 };
 
