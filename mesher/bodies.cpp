@@ -222,7 +222,7 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
         });
       }
       tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
-    }, budget);
+    }, budget, out.helper.get());
     out.helper->finish();
     out.lo = study->lo;
     out.hi = study->hi;

@@ -160,7 +160,7 @@ double checked_coordinate(double v, const std::string& where) {
                        : fmt::format("{}: expected a coordinate of 0 or of size 1e-75 to 1e75, found {}", where, v));
 }
 
-SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget) {
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget, Background* helper) {
   SurfaceFile file;
   FacetStream out(part, sink);
   switch (format_of(input)) {
@@ -175,7 +175,7 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
     case Format::kObj:
       file.format = "OBJ";
       file.float32 = false;
-      read_obj(input, out, budget);
+      read_obj(input, out, budget, helper);
       break;
     case Format::kPly:
       file.format = read_ply(input, out, budget, file.float32);
@@ -187,9 +187,9 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
   return file;
 }
 
-SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget) {
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget, Background* helper) {
   Input input(path);
-  return read_facets(input, part, sink, budget);
+  return read_facets(input, part, sink, budget, helper);
 }
 
 }  // namespace teracell

@@ -17,6 +17,8 @@
 
 namespace teracell {
 
+class Background;
+
 struct Facet {
   std::array<Vec3, 3> vertex;
 };
@@ -42,7 +44,8 @@ using FacetSink = std::function<void(std::span<const Facet>)>;
 // Throws InputError (file, line or byte offset, expected, found) or IoError. No facet at all is an InputError, and so is
 // a `part` that nothing matches. Facets before the fault have been given to the sink when it throws. What the sink throws
 // passes through.
-SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget = {});
+// `helper` may do part of the parsing; it may have other jobs.
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);
 
 // Throws InputError with `where` in front unless v may be a vertex coordinate; -0 becomes +0.
 double checked_coordinate(double v, const std::string& where);

@@ -41,6 +41,11 @@ class Input {
   }
   // REQUIRES: n <= window(0).size().
   void consume(size_t n) { begin_ += n; }
+  // The same for `n` bytes that are so many whole lines.
+  void consume_lines(size_t n, uint64_t lines) {
+    consume(n);
+    line_ += lines;
+  }
 
   // A line is held in memory whole. Polygons of a million vertices fit; a file of zeros doesn't fill the machine.
   static constexpr size_t kLongestLine = size_t{1} << 24;

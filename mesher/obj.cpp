@@ -1,26 +1,57 @@
 // Wavefront OBJ: `v` and `f` lines, with the groups and objects that name parts. Everything else is decoration and
 // skipped, but for free-form surfaces: leaving those out would leave holes without a word.
 #include <algorithm>
+#include <array>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "mesher/readers.hpp"
 #include "mesher/vertex_table.hpp"
+#include "store/background.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
 namespace {
 
+// Appends the vertices of the lines at the beginning of `text` that are "v x y z" and nothing else; returns their bytes.
+size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
+  const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  const char *line = text.data(), *const end = line + text.size();
+  for (;;) {
+    const char* p = line;
+    if (end - p < 2 || *p++ != 'v') break;
+    Vec3 v;
+    bool plain = true;
+    for (double& x : v) {
+      const char* const blank = p;
+      while (p != end && is_space(*p)) ++p;
+      const auto [stop, error] = std::from_chars(p, end, x);
+      plain = p != blank && error == std::errc{} && is_coordinate(x);
+      if (!plain) break;
+      x += 0.0;  // -0 is +0
+      p = stop;
+    }
+    while (p != end && is_space(*p)) ++p;
+    if (!plain || p == end || *p != '\n') break;
+    out.push_back(v);
+    line = p + 1;
+  }
+  return static_cast<size_t>(line - text.data());
+}
+
 class ObjReader {
  public:
-  ObjReader(Input& input, FacetStream& out, const Budget& budget) : input_(input), out_(out), vertices_(budget), wanted_(out.wants("")) {}
+  ObjReader(Input& input, FacetStream& out, const Budget& budget, Background* helper)
+      : input_(input), out_(out), helper_(helper), vertices_(budget), wanted_(out.wants("")) {}
 
   void read() {
     for (std::string_view line; next_statement(line);) {
       const std::string_view keyword = next_word(line);
-      if (keyword == "v")
+      if (keyword == "v") {
         read_vertex(line);
-      else if (keyword == "f" || keyword == "fo")
+        read_plain_vertices();
+      } else if (keyword == "f" || keyword == "fo")
         read_face(line);
       else if (keyword == "g")
         enter_groups(line);
@@ -56,6 +87,28 @@ class ObjReader {
     Vec3 v;
     for (double& x : v) x = next_coordinate<double>(line, input_);
     vertices_.push_back(v);
+  }
+
+  // Most files begin with all their vertices, and as long as there is no facet the helper has nothing else to do: it parses
+  // half of every window of plain ones. On two cores a small grid is meshed a twentieth faster.
+  void read_plain_vertices() {
+    constexpr size_t kBlock = Input::kWindow / 2, kLine = 8;  // at least: "v 0 0 0\n"
+    while (helper_ && input_.offset() >= next_plain_) {
+      const std::string_view text = input_.window(kBlock).substr(0, Input::kWindow);
+      const size_t half = text.find('\n', text.size() / 2) + 1;
+      if (text.size() < kBlock || half == 0) helper_ = nullptr;  // the rest is short
+      if (!helper_) return;
+      for (auto& list : plain_) list.clear(), list.reserve(text.size() / kLine);  // so nothing throws while the helper works
+      size_t taken_there = 0;
+      helper_->run([&] { taken_there = plain_vertices(text.substr(half), plain_[1]); });
+      const size_t taken_here = plain_vertices(text.substr(0, half), plain_[0]);
+      helper_->finish();
+      if (taken_here < half) taken_there = 0, plain_[1].clear();
+      for (const auto& list : plain_)
+        for (const Vec3& v : list) vertices_.push_back(v);
+      input_.consume_lines(taken_here + taken_there, plain_[0].size() + plain_[1].size());
+      if (taken_here + taken_there < text.size() / 4 * 3) next_plain_ = input_.offset() + kBlock;  // something else comes first
+    }
   }
 
   void read_face(std::string_view line) {
@@ -123,7 +176,10 @@ class ObjReader {
 
   Input& input_;
   FacetStream& out_;
+  Background* helper_;  // null: none, or no longer asked
   VertexTable vertices_;
+  std::array<std::vector<Vec3>, 2> plain_;  // parsed here, by the helper
+  uint64_t next_plain_ = 0;                 // where in the file to look for plain vertices again
   std::string joined_;
   bool grouped_ = false, group_wanted_ = false, in_object_ = false, object_wanted_ = false;
   bool wanted_;  // the facets of the current part go to the sink
@@ -131,6 +187,6 @@ class ObjReader {
 
 }  // namespace
 
-void read_obj(Input& input, FacetStream& out, const Budget& budget) { ObjReader(input, out, budget).read(); }
+void read_obj(Input& input, FacetStream& out, const Budget& budget, Background* helper) { ObjReader(input, out, budget, helper).read(); }
 
 }  // namespace teracell

@@ -146,10 +146,10 @@ inline int64_t text_integer(std::string_view word, const char* expected, const I
 // SurfaceFile::format and sets `float32`.
 void read_binary_stl(Input& input, FacetStream& out);
 void read_ascii_stl(Input& input, FacetStream& out);
-void read_obj(Input& input, FacetStream& out, const Budget& budget);
+void read_obj(Input& input, FacetStream& out, const Budget& budget, Background* helper);
 std::string read_ply(Input& input, FacetStream& out, const Budget& budget, bool& float32);
 
 // read_facets() of facets.hpp over a file already opened, or over bytes in memory.
-SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget = {});
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);
 
 }  // namespace teracell

@@ -70,7 +70,7 @@ bool DistinctCount::insert(uint64_t hash) {
 void DistinctCount::grow() { rehash(std::max<size_t>(1024, 4 * slots_.size())); }
 
 void DistinctCount::rehash(size_t slots) {
-  std::vector<uint64_t> old(slots);
+  decltype(slots_) old(slots);
   old.swap(slots_);
   for (const uint64_t hash : old)
     if (hash != 0) insert(hash);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesher/facets.hpp"
+#include "mesher/populate.hpp"
 #include "mesher/vertex_hash.hpp"
 
 namespace teracell {
@@ -31,7 +32,7 @@ class VertexNumbers {
   void rehash(size_t slots);
   std::vector<Recent> recent_ = std::vector<Recent>(512);
   std::vector<VertexHash> hashes_;     // by number
-  std::vector<uint32_t> slots_;  // number + 1; 0 is free
+  std::vector<uint32_t, Populated<uint32_t>> slots_;  // number + 1; 0 is free
 };
 
 // Counts distinct hashes.
@@ -46,7 +47,7 @@ class DistinctCount {
   bool insert(uint64_t hash);
   void grow();
   void rehash(size_t slots);
-  std::vector<uint64_t> slots_;
+  std::vector<uint64_t, Populated<uint64_t>> slots_;
   std::array<uint64_t, kWaiting> waiting_{};
   uint64_t count_ = 0, turn_ = 0;
 };

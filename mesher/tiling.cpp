@@ -3,6 +3,24 @@
 #include <numeric>
 
 namespace teracell {
+namespace {
+
+// Calls f(child) for all of a place's 4 x 4 children, of 2^shift x 2^shift chunks, that a facet with chunks `r` may meet.
+template <class F>
+void for_each_child(const ChunkRange& r, uint32_t cu, uint32_t cv, int shift, F&& f) {
+  const uint32_t first_u = cu * 4, first_v = cv * 4;
+  const uint32_t u0 = std::max(r.u0 >> shift, first_u), u1 = std::min(r.u1 >> shift, first_u + 3);
+  const uint32_t v0 = std::max(r.v0 >> shift, first_v), v1 = std::min(r.v1 >> shift, first_v + 3);
+  for (uint32_t v = v0; v <= v1; ++v)
+    for (uint32_t u = u0; u <= u1; ++u) f((v - first_v) * 4 + u - first_u);
+}
+
+ListedFacet listed(uint32_t number, const ChunkRange& r, uint32_t cu, uint32_t cv) {
+  const auto within = [](uint32_t chunk, uint32_t first) { return static_cast<uint8_t>(std::clamp(chunk, first, first + 4) - first); };
+  return {number, within(r.u0, cu * 4), within(r.u1 + 1, cu * 4), within(r.v0, cv * 4), within(r.v1 + 1, cv * 4)};
+}
+
+}  // namespace
 
 Tiling::Tiling(const Metadata& meta) : rays_(meta) {
   units_u_ = (rays_.shape.chunks_u + 3) / 4;
@@ -23,7 +41,7 @@ class Tiling::NodeBuilder {
   // The facets of the store, one after another.
   void add(const Facet& facet, const RayRange& r) {
     const auto& [a, b, c] = facet.vertex;
-    const double height = (std::min({a[w_], b[w_], c[w_]}) - lowest_) * per_height_;
+    const double height = (std::min(std::min(a[w_], b[w_]), c[w_]) - lowest_) * per_height_;
     const uint16_t h = r.empty() ? kNone : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0));
     block_->chunks.push_back(h == kNone ? ChunkRange{} : rays_.chunks_of(r));
     heights_.push_back(h);
@@ -31,11 +49,11 @@ class Tiling::NodeBuilder {
   }
   Node finish(const TreePlace& place, std::shared_ptr<const FacetStore> facets) {
     std::partial_sum(order_.begin(), order_.end(), order_.begin());
-    std::vector<uint32_t> numbers(order_[kNone]);
+    std::vector<ListedFacet> list(order_[kNone]);
     for (uint32_t i = 0; i < heights_.size(); ++i)
-      if (heights_[i] != kNone) numbers[order_[heights_[i]]++] = i;
+      if (heights_[i] != kNone) list[order_[heights_[i]]++] = place.depth == 0 ? listed(i, block_->chunks[i], place.cu, place.cv) : ListedFacet{i};
     block_->facets = std::move(facets);
-    return {place, std::move(block_), std::move(numbers)};
+    return {place, std::move(block_), std::move(list)};
   }
 
  private:
@@ -100,29 +118,17 @@ std::optional<Unit> Tiling::next() {
   return std::nullopt;
 }
 
-namespace {
-
-// Calls f(child, facet) for all of a place's 4 x 4 children, of 2^shift x 2^shift chunks, that a facet may meet.
-template <class F>
-void bin(const std::vector<uint32_t>& facets, const std::vector<ChunkRange>& chunks, uint32_t cu, uint32_t cv, int shift, F&& f) {
-  const uint32_t first_u = cu * 4, first_v = cv * 4;
-  for (const uint32_t i : facets) {
-    const ChunkRange& r = chunks[i];
-    const uint32_t u0 = std::max(r.u0 >> shift, first_u), u1 = std::min(r.u1 >> shift, first_u + 3);
-    const uint32_t v0 = std::max(r.v0 >> shift, first_v), v1 = std::min(r.v1 >> shift, first_v + 3);
-    for (uint32_t v = v0; v <= v1; ++v)
-      for (uint32_t u = u0; u <= u1; ++u) f((v - first_v) * 4 + u - first_u, i);
-  }
-}
-
-}  // namespace
-
 void Tiling::push_children(Node node) {
   const TreePlace& at = node.place;
   const int depth = at.depth - 1;
-  std::array<std::vector<uint32_t>, 16> lists;
-  if (node.block)
-    bin(node.facets, node.block->chunks, at.cu, at.cv, 2 * depth + 2, [&](uint32_t child, uint32_t facet) { lists[child].push_back(facet); });
+  std::array<std::vector<ListedFacet>, 16> lists;
+  for (auto& list : lists) list.reserve(node.facets.size() / 8);  // what isn't used is never touched; growing would touch all twice
+  for (const ListedFacet& f : node.facets) {
+    const ChunkRange& chunks = node.block->chunks[f.number];
+    for_each_child(chunks, at.cu, at.cv, 2 * depth + 2, [&](uint32_t child) {
+      lists[child].push_back(depth == 0 ? listed(f.number, chunks, at.cu * 4 + child % 4, at.cv * 4 + child / 4) : f);
+    });
+  }
   for (uint32_t k = 16; k-- > 0;) {  // the last one first: it is a stack
     const TreePlace child{depth, at.cu * 4 + k % 4, at.cv * 4 + k / 4};
     if (uint64_t{child.cu} << (2 * depth) < units_u_ && uint64_t{child.cv} << (2 * depth) < units_v_) path_.push_back({child, node.block, std::move(lists[k])});
@@ -131,11 +137,9 @@ void Tiling::push_children(Node node) {
 
 std::array<std::vector<const SceneFacet*>, 4> Tiling::split(const Unit& unit, uint32_t row) const {
   std::array<std::vector<const SceneFacet*>, 4> lists;
-  const uint32_t first_u = unit.cu * 4, v = unit.cv * 4 + row;
-  for (const uint32_t i : unit.facets) {
-    const ChunkRange& r = unit.block->chunks[i];
-    if (v < r.v0 || v > r.v1) continue;
-    for (uint32_t u = std::max(r.u0, first_u); u <= std::min(r.u1, first_u + 3); ++u) lists[u - first_u].push_back(&(*unit.block->facets)[i]);
+  for (const ListedFacet& f : unit.facets) {
+    if (row < f.v0 || row >= f.v1) continue;
+    for (uint32_t u = f.u0; u < f.u1; ++u) lists[u].push_back(&(*unit.block->facets)[f.number]);
   }
   return lists;
 }

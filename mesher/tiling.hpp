@@ -16,6 +16,7 @@
 #include "mesher/binned_survey.hpp"
 #include "mesher/bins.hpp"
 #include "mesher/facet_store.hpp"
+#include "mesher/populate.hpp"
 #include "mesher/rays.hpp"
 
 namespace teracell {
@@ -23,14 +24,21 @@ namespace teracell {
 // Facets in memory, and where each may have rays.
 struct FacetBlock {
   std::shared_ptr<const FacetStore> facets;
-  std::vector<ChunkRange> chunks;
+  std::vector<ChunkRange, Populated<ChunkRange>> chunks;
+};
+
+// A facet in the list of a node. At depth 0 with the chunks [u0, u1) x [v0, v1) of the node's 4 x 4 that it may have rays
+// in: to look these up in the block, row by row and in the order of the list, was most of splitting a unit.
+struct ListedFacet {
+  uint32_t number;
+  uint8_t u0, u1, v0, v1;
 };
 
 // 4 x 4 chunks of level 0 (less at the grid's edge), one chunk of level 2: what the workers take.
 struct Unit {
-  uint32_t cu, cv;               // its place, in units
+  uint32_t cu, cv;  // its place, in units
   std::shared_ptr<const FacetBlock> block;
-  std::vector<uint32_t> facets;  // numbers of those that may meet its rays
+  std::vector<ListedFacet> facets;  // those that may meet its rays
 };
 
 // next() is not thread-safe; split() may run on any thread, also while next() runs.
@@ -52,7 +60,7 @@ class Tiling {
   struct Node {
     TreePlace place;
     std::shared_ptr<const FacetBlock> block;  // null: in bins
-    std::vector<uint32_t> facets;
+    std::vector<ListedFacet> facets;
   };
   class NodeBuilder;
   explicit Tiling(const Metadata& meta);

@@ -23,7 +23,7 @@ VertexTable::VertexTable(const Budget& budget)
 
 void VertexTable::begin_piece() {
   const uint64_t number = size_ / kPiece;
-  if (number <= last_place_) places_.push_back(std::make_unique<Piece>());
+  if (number <= last_place_) places_.push_back(std::make_unique_for_overwrite<Piece>());
   Piece& place = *places_[number & last_place_];
   make_room(place);
   place.number = number;

@@ -37,7 +37,7 @@ class VertexTable {
   struct Piece {
     uint64_t number;
     uint64_t checksum;  // of the vertices, while it is on disk
-    bool changed;       // since it was on disk
+    bool changed = false;  // since it was on disk
     std::array<Vec3, kPiece> vertices;
   };
   Piece& piece_of(uint64_t i) {

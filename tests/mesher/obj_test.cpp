@@ -1,4 +1,5 @@
 // OBJ.
+#include "store/background.hpp"
 #include "tests/support/surfaces.hpp"
 
 using namespace teracell;
@@ -50,4 +51,41 @@ TEST_CASE("OBJ: what is wrong is named with its line") {
   CHECK_THAT(with_face("f 1 2 99999999999999999999"), Contains("expected a vertex number"));
   CHECK_THAT(refusal("v 1 2\n"), Contains("mesh: line 1: expected a number, found the end of the line"));
   CHECK_THAT(with_face(""), Contains("holds no facet"));
+}
+
+TEST_CASE("OBJ: a helper that parses half of the plain vertices changes neither facets nor messages") {
+  constexpr int kVertices = 60'000;
+  const auto text = [](int odd_at, const std::string& odd) {
+    std::string s;
+    for (int i = 0; i < kVertices; ++i) s += i == odd_at ? odd : "v " + std::to_string(i) + ".25 -0 1e" + std::to_string(i % 9) + "\n";
+    for (int i = 3; i <= kVertices; i += 1000) s += "f -1 " + std::to_string(i - 1) + " " + std::to_string(i) + "\n";
+    return s;
+  };
+  const auto outcome = [](const std::string& bytes, Background* helper) {
+    std::pair<Facets, std::string> found;
+    Input input("mesh", bytes);
+    try {
+      read_facets(input, "", [&](std::span<const Facet> some) {
+        for (const Facet& f : some) found.first.push_back(f.vertex);
+      }, {}, helper);
+    } catch (const InputError& e) {
+      found.second = e.what();
+    }
+    return found;
+  };
+  for (const int odd_at : {0, 1, 5'000, 12'345, 30'000, kVertices - 1}) {
+    for (const std::string odd : {"v 1 2 3\n", "  v 1 2 3\n", "v\t1  2\t3 \r\n", "v 1 2 3 0.5\n", "v 1 2 3 # red\n", "v 1 \\\n2 3\n", "# v 1 2 3\nv 1 2 3\n", "vn 0 0 1\nv 1 2 3\n",
+                                  "f 1 1 1\nv 1 2 3\n", "v 1 2\n", "v 1 2 x\n", "v 1 2 3x\n", "v 1 2-3\n", "v 1 2 inf\n", "v +1 2 3\n", "v 1e-400 2 3\n", "v1 2 3\n", "\n\nv 1 2 3\n"}) {
+      INFO("'" << odd << "' at " << odd_at);
+      const std::string bytes = text(odd_at, odd);
+      const auto alone = outcome(bytes, nullptr);
+      for (const bool own_thread : {false, true}) {
+        Background helper(own_thread);
+        CHECK((outcome(bytes, &helper) == alone));
+        CHECK(outcome(bytes + "f 1 2 nothing\n", &helper).second == outcome(bytes + "f 1 2 nothing\n", nullptr).second);
+      }
+    }
+  }
+  Background helper(true);
+  CHECK_THAT(outcome(text(5'000, "v 1 2 3 # red\n") + "f 1 2 nothing\n", &helper).second, Contains("mesh: line " + std::to_string(kVertices + kVertices / 1000 + 1) + ":"));
 }
