@@ -1,0 +1,153 @@
+// What the server says, typed, and the one way to ask for it. Addresses are relative to the page: it may lie under any base path.
+
+export type Index3 = [number, number, number];
+export type AxisIndex = 0 | 1 | 2;
+export const AXIS_NAMES = ["x", "y", "z"] as const;
+
+export type AxisJson = { type: "uniform"; min: number; step: number; first: number; cells: number } | { type: "graded"; planes: number[] };
+
+export interface Material {
+  id: number;
+  name: string;
+  color: string; // #rrggbb or #rrggbbaa
+}
+
+export interface Hole {
+  at: [number, number, number];
+  edges: number;
+  diameter: number;
+  cap_area: number;
+}
+
+export interface BodyReport {
+  name: string;
+  facets: number;
+  degenerate: number;
+  duplicates: number;
+  shells: number;
+  fill: { rule: string; shells: number; why: string }[];
+  holes: Hole[];
+  flips: unknown[];
+  cells: number;
+}
+
+export interface Report {
+  bodies: BodyReport[];
+  crossings: number;
+  warnings: string[];
+  inputs: { path: string; format: string; bytes: number; hash: string }[];
+  ray_axis?: { axis: string; why: string };
+}
+
+export interface GridInfo {
+  id: string;
+  units: string;
+  ray_axis: string;
+  grid: { min: number[]; max: number[]; cells: Index3; sample: number[]; axes: AxisJson[]; cells_text: string };
+  materials: Material[];
+  levels: { level: number; cells: Index3; stored: boolean; chunks: number; bytes: number }[];
+  file: { bytes: number; version: string; hash: string };
+  crossings: number;
+  bits_per_crossing: number;
+  report: Report;
+}
+
+export interface GridSummary {
+  id: string;
+  name: string;
+  cells: Index3;
+  bytes: number;
+  hash: string;
+  units: string;
+}
+
+export interface MaterialStats {
+  id: number;
+  name: string;
+  cells: number;
+  cells_text?: string; // exact, past 2^53
+  volume: number;
+  box: [number, number, number, number, number, number] | null;
+}
+export interface Stats {
+  region: [number, number, number, number, number, number];
+  materials: MaterialStats[];
+}
+
+export interface ColumnRun {
+  from: number;
+  to: number;
+  min: number;
+  max: number;
+  material: number;
+  name: string;
+}
+export interface Column {
+  axis: string;
+  at: [number, number];
+  runs: ColumnRun[];
+}
+
+// The server answered, and it was an error; or it did not answer (status 0).
+export class ServerError extends Error {
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    message: string,
+  ) {
+    super(message);
+  }
+}
+
+async function error_of(response: Response): Promise<ServerError> {
+  try {
+    const { error } = (await response.json()) as { error: { code: string; message: string } };
+    return new ServerError(response.status, error.code, error.message);
+  } catch {
+    return new ServerError(response.status, "http", `the server answered ${response.status} ${response.statusText}`);
+  }
+}
+
+// Fetches an address below the server's root. Throws ServerError, or AbortError when the signal says so.
+export async function get(path: string, options: { signal?: AbortSignal; priority?: "high" | "low" | "auto" } = {}): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, options);
+  } catch (error) {
+    if (error instanceof DOMException && error.name === "AbortError") throw error;
+    throw new ServerError(0, "unreachable", "the server can't be reached");
+  }
+  if (!response.ok) throw await error_of(response);
+  return response;
+}
+
+export async function get_json<T>(path: string, signal?: AbortSignal): Promise<T> {
+  return (await (await get(path, signal ? { signal } : {})).json()) as T;
+}
+
+// Addresses of one grid. Those with its version may be kept for ever by the browser.
+export class GridAddress {
+  private readonly base: string;
+  constructor(
+    readonly id: string,
+    readonly hash: string,
+  ) {
+    this.base = `api/v1/grids/${encodeURIComponent(id)}`;
+  }
+  // The sets of a tile of 512 x 512 cells: see tile format in tiles/tile.ts.
+  tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
+    return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1&v=${this.hash}`;
+  }
+  column(axis: AxisIndex, a: number, b: number): string {
+    return `${this.base}/column/${AXIS_NAMES[axis]}/${a}_${b}?v=${this.hash}`;
+  }
+  stats(region?: readonly number[]): string {
+    return `${this.base}/stats?${region ? `region=${region.join(",")}&` : ""}v=${this.hash}`;
+  }
+  cell(index: Index3): string {
+    return `${this.base}/cell?i=${index[0]}&j=${index[1]}&k=${index[2]}&v=${this.hash}`;
+  }
+}
+
+export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[] }>("api/v1/grids", signal).then((j) => j.grids);
+export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);

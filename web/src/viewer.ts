@@ -1,0 +1,117 @@
+// The state of the page while one grid is open: signals that the views, the panels and the address of the page share. Parts talk
+// to each other through it alone; nothing here touches the document.
+import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
+import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "./api";
+import { Axis, FRAMES } from "./axis";
+import { type MaterialLook, initial_looks } from "./materials";
+
+export type Layout = "four" | "x" | "y" | "z" | "3d";
+export type Panel = "materials" | "report" | "box" | "share" | "status";
+export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
+
+export interface Measure {
+  axis: AxisIndex; // of the view that it was drawn in
+  from: [number, number, number]; // coordinates
+  to: [number, number, number];
+}
+
+// A place that something else points at, such as a hole of the surface.
+export interface Marker {
+  at: [number, number, number]; // coordinates
+  text: string;
+}
+
+export class Viewer {
+  readonly address: GridAddress;
+  readonly axes: readonly [Axis, Axis, Axis];
+
+  // The crosshair: a cell of level 0. Each view shows the slice through it.
+  readonly cell: Signal<Index3>;
+  // What the views look at: the coordinates in their middle, one point for all three, and CSS pixels a unit of length.
+  readonly centre: Signal<[number, number, number]>;
+  readonly zoom: Signal<number>;
+
+  readonly layout = signal<Layout>("four");
+  readonly panel = signal<Panel | null>("materials");
+  readonly looks: Signal<readonly MaterialLook[]>;
+  readonly show_axes = signal<boolean>(true);
+  readonly show_scale = signal(true);
+  readonly show_lines = signal(true); // between cells, when they are large enough
+  readonly show_outline = signal(false); // between materials
+  readonly sweeping = signal<AxisIndex | null>(null); // the view that plays
+  readonly box = signal<Box | null>(null);
+  readonly measure = signal<Measure | null>(null);
+  readonly tool = signal<"look" | "measure" | "box">("look");
+  readonly markers = signal<readonly Marker[]>([]);
+
+  // The cell under the pointer, and the view it is in. Outside the grid: null.
+  readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; materials: readonly number[] | null } | null>(null);
+  // A cell that a click keeps in the read-out.
+  readonly pinned = signal<Index3 | null>(null);
+
+  // As it was at the start: the page's address holds what differs.
+  readonly standard_looks: readonly MaterialLook[];
+  readonly standard_switches = { show_axes: true, show_scale: true, show_lines: true, show_outline: false } as const;
+
+  readonly cells: Index3;
+  readonly slice: readonly [ReadonlySignal<number>, ReadonlySignal<number>, ReadonlySignal<number>];
+
+  constructor(readonly info: GridInfo) {
+    this.address = new GridAddress(info.id, info.file.hash);
+    const axis = (d: AxisIndex) => new Axis(info.grid.axes[d]!, info.grid.sample[d]!);
+    this.axes = [axis(0), axis(1), axis(2)];
+    this.cells = info.grid.cells;
+    this.cell = signal<Index3>([Math.floor(this.cells[0] / 2), Math.floor(this.cells[1] / 2), Math.floor(this.cells[2] / 2)]);
+    this.centre = signal(this.middle());
+    this.zoom = signal(1); // the views fit it to their size before the first picture, unless the page's address has one
+    this.standard_looks = initial_looks(info.materials);
+    this.looks = signal(this.standard_looks);
+    const slice = (d: AxisIndex) => computed(() => this.cell.value[d]);
+    this.slice = [slice(0), slice(1), slice(2)];
+  }
+
+  middle(): [number, number, number] {
+    const m = (d: AxisIndex) => (this.axes[d].min + this.axes[d].max) / 2;
+    return [m(0), m(1), m(2)];
+  }
+
+  // Moves the slice across an axis; it stays in the grid.
+  set_slice(axis: AxisIndex, index: number): void {
+    const to = this.axes[axis].clamp(index);
+    if (to === this.cell.value[axis]) return;
+    const cell: Index3 = [...this.cell.value];
+    cell[axis] = to;
+    this.cell.value = cell;
+  }
+
+  // Puts the crosshair on a cell.
+  set_cell(cell: Index3): void {
+    const to: Index3 = [this.axes[0].clamp(cell[0]), this.axes[1].clamp(cell[1]), this.axes[2].clamp(cell[2])];
+    if (to.some((x, d) => x !== this.cell.value[d])) this.cell.value = to;
+  }
+
+  // The same, and every view looks at it.
+  go_to_cell(cell: Index3): void {
+    batch(() => {
+      this.set_cell(cell);
+      const [i, j, k] = this.cell.value;
+      this.centre.value = [this.axes[0].centre(i), this.axes[1].centre(j), this.axes[2].centre(k)];
+    });
+  }
+  go_to(point: readonly [number, number, number]): void {
+    this.go_to_cell([this.axes[0].cell_at(point[0]), this.axes[1].cell_at(point[1]), this.axes[2].cell_at(point[2])]);
+  }
+
+  // Looks at a box of cells so that it fills about 0.8 of a view of this many CSS pixels.
+  go_to_box(box: Box, pixels = 480): void {
+    const low = (d: AxisIndex) => this.axes[d].plane(box[d]);
+    const high = (d: AxisIndex) => this.axes[d].plane(box[d + 3]!);
+    const size = Math.max(high(0) - low(0), high(1) - low(1), high(2) - low(2));
+    batch(() => {
+      this.go_to([(low(0) + high(0)) / 2, (low(1) + high(1)) / 2, (low(2) + high(2)) / 2]);
+      if (size > 0) this.zoom.value = (0.8 * pixels) / size;
+    });
+  }
+}
+
+export { FRAMES };
