@@ -1,4 +1,5 @@
 // What the server says, typed, and the one way to ask for it. Addresses are relative to the page: it may lie under any base path.
+import { signal } from "@preact/signals";
 
 export type Index3 = [number, number, number];
 export type AxisIndex = 0 | 1 | 2;
@@ -108,15 +109,32 @@ async function error_of(response: Response): Promise<ServerError> {
   }
 }
 
+// A server may ask for a token (--token-file). The page itself comes without one, as browsers send none when they open it, and
+// then asks: the field is shown while `token_wanted`, and hands what is typed to give_token(). It is kept for this tab alone.
+export const token_wanted = signal(false);
+const kTokenKey = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may lie under another path
+
+function headers(): Record<string, string> {
+  const token = sessionStorage.getItem(kTokenKey());
+  return token ? { authorization: `Bearer ${token}` } : {};
+}
+
+// The page begins anew: whatever was refused is asked for again, and the address has the state.
+export function give_token(token: string): void {
+  sessionStorage.setItem(kTokenKey(), token.trim());
+  location.reload();
+}
+
 // Fetches an address below the server's root. Throws ServerError, or AbortError when the signal says so.
 export async function get(path: string, options: { signal?: AbortSignal; priority?: "high" | "low" | "auto" } = {}): Promise<Response> {
   let response: Response;
   try {
-    response = await fetch(path, options);
+    response = await fetch(path, { ...options, headers: headers() });
   } catch (error) {
     if (error instanceof DOMException && error.name === "AbortError") throw error;
     throw new ServerError(0, "unreachable", "the server can't be reached");
   }
+  if (response.status === 401) token_wanted.value = true;
   if (!response.ok) throw await error_of(response);
   return response;
 }
