@@ -21,6 +21,17 @@ export interface Marker {
   text: string;
 }
 
+// What the tiles of the views cost: for the status panel. Times are of requests that reached the network or the browser's cache.
+export class TileCounters {
+  readonly in_flight = signal(0);
+  readonly waiting = signal(0);
+  readonly bytes = signal(0); // held decoded
+  readonly tiles = signal(0); // held decoded
+  readonly latencies = signal<readonly number[]>([]); // milliseconds, the last 64, oldest first
+  readonly failed = signal(0); // that are tried again after a while
+  readonly damaged = signal(0); // that the server can't read: drawn hatched
+}
+
 export class Viewer {
   readonly address: GridAddress;
   readonly axes: readonly [Axis, Axis, Axis];
@@ -43,6 +54,10 @@ export class Viewer {
   readonly measure = signal<Measure | null>(null);
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly markers = signal<readonly Marker[]>([]);
+  readonly help = signal(false); // the list of keys and gestures
+  readonly tiles = new TileCounters();
+  // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
+  readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];
 
   // The cell under the pointer, and the view it is in. Outside the grid: null.
   readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; materials: readonly number[] | null } | null>(null);
