@@ -62,7 +62,8 @@ export function read_address(viewer: Viewer): boolean {
 }
 
 export function address_of(viewer: Viewer): string {
-  const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(","), zoom: String(viewer.zoom.value) });
+  const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(",") });
+  if (viewer.zoom.value > 0) start.set("zoom", String(viewer.zoom.value));
   if (viewer.layout.value !== "four") start.set("layout", viewer.layout.value);
   if (viewer.panel.value !== "materials") start.set("panel", viewer.panel.value ?? "none");
   const standard = viewer.standard_switches;

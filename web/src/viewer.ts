@@ -38,7 +38,8 @@ export class Viewer {
 
   // The crosshair: a cell of level 0. Each view shows the slice through it.
   readonly cell: Signal<Index3>;
-  // What the views look at: the coordinates in their middle, one point for all three, and CSS pixels a unit of length.
+  // What the views look at: the coordinates in their middle, one point for all three, and CSS pixels a unit of length; 0: as
+  // large as fits, which the views replace as soon as they know their size.
   readonly centre: Signal<[number, number, number]>;
   readonly zoom: Signal<number>;
 
@@ -54,7 +55,6 @@ export class Viewer {
   readonly measure = signal<Measure | null>(null);
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly markers = signal<readonly Marker[]>([]);
-  readonly help = signal(false); // the list of keys and gestures
   readonly tiles = new TileCounters();
   // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
   readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];
@@ -78,7 +78,7 @@ export class Viewer {
     this.cells = info.grid.cells;
     this.cell = signal<Index3>([Math.floor(this.cells[0] / 2), Math.floor(this.cells[1] / 2), Math.floor(this.cells[2] / 2)]);
     this.centre = signal(this.middle());
-    this.zoom = signal(1); // the views fit it to their size before the first picture, unless the page's address has one
+    this.zoom = signal(0);
     this.standard_looks = initial_looks(info.materials);
     this.looks = signal(this.standard_looks);
     const slice = (d: AxisIndex) => computed(() => this.cell.value[d]);
