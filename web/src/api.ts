@@ -156,6 +156,10 @@ export class GridAddress {
   tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
     return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1&v=${this.hash}`;
   }
+  // A cube of 64^3 cells of a level, the strongest material of each: gzip around bytes (two when there are more than 256 materials).
+  cube(level: number, [x, y, z]: Index3): string {
+    return `zarr/${encodeURIComponent(this.id)}/${level}/c/${z}/${y}/${x}?v=${this.hash}`;
+  }
   column(axis: AxisIndex, a: number, b: number): string {
     return `${this.base}/column/${AXIS_NAMES[axis]}/${a}_${b}?v=${this.hash}`;
   }

@@ -9,6 +9,17 @@ export type Layout = "four" | "x" | "y" | "z" | "3d";
 export type Panel = "materials" | "report" | "box" | "share" | "status";
 export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
 
+// Where the overview's camera is: degrees around and above, half longest sides of the domain away from a point in coordinates.
+export interface OrbitState {
+  azimuth: number;
+  elevation: number;
+  distance: number;
+  target: [number, number, number];
+}
+export const BODY_MODES = ["cut", "whole", "glass"] as const;
+// The bodies in the overview: without the octant before the crosshair, whole, or as if of glass.
+export type BodyMode = (typeof BODY_MODES)[number];
+
 export interface Measure {
   axis: AxisIndex; // of the view that it was drawn in
   from: [number, number, number]; // coordinates
@@ -58,6 +69,9 @@ export class Viewer {
   readonly tiles = new TileCounters();
   // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
   readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];
+
+  readonly orbit = signal<OrbitState | null>(null); // null: the view that shows all
+  readonly bodies = signal<BodyMode>("cut");
 
   // The cell under the pointer, and the view it is in. Outside the grid: null.
   readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; materials: readonly number[] | null } | null>(null);
