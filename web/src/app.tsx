@@ -13,6 +13,7 @@ import { keep_theme } from "./theme";
 import { Toasts } from "./toasts";
 import { TokenForm } from "./token_form";
 import { Views } from "./views/views";
+import "./style.css";
 
 keep_theme();
 
@@ -40,7 +41,7 @@ export function App() {
           <StartPage waiting={opening.value} trouble={trouble.value} />
         )}
       </div>
-      <Help />
+      {open && <Help viewer={open} />}
       <Toasts />
     </>
   );

@@ -14,6 +14,8 @@ const MOST = 200; // shown at once
 
 const hex = (look: MaterialLook) => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
 
+const same_look = (a: MaterialLook, b: MaterialLook) => a.visible === b.visible && a.opacity === b.opacity && hex(a) === hex(b);
+
 export const cells_of = (m: MaterialStats): string => grouped(m.cells_text ?? m.cells);
 
 function change(viewer: Viewer, id: number, what: Partial<MaterialLook>): void {
@@ -63,7 +65,7 @@ function MaterialCard({ viewer, id, stats, all }: { viewer: Viewer; id: number; 
         </button>
       </div>
       <div class="share-bar" aria-hidden="true">
-        <span style={{ width: `${100 * share}%`, background: css_color(look) }} />
+        <span style={{ width: `${100 * share}%`, background: look.opacity > 0 ? css_color(look) : "var(--line-strong)" }} />
       </div>
       <dl class="numbers">
         <div>
@@ -117,7 +119,7 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
           </button>
         )}
         <span class="spacer" />
-        <button class="button" disabled={looks === viewer.standard_looks} title="Colours, opacity and visibility as they were" onClick={() => (viewer.looks.value = viewer.standard_looks)}>
+        <button class="button" disabled={looks.every((look, id) => same_look(look, viewer.standard_looks[id]!))} title="Colours, opacity and visibility as they were" onClick={() => (viewer.looks.value = viewer.standard_looks)}>
           Reset
         </button>
       </div>
