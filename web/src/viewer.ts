@@ -104,6 +104,19 @@ export class Viewer {
     return [m(0), m(1), m(2)];
   }
 
+  // Everything but the place as it was at the start: an address says only what differs from that.
+  reset(): void {
+    batch(() => {
+      this.layout.value = "four";
+      this.panel.value = "materials";
+      this.looks.value = this.standard_looks;
+      for (const name of ["show_axes", "show_scale", "show_lines", "show_outline"] as const) this[name].value = this.standard_switches[name];
+      this.box.value = null;
+      this.measure.value = null;
+      this.pinned.value = null;
+    });
+  }
+
   // Moves the slice across an axis; it stays in the grid.
   set_slice(axis: AxisIndex, index: number): void {
     const to = this.axes[axis].clamp(index);

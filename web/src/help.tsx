@@ -1,0 +1,35 @@
+// Gestures and keys, in a dialog. The table is that of the views, so that it can't say anything else than they do.
+import { useEffect, useRef } from "preact/hooks";
+import { Icon } from "./icons";
+import type { Viewer } from "./viewer";
+import { bindings } from "./views/bindings";
+
+export function Help({ viewer }: { viewer: Viewer }) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const shown = viewer.help.value;
+  useEffect(() => {
+    if (shown && !dialog.current!.open) dialog.current!.showModal();
+    else if (!shown) dialog.current!.close();
+  }, [shown]);
+  const close = () => (viewer.help.value = false);
+  return (
+    <dialog ref={dialog} class="dialog" aria-labelledby="help-title" onClose={close} onClick={(e) => e.target === dialog.current && close()}>
+      <div class="dialog-body">
+        <div class="dialog-head">
+          <h2 id="help-title">Gestures and keys</h2>
+          <button class="icon-button" aria-label="Close" onClick={close}>
+            <Icon name="close" />
+          </button>
+        </div>
+        <dl class="bindings">
+          {bindings.map(({ keys, does }) => (
+            <div key={keys}>
+              <dt>{keys}</dt>
+              <dd>{does}</dd>
+            </div>
+          ))}
+        </dl>
+      </div>
+    </dialog>
+  );
+}
