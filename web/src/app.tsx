@@ -41,7 +41,7 @@ export function App() {
           <StartPage waiting={opening.value} trouble={trouble.value} />
         )}
       </div>
-      {open && <Help viewer={open} />}
+      {open && <Help />}
       <Toasts />
     </>
   );

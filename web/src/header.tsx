@@ -1,5 +1,6 @@
 // The line at the top: what is open, how the views lie, and the switches of the page.
-import { bytes_text, product, about, sizes, grouped } from "./format";
+import { about, bytes_text, grouped, product, sizes } from "./format";
+import { help_open } from "./help";
 import { Icon, type IconName } from "./icons";
 import { grids } from "./page";
 import { switch_theme, theme } from "./theme";
@@ -91,7 +92,7 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
           <Icon name={dark ? "sun" : "moon"} />
         </button>
         {viewer && (
-          <button class="icon-button" title="Help (h)" aria-label="Help" onClick={() => (viewer.help.value = true)}>
+          <button class="icon-button" title="Help (h)" aria-label="Help" onClick={() => (help_open.value = true)}>
             <Icon name="help" />
           </button>
         )}

@@ -114,6 +114,8 @@ export class Viewer {
       this.box.value = null;
       this.measure.value = null;
       this.pinned.value = null;
+      this.orbit.value = null;
+      this.bodies.value = "cut";
     });
   }
 

@@ -23,7 +23,7 @@ function DoorCard({ door }: { door: Door }) {
       </div>
       {door.lines && (
         <div class="code-line">
-          <pre tabIndex={0}>{door.lines}</pre>
+          <pre>{door.lines}</pre>
           <CopyButton text={door.lines} what={`the lines for ${door.name}`} />
         </div>
       )}

@@ -82,11 +82,11 @@ function Server({ moments }: { moments: readonly Moment[] }) {
         <Curve label="memory" value={bytes_text(memory.at(-1)!)} values={memory} title="Resident memory of the server" />
         <dl class="numbers">
           <div>
-            <dt>half of the answers</dt>
+            <dt>time of an answer, median</dt>
             <dd>{range(quantile(times, 0.5))}</dd>
           </div>
           <div>
-            <dt>95 of 100</dt>
+            <dt>95th percentile</dt>
             <dd>{range(quantile(times, 0.95))}</dd>
           </div>
           <div>
@@ -157,11 +157,11 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
       </p>
       <section>
         <h3>This page</h3>
-        <Curve label="tiles, each" value={latencies.length ? milliseconds(latencies.at(-1)!) : "–"} values={latencies.slice(-KEPT)} title="From asking for a tile to its last byte" />
-        <Curve label="round trip" value={moments.length ? milliseconds(moments.at(-1)!.answer) : "–"} values={moments.map((m) => m.answer)} title="A small request, as seen from here" />
+        <Curve label="a tile" value={latencies.length ? milliseconds(latencies.at(-1)!) : "–"} values={latencies.slice(-KEPT)} title="From asking for a tile to its last byte" />
+        <Curve label="a small request" value={moments.length ? milliseconds(moments.at(-1)!.answer) : "–"} values={moments.map((m) => m.answer)} title="A small request, as seen from here" />
         <dl class="numbers">
           <div>
-            <dt>tiles: half, 95 of 100</dt>
+            <dt>median, 95th percentile</dt>
             <dd>
               {latencies.length ? `${milliseconds(median(latencies))}, ${milliseconds(median(latencies, 0.95))}` : "–"}
             </dd>
