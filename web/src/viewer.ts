@@ -66,6 +66,7 @@ export class Viewer {
   readonly measure = signal<Measure | null>(null);
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly markers = signal<readonly Marker[]>([]);
+  readonly help = signal(false); // the list of keys and gestures
   readonly tiles = new TileCounters();
   // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
   readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];

@@ -54,6 +54,7 @@ export function attach_keys(stage: Stage): () => void {
     c: () => viewer.go_to_cell(viewer.cell.value),
     m: () => choose(viewer, "measure"),
     x: () => choose(viewer, "box"),
+    h: () => flip(viewer.help),
     Escape: () => escape(viewer),
   };
   const on_key = (event: KeyboardEvent) => {

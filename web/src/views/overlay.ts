@@ -20,8 +20,7 @@ export function draw_overlay(scene: Scene, view: View, draft: Box | null): boole
   const last = last_inputs.get(view);
   if (last && inputs.every((input, i) => input === last[i])) return false;
   last_inputs.set(view, inputs);
-  const { viewer, ratio } = scene;
-  const camera = view.camera!;
+  const { ratio } = scene;
   const [width, height] = [Math.round(view.width * ratio), Math.round(view.height * ratio)];
   const context = view.overlay.getContext("2d")!;
   if (view.overlay.width !== width || view.overlay.height !== height) {
@@ -31,15 +30,20 @@ export function draw_overlay(scene: Scene, view: View, draft: Box | null): boole
   context.setTransform(1, 0, 0, 1, 0, 0);
   context.clearRect(0, 0, width, height);
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  const pen = new Pen(context, camera, viewer, scene.ink);
+  draw_marks(new Pen(context, view.camera!, scene.viewer, scene.ink), view.level, draft);
+  return true;
+}
+
+// In CSS pixels, whatever the context's scale: pictures that are saved are finer than the screen.
+export function draw_marks(pen: Pen, level: number, draft: Box | null = null): void {
+  const { viewer } = pen;
   if (viewer.show_lines.value) draw_cell_lines(pen);
   draw_border(pen);
   if (viewer.show_axes.value) draw_rulers(pen);
   draw_box(pen, draft ?? viewer.box.value);
   if (viewer.show_axes.value) draw_crosshair(pen);
   draw_pin(pen);
-  draw_markers(pen, view.level);
+  draw_markers(pen, level);
   draw_measure(pen);
   if (viewer.show_scale.value) draw_scale_bar(pen);
-  return true;
 }

@@ -1,106 +1,83 @@
-// The views as they are, as one picture: cells, overlays, titles, and a legend of the materials below.
-import { AXIS_NAMES } from "../api";
+// The views as they are, as one picture. Overlays are drawn anew, so that they are as fine as the picture; cells are whole squares.
+import { AXIS_NAMES, type AxisIndex } from "../api";
 import { coordinate } from "../format";
-import { css_color } from "../materials";
 import type { Viewer } from "../viewer";
+import { Camera } from "./camera";
 import { unit_name } from "./lengths";
-import { FONT } from "./pen";
+import { draw_marks } from "./overlay";
+import { FONT, Pen } from "./pen";
+import { type Stage, stage_of } from "./stage";
 
 export interface SnapshotOptions {
-  readonly legend?: boolean; // true when left out
-}
-
-const ROW = 26; // CSS pixels of the legend
-const SWATCH = 14;
-
-interface Swatch {
-  readonly name: string;
-  readonly color: string;
-  readonly width: number;
-}
-
-// Rows of the legend that fit into `most` CSS pixels.
-function legend_rows(context: CanvasRenderingContext2D, viewer: Viewer, most: number): Swatch[][] {
-  const rows: Swatch[][] = [[]];
-  let used = 0;
-  viewer.looks.value.forEach((look, id) => {
-    if (!look.visible || look.opacity === 0) return;
-    const name = viewer.info.materials[id]!.name;
-    const width = SWATCH + 6 + context.measureText(name).width + 20;
-    if (used > 0 && used + width > most) {
-      rows.push([]);
-      used = 0;
-    }
-    used += width;
-    rows[rows.length - 1]!.push({ name, color: css_color(look), width });
-  });
-  return rows.filter((row) => row.length > 0);
+  readonly ratio?: number; // pixels of the picture a CSS pixel; the screen's when left out
 }
 
 export async function snapshot(viewer: Viewer, options: SnapshotOptions = {}): Promise<HTMLCanvasElement> {
+  const stage = stage_of(viewer);
   const host = document.querySelector<HTMLElement>(".views");
-  if (!host) throw new Error("there are no views to make a picture of");
-  const style = getComputedStyle(host);
-  const color = (name: string) => style.getPropertyValue(`--view-${name}`);
+  if (!stage || !host) throw new Error("there are no views to make a picture of");
+  const ratio = options.ratio ?? devicePixelRatio;
   const frame = host.getBoundingClientRect();
-  const ratio = Math.max(devicePixelRatio, 1);
   const out = document.createElement("canvas");
-  const context = out.getContext("2d")!;
-  context.font = FONT;
-  const rows = options.legend === false ? [] : legend_rows(context, viewer, frame.width - 24);
   out.width = Math.round(frame.width * ratio);
-  out.height = Math.round((frame.height + (rows.length ? rows.length * ROW + 12 : 0)) * ratio);
-  context.scale(ratio, ratio);
-  context.fillStyle = color("bar");
-  context.fillRect(0, 0, frame.width, out.height / ratio);
-  context.fillStyle = color("gap");
-  context.fillRect(0, 0, frame.width, frame.height);
-  context.imageSmoothingEnabled = false;
-  // The overview draws when it is asked to: its pixels last until the frame ends.
-  host.querySelector(".view-overview")?.dispatchEvent(new Event("teracell-draw"));
+  out.height = Math.round(frame.height * ratio);
+  const context = out.getContext("2d")!;
+  const style = getComputedStyle(host);
+  context.fillStyle = style.getPropertyValue("--view-gap");
+  context.fillRect(0, 0, out.width, out.height);
   for (const panel of host.querySelectorAll<HTMLElement>(".view-panel:not([hidden])")) {
-    const box = panel.getBoundingClientRect();
-    context.fillStyle = color("outside");
-    context.fillRect(box.left - frame.left, box.top - frame.top, box.width, box.height);
-    for (const canvas of panel.querySelectorAll("canvas")) {
-      const at = canvas.getBoundingClientRect();
-      if (canvas.width > 0 && at.width > 0) context.drawImage(canvas, at.left - frame.left, at.top - frame.top, at.width, at.height);
-    }
-    draw_title(context, viewer, panel, box.left - frame.left, box.top - frame.top, color);
+    const body = panel.querySelector<HTMLElement>(".view-body, .view-overview")!;
+    const [box, area] = [panel.getBoundingClientRect(), body.getBoundingClientRect()];
+    context.setTransform(ratio, 0, 0, ratio, (box.left - frame.left) * ratio, (box.top - frame.top) * ratio);
+    context.fillStyle = style.getPropertyValue("--view-outside");
+    context.fillRect(0, 0, box.width, box.height);
+    // The bar below a slice is left out: its place is the picture's.
+    context.save();
+    context.beginPath();
+    context.rect(0, 0, box.width, box.height);
+    context.clip();
+    context.translate(area.left - box.left, area.top - box.top + (box.height - area.height) / 2);
+    const axis = (AXIS_NAMES as readonly string[]).indexOf(panel.dataset.view!);
+    if (axis >= 0) draw_slice(context, stage, axis as AxisIndex, ratio);
+    else draw_overview(context, body);
+    context.restore();
+    if (axis >= 0) draw_title(context, viewer, axis as AxisIndex, style);
   }
-  context.font = FONT;
-  context.textAlign = "left";
-  context.textBaseline = "middle";
-  rows.forEach((row, r) => {
-    const y = frame.height + 6 + (r + 0.5) * ROW;
-    let x = 12;
-    for (const swatch of row) {
-      context.fillStyle = swatch.color;
-      context.fillRect(x, y - SWATCH / 2, SWATCH, SWATCH);
-      context.strokeStyle = color("border");
-      context.strokeRect(x + 0.5, y - SWATCH / 2 + 0.5, SWATCH - 1, SWATCH - 1);
-      context.fillStyle = color("text");
-      context.fillText(swatch.name, x + SWATCH + 6, y + 0.5);
-      x += swatch.width;
-    }
-  });
   return out;
 }
 
-function draw_title(context: CanvasRenderingContext2D, viewer: Viewer, panel: HTMLElement, left: number, top: number, color: (name: string) => string): void {
-  const axis = (AXIS_NAMES as readonly string[]).indexOf(panel.dataset.view ?? "") as 0 | 1 | 2 | -1;
-  if (axis < 0) return;
-  const a = viewer.axes[axis as 0 | 1 | 2];
-  const slice = viewer.cell.value[axis as 0 | 1 | 2];
-  const text = `${AXIS_NAMES[axis as 0 | 1 | 2]} = ${coordinate(a.centre(slice), (a.max - a.min) / a.cells)} ${unit_name(viewer.info.units)}`;
+function draw_slice(context: CanvasRenderingContext2D, stage: Stage, axis: AxisIndex, ratio: number): void {
+  const view = stage.views[axis];
+  const scene = stage.scene(ratio);
+  if (!view.visible || !scene) return;
+  const { viewer } = stage;
+  context.imageSmoothingEnabled = false;
+  context.drawImage(view.cells, 0, 0, view.width, view.height);
+  const camera = new Camera(axis, viewer.axes, view.width, view.height, ratio, viewer.centre.value, viewer.zoom.value);
+  draw_marks(new Pen(context, camera, viewer, scene.ink), view.level);
+}
+
+// Its canvas is empty but in the frame that draws it: it draws when it is told to.
+function draw_overview(context: CanvasRenderingContext2D, body: HTMLElement): void {
+  body.dispatchEvent(new Event("draw"));
+  const from = body.getBoundingClientRect();
+  context.imageSmoothingEnabled = true;
+  for (const canvas of body.querySelectorAll("canvas")) {
+    const at = canvas.getBoundingClientRect();
+    if (canvas.width > 0 && at.width > 0) context.drawImage(canvas, at.left - from.left, at.top - from.top, at.width, at.height);
+  }
+}
+
+function draw_title(context: CanvasRenderingContext2D, viewer: Viewer, axis: AxisIndex, style: CSSStyleDeclaration): void {
+  const a = viewer.axes[axis];
+  const text = `${AXIS_NAMES[axis]} = ${coordinate(a.centre(viewer.cell.value[axis]), (a.max - a.min) / a.cells)} ${unit_name(viewer.info.units)}`;
   context.font = `600 ${FONT}`;
-  const width = context.measureText(text).width + 16;
-  context.fillStyle = color("plate");
+  context.fillStyle = style.getPropertyValue("--view-plate");
   context.beginPath();
-  context.roundRect(left + 8, top + 8, width, 24, 6);
+  context.roundRect(8, 8, context.measureText(text).width + 16, 24, 4);
   context.fill();
-  context.fillStyle = color(AXIS_NAMES[axis as 0 | 1 | 2]);
+  context.fillStyle = style.getPropertyValue(`--view-${AXIS_NAMES[axis]}`);
   context.textAlign = "left";
   context.textBaseline = "middle";
-  context.fillText(text, left + 16, top + 20.5);
+  context.fillText(text, 16, 20.5);
 }

@@ -8,9 +8,13 @@ import { TileStore } from "../tiles/store";
 import { wants_of } from "../tiles/wants";
 import type { Box, Viewer } from "../viewer";
 import { clamped_zoom, fitting_zoom, inside, zoomed_about } from "./camera";
+import { returned } from "../connection";
 import { type Ink, read_ink } from "./ink";
 import { draw_overlay } from "./overlay";
 import { type Scene, View } from "./view";
+
+const stages = new WeakMap<Viewer, Stage>();
+export const stage_of = (viewer: Viewer): Stage | undefined => stages.get(viewer);
 
 const SLOW = 24; // milliseconds of painting, on average, from which on fine screens get one pixel a CSS pixel
 const KEPT_TIMES = 4096;
@@ -48,6 +52,7 @@ export class Stage {
   // `host` has the colours of the style sheet.
   start(host: HTMLElement): () => void {
     this.host = host;
+    stages.set(this.viewer, this);
     const { viewer: v } = this;
     this.stops.push(
       effect(() => {
@@ -55,6 +60,14 @@ export class Stage {
           s.value;
         this.draft.value;
         this.invalidate();
+      }),
+    );
+    let returns = returned.peek();
+    this.stops.push(
+      effect(() => {
+        if (returned.value === returns) return;
+        returns = returned.value;
+        this.store.retry();
       }),
     );
     const themes = new MutationObserver(() => this.theme_changed());
@@ -125,6 +138,13 @@ export class Stage {
     this.viewer.centre.value = centre;
   }
 
+  // What overlays are drawn with, also elsewhere than on the screen.
+  scene(ratio: number): Scene | null {
+    if (!this.host) return null;
+    const { viewer, store, palette } = this;
+    return { viewer, store, palette, ink: (this.ink ??= read_ink(this.host)), ratio };
+  }
+
   private theme_changed(): void {
     this.ink = null;
     this.invalidate();
@@ -149,14 +169,13 @@ export class Stage {
   private draw(): boolean {
     const { viewer, store, palette } = this;
     const views = this.visible;
-    if (!this.host || views.length === 0) return false;
+    const scene = this.scene(Math.min(devicePixelRatio, this.most_ratio));
+    if (!scene || views.length === 0) return false;
     const began = performance.now();
     if (viewer.zoom.value === 0) viewer.zoom.value = this.fitting();
-    const ink = (this.ink ??= read_ink(this.host));
-    const scene: Scene = { viewer, store, palette, ink, ratio: Math.min(devicePixelRatio, this.most_ratio) };
     for (const view of views) view.look(scene, began);
     store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
-    palette.update(viewer.looks.value, ink.ground, ink.outside);
+    palette.update(viewer.looks.value, scene.ink.ground, scene.ink.outside);
     let painted = false;
     for (const view of views) {
       painted = view.paint(scene) || painted;
@@ -214,6 +233,7 @@ export class Stage {
     cancelAnimationFrame(this.request);
     clearTimeout(this.timer);
     for (const stop of this.stops) stop();
+    stages.delete(this.viewer);
     this.host = null;
     this.viewer.hover.value = null;
     this.store.close();

@@ -12,16 +12,11 @@ import { expose } from "./testing";
 import "./views.css";
 
 const ORDER: readonly AxisIndex[] = [2, 0, 1];
-const stages = new WeakMap<Viewer, Stage>();
-
-export const stage_of = (viewer: Viewer): Stage | undefined => stages.get(viewer);
-
 export function Views({ viewer }: { viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useMemo(() => new Stage(viewer), [viewer]);
   useEffect(() => {
     const stops = [stage.start(host.current!), attach_keys(stage), attach_sweep(stage), expose(stage)];
-    stages.set(viewer, stage);
     return () => stops.forEach((stop) => stop());
   }, [stage]);
   return (
