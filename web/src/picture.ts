@@ -45,8 +45,8 @@ function place_text(viewer: Viewer): string {
 }
 
 export async function framed_snapshot(viewer: Viewer): Promise<HTMLCanvasElement> {
-  const views = await snapshot(viewer, { legend: false });
-  const ratio = Math.max(devicePixelRatio, 1);
+  const ratio = Math.max(devicePixelRatio, 2);
+  const views = await snapshot(viewer, { ratio });
   const style = getComputedStyle(document.documentElement);
   const color = (name: string) => style.getPropertyValue(name);
   const canvas = document.createElement("canvas");
