@@ -3,7 +3,7 @@
 // is in it. Numbers are written so that they come back as they were.
 import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "./api";
-import type { Box, Layout, Panel, Viewer } from "./viewer";
+import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
 
 export function grid_in_address(): string | null {
   return new URLSearchParams(location.hash.slice(1)).get("g");
@@ -44,6 +44,11 @@ export function read_address(viewer: Viewer): boolean {
     if (box?.every((n, d) => in_grid(n, d % 3, 1) && (d < 3 || n > box[d - 3]!))) viewer.box.value = box as Box;
     const pin = numbers(query.get("pin"), 3);
     if (pin?.every((n, d) => in_grid(n, d, 0))) viewer.pinned.value = pin as Index3;
+    const orbit = numbers(query.get("orbit"), 6);
+    if (orbit && Math.abs(orbit[1]!) <= 90 && orbit[2]! > 0)
+      viewer.orbit.value = { azimuth: orbit[0]!, elevation: orbit[1]!, distance: orbit[2]!, target: orbit.slice(3) as [number, number, number] };
+    const bodies = query.get("bodies") as BodyMode | null;
+    if (bodies && BODY_MODES.includes(bodies)) viewer.bodies.value = bodies;
     const measure = numbers(query.get("measure"), 7);
     if (measure && [0, 1, 2].includes(measure[0]!))
       viewer.measure.value = { axis: measure[0] as AxisIndex, from: measure.slice(1, 4) as Index3, to: measure.slice(4) as Index3 };
@@ -63,13 +68,17 @@ export function read_address(viewer: Viewer): boolean {
 }
 
 export function address_of(viewer: Viewer): string {
-  const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(","), zoom: String(viewer.zoom.value) });
+  const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(",") });
+  if (viewer.zoom.value > 0) start.set("zoom", String(viewer.zoom.value));
   if (viewer.layout.value !== "four") start.set("layout", viewer.layout.value);
   if (viewer.panel.value !== "materials") start.set("panel", viewer.panel.value ?? "none");
   const standard = viewer.standard_switches;
   for (const [key, name] of Object.entries(SWITCHES)) if (viewer[name].value !== standard[name]) start.set(key, viewer[name].value ? "1" : "0");
   if (viewer.box.value) start.set("box", viewer.box.value.join(","));
   if (viewer.pinned.value) start.set("pin", viewer.pinned.value.join(","));
+  const o = viewer.orbit.value;
+  if (o) start.set("orbit", [o.azimuth, o.elevation, o.distance, ...o.target].map((x) => Number(x.toPrecision(6))).join(","));
+  if (viewer.bodies.value !== "cut") start.set("bodies", viewer.bodies.value);
   const m = viewer.measure.value;
   if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));
   const changed = viewer.looks.value.flatMap((look, id) => {

@@ -1,0 +1,93 @@
+// The domain's edges as rulers: the ends' coordinates, and on each a knob with the axis's name that is dragged, or moved by keys, to move
+// the slice across it.
+import { AXIS_NAMES, type AxisIndex } from "../api";
+import { significant } from "../format";
+import type { Viewer } from "../viewer";
+import { type Projection, along_axis, project } from "./camera";
+import { element } from "./dom";
+import { labelled_edges } from "./edges";
+import { type Space, from_space } from "./level_axis";
+
+export interface Rulers {
+  readonly roots: readonly HTMLElement[];
+  update(view: Projection, at: readonly number[]): void;
+}
+
+const AWAY = 14; // pixels from the edge
+
+export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rulers {
+  const { units } = viewer.info;
+  let view: Projection | null = null;
+  const rulers = ([0, 1, 2] as const).map((d) => {
+    const axis = viewer.axes[d];
+    const name = AXIS_NAMES[d];
+    const low = element("span", { class: "overview-number", "aria-hidden": "true" }, significant(axis.min, 5));
+    const high = element("span", { class: "overview-number", "aria-hidden": "true" }, `${significant(axis.max, 5)} ${units}`);
+    const knob = element("div", { class: `overview-knob ${name}`, role: "slider", tabindex: "0", "aria-label": `slice across ${name}`, "aria-valuemin": "0", "aria-valuemax": String(axis.cells - 1) }, name);
+    listen_knob(knob, viewer, d, slid, (x, y) => {
+      const edge = view && labelled_edges(view, space.half)[d];
+      const p = edge && along_axis(view!, edge.a, d, x, y);
+      return p == null ? null : axis.cell_at(from_space(space, d, p));
+    });
+    return { d, low, high, knob };
+  });
+
+  return {
+    roots: rulers.flatMap(({ low, high, knob }) => [low, high, knob]),
+    update(to, at) {
+      view = to;
+      const edges = labelled_edges(to, space.half);
+      for (const { d, low, high, knob } of rulers) {
+        const edge = edges[d];
+        for (const e of [low, high, knob]) e.hidden = !edge;
+        const cell = viewer.cell.value[d];
+        const text = `${significant(viewer.axes[d].centre(cell), 6)} ${units}, slice ${cell}`;
+        knob.setAttribute("aria-valuenow", String(cell));
+        knob.setAttribute("aria-valuetext", text);
+        knob.title = `${AXIS_NAMES[d]} = ${text}: drag to move the slice`;
+        if (!edge) continue;
+        const put = (e: HTMLElement, p: { x: number; y: number }, inward: number, away: number) => {
+          const length = Math.hypot(edge.to.x - edge.from.x, edge.to.y - edge.from.y);
+          const x = p.x + ((edge.to.x - edge.from.x) / length) * inward + edge.outward.x * away;
+          const y = p.y + ((edge.to.y - edge.from.y) / length) * inward + edge.outward.y * away;
+          // The side of the text that is nearer to the edge is put there.
+          e.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(${(-50 + 50 * edge.outward.x).toFixed(0)}%, ${(-50 + 50 * edge.outward.y).toFixed(0)}%)`;
+        };
+        put(low, edge.from, 8, AWAY - 6);
+        put(high, edge.to, -8, AWAY - 6);
+        const middle = [...edge.a] as [number, number, number];
+        middle[d] = at[d]!;
+        const p = project(to, middle);
+        knob.style.transform = `translate(${p.x.toFixed(1)}px, ${p.y.toFixed(1)}px) translate(-50%, -50%)`;
+      }
+    },
+  };
+}
+
+// `cell_at` takes a place in the panel.
+function listen_knob(knob: HTMLElement, viewer: Viewer, d: AxisIndex, slid: () => void, cell_at: (x: number, y: number) => number | null): void {
+  const go = (cell: number) => {
+    viewer.set_slice(d, cell);
+    slid();
+  };
+  knob.addEventListener("pointerdown", (event) => {
+    knob.setPointerCapture(event.pointerId);
+    knob.focus({ preventScroll: true });
+    event.preventDefault();
+  });
+  knob.addEventListener("pointermove", (event) => {
+    if (!knob.hasPointerCapture(event.pointerId)) return;
+    const box = knob.parentElement!.getBoundingClientRect();
+    const cell = cell_at(event.clientX - box.left, event.clientY - box.top);
+    if (cell !== null) go(cell);
+  });
+  knob.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
+    if (step !== undefined) go(viewer.cell.value[d] + step * (event.shiftKey ? 10 : 1));
+    else if (event.key === "Home") go(0);
+    else if (event.key === "End") go(viewer.axes[d].cells - 1);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+}
