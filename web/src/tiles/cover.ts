@@ -1,6 +1,6 @@
-// Which tiles a view needs: those of the finest level whose cells are at least a pixel wide and high. Cells smaller than that would
-// be left out here and there, and with them a sheet one cell thick; larger ones say the same with more tiles. So a pixel has
-// at most one cell, and a cell at most 2 x 2 pixels unless it is of level 0.
+// Which tiles a view needs: those of the finest level whose cells are at least 0.7 pixels wide and high. With samples at half
+// pixels (views/paint.ts) no cell is left out, not even a sheet one cell thick; finer ones would be, and their tiles cost more.
+// So a cell is at most 1.4 pixels large unless it is of level 0.
 //
 // Found from the top: a tile is split into four while their cells are large enough. Where planes are graded the levels differ
 // from tile to tile: fine where the cells are large, which no level chosen for the whole view gives.
@@ -17,7 +17,9 @@ export interface Sight {
   readonly seen: Extent; // cells in the view, half open; empty when the grid is out of sight
 }
 
-// The mean size in pixels of the cells of a level that lie in [from, to); at least 1 when the axis has one cell there, which no
+export const SMALLEST = Math.SQRT1_2; // device pixels
+
+// The mean size in pixels of the cells of a level that lie in [from, to); infinite when the axis has one cell there, which no
 // coarser level makes larger.
 function cell_pixels(axis: Axis, from: number, to: number, level: number, scale: number): number {
   if (cells_of_level(axis.cells, level) === 1) return Number.POSITIVE_INFINITY;
@@ -35,7 +37,7 @@ export function cover(sight: Sight): Place[] {
     const [u1, v1] = [Math.min(u0 + size, across.cells), Math.min(v0 + size, up.cells)];
     if (u0 >= seen.u1 || u1 <= seen.u0 || v0 >= seen.v1 || v1 <= seen.v0) return;
     const fine = level - 1;
-    if (level > 0 && cell_pixels(across, u0, u1, fine, sight.scale) >= 1 && cell_pixels(up, v0, v1, fine, sight.scale) >= 1) {
+    if (level > 0 && cell_pixels(across, u0, u1, fine, sight.scale) >= SMALLEST && cell_pixels(up, v0, v1, fine, sight.scale) >= SMALLEST) {
       for (const r of [2 * row, 2 * row + 1]) for (const c of [2 * column, 2 * column + 1]) split(fine, c, r);
     } else places.push({ axis: sight.axis, index: sight.slice >> level, level, column, row });
   };

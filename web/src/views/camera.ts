@@ -49,29 +49,30 @@ export class Camera {
   }
 }
 
-// For each column and row of device pixels the cell of level 0 under its middle; -1 outside the grid.
-export interface PixelCells {
+// For each column and row of samples the cell of level 0 there; -1 outside the grid. `each` samples a device pixel both ways.
+export interface SampleCells {
   readonly columns: Int32Array; // ascending where not -1
   readonly rows: Int32Array; // descending where not -1
+  readonly each: 1 | 2;
 }
 
-export function pixel_cells(camera: Camera): PixelCells {
-  const line = (axis: Axis, count: number, coordinate: (i: number) => number) => {
-    const cells = new Int32Array(count);
-    for (let i = 0; i < count; ++i) {
-      const cell = axis.cell_at(coordinate(i));
+export function sample_cells(camera: Camera, each: 1 | 2): SampleCells {
+  const line = (axis: Axis, pixels: number, coordinate: (x: number) => number) => {
+    const cells = new Int32Array(pixels * each);
+    for (let i = 0; i < cells.length; ++i) {
+      const cell = axis.cell_at(coordinate((i + 0.5) / (each * camera.ratio)));
       cells[i] = cell >= axis.cells ? -1 : cell;
     }
     return cells;
   };
-  const { ratio } = camera;
   return {
-    columns: line(camera.across, Math.round(camera.width * ratio), (i) => camera.u_at((i + 0.5) / ratio)),
-    rows: line(camera.up, Math.round(camera.height * ratio), (i) => camera.v_at((i + 0.5) / ratio)),
+    columns: line(camera.across, Math.round(camera.width * camera.ratio), (x) => camera.u_at(x)),
+    rows: line(camera.up, Math.round(camera.height * camera.ratio), (y) => camera.v_at(y)),
+    each,
   };
 }
 
-const MARGIN = 0.9; // of a view that the whole grid fills
+const MARGIN = 44; // CSS pixels around a grid that fits: its title and rulers are there
 const LARGEST_CELL = 160; // CSS pixels
 
 // The zoom at which the grid fits all views of these sizes.
@@ -79,7 +80,8 @@ export function fitting_zoom(axes: readonly [Axis, Axis, Axis], views: readonly 
   const zooms = views.flatMap(({ axis, width, height }) => {
     const frame = FRAMES[axis];
     const extent = (a: Axis) => a.max - a.min;
-    return [(MARGIN * width) / extent(axes[frame.u]), (MARGIN * height) / extent(axes[frame.v])];
+    const fill = (size: number) => Math.max(size - 2 * MARGIN, size / 2);
+    return [fill(width) / extent(axes[frame.u]), fill(height) / extent(axes[frame.v])];
   });
   return Math.min(...zooms);
 }

@@ -10,12 +10,13 @@ import type { TileStore } from "../tiles/store";
 import { set_at } from "../tiles/tile";
 import type { ViewNeeds } from "../tiles/wants";
 import type { Viewer } from "../viewer";
-import { Camera, type PixelCells, pixel_cells } from "./camera";
+import { Camera, type SampleCells, sample_cells } from "./camera";
 import type { Ink } from "./ink";
-import { paint_colors, paint_damaged, paint_numbers } from "./paint";
+import { paint, paint_damaged, paint_outline } from "./paint";
 
 // Milliseconds that an earlier slice may stay although something coarse of the right one is there.
 const PATIENCE = 150;
+const SHARP_FROM = 3; // device pixels: cells this large have sharp edges
 
 export interface Scene {
   readonly viewer: Viewer;
@@ -31,7 +32,7 @@ export class View {
   width = 0; // CSS pixels; 0 while hidden
   height = 0;
   camera: Camera | null = null;
-  pixels: PixelCells | null = null;
+  samples: SampleCells | null = null;
   places: readonly Place[] = [];
   shown: Shown = { regions: [], missing: [], blank: [], stale: false };
   stride = 0;
@@ -44,8 +45,7 @@ export class View {
   private last_slice: number | null = null;
   private behind_since: number | null = null;
   private camera_key = "";
-  private numbers_key = "";
-  private colors_key = "";
+  private picture_key = "";
 
   constructor(readonly axis: AxisIndex) {
     this.cells.className = "view-cells";
@@ -72,7 +72,7 @@ export class View {
     if (key !== this.camera_key || !this.camera) {
       this.camera_key = key;
       this.camera = new Camera(this.axis, viewer.axes, this.width, this.height, ratio, centre, zoom);
-      this.pixels = pixel_cells(this.camera);
+      this.samples = sample_cells(this.camera, smallest_cell(this.camera) < SHARP_FROM ? 2 : 1);
     }
     const levels = viewer.info.levels.length;
     this.places = cover({ axis: this.axis, slice, axes: viewer.axes, levels, scale: zoom * ratio, seen: this.camera.seen() });
@@ -96,27 +96,23 @@ export class View {
 
   // The second half of a frame. True when pixels have changed.
   paint({ viewer, palette, ink }: Scene): boolean {
-    const pixels = this.pixels!;
-    const [width, height] = [pixels.columns.length, pixels.rows.length];
+    const samples = this.samples!;
+    const [width, height] = [samples.columns.length / samples.each, samples.rows.length / samples.each];
+    const outline = viewer.show_outline.value;
+    const key = `${this.camera_key} ${palette.version} ${outline} ${this.shown.regions.map(region_key).join(" ")}`;
+    if (key === this.picture_key) return false;
+    this.picture_key = key;
     if (!this.picture || this.picture.width !== width || this.picture.height !== height) {
       this.cells.width = width;
       this.cells.height = height;
       this.picture = new ImageData(width, height);
       this.numbers = new Uint32Array(width * height);
-      this.numbers_key = "";
     }
-    const numbers_key = `${this.camera_key} ${this.shown.regions.map(region_key).join(" ")}`;
-    const outline = viewer.show_outline.value;
-    const colors_key = `${palette.version} ${outline}`;
-    const same = numbers_key === this.numbers_key;
-    if (same && colors_key === this.colors_key) return false;
-    if (!same) paint_numbers(this.numbers, pixels, this.shown.regions);
     const out = new Uint32Array(this.picture.data.buffer);
-    paint_colors(out, this.numbers, width, palette.colors, outline ? ink.outline : null);
-    paint_damaged(out, pixels, this.shown.regions, ...ink.stripes);
+    paint(out, this.numbers, samples, this.shown.regions, palette.colors);
+    if (outline) paint_outline(out, this.numbers, width, ink.outline);
+    paint_damaged(out, samples, this.shown.regions, ...ink.stripes);
     this.context.putImageData(this.picture, 0, 0);
-    this.numbers_key = numbers_key;
-    this.colors_key = colors_key;
     return true;
   }
 
@@ -131,11 +127,11 @@ export class View {
 
   // The number of the set painted under a CSS pixel; null where nothing has come, or outside the grid.
   painted_at(x: number, y: number): number | null {
-    const pixels = this.pixels;
-    if (!pixels || !this.camera) return null;
-    const [column, row] = [Math.floor(x * this.camera.ratio), Math.floor(y * this.camera.ratio)];
-    if (column < 0 || row < 0 || column >= pixels.columns.length || row >= pixels.rows.length) return null;
-    const number = this.numbers[row * pixels.columns.length + column] ?? 0;
+    const { picture, camera } = this;
+    if (!picture || !camera) return null;
+    const [column, row] = [Math.floor(x * camera.ratio), Math.floor(y * camera.ratio)];
+    if (column < 0 || row < 0 || column >= picture.width || row >= picture.height) return null;
+    const number = this.numbers[row * picture.width + column]!;
     return number > UNKNOWN ? number : null;
   }
 
@@ -147,6 +143,11 @@ export class View {
     }
     return null;
   }
+}
+
+// Device pixels, on average over the grid: of level 0, which is all that can be large.
+function smallest_cell({ across, up, zoom, ratio }: Camera): number {
+  return Math.min((across.max - across.min) / across.cells, (up.max - up.min) / up.cells) * zoom * ratio;
 }
 
 const extent_key = (e: Extent) => `${e.u0},${e.v0},${e.u1},${e.v1}`;
