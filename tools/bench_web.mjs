@@ -16,7 +16,7 @@ const ms = (value) => `${value.toFixed(0)} ms`;
 function install() {
   const ground = (data) => data[0]; // of the corner: outside of every body
   const pixels = () => {
-    const canvas = document.querySelector('[data-axis="z"] .view-cells');
+    const canvas = document.querySelector('[data-view="z"] .view-cells');
     return new Uint32Array(canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data.buffer);
   };
   const bodies = () => {
@@ -39,7 +39,7 @@ function install() {
               // A task after the frame's callbacks: the picture is that of this frame.
               setTimeout(() => {
                 const now = performance.now();
-                const state = teracell.state("z");
+                const state = teracell.shown(2);
                 if (look_at_pixels) found.fewest = Math.min(found.fewest, bodies());
                 if (!state.stale) found.right ??= now - began;
                 if (state.sharp) done({ ...found, sharp: now - began });
@@ -54,13 +54,14 @@ function install() {
   };
 }
 
+const idle = (page) => page.waitForFunction(() => window.teracell?.idle() === true, null, { polling: "raf" });
+
 async function open(browser, address = url) {
   const page = await browser.newPage({ viewport: window_size });
   await page.addInitScript(install);
   await page.goto(address);
-  await page.waitForFunction(() => window.teracell?.viewer);
-  await page.evaluate(() => teracell.idle());
-  const box = await page.locator('[data-axis="z"] .view-overlay').boundingBox();
+  await idle(page);
+  const box = await page.locator('[data-view="z"] .view-body').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   return page;
 }
@@ -74,11 +75,10 @@ async function step(page, key, pixels = false) {
   return found;
 }
 
-const go = (page, slice) =>
-  page.evaluate(async (k) => {
-    teracell.viewer.set_slice(2, k);
-    await teracell.idle();
-  }, slice);
+async function go(page, slice) {
+  await page.evaluate((k) => teracell.viewer.set_slice(2, k), slice);
+  await idle(page);
+}
 
 // Slices from all over the grid, steps of one and of ten.
 async function steps(page, count, pixels = false) {
@@ -114,8 +114,7 @@ try {
     cdp.on("Network.loadingFinished", ({ requestId, encodedDataLength }) => files.has(requestId) && (files.get(requestId).bytes = encodedDataLength));
     const began = performance.now();
     await page.goto(url);
-    await page.waitForFunction(() => window.teracell?.viewer);
-    await page.evaluate(() => teracell.idle());
+    await idle(page);
     const seconds = (performance.now() - began) / 1000;
     await page.waitForLoadState("networkidle");
     const sum = (test) => [...files.values()].filter(({ path }) => test(path)).reduce((n, { bytes }) => n + bytes, 0);
@@ -152,7 +151,7 @@ try {
       await new Promise((done) => setTimeout(done, 25));
     }
     frames.push(...(await page.evaluate(() => [...teracell.frame_times])));
-    await page.evaluate(() => teracell.idle());
+    await idle(page);
     heaps.push(await heap());
   }
   row("300 slices swept by wheel: frame time, median and 95 of 100", `${median(frames).toFixed(1)} ms, ${share(frames, 0.95).toFixed(1)} ms (${frames.length} frames)`, "p95 <= 33 ms");
@@ -169,14 +168,13 @@ try {
   await new Promise((done) => setTimeout(done, 1000));
   asked = await tile_requests();
   await page.reload();
-  await page.waitForFunction(() => window.teracell?.viewer);
-  await page.evaluate(() => teracell.idle());
+  await idle(page);
   row("requests when the same slice is shown again; by a page loaded anew", `${again}; ${(await tile_requests()) - asked}`, "none");
 
   // A slow link.
   await cdp.send("Network.enable");
   await cdp.send("Network.emulateNetworkConditions", { offline: false, latency: 80, downloadThroughput: 20e6 / 8, uploadThroughput: 20e6 / 8 });
-  const box = await page.locator('[data-axis="z"] .view-overlay').boundingBox();
+  const box = await page.locator('[data-view="z"] .view-body').boundingBox();
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   const far = await steps(page, 15);
   for (const [name, what] of [["one", "at 20 Mbit/s and 80 ms: the next slice, something right; sharp (medians)"], ["ten", "  ten slices on (shift)"]])
