@@ -128,7 +128,9 @@ struct Fixture {
                 if (r.target == "/thrown") throw std::runtime_error("thrown");
                 return answer(r);
               }};
-    listener = std::make_unique<Listener>(o, with_operations(std::move(h), metrics, [] { return ServerState{}; }), metrics, log);
+    Handler all = with_operations(std::move(h), metrics, [] { return ServerState{}; });
+    all.is_open = [](std::string_view path) { return path == "/open"; };
+    listener = std::make_unique<Listener>(o, all, metrics, log);
     result = std::async(std::launch::async, [this] { return listener->run(); });
   }
   ~Fixture() {
@@ -294,7 +296,7 @@ TEST_CASE("nothing is made for a client that has gone", "[server][listener][thre
   REQUIRE(soon([&] { return metrics_text(f.metrics, {}).find("status=\"499\"} 1") != std::string::npos; }));
 }
 
-TEST_CASE("a token is asked for everywhere but at /healthz and in preflights", "[server][listener]") {
+TEST_CASE("a token is asked for everywhere but at /healthz, in preflights and for what is open to all", "[server][listener]") {
   ListenerOptions o;
   o.token = "secret";
   Fixture f(o);
@@ -302,6 +304,9 @@ TEST_CASE("a token is asked for everywhere but at /healthz and in preflights", "
   CHECK(f.get("/a").has("WWW-Authenticate: Bearer realm=\"teracell\""));
   CHECK(f.get("/a", "Authorization: Bearer wrong\r\n").status == 401);
   CHECK(f.get("/a?token=secret").status == 401);
+  CHECK(f.get("/open").status == 200);
+  CHECK(f.get("/open?a").status == 200);
+  CHECK(f.get("/open/a").status == 401);
   CHECK(f.get("/metrics").status == 401);
   CHECK(f.get("/a", "Authorization: Bearer secret\r\n").status == 200);
   CHECK(f.get("/healthz").status == 200);

@@ -1,5 +1,7 @@
 // What the server says, typed, and the one way to ask for it. Addresses are relative to the page: it may lie under any base path.
 import { signal } from "@preact/signals";
+import { not_reached, reached } from "./connection";
+import { say } from "./toasts";
 
 export type Index3 = [number, number, number];
 export type AxisIndex = 0 | 1 | 2;
@@ -18,7 +20,14 @@ export interface Hole {
   at: [number, number, number];
   edges: number;
   diameter: number;
+  diameter_cells?: number;
   cap_area: number;
+}
+
+// A curve along which facets face the other way than their neighbours.
+export interface Flip {
+  at: [number, number, number];
+  edges: number;
 }
 
 export interface BodyReport {
@@ -29,8 +38,9 @@ export interface BodyReport {
   shells: number;
   fill: { rule: string; shells: number; why: string }[];
   holes: Hole[];
-  flips: unknown[];
+  flips: Flip[];
   cells: number;
+  cells_text?: string; // exact, past 2^53
 }
 
 export interface Report {
@@ -38,7 +48,7 @@ export interface Report {
   crossings: number;
   warnings: string[];
   inputs: { path: string; format: string; bytes: number; hash: string }[];
-  ray_axis?: { axis: string; why: string };
+  ray_axis?: { axis: string; why: string; crossings_expected?: number[] };
 }
 
 export interface GridInfo {
@@ -120,10 +130,23 @@ function headers(): Record<string, string> {
   return token ? { authorization: `Bearer ${token}` } : {};
 }
 
+export const has_token = (): boolean => sessionStorage.getItem(kTokenKey()) !== null;
+
 // The page begins anew: whatever was refused is asked for again, and the address has the state.
 export function give_token(token: string): void {
   sessionStorage.setItem(kTokenKey(), token.trim());
   location.reload();
+}
+
+// The file behind a grid was replaced: an address with the old version has nothing any more. Counts up.
+export const version_gone = signal(0);
+
+// What concerns the whole page, whoever asked.
+function noted(error: ServerError, path: string): ServerError {
+  if (error.status === 401) token_wanted.value = true;
+  else if (error.status === 404 && path.includes("v=")) ++version_gone.value;
+  else if (error.status >= 500) say(`${error.message[0]?.toUpperCase()}${error.message.slice(1)}`);
+  return error;
 }
 
 // Fetches an address below the server's root. Throws ServerError, or AbortError when the signal says so.
@@ -132,11 +155,14 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
   try {
     response = await fetch(path, { ...options, headers: headers() });
   } catch (error) {
-    if (error instanceof DOMException && error.name === "AbortError") throw error;
+    if (options.signal?.aborted) throw error;
+    not_reached();
     throw new ServerError(0, "unreachable", "the server can't be reached");
   }
-  if (response.status === 401) token_wanted.value = true;
-  if (!response.ok) throw await error_of(response);
+  // A server in front answers 502 or 504 for one that is gone.
+  if (response.status === 502 || response.status === 504) not_reached();
+  else reached();
+  if (!response.ok) throw noted(await error_of(response), path);
   return response;
 }
 

@@ -10,7 +10,7 @@ export function grid_in_address(): string | null {
 }
 
 const numbers = (text: string | null, count: number): number[] | null => {
-  const list = text?.split(",").map(Number);
+  const list = text?.split(",").map((n) => (n.trim() ? Number(n) : Number.NaN));
   return list && list.length === count && list.every(Number.isFinite) ? list : null;
 };
 
@@ -39,10 +39,11 @@ export function read_address(viewer: Viewer): boolean {
       const value = query.get(key);
       if (value === "0" || value === "1") viewer[name].value = value === "1";
     }
+    const in_grid = (n: number, d: number, end: number) => Number.isInteger(n) && n >= 0 && n < viewer.cells[d]! + end;
     const box = numbers(query.get("box"), 6);
-    if (box) viewer.box.value = box as Box;
+    if (box?.every((n, d) => in_grid(n, d % 3, 1) && (d < 3 || n > box[d - 3]!))) viewer.box.value = box as Box;
     const pin = numbers(query.get("pin"), 3);
-    if (pin) viewer.pinned.value = pin as Index3;
+    if (pin?.every((n, d) => in_grid(n, d, 0))) viewer.pinned.value = pin as Index3;
     const orbit = numbers(query.get("orbit"), 6);
     if (orbit && Math.abs(orbit[1]!) <= 90 && orbit[2]! > 0)
       viewer.orbit.value = { azimuth: orbit[0]!, elevation: orbit[1]!, distance: orbit[2]!, target: orbit.slice(3) as [number, number, number] };
@@ -67,7 +68,8 @@ export function read_address(viewer: Viewer): boolean {
 }
 
 export function address_of(viewer: Viewer): string {
-  const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(","), zoom: String(viewer.zoom.value) });
+  const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(",") });
+  if (viewer.zoom.value > 0) start.set("zoom", String(viewer.zoom.value));
   if (viewer.layout.value !== "four") start.set("layout", viewer.layout.value);
   if (viewer.panel.value !== "materials") start.set("panel", viewer.panel.value ?? "none");
   const standard = viewer.standard_switches;

@@ -32,13 +32,25 @@ export interface Marker {
   text: string;
 }
 
+// What the tiles of the views cost: for the status panel. Times are of requests that reached the network or the browser's cache.
+export class TileCounters {
+  readonly in_flight = signal(0);
+  readonly waiting = signal(0);
+  readonly bytes = signal(0); // held decoded
+  readonly tiles = signal(0); // held decoded
+  readonly latencies = signal<readonly number[]>([]); // milliseconds, the last 64, oldest first
+  readonly failed = signal(0); // that are tried again after a while
+  readonly damaged = signal(0); // that the server can't read: drawn hatched
+}
+
 export class Viewer {
   readonly address: GridAddress;
   readonly axes: readonly [Axis, Axis, Axis];
 
   // The crosshair: a cell of level 0. Each view shows the slice through it.
   readonly cell: Signal<Index3>;
-  // What the views look at: the coordinates in their middle, one point for all three, and CSS pixels a unit of length.
+  // What the views look at: the coordinates in their middle, one point for all three, and CSS pixels a unit of length; 0: as
+  // large as fits, which the views replace as soon as they know their size.
   readonly centre: Signal<[number, number, number]>;
   readonly zoom: Signal<number>;
 
@@ -54,6 +66,10 @@ export class Viewer {
   readonly measure = signal<Measure | null>(null);
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly markers = signal<readonly Marker[]>([]);
+  readonly help = signal(false); // the list of keys and gestures
+  readonly tiles = new TileCounters();
+  // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
+  readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];
 
   readonly orbit = signal<OrbitState | null>(null); // null: the view that shows all
   readonly bodies = signal<BodyMode>("cut");
@@ -77,7 +93,7 @@ export class Viewer {
     this.cells = info.grid.cells;
     this.cell = signal<Index3>([Math.floor(this.cells[0] / 2), Math.floor(this.cells[1] / 2), Math.floor(this.cells[2] / 2)]);
     this.centre = signal(this.middle());
-    this.zoom = signal(1); // the views fit it to their size before the first picture, unless the page's address has one
+    this.zoom = signal(0);
     this.standard_looks = initial_looks(info.materials);
     this.looks = signal(this.standard_looks);
     const slice = (d: AxisIndex) => computed(() => this.cell.value[d]);
@@ -87,6 +103,21 @@ export class Viewer {
   middle(): [number, number, number] {
     const m = (d: AxisIndex) => (this.axes[d].min + this.axes[d].max) / 2;
     return [m(0), m(1), m(2)];
+  }
+
+  // Everything but the place as it was at the start: an address says only what differs from that.
+  reset(): void {
+    batch(() => {
+      this.layout.value = "four";
+      this.panel.value = "materials";
+      this.looks.value = this.standard_looks;
+      for (const name of ["show_axes", "show_scale", "show_lines", "show_outline"] as const) this[name].value = this.standard_switches[name];
+      this.box.value = null;
+      this.measure.value = null;
+      this.pinned.value = null;
+      this.orbit.value = null;
+      this.bodies.value = "cut";
+    });
   }
 
   // Moves the slice across an axis; it stays in the grid.
