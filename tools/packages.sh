@@ -19,4 +19,4 @@ build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhas
 test_packages=(catch2 clang libclang-rt-14-dev python3 zstd nginx-light curl openssl)
 # Node.js may come from elsewhere, and then has an npm of its own: Debian's would not fit it.
 command -v npm >/dev/null || build_packages+=(nodejs npm)
-client_packages=(chromium libvips-tools python3-dask python3-fsspec python3-aiohttp python3-pil python3-xarray python3-zarr)
+client_packages=(chromium libvips-tools python3-dask python3-fsspec python3-aiohttp python3-netcdf4 python3-pil python3-xarray python3-zarr)
