@@ -13,6 +13,7 @@ export interface Material {
   id: number;
   name: string;
   color: string; // #rrggbb or #rrggbbaa
+  rank: number; // where one of several materials is needed, the least wins
 }
 
 export interface Hole {

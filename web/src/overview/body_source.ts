@@ -1,5 +1,5 @@
 // Gets the coarse bodies: cubes of a pyramid level from the server, surfaces from the worker. First a level that is a single cube, so
-// that something is there after one request; then the finest level of at most MOST_CELLS a side, if its surface isn't too large.
+// that something is there after one request; then finer ones up to MOST_CELLS a side, unless their surface is too large.
 import { type Index3, get } from "../api";
 import type { Viewer } from "../viewer";
 import { cells_of_level, level_planes, level_within, type Space, to_space } from "./level_axis";
@@ -18,7 +18,7 @@ export interface Bodies {
 export function levels_to_show(cells: Index3, levels: number): number[] {
   const first = level_within(cells, CUBE, levels);
   const last = level_within(cells, MOST_CELLS, levels);
-  return Array.from({ length: first - last + 1 }, (_, i) => first - i).filter((level) => level === first || level === last);
+  return Array.from({ length: first - last + 1 }, (_, i) => first - i);
 }
 
 async function fetch_cubes(viewer: Viewer, level: number, signal: AbortSignal): Promise<Cube[]> {
@@ -44,18 +44,19 @@ function ask(worker: Worker, job: SurfaceJob, signal: AbortSignal): Promise<Surf
 }
 
 // Calls `show` with ever finer bodies. Throws what went wrong; AbortError when the signal says so.
-export async function load_bodies(viewer: Viewer, space: Space, signal: AbortSignal, show: (bodies: Bodies, is_fine: boolean) => void): Promise<void> {
+export async function load_bodies(viewer: Viewer, space: Space, signal: AbortSignal, show: (bodies: Bodies) => void): Promise<void> {
   const worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module", name: "surfaces" });
   try {
-    const levels = levels_to_show(viewer.cells, viewer.info.levels.length);
-    for (const level of levels) {
+    for (const level of levels_to_show(viewer.cells, viewer.info.levels.length)) {
       const cells = cells_of_level(viewer.cells, level);
       const planes = viewer.axes.map((axis, d) => level_planes(axis, level).map((x) => to_space(space, d, x)));
       const cubes = await fetch_cubes(viewer, level, signal);
-      const answer = await ask(worker, { size: cells, wide: viewer.info.materials.length > 256, planes, cubes, most_triangles: MOST_TRIANGLES }, signal);
+      const { materials } = viewer.info;
+      const ranks = materials.map((material) => material.rank);
+      const answer = await ask(worker, { size: cells, level, ranks, wide: materials.length > 256, planes, cubes, most_triangles: MOST_TRIANGLES }, signal);
       if ("failed" in answer) throw new Error(answer.failed);
       if ("too_many" in answer) return; // the coarser one stays
-      show({ level, surfaces: answer.surfaces }, level !== levels[0]);
+      show({ level, surfaces: answer.surfaces });
     }
   } finally {
     worker.terminate();

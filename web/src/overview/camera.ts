@@ -61,7 +61,7 @@ export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number,
   return { ...orbit, distance };
 }
 
-export const HOME = { azimuth: -58, elevation: 24 };
+export const HOME = { azimuth: -122, elevation: 24 };
 // From the upper and from the lower end of each axis.
 export const straight = (axis: number, from_above: boolean): { azimuth: number; elevation: number } =>
   axis === 2 ? { azimuth: -90, elevation: from_above ? 90 : -90 } : { azimuth: axis * 90 + (from_above ? 0 : 180), elevation: 0 };

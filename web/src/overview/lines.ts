@@ -68,7 +68,7 @@ export function make_lines(panel: { value: Vector2 }, options: { over?: boolean;
     glslVersion: GLSL3,
     vertexShader,
     fragmentShader,
-    uniforms: { panel, nearer: { value: options.nearer ?? 0.0002 } },
+    uniforms: { panel, nearer: { value: options.nearer ?? 0.0006 } },
     transparent: true,
     premultipliedAlpha: true,
     depthWrite: false,

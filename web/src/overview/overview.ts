@@ -11,14 +11,17 @@ import { listen_gestures } from "./gestures";
 import { type Vec3, from_space, point_to_space, space_of } from "./level_axis";
 import "./overview.css";
 import { make_pace } from "./pace";
-import { make_ladder } from "./quality";
+import { type Rest, make_ladder } from "./quality";
 import { make_rulers } from "./rulers";
 import { follow_slices } from "./slice_source";
 import { type Stage, make_stage } from "./stage";
 import { on_theme, read_theme } from "./theme";
 import { make_triad } from "./triad";
 
-const SETTLE = 160; // ms after the last movement until the sharp picture
+const SETTLE = 160; // ms after the last movement until a sharper picture
+const SETTLE_FAR = 500; // the same when something else on the page moves
+const SHARPEST = 800; // and from then to the sharpest, which may take long on a slow machine
+const TINT = 0.045; // opacity of a plane where nothing is
 const FLIGHT = 320; // ms from view to view
 
 export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
@@ -40,11 +43,11 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   let visible = false;
   let lost = false;
   let settle = 0;
-  let moving = false;
+  let rest: Rest = 2;
   let flight: { from: Orbit; to: Orbit; began: number } | null = null;
 
   const point = () => point_to_space(space, viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!)));
-  const home = (azimuth = HOME.azimuth, elevation = HOME.elevation) => fitted(space.half, azimuth, elevation, aspect, 0.74);
+  const home = (azimuth = HOME.azimuth, elevation = HOME.elevation) => fitted(space.half, azimuth, elevation, aspect, 0.8);
   const orbit = (): Orbit => {
     const o = viewer.orbit.value;
     return o ? { ...o, target: point_to_space(space, o.target) } : home();
@@ -70,8 +73,8 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     rulers.update(view, at);
     triad.update(view);
     if (calm) slices.update();
-    const quality = moving ? ladder.moving() : ladder.still();
-    const ms = stage.draw(o, quality, moving || ladder.curious());
+    const quality = ladder.quality(rest);
+    const ms = stage.draw(o, quality, (rest === 0 && !calm) || ladder.curious());
     if (ms > 0) {
       ladder.measured(quality, ms);
       pace.cost(ms);
@@ -79,15 +82,27 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     }
   };
   const pace = make_pace(draw);
-  // Draws with the next frame, quickly rather than sharply; the sharp picture follows when nothing moves any more.
-  const move_soon = () => {
-    moving = true;
-    pace.soon();
+  // What moves is drawn quickly rather than sharply; sharper pictures follow when nothing moves any more.
+  const unsettle = (after: number) => {
+    rest = 0;
     clearTimeout(settle);
     settle = window.setTimeout(() => {
-      moving = false;
+      rest = 1;
       pace.soon();
-    }, SETTLE);
+      if (ladder.quality(1) === ladder.quality(2)) return;
+      settle = window.setTimeout(() => {
+        rest = 2;
+        pace.later();
+      }, SHARPEST);
+    }, after);
+  };
+  const move_soon = () => {
+    unsettle(SETTLE);
+    pace.soon();
+  };
+  const follow_later = () => {
+    unsettle(SETTLE_FAR);
+    pace.later();
   };
   const fly = (to: Orbit) => {
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) set_orbit(to);
@@ -105,16 +120,18 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     abort.signal,
     (axis, picture) => {
       stage.planes.set_picture(axis, picture);
-      pace.later();
+      follow_later();
     },
     (error) => chrome.say(`The slices could not be loaded: ${words(error)}.`, () => slices.update()),
   );
   const bring_bodies = () => {
     chrome.root.dataset.state = "loading";
     chrome.busy("Loading the bodies …");
-    load_bodies(viewer, space, abort.signal, (bodies, is_fine) => {
-      stage.set_bodies(bodies.surfaces, is_fine);
+    stage.clear_bodies();
+    load_bodies(viewer, space, abort.signal, (bodies) => {
+      stage.add_bodies(bodies.surfaces);
       ladder.changed();
+      unsettle(SETTLE_FAR);
       chrome.root.dataset.level = String(bodies.level);
       chrome.root.dataset.triangles = String(bodies.surfaces.reduce((sum, s) => sum + s.indices.length / 3, 0));
       pace.soon();
@@ -159,7 +176,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     theme = read_theme(chrome.root);
     for (const d of [0, 1, 2] as const) {
       const [r, g, b] = theme.axes[d];
-      stage.planes.set_tint(d, [r * 0.07, g * 0.07, b * 0.07, 0.07]);
+      stage.planes.set_tint(d, [r * TINT, g * TINT, b * TINT, TINT]);
     }
     pace.soon();
   };
@@ -171,11 +188,11 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     effect(() => {
       stage.set_looks(viewer.looks.value, viewer.bodies.value);
       chrome.show_mode(viewer.bodies.value);
-      untracked(pace.soon);
+      untracked(move_soon);
     }),
     effect(() => {
       void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value, viewer.looks.value];
-      untracked(pace.later);
+      untracked(follow_later);
     }),
   ];
   const size = new ResizeObserver(([entry]) => {

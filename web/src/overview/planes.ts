@@ -1,6 +1,7 @@
 // The three slice planes in place. Each is four quads, cut along the crosshair: no two of the twelve intersect, so drawn from far to near
-// they blend rightly. A plane is its picture, over a tint so faint that it says where the plane is and hides nothing.
-import { BufferAttribute, BufferGeometry, DataTexture, GLSL3, Group, LinearFilter, LinearMipmapLinearFilter, Mesh, NearestFilter, RawShaderMaterial, Vector4, DoubleSide } from "three";
+// they blend rightly. A plane is its picture, over a tint so faint that it says where the plane is and hides nothing. Every quad is drawn
+// twice: first what is nearly opaque in its picture, which hides bodies of glass behind it, then the rest, which hides nothing.
+import { BufferAttribute, BufferGeometry, DataTexture, GLSL3, Group, LinearFilter, LinearMipmapNearestFilter, Mesh, NearestFilter, RawShaderMaterial, Vector4, DoubleSide } from "three";
 import type { AxisIndex } from "../api";
 import { FRAMES } from "../axis";
 import type { Vec3 } from "./level_axis";
@@ -21,17 +22,19 @@ const fragmentShader = `
 precision highp float;
 uniform sampler2D picture;
 uniform vec4 tint;
+uniform float solid;
 in vec2 place;
 out vec4 result;
 void main() {
   vec4 color = texture(picture, place);
+  if ((color.a > 0.6) != (solid > 0.5)) discard;
   result = color + tint * (1.0 - color.a);
 }`;
 
 function texture_of(picture: Picture): DataTexture {
   const texture = new DataTexture(picture.pixels, picture.width, picture.height);
   texture.magFilter = NearestFilter;
-  texture.minFilter = LinearMipmapLinearFilter;
+  texture.minFilter = LinearMipmapNearestFilter;
   texture.generateMipmaps = true;
   texture.anisotropy = 1;
   texture.needsUpdate = true;
@@ -47,7 +50,8 @@ function blank(): DataTexture {
 
 interface Plane {
   readonly uniforms: { picture: { value: DataTexture }; tint: { value: Vector4 } };
-  readonly quads: Mesh<BufferGeometry, RawShaderMaterial>[];
+  readonly materials: RawShaderMaterial[]; // of what is solid, and of the rest
+  readonly quads: { geometry: BufferGeometry; meshes: Mesh[] }[];
   used: readonly [number, number];
 }
 
@@ -59,30 +63,42 @@ export interface Planes {
   sort(toward: Vec3): void;
   set_picture(axis: AxisIndex, picture: Picture | null): void;
   set_tint(axis: AxisIndex, premultiplied: readonly [number, number, number, number]): void;
-  // Opaque pictures hide what is behind them, also what is drawn later.
-  set_opaque(opaque: boolean): void;
   // The picture's opacity, 0 to 1, at a point of the plane.
   opacity_at(axis: AxisIndex, p: Vec3): number;
   dispose(): void;
 }
+
+const ORDER = 10; // after the opaque bodies
 
 export function make_planes(half: Readonly<Vec3>): Planes {
   const group = new Group();
   const pictures: (Picture | null)[] = [null, null, null];
   const planes = ([0, 1, 2] as const).map((): Plane => {
     const uniforms = { picture: { value: blank() }, tint: { value: new Vector4() } };
-    const material = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms, side: DoubleSide, premultipliedAlpha: true, transparent: true, depthWrite: true });
+    const materials = [1, 0].map(
+      (solid) =>
+        new RawShaderMaterial({
+          glslVersion: GLSL3,
+          vertexShader,
+          fragmentShader,
+          uniforms: { ...uniforms, solid: { value: solid } },
+          side: DoubleSide,
+          premultipliedAlpha: true,
+          transparent: true,
+          depthWrite: solid === 1,
+        }),
+    );
     const quads = [0, 1, 2, 3].map(() => {
       const geometry = new BufferGeometry();
       geometry.setAttribute("position", new BufferAttribute(new Float32Array(12), 3));
       geometry.setAttribute("uv", new BufferAttribute(new Float32Array(8), 2));
       geometry.setIndex([0, 1, 2, 2, 1, 3]);
-      const quad = new Mesh(geometry, material);
-      quad.frustumCulled = false;
-      group.add(quad);
-      return quad;
+      const meshes = materials.map((material) => new Mesh(geometry, material));
+      for (const mesh of meshes) mesh.frustumCulled = false;
+      group.add(...meshes);
+      return { geometry, meshes };
     });
-    return { uniforms, quads, used: [1, 1] };
+    return { uniforms, materials, quads, used: [1, 1] };
   });
   let at: Vec3 = [0, 0, 0];
 
@@ -115,7 +131,8 @@ export function make_planes(half: Readonly<Vec3>): Planes {
       planes.forEach((plane, d) => {
         const { u, v } = FRAMES[d]!;
         plane.quads.forEach((quad, q) => {
-          quad.renderOrder = 10 + Number(((q & 1) === 1) === toward[u] > 0) + Number(((q & 2) === 2) === toward[v] > 0);
+          const nearer = Number(((q & 1) === 1) === toward[u] > 0) + Number(((q & 2) === 2) === toward[v] > 0);
+          quad.meshes.forEach((mesh, rest) => (mesh.renderOrder = ORDER + 3 * rest + nearer));
         });
       });
     },
@@ -130,9 +147,6 @@ export function make_planes(half: Readonly<Vec3>): Planes {
     set_tint(d, color) {
       planes[d]!.uniforms.tint.value.set(...color);
     },
-    set_opaque(opaque) {
-      for (const plane of planes) plane.quads[0]!.material.depthWrite = opaque;
-    },
     opacity_at(d, p) {
       const picture = pictures[d];
       if (!picture) return 0;
@@ -145,7 +159,7 @@ export function make_planes(half: Readonly<Vec3>): Planes {
     dispose() {
       for (const plane of planes) {
         plane.uniforms.picture.value.dispose();
-        plane.quads[0]!.material.dispose();
+        for (const material of plane.materials) material.dispose();
         for (const quad of plane.quads) quad.geometry.dispose();
       }
     },

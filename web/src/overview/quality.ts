@@ -1,10 +1,16 @@
-// How sharp a frame may be so that moving stays smooth: two pixels a CSS pixel where the machine has the time (that smooths edges, too),
-// fewer while something moves on a slow one, and at last the coarser bodies. Found by measuring, since nothing else tells. Pure.
-import type { Quality } from "./stage";
+// How sharp a frame may be so that moving stays smooth and the other views aren't held up: two pixels a CSS pixel where the machine has
+// the time (that smooths edges, too), fewer while something moves on a slow one, and coarser bodies there. Found by measuring, since
+// nothing else tells; software rendering pays by the triangle. Pure.
+export interface Quality {
+  readonly ratio: number; // pixels a CSS pixel
+  readonly coarser: number; // by how many levels the bodies are coarser than the finest there is
+}
+
+// Of what is drawn: while it moves, when it has come to rest, and when nothing has happened for longer.
+export type Rest = 0 | 1 | 2;
 
 export interface Ladder {
-  still(): Quality;
-  moving(): Quality;
+  quality(rest: Rest): Quality;
   measured(quality: Quality, ms: number): void;
   // Whether a measured frame would tell something new.
   curious(): boolean;
@@ -12,40 +18,47 @@ export interface Ladder {
   changed(): void;
 }
 
-const BUDGET = 26; // ms a frame while moving
-const STILL_BUDGET = 90; // a single frame at rest
+const BUDGETS: readonly [number, number] = [30, 110]; // ms a frame, moving and at rest
 
 export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): Ladder {
   const best = Math.min(Math.max(screen_ratio, 2), 3);
   const steps: readonly Quality[] = [
-    { ratio: best, coarse: false },
-    { ratio: best / 2, coarse: false },
-    { ratio: best / 2, coarse: true },
-    { ratio: best / 3, coarse: true },
+    { ratio: best, coarser: 0 },
+    { ratio: best, coarser: 1 },
+    { ratio: best / 2, coarser: 0 },
+    { ratio: best / 2, coarser: 1 },
+    { ratio: best / 2, coarser: 2 },
+    { ratio: best / 3, coarser: 2 },
   ];
-  let at = 1;
-  let still = 0;
+  let at: [number, number] = [3, 1];
+  let price: number[] = []; // of each step, where known
   let samples = 0;
-  let too_slow = -1; // the best step that was too slow
+
+  // The best step that is known to be, or may be, cheap enough; never more than one better than a known one.
+  const choose = (rest: 0 | 1) => {
+    const budget = BUDGETS[rest];
+    let step = at[rest];
+    if (price[step] === undefined) return;
+    if (price[step]! > budget) {
+      while (step + 1 < steps.length && (price[step] ?? 0) > budget) ++step;
+    } else if (step > 0 && price[step]! < budget / 4 && (price[step - 1] ?? 0) <= budget) --step;
+    at[rest] = step;
+  };
   return {
-    still: () => steps[still]!,
-    moving: () => steps[at]!,
+    quality: (rest) => steps[rest === 2 ? 0 : at[rest]]!,
     measured(quality, ms) {
-      const step = steps.indexOf(quality);
       ++samples;
-      if (samples <= 1) return; // the first one also compiles and uploads
-      if (step === still && ms > STILL_BUDGET && still === 0) still = 1;
-      if (step !== at) return;
-      if (ms > BUDGET && at + 1 < steps.length) {
-        too_slow = at;
-        ++at;
-      } else if (ms < BUDGET / 4 && at - 1 > too_slow) --at;
+      if (samples === 1) return; // it also compiles and uploads
+      const step = steps.indexOf(quality);
+      price[step] = price[step] === undefined ? ms : 0.6 * price[step]! + 0.4 * ms;
+      choose(0);
+      choose(1);
     },
-    curious: () => samples < 3,
+    curious: () => samples < 4,
     changed() {
+      price = [];
       samples = 0;
-      too_slow = -1;
-      still = 0;
+      at = [3, 1];
     },
   };
 }

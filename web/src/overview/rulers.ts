@@ -13,7 +13,9 @@ export interface Rulers {
   update(view: Projection, at: readonly number[]): void;
 }
 
-const AWAY = 14; // pixels from the edge
+const AWAY = 8; // pixels from the edge
+
+const short = (x: number) => significant(x, 5).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
 
 export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rulers {
   const { units } = viewer.info;
@@ -21,8 +23,8 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
   const rulers = ([0, 1, 2] as const).map((d) => {
     const axis = viewer.axes[d];
     const name = AXIS_NAMES[d];
-    const low = element("span", { class: "overview-number", "aria-hidden": "true" }, significant(axis.min, 5));
-    const high = element("span", { class: "overview-number", "aria-hidden": "true" }, `${significant(axis.max, 5)} ${units}`);
+    const low = element("span", { class: "overview-number", "aria-hidden": "true" }, short(axis.min));
+    const high = element("span", { class: "overview-number", "aria-hidden": "true" }, `${short(axis.max)} ${units}`);
     const knob = element("div", { class: `overview-knob ${name}`, role: "slider", tabindex: "0", "aria-label": `slice across ${name}`, "aria-valuemin": "0", "aria-valuemax": String(axis.cells - 1) }, name);
     listen_knob(knob, viewer, d, slid, (x, y) => {
       const edge = view && labelled_edges(view, space.half)[d];
@@ -46,15 +48,16 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
         knob.setAttribute("aria-valuetext", text);
         knob.title = `${AXIS_NAMES[d]} = ${text}: drag to move the slice`;
         if (!edge) continue;
-        const put = (e: HTMLElement, p: { x: number; y: number }, inward: number, away: number) => {
-          const length = Math.hypot(edge.to.x - edge.from.x, edge.to.y - edge.from.y);
-          const x = p.x + ((edge.to.x - edge.from.x) / length) * inward + edge.outward.x * away;
-          const y = p.y + ((edge.to.y - edge.from.y) / length) * inward + edge.outward.y * away;
-          // The side of the text that is nearer to the edge is put there.
-          e.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(${(-50 + 50 * edge.outward.x).toFixed(0)}%, ${(-50 + 50 * edge.outward.y).toFixed(0)}%)`;
+        const length = Math.hypot(edge.to.x - edge.from.x, edge.to.y - edge.from.y);
+        // The text lies outside the box, and from the end of its edge towards the middle: so two edges' texts at a corner keep apart.
+        const put = (e: HTMLElement, p: { x: number; y: number }, inward: number) => {
+          const along = { x: (inward * (edge.to.x - edge.from.x)) / length, y: (inward * (edge.to.y - edge.from.y)) / length };
+          const [x, y] = [p.x + edge.outward.x * AWAY, p.y + edge.outward.y * AWAY];
+          const share = (n: number) => (-50 + 50 * Math.min(Math.max(n, -1), 1)).toFixed(0);
+          e.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(${share(edge.outward.x + along.x)}%, ${share(edge.outward.y + along.y)}%)`;
         };
-        put(low, edge.from, 8, AWAY - 6);
-        put(high, edge.to, -8, AWAY - 6);
+        put(low, edge.from, 1);
+        put(high, edge.to, -1);
         const middle = [...edge.a] as [number, number, number];
         middle[d] = at[d]!;
         const p = project(to, middle);

@@ -9,12 +9,8 @@ import { type Orbit, type Projection, basis, direction_at, eye_of, projection_of
 import type { Vec3 } from "./level_axis";
 import { type Segment, make_lines } from "./lines";
 import { make_planes } from "./planes";
+import type { Quality } from "./quality";
 import type { Surface } from "./worker";
-
-export interface Quality {
-  readonly ratio: number; // pixels a CSS pixel
-  readonly coarse: boolean; // with the coarser bodies, if there are some
-}
 
 export type Stage = ReturnType<typeof make_stage>;
 
@@ -35,9 +31,8 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
   const planes = make_planes(half);
   const frames = make_lines(panel);
   const marks = make_lines(panel, { over: true });
-  const coarse = new Group();
-  const fine = new Group();
-  scene.add(coarse, fine, planes.group, frames.mesh, marks.mesh);
+  const bodies = new Group(); // a group for each level that has come, coarse to fine
+  scene.add(bodies, planes.group, frames.mesh, marks.mesh);
 
   const materials = new Map<number, RawShaderMaterial>();
   const radius = Math.hypot(...half);
@@ -48,7 +43,8 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
   let height = 1;
   let ratio = 0;
 
-  const meshes = (group: Group) => group.children as Mesh<BufferGeometry, RawShaderMaterial>[];
+  const groups = () => bodies.children as Group[];
+  const meshes = (group: Group | undefined) => (group?.children ?? []) as Mesh<BufferGeometry, RawShaderMaterial>[];
   const number_of = (mesh: Mesh) => mesh.userData.material as number;
   const material_of = (id: number) => {
     let material = materials.get(id);
@@ -57,17 +53,16 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
   };
   const dress = () => {
     for (const [id, material] of materials) if (looks[id]) set_look(material, looks[id], mode);
-    for (const group of [coarse, fine])
+    for (const group of groups())
       for (const mesh of meshes(group)) {
         const look = looks[number_of(mesh)];
         mesh.visible = look !== undefined && look.visible && look.opacity > 0;
         mesh.renderOrder = mesh.material.transparent ? 20 : 0; // the opaque ones hide each other, so they come first
       }
-    planes.set_opaque(looks.every((look, id) => id === 0 || !look.visible || look.opacity >= 1));
   };
-  const clear = (group: Group) => {
-    for (const mesh of meshes(group)) mesh.geometry.dispose();
-    group.clear();
+  const clear_bodies = () => {
+    for (const group of groups()) for (const mesh of meshes(group)) mesh.geometry.dispose();
+    bodies.clear();
   };
 
   const aim = (orbit: Orbit) => {
@@ -98,10 +93,11 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
     },
     projection: (orbit: Orbit): Projection => projection_of(orbit, width, height),
 
-    // Surfaces by material. The first set given is the coarse one; a second is shown in its place.
-    set_bodies(surfaces: readonly Surface[], is_fine: boolean) {
-      const group = is_fine ? fine : coarse;
-      clear(group);
+    clear_bodies,
+    // Finer surfaces than those before.
+    add_bodies(surfaces: readonly Surface[]) {
+      const group = new Group();
+      bodies.add(group);
       for (const surface of surfaces) {
         const geometry = new BufferGeometry();
         geometry.setAttribute("position", new BufferAttribute(surface.positions, 3));
@@ -137,9 +133,8 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
         renderer.setSize(width, height, false);
       }
       aim(orbit);
-      const show_coarse = fine.children.length === 0 || (quality.coarse && coarse.children.length > 0);
-      coarse.visible = show_coarse;
-      fine.visible = !show_coarse;
+      const shown = Math.max(groups().length - 1 - quality.coarser, 0);
+      groups().forEach((group, i) => (group.visible = i === shown));
       renderer.render(scene, camera);
       if (!wait) return 0;
       const gl = renderer.getContext();
@@ -154,9 +149,8 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
       const eye = new Vector3(...view.eye);
       const caster = new Raycaster(eye, direction);
       const removed = (p: Vector3) => cut.toward.value.x !== 0 && [p.x, p.y, p.z].every((c, d) => (c - at[d]!) * cut.toward.value.getComponent(d) > 0);
-      const group = fine.children.length ? fine : coarse;
       let best: { far: number; p: Vector3 } | null = null;
-      for (const hit of caster.intersectObjects(group.children.filter((mesh) => mesh.visible), false))
+      for (const hit of caster.intersectObjects(meshes(groups().at(-1)).filter((mesh) => mesh.visible), false))
         if (!removed(hit.point) && (!best || hit.distance < best.far)) best = { far: hit.distance, p: hit.point };
       let fallback: { far: number; p: Vector3 } | null = null;
       for (const d of [0, 1, 2] as AxisIndex[]) {
@@ -174,8 +168,7 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
     },
 
     dispose() {
-      clear(coarse);
-      clear(fine);
+      clear_bodies();
       for (const material of materials.values()) material.dispose();
       planes.dispose();
       frames.dispose();

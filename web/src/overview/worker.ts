@@ -7,6 +7,8 @@ import { type Cube, decompress, empty_volume, place_cube } from "./volume";
 
 export interface SurfaceJob {
   readonly size: Index3; // cells of the level
+  readonly level: number;
+  readonly ranks: readonly number[]; // of the materials: the strongest has the least
   readonly wide: boolean; // labels of two bytes
   readonly planes: readonly Float64Array[]; // between the cells of each axis, in the overview's space
   readonly cubes: readonly Cube[];
@@ -22,9 +24,8 @@ export interface Surface {
 
 export type SurfaceAnswer = { surfaces: Surface[] } | { too_many: number } | { failed: string };
 
-// Positions stay near their corners, so that a rod one cell thick stays a rod. Normals come from a net that may relax farther.
-const POSITIONS = { rounds: 12, bound: 0.3 };
-const NORMALS = { rounds: 14, bound: 0.5 };
+// More make slight slopes smoother, and small balls smaller: after these a sphere of 20 cells' radius has normals right to 2 degrees.
+const ROUNDS = 8;
 const MOST_DENSITIES = 24; // beyond that many materials the others look equally open everywhere
 
 async function surfaces_of(job: SurfaceJob): Promise<SurfaceAnswer> {
@@ -33,29 +34,20 @@ async function surfaces_of(job: SurfaceJob): Promise<SurfaceAnswer> {
   const triangles = 2 * [...count_quads(volume).values()].reduce((sum, n) => sum + n, 0);
   if (triangles > job.most_triangles) return { too_many: triangles };
 
-  const { net, vertex_at } = make_net(volume);
-  relax(net, job.size, POSITIONS.rounds, POSITIONS.bound);
-  const cells = net.positions.slice();
-  const faces = faces_of(volume, net, vertex_at);
-  relax(net, job.size, NORMALS.rounds, NORMALS.bound);
-  const place = (source: Float32Array, vertices: Uint32Array) => {
-    const out = new Float32Array(3 * vertices.length);
-    for (let i = 0; i < vertices.length; ++i) for (let d = 0; d < 3; ++d) out[3 * i + d] = coordinate_at(job.planes[d]!, source[3 * vertices[i]! + d]!);
-    return out;
-  };
+  const { net, vertex_at } = make_net(volume, { strength: (label) => -job.ranks[label]!, inward: (1 - 2 ** -job.level) / 2 });
+  relax(net, ROUNDS);
+  const faces = faces_of(volume, net, vertex_at).sort((a, b) => b.indices.length - a.indices.length);
   const block = Math.max(2, Math.round(Math.max(...job.size) / 40));
-  faces.sort((a, b) => b.indices.length - a.indices.length);
   const surfaces = faces.map(({ material, vertices, indices }, rank): Surface => {
-    const positions = place(cells, vertices);
-    const own = normals_of(positions, indices);
-    const smooth = normals_of(place(net.positions, vertices), indices);
+    const positions = new Float32Array(3 * vertices.length);
+    for (let i = 0; i < vertices.length; ++i) for (let d = 0; d < 3; ++d) positions[3 * i + d] = coordinate_at(job.planes[d]!, net.positions[3 * vertices[i]! + d]!);
+    const normals = normals_of(positions, indices);
     const density = rank < MOST_DENSITIES ? density_of(volume, material, block) : null;
     const shades = new Int16Array(4 * vertices.length);
     for (let i = 0; i < vertices.length; ++i) {
-      const flat = smooth[3 * i] === 0 && smooth[3 * i + 1] === 0 && smooth[3 * i + 2] === 0;
-      const [nx, ny, nz] = (flat ? own : smooth).subarray(3 * i, 3 * i + 3) as unknown as [number, number, number];
+      const [nx, ny, nz] = [normals[3 * i]!, normals[3 * i + 1]!, normals[3 * i + 2]!];
       const v = 3 * vertices[i]!;
-      const open = density ? openness(density, cells[v]!, cells[v + 1]!, cells[v + 2]!, nx, ny, nz) : 0.8;
+      const open = density ? openness(density, net.positions[v]!, net.positions[v + 1]!, net.positions[v + 2]!, nx, ny, nz) : 0.8;
       shades.set([nx * 32767, ny * 32767, nz * 32767, open * 32767], 4 * i);
     }
     return { material, positions, shades, indices };

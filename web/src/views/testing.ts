@@ -25,7 +25,7 @@ export function expose(stage: Stage): () => void {
   const exposed: Exposed = {
     viewer: stage.viewer,
     idle: () => stage.idle(),
-    shown: (axis) => ({ sharp: stage.views[axis].sharp, stale: stage.views[axis].shown.stale }),
+    shown: (axis) => ({ sharp: !stage.changing && stage.views[axis].sharp, stale: stage.views[axis].shown.stale }),
     label_at(axis, x, y) {
       const view = stage.views[axis];
       const box = view.cells.getBoundingClientRect();
