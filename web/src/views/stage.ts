@@ -29,6 +29,8 @@ export class Stage {
   readonly draft = signal<Box | null>(null);
   // Whether a view waits for tiles.
   readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
+  // Whether the server could not read something that a view shows.
+  readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // The view that keys mean: under the pointer, or focused.
   active: AxisIndex = 2;
 
@@ -196,6 +198,7 @@ export class Stage {
       painted = draw_overlay(scene, view, this.draft.value) || painted;
       viewer.level[view.axis].value = view.level;
       this.waiting[view.axis].value = !view.sharp;
+      this.damaged[view.axis].value = view.shown.regions.some((region) => region.damaged);
     }
     this.say_what_is_under_the_pointer();
     this.wait_for_patience(views, began);
