@@ -218,6 +218,9 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     chrome.say("");
     pace.soon();
   };
+  // Whoever wants the canvas's pixels (views/snapshot.ts) asks for them: they last as long as the task that drew them.
+  const on_draw = () => draw(true);
+  host.addEventListener("draw", on_draw);
   chrome.canvas.addEventListener("webglcontextlost", on_lost);
   chrome.canvas.addEventListener("webglcontextrestored", on_restored);
   bring_bodies();
@@ -230,6 +233,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     size.disconnect();
     stop_theme();
     stop_gestures();
+    host.removeEventListener("draw", on_draw);
     chrome.canvas.removeEventListener("webglcontextlost", on_lost);
     chrome.canvas.removeEventListener("webglcontextrestored", on_restored);
     stage.dispose();

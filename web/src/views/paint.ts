@@ -130,5 +130,5 @@ export function paint_damaged(out: Uint32Array, samples: SampleCells, regions: r
   const width = samples.columns.length / each;
   for (const { x0, x1, y0, y1 } of patches_of(samples, regions.filter((region) => region.damaged)))
     for (let y = Math.ceil(y0 / each); y < Math.ceil(y1 / each); ++y)
-      for (let x = Math.ceil(x0 / each); x < Math.ceil(x1 / each); ++x) out[y * width + x] = ((x + y) >> 3) & 1 ? dark : light;
+      for (let x = Math.ceil(x0 / each); x < Math.ceil(x1 / each); ++x) out[y * width + x] = ((x + y) & 15) < 3 ? dark : light;
 }
