@@ -20,6 +20,8 @@ export function use_answer<T>(path: string | null): Answer<T> {
       (value) => set_answer({ value, path, error: null }),
       (error: unknown) => {
         if (abort.signal.aborted) return;
+        // A version that is gone: the page says so as a whole (banners.tsx).
+        if (error instanceof ServerError && error.status === 404 && path.includes("v=")) return;
         const words = error instanceof ServerError ? error.message : String(error);
         set_answer((before) => ({ ...before, error: words }));
       },

@@ -28,7 +28,6 @@ export function App() {
     <>
       <div class="page" key={open?.info.file.hash ?? "none"}>
         <Header viewer={open} />
-        <Banners />
         {open ? (
           <div class="workspace">
             <main class="views-area" aria-label="Slices">
@@ -41,6 +40,7 @@ export function App() {
           <StartPage waiting={opening.value} trouble={trouble.value} />
         )}
       </div>
+      <Banners />
       {open && <Help />}
       <Toasts />
     </>

@@ -13,7 +13,7 @@ export const trouble = signal<string | null>(null); // why nothing could be open
 export type Staleness = "replaced" | "gone" | null;
 export const stale = signal<Staleness>(null);
 
-const LOOK_EVERY = 20000;
+const LOOK_EVERY = 10000;
 let stop_keeping = () => {};
 let abort = new AbortController();
 

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis, FRAMES } from "@page/axis";
-import { cover } from "@page/tiles/cover";
+import { SMALLEST, cover } from "@page/tiles/cover";
 import { type Extent, TILE, cells_of_level, extent_of } from "@page/tiles/place";
 import { random_of, whole } from "./random";
 
@@ -47,7 +47,7 @@ test("what is in sight is covered once, by tiles of the slice", () => {
   }
 });
 
-test("a tile's cells are a pixel at least, and those of the next finer level would not be", () => {
+test("a tile's cells are large enough, and those of the next finer level would not be", () => {
   for (let round = 0; round < 300; ++round) {
     const sight = random_sight();
     const { u, v } = FRAMES[sight.axis];
@@ -58,7 +58,8 @@ test("a tile's cells are a pixel at least, and those of the next finer level wou
       const e = extent_of(place, cells);
       if (place.level < sight.levels - 1) {
         assert.ok((e.u1 - e.u0) / 2 ** place.level <= TILE);
-        assert.ok(place.level === 0 || pixels(sight.axes[u], e.u0, e.u1, place.level - 1) < 1 || pixels(sight.axes[v], e.v0, e.v1, place.level - 1) < 1);
+        const too_small = (axis: Axis, from: number, to: number) => pixels(axis, from, to, place.level - 1) < SMALLEST;
+        assert.ok(place.level === 0 || too_small(sight.axes[u], e.u0, e.u1) || too_small(sight.axes[v], e.v0, e.v1));
       }
     }
   }

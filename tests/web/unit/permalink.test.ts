@@ -69,7 +69,7 @@ test("a changed state comes back whole, to the last bit of its numbers", () => {
 
 test("what is as at the start is not in the address", () => {
   const address = address_of(new Viewer(info));
-  assert.deepEqual([...new URLSearchParams(address.slice(1)).keys()], ["g", "at", "look", "zoom"]);
+  assert.deepEqual([...new URLSearchParams(address.slice(1)).keys()], ["g", "at", "look"]);
 });
 
 test("nonsense is ignored, piece by piece", () => {

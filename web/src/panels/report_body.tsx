@@ -1,4 +1,5 @@
 // One body of the report: its facets, how its inside was told, its holes and flips.
+import { batch } from "@preact/signals";
 import type { BodyReport, Hole } from "../api";
 import { grouped, plural, significant } from "../format";
 import type { Viewer } from "../viewer";
@@ -6,6 +7,14 @@ import { GoThere } from "./places";
 import { hole_text } from "./report_words";
 
 const MOST = 30; // places listed
+
+// As large as a third of a small view.
+function look_at(viewer: Viewer, hole: Hole): void {
+  batch(() => {
+    viewer.go_to(hole.at);
+    if (hole.diameter > 0) viewer.zoom.value = 150 / hole.diameter;
+  });
+}
 
 function HoleLine({ viewer, hole }: { viewer: Viewer; hole: Hole }) {
   const { units } = viewer.info;
@@ -19,7 +28,7 @@ function HoleLine({ viewer, hole }: { viewer: Viewer; hole: Hole }) {
           {plural(hole.edges, "edge")}, cap of {significant(hole.cap_area, 4)} {units}², at {at}
         </span>
       </span>
-      <GoThere what={`the hole at ${at}`} go={() => viewer.go_to(hole.at)} />
+      <GoThere what={`the hole at ${at}`} go={() => look_at(viewer, hole)} />
     </li>
   );
 }

@@ -43,8 +43,10 @@ export class Camera {
   // The cells in sight.
   seen(): Extent {
     const part = (axis: Axis, low: number, high: number) => [Math.max(axis.cell_at(low), 0), Math.min(axis.cell_at(high) + 1, axis.cells)] as const;
-    const [u0, u1] = part(this.across, this.u_at(0), this.u_at(this.width));
-    const [v0, v1] = part(this.up, this.v_at(this.height), this.v_at(0));
+    // To the end of the last device pixel, part of which may be cut off.
+    const end = (size: number) => Math.ceil(size * this.ratio) / this.ratio;
+    const [u0, u1] = part(this.across, this.u_at(0), this.u_at(end(this.width)));
+    const [v0, v1] = part(this.up, this.v_at(end(this.height)), this.v_at(0));
     return { u0, u1, v0, v1 };
   }
 }

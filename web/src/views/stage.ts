@@ -106,6 +106,11 @@ export class Stage {
     return this.views.filter((view) => view.visible);
   }
 
+  // Whether what is on the screen is not yet what the signals say.
+  get changing(): boolean {
+    return this.dirty;
+  }
+
   // True when all that is in sight is sharp and on the screen.
   idle(): boolean {
     return !this.dirty && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
