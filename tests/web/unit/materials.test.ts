@@ -4,10 +4,10 @@ import test from "node:test";
 import { color_of_set, initial_looks } from "@page/materials";
 
 const looks = initial_looks([
-  { id: 0, name: "air", color: "#00000000" },
-  { id: 1, name: "steel", color: "#8899aa" },
-  { id: 2, name: "glass", color: "#ff000080" },
-  { id: 3, name: "gold", color: "#ffd700" },
+  { id: 0, name: "air", color: "#00000000", rank: 0 },
+  { id: 1, name: "steel", color: "#8899aa", rank: 1 },
+  { id: 2, name: "glass", color: "#ff000080", rank: 2 },
+  { id: 3, name: "gold", color: "#ffd700", rank: 3 },
 ]);
 
 test("a single material has its own colour", () => {

@@ -22,8 +22,8 @@ const info = {
     cells_text: "14000",
   },
   materials: [
-    { id: 0, name: "air", color: "#00000000" },
-    { id: 1, name: "steel", color: "#8899aa" },
+    { id: 0, name: "air", color: "#00000000", rank: 0 },
+    { id: 1, name: "steel", color: "#8899aa", rank: 1 },
   ],
   levels: [],
   file: { bytes: 1, version: "1.0", hash: "0" },

@@ -105,7 +105,7 @@ test("it holds a number of bytes: what was not used for longest goes first", asy
 });
 
 test("what failed is tried again after a while, or when the server is back; what is damaged is told so", async () => {
-  const s = new Server({ retry_ms: 300, retry_most_ms: 1_000_000 });
+  const s = new Server({ retry_ms: 20, retry_most_ms: 1_000_000 });
   s.want([1, 2]);
   await s.open.get("1")!.answer(new ServerError(0, "unreachable", "the server can't be reached"));
   await s.open.get("2")!.answer(new ServerError(500, "damaged", "a chunk is damaged"));

@@ -1,7 +1,7 @@
 // The three slice views together: one frame at a time, and only when something changed. A frame says what each view shows and lacks,
 // hands what is wanted to the store, paints, and sets what follows from it (the level shown, what is under the pointer).
 import { type Signal, effect, signal } from "@preact/signals";
-import { type AxisIndex, get } from "../api";
+import { AXIS_NAMES, type AxisIndex, get } from "../api";
 import { FRAMES } from "../axis";
 import { Palette, SetTable } from "../tiles/sets";
 import { TileStore } from "../tiles/store";
@@ -116,6 +116,12 @@ export class Stage {
     return !this.dirty && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
   }
 
+  // Whether the views' sizes are those of the layout: they follow it a little later.
+  private laid_out(): boolean {
+    const layout = this.viewer.layout.value;
+    return this.views.every(({ axis, width }) => width > 0 === (layout === "four" || layout === AXIS_NAMES[axis]));
+  }
+
   fitting(): number {
     const visible = this.visible;
     return visible.length ? fitting_zoom(this.viewer.axes, visible) : 0;
@@ -177,7 +183,10 @@ export class Stage {
     const scene = this.scene(Math.min(devicePixelRatio, this.most_ratio));
     if (!scene || views.length === 0) return false;
     const began = performance.now();
-    if (viewer.zoom.value === 0) viewer.zoom.value = this.fitting();
+    if (viewer.zoom.value === 0) {
+      if (!this.laid_out()) return false; // comes again with the sizes
+      viewer.zoom.value = this.fitting();
+    }
     for (const view of views) view.look(scene, began);
     store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
     palette.update(viewer.looks.value, scene.ink.ground, scene.ink.outside);
