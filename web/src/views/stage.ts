@@ -131,8 +131,8 @@ export class Stage {
 
   // Zooms by a factor; the point under (x, y), CSS pixels of the view, stays where it is.
   zoom_by(axis: AxisIndex, factor: number, x: number, y: number): void {
-    const camera = this.views[axis].camera;
-    if (!camera) return;
+    if (this.viewer.zoom.value === 0) return;
+    const camera = this.views[axis].camera_of(this.viewer, 1);
     const zoom = clamped_zoom(this.viewer.zoom.value * factor, this.viewer.axes, this.fitting());
     this.look_at(axis, zoomed_about(camera, x, y, zoom));
     this.viewer.zoom.value = zoom;
