@@ -134,7 +134,8 @@ std::optional<Response> Connection::answer_here() {
   const std::string_view path = path_of(request_.target);
   if (path.empty() || (!inside && path == "/")) return Response{.status = 302, .cache_control = "no-cache", .location = request_.prefix + "/"};
   if (!inside) return error_response(404, "not_found", fmt::format("expected a path below {}/", o.base_path));
-  if (!o.token.empty() && path != "/healthz" && !bears_token(head_.authorization, o.token)) {
+  const auto open = [&] { return path == "/healthz" || (shared_.handler.is_open && shared_.handler.is_open(path)); };
+  if (!o.token.empty() && !bears_token(head_.authorization, o.token) && !open()) {
     Response r = error_response(401, "unauthorized", "expected the field Authorization: Bearer TOKEN");
     r.route = "unauthorized";
     return r;

@@ -30,7 +30,8 @@ struct Response {
   std::string content_encoding;  // "gzip", or empty
   bool compressible = false;     // a client that accepts gzip gets another answer
   std::string location;          // of a redirect
-  const char* route = "other";   // for the metrics: one of a fixed few, never anything out of the request
+  const char* more_fields = "";  // lines of the head with their ends; like the route, never anything out of the request
+  const char* route = "other";    // for the metrics: one of a fixed few, never anything out of the request
 };
 
 inline Body body_of(std::string text) { return std::make_shared<const std::string>(std::move(text)); }

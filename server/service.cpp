@@ -4,6 +4,8 @@
 
 #include "server/deflate.hpp"
 
+#include "server/wire.hpp"
+
 namespace teracell {
 namespace {
 
@@ -61,16 +63,6 @@ std::string cache_key(uint64_t epoch, bool gzip, const std::string& target) {
   std::string key = std::to_string(epoch);
   key += gzip ? 'z' : ' ';
   return key += target;
-}
-
-// If-None-Match may list several, or be "*". Weak ones match too (RFC 9110, 13.1.2).
-bool has_etag(std::string_view list, std::string_view etag) {
-  for (size_t at = list.find(etag); at != std::string_view::npos; at = list.find(etag, at + 1)) {
-    const size_t end = at + etag.size();
-    const char before = at == 0 ? ',' : list[at - 1], after = end == list.size() ? ',' : list[end];
-    if ((before == ',' || before == ' ' || before == '/') && (after == ',' || after == ' ')) return true;
-  }
-  return list == "*";
 }
 
 }  // namespace

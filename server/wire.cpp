@@ -115,6 +115,15 @@ bool accepts_gzip(std::string_view list) {
   return star;
 }
 
+bool has_etag(std::string_view list, std::string_view etag) {
+  for (size_t at = list.find(etag); at != std::string_view::npos; at = list.find(etag, at + 1)) {
+    const size_t end = at + etag.size();
+    const char before = at == 0 ? ',' : list[at - 1], after = end == list.size() ? ',' : list[end];
+    if ((before == ',' || before == ' ' || before == '/') && (after == ',' || after == ' ')) return true;
+  }
+  return list == "*";
+}
+
 bool bears_token(std::string_view authorization, std::string_view token) {
   constexpr std::string_view scheme = "bearer ";
   const bool bearer = authorization.size() >= scheme.size() && same_word(authorization.substr(0, scheme.size()), scheme);
@@ -186,7 +195,8 @@ void append_head(std::string& out, const Response& r, const Sending& sending) {
   if (!r.cache_control.empty()) append_field(out, "Cache-Control: ", r.cache_control);
   if (!r.content_encoding.empty()) append_field(out, "Content-Encoding: ", r.content_encoding);
   if (!r.location.empty()) append_field(out, "Location: ", r.location);
-  if (!r.content_type.starts_with("image/")) out += "Vary: Accept-Encoding\r\n";  // pictures are never compressed again
+  out += r.more_fields;
+  if (!r.content_type.starts_with("image/") || r.content_type == "image/svg+xml") out += "Vary: Accept-Encoding\r\n";  // pixels are never compressed again
   switch (r.status) {
     case 204:
       out += "Access-Control-Allow-Methods: GET, HEAD, OPTIONS\r\nAccess-Control-Allow-Headers: range, if-none-match, authorization\r\n"

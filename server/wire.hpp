@@ -30,6 +30,8 @@ std::string_view path_of(std::string_view target);  // without its query
 // "", or "/" and segments of unreserved characters, none empty, no slash at the end: what may be a base path.
 bool is_base_path(std::string_view text);
 bool accepts_gzip(std::string_view accept_encoding);
+// Whether an If-None-Match field names an ETag. It may list several, or be "*"; weak ones match too (RFC 9110, 13.1.2).
+bool has_etag(std::string_view if_none_match, std::string_view etag);
 // Whether an Authorization field carries the token. Takes the same time wherever they differ.
 bool bears_token(std::string_view authorization, std::string_view token);
 

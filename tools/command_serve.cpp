@@ -16,6 +16,7 @@
 #include "server/listener.hpp"
 #include "server/prefetch.hpp"
 #include "server/routes.hpp"
+#include "server/web.hpp"
 #include "server/wire.hpp"
 #include "store/error.hpp"
 #include "tools/command.hpp"
@@ -25,7 +26,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> grids;
-  std::string host = "127.0.0.1", cache = "256M", base_path, token_file, log = "text";
+  std::string host = "127.0.0.1", cache = "256M", base_path, token_file, web, log = "text";
   int port = 8080, threads = 0;
   uint64_t max_pixels = uint64_t{1} << 26, max_connections = 1024;
   double request_timeout = 10, idle_timeout = 60, drain_timeout = 10;
@@ -91,6 +92,12 @@ Handler handler_of(Service& service, Prefetch& prefetch) {
           }};
 }
 
+Page page_of(const std::string& folder) try {
+  return folder.empty() ? Page(embedded_page()) : Page(folder);
+} catch (const IoError& e) {
+  throw IoError(fmt::format("--web {}", e.what()));
+}
+
 ServerState state_of(Service& service, const AccessLog& log) {
   const auto cache = [](const char* name, const auto& counts) { return CacheState{name, counts.bytes, counts.limit, counts.hits, counts.misses}; };
   const Service::Counters& c = service.counters();
@@ -123,7 +130,9 @@ void run(const Options& o) {
     if (!service.keeps(request)) handle(service, request);
   });
   Metrics metrics;
-  Listener listener(listen, with_operations(handler_of(service, prefetch), metrics, [&] { return state_of(service, log); }), metrics, log);
+  const Page page = page_of(o.web);
+  const Handler routes = with_operations(handler_of(service, prefetch), metrics, [&] { return state_of(service, log); });
+  Listener listener(listen, with_page(routes, page), metrics, log);
   if (!listener.loopback() && listen.token.empty())
     note(fmt::format("warning: anybody who reaches {} can read these grids: give a --token-file, or put a server that asks in front", o.host));
   say(fmt::format("teracell: serving {} at {}", counted(service.grids().all().size(), "grid"), listener.url()));
@@ -146,6 +155,7 @@ Run setup_serve(CLI::App& app) {
   app.add_option("--max-pixels", o->max_pixels, "of one picture (default 67108864)")->check(in_range(1, 1e12));
   app.add_option("--base-path", o->base_path, "serve below this path");
   app.add_option("--token-file", o->token_file, "its first line is the token that clients must bear (Authorization: Bearer TOKEN)");
+  app.add_option("--web", o->web, "the page at / from this folder, instead of the program's own: for working on it");
   app.add_option("--log", o->log, "a line a request on stderr: text (default), json, none")->check(one_of({"text", "json", "none"}));
   app.add_option("--max-connections", o->max_connections, "at once (default 1024)")->check(in_range(1, 1e6));
   app.add_option("--request-timeout", o->request_timeout, "seconds that a client may take to send a request (default 10)")->check(in_range(0.1, 86400));

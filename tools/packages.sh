@@ -17,6 +17,6 @@ need() {
 
 build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libboost-dev)
 test_packages=(catch2 clang-16 libclang-rt-16-dev python3 zstd nginx-light curl openssl)
-client_packages=(chromium libvips-tools python3-dask python3-fsspec python3-aiohttp python3-pil python3-xarray python3-zarr)
 # Node.js may come from elsewhere, and then has an npm of its own: Debian's would not fit it.
-command -v npm >/dev/null || client_packages+=(nodejs npm)
+command -v npm >/dev/null || build_packages+=(nodejs npm)
+client_packages=(chromium libvips-tools python3-dask python3-fsspec python3-aiohttp python3-netcdf4 python3-pil python3-xarray python3-zarr)

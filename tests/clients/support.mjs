@@ -4,6 +4,7 @@ import { createReadStream, readFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { extname, join } from "node:path";
 import { chromium } from "playwright-core";
+import { errors_of, launch_options } from "../support/chromium.mjs";
 
 export const server = process.env.TERACELL_URL;
 // Exports, and pages to be browsed; screenshots go there too.
@@ -41,24 +42,13 @@ export async function open_browser() {
     });
   });
   await new Promise((listening) => pages.listen(0, "127.0.0.1", listening));
-  // WebGL2 without a graphics card: ANGLE on SwiftShader, which is part of Chromium.
-  const browser = await chromium.launch({
-    executablePath: "/usr/bin/chromium",
-    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-background-networking"],
-  });
+  const browser = await chromium.launch(launch_options);
   return {
     // A page on which every error of its own, and every failed request to the server, is in `errors`. Zarr's clients look
     // for documents of both versions.
     async open(path) {
       const page = await browser.newPage({ viewport: { width: 1500, height: 900 } });
-      const errors = [];
-      page.on("pageerror", (error) => errors.push(String(error)));
-      page.on("requestfailed", (request) => {
-        if (request.url().startsWith(server) && request.failure().errorText !== "net::ERR_ABORTED") errors.push(`${request.url()}: ${request.failure().errorText}`);
-      });
-      page.on("response", (response) => {
-        if (response.url().startsWith(server) && response.status() >= 400 && !(response.status() === 404 && kZarrDocument.test(response.url()))) errors.push(`${response.url()}: ${response.status()}`);
-      });
+      const errors = errors_of(page, server, (url, status) => status === 404 && kZarrDocument.test(url));
       await page.goto(`http://127.0.0.1:${pages.address().port}/${path}`);
       return { page, errors };
     },

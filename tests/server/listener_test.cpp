@@ -137,7 +137,9 @@ struct Fixture {
                 throw_if_asked(r.target);
                 return answer(r);
               }};
-    listener = std::make_unique<Listener>(o, with_operations(std::move(h), metrics, [] { return ServerState{}; }), metrics, log);
+    Handler all = with_operations(std::move(h), metrics, [] { return ServerState{}; });
+    all.is_open = [](std::string_view path) { return path == "/open"; };
+    listener = std::make_unique<Listener>(o, all, metrics, log);
     result = std::async(std::launch::async, [this] { return listener->run(); });
   }
   ~Fixture() {
@@ -322,12 +324,15 @@ TEST_CASE("nothing is made for a client that has gone", "[server][listener][thre
   REQUIRE(soon([&] { return metrics_text(f.metrics, {}).find("status=\"499\"} 1") != std::string::npos; }));
 }
 
-TEST_CASE("a token is asked for everywhere but at /healthz and in preflights", "[server][listener]") {
+TEST_CASE("a token is asked for everywhere but at /healthz, in preflights and for what is open to all", "[server][listener]") {
   Fixture f({.token = "secret"});
   CHECK(f.get("/a").status == 401);
   CHECK(f.get("/a").has("WWW-Authenticate: Bearer realm=\"teracell\""));
   CHECK(f.get("/a", "Authorization: Bearer wrong\r\n").status == 401);
   CHECK(f.get("/a?token=secret").status == 401);
+  CHECK(f.get("/open").status == 200);
+  CHECK(f.get("/open?a").status == 200);
+  CHECK(f.get("/open/a").status == 401);
   CHECK(f.get("/metrics").status == 401);
   CHECK(f.get("/a", "Authorization: Bearer secret\r\n").status == 200);
   CHECK(f.get("/healthz").status == 200);

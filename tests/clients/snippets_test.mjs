@@ -1,0 +1,111 @@
+// The lines that the dashboard offers for other programs (web/src/panels/share_links.ts), run as they are, and what they got held
+// against `teracell export`. The link into Neuroglancer: its state opens the grid in npm's neuroglancer.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { readFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import test, { after, before } from "node:test";
+import { fileURLToPath } from "node:url";
+import { build } from "esbuild";
+import { expect_same, exported, folder, grids, open_browser, screenshot, server } from "./support.mjs";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const bundle = join(folder, "share_links.mjs");
+await build({ entryPoints: [join(here, "../../web/src/panels/share_links.ts")], bundle: true, format: "esm", outfile: bundle, logLevel: "warning" });
+const { doors, neuroglancer_state } = await import(bundle);
+
+let browser;
+before(async () => (browser = await open_browser()));
+after(() => browser.close());
+
+const grid = "stadium";
+const cell = grids[grid].grid.cells.map((n) => n >> 1);
+const all = doors({ ...grids[grid], id: grid }, server, cell);
+const door = (name) => all.find((d) => d.name.startsWith(name));
+
+// Debian's Python runs the lines, then `rest`, which writes bytes to `file`.
+function python(lines, rest) {
+  execFileSync("/usr/bin/python3", ["-c", `${lines}\nimport numpy\n${rest}`], { cwd: folder, stdio: ["ignore", "inherit", "inherit"] });
+  return new Uint8Array(readFileSync(join(folder, "snippet.raw")));
+}
+const write = (what) => `numpy.asarray(${what}).astype("u1").tofile("snippet.raw")`;
+
+// The whole grid is small enough to be level 0 of every snippet.
+const cells = exported(grid, 0);
+const [, ny, nx] = cells.shape;
+const slice = cells.data.subarray(cell[2] * ny * nx, (cell[2] + 1) * ny * nx);
+
+test("every program with lines is run here", () => {
+  const run = ["Python: zarr", "Python: xarray", "Python: dask", "ParaView", "JavaScript: zarrita", "OpenSeadragon (Deep Zoom)", "curl"];
+  assert.deepEqual(all.filter((d) => d.lines).map((d) => d.name), run);
+});
+
+test("Python: zarr", () => expect_same(python(door("Python: zarr").lines, write("cells")), slice, "the slice"));
+test("Python: xarray", () => expect_same(python(door("Python: xarray").lines, write("label")), cells.data, "the grid"));
+
+test("Python: dask", () => {
+  const counts = [...cells.data].reduce((sum, material) => ((sum[material] += 1), sum), grids[grid].materials.map(() => 0));
+  const found = python(door("Python: dask").lines, 'numpy.asarray(counts, "<f8").tofile("snippet.raw")');
+  assert.deepEqual([...new Float64Array(found.buffer)], counts);
+});
+
+test("ParaView: the file has the cells and their coordinates", () => {
+  const found = python(door("ParaView").lines, `import netCDF4\nfile = netCDF4.Dataset("grid.nc")\nassert file["label"].dtype == "i2" and file["label"].dimensions == ("z", "y", "x")\n${write('file["label"][:]')}`);
+  expect_same(found, cells.data, "the grid");
+});
+
+test("JavaScript: zarrita", () => {
+  const program = `${door("JavaScript").lines}\nprocess.stdout.write(Buffer.from(cells.data).toString("base64"));`;
+  const text = execFileSync("node", ["--input-type=module", "-e", program], { cwd: here, encoding: "utf8", maxBuffer: 1 << 28 });
+  expect_same(new Uint8Array(Buffer.from(text, "base64")), slice, "the slice");
+});
+
+test("OpenSeadragon", async () => {
+  const { page, errors } = await browser.open("openseadragon.html");
+  await page.evaluate(async (lines) => {
+    const element = document.getElementById("picture");
+    element.id = "view";
+    element.style.cssText = "width: 600px; height: 480px";
+    const viewer = new Function(`return ${lines}`)();
+    await new Promise((opened, failed) => (viewer.addHandler("open", opened), viewer.addHandler("open-failed", failed)));
+    const item = viewer.world.getItemAt(0);
+    if (!item.getFullyLoaded()) await new Promise((loaded) => item.addOnceHandler("fully-loaded-change", loaded));
+  }, door("OpenSeadragon").lines);
+  assert.ok((await screenshot(page, "snippet-openseadragon")) > 2);
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("IIIF: the address is the document", async () => {
+  const info = await (await fetch(door("IIIF").address)).json();
+  assert.deepEqual([info.type, info.width, info.height], ["ImageService3", nx, ny]);
+});
+
+test("curl", () => {
+  const column = JSON.parse(execFileSync("bash", ["-c", door("curl").lines], { cwd: folder, encoding: "utf8" }));
+  const found = column.runs.flatMap((run) => Array(run.to - run.from).fill(run.material));
+  assert.deepEqual(found, Array.from({ length: cells.shape[0] }, (_, z) => cells.data[(z * ny + cell[1]) * nx + cell[0]]));
+  const picture = readFileSync(join(folder, "slice.png"));
+  assert.deepEqual([picture.readUInt32BE(16), picture.readUInt32BE(20)], [nx, ny]);
+});
+
+test("the link into Neuroglancer shows the materials in their colours", async () => {
+  const looks = grids[grid].materials.map(({ color }) => ({ color: [1, 3, 5].map((at) => Number.parseInt(color.slice(at, at + 2), 16)), visible: true, opacity: 1 }));
+  const state = neuroglancer_state({ ...grids[grid], id: grid }, server, cell, looks, 3);
+  const { page, errors } = await browser.open(`neuroglancer/neuroglancer.html#!${encodeURIComponent(JSON.stringify(state))}`);
+  await page.waitForFunction(() => window.viewer?.layerManager.managedLayers[0]?.isReady() && viewer.isReady(), null, { timeout: 20000 });
+  assert.deepEqual(await page.evaluate(() => [...viewer.navigationState.position.value].map(Math.floor)), cell);
+  await page.waitForTimeout(500); // a frame of the software renderer
+  assert.ok((await screenshot(page, "snippet-neuroglancer")) > 16);
+  const png = readFileSync(join(folder, "snippet-neuroglancer.png")).toString("base64");
+  const colors = await page.evaluate(async (url) => {
+    const picture = await createImageBitmap(await (await fetch(url)).blob());
+    const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
+    context.drawImage(picture, 0, 0);
+    return [...new Set(new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer))];
+  }, `data:image/png;base64,${png}`);
+  const near = (color) => colors.some((c) => color.every((v, i) => Math.abs(((c >> (8 * i)) & 255) - v) <= 2));
+  for (const id of new Set(slice)) if (id > 0) assert.ok(near(looks[id].color), `${grids[grid].materials[id].name} is not seen`);
+  assert.deepEqual(errors, []);
+  await page.close();
+});

@@ -1,0 +1,175 @@
+// The page: which paths it answers, with which fields, from the program and from a folder.
+#include "server/web.hpp"
+
+#include <fstream>
+
+#include <catch2/catch.hpp>
+#include <zlib.h>
+
+#include "server/wire.hpp"
+#include "tests/support/meshed.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+
+const std::string kIndex = "<!doctype html><div id=app></div>", kScript = "let a = 1;" + std::string(50'000, ' '), kIcon = "<svg/>";
+
+std::string gzip(const std::string& text) {
+  z_stream z{};
+  REQUIRE(deflateInit2(&z, 9, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY) == Z_OK);
+  std::string out(deflateBound(&z, text.size()), '\0');
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  z.avail_in = static_cast<uInt>(text.size());
+  z.next_out = reinterpret_cast<Bytef*>(out.data());
+  z.avail_out = static_cast<uInt>(out.size());
+  REQUIRE(deflate(&z, Z_FINISH) == Z_STREAM_END);
+  out.resize(z.total_out);
+  deflateEnd(&z);
+  return out;
+}
+
+Page embedded() {
+  static const std::string index = gzip(kIndex), script = gzip(kScript), icon = gzip(kIcon);
+  static const EmbeddedFile files[] = {{"assets/main-Ab3_x.js", script}, {"favicon.svg", icon}, {"index.html", index}};
+  return Page(files);
+}
+
+struct Folder {
+  TempFolder temporary;
+  std::filesystem::path root = temporary / "page";
+  Folder() {
+    write("index.html", kIndex);
+    write("assets/main-Ab3_x.js", kScript);
+    write("favicon.svg", kIcon);
+  }
+  void write(const std::string& name, const std::string& text) {
+    std::filesystem::create_directories((root / name).parent_path());
+    std::ofstream(root / name) << text;
+  }
+};
+
+Request request(const std::string& target, bool accepts_gzip = false, const std::string& if_none_match = "") {
+  return {.target = target, .if_none_match = if_none_match, .accepts_gzip = accepts_gzip};
+}
+
+// Paths that no page may answer, whatever lies in its folder or beside it.
+const char* const kOthers[] = {"",           "*",           "/.",            "/..",           "//",          "/../secret.txt", "/assets",       "/assets/",      "/assets/../secret.txt",
+                               "/index",     "/nowhere",    "/x.js",         "/%69ndex.html", "/page",       "/index.html/",   "/assets//etc",  "//etc/passwd",  "/etc/passwd",
+                               "/healthz",   "/api/v1/grids", "/openapi.json", "/.hidden.txt",  "/link.txt", "/assets/.git/config", "/assets/..", "/linked/secret.txt", "/assets/main-Ab3_x.js%00"};
+
+TEST_CASE("The page is given as it is stored to whoever takes gzip, and plain to others", "[server][web]") {
+  const Page page = embedded();
+  for (const auto& [target, text] : {std::pair{"/", kIndex}, {"/?at=1", kIndex}, {"/index.html", kIndex}, {"/assets/main-Ab3_x.js", kScript}, {"/favicon.svg", kIcon}}) {
+    INFO(target);
+    CHECK(page.has(path_of(target)));
+    const auto packed = page.at_once(request(target, true));
+    REQUIRE(packed);
+    CHECK(packed->status == 200);
+    CHECK(packed->content_encoding == "gzip");
+    CHECK(*packed->body == gzip(text));
+    CHECK_FALSE(page.at_once(request(target)));  // it must be inflated
+    const auto plain = page.answer(request(target));
+    REQUIRE(plain);
+    CHECK(plain->content_encoding.empty());
+    CHECK(*plain->body == text);
+    CHECK(plain->etag != packed->etag);
+  }
+}
+
+TEST_CASE("The page's files may be kept for ever when their names change with them; the first one is asked about each time", "[server][web]") {
+  const Page page = embedded();
+  CHECK(page.answer(request("/"))->cache_control == "no-cache");
+  CHECK(page.answer(request("/favicon.svg"))->cache_control == "no-cache");
+  CHECK(page.answer(request("/assets/main-Ab3_x.js"))->cache_control == "public, max-age=31536000, immutable");
+  CHECK(page.answer(request("/"))->content_type == "text/html; charset=utf-8");
+  CHECK(page.answer(request("/assets/main-Ab3_x.js"))->content_type == "text/javascript; charset=utf-8");
+  CHECK(page.answer(request("/favicon.svg"))->content_type == "image/svg+xml");
+}
+
+TEST_CASE("Who has a file of the page is told so", "[server][web]") {
+  Folder folder;
+  for (const Page& page : {embedded(), Page(folder.root)})
+    for (const bool accepts_gzip : {false, true}) {
+      const Response first = *page.answer(request("/", accepts_gzip));
+      REQUIRE(first.etag.size() > 10);
+      const Response again = *page.answer(request("/", accepts_gzip, "\"other\", " + first.etag));
+      CHECK(again.status == 304);
+      CHECK(again.etag == first.etag);
+      CHECK_FALSE(again.body);
+      CHECK(page.answer(request("/", accepts_gzip, "\"other\""))->status == 200);
+    }
+}
+
+TEST_CASE("The page takes code from its own server alone", "[server][web]") {
+  std::string head;
+  append_head(head, *embedded().answer(request("/", true)), {});
+  CHECK(head.find("\r\nContent-Security-Policy: default-src 'none'; script-src 'self'; ") != std::string::npos);
+  CHECK(head.find("unsafe") == std::string::npos);
+  CHECK(head.find("\r\nX-Content-Type-Options: nosniff\r\n") != std::string::npos);
+  CHECK(head.find("\r\nVary: Accept-Encoding\r\n") != std::string::npos);
+  CHECK(head.ends_with("\r\n\r\n"));
+  head.clear();
+  append_head(head, *embedded().answer(request("/favicon.svg", true)), {});
+  CHECK(head.find("\r\nVary: Accept-Encoding\r\n") != std::string::npos);
+}
+
+TEST_CASE("What is no file of the page is left to the routes", "[server][web]") {
+  Folder folder;
+  std::ofstream(folder.temporary / "secret.txt") << "secret";
+  std::filesystem::create_directory(folder.temporary / "elsewhere");
+  std::ofstream(folder.temporary / "elsewhere" / "secret.txt") << "secret";
+  std::filesystem::create_symlink(folder.temporary / "secret.txt", folder.root / "link.txt");
+  std::filesystem::create_directory_symlink(folder.temporary / "elsewhere", folder.root / "linked");
+  folder.write(".hidden.txt", "secret");
+  folder.write("assets/.git/config", "secret");
+  folder.write("api/v1/grids", "not the grids");
+  for (const Page& page : {embedded(), Page(folder.root), Page()})
+    for (const char* target : kOthers) {
+      INFO(target);
+      CHECK_FALSE(page.has(target));
+      CHECK_FALSE(page.at_once(request(target, true)));
+      CHECK_FALSE(page.answer(request(target)));
+    }
+  CHECK_FALSE(Page().has("/"));
+}
+
+TEST_CASE("A folder is read at each request", "[server][web]") {
+  Folder folder;
+  const Page page(folder.root);
+  const Response before = *page.answer(request("/", true));
+  CHECK(*before.body == kIndex);
+  CHECK(before.cache_control == "no-cache");
+  CHECK(page.answer(request("/assets/main-Ab3_x.js"))->cache_control == "no-cache");
+  folder.write("index.html", "other");
+  folder.write("assets/new.css", "a{}");
+  CHECK(*page.answer(request("/", true))->body == "other");
+  CHECK(page.answer(request("/"))->etag != before.etag);
+  CHECK(page.answer(request("/assets/new.css"))->content_type == "text/css; charset=utf-8");
+  std::filesystem::remove(folder.root / "assets/new.css");
+  CHECK_FALSE(page.answer(request("/assets/new.css")));
+}
+
+TEST_CASE("A folder without a page is refused", "[server][web]") {
+  TempFolder folder;
+  CHECK_THROWS_AS(Page(folder.path()), IoError);
+  CHECK_THROWS_WITH(Page(folder / "nowhere"), Catch::Contains("index.html") && Catch::Contains("nowhere"));
+}
+
+TEST_CASE("In front of other handlers the page answers its own paths, and says that anybody may have them", "[server][web]") {
+  const Page page = embedded(), none;
+  const Handler inner{[](const Request&) { return std::optional<Response>(); }, [](const Request&) { return Response{.status = 418}; }};
+  const Handler with = with_page(inner, page), without = with_page(inner, none);
+  CHECK(with.at_once(request("/", true))->status == 200);
+  CHECK(with.handle(request("/")).status == 200);
+  CHECK(with.handle(request("/api/v1/grids")).status == 418);
+  CHECK(with.is_open("/"));
+  CHECK(with.is_open("/assets/main-Ab3_x.js"));
+  CHECK_FALSE(with.is_open("/api/v1/grids"));
+  CHECK(without.handle(request("/")).status == 418);
+  CHECK_FALSE(without.is_open("/"));
+}
+
+}  // namespace
+}  // namespace teracell

@@ -1,0 +1,310 @@
+// The page as a whole: addresses, several grids and none, other paths, a token, a server that goes and comes back, damage, themes,
+// small windows, the keyboard alone.
+import assert from "node:assert/strict";
+import { createServer, request as http_request } from "node:http";
+import { writeFileSync } from "node:fs";
+import { join } from "node:path";
+import test, { after, before } from "node:test";
+import { folder, grid_file, grids, info_of, open_browser, open_grid, open_page, pixels, point_of, screenshot, serve, settled, shares, state, view } from "./support.mjs";
+
+let browser, server;
+before(async () => {
+  server = await serve(grids);
+  browser = await open_browser();
+});
+after(async () => {
+  await browser.close();
+  assert.deepEqual(await server.stop(), []);
+});
+
+async function close(page) {
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+}
+const all_pixels = async (page) => Promise.all(["x", "y", "z"].map((axis) => pixels(page, axis)));
+
+test("a link shows the same picture to whoever opens it", async () => {
+  const page = await open_grid(browser, `${server.url}#g=stadium`);
+  await page.mouse.click(...(await point_of(page, "z", 33, -21)));
+  await page.mouse.move(...(await point_of(page, "z", -20, 10)));
+  await page.keyboard.down("Control");
+  for (let n = 0; n < 4; ++n) await page.mouse.wheel(0, -100);
+  await page.keyboard.up("Control");
+  await page.mouse.wheel(0, 100);
+  await page.getByRole("button", { name: `Show ${info_of("stadium").materials[3].name}` }).click();
+  await page.keyboard.press("o");
+  await settled(page);
+  await page.waitForTimeout(400); // the address follows a little later
+  const address = page.url();
+  const names = ["cell", "centre", "zoom", "pinned", "show_outline", "looks"];
+  const before = { pixels: await all_pixels(page), state: await Promise.all(names.map((n) => state(page, n))) };
+  await close(page);
+  const other = await open_grid(browser, address);
+  assert.deepEqual(await Promise.all(names.map((n) => state(other, n))), before.state);
+  const pictures = await all_pixels(other);
+  pictures.forEach((picture, i) => assert.ok(picture.data.every((pixel, at) => pixel === before.pixels[i].data[at]), "another picture"));
+  await close(other);
+});
+
+test("several grids: a start page; each opens, and the browser's back button leads back", async () => {
+  const page = await open_page(browser, server.url);
+  await page.getByRole("heading", { name: "3 grids" }).waitFor();
+  for (const name of ["stadium", "graded", "open"]) await page.getByRole("heading", { name, exact: true }).waitFor();
+  await page.waitForFunction(() => document.querySelectorAll(".preview img").length === 9);
+  await screenshot(page, "start-page");
+  await page.getByRole("link", { name: /graded/ }).click();
+  await settled(page);
+  assert.equal(await page.evaluate(() => teracell.viewer.info.id), "graded");
+  await page.goBack();
+  await page.getByRole("heading", { name: "3 grids" }).waitFor();
+  await page.getByRole("link", { name: /stadium/ }).click();
+  await settled(page);
+  assert.equal(await page.evaluate(() => teracell.viewer.info.id), "stadium");
+  await close(page);
+});
+
+test("an address of a grid that is not there says so, and shows what there is", async () => {
+  const page = await open_page(browser, `${server.url}#g=nobody`, { expected: (url, status) => status === 404 && url.includes("nobody") });
+  await page.getByRole("alert").waitFor();
+  assert.match(await page.getByRole("alert").innerText(), /nobody/);
+  await page.getByRole("heading", { name: "stadium" }).waitFor();
+  await close(page);
+});
+
+test("a folder without grids: the page says what to do", async () => {
+  const empty = await serve(join(folder, "empty"));
+  const page = await open_page(browser, empty.url);
+  await page.getByRole("heading", { name: "No grid here yet" }).waitFor();
+  assert.match(await page.getByRole("main").innerText(), /teracell mesh/);
+  await screenshot(page, "empty");
+  await close(page);
+  assert.deepEqual(await empty.stop(), []);
+});
+
+test("below a path, behind a server that puts another one in front", async () => {
+  const based = await serve(grids, "--base-path", "/base");
+  const proxy = createServer((request, response) => {
+    const asked = http_request(
+      { port: based.port, path: request.url.replace(/^\/front\/way/, ""), method: request.method, headers: { ...request.headers, "x-forwarded-prefix": "/front/way" } },
+      (answer) => {
+        response.writeHead(answer.statusCode, answer.headers);
+        answer.pipe(response);
+      },
+    );
+    asked.on("error", () => response.destroy());
+    response.on("close", () => asked.destroy());
+    asked.end();
+  });
+  await new Promise((listening) => proxy.listen(0, "127.0.0.1", listening));
+  const root = `http://127.0.0.1:${proxy.address().port}/front/way/base`;
+  const asked = [];
+  const page = await open_page(browser, root); // is sent on to root/
+  page.on("request", (request) => asked.push(request.url()));
+  await page.getByRole("link", { name: /stadium/ }).click();
+  await settled(page);
+  assert.ok(asked.some((url) => url.includes("/tile/")));
+  for (const url of asked) assert.ok(url.startsWith(`${root}/`) || url.startsWith("blob:"), url);
+  await page.getByRole("tab", { name: "Share" }).click();
+  assert.ok((await page.getByRole("tabpanel").innerText()).includes(`${root}/zarr/stadium`));
+  await close(page);
+  proxy.close();
+  assert.deepEqual(await based.stop(), []);
+});
+
+test("a server with a token: the page comes, asks for it, and bears it", async () => {
+  const file = join(folder, "token");
+  writeFileSync(file, "open sesame".replace(" ", "-"));
+  const guarded = await serve(grid_file("graded"), "--token-file", file);
+  const page = await open_page(browser, guarded.url, { expected: (url, status) => status === 401 });
+  const field = page.getByLabel("Access token");
+  await field.waitFor();
+  await screenshot(page, "token");
+  await field.fill("wrong");
+  await page.getByRole("button", { name: "Open" }).click();
+  await page.getByText("The server refused this token.").waitFor();
+  await field.fill("open-sesame");
+  await page.getByRole("button", { name: "Open" }).click();
+  await settled(page);
+  await page.reload();
+  await settled(page); // this tab knows it
+  await page.getByRole("tab", { name: "Status" }).click();
+  const other = await open_page(browser, guarded.url, { context: page.context(), expected: (url, status) => status === 401 });
+  await other.getByLabel("Access token").waitFor(); // another doesn't
+  assert.deepEqual(other.errors, []);
+  await close(page);
+  assert.deepEqual(await guarded.stop(), []);
+});
+
+test("the server goes away: what is on screen stays, the page says so, and goes on by itself when it is back", async () => {
+  let mortal = await serve(grid_file("stadium"));
+  const page = await open_grid(browser, `${mortal.url}#g=stadium`, { expected: (url, status) => status === 0 });
+  await page.mouse.move(...(await point_of(page, "z")));
+  const before = shares((await pixels(page, "z")).data);
+  await mortal.kill();
+  await page.keyboard.press("Shift+>");
+  await page.keyboard.press("Shift+>");
+  const banner = page.getByText("The server does not answer");
+  await banner.waitFor();
+  await screenshot(page, "server-lost");
+  const during = shares((await pixels(page, "z")).data);
+  for (const [pixel, share] of before) if (share > 0.02) assert.ok((during.get(pixel) ?? 0) > share / 2, "the picture went away");
+  const cell = await state(page, "cell");
+  mortal = await serve(grid_file("stadium"), "--port", mortal.port);
+  await banner.waitFor({ state: "hidden" });
+  await settled(page);
+  assert.deepEqual(await state(page, "cell"), cell);
+  // The same slice as a page sees that never lost anything.
+  const address = page.url();
+  const found = await pixels(page, "z");
+  const other = await open_grid(browser, address);
+  assert.ok((await pixels(other, "z")).data.every((pixel, i) => pixel === found.data[i]));
+  await close(other);
+  await close(page);
+  assert.deepEqual(await mortal.stop(), []);
+});
+
+test("a damaged file: what can't be read is hatched and said, the rest is there", async () => {
+  const damaged = await serve(join(folder, "damaged"));
+  const expected = (url, status) => status === 500;
+  const page = await open_page(browser, `${damaged.url}#g=damaged&layout=z`, { expected });
+  await page.waitForFunction(() => window.teracell?.viewer.zoom.value > 0);
+  // Close enough for level 0.
+  await page.evaluate(() => {
+    const { viewer } = teracell;
+    viewer.show_lines.value = false;
+    viewer.zoom.value = 2.2 / (viewer.axes[0].plane(1) - viewer.axes[0].plane(0));
+  });
+  await page.waitForFunction(() => teracell.viewer.tiles.damaged.value > 0);
+  await page.waitForFunction(() => document.body.innerText.includes("damaged"));
+  await screenshot(page, "damaged");
+  const healthy = await open_grid(browser, page.url().replace(damaged.url, server.url).replace("damaged", "stadium"));
+  await close(healthy);
+  await page.waitForFunction(() => teracell.viewer.tiles.in_flight.value === 0);
+  const colors = shares((await pixels(page, "z")).data);
+  assert.ok(colors.size >= 3, "nothing but stripes");
+  await close(page);
+  const told = await damaged.stop((line) => line.startsWith("teracell: ") || JSON.parse(line).status === 500);
+  assert.deepEqual(told, []);
+});
+
+// The contrast of every text that is shown, by WCAG 2: against the first ground below it that is not clear.
+const poor_contrasts = (page) =>
+  page.evaluate(() => {
+    const parse = (text) => {
+      const context = new OffscreenCanvas(1, 1).getContext("2d");
+      context.fillStyle = text;
+      context.fillRect(0, 0, 1, 1);
+      const [r, g, b, a] = context.getImageData(0, 0, 1, 1).data;
+      return { rgb: [r, g, b], alpha: a / 255 };
+    };
+    const luminance = (rgb) => {
+      const [r, g, b] = rgb.map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4));
+      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    };
+    const ground_of = (element) => {
+      for (let e = element; e; e = e.parentElement) {
+        const { rgb, alpha } = parse(getComputedStyle(e).backgroundColor);
+        if (alpha > 0.9) return rgb;
+      }
+      return [255, 255, 255];
+    };
+    const poor = [];
+    for (const element of document.querySelectorAll("body *")) {
+      const text = [...element.childNodes].filter((n) => n.nodeType === 3 && n.textContent.trim()).map((n) => n.textContent.trim());
+      if (!text.length || !element.checkVisibility({ opacityProperty: true, visibilityProperty: true })) continue;
+      if (element.closest("[disabled], [aria-hidden=true], .view-overview, noscript")) continue;
+      const style = getComputedStyle(element);
+      const [a, b] = [luminance(parse(style.color).rgb), luminance(ground_of(element))].sort((x, y) => y - x);
+      const large = Number.parseFloat(style.fontSize) >= 24 || (Number.parseFloat(style.fontSize) >= 18.66 && Number(style.fontWeight) >= 700);
+      const ratio = (a + 0.05) / (b + 0.05);
+      if (ratio < (large ? 3 : 4.5)) poor.push(`${text[0].slice(0, 40)} (${element.className}): ${ratio.toFixed(2)}`);
+    }
+    return poor;
+  });
+
+for (const theme of ["light", "dark"])
+  test(`${theme}: as the system says, with readable text everywhere; the switch is remembered`, async () => {
+    const page = await open_grid(browser, `${server.url}#g=open`, { colorScheme: theme });
+    const luminance = async () => {
+      const { data } = await screenshot(page, `${theme}`);
+      return data.reduce((sum, p) => sum + (p & 255) + ((p >> 8) & 255) + ((p >> 16) & 255), 0) / (3 * 255 * data.length);
+    };
+    const bright = await luminance();
+    assert.ok(theme === "light" ? bright > 0.6 : bright < 0.4, `mean brightness ${bright}`);
+    for (const tab of ["Materials", "Report", "Box", "Share", "Status"]) {
+      await page.getByRole("tab", { name: tab }).click();
+      await page.waitForLoadState("networkidle");
+      assert.deepEqual(await poor_contrasts(page), [], tab);
+    }
+    await page.getByRole("button", { name: theme === "light" ? "Use dark colours" : "Use light colours" }).click();
+    await settled(page);
+    const other = await luminance();
+    assert.ok(theme === "light" ? other < 0.4 : other > 0.6, `mean brightness ${other}`);
+    await page.reload();
+    await settled(page);
+    assert.ok(Math.abs((await luminance()) - other) < 0.1, "the switch is forgotten");
+    await close(page);
+  });
+
+for (const [name, width, height] of [["tablet, upright", 820, 1180], ["tablet", 1180, 820], ["small window", 700, 560]])
+  test(`${name}: everything fits, nothing scrolls sideways`, async () => {
+    const page = await open_grid(browser, `${server.url}#g=stadium`, { width, height, hasTouch: true });
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(wide <= 0, `${wide} pixels too wide`);
+    for (const axis of ["x", "y", "z"]) {
+      const box = await view(page, axis).boundingBox();
+      assert.ok(box && box.width >= 120 && box.height >= 80, `the view across ${axis} is ${box?.width} x ${box?.height}`);
+    }
+    const { data } = await screenshot(page, name.replaceAll(/\W+/g, "-"));
+    assert.ok(new Set(data).size > 20);
+    await close(page);
+  });
+
+test("the overview in three dimensions is there, and is not blank", async () => {
+  const page = await open_grid(browser, `${server.url}#g=stadium&layout=3d`);
+  const canvas = page.locator('[data-view="3d"] canvas').first();
+  await canvas.waitFor();
+  let colors = 0;
+  for (let n = 0; n < 40 && colors < 100; ++n) {
+    await page.waitForTimeout(250);
+    colors = new Set((await screenshot(page, "overview")).data).size;
+  }
+  assert.ok(colors >= 100, `${colors} colours`);
+  await close(page);
+});
+
+test("with the keyboard alone: every control can be reached, seen and used", async () => {
+  const page = await open_grid(browser, `${server.url}#g=stadium`);
+  const focused = () =>
+    page.evaluate(() => {
+      const e = document.activeElement;
+      const style = getComputedStyle(e);
+      const ring = (style.outlineStyle !== "none" && Number.parseFloat(style.outlineWidth) > 0) || style.boxShadow !== "none";
+      return { name: e.getAttribute("aria-label") ?? e.innerText ?? "", role: e.getAttribute("role") ?? e.tagName.toLowerCase(), ring };
+    });
+  const names = [];
+  let used = { slice: false, hidden: false };
+  for (let n = 0; n < 80; ++n) {
+    await page.keyboard.press("Tab");
+    const at = await focused();
+    if (at.role === "body") break;
+    assert.ok(at.ring, `the focus can't be seen at ${at.name} (${at.role})`);
+    names.push(`${at.role} ${at.name}`.trim());
+    if (/^Slice \d+ across y/.test(at.name)) {
+      const [, j] = await state(page, "cell");
+      await page.keyboard.press(".");
+      used.slice = (await state(page, "cell"))[1] === j + 1;
+    }
+    if (at.name === `Show ${info_of("stadium").materials[1].name}`) {
+      await page.keyboard.press("Space");
+      used.hidden = (await state(page, "looks"))[1].visible === false;
+    }
+  }
+  assert.deepEqual(used, { slice: true, hidden: true });
+  for (const expected of ["Only the slice across x", "Help", "Slice across z", "Play the slices across x", "Column along y", "Pin this cell", "Materials", "Colour of"])
+    assert.ok(names.some((name) => name.includes(expected)), `${expected} was not reached: ${names.join("; ")}`);
+  await page.getByRole("tab", { name: "Materials" }).focus();
+  await page.keyboard.press("ArrowRight");
+  assert.equal(await state(page, "panel"), "report");
+  await close(page);
+});

@@ -1,0 +1,187 @@
+// What the page says in numbers is what `teracell column`, `stats` and `export` say.
+import assert from "node:assert/strict";
+import test, { after, before } from "node:test";
+import { readFileSync } from "node:fs";
+import { column_of, decoded_png, exported_cell, grids, info_of, open_browser, open_grid, packed, point_of, serve, settled, state, stats_of, view } from "./support.mjs";
+
+let browser, server;
+before(async () => {
+  server = await serve(grids);
+  browser = await open_browser();
+});
+after(async () => {
+  await browser.close();
+  assert.deepEqual(await server.stop(), []);
+});
+
+const open = (grid, rest = "", options = {}) => open_grid(browser, `${server.url}#g=${grid}${rest}`, options);
+async function close(page) {
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+}
+const digits = (text) => Number(text.replace(/[^\d.−-]/g, "").replace("−", "-"));
+
+for (const grid of ["stadium", "graded"])
+  test(`${grid}: under the pointer are the cell's indices, its coordinates, and the material that is exported`, async () => {
+    const page = await open(grid);
+    const { materials, grid: g } = info_of(grid);
+    const part = page.getByRole("region", { name: "Under the pointer" });
+    let seen = new Set();
+    for (const axis of ["x", "y", "z"])
+      for (const [dx, dy] of [[0, 0], [13, -5], [-40, 9], [55, 20], [-71, -12], [31, 2]]) {
+        await page.mouse.move(...(await point_of(page, axis, dx, dy)));
+        await page.waitForTimeout(60);
+        const hover = await page.evaluate(() => teracell.viewer.hover.value);
+        if (!hover) continue; // beside the grid
+        assert.equal(hover.axis, "xyz".indexOf(axis));
+        const { zoom, centre, cell } = await page.evaluate(() => ({ zoom: teracell.viewer.zoom.value, centre: teracell.viewer.centre.value, cell: teracell.viewer.cell.value }));
+        const [u, v, w] = [[1, 2, 0], [0, 2, 1], [0, 1, 2]][hover.axis];
+        assert.equal(hover.cell[w], cell[w]);
+        for (const [d, expected] of [[u, centre[u] + dx / zoom], [v, centre[v] - dy / zoom]]) {
+          assert.ok(Math.abs(hover.point[d] - expected) < 1 / zoom, `coordinate ${hover.point[d]}, expected ${expected}`);
+          const a = g.axes[d];
+          const plane = (i) => (a.type === "graded" ? a.planes[i] : a.min + (a.first + i) * a.step);
+          assert.ok(plane(hover.cell[d]) <= hover.point[d] && hover.point[d] < plane(hover.cell[d] + 1));
+        }
+        const material = exported_cell(grid, hover.cell);
+        // Coarse views know the set; the read-out may not claim a material that is not there.
+        assert.ok(hover.materials.includes(material), `${hover.materials} at ${hover.cell}, expected ${material}`);
+        seen.add(material);
+        const text = await part.innerText();
+        assert.ok(text.includes(materials[material].name), text);
+        for (const [d, row] of (await part.getByRole("row").all()).entries()) assert.equal(digits(await row.getByRole("cell").first().innerText()), hover.cell[d]);
+      }
+    assert.ok(seen.size >= 2, "the pointer met one material only");
+    await close(page);
+  });
+
+for (const grid of ["stadium", "graded"])
+  test(`${grid}: a click pins the cell; its three columns, copied as CSV, are those of \`column\``, async () => {
+    const page = await open(grid, "", { permissions: ["clipboard-read", "clipboard-write"] });
+    await page.mouse.click(...(await point_of(page, "z", 20, 10)));
+    const cell = await state(page, "pinned");
+    assert.deepEqual(cell, await state(page, "cell"));
+    const pinned = page.getByRole("region", { name: "Pinned cell" });
+    await page.waitForFunction((name) => document.querySelector(`[aria-label="Pinned cell"] .dock-material`).innerText.includes(name), info_of(grid).materials[exported_cell(grid, cell)].name);
+    for (const [d, row] of (await pinned.getByRole("row").all()).entries()) assert.equal(digits(await row.getByRole("cell").first().innerText()), cell[d]);
+    await page.waitForLoadState("networkidle");
+    await page.getByRole("button", { name: "Copy the runs of the three columns as CSV" }).click();
+    const csv = (await page.evaluate(() => navigator.clipboard.readText())).trim().split("\n").slice(1).map((line) => line.split(","));
+    const expected = ["x", "y", "z"].flatMap((axis) => {
+      const others = [[1, 2], [0, 2], [0, 1]]["xyz".indexOf(axis)];
+      return column_of(grid, axis, others.map((d) => cell[d])).runs.map((r) => [axis, r.from, r.to, r.min, r.max, r.max - r.min, r.material, r.name].map(String));
+    });
+    assert.deepEqual(csv, expected);
+    // Moving on leaves the pin; a click on it lets it go.
+    await page.mouse.move(...(await point_of(page, "y")));
+    await page.keyboard.press(".");
+    assert.deepEqual(await state(page, "pinned"), cell);
+    await page.getByRole("button", { name: "Let go of the pinned cell" }).click();
+    assert.equal(await state(page, "pinned"), null);
+    await close(page);
+  });
+
+test("the materials' cells, volumes and boxes are those of `stats`", async () => {
+  const page = await open("stadium");
+  const expected = stats_of("stadium").materials;
+  await page.waitForFunction(() => !document.querySelector(".materials").innerText.includes("…"));
+  const cards = await page.locator("li.material").all();
+  assert.equal(cards.length, expected.length);
+  for (const [id, card] of cards.entries()) {
+    const [cells, volume] = await card.getByRole("definition").allInnerTexts();
+    assert.equal(digits(cells.split(/\s{1,}(?=[<\d.]+\s*%)/)[0]), expected[id].cells, cells);
+    assert.ok(Math.abs(digits(volume.replace("m³", "")) / expected[id].volume - 1) < 1e-4, volume);
+  }
+  // "Go there" looks at the box of the second material.
+  const card = page.locator("li.material").nth(1);
+  await card.getByText("Bounding box").click();
+  const name = info_of("stadium").materials[1].name;
+  await card.getByRole("button", { name: `Go there: ${name}` }).click();
+  await settled(page);
+  const { box } = expected[1];
+  const cell = await state(page, "cell");
+  cell.forEach((i, d) => assert.ok(i >= box[d] && i < box[d + 3], `${cell} is not in ${box}`));
+  await close(page);
+});
+
+test("a box that is drawn: its statistics are exact", async () => {
+  const page = await open("stadium");
+  await page.mouse.move(...(await point_of(page, "z")));
+  await page.keyboard.press("x");
+  await page.mouse.move(...(await point_of(page, "z", -60, -40)));
+  await page.mouse.down();
+  await page.mouse.move(...(await point_of(page, "z", 70, 30)), { steps: 4 });
+  await page.mouse.up();
+  await page.keyboard.press("Escape");
+  const box = await state(page, "box");
+  const { cells } = info_of("stadium").grid;
+  assert.deepEqual([box[2], box[5]], [0, cells[2]]);
+  for (const d of [0, 1]) assert.ok(box[d] > 0 && box[d] < box[d + 3] && box[d + 3] < cells[d], String(box));
+  await page.waitForSelector('table.stats[aria-busy="false"]');
+  const rows = await page.locator("table.stats tbody tr").all();
+  const expected = stats_of("stadium", box).materials.filter((m) => m.cells > 0);
+  assert.equal(rows.length, expected.length);
+  for (const [n, row] of rows.entries()) {
+    assert.equal((await row.getByRole("rowheader").innerText()).trim(), expected[n].name);
+    assert.equal(digits(await row.getByRole("cell").first().innerText()), expected[n].cells);
+  }
+  await close(page);
+});
+
+test("a distance is measured in units of length", async () => {
+  const page = await open("graded");
+  const zoom = await state(page, "zoom");
+  await page.mouse.move(...(await point_of(page, "z")));
+  await page.keyboard.press("m");
+  await page.mouse.move(...(await point_of(page, "z", -30, 40)));
+  await page.mouse.down();
+  await page.mouse.move(...(await point_of(page, "z", 30, -40)), { steps: 4 });
+  await page.mouse.up();
+  const { axis, from, to } = await state(page, "measure");
+  assert.equal(axis, 2);
+  assert.ok(Math.abs(Math.hypot(...from.map((x, d) => to[d] - x)) - 100 / zoom) < 2 / zoom);
+  await page.getByRole("tab", { name: "Box" }).click();
+  const said = page.getByRole("definition").first();
+  assert.ok(Math.abs(digits((await said.innerText()).replace("mm", "")) - 100 / zoom) < 2 / zoom, await said.innerText());
+  await close(page);
+});
+
+test("the report: a hole is named, marked and gone to; a body without cells is told", async () => {
+  const page = await open("open");
+  const report = info_of("open").report;
+  await page.getByRole("tab", { name: "Report" }).click();
+  const panel = page.getByRole("tabpanel");
+  const { holes } = report.bodies.find((b) => b.name === "tin");
+  assert.equal(holes.length, 1);
+  const text = await panel.innerText();
+  assert.match(text, /no cells/);
+  assert.match(text, /4 edges/);
+  assert.equal((await state(page, "markers")).length, 1);
+  await panel.getByRole("button", { name: /Go there: the hole/ }).click();
+  await settled(page);
+  const { axes } = info_of("open").grid;
+  const expected = holes[0].at.map((x, d) => Math.floor((x - axes[d].min) / axes[d].step));
+  assert.deepEqual(await state(page, "cell"), expected);
+  await page.screenshot({ path: `${process.env.TERACELL_FOLDER}/report.png` });
+  await close(page);
+});
+
+test("the view is saved as a PNG with a legend", async () => {
+  const page = await open("stadium", "&layout=z");
+  await page.getByRole("tab", { name: "Share" }).click();
+  const downloading = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save as PNG" }).click();
+  const download = await downloading;
+  const path = `${process.env.TERACELL_FOLDER}/saved.png`;
+  await download.saveAs(path);
+  assert.match(download.suggestedFilename(), /stadium.*\.png$/);
+  const picture = decoded_png(readFileSync(path));
+  const box = await view(page, "z").boundingBox();
+  assert.ok(picture.width >= box.width && picture.height >= box.height);
+  const there = new Set(picture.data);
+  for (const { color } of info_of("stadium").materials.slice(1)) {
+    const [r, g, b] = [1, 3, 5].map((at) => Number.parseInt(color.slice(at, at + 2), 16));
+    assert.ok(there.has(packed(r, g, b)), `${color} is neither in the picture nor in the legend`);
+  }
+  await close(page);
+});

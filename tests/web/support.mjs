@@ -1,0 +1,209 @@
+// What the tests in a browser share: servers, pages, and what `teracell` itself says about the same grids.
+import { execFileSync, spawn } from "node:child_process";
+import { createWriteStream, readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+import { inflateSync } from "node:zlib";
+import { errors_of, launch_options } from "../support/chromium.mjs";
+
+const { chromium } = createRequire(new URL("../../web/package.json", import.meta.url))("playwright-core");
+const program = process.env.TERACELL;
+export const folder = process.env.TERACELL_FOLDER;
+export const grids = join(folder, "grids");
+export const grid_file = (name) => join(grids, `${name}.tcell`);
+
+let servers = 0;
+
+// `teracell serve` with these arguments, on a free port unless they say which. stop() returns what was wrong: an exit status,
+// answers 5xx that were not meant to be, lines in the log that are no requests.
+export async function serve(...args) {
+  const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${++servers}.log`);
+  const child = spawn(program, ["serve", ...args, ...(args.includes("--port") ? [] : ["--port", "0"]), "--log", "json"], { stdio: ["ignore", "pipe", "pipe"] });
+  const lines = [];
+  let rest = "";
+  child.stderr.on("data", (data) => {
+    const parts = (rest + data).split("\n");
+    rest = parts.pop();
+    lines.push(...parts);
+  });
+  child.stderr.pipe(createWriteStream(log));
+  const ended = new Promise((resolve) => child.on("close", (status) => resolve(status)));
+  const url = await new Promise((resolve, reject) => {
+    let said = "";
+    child.stdout.on("data", (data) => {
+      said += data;
+      const found = /http:\/\/\S+/.exec(said);
+      if (found) resolve(found[0]);
+    });
+    void ended.then((status) => reject(new Error(`the server ended with status ${status}: ${lines.join("\n")}`)));
+  });
+  return {
+    url,
+    port: new URL(url).port,
+    requests: () => lines.filter((line) => line.startsWith("{")).map((line) => JSON.parse(line)),
+    // As when the machine it runs on goes away.
+    async kill() {
+      child.kill("SIGKILL");
+      await ended;
+    },
+    async stop(expected = () => false) {
+      child.kill("SIGTERM");
+      const status = await ended;
+      const wrong = lines.filter((line) => !expected(line) && (!line.startsWith("{") || JSON.parse(line).status >= 500));
+      return status === 0 ? wrong : [...wrong, `exit status ${status}`];
+    },
+  };
+}
+
+export const open_browser = () => chromium.launch(launch_options);
+
+// A page of the dashboard in a window of its own, when everything in sight is sharp. `errors` must be empty at its end.
+export async function open_page(browser, url, options = {}) {
+  const { width = 1400, height = 900, expected, context: given, ...rest } = options;
+  const context = given ?? (await browser.newContext({ viewport: { width, height }, ...rest }));
+  const page = await context.newPage();
+  page.errors = errors_of(page, new URL(url).origin, expected);
+  page.setDefaultTimeout(30_000);
+  await page.goto(url);
+  return page;
+}
+
+export async function open_grid(browser, url, options) {
+  const page = await open_page(browser, url, options);
+  await settled(page);
+  return page;
+}
+
+// All that is in sight is sharp, painted, and on the screen.
+export async function settled(page) {
+  await page.waitForFunction(() => window.teracell?.idle() === true, null, { polling: "raf" });
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+}
+
+// A part of the viewer's state by name: cell, centre, zoom, layout ...
+export const state = (page, name) => page.evaluate((n) => teracell.viewer[n].value, name);
+export const set_state = (page, values) =>
+  page.evaluate((given) => {
+    for (const [name, value] of Object.entries(given)) teracell.viewer[name].value = value;
+  }, values);
+
+export const view = (page, axis) => page.locator(`[data-view="${axis}"] .view-body`);
+// A point of a view in CSS pixels of the page; from its middle.
+export async function point_of(page, axis, dx = 0, dy = 0) {
+  const box = await view(page, axis).boundingBox();
+  return [box.x + box.width / 2 + dx, box.y + box.height / 2 + dy];
+}
+
+// The pixels of a view's cells, without what is drawn over them: { width, height, data }, a number a pixel (little endian RGBA).
+export async function pixels(page, axis) {
+  const found = await page.evaluate((name) => {
+    const canvas = document.querySelector(`[data-view="${name}"] .view-cells`);
+    const { width, height } = canvas;
+    const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+    let text = "";
+    for (let i = 0; i < data.length; i += 8192) text += String.fromCharCode(...data.subarray(i, i + 8192));
+    return { width, height, text: btoa(text) };
+  }, axis);
+  const bytes = Buffer.from(found.text, "base64");
+  return { width: found.width, height: found.height, data: new Uint32Array(new Uint8Array(bytes).buffer) };
+}
+
+export function shares(data) {
+  const counts = new Map();
+  for (const pixel of data) counts.set(pixel, (counts.get(pixel) ?? 0) + 1);
+  return new Map([...counts].map(([pixel, count]) => [pixel, count / data.length]));
+}
+
+export const packed = (r, g, b) => (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
+
+// Takes a screenshot for the run's artefacts: build/web/NAME.png. Returns its pixels as RGB.
+export async function screenshot(page, name) {
+  return decoded_png(await page.screenshot({ path: join(folder, `${name}.png`) }));
+}
+
+// Chromium's PNGs: 8 bits a channel, not interlaced.
+export function decoded_png(file) {
+  const [width, height, depth, color] = [file.readUInt32BE(16), file.readUInt32BE(20), file[24], file[25]];
+  const channels = { 2: 3, 6: 4 }[color];
+  if (depth !== 8 || !channels) throw new Error(`a PNG of color type ${color}, ${depth} bits`);
+  const parts = [];
+  for (let at = 8; at < file.length; at += 12 + file.readUInt32BE(at)) if (file.toString("latin1", at + 4, at + 8) === "IDAT") parts.push(file.subarray(at + 8, at + 8 + file.readUInt32BE(at)));
+  const raw = inflateSync(Buffer.concat(parts));
+  const stride = width * channels;
+  const rows = Buffer.alloc(stride * height);
+  for (let y = 0; y < height; ++y) {
+    const filter = raw[y * (stride + 1)];
+    for (let x = 0; x < stride; ++x) {
+      const a = x >= channels ? rows[y * stride + x - channels] : 0;
+      const b = y > 0 ? rows[(y - 1) * stride + x] : 0;
+      const c = x >= channels && y > 0 ? rows[(y - 1) * stride + x - channels] : 0;
+      const p = a + b - c;
+      const [pa, pb, pc] = [Math.abs(p - a), Math.abs(p - b), Math.abs(p - c)];
+      const guess = [0, a, b, (a + b) >> 1, pa <= pb && pa <= pc ? a : pb <= pc ? b : c][filter];
+      rows[y * stride + x] = raw[y * (stride + 1) + 1 + x] + guess;
+    }
+  }
+  const data = new Uint32Array(width * height);
+  for (let i = 0; i < data.length; ++i) data[i] = packed(rows[i * channels], rows[i * channels + 1], rows[i * channels + 2]);
+  return { width, height, data };
+}
+
+const told = (...args) => JSON.parse(execFileSync(program, [...args, "--json"], { maxBuffer: 1 << 28 }));
+export const info_of = (name) => told("info", grid_file(name));
+export const column_of = (name, axis, at) => told("column", grid_file(name), "--axis", axis, "--at", at.join(","));
+export const stats_of = (name, region) => told("stats", grid_file(name), ...(region ? ["--region", region.join(",")] : []));
+
+function npy(path) {
+  const file = readFileSync(path);
+  const header_end = 10 + file.readUInt16LE(8);
+  const header = file.toString("latin1", 10, header_end);
+  const shape = header.match(/'shape': \(([^)]*)\)/)[1].split(",").filter((n) => n.trim()).map(Number);
+  const bytes = new Uint8Array(file.subarray(header_end)).buffer;
+  return { shape, data: header.includes("<u2") ? new Uint16Array(bytes) : new Uint8Array(bytes) };
+}
+
+// Material ids of a slice, rows of v from 0: { shape: [nv, nu], data }.
+export function slice_of(name, axis, index) {
+  const path = join(folder, `${name}-${axis}-${index}.npy`);
+  execFileSync(program, ["slice", grid_file(name), "--axis", axis, "--index", String(index), "-o", path], { stdio: "ignore" });
+  return npy(path);
+}
+
+// The material of one cell, by `teracell export`.
+export function exported_cell(name, [i, j, k]) {
+  const path = join(folder, "cell.npy");
+  execFileSync(program, ["export", grid_file(name), "-o", path, "--region", [i, j, k, i + 1, j + 1, k + 1].join(",")], { stdio: "ignore" });
+  return npy(path).data[0];
+}
+
+// Which material each pixel of a view must show, from the cells and from where the page says that it looks; -1 outside of the grid.
+export function expected_labels(name, axis, { cell, centre, zoom }, width, height) {
+  const info = info_of(name);
+  const w = "xyz".indexOf(axis);
+  const [u, v] = [[1, 2], [0, 2], [0, 1]][w];
+  const { shape, data } = slice_of(name, axis, cell[w]);
+  const plane = (d, i) => {
+    const a = info.grid.axes[d];
+    return a.type === "graded" ? a.planes[i] : a.min + (a.first + i) * a.step;
+  };
+  const cells_along = (d, count, coordinate) => {
+    const n = info.grid.cells[d];
+    return Array.from({ length: count }, (_, pixel) => {
+      const x = coordinate(pixel + 0.5);
+      if (x < plane(d, 0) || x >= plane(d, n)) return -1;
+      let [low, high] = [0, n];
+      while (high - low > 1) {
+        const middle = (low + high) >> 1;
+        if (x < plane(d, middle)) high = middle;
+        else low = middle;
+      }
+      return low;
+    });
+  };
+  const columns = cells_along(u, width, (x) => centre[u] + (x - width / 2) / zoom);
+  const rows = cells_along(v, height, (y) => centre[v] - (y - height / 2) / zoom);
+  return Int32Array.from({ length: width * height }, (_, i) => {
+    const [a, b] = [columns[i % width], rows[Math.floor(i / width)]];
+    return a < 0 || b < 0 ? -1 : data[b * shape[1] + a];
+  });
+}

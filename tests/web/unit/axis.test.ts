@@ -1,0 +1,34 @@
+// An axis of the page is the store's: a coordinate belongs to the cell whose planes hold it, the lower plane included.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { Axis } from "@page/axis";
+
+const uniform = new Axis({ type: "uniform", min: -0.3, step: 0.1, first: 7, cells: 1000 }, 0.5);
+const graded = new Axis({ type: "graded", planes: [-2, -1.5, 0, 0.1, 0.2, 8, 100] }, 0.25);
+
+for (const [name, axis] of [["uniform", uniform], ["graded", graded]] as const) {
+  test(`${name}: every plane belongs to the cell above it, and the number just below to the one below`, () => {
+    for (let i = 0; i < axis.cells; ++i) {
+      const plane = axis.plane(i);
+      assert.equal(axis.cell_at(plane), i);
+      assert.equal(axis.cell_at(plane - Math.abs(plane) * 2 ** -52 - Number.MIN_VALUE), i - 1);
+      assert.equal(axis.cell_at(axis.centre(i)), i);
+    }
+  });
+
+  test(`${name}: what lies outside is told so`, () => {
+    assert.equal(axis.cell_at(axis.min - 1), -1);
+    assert.equal(axis.cell_at(axis.max), axis.cells);
+    assert.equal(axis.cell_at(axis.max + 1), axis.cells);
+    assert.equal(axis.clamp(-5), 0);
+    assert.equal(axis.clamp(axis.cells + 5), axis.cells - 1);
+    assert.equal(axis.clamp(2.4), 2);
+  });
+}
+
+test("planes and centres have the roundings of the cell rule", () => {
+  assert.equal(uniform.plane(3), -0.3 + 10 * 0.1);
+  assert.equal(uniform.centre(3), -0.3 + 10.5 * 0.1);
+  assert.equal(graded.centre(4), 0.2 + 0.25 * (8 - 0.2));
+  assert.ok(graded.graded && !uniform.graded);
+});

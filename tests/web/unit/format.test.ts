@@ -1,0 +1,70 @@
+// Numbers as the page writes them.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { about, bytes_text, coordinate, decimals, grouped, milliseconds, percent, plural, product, significant, sizes } from "@page/format";
+
+// Narrow spaces as plain ones, to be read here.
+const plain = (text: string) => text.replaceAll("\u202f", " ");
+
+test("thousands are set apart, also those of counts that no double holds", () => {
+  assert.equal(grouped(7), "7");
+  assert.equal(plain(grouped(1000)), "1 000");
+  assert.equal(plain(grouped(-1234567)), "−1 234 567");
+  assert.equal(plain(grouped("123456789012345678901234567890")), "123 456 789 012 345 678 901 234 567 890");
+  assert.equal(plain(grouped(10n ** 18n)), "1 000 000 000 000 000 000");
+  assert.equal(plain(grouped("1234.56789")), "1 234.56789");
+});
+
+test("a long count has three digits and its power of ten", () => {
+  assert.equal(plain(about(999999)), "999 999");
+  assert.equal(about(1e12), "10¹²");
+  assert.equal(about(1500714712), "1.5 × 10⁹");
+  assert.equal(about(114056000n), "1.14 × 10⁸");
+});
+
+test("a coordinate shows a tenth of its cell, no more", () => {
+  assert.deepEqual([100, 10, 1, 0.5, 0.142315, 0.1, 0.01].map(decimals), [0, 0, 1, 2, 2, 2, 3]);
+  assert.equal(coordinate(12.3456, 0.1), "12.35");
+  assert.equal(coordinate(-12.3456, 0.1), "−12.35");
+  assert.equal(plain(coordinate(123456.7, 1)), "123 456.7");
+});
+
+test("nothing is minus zero", () => {
+  assert.equal(coordinate(-0.0001, 0.1), "0.00");
+  assert.equal(coordinate(-0, 1), "0.0");
+});
+
+test("lengths and volumes have significant digits, and powers of ten where zeros would be many", () => {
+  assert.equal(significant(0), "0");
+  assert.equal(significant(0.047291, 4), "0.04729");
+  assert.equal(plain(significant(3902968.7, 6)), "3 902 969");
+  assert.equal(significant(4.8843e-5, 4), "4.884 × 10⁻⁵");
+  assert.equal(significant(-2.5e20, 3), "−2.50 × 10²⁰");
+  assert.equal(significant(999.96, 4), "1\u202f000.0"); // rounded up into the next thousand
+});
+
+test("bytes come in decimal units", () => {
+  assert.equal(bytes_text(0), "0 B");
+  assert.equal(bytes_text(999), "999 B");
+  assert.equal(bytes_text(15645947), "15.6 MB");
+  assert.equal(bytes_text(1e12), "1.00 TB");
+});
+
+test("a share is 0 or 100 % only when it is", () => {
+  assert.deepEqual([0, 1e-9, 0.00003, 0.0123, 0.9023, 0.999999, 1].map(percent), ["0 %", "< 0.001 %", "0.003 %", "1.23 %", "90.2 %", "> 99.99 %", "100 %"]);
+});
+
+test("times are as fine as they are short", () => {
+  assert.deepEqual([0.34, 12.4, 1234, NaN].map(milliseconds), ["0.3 ms", "12 ms", "1.23 s", "–"]);
+});
+
+test("words follow their number", () => {
+  assert.equal(plural(1, "hole"), "1 hole");
+  assert.equal(plural(0, "hole"), "0 holes");
+  assert.equal(plural(2, "body", "bodies"), "2 bodies");
+});
+
+test("cells are multiplied exactly", () => {
+  assert.equal(product([1000003, 1000003, 1000003]), 1000009000027000027n);
+  assert.equal(plain(sizes([10000, 20, 3])), "10 000 × 20 × 3");
+});

@@ -1,0 +1,102 @@
+// The address holds the whole state: what is written is read back as it was, and nonsense in it does no harm.
+import assert from "node:assert/strict";
+import test from "node:test";
+import type { GridInfo } from "@page/api";
+import { address_of, read_address } from "@page/permalink";
+import { Viewer } from "@page/viewer";
+
+const info = {
+  id: "a grid & more",
+  units: "mm",
+  ray_axis: "z",
+  grid: {
+    min: [0, -1, 0],
+    max: [10, 1, 7],
+    cells: [100, 20, 7],
+    sample: [0.5, 0.5, 0.5],
+    axes: [
+      { type: "uniform", min: 0, step: 0.1, first: 0, cells: 100 },
+      { type: "uniform", min: -1, step: 0.1, first: 0, cells: 20 },
+      { type: "graded", planes: [0, 1, 2, 3, 4, 5, 6, 7] },
+    ],
+    cells_text: "14000",
+  },
+  materials: [
+    { id: 0, name: "air", color: "#00000000", rank: 0 },
+    { id: 1, name: "steel", color: "#8899aa", rank: 1 },
+  ],
+  levels: [],
+  file: { bytes: 1, version: "1.0", hash: "0" },
+  crossings: 0,
+  bits_per_crossing: 0,
+  report: { bodies: [], crossings: 0, warnings: [], inputs: [] },
+} as unknown as GridInfo;
+
+function read(address: string): Viewer {
+  (globalThis as { location?: unknown }).location = { hash: address };
+  const viewer = new Viewer(info);
+  read_address(viewer);
+  return viewer;
+}
+
+function changed(): Viewer {
+  const v = new Viewer(info);
+  v.cell.value = [3, 19, 0];
+  v.centre.value = [0.1 + 0.2, -1 / 3, 1e-7];
+  v.zoom.value = Math.PI;
+  v.layout.value = "x";
+  v.panel.value = null;
+  v.show_axes.value = false;
+  v.show_outline.value = true;
+  v.box.value = [1, 2, 3, 4, 5, 6];
+  v.pinned.value = [9, 8, 6];
+  v.measure.value = { axis: 1, from: [0.1, 0.2, 0.3], to: [1, 2, 3] };
+  v.looks.value = [
+    { color: [1, 2, 255], visible: true, opacity: 0.25 },
+    { color: [0x88, 0x99, 0xaa], visible: false, opacity: 1 },
+  ];
+  return v;
+}
+
+test("a changed state comes back whole, to the last bit of its numbers", () => {
+  const before = changed();
+  const after = read(address_of(before));
+  for (const name of ["cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "box", "pinned", "measure", "looks"] as const)
+    assert.deepEqual(after[name].value, before[name].value, name);
+  assert.equal(address_of(after), address_of(before));
+  assert.equal(new URLSearchParams(address_of(before).slice(1)).get("g"), info.id);
+});
+
+test("what is as at the start is not in the address", () => {
+  const address = address_of(new Viewer(info));
+  assert.deepEqual([...new URLSearchParams(address.slice(1)).keys()], ["g", "at", "look"]);
+});
+
+test("nonsense is ignored, piece by piece", () => {
+  const start = new Viewer(info);
+  for (const nonsense of [
+    "#",
+    "#at=1,2",
+    "#at=a,b,c",
+    "#zoom=-1",
+    "#zoom=0",
+    "#look=1,NaN,2",
+    "#layout=five",
+    "#panel=nothing",
+    "#axes=2",
+    "#box=1",
+    "#box=0,0,0,100,20,8",
+    "#box=5,0,0,5,20,7",
+    "#box=0,0,-1,5,20,7",
+    "#box=0,0,0,5.5,20,7",
+    "#pin=1,2",
+    "#pin=100,0,0",
+    "#measure=7,0,0,0,1,1,1",
+    "#material=9:ffffff:1:1;1:red:1:1;1:ffffff:2:1",
+    "#at=,,&zoom=",
+    "#%",
+  ])
+    assert.equal(address_of(read(nonsense)), address_of(start), nonsense);
+  assert.deepEqual(read("#at=5,5,5&layout=five").cell.value, [5, 5, 5]);
+  assert.deepEqual(read("#at=500,-5,3").cell.value, [99, 0, 3]); // into the grid
+});

@@ -1,0 +1,50 @@
+// The sentence that says whether to care speaks of the worst that was found.
+import assert from "node:assert/strict";
+import test from "node:test";
+import type { BodyReport, GridInfo, Hole } from "@page/api";
+import { care_of, compression } from "@page/panels/report_words";
+
+const hole = (diameter: number, cells: number): Hole => ({ at: [0, 0, 0], edges: 3, diameter, diameter_cells: cells, cap_area: 1 });
+const body = (name: string, more: Partial<BodyReport> = {}): BodyReport => ({
+  name, facets: 12, degenerate: 0, duplicates: 0, shells: 1, fill: [{ rule: "nonzero", shells: 1, why: "asked for" }], holes: [], flips: [], cells: 8, ...more,
+});
+const info = (bodies: BodyReport[], warnings: string[] = []): GridInfo =>
+  ({ units: "mm", grid: { cells: [10000, 10000, 10000] }, file: { bytes: 15645947 }, report: { bodies, warnings, crossings: 0, inputs: [] } }) as unknown as GridInfo;
+
+test("closed bodies with cells are nothing to worry about", () => {
+  assert.deepEqual(care_of(info([body("hull")])), { level: "fine", text: "Nothing to worry about: the surface of “hull” is closed." });
+  assert.deepEqual(care_of(info([body("a"), body("b")])), { level: "fine", text: "Nothing to worry about: all 2 bodies are closed and have cells." });
+});
+
+test("a wide hole is a reason to look", () => {
+  const care = care_of(info([body("hull", { holes: [hole(0.3, 2.5), hole(4, 33.21), hole(1, 8)] }), body("deck")]));
+  assert.deepEqual(care, { level: "bad", text: "Look here: “hull” is open, with holes, the widest 4.000 mm wide, 33.2 cells. Caps close them, and a cap is a guess." });
+});
+
+test("holes narrower than two cells are harmless", () => {
+  const care = care_of(info([body("hull", { holes: [hole(0.1, 1.99), hole(0.1, 0.5)] })], ["is open"]));
+  assert.deepEqual(care, { level: "look", text: "Harmless: “hull” had 2 holes, none as wide as 2 cells; caps close them." });
+});
+
+test("a body without cells matters more than a hole", () => {
+  const care = care_of(info([body("hull", { holes: [hole(4, 33)] }), body("bolt", { cells: 0 })]));
+  assert.deepEqual(care, { level: "bad", text: "Look here: “bolt” owns no cell at all: is it in the right place, and wider than a cell?" });
+});
+
+test("many bodies are not all named", () => {
+  const empty = ["a", "b", "c", "d", "e"].map((name) => body(name, { cells: 0 }));
+  assert.match(care_of(info(empty)).text, /“a”, “b”, “c” and 2 more own no cell at all: are they/);
+  assert.match(care_of(info(empty.slice(0, 2))).text, /“a” and “b” own/);
+});
+
+test("facets the wrong way round are probably fine, other warnings are counted", () => {
+  assert.equal(care_of(info([body("hull", { flips: [{ at: [0, 0, 0], edges: 72 }] })], ["has facets"])).level, "look");
+  assert.equal(care_of(info([body("hull")], ["one", "two"])).text, "Closed, with 2 warnings below.");
+  assert.equal(care_of(info([])).level, "fine");
+});
+
+test("compression is against a byte a cell", () => {
+  const { dense, times } = compression(info([]));
+  assert.equal(dense, 1e12);
+  assert.equal(Math.round(times), 63914);
+});

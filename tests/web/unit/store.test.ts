@@ -1,0 +1,122 @@
+// The tile store against a server that answers when it is told to.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { GridAddress, ServerError } from "@page/api";
+import type { Place } from "@page/tiles/place";
+import { SetTable } from "@page/tiles/sets";
+import { LIMITS, TileStore } from "@page/tiles/store";
+import { TileCounters } from "@page/viewer";
+
+const place = (column: number): Place => ({ axis: 2, index: 3, level: 0, column, row: 0 });
+const soon = () => new Promise((done) => setTimeout(done, 0));
+
+// Tiles of 512 x 512 cells and two sets, which are kept as they come: 262,144 bytes and a little.
+const body = () => new Uint8Array([2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, ...new Uint8Array(512 * 512)]).buffer;
+
+class Server {
+  readonly open = new Map<string, { answer: (error?: unknown) => Promise<unknown>; signal: AbortSignal }>();
+  readonly asked: string[] = [];
+  readonly store: TileStore;
+  readonly counters = new TileCounters();
+  constructor(limits: Partial<typeof LIMITS> = {}) {
+    const fetch = (path: string, { signal }: { signal: AbortSignal }) =>
+      new Promise<{ arrayBuffer(): Promise<ArrayBuffer> }>((resolve, reject) => {
+        const name = /(\d+)_0\.bin/.exec(path)![1]!;
+        this.asked.push(name);
+        this.open.set(name, {
+          signal,
+          answer: (error) => {
+            this.open.delete(name);
+            if (error) reject(error);
+            else resolve({ arrayBuffer: async () => body() });
+            return soon();
+          },
+        });
+        signal.addEventListener("abort", () => {
+          this.open.delete(name);
+          reject(new DOMException("given up", "AbortError"));
+        });
+      });
+    this.store = new TileStore(new GridAddress("g", "hash"), [100_000, 512, 10], new SetTable(), this.counters, fetch, { ...LIMITS, ...limits });
+  }
+  want(columns: readonly number[], ahead: readonly number[] = []): void {
+    this.store.want([...columns.map((c) => ({ place: place(c), ahead: false })), ...ahead.map((c) => ({ place: place(c), ahead: true }))]);
+  }
+  has = (column: number) => this.store.find(place(column)) !== null;
+  names = () => [...this.open.keys()].map(Number);
+}
+
+test("most urgent first, no more at once than browsers open connections", async () => {
+  const s = new Server();
+  s.want([4, 3, 2, 1, 0, 5, 6, 7]);
+  assert.deepEqual(s.names(), [4, 3, 2, 1, 0, 5]);
+  await s.open.get("2")!.answer();
+  assert.ok(s.has(2));
+  assert.deepEqual(s.names(), [4, 3, 1, 0, 5, 6]);
+  assert.equal(s.counters.in_flight.value, 6);
+  s.store.close();
+});
+
+test("what is asked for ahead of time leaves room, and gives way", async () => {
+  const s = new Server();
+  s.want([], [1, 2, 3, 4, 5, 6]);
+  assert.equal(s.names().length, LIMITS.ahead);
+  s.want([11, 12, 13, 14, 15, 16], [1, 2, 3]);
+  assert.deepEqual(s.names().sort(), [11, 12, 13, 14, 15, 16]);
+  s.store.close();
+});
+
+test("what nobody wants any more is given up as soon as its place is needed", async () => {
+  const s = new Server();
+  s.want([1, 2, 3, 4, 5, 6]);
+  const given_up = s.open.get("1")!.signal;
+  s.want([7, 2]);
+  assert.ok(s.names().includes(7) && s.names().includes(2));
+  assert.equal(s.names().length, 6);
+  s.want([7, 2, 8, 9, 10, 11]);
+  assert.deepEqual(s.names().sort((a, b) => a - b), [2, 7, 8, 9, 10, 11]);
+  assert.ok(given_up.aborted);
+  s.store.close();
+});
+
+test("no tile is asked for twice", async () => {
+  const s = new Server();
+  s.want([1, 2]);
+  s.want([1, 2]);
+  await s.open.get("1")!.answer();
+  await s.open.get("2")!.answer();
+  s.want([1, 2]);
+  assert.deepEqual(s.asked, ["1", "2"]);
+  s.store.close();
+});
+
+test("it holds a number of bytes: what was not used for longest goes first", async () => {
+  const s = new Server({ bytes: 4 * 263_000 });
+  for (const c of [1, 2, 3, 4]) {
+    s.want([c]);
+    await s.open.get(String(c))!.answer();
+  }
+  assert.ok(s.has(1)); // used: 2 is the oldest now
+  s.want([5]);
+  await s.open.get("5")!.answer();
+  assert.deepEqual([1, 2, 3, 4, 5].filter(s.has), [1, 3, 4, 5]);
+  assert.ok(s.counters.bytes.value <= 4 * 263_000);
+  s.store.close();
+});
+
+test("what failed is tried again after a while, or when the server is back; what is damaged is told so", async () => {
+  const s = new Server({ retry_ms: 20, retry_most_ms: 1_000_000 });
+  s.want([1, 2]);
+  await s.open.get("1")!.answer(new ServerError(0, "unreachable", "the server can't be reached"));
+  await s.open.get("2")!.answer(new ServerError(500, "damaged", "a chunk is damaged"));
+  assert.deepEqual([s.store.is_damaged(place(1)), s.store.is_damaged(place(2))], [false, true]);
+  assert.deepEqual([s.counters.failed.value, s.counters.damaged.value], [1, 1]);
+  while (!s.open.has("1")) await new Promise((done) => setTimeout(done, 10));
+  assert.deepEqual(s.names(), [1]); // the damaged one not so soon
+  await s.open.get("1")!.answer(new ServerError(0, "unreachable", "the server can't be reached"));
+  s.store.retry();
+  assert.deepEqual(s.names(), [1, 2]);
+  await s.open.get("2")!.answer();
+  assert.ok(s.has(2) && !s.store.is_damaged(place(2)));
+  s.store.close();
+});

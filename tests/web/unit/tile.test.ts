@@ -1,0 +1,50 @@
+// A tile's bytes as the server writes them (server/tiles.cpp, raw_sets), read back; and cut at every byte.
+import assert from "node:assert/strict";
+import test from "node:test";
+import type { Place } from "@page/tiles/place";
+import { SetTable } from "@page/tiles/sets";
+import { decode_tile, set_at } from "@page/tiles/tile";
+
+const place: Place = { axis: 2, index: 5, level: 3, column: 1, row: 2 };
+
+function encoded(sets: readonly (readonly number[])[], labels: readonly number[]): ArrayBuffer {
+  const words = [sets.length, 0, ...sets.flatMap((set) => [set.length, ...set])];
+  const wide = sets.length > 256;
+  const bytes = new Uint8Array(2 * words.length + labels.length * (wide ? 2 : 1));
+  const view = new DataView(bytes.buffer);
+  words.forEach((word, i) => view.setUint16(2 * i, word, true));
+  labels.forEach((label, i) => (wide ? view.setUint16(2 * (words.length + i), label, true) : view.setUint8(2 * words.length + i, label)));
+  return bytes.buffer;
+}
+
+for (const count of [1, 2, 256, 257, 1000])
+  test(`the sets of all cells, ${count} of them in the tile`, () => {
+    const table = new SetTable();
+    table.number_of([7]); // known from another tile
+    const sets = Array.from({ length: count }, (_, i) => (i === 0 ? [] : i % 3 ? [i] : [i, i + 1, 65535]));
+    const [width, height] = [37, 29];
+    const labels = Array.from({ length: width * height }, (_, i) => (i * 7919) % count);
+    const tile = decode_tile(place, [width, height], encoded(sets, labels), table);
+    for (let v = 0; v < height; ++v)
+      for (let u = 0; u < width; ++u) {
+        // Any cell of level 0 below it.
+        const number = set_at(tile, (512 * place.column + u) * 8 + (u % 8), (512 * place.row + v) * 8 + (v % 8));
+        assert.deepEqual(table.members(number), sets[labels[v * width + u]!]);
+      }
+  });
+
+test("bytes that are no tile are refused, whatever is missing or too much", () => {
+  const whole = new Uint8Array(encoded([[0], [1, 2]], Array.from({ length: 12 }, (_, i) => i % 2)));
+  const decode = (bytes: Uint8Array) => decode_tile(place, [4, 3], bytes.slice().buffer, new SetTable());
+  decode(whole);
+  for (let length = 0; length < whole.length; ++length) assert.throws(() => decode(whole.subarray(0, length)), /expected/, `${length} bytes`);
+  assert.throws(() => decode(new Uint8Array([...whole, 0])), /expected/);
+});
+
+test("the same set has the same number in all tiles", () => {
+  const table = new SetTable();
+  const a = decode_tile(place, [1, 1], encoded([[1, 2]], [0]), table);
+  const b = decode_tile({ ...place, row: 0 }, [2, 1], encoded([[3], [1, 2]], [0, 1]), table);
+  assert.equal(a.sets[0], b.sets[1]);
+  assert.notEqual(b.sets[0], b.sets[1]);
+});

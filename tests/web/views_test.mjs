@@ -1,0 +1,312 @@
+// The slice views: what they show is what `teracell slice` gives, whatever gesture or key led there.
+import assert from "node:assert/strict";
+import test, { after, before } from "node:test";
+import { expected_labels, grids, info_of, open_browser, open_grid, packed, pixels, point_of, screenshot, serve, settled, state, view } from "./support.mjs";
+
+let browser, server;
+before(async () => {
+  server = await serve(grids);
+  browser = await open_browser();
+});
+after(async () => {
+  await browser.close();
+  assert.deepEqual(await server.stop(), []);
+});
+
+const open = (grid, rest = "") => open_grid(browser, `${server.url}#g=${grid}${rest}`);
+async function close(page) {
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
+}
+
+const color_of = (material) => {
+  const channel = (at) => Number.parseInt(material.color.slice(at, at + 2), 16);
+  return packed(channel(1), channel(3), channel(5));
+};
+
+// Holds the pixels of a view against the cells. Each material must have one colour: its own where it is opaque, and `shown` says
+// which materials are; the others have the ground's, as has everything that can't be seen. Returns the share of each material.
+async function expect_cells(page, grid, axis, shown = () => true) {
+  await settled(page);
+  const where = await page.evaluate(() => ({ cell: teracell.viewer.cell.value, centre: teracell.viewer.centre.value, zoom: teracell.viewer.zoom.value }));
+  const { width, height, data } = await pixels(page, axis);
+  const labels = expected_labels(grid, axis, where, width, height);
+  const { materials } = info_of(grid);
+  const counts = materials.map(() => 0);
+  let ground = null;
+  let wrong = 0;
+  labels.forEach((label, i) => {
+    if (label < 0) return;
+    ++counts[label];
+    const clear = materials[label].color.endsWith("00") && materials[label].color.length === 9;
+    if (clear || !shown(label)) ground ??= data[i];
+    if (data[i] !== (clear || !shown(label) ? ground : color_of(materials[label]))) ++wrong;
+  });
+  assert.equal(wrong, 0, `${wrong} of ${labels.length} pixels of the slice across ${axis} are wrong`);
+  return counts.map((n) => n / labels.length);
+}
+
+// Cells of several pixels, so that each pixel has one; without lines between them.
+async function look(page, cell, zoom) {
+  await page.evaluate(
+    ({ cell, zoom }) => {
+      const { viewer } = teracell;
+      viewer.show_lines.value = false;
+      viewer.go_to_cell(cell);
+      viewer.zoom.value = zoom;
+    },
+    { cell, zoom },
+  );
+  await settled(page);
+}
+
+test("every view shows the cells of its slice, pixel by pixel", async () => {
+  const page = await open("stadium");
+  const step = info_of("stadium").grid.axes[0].step;
+  for (const cell of [[300, 60, 30], [120, 240, 20]]) {
+    await look(page, cell, 4 / step);
+    const seen = [];
+    for (const axis of ["x", "y", "z"]) seen.push(...(await expect_cells(page, "stadium", axis)).filter((share) => share > 0.005));
+    assert.ok(seen.length >= 5, "there is little to see");
+  }
+  await screenshot(page, "stadium-cells");
+  await close(page);
+});
+
+test("graded axes are true to scale", async () => {
+  const page = await open("graded");
+  await page.evaluate(() => (teracell.viewer.show_lines.value = false));
+  await screenshot(page, "graded");
+  for (const [cell, zoom] of [[[50, 30, 8], 12], [[110, 30, 15], 5], [[3, 5, 2], 60]]) {
+    await look(page, cell, zoom);
+    for (const axis of ["x", "y", "z"]) await expect_cells(page, "graded", axis);
+  }
+  // The whole domain: steel fills half of its width, though it has 113 of 130 cells.
+  await page.keyboard.press("0");
+  await settled(page);
+  const { width, height, data } = await pixels(page, "z");
+  const zoom = await state(page, "zoom");
+  const steel = packed(0x3a, 0x6e, 0xa5);
+  const [from, to] = [0, 100].map((x) => Math.round(width / 2 + (x - 50) * zoom));
+  const row = data.subarray(Math.floor(height / 2) * width, (Math.floor(height / 2) + 1) * width);
+  const share = row.subarray(from, to).filter((pixel) => pixel === steel).length / (to - from);
+  assert.ok(Math.abs(share - 0.48) < 0.02, `steel is ${share} of the width`); // the plate of gold takes 2 of its 50
+  await close(page);
+});
+
+test("the wheel scrolls slices: one, with shift ten", async () => {
+  const page = await open("stadium");
+  await page.mouse.move(...(await point_of(page, "z")));
+  const [i, j, k] = await state(page, "cell");
+  const wheel = async (by, ...keys) => {
+    for (const key of keys) await page.keyboard.down(key);
+    await page.mouse.wheel(0, by);
+    for (const key of keys) await page.keyboard.up(key);
+    await page.waitForTimeout(50);
+    return state(page, "cell");
+  };
+  assert.deepEqual(await wheel(100), [i, j, k + 1]);
+  assert.deepEqual(await wheel(-100), [i, j, k]);
+  assert.deepEqual(await wheel(-100, "Shift"), [i, j, k - 10]);
+  await page.mouse.move(...(await point_of(page, "x")));
+  assert.deepEqual(await wheel(100), [i + 1, j, k - 10]);
+  await page.mouse.move(...(await point_of(page, "y")));
+  assert.deepEqual(await wheel(-100, "Shift"), [i + 1, j - 10, k - 10]);
+  // As fast as it can be turned; and never out of the grid.
+  for (let n = 0; n < 60; ++n) await page.mouse.wheel(0, -100);
+  await page.waitForFunction((expected) => teracell.viewer.cell.value[1] === expected, Math.max(0, j - 70));
+  await look(page, await state(page, "cell"), 4 / info_of("stadium").grid.axes[0].step);
+  await expect_cells(page, "stadium", "y");
+  for (let n = 0; n < 40; ++n) await wheel(-100, "Shift");
+  assert.equal((await state(page, "cell"))[1], 0);
+  await close(page);
+});
+
+test("ctrl and wheel zoom at the pointer, dragging moves the picture by as much, a right click recentres", async () => {
+  const page = await open("stadium");
+  const at = (centre, zoom, dx, dy) => [centre[0] + dx / zoom, centre[1] - dy / zoom]; // of the view across z
+  const box = await view(page, "z").boundingBox();
+  const [x, y] = await point_of(page, "z", 120, -70);
+  const offset = [x - (box.x + box.width / 2), y - (box.y + box.height / 2)];
+  const start = { centre: await state(page, "centre"), zoom: await state(page, "zoom") };
+  await page.mouse.move(x, y);
+  await page.keyboard.down("Control");
+  for (let n = 0; n < 5; ++n) await page.mouse.wheel(0, -100);
+  await page.keyboard.up("Control");
+  await settled(page);
+  const near = { centre: await state(page, "centre"), zoom: await state(page, "zoom") };
+  assert.ok(near.zoom > 1.5 * start.zoom);
+  const [p, q] = [at(start.centre, start.zoom, ...offset), at(near.centre, near.zoom, ...offset)];
+  p.forEach((value, d) => assert.ok(Math.abs(value - q[d]) < 0.01 / near.zoom, `the point under the pointer moved: ${p} to ${q}`));
+
+  await page.mouse.down();
+  await page.mouse.move(x - 50, y + 30, { steps: 5 });
+  await page.mouse.up();
+  await settled(page);
+  const moved = await state(page, "centre");
+  assert.ok(Math.abs((moved[0] - near.centre[0]) * near.zoom - 50) < 1.5 && Math.abs((moved[1] - near.centre[1]) * near.zoom - 30) < 1.5);
+  assert.deepEqual(await state(page, "pinned"), null, "a drag is no click");
+
+  await page.mouse.click(x - 100, y + 60, { button: "right" });
+  await settled(page);
+  const { grid } = info_of("stadium");
+  const [cell, centre] = [await state(page, "cell"), await state(page, "centre")];
+  const expected = at(moved, near.zoom, offset[0] - 100, offset[1] + 60);
+  for (const d of [0, 1]) {
+    assert.equal(cell[d], Math.floor((expected[d] - grid.axes[d].min) / grid.axes[d].step));
+    assert.ok(Math.abs(centre[d] - expected[d]) <= grid.axes[d].step);
+  }
+  await expect_cells(page, "stadium", "x").catch(async () => {
+    // At this zoom a pixel may hold several cells: look closer.
+    await look(page, cell, 4 / grid.axes[0].step);
+    await expect_cells(page, "stadium", "x");
+  });
+  await close(page);
+});
+
+test("a click puts the crosshair on the cell, and the other views follow", async () => {
+  const page = await open("stadium");
+  await look(page, [300, 120, 25], 4 / info_of("stadium").grid.axes[0].step);
+  const { centre, zoom } = { centre: await state(page, "centre"), zoom: await state(page, "zoom") };
+  const { grid } = info_of("stadium");
+  const cell_of = (d, coordinate) => Math.floor((coordinate - grid.axes[d].min) / grid.axes[d].step);
+  await page.mouse.click(...(await point_of(page, "z", 61, 37)));
+  await settled(page);
+  assert.deepEqual(await state(page, "cell"), [cell_of(0, centre[0] + 61 / zoom), cell_of(1, centre[1] - 37 / zoom), 25]);
+  for (const axis of ["x", "y", "z"]) await expect_cells(page, "stadium", axis);
+  await page.mouse.click(...(await point_of(page, "x", -50, -22)));
+  await settled(page);
+  assert.deepEqual((await state(page, "cell")).slice(1), [cell_of(1, centre[1] - 50 / zoom), cell_of(2, centre[2] + 22 / zoom)]);
+  for (const axis of ["y", "z"]) await expect_cells(page, "stadium", axis);
+  await close(page);
+});
+
+test("the keys", async () => {
+  const page = await open("stadium");
+  await page.mouse.move(...(await point_of(page, "y")));
+  const [i, j, k] = await state(page, "cell");
+  await page.keyboard.press(".");
+  assert.deepEqual(await state(page, "cell"), [i, j + 1, k]);
+  await page.keyboard.press(",");
+  await page.keyboard.press("Shift+<");
+  assert.deepEqual(await state(page, "cell"), [i, j - 10, k]);
+  for (const [key, name] of [["a", "show_axes"], ["b", "show_scale"], ["l", "show_lines"], ["o", "show_outline"]]) {
+    const was = await state(page, name);
+    await page.keyboard.press(key);
+    assert.equal(await state(page, name), !was, key);
+    await page.keyboard.press(key);
+    assert.equal(await state(page, name), was, key);
+  }
+  await page.keyboard.press("Space");
+  assert.equal(await state(page, "layout"), "y");
+  await settled(page);
+  await screenshot(page, "stadium-y-alone");
+  assert.ok(await view(page, "y").isVisible());
+  assert.ok(!(await view(page, "z").isVisible()));
+  await page.keyboard.press("Space");
+  assert.equal(await state(page, "layout"), "four");
+  const zoom = await state(page, "zoom");
+  await page.keyboard.press("+");
+  assert.ok((await state(page, "zoom")) > zoom);
+  await page.keyboard.press("0");
+  await settled(page);
+  assert.ok(Math.abs((await state(page, "zoom")) / zoom - 1) < 1e-9);
+  await page.keyboard.press("h");
+  const help = page.getByRole("dialog");
+  await help.waitFor();
+  assert.match(await help.innerText(), /next or previous slice/);
+  await screenshot(page, "help");
+  await page.keyboard.press("Escape");
+  await help.waitFor({ state: "hidden" });
+  await close(page);
+});
+
+test("slider, number and coordinate say the slice, and play sweeps it", async () => {
+  const page = await open("graded");
+  const { planes } = info_of("graded").grid.axes[2];
+  await page.getByLabel("Slice across z, from 0 to 19").fill("7");
+  await page.keyboard.press("Enter");
+  assert.equal((await state(page, "cell"))[2], 7);
+  const coordinate = page.getByLabel(/^Coordinate z of the slice/);
+  assert.equal(Number(await coordinate.inputValue()), Number(((planes[7] + planes[8]) / 2).toFixed(3)));
+  await coordinate.fill("33");
+  await page.keyboard.press("Enter");
+  assert.equal((await state(page, "cell"))[2], planes.findIndex((p) => p > 33) - 1);
+  await coordinate.fill("nonsense");
+  await page.keyboard.press("Enter");
+  assert.equal((await state(page, "cell"))[2], planes.findIndex((p) => p > 33) - 1);
+  await page.getByRole("slider", { name: "Slice across z", exact: true }).fill("2");
+  assert.equal((await state(page, "cell"))[2], 2);
+  await page.getByRole("button", { name: "Play the slices across z" }).click();
+  await page.waitForFunction(() => teracell.viewer.cell.value[2] >= 5);
+  await page.getByRole("button", { name: "Pause z" }).click();
+  const at = (await state(page, "cell"))[2];
+  await page.waitForTimeout(300);
+  assert.equal((await state(page, "cell"))[2], at);
+  await close(page);
+});
+
+test("materials: hidden ones leave the pixels at once, one alone, another colour", async () => {
+  const page = await open("stadium");
+  await look(page, [300, 60, 30], 4 / info_of("stadium").grid.axes[0].step);
+  const whole = await expect_cells(page, "stadium", "z");
+  const id = whole.indexOf(Math.max(...whole.slice(1)));
+  const { name } = info_of("stadium").materials[id];
+  const requests = server.requests().filter((r) => r.route === "tile_bin").length;
+  const show = page.getByRole("button", { name: `Show ${name}`, exact: true });
+  await show.click();
+  assert.equal(await show.getAttribute("aria-pressed"), "false");
+  await expect_cells(page, "stadium", "z", (m) => m !== id);
+  await show.click();
+  const only = page.getByRole("button", { name: `Only ${name}`, exact: true });
+  await only.click();
+  await expect_cells(page, "stadium", "z", (m) => m === id);
+  await screenshot(page, "stadium-one-material");
+  await only.click();
+  await expect_cells(page, "stadium", "z");
+  await page.getByLabel(`Colour of ${name}`).fill("#12ab34");
+  await settled(page);
+  const { data } = await pixels(page, "z");
+  const share = data.filter((pixel) => pixel === packed(0x12, 0xab, 0x34)).length / data.length;
+  assert.ok(Math.abs(share - whole[id]) < 1e-9);
+  await page.getByRole("button", { name: "Reset" }).click();
+  await expect_cells(page, "stadium", "z");
+  await page.waitForTimeout(200);
+  const later = server.requests().filter((r) => r.route === "tile_bin").length;
+  assert.equal(later, requests, "looks need no tiles");
+  await close(page);
+});
+
+test("coarse cells are the mean of their materials, as in the server's own pictures", async () => {
+  // The whole grid in a small window: the page's pictures against `slice.png` of the level that it shows, by their mean colour.
+  const page = await open_grid(browser, `${server.url}#g=stadium&layout=z`, { width: 500, height: 500 });
+  await page.evaluate(() => (teracell.viewer.show_lines.value = false));
+  await settled(page);
+  const { level, cell } = await page.evaluate(() => ({ level: teracell.viewer.level[2].value, cell: teracell.viewer.cell.value }));
+  assert.ok(level >= 1);
+  const mean = await page.evaluate(
+    async ({ level, k }) => {
+      const picture = await createImageBitmap(await (await fetch(`api/v1/grids/stadium/slice/z/${k >> level}.png?level=${level}`)).blob());
+      const view = document.querySelector('[data-view="z"] .view-cells');
+      const { centre, zoom, axes } = teracell.viewer;
+      const x = (d, end) => view.width / 2 + (axes[d][end] - centre.value[d]) * zoom.value;
+      const y = (end) => view.height / 2 - (axes[1][end] - centre.value[1]) * zoom.value;
+      const box = [x(0, "min"), y("max"), x(0, "max") - x(0, "min"), y("min") - y("max")];
+      const context = new OffscreenCanvas(16, 16).getContext("2d");
+      const ground = view.getContext("2d").getImageData(Math.ceil(box[0]) + 1, Math.ceil(box[1]) + 1, 1, 1).data;
+      const reduced = (draw) => {
+        context.fillStyle = `rgb(${ground[0]} ${ground[1]} ${ground[2]})`;
+        context.fillRect(0, 0, 16, 16);
+        context.imageSmoothingQuality = "high";
+        draw();
+        return [...context.getImageData(0, 0, 16, 16).data];
+      };
+      const server = reduced(() => context.drawImage(picture, 0, 0, 16, 16));
+      const own = reduced(() => context.drawImage(view, ...box, 0, 0, 16, 16));
+      return server.reduce((sum, value, i) => sum + Math.abs(value - own[i]), 0) / server.length;
+    },
+    { level, k: cell[2] },
+  );
+  assert.ok(mean < 6, `colours differ by ${mean} of 255 in the mean`);
+  await close(page);
+});

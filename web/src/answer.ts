@@ -1,0 +1,42 @@
+// What an address of the server gives, for a component: fetched when the address changes, the former answer kept until the next one
+// is there (nothing flickers), asked for again when a lost server is back.
+import { useEffect, useState } from "preact/hooks";
+import { ServerError, get_json } from "./api";
+import { returned } from "./connection";
+
+export interface Answer<T> {
+  value: T | null;
+  path: string | null; // of the value
+  error: string | null;
+}
+
+export function use_answer<T>(path: string | null): Answer<T> {
+  const [answer, set_answer] = useState<Answer<T>>({ value: null, path: null, error: null });
+  const again = returned.value;
+  useEffect(() => {
+    if (path === null) return;
+    const abort = new AbortController();
+    get_json<T>(path, abort.signal).then(
+      (value) => set_answer({ value, path, error: null }),
+      (error: unknown) => {
+        if (abort.signal.aborted) return;
+        // A version that is gone: the page says so as a whole (banners.tsx).
+        if (error instanceof ServerError && error.status === 404 && path.includes("v=")) return;
+        const words = error instanceof ServerError ? error.message : String(error);
+        set_answer((before) => ({ ...before, error: words }));
+      },
+    );
+    return () => abort.abort();
+  }, [path, again]);
+  return answer;
+}
+
+// A value that has stood still for a while: what is dragged is not asked for at every step.
+export function use_settled<T>(value: T, milliseconds: number): T {
+  const [settled, set_settled] = useState(value);
+  useEffect(() => {
+    const timer = setTimeout(() => set_settled(value), milliseconds);
+    return () => clearTimeout(timer);
+  }, [value, milliseconds]);
+  return settled;
+}

@@ -1,0 +1,202 @@
+// What the server says, typed, and the one way to ask for it. Addresses are relative to the page: it may lie under any base path.
+import { signal } from "@preact/signals";
+import { not_reached, reached } from "./connection";
+import { say } from "./toasts";
+
+export type Index3 = [number, number, number];
+export type AxisIndex = 0 | 1 | 2;
+export const AXIS_NAMES = ["x", "y", "z"] as const;
+
+export type AxisJson = { type: "uniform"; min: number; step: number; first: number; cells: number } | { type: "graded"; planes: number[] };
+
+export interface Material {
+  id: number;
+  name: string;
+  color: string; // #rrggbb or #rrggbbaa
+  rank: number; // where one of several materials is needed, the least wins
+}
+
+export interface Hole {
+  at: [number, number, number];
+  edges: number;
+  diameter: number;
+  diameter_cells?: number;
+  cap_area: number;
+}
+
+// A curve along which facets face the other way than their neighbours.
+export interface Flip {
+  at: [number, number, number];
+  edges: number;
+}
+
+export interface BodyReport {
+  name: string;
+  facets: number;
+  degenerate: number;
+  duplicates: number;
+  shells: number;
+  fill: { rule: string; shells: number; why: string }[];
+  holes: Hole[];
+  flips: Flip[];
+  cells: number;
+  cells_text?: string; // exact, past 2^53
+}
+
+export interface Report {
+  bodies: BodyReport[];
+  crossings: number;
+  warnings: string[];
+  inputs: { path: string; format: string; bytes: number; hash: string }[];
+  ray_axis?: { axis: string; why: string; crossings_expected?: number[] };
+}
+
+export interface GridInfo {
+  id: string;
+  units: string;
+  ray_axis: string;
+  grid: { min: number[]; max: number[]; cells: Index3; sample: number[]; axes: AxisJson[]; cells_text: string };
+  materials: Material[];
+  levels: { level: number; cells: Index3; stored: boolean; chunks: number; bytes: number }[];
+  file: { bytes: number; version: string; hash: string };
+  crossings: number;
+  bits_per_crossing: number;
+  report: Report;
+}
+
+export interface GridSummary {
+  id: string;
+  name: string;
+  cells: Index3;
+  bytes: number;
+  hash: string;
+  units: string;
+}
+
+export interface MaterialStats {
+  id: number;
+  name: string;
+  cells: number;
+  cells_text?: string; // exact, past 2^53
+  volume: number;
+  box: [number, number, number, number, number, number] | null;
+}
+export interface Stats {
+  region: [number, number, number, number, number, number];
+  materials: MaterialStats[];
+}
+
+export interface ColumnRun {
+  from: number;
+  to: number;
+  min: number;
+  max: number;
+  material: number;
+  name: string;
+}
+export interface Column {
+  axis: string;
+  at: [number, number];
+  runs: ColumnRun[];
+}
+
+// The server answered, and it was an error; or it did not answer (status 0).
+export class ServerError extends Error {
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    message: string,
+  ) {
+    super(message);
+  }
+}
+
+async function error_of(response: Response): Promise<ServerError> {
+  try {
+    const { error } = (await response.json()) as { error: { code: string; message: string } };
+    return new ServerError(response.status, error.code, error.message);
+  } catch {
+    return new ServerError(response.status, "http", `the server answered ${response.status} ${response.statusText}`);
+  }
+}
+
+// A server may ask for a token (--token-file). The page itself comes without one, as browsers send none when they open it, and
+// then asks: the field is shown while `token_wanted`, and hands what is typed to give_token(). It is kept for this tab alone.
+export const token_wanted = signal(false);
+const kTokenKey = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may lie under another path
+
+function headers(): Record<string, string> {
+  const token = sessionStorage.getItem(kTokenKey());
+  return token ? { authorization: `Bearer ${token}` } : {};
+}
+
+export const has_token = (): boolean => sessionStorage.getItem(kTokenKey()) !== null;
+
+// The page begins anew: whatever was refused is asked for again, and the address has the state.
+export function give_token(token: string): void {
+  sessionStorage.setItem(kTokenKey(), token.trim());
+  location.reload();
+}
+
+// The file behind a grid was replaced: an address with the old version has nothing any more. Counts up.
+export const version_gone = signal(0);
+
+// What concerns the whole page, whoever asked.
+function noted(error: ServerError, path: string): ServerError {
+  if (error.status === 401) token_wanted.value = true;
+  else if (error.status === 404 && path.includes("v=")) ++version_gone.value;
+  else if (error.status >= 500) say(`${error.message[0]?.toUpperCase()}${error.message.slice(1)}`);
+  return error;
+}
+
+// Fetches an address below the server's root. Throws ServerError, or AbortError when the signal says so.
+export async function get(path: string, options: { signal?: AbortSignal; priority?: "high" | "low" | "auto" } = {}): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, { ...options, headers: headers() });
+  } catch (error) {
+    if (options.signal?.aborted) throw error;
+    not_reached();
+    throw new ServerError(0, "unreachable", "the server can't be reached");
+  }
+  // A server in front answers 502 or 504 for one that is gone.
+  if (response.status === 502 || response.status === 504) not_reached();
+  else reached();
+  if (!response.ok) throw noted(await error_of(response), path);
+  return response;
+}
+
+export async function get_json<T>(path: string, signal?: AbortSignal): Promise<T> {
+  return (await (await get(path, signal ? { signal } : {})).json()) as T;
+}
+
+// Addresses of one grid. Those with its version may be kept for ever by the browser.
+export class GridAddress {
+  private readonly base: string;
+  constructor(
+    readonly id: string,
+    readonly hash: string,
+  ) {
+    this.base = `api/v1/grids/${encodeURIComponent(id)}`;
+  }
+  // The sets of a tile of 512 x 512 cells: see tile format in tiles/tile.ts.
+  tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
+    return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1&v=${this.hash}`;
+  }
+  // A cube of 64^3 cells of a level, the strongest material of each: gzip around bytes (two when there are more than 256 materials).
+  cube(level: number, [x, y, z]: Index3): string {
+    return `zarr/${encodeURIComponent(this.id)}/${level}/c/${z}/${y}/${x}?v=${this.hash}`;
+  }
+  column(axis: AxisIndex, a: number, b: number): string {
+    return `${this.base}/column/${AXIS_NAMES[axis]}/${a}_${b}?v=${this.hash}`;
+  }
+  stats(region?: readonly number[]): string {
+    return `${this.base}/stats?${region ? `region=${region.join(",")}&` : ""}v=${this.hash}`;
+  }
+  cell(index: Index3): string {
+    return `${this.base}/cell?i=${index[0]}&j=${index[1]}&k=${index[2]}&v=${this.hash}`;
+  }
+}
+
+export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[] }>("api/v1/grids", signal).then((j) => j.grids);
+export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);

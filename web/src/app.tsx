@@ -1,0 +1,48 @@
+// The frame of the page: what is open, what is wrong, and what floats above.
+import { useEffect } from "preact/hooks";
+import { token_wanted } from "./api";
+import { Banners } from "./banners";
+import { watch_network } from "./connection";
+import { Header } from "./header";
+import { Help } from "./help";
+import { Dock } from "./dock/dock";
+import { opening, start_page, trouble, viewer } from "./page";
+import { SidePanel } from "./panels/side_panel";
+import { StartPage } from "./start_page";
+import { keep_theme } from "./theme";
+import { Toasts } from "./toasts";
+import { TokenForm } from "./token_form";
+import { Views } from "./views/views";
+import "./style.css";
+
+keep_theme();
+
+export function App() {
+  useEffect(() => {
+    watch_network();
+    void start_page();
+  }, []);
+  const open = viewer.value;
+  if (token_wanted.value) return <TokenForm />;
+  return (
+    <>
+      <div class="page" key={open ? `${open.info.id} ${open.info.file.hash}` : "none"}>
+        <Header viewer={open} />
+        {open ? (
+          <div class="workspace">
+            <main class="views-area" aria-label="Slices">
+              <Views viewer={open} />
+            </main>
+            <Dock viewer={open} />
+            <SidePanel viewer={open} />
+          </div>
+        ) : (
+          <StartPage waiting={opening.value} trouble={trouble.value} />
+        )}
+      </div>
+      <Banners />
+      {open && <Help />}
+      <Toasts />
+    </>
+  );
+}

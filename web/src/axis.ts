@@ -1,0 +1,69 @@
+// An axis of the grid: between cell indices and coordinates, as the store has them (store/grid.hpp).
+import type { AxisIndex, AxisJson } from "./api";
+
+export class Axis {
+  readonly cells: number;
+  readonly min: number;
+  readonly max: number;
+  readonly graded: boolean;
+  private readonly planes: Float64Array | null;
+
+  constructor(
+    private readonly json: AxisJson,
+    private readonly sample: number,
+  ) {
+    this.planes = json.type === "graded" ? Float64Array.from(json.planes) : null;
+    this.graded = this.planes !== null;
+    this.cells = json.type === "graded" ? json.planes.length - 1 : json.cells;
+    this.min = this.plane(0);
+    this.max = this.plane(this.cells);
+  }
+
+  // Cell i lies between plane(i) and plane(i + 1).
+  plane(i: number): number {
+    if (this.json.type === "graded") return this.planes![i]!;
+    return this.json.min + (this.json.first + i) * this.json.step;
+  }
+
+  // The point that decides cell i's material.
+  centre(i: number): number {
+    if (this.json.type === "graded") return this.planes![i]! + this.sample * (this.planes![i + 1]! - this.planes![i]!);
+    return this.json.min + (this.json.first + i + this.sample) * this.json.step;
+  }
+
+  // The cell that holds a coordinate; below 0 or from `cells` on when it lies outside.
+  cell_at(x: number): number {
+    if (x < this.min) return -1;
+    if (x >= this.max) return this.cells;
+    if (this.json.type === "uniform") {
+      let i = Math.floor((x - this.json.min) / this.json.step) - this.json.first;
+      while (i > 0 && x < this.plane(i)) --i; // the division rounds
+      while (i + 1 < this.cells && x >= this.plane(i + 1)) ++i;
+      return Math.min(Math.max(i, 0), this.cells - 1);
+    }
+    let low = 0;
+    let high = this.cells;
+    while (high - low > 1) {
+      const middle = (low + high) >> 1;
+      if (x < this.planes![middle]!) high = middle;
+      else low = middle;
+    }
+    return low;
+  }
+
+  clamp(i: number): number {
+    return Math.min(Math.max(Math.round(i), 0), this.cells - 1);
+  }
+}
+
+// The axes of a picture across `w`: z -> (x, y), y -> (x, z), x -> (y, z); u points right, v up.
+export interface Frame {
+  readonly u: AxisIndex;
+  readonly v: AxisIndex;
+  readonly w: AxisIndex;
+}
+export const FRAMES: readonly [Frame, Frame, Frame] = [
+  { u: 1, v: 2, w: 0 },
+  { u: 0, v: 2, w: 1 },
+  { u: 0, v: 1, w: 2 },
+];

@@ -1,0 +1,55 @@
+// What the whole page should know: the server does not answer; the file behind the grid is another one now.
+import { useEffect, useState } from "preact/hooks";
+import { connection, next_try, try_now } from "./connection";
+import { clock } from "./format";
+import { Icon } from "./icons";
+import { reload, stale, viewer } from "./page";
+
+function Waiting() {
+  const [, tick] = useState(0);
+  useEffect(() => {
+    const timer = setInterval(() => tick((n) => n + 1), 1000);
+    return () => clearInterval(timer);
+  }, []);
+  const seconds = next_try.value === null ? 0 : Math.max(0, Math.ceil((next_try.value - Date.now()) / 1000));
+  return <>{seconds > 0 ? `trying again in ${seconds} s` : "trying again"}</>;
+}
+
+export function Banners() {
+  const lost = connection.value.state === "lost";
+  const id = viewer.value?.info.id;
+  return (
+    <div class="banners" role="status" aria-live="polite">
+      {lost && (
+        <div class="banner bad">
+          <Icon name="warning" />
+          <span>
+            The server does not answer since {clock(connection.value.since)};{" "}
+            <span aria-hidden="true">
+              <Waiting />
+            </span>
+            . What is on screen stays.
+          </span>
+          <button class="button" onClick={() => void try_now()}>
+            Try now
+          </button>
+        </div>
+      )}
+      {!lost && stale.value === "replaced" && (
+        <div class="banner">
+          <Icon name="reload" />
+          <span>This grid was meshed again: what you see is the former one.</span>
+          <button class="button" onClick={reload}>
+            Reload it
+          </button>
+        </div>
+      )}
+      {!lost && stale.value === "gone" && (
+        <div class="banner bad">
+          <Icon name="warning" />
+          <span>“{id}” is no longer served: its file is gone. What is on screen stays.</span>
+        </div>
+      )}
+    </div>
+  );
+}

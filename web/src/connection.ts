@@ -1,0 +1,57 @@
+// Whether the server is there. Every request says how it went (api.ts); when one can't reach the server, its health is asked for
+// at growing intervals until it answers, and `returned` counts up: whoever waits for data asks again then.
+import { signal } from "@preact/signals";
+
+export interface Connection {
+  state: "there" | "lost";
+  since: number; // milliseconds, as Date.now()
+}
+
+export const connection = signal<Connection>({ state: "there", since: Date.now() });
+export const returned = signal(0);
+export const next_try = signal<number | null>(null); // when health is asked for again
+
+const FIRST_WAIT = 1000;
+const LONGEST_WAIT = 15000;
+let timer = 0;
+let wait = FIRST_WAIT;
+
+export function reached(): void {
+  if (connection.value.state === "there") return;
+  clearTimeout(timer);
+  next_try.value = null;
+  connection.value = { state: "there", since: Date.now() };
+  ++returned.value;
+}
+
+export function not_reached(): void {
+  if (connection.value.state === "lost") return;
+  connection.value = { state: "lost", since: Date.now() };
+  wait = FIRST_WAIT;
+  schedule();
+}
+
+function schedule(): void {
+  next_try.value = Date.now() + wait;
+  timer = window.setTimeout(try_now, wait);
+  wait = Math.min(2 * wait, LONGEST_WAIT);
+}
+
+// A server in front may answer for one that is gone: only a healthy answer counts.
+export async function try_now(): Promise<void> {
+  clearTimeout(timer);
+  next_try.value = null;
+  try {
+    const response = await fetch("healthz", { cache: "no-store", signal: AbortSignal.timeout(10000) });
+    if (response.ok) return reached();
+  } catch {
+    // not yet
+  }
+  if (connection.value.state === "lost") schedule();
+}
+
+// The browser knows before any request does.
+export function watch_network(): void {
+  addEventListener("offline", not_reached);
+  addEventListener("online", () => connection.value.state === "lost" && void try_now());
+}

@@ -1,0 +1,36 @@
+// Buttons that copy text, and say that they did.
+import { useState } from "preact/hooks";
+import { Icon } from "./icons";
+import { say } from "./toasts";
+
+// The clipboard is closed to pages that came over plain http from another machine: there the old way still works.
+async function copy_text(text: string): Promise<void> {
+  if (navigator.clipboard && isSecureContext) return navigator.clipboard.writeText(text);
+  const area = document.createElement("textarea");
+  area.value = text;
+  area.className = "off-screen";
+  document.body.append(area);
+  area.select();
+  const done = document.execCommand("copy");
+  area.remove();
+  if (!done) throw new Error("the browser refused");
+}
+
+export function CopyButton({ text, what, label }: { text: string | (() => string); what: string; label?: string }) {
+  const [copied, set_copied] = useState(false);
+  const copy = async () => {
+    try {
+      await copy_text(typeof text === "string" ? text : text());
+      set_copied(true);
+      setTimeout(() => set_copied(false), 1500);
+    } catch {
+      say("The browser did not allow copying: select the text instead");
+    }
+  };
+  return (
+    <button class={label ? "button" : "icon-button"} title={`Copy ${what}`} aria-label={`Copy ${what}`} onClick={copy}>
+      <Icon name={copied ? "done" : "copy"} />
+      {label && <span>{copied ? "Copied" : label}</span>}
+    </button>
+  );
+}

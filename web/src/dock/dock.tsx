@@ -1,0 +1,83 @@
+// Below the views, at a fixed height: what is under the pointer, where the crosshair (or the pinned cell) is, and the materials along
+// the three columns through it.
+import { AXIS_NAMES, type AxisIndex, type Index3 } from "../api";
+import { coordinate, grouped } from "../format";
+import { Icon } from "../icons";
+import type { Viewer } from "../viewer";
+import { Profiles, use_profiles } from "./profiles";
+import { MaterialNames } from "./material_names";
+import { width_at } from "./runs";
+
+const AXES: readonly AxisIndex[] = [0, 1, 2];
+
+// A cell's numbers and a point in it, one axis a line.
+function Place({ viewer, cell, point }: { viewer: Viewer; cell: Index3 | null; point?: readonly number[] }) {
+  return (
+    <table class="place">
+      <tbody>
+        {AXES.map((d) => {
+          const axis = viewer.axes[d];
+          const i = cell?.[d];
+          return (
+            <tr key={d} class={`axis-${AXIS_NAMES[d]}`}>
+              <th scope="row">{AXIS_NAMES[d]}</th>
+              <td class="index">{i === undefined ? "–" : grouped(i)}</td>
+              <td class="coordinate">{i === undefined ? "" : coordinate(point?.[d] ?? axis.centre(i), width_at(axis, i))}</td>
+              <td class="unit">{i === undefined ? "" : viewer.info.units}</td>
+            </tr>
+          );
+        })}
+      </tbody>
+    </table>
+  );
+}
+
+function Pointer({ viewer }: { viewer: Viewer }) {
+  const hover = viewer.hover.value;
+  return (
+    <section class="dock-part" aria-label="Under the pointer">
+      <h2>Pointer</h2>
+      <Place viewer={viewer} cell={hover?.cell ?? null} {...(hover ? { point: hover.point } : {})} />
+      <div class="dock-material">
+        <MaterialNames viewer={viewer} ids={hover?.materials ?? null} />
+      </div>
+    </section>
+  );
+}
+
+export function Dock({ viewer }: { viewer: Viewer }) {
+  const pinned = viewer.pinned.value;
+  const cell = pinned ?? viewer.cell.value;
+  const profiles = use_profiles(viewer, cell);
+  return (
+    <aside class="dock" aria-label="Read-out">
+      <Pointer viewer={viewer} />
+      <section class={`dock-part ${pinned ? "is-pinned" : ""}`} aria-label={pinned ? "Pinned cell" : "Crosshair"}>
+        <h2>
+          {pinned ? "Pinned" : "Crosshair"}
+          <span class="dock-actions">
+            {pinned ? (
+              <>
+                <button class="icon-button small" title="Look at the pinned cell" aria-label="Look at the pinned cell" onClick={() => viewer.go_to_cell(pinned)}>
+                  <Icon name="target" />
+                </button>
+                <button class="icon-button small" title="Let go of the pinned cell" aria-label="Let go of the pinned cell" onClick={() => (viewer.pinned.value = null)}>
+                  <Icon name="close" />
+                </button>
+              </>
+            ) : (
+              <button class="icon-button small" title="Keep this cell here" aria-label="Pin this cell" onClick={() => (viewer.pinned.value = [...cell])}>
+                <Icon name="pin" />
+              </button>
+            )}
+          </span>
+        </h2>
+        <Place viewer={viewer} cell={cell} />
+        <div class="dock-material">
+          <MaterialNames viewer={viewer} ids={profiles.material === null ? null : [profiles.material]} />
+        </div>
+      </section>
+      <Profiles viewer={viewer} cell={cell} profiles={profiles} />
+    </aside>
+  );
+}

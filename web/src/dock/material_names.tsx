@@ -1,0 +1,24 @@
+// A cell's material, or the set of them in a coarse cell, with their colours. Not known yet: a dash.
+import { css_color } from "../materials";
+import type { Viewer } from "../viewer";
+
+export function Swatch({ viewer, id }: { viewer: Viewer; id: number }) {
+  const look = viewer.looks.value[id];
+  const clear = !look || look.opacity === 0 || !look.visible;
+  return <span class={`swatch ${clear ? "clear" : ""}`} style={look && !clear ? { background: css_color(look) } : {}} />;
+}
+
+export function MaterialNames({ viewer, ids }: { viewer: Viewer; ids: readonly number[] | null }) {
+  if (!ids) return <span class="faint">–</span>;
+  const names = ids.map((id) => viewer.info.materials[id]?.name ?? String(id));
+  return (
+    <span class="material-names" title={names.join(", ")}>
+      {ids.map((id, n) => (
+        <span key={id} class="material-name">
+          <Swatch viewer={viewer} id={id} />
+          {names[n]}
+        </span>
+      ))}
+    </span>
+  );
+}

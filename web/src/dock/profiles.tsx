@@ -1,0 +1,58 @@
+// The three columns through a cell, drawn as bars: asked for when the cell stands still.
+import { useState } from "preact/hooks";
+import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../api";
+import { use_answer, use_settled } from "../answer";
+import { FRAMES } from "../axis";
+import { CopyButton } from "../copy";
+import type { Viewer } from "../viewer";
+import { ProfileBar } from "./profile_bar";
+import { run_at, run_text, runs_csv } from "./runs";
+
+export interface ProfilesAnswer {
+  columns: readonly (Column | null)[];
+  material: number | null; // of the cell
+  error: string | null;
+}
+
+const AXES: readonly AxisIndex[] = [0, 1, 2];
+const SETTLED = 120;
+
+export function use_profiles(viewer: Viewer, cell: Index3): ProfilesAnswer {
+  const path = (d: AxisIndex) => viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]);
+  const wanted: [string, string, string] = [path(0), path(1), path(2)];
+  const settled = use_settled(wanted.join("\n"), SETTLED).split("\n");
+  const answers = [use_answer<Column>(settled[0]!), use_answer<Column>(settled[1]!), use_answer<Column>(settled[2]!)];
+  // A column along d is that of the cell wherever the cell moves along d.
+  const fresh = AXES.find((d) => answers[d]!.path === wanted[d] && answers[d]!.value);
+  const runs = fresh === undefined ? null : answers[fresh]!.value!.runs;
+  return {
+    columns: answers.map((a) => a.value),
+    material: runs ? runs[run_at(runs, cell[fresh!])]!.material : null,
+    error: answers.find((a) => a.error)?.error ?? null,
+  };
+}
+
+export function Profiles({ viewer, cell, profiles }: { viewer: Viewer; cell: Index3; profiles: ProfilesAnswer }) {
+  const [pointed, set_pointed] = useState<{ axis: AxisIndex; run: number } | null>(null);
+  const run = pointed && profiles.columns[pointed.axis]?.runs[pointed.run];
+  const columns = profiles.columns.filter((c) => c !== null);
+  return (
+    <section class="dock-part profiles" aria-label="Columns through the cell">
+      <h2>
+        <span>{viewer.pinned.value ? "Columns through the pinned cell" : "Columns through the crosshair"}</span>
+        <span class="profile-text" aria-live="off">
+          {run ? run_text(run, viewer.axes[pointed.axis], viewer.info.units) : profiles.error}
+        </span>
+        <span class="dock-actions">
+          <CopyButton what="the runs of the three columns as CSV" text={() => runs_csv(columns, viewer.info.units)} />
+        </span>
+      </h2>
+      {AXES.map((d) => (
+        <div class={`profile axis-${AXIS_NAMES[d]}`} key={d}>
+          <span class="profile-axis">{AXIS_NAMES[d]}</span>
+          <ProfileBar viewer={viewer} axis={d} cell={cell} column={profiles.columns[d] ?? null} point_at={(n) => set_pointed(n === null ? null : { axis: d, run: n })} />
+        </div>
+      ))}
+    </section>
+  );
+}

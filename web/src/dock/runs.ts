@@ -1,0 +1,59 @@
+// The runs of a column: which one holds a cell, where the next change is, what a line of a table says.
+import type { Column, ColumnRun } from "../api";
+import type { Axis } from "../axis";
+import { coordinate, grouped, significant } from "../format";
+
+// The width of a cell; cells outside count as the nearest one.
+export function width_at(axis: Axis, i: number): number {
+  const c = axis.clamp(i);
+  return axis.plane(c + 1) - axis.plane(c);
+}
+
+// The run that holds a cell. REQUIRES: runs cover the axis in order.
+export function run_at(runs: readonly ColumnRun[], cell: number): number {
+  let low = 0;
+  let high = runs.length;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (cell < runs[middle]!.from) high = middle;
+    else low = middle;
+  }
+  return low;
+}
+
+// The first cell beyond the nearest change of material, up or down; the axis's end when there is none.
+export function next_change(runs: readonly ColumnRun[], cell: number, up: boolean): number {
+  const run = runs[run_at(runs, cell)]!;
+  if (up) return run.to < runs.at(-1)!.to ? run.to : run.to - 1;
+  return run.from > 0 ? run.from - 1 : 0;
+}
+
+export function run_text(run: ColumnRun, axis: Axis, units: string): string {
+  const width = width_at(axis, run.from);
+  const cells = run.to - run.from;
+  const at = (x: number) => coordinate(x, width);
+  const range = cells === 1 ? `cell ${grouped(run.from)}` : `cells ${grouped(run.from)} to ${grouped(run.to - 1)} (${grouped(cells)})`;
+  return `${run.name}: ${range}, ${at(run.min)} to ${at(run.max)} ${units}, ${significant(run.max - run.min, 5)} ${units} long`;
+}
+
+const quoted = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+
+// As a spreadsheet reads it: `to` is the cell after the run's last.
+export function runs_csv(columns: readonly Column[], units: string): string {
+  const lines = [`axis,from,to,min_${units},max_${units},length_${units},id,material`];
+  for (const column of columns)
+    for (const r of column.runs) lines.push([column.axis, r.from, r.to, r.min, r.max, r.max - r.min, r.material, quoted(r.name)].join(","));
+  return `${lines.join("\n")}\n`;
+}
+
+// Round places for ticks: steps of 1, 2 or 5 times a power of ten, at most `most` of them.
+export function ticks(low: number, high: number, most: number): number[] {
+  if (!(high > low) || most < 1) return [];
+  const raw = (high - low) / most;
+  const power = 10 ** Math.floor(Math.log10(raw));
+  const step = [1, 2, 5, 10].map((m) => m * power).find((s) => s >= raw * (1 - 1e-9))!;
+  const first = Math.ceil(low / step - 1e-9);
+  const last = Math.floor(high / step + 1e-9);
+  return Array.from({ length: Math.max(0, last - first + 1) }, (_, n) => (first + n) * step);
+}
+

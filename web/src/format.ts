@@ -1,0 +1,79 @@
+// Numbers as people read them: thin spaces between thousands, digits that a cell's size warrants, a true minus sign.
+
+const THIN = "\u202f"; // narrow, and no line breaks at it
+const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
+
+const with_minus = (text: string) => text.replace("-", "−");
+const superscript = (n: number) => [...String(n)].map((c) => (c === "-" ? "⁻" : SUPERSCRIPTS[Number(c)]!)).join("");
+
+// 1234567 -> 1 234 567; takes text too, for counts that no double holds.
+export function grouped(n: number | bigint | string): string {
+  const [whole, fraction] = String(n).split(".");
+  const spaced = whole!.replace(/\B(?=(\d{3})+$)/g, THIN);
+  return with_minus(fraction === undefined ? spaced : `${spaced}.${fraction}`);
+}
+
+// Three digits of a count that is too long to be read: 1.50 × 10⁹.
+export function about(n: number | bigint): string {
+  const x = Number(n);
+  if (Math.abs(x) < 1e6) return grouped(Math.round(x));
+  const [digits, exponent] = x.toExponential(2).split("e") as [string, string];
+  const power = `10${superscript(Number(exponent))}`;
+  return digits === "1.00" ? power : `${digits.replace(/\.?0+$/, "")} × ${power}`;
+}
+
+// So many digits that a tenth of a cell shows.
+export function decimals(step: number): number {
+  if (!(step > 0)) return 3;
+  return Math.min(Math.max(Math.ceil(-Math.log10(step) - 1e-9) + 1, 0), 12);
+}
+
+export function coordinate(x: number, step: number): string {
+  const text = x.toFixed(decimals(step));
+  return grouped(Number(text) === 0 ? text.replace("-", "") : text);
+}
+
+// A length, an area or a volume with so many significant digits; very large and small ones with a power of ten.
+export function significant(x: number, digits = 5): string {
+  if (x === 0 || !Number.isFinite(x)) return String(x);
+  const size = Math.floor(Math.log10(Math.abs(x)));
+  if (size < -4 || size > 14) {
+    const [m, e] = x.toExponential(digits - 1).split("e") as [string, string];
+    return `${with_minus(m)} × 10${superscript(Number(e))}`;
+  }
+  return grouped(x.toFixed(Math.min(Math.max(digits - 1 - size, 0), 100)));
+}
+
+export function bytes_text(n: number): string {
+  const units = ["B", "kB", "MB", "GB", "TB"];
+  let at = 0;
+  let x = n;
+  while (x >= 999.5 && at + 1 < units.length) {
+    x /= 1000;
+    ++at;
+  }
+  return `${at === 0 ? x : x.toPrecision(3)} ${units[at]}`;
+}
+
+// A part of the whole: 12.3 %; what is tiny but there is never 0.
+export function percent(part: number): string {
+  if (part === 0) return "0 %";
+  if (part === 1) return "100 %";
+  const p = 100 * part;
+  if (p < 0.001) return "< 0.001 %";
+  if (p > 99.99) return "> 99.99 %";
+  return `${p < 0.1 ? p.toPrecision(1) : p < 10 ? p.toFixed(2) : p.toFixed(1)} %`;
+}
+
+export function milliseconds(ms: number): string {
+  if (!Number.isFinite(ms)) return "–";
+  if (ms >= 1000) return `${(ms / 1000).toPrecision(3)} s`;
+  return `${ms < 10 ? ms.toFixed(1) : Math.round(ms)} ms`;
+}
+
+export const clock = (time: number | Date): string => new Date(time).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
+
+export const plural = (n: number, what: string, many = `${what}s`): string => `${grouped(n)} ${n === 1 ? what : many}`;
+
+export const product = (cells: readonly number[]): bigint => cells.reduce((n, c) => n * BigInt(c), 1n);
+export const sizes = (cells: readonly number[]): string => cells.map((c) => grouped(c)).join(" × ");

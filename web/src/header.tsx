@@ -1,0 +1,102 @@
+// The line at the top: what is open, how the views lie, and the switches of the page.
+import { about, bytes_text, grouped, product, sizes } from "./format";
+import { help_open } from "./help";
+import { Icon, type IconName } from "./icons";
+import { grids } from "./page";
+import { switch_theme, theme } from "./theme";
+import type { Layout, Viewer } from "./viewer";
+
+// Nested cells, the mark of the page (also in index.html).
+export function Mark() {
+  return (
+    <svg class="mark" viewBox="0 0 32 32" width="22" height="22" aria-hidden="true">
+      <rect x="1" y="1" width="30" height="30" rx="6" class="mark-ground" />
+      <path class="mark-large" d="M6 6h9v9H6z" />
+      <path class="mark-middle" d="M17 6h9v9h-9zM6 17h9v9H6z" />
+      <path class="mark-small" d="M17 17h4v4h-4zM22 22h4v4h-4zM22 17h4v4h-4zM17 22h4v4h-4z" />
+    </svg>
+  );
+}
+
+const LAYOUTS: readonly { layout: Layout; label: string; text: string; icon?: IconName }[] = [
+  { layout: "four", label: "All four views", text: "", icon: "four" },
+  { layout: "x", label: "Only the slice across x", text: "x" },
+  { layout: "y", label: "Only the slice across y", text: "y" },
+  { layout: "z", label: "Only the slice across z", text: "z" },
+  { layout: "3d", label: "Only the overview in 3D", text: "3D" },
+];
+
+function LayoutButtons({ viewer }: { viewer: Viewer }) {
+  return (
+    <div class="segmented" role="group" aria-label="Layout">
+      {LAYOUTS.map(({ layout, label, text, icon }) => (
+        <button
+          key={layout}
+          class={`layout-${layout}`}
+          title={label}
+          aria-label={label}
+          aria-pressed={viewer.layout.value === layout}
+          onClick={() => (viewer.layout.value = layout)}
+        >
+          {icon ? <Icon name={icon} /> : text}
+        </button>
+      ))}
+    </div>
+  );
+}
+
+function Facts({ viewer }: { viewer: Viewer }) {
+  const { cells } = viewer;
+  const all = product(cells);
+  return (
+    <span class="facts" title={`${grouped(all)} cells`}>
+      <span class="fact-sizes">{sizes(cells)}</span>
+      <span class="fact-cells">{about(all)} cells</span>
+      <span>{bytes_text(viewer.info.file.bytes)}</span>
+    </span>
+  );
+}
+
+export function Header({ viewer }: { viewer: Viewer | null }) {
+  const several = (grids.value?.length ?? 0) > 1;
+  const dark = theme.value === "dark";
+  return (
+    <header class="header">
+      <span class="home">
+        <Mark />
+        {!viewer && <span class="wordmark">teracell</span>}
+      </span>
+      {viewer && several && (
+        <a class="icon-button" href="#" title="All grids" aria-label="All grids">
+          <Icon name="list" />
+        </a>
+      )}
+      {viewer && <h1 class="grid-name">{viewer.info.id}</h1>}
+      {viewer && <Facts viewer={viewer} />}
+      <span class="spacer" />
+      {viewer && <LayoutButtons viewer={viewer} />}
+      <div class="header-buttons">
+        {viewer && (
+          <button
+            class="icon-button"
+            title={viewer.panel.value ? "Hide the panel" : "Show the panel"}
+            aria-label="Side panel"
+            aria-expanded={viewer.panel.value !== null}
+            aria-controls="side-panel"
+            onClick={() => (viewer.panel.value = viewer.panel.value ? null : "materials")}
+          >
+            <Icon name="panel" />
+          </button>
+        )}
+        <button class="icon-button" title={dark ? "Light" : "Dark"} aria-label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme}>
+          <Icon name={dark ? "sun" : "moon"} />
+        </button>
+        {viewer && (
+          <button class="icon-button" title="Help (h)" aria-label="Help" onClick={() => (help_open.value = true)}>
+            <Icon name="help" />
+          </button>
+        )}
+      </div>
+    </header>
+  );
+}

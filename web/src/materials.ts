@@ -1,0 +1,39 @@
+// How materials look. A coarse cell's set of materials is blended like the server blends it, so that the page and the pictures
+// of the server agree: the mean of the members' colours, weighted by their opacity.
+import type { Material } from "./api";
+
+export interface MaterialLook {
+  color: readonly [number, number, number]; // sRGB, 0 to 255
+  visible: boolean;
+  opacity: number; // 0 to 1
+}
+
+function parse_color(text: string): [number, number, number, number] {
+  const hex = (at: number) => Number.parseInt(text.slice(at, at + 2), 16);
+  return [hex(1), hex(3), hex(5), text.length > 7 ? hex(7) : 255];
+}
+
+export function initial_looks(materials: readonly Material[]): MaterialLook[] {
+  return materials.map((m) => {
+    const [r, g, b, a] = parse_color(m.color);
+    return { color: [r, g, b], visible: true, opacity: a / 255 };
+  });
+}
+
+export const css_color = (look: MaterialLook): string => `rgb(${look.color.join(" ")})`;
+
+// RGBA bytes, not premultiplied, of a set of materials: those that are hidden don't count (server/picture.cpp, blend()).
+export function color_of_set(set: readonly number[], looks: readonly MaterialLook[]): [number, number, number, number] {
+  let [r, g, b, a, n] = [0, 0, 0, 0, 0];
+  for (const id of set) {
+    const look = looks[id];
+    if (!look?.visible) continue;
+    r += look.color[0] * look.opacity;
+    g += look.color[1] * look.opacity;
+    b += look.color[2] * look.opacity;
+    a += look.opacity;
+    ++n;
+  }
+  if (a === 0) return [0, 0, 0, 0];
+  return [Math.round(r / a), Math.round(g / a), Math.round(b / a), Math.round((255 * a) / n)];
+}

@@ -1,0 +1,123 @@
+// The overview's camera: it looks at a target from a direction and a distance. Angles are in degrees; z is up, and straight views from
+// above and below are as good as any. Pure.
+import type { Vec3 } from "./level_axis";
+
+export interface Orbit {
+  readonly azimuth: number; // of the camera around the target, from +x towards +y
+  readonly elevation: number; // -90 to 90
+  readonly distance: number;
+  readonly target: Vec3;
+}
+
+export const FIELD = 26; // degrees, of the shorter side of the panel
+const rad = (degrees: number) => (degrees * Math.PI) / 180;
+export const dot = (a: Readonly<Vec3>, b: Readonly<Vec3>) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const add = (a: Readonly<Vec3>, b: Readonly<Vec3>, times = 1): Vec3 => [a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]];
+
+// Unit vectors: right, up, and back from the target to the camera.
+export function basis(orbit: Orbit): { right: Vec3; up: Vec3; back: Vec3 } {
+  const [a, e] = [rad(orbit.azimuth), rad(orbit.elevation)];
+  return {
+    right: [-Math.sin(a), Math.cos(a), 0],
+    up: [-Math.sin(e) * Math.cos(a), -Math.sin(e) * Math.sin(a), Math.cos(e)],
+    back: [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)],
+  };
+}
+
+export const eye_of = (orbit: Orbit): Vec3 => add(orbit.target, basis(orbit).back, orbit.distance);
+
+// Half the view's height and width at distance 1.
+export function reach(aspect: number): { x: number; y: number } {
+  const t = Math.tan(rad(FIELD / 2));
+  return aspect >= 1 ? { x: t * aspect, y: t } : { x: t, y: t / aspect };
+}
+
+export const turned = (orbit: Orbit, azimuth: number, elevation: number): Orbit => ({
+  ...orbit,
+  azimuth: (((orbit.azimuth + azimuth) % 360) + 360) % 360,
+  elevation: Math.min(Math.max(orbit.elevation + elevation, -90), 90),
+});
+
+// Moves the target in the plane of the picture, by shares of its height.
+export function panned(orbit: Orbit, right: number, up: number, aspect: number): Orbit {
+  const b = basis(orbit);
+  const height = 2 * orbit.distance * reach(aspect).y;
+  return { ...orbit, target: add(add(orbit.target, b.right, right * height), b.up, up * height) };
+}
+
+export const dollied = (orbit: Orbit, factor: number): Orbit => ({ ...orbit, distance: Math.min(Math.max(orbit.distance * factor, 0.02), 60) });
+
+// The box -half to half as large as it fits into `share` of the view, seen from a direction.
+export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number, aspect: number, share = 0.8): Orbit {
+  const orbit: Orbit = { azimuth, elevation, distance: 1, target: [0, 0, 0] };
+  const b = basis(orbit);
+  const { x, y } = reach(aspect);
+  let distance = 0.1;
+  for (let corner = 0; corner < 8; ++corner) {
+    const p: Vec3 = [corner & 1 ? half[0] : -half[0], corner & 2 ? half[1] : -half[1], corner & 4 ? half[2] : -half[2]];
+    const across = Math.max(Math.abs(dot(p, b.right)) / x, Math.abs(dot(p, b.up)) / y) / share;
+    distance = Math.max(distance, across + dot(p, b.back));
+  }
+  return { ...orbit, distance };
+}
+
+export const HOME = { azimuth: -122, elevation: 24 };
+// From the upper and from the lower end of each axis.
+export const straight = (axis: number, from_above: boolean): { azimuth: number; elevation: number } =>
+  axis === 2 ? { azimuth: -90, elevation: from_above ? 90 : -90 } : { azimuth: axis * 90 + (from_above ? 0 : 180), elevation: 0 };
+
+// On the way from one view to another; the azimuth goes the shorter way round.
+export function between(a: Orbit, b: Orbit, t: number): Orbit {
+  const turn = ((((b.azimuth - a.azimuth) % 360) + 540) % 360) - 180;
+  const mix = (x: number, y: number) => x + (y - x) * t;
+  return {
+    azimuth: a.azimuth + turn * t,
+    elevation: mix(a.elevation, b.elevation),
+    distance: a.distance * (b.distance / a.distance) ** t,
+    target: [mix(a.target[0], b.target[0]), mix(a.target[1], b.target[1]), mix(a.target[2], b.target[2])],
+  };
+}
+
+export interface Projection {
+  readonly right: Vec3;
+  readonly up: Vec3;
+  readonly back: Vec3;
+  readonly eye: Vec3;
+  readonly width: number; // CSS pixels
+  readonly height: number;
+  readonly reach: { x: number; y: number };
+}
+
+export const projection_of = (orbit: Orbit, width: number, height: number): Projection => ({
+  ...basis(orbit),
+  eye: eye_of(orbit),
+  width,
+  height,
+  reach: reach(width / height),
+});
+
+// CSS pixels from the panel's upper left corner, and the distance along the view; at or behind the camera that is not positive.
+export function project(view: Projection, p: Readonly<Vec3>): { x: number; y: number; far: number } {
+  const from_eye = add(p, view.eye, -1);
+  const far = -dot(from_eye, view.back);
+  const x = dot(from_eye, view.right) / (far * view.reach.x);
+  const y = dot(from_eye, view.up) / (far * view.reach.y);
+  return { x: ((1 + x) / 2) * view.width, y: ((1 - y) / 2) * view.height, far };
+}
+
+// The direction in which the pixel lies, as seen from the eye; not of unit length.
+export function direction_at(view: Projection, x: number, y: number): Vec3 {
+  const right = ((2 * x) / view.width - 1) * view.reach.x;
+  const up = (1 - (2 * y) / view.height) * view.reach.y;
+  return add(add([-view.back[0], -view.back[1], -view.back[2]], view.right, right), view.up, up);
+}
+
+// Where along axis d, on the line through p parallel to it, the line is nearest to what lies under a pixel.
+export function along_axis(view: Projection, p: Readonly<Vec3>, d: number, x: number, y: number): number | null {
+  const ray = direction_at(view, x, y);
+  const w = add(p, view.eye, -1);
+  const [rr, r] = [dot(ray, ray), ray[d]!];
+  const below = rr - r * r; // of the unit axis and the ray: |ray|^2 - (ray . axis)^2
+  if (below < 1e-4 * rr) return null; // the axis points at the eye
+  return p[d]! + (r * dot(ray, w) - rr * w[d]!) / below;
+}

@@ -1,0 +1,55 @@
+// What lies around the overview's picture: the canvas, the buttons, and words when something is missing. The second canvas is for the
+// view saved as a picture: words that are elements on the page are written into it then (writing.ts).
+import { BODY_MODES, type BodyMode } from "../viewer";
+import { element } from "./dom";
+
+const MODES: Record<BodyMode, { text: string; title: string }> = {
+  cut: { text: "Cut", title: "take away the bodies before the crosshair" },
+  whole: { text: "Whole", title: "show the bodies whole" },
+  glass: { text: "Glass", title: "show the bodies as if of glass" },
+};
+const HELP = "3D overview. Arrow keys turn it, plus and minus move nearer and away, Home shows all. Double-click sets the crosshair.";
+
+export function make_chrome(host: HTMLElement) {
+  const canvas = element("canvas", { tabindex: "0", role: "application", "aria-label": HELP });
+  const home = element("button", { type: "button", title: "show all (Home)", "aria-label": "show all" });
+  home.innerHTML = '<svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d="M2 8 8 2.5 14 8M4 6.8V13h8V6.8" fill="none" stroke="currentColor" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round"/></svg>';
+  const modes = BODY_MODES.map((mode) => ({ mode, button: element("button", { type: "button", title: MODES[mode].title }, MODES[mode].text) }));
+  const bar = element("div", { class: "overview-bar", role: "toolbar", "aria-label": "overview" }, home, element("div", { class: "overview-modes", role: "group", "aria-label": "bodies" }, ...modes.map((m) => m.button)));
+  const busy = element("div", { class: "overview-busy", role: "status" });
+  const message = element("div", { class: "overview-message", role: "alert" });
+  message.hidden = true;
+  const ink = element("canvas", { class: "overview-ink", "aria-hidden": "true" });
+  const root = element("div", { class: "overview" }, canvas, ink, bar, busy, message);
+  host.append(root);
+
+  const say = (text: string, again?: () => void) => {
+    message.hidden = text === "";
+    message.replaceChildren(text);
+    if (!again) return;
+    const button = element("button", { type: "button" }, "Try again");
+    button.addEventListener("click", () => {
+      say("");
+      again();
+    });
+    message.append(" ", button);
+  };
+  return {
+    root,
+    canvas,
+    ink,
+    say,
+    busy(text: string) {
+      busy.textContent = text;
+    },
+    on_home(call: () => void) {
+      home.addEventListener("click", call);
+    },
+    on_mode(call: (mode: BodyMode) => void) {
+      for (const { mode, button } of modes) button.addEventListener("click", () => call(mode));
+    },
+    show_mode(shown: BodyMode) {
+      for (const { mode, button } of modes) button.setAttribute("aria-pressed", String(mode === shown));
+    },
+  };
+}

@@ -1,0 +1,70 @@
+// The lines and dots of the overview: the domain, the frames of the planes, the crosshair, the selected box, markers, a measured distance.
+// Those `under` are hidden by what is before them; those `over` are seen through everything, faintly where both are drawn. Pure.
+import type { Projection } from "./camera";
+import { edge_depths } from "./edges";
+import { type Axes, type Space, type Vec3, point_to_space, to_space } from "./level_axis";
+import { type Rgba, type Segment, box_edges } from "./lines";
+import type { Theme } from "./theme";
+
+export interface Scenery {
+  readonly at: Vec3; // the crosshair, in the overview's space, as all
+  readonly box: { low: Vec3; high: Vec3 } | null;
+  readonly markers: readonly Vec3[];
+  readonly measure: { from: Vec3; to: Vec3 } | null;
+}
+
+interface Seen {
+  readonly box: { readonly value: readonly number[] | null };
+  readonly markers: { readonly value: readonly { at: readonly number[] }[] };
+  readonly measure: { readonly value: { from: readonly number[]; to: readonly number[] } | null };
+}
+
+export function scenery_of(viewer: Seen, axes: Axes, space: Space, at: Vec3): Scenery {
+  const box = viewer.box.value;
+  const corner = (first: number) => axes.map((axis, d) => to_space(space, d, axis.plane(box![first + d]!))) as Vec3;
+  const measure = viewer.measure.value;
+  return {
+    at,
+    box: box && { low: corner(0), high: corner(3) },
+    markers: viewer.markers.value.map((marker) => point_to_space(space, marker.at)),
+    measure: measure && { from: point_to_space(space, measure.from), to: point_to_space(space, measure.to) },
+  };
+}
+
+const faint = ([r, g, b, a]: Rgba, share: number): Rgba => [r, g, b, a * share];
+
+export function figure(view: Projection, half: Readonly<Vec3>, scenery: Scenery, theme: Theme): { under: Segment[]; over: Segment[] } {
+  const under: Segment[] = [];
+  const over: Segment[] = [];
+  const low = half.map((h) => -h) as Vec3;
+  const depths = edge_depths(view, half);
+  box_edges(low, half).forEach(({ a, b }, i) => under.push({ a, b, color: depths[i] === 2 ? faint(theme.edge, 0.45) : theme.edge, width: depths[i] === 1 ? 1.5 : 1 }));
+
+  for (let d = 0; d < 3; ++d) {
+    const color = theme.axes[d]!;
+    const [flat_low, flat_high] = [[...low] as Vec3, [...half] as Vec3];
+    flat_low[d] = flat_high[d] = scenery.at[d]!;
+    for (const { axis, a, b, place } of box_edges(flat_low, flat_high)) {
+      // A flat box has each of its edges twice.
+      const twice = (axis + 1) % 3 === d ? place & 1 : place & 2;
+      if (axis !== d && !twice) under.push({ a, b, color: faint(color, 0.85), width: 1.25 });
+    }
+    const [a, b] = [[...scenery.at] as Vec3, [...scenery.at] as Vec3];
+    a[d] = low[d]!;
+    b[d] = half[d]!;
+    under.push({ a, b, color: faint(color, 0.9), width: 1.25 });
+  }
+
+  if (scenery.box)
+    for (const { a, b } of box_edges(scenery.box.low, scenery.box.high)) {
+      under.push({ a, b, color: theme.box, width: 2 });
+      over.push({ a, b, color: faint(theme.box, 0.3), width: 1.5 });
+    }
+  if (scenery.measure) over.push({ a: scenery.measure.from, b: scenery.measure.to, color: theme.measure, width: 2 });
+  for (const p of scenery.markers) {
+    over.push({ a: p, b: p, color: faint(theme.marker, 0.4), width: 9 });
+    under.push({ a: p, b: p, color: [1, 1, 1, 1], width: 13 }, { a: p, b: p, color: theme.marker, width: 9 });
+  }
+  over.push({ a: scenery.at, b: scenery.at, color: [1, 1, 1, 0.9], width: 9 }, { a: scenery.at, b: scenery.at, color: theme.crosshair, width: 6 });
+  return { under, over };
+}

@@ -1,0 +1,40 @@
+// The overview's colours from the page's style: custom properties, so that light and dark are the style sheet's business alone.
+import type { Rgba } from "./lines";
+
+export interface Theme {
+  readonly edge: Rgba; // of the domain
+  readonly axes: readonly [Rgba, Rgba, Rgba];
+  readonly crosshair: Rgba;
+  readonly box: Rgba;
+  readonly marker: Rgba;
+  readonly measure: Rgba;
+}
+
+// Any CSS colour, also one that a custom property computes, as four numbers.
+function color_of(context: CanvasRenderingContext2D, text: string): Rgba {
+  context.clearRect(0, 0, 1, 1);
+  context.fillStyle = "#888";
+  context.fillStyle = text.trim();
+  context.fillRect(0, 0, 1, 1);
+  const [r, g, b, a] = context.getImageData(0, 0, 1, 1).data as unknown as [number, number, number, number];
+  return [r / 255, g / 255, b / 255, a / 255];
+}
+
+export function read_theme(element: HTMLElement): Theme {
+  const style = getComputedStyle(element);
+  const context = document.createElement("canvas").getContext("2d", { willReadFrequently: true })!;
+  const color = (name: string) => color_of(context, style.getPropertyValue(`--overview-${name}`));
+  return { edge: color("edge"), axes: [color("x"), color("y"), color("z")], crosshair: color("crosshair"), box: color("box"), marker: color("marker"), measure: color("measure") };
+}
+
+// Calls when the page's colours may have changed.
+export function on_theme(call: () => void): () => void {
+  const observer = new MutationObserver(call);
+  observer.observe(document.documentElement, { attributes: true, attributeFilter: ["class", "data-theme", "style"] });
+  const media = matchMedia("(prefers-color-scheme: dark)");
+  media.addEventListener("change", call);
+  return () => {
+    observer.disconnect();
+    media.removeEventListener("change", call);
+  };
+}

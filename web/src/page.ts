@@ -1,0 +1,98 @@
+// Which grids there are, which one is open, and the address that says so: "#g=id..." opens one, an address without a grid gives the
+// list, or the only grid there is. Looks now and then whether the open grid's file is still the same.
+import { effect, signal } from "@preact/signals";
+import { type GridSummary, ServerError, grid_info, list_grids, version_gone } from "./api";
+import { connection, returned } from "./connection";
+import { grid_in_address, keep_address, read_address } from "./permalink";
+import { Viewer } from "./viewer";
+
+export const grids = signal<readonly GridSummary[] | null>(null); // null: not known yet
+export const viewer = signal<Viewer | null>(null);
+export const opening = signal<string | null>(null); // the grid that is being opened
+export const trouble = signal<string | null>(null); // why nothing could be opened
+export type Staleness = "replaced" | "gone" | null;
+export const stale = signal<Staleness>(null);
+
+const LOOK_EVERY = 10000;
+let stop_keeping = () => {};
+let abort = new AbortController();
+
+const words = (error: unknown) => (error instanceof ServerError ? error.message : String(error));
+
+async function load_grids(): Promise<void> {
+  grids.value = await list_grids();
+  const open = viewer.value;
+  if (!open) return;
+  const now = grids.value.find((g) => g.id === open.info.id);
+  stale.value = !now ? "gone" : now.hash !== open.info.file.hash ? "replaced" : null;
+}
+
+function close(): void {
+  abort.abort();
+  abort = new AbortController();
+  stop_keeping();
+  stop_keeping = () => {};
+  viewer.value = null;
+  opening.value = null;
+  trouble.value = null;
+  stale.value = null;
+  document.title = "teracell";
+}
+
+async function open(id: string): Promise<void> {
+  close();
+  opening.value = id;
+  const { signal } = abort;
+  try {
+    const info = await grid_info(id, signal);
+    const next = new Viewer(info);
+    read_address(next);
+    viewer.value = next;
+    document.title = `${info.id} – teracell`;
+    stop_keeping = keep_address(next);
+  } catch (error) {
+    if (signal.aborted) return;
+    trouble.value = error instanceof ServerError && error.status === 404 ? `There is no grid “${id}” here.` : `“${id}” can't be opened: ${words(error)}`;
+  }
+  opening.value = null;
+}
+
+// What the address says now. A changed address of the grid that is open moves the views; nothing is loaded anew.
+function follow_address(): void {
+  const id = grid_in_address() ?? (grids.value?.length === 1 ? grids.value[0]!.id : null);
+  const now = viewer.value;
+  if (id === null) close();
+  else if (now && now.info.id === id) {
+    now.reset();
+    read_address(now);
+  } else void open(id);
+}
+
+// The grid as its file is now, looked at from the same place.
+export const reload = () => viewer.value && void open(viewer.value.info.id);
+
+export async function start_page(): Promise<void> {
+  addEventListener("hashchange", follow_address);
+  // Tells what it finds at once when the address names a grid: the list comes beside.
+  if (grid_in_address()) follow_address();
+  await look();
+  if (!viewer.value && !opening.value && !trouble.value) follow_address();
+  setInterval(() => document.visibilityState === "visible" && connection.value.state === "there" && void look(), LOOK_EVERY);
+  effect(() => {
+    if (version_gone.value + returned.value > 0) void look_again();
+  });
+}
+
+async function look(): Promise<void> {
+  try {
+    await load_grids();
+  } catch (error) {
+    if (!viewer.value && !opening.value && grids.value === null) trouble.value = `The list of grids can't be read: ${words(error)}`;
+  }
+}
+
+async function look_again(): Promise<void> {
+  const had_nothing = viewer.peek() === null;
+  await look();
+  if (had_nothing && viewer.peek() === null && grids.peek() !== null) follow_address();
+}

@@ -1,0 +1,186 @@
+// A box of cells, drawn in a view or typed: what is in it, exactly. And the distance that was measured last.
+import { AXIS_NAMES, type AxisIndex, type Stats } from "../api";
+import { use_answer, use_settled } from "../answer";
+import { CopyButton } from "../copy";
+import { Swatch } from "../dock/material_names";
+import { width_at } from "../dock/runs";
+import { coordinate, grouped, percent, product, significant } from "../format";
+import { Icon } from "../icons";
+import type { Box, Viewer } from "../viewer";
+import { cells_of } from "./materials";
+import { stats_csv, with_end } from "./box_cells";
+
+const AXES: readonly AxisIndex[] = [0, 1, 2];
+
+// The two numbers of an axis; changed when the field is left or Enter is pressed, so that typing never jumps.
+function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisIndex }) {
+  const axis = viewer.axes[d];
+  const [low, high] = [box[d], box[d + 3]!];
+  const set = (end: "low" | "high") => (event: Event) => {
+    const field = event.currentTarget as HTMLInputElement;
+    const value = Math.round(Number(field.value));
+    if (field.value.trim() && Number.isFinite(value)) viewer.box.value = with_end(box, d, end, end === "high" ? value + 1 : value, axis.cells);
+    field.value = String(end === "high" ? viewer.box.value![d + 3]! - 1 : viewer.box.value![d]);
+  };
+  const name = AXIS_NAMES[d];
+  return (
+    <tr class={`axis-${name}`}>
+      <th scope="row">{name}</th>
+      <td>
+        <input class="number-input" type="number" aria-label={`First cell along ${name}`} min={0} max={axis.cells - 1} value={low} onChange={set("low")} />
+      </td>
+      <td>
+        <input class="number-input" type="number" aria-label={`Last cell along ${name}`} min={0} max={axis.cells - 1} value={high - 1} onChange={set("high")} />
+      </td>
+      <td class="extent" title={`${coordinate(axis.plane(low), width_at(axis, low))} to ${coordinate(axis.plane(high), width_at(axis, high - 1))} ${viewer.info.units}`}>
+        {significant(axis.plane(high) - axis.plane(low), 5)} {viewer.info.units}
+      </td>
+    </tr>
+  );
+}
+
+function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
+  const settled = use_settled(box.join(), 150);
+  const path = viewer.address.stats(settled.split(",").map(Number));
+  const answer = use_answer<Stats>(path);
+  const counting = answer.path !== viewer.address.stats(box);
+  const stats = answer.value;
+  const all = Number(product(AXES.map((d) => box[d + 3]! - box[d])));
+  const { units } = viewer.info;
+  const present = stats?.materials.filter((m) => m.cells > 0) ?? [];
+  return (
+    <>
+      {answer.error && <p class="problem">The cells can't be counted: {answer.error}</p>}
+      <table class={`stats ${counting ? "counting" : ""}`} aria-busy={counting}>
+        <thead>
+          <tr>
+            <th scope="col">material</th>
+            <th scope="col">cells</th>
+            <th scope="col">share</th>
+            <th scope="col">{units}³</th>
+          </tr>
+        </thead>
+        <tbody>
+          {present.map((m) => (
+            <tr key={m.id}>
+              <th scope="row">
+                <Swatch viewer={viewer} id={m.id} />
+                <span title={m.name}>{m.name}</span>
+              </th>
+              <td>{cells_of(m)}</td>
+              <td>{percent(m.cells / all)}</td>
+              <td>{significant(m.volume, 5)}</td>
+            </tr>
+          ))}
+        </tbody>
+        <tfoot>
+          <tr>
+            <th scope="row">all</th>
+            <td>{grouped(product(AXES.map((d) => box[d + 3]! - box[d])))}</td>
+            <td />
+            <td>{significant(present.reduce((v, m) => v + m.volume, 0), 5)}</td>
+          </tr>
+        </tfoot>
+      </table>
+      <div class="toolbar">
+        <button class="button" onClick={() => viewer.go_to_box(box)}>
+          <Icon name="target" /> Look at it
+        </button>
+        {stats && <CopyButton label="Copy as CSV" what="the statistics as CSV" text={() => stats_csv(stats, units)} />}
+        <span class="spacer" />
+        <button class="button" onClick={() => (viewer.box.value = null)}>
+          Clear
+        </button>
+      </div>
+    </>
+  );
+}
+
+function Distance({ viewer }: { viewer: Viewer }) {
+  const m = viewer.measure.value;
+  const { units } = viewer.info;
+  const parts = m ? AXES.map((d) => m.to[d] - m.from[d]) : [];
+  return (
+    <section>
+      <h3>Distance</h3>
+      <div class="toolbar">
+        <button class="button" aria-pressed={viewer.tool.value === "measure"} onClick={() => (viewer.tool.value = viewer.tool.value === "measure" ? "look" : "measure")}>
+          Measure in a view
+        </button>
+        <span class="spacer" />
+        {m && (
+          <button class="button" onClick={() => (viewer.measure.value = null)}>
+            Clear
+          </button>
+        )}
+      </div>
+      {m ? (
+        <dl class="numbers">
+          <div>
+            <dt>distance</dt>
+            <dd>
+              <b>
+                {significant(Math.hypot(...parts), 6)} {units}
+              </b>
+            </dd>
+          </div>
+          {AXES.filter((d) => d !== m.axis).map((d) => (
+            <div key={d}>
+              <dt>along {AXIS_NAMES[d]}</dt>
+              <dd>
+                {significant(Math.abs(parts[d]!), 6)} {units}
+              </dd>
+            </div>
+          ))}
+        </dl>
+      ) : (
+        <p class="note">Drag from one place to another.</p>
+      )}
+    </section>
+  );
+}
+
+export function BoxPanel({ viewer }: { viewer: Viewer }) {
+  const box = viewer.box.value;
+  const drawing = viewer.tool.value === "box";
+  return (
+    <>
+      <section>
+        <h3>Box of cells</h3>
+        <div class="toolbar">
+          <button class="button" aria-pressed={drawing} onClick={() => (viewer.tool.value = drawing ? "look" : "box")}>
+            <Icon name="box" /> Draw in a view
+          </button>
+          {!box && (
+            <button class="button" onClick={() => (viewer.box.value = [0, 0, 0, ...viewer.cells])}>
+              Whole grid
+            </button>
+          )}
+        </div>
+        {box ? (
+          <>
+            <table class="ranges">
+              <thead>
+                <tr>
+                  <td />
+                  <th scope="col">first cell</th>
+                  <th scope="col">last cell</th>
+                  <th scope="col">extent</th>
+                </tr>
+              </thead>
+              <tbody>
+                {AXES.map((d) => (
+                  <Range key={d} viewer={viewer} box={box} axis={d} />
+                ))}
+              </tbody>
+            </table>
+            <Content viewer={viewer} box={box} />
+          </>
+        ) : (
+          <p class="note">Draw a box in a view, or take the whole grid and type its ends: cells and volumes of every material in it are counted exactly.</p>
+        )}
+      </section>
+      <Distance viewer={viewer} />
+    </>
+  );
+}

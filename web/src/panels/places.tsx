@@ -1,0 +1,47 @@
+// What several panels show: boxes of cells, and buttons that look at places.
+import { AXIS_NAMES, type AxisIndex } from "../api";
+import { coordinate, grouped } from "../format";
+import { width_at } from "../dock/runs";
+import { Icon } from "../icons";
+import type { Box, Viewer } from "../viewer";
+
+const AXES: readonly AxisIndex[] = [0, 1, 2];
+
+export function GoThere({ what, go }: { what: string; go: () => void }) {
+  return (
+    <button class="button small" title={`Look at ${what}`} aria-label={`Go there: ${what}`} onClick={go}>
+      <Icon name="target" />
+      Go there
+    </button>
+  );
+}
+
+// A point's coordinates, as fine as the cells there.
+export function point_text(viewer: Viewer, point: readonly number[]): string {
+  return AXES.map((d) => coordinate(point[d]!, width_at(viewer.axes[d], viewer.axes[d].cell_at(point[d]!)))).join(", ");
+}
+
+// Its first and last cells, and between which coordinates they lie.
+export function BoxText({ viewer, box }: { viewer: Viewer; box: Box }) {
+  return (
+    <table class="box-text">
+      <tbody>
+        {AXES.map((d) => {
+          const axis = viewer.axes[d];
+          const [low, high] = [box[d], box[d + 3]!];
+          return (
+            <tr key={d} class={`axis-${AXIS_NAMES[d]}`}>
+              <th scope="row">{AXIS_NAMES[d]}</th>
+              <td>
+                {grouped(low)} – {grouped(high - 1)}
+              </td>
+              <td>
+                {coordinate(axis.plane(low), width_at(axis, low))} … {coordinate(axis.plane(high), width_at(axis, high - 1))} {viewer.info.units}
+              </td>
+            </tr>
+          );
+        })}
+      </tbody>
+    </table>
+  );
+}

@@ -1,0 +1,99 @@
+// One body of the report: its facets, how its inside was told, its holes and flips.
+import { batch } from "@preact/signals";
+import type { BodyReport, Hole } from "../api";
+import { grouped, plural, significant } from "../format";
+import type { Viewer } from "../viewer";
+import { GoThere, point_text } from "./places";
+import { hole_text } from "./report_words";
+
+const MOST = 30; // places listed
+
+// As large as a third of a small view.
+function look_at(viewer: Viewer, hole: Hole): void {
+  batch(() => {
+    viewer.go_to(hole.at);
+    if (hole.diameter > 0) viewer.zoom.value = 150 / hole.diameter;
+  });
+}
+
+function HoleLine({ viewer, hole }: { viewer: Viewer; hole: Hole }) {
+  const { units } = viewer.info;
+  const at = point_text(viewer, hole.at);
+  return (
+    <li>
+      <span>
+        <b>{hole_text(hole, units)}</b>
+        <br />
+        <span class="faint">
+          {plural(hole.edges, "edge")}, cap of {significant(hole.cap_area, 4)} {units}², at {at}
+        </span>
+      </span>
+      <GoThere what={`the hole at ${at}`} go={() => look_at(viewer, hole)} />
+    </li>
+  );
+}
+
+export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport }) {
+  const holes = [...body.holes].sort((a, b) => b.diameter - a.diameter);
+  return (
+    <div class="body-details">
+      <dl class="numbers">
+        <div>
+          <dt>facets</dt>
+          <dd>
+            {grouped(body.facets)} in {plural(body.shells, "shell")}
+          </dd>
+        </div>
+        {body.degenerate > 0 && (
+          <div>
+            <dt>without area</dt>
+            <dd>{grouped(body.degenerate)}: never matter</dd>
+          </div>
+        )}
+        {body.duplicates > 0 && (
+          <div>
+            <dt>duplicates</dt>
+            <dd>{grouped(body.duplicates)}</dd>
+          </div>
+        )}
+        <div>
+          <dt>surface</dt>
+          <dd>{holes.length ? `open: ${plural(holes.length, "hole")}` : "closed"}</dd>
+        </div>
+      </dl>
+      {body.fill.map((fill) => (
+        <p class="note" key={fill.rule}>
+          Inside of {plural(fill.shells, "shell")}: <b>{fill.rule}</b>, {fill.why}
+        </p>
+      ))}
+      {body.cells === 0 && <p class="problem">Owns no cell: it encloses none, lies outside the grid, between the sample points, or under stronger bodies.</p>}
+      {holes.length > 0 && (
+        <ul class="places">
+          {holes.slice(0, MOST).map((hole, n) => (
+            <HoleLine key={n} viewer={viewer} hole={hole} />
+          ))}
+        </ul>
+      )}
+      {holes.length > MOST && <p class="note">{grouped(holes.length - MOST)} narrower ones</p>}
+      {body.flips.length > 0 && (
+        <>
+          <p class="note">Facets face the other way than their neighbours along {plural(body.flips.length, "curve")}:</p>
+          <ul class="places">
+            {body.flips.slice(0, MOST).map((flip, n) => {
+              const at = point_text(viewer, flip.at);
+              return (
+                <li key={n}>
+                  <span>
+                    {plural(flip.edges, "edge")} <span class="faint">at {at}</span>
+                  </span>
+                  <GoThere what={`the curve at ${at}`} go={() => viewer.go_to(flip.at)} />
+                </li>
+              );
+            })}
+          </ul>
+          {body.flips.length > MOST && <p class="note">{grouped(body.flips.length - MOST)} more</p>}
+        </>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,58 @@
+// What meshing found, in words: first whether to care.
+import type { BodyReport, GridInfo, Hole } from "../api";
+import { grouped, plural, product, significant } from "../format";
+
+export interface Care {
+  level: "fine" | "look" | "bad";
+  text: string;
+}
+
+const HARMLESS = 2; // cells: what is narrower shapes no cell that matters (mesher/report.cpp says the same)
+
+const quoted = (bodies: readonly BodyReport[]) => {
+  const names = bodies.slice(0, 3).map((b) => `“${b.name}”`);
+  const more = bodies.length - names.length;
+  return more > 0 ? `${names.join(", ")} and ${more} more` : names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names.join("");
+};
+
+export const widest = (holes: readonly Hole[]): Hole | undefined => holes.reduce<Hole | undefined>((w, h) => (w && w.diameter >= h.diameter ? w : h), undefined);
+
+// "0.047 m wide, 90.5 cells"
+export function hole_text(hole: Hole, units: string): string {
+  const cells = hole.diameter_cells;
+  return `${significant(hole.diameter, 4)} ${units} wide${cells === undefined ? "" : `, ${significant(cells, 3)} cells`}`;
+}
+
+// One sentence that says whether to care, of the worst that was found.
+export function care_of(info: GridInfo): Care {
+  const { bodies } = info.report;
+  const empty = bodies.filter((b) => b.cells === 0);
+  const open = bodies.filter((b) => b.holes.length > 0);
+  const holes = open.flatMap((b) => b.holes);
+  const large = holes.filter((h) => (h.diameter_cells ?? Infinity) >= HARMLESS);
+  const flipped = bodies.filter((b) => b.flips.length > 0);
+  if (empty.length) {
+    const owns = empty.length === 1 ? "owns no cell at all: is it" : "own no cell at all: are they";
+    return { level: "bad", text: `Look here: ${quoted(empty)} ${owns} in the right place, and wider than a cell?` };
+  }
+  if (large.length) {
+    const is = open.length === 1 ? "is" : "are";
+    const many = large.length === 1 ? "a hole" : `holes, the widest`;
+    return { level: "bad", text: `Look here: ${quoted(open)} ${is} open, with ${many} ${hole_text(widest(large)!, info.units)}. Caps close them, and a cap is a guess.` };
+  }
+  if (holes.length) return { level: "look", text: `Harmless: ${quoted(open)} had ${plural(holes.length, "hole")}, none as wide as ${HARMLESS} cells; caps close them.` };
+  if (flipped.length)
+    return { level: "look", text: `Probably fine: ${quoted(flipped)} ${flipped.length === 1 ? "has" : "have"} facets that face the wrong way; inside was decided by parity.` };
+  if (info.report.warnings.length) return { level: "look", text: `Closed, with ${plural(info.report.warnings.length, "warning")} below.` };
+  if (bodies.length === 0) return { level: "fine", text: "There is no body in this grid." };
+  const closed = bodies.length === 1 ? `the surface of ${quoted(bodies)} is closed` : `all ${grouped(bodies.length)} bodies are closed and have cells`;
+  return { level: "fine", text: `Nothing to worry about: ${closed}.` };
+}
+
+// How many times as large a byte a cell would be.
+export function compression(info: GridInfo): { dense: number; times: number } {
+  const dense = Number(product(info.grid.cells));
+  return { dense, times: dense / info.file.bytes };
+}
+
+export const body_cells = (body: BodyReport): string => grouped(body.cells_text ?? body.cells);

@@ -1,0 +1,91 @@
+// Ways out: a link to what is seen, a picture of it, and the grid's addresses for other programs.
+import { useState } from "preact/hooks";
+import { has_token } from "../api";
+import { CopyButton } from "../copy";
+import { Icon } from "../icons";
+import { save_picture } from "../picture";
+import { address_of } from "../permalink";
+import { say } from "../toasts";
+import type { Viewer } from "../viewer";
+import { type Door, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
+
+const root = () => new URL(".", location.href.split("#")[0]).href.replace(/\/$/, "");
+const link = (viewer: Viewer) => `${location.href.split("#")[0]}${address_of(viewer)}`;
+
+function DoorCard({ door }: { door: Door }) {
+  return (
+    <div class="door">
+      <h4>{door.name}</h4>
+      {door.note && <p class="note">{door.note}</p>}
+      <div class="code-line">
+        <code title={door.address}>{door.address}</code>
+        <CopyButton text={door.address} what={`the address for ${door.name}`} />
+      </div>
+      {door.lines && (
+        <div class="code-line">
+          <pre>{door.lines}</pre>
+          <CopyButton text={door.lines} what={`the lines for ${door.name}`} />
+        </div>
+      )}
+    </div>
+  );
+}
+
+function SavePicture({ viewer }: { viewer: Viewer }) {
+  const [busy, set_busy] = useState(false);
+  const save = async () => {
+    set_busy(true);
+    try {
+      await save_picture(viewer);
+    } catch (error) {
+      say(`The picture could not be made: ${error instanceof Error ? error.message : String(error)}`);
+    }
+    set_busy(false);
+  };
+  return (
+    <button class="button" onClick={() => void save()} disabled={busy}>
+      <Icon name="save" /> {busy ? "Drawing …" : "Save as PNG"}
+    </button>
+  );
+}
+
+export function SharePanel({ viewer }: { viewer: Viewer }) {
+  const { info } = viewer;
+  const here = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
+  const cell = viewer.cell.value;
+  const state = neuroglancer_state(info, root(), cell, viewer.looks.value, viewer.zoom.value);
+  return (
+    <>
+      <section>
+        <h3>What you see</h3>
+        <div class="toolbar">
+          <CopyButton label="Copy link" what="a link to what you see" text={() => link(viewer)} />
+          <SavePicture viewer={viewer} />
+        </div>
+        <p class="note">The link holds the place, the colours, the box and the panel. The picture has a scale bar and a legend.</p>
+      </section>
+      <section>
+        <h3>Neuroglancer</h3>
+        <a class="button" href={neuroglancer_link(state)} target="_blank" rel="noreferrer">
+          <Icon name="away" /> Open in Neuroglancer
+        </a>
+        <p class="note">
+          {has_token()
+            ? "It can't send this server's token, so it will be refused."
+            : here
+              ? "It runs in your browser and fetches the cells from this server, which works on this machine; the browser may ask whether it may."
+              : location.protocol === "https:"
+                ? "It runs in your browser and fetches the cells from this server, so your browser must reach it."
+                : "It runs in your browser under https, and browsers don't let such a page fetch from a server under plain http: put one with https in front."}
+        </p>
+      </section>
+      <section>
+        <h3>Other programs</h3>
+        {has_token() && <p class="note">Each must send the token: Authorization: Bearer …</p>}
+        {doors(info, root(), cell).map((door) => (
+          <DoorCard key={door.name} door={door} />
+        ))}
+      </section>
+    </>
+  );
+}

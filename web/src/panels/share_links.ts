@@ -1,0 +1,111 @@
+// Addresses of the grid for other programs, with lines that open it there: tests/clients/snippets_test.mjs runs all of them.
+import type { GridInfo, Index3 } from "../api";
+import type { MaterialLook } from "../materials";
+
+export interface Door {
+  name: string; // of the program
+  address: string;
+  language: "python" | "javascript" | "html" | "shell";
+  lines: string | null; // what to type there
+  note?: string;
+}
+
+const MOST_CELLS = 256 ** 3; // of the level that lines ask for: it comes at once
+
+const METRES: Readonly<Record<string, number>> = { m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, ft: 0.3048 };
+
+// `root` is the server's address with its base path, and no '/' at its end; `cell` is of level 0.
+export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
+  const id = encodeURIComponent(info.id);
+  const level = info.levels.find((l) => l.cells.reduce((a, b) => a * b, 1) <= MOST_CELLS)?.level ?? info.levels.length - 1;
+  const at = (n: number) => Math.floor(n / 2 ** level);
+  const [x, y, z] = cell;
+  const zarr3 = `${root}/zarr/${id}`;
+  const zarr2 = `${root}/zarr2/${id}`;
+  const xarray = `${root}/xarray/${id}/${level}`;
+  const dzi = `${root}/dzi/${id}/z/${z}.dzi`;
+  const api = `${root}/api/v1/grids/${id}`;
+  const python = { language: "python" } as const;
+  return [
+    {
+      ...python,
+      name: "Python: zarr",
+      address: zarr2,
+      lines: `import zarr\ncells = zarr.open("${zarr2}", mode="r")["${level}"][${at(z)}]  # [y, x] of level ${level}`,
+      note: "Zarr v2, with fsspec and aiohttp (Debian's python3-zarr)",
+    },
+    {
+      ...python,
+      name: "Python: xarray",
+      address: xarray,
+      lines: `import xarray\nlabel = xarray.open_zarr("${xarray}").label`,
+      note: `with coordinates, also of graded grids; level ${level}`,
+    },
+    {
+      ...python,
+      name: "Python: dask",
+      address: `${zarr2}/${level}`,
+      lines: `import dask.array\ncounts = dask.array.bincount(dask.array.from_zarr("${zarr2}/${level}").ravel()).compute()`,
+      note: `counts the cells of every material on level ${level}`,
+    },
+    {
+      ...python,
+      name: "ParaView",
+      address: xarray,
+      lines: `import xarray\nxarray.open_zarr("${xarray}").label.astype("int16").to_netcdf("grid.nc")`,
+      note: "writes a file that ParaView opens; needs netCDF4 for Python",
+    },
+    {
+      language: "javascript",
+      name: "JavaScript: zarrita",
+      address: zarr3,
+      lines: `import * as zarr from "zarrita";\nconst cells = await zarr.get(await zarr.open(new zarr.FetchStore("${zarr3}/${level}"), { kind: "array" }), [${at(z)}, null, null]);`,
+      note: "Zarr v3, OME-Zarr 0.5",
+    },
+    {
+      language: "html",
+      name: "OpenSeadragon (Deep Zoom)",
+      address: dzi,
+      lines: `OpenSeadragon({ id: "view", tileSources: "${dzi}" });`,
+      note: "the slice across z at the crosshair",
+    },
+    { language: "html", name: "IIIF viewers", address: `${root}/iiif/${id}-z-${z}/info.json`, lines: null, note: "the same slice" },
+    {
+      language: "shell",
+      name: "curl",
+      address: api,
+      lines: `curl -s "${api}/column/z/${x}_${y}"  # the runs along z through the crosshair\ncurl -so slice.png "${api}/slice/z/${at(z)}.png?level=${level}"`,
+    },
+  ];
+}
+
+// Where cells are for Neuroglancer: precomputed volumes begin at 0; graded grids are shown cell by cell.
+export function neuroglancer_state(info: GridInfo, root: string, cell: Index3, looks: readonly MaterialLook[], pixels_a_unit: number): object {
+  const metres = METRES[info.units];
+  const steps = info.grid.axes.map((axis) => (axis.type === "uniform" ? axis.step : null));
+  const index = metres === undefined || steps.some((s) => s === null);
+  const scale = (d: number): [number, string] => [index ? 1e-9 : steps[d]! * metres!, "m"];
+  const hex = (look: MaterialLook) => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
+  const shown = looks.flatMap((look, id) => (id > 0 && look.visible ? [String(id)] : []));
+  // Cells a pixel; Neuroglancer counts in those of the smallest step.
+  const smallest = index ? 1 : Math.min(...steps.map((s) => s!));
+  return {
+    dimensions: { x: scale(0), y: scale(1), z: scale(2) },
+    position: cell.map((c) => c + 0.5),
+    crossSectionScale: index ? 1 : 1 / (pixels_a_unit * smallest),
+    layers: [
+      {
+        type: "segmentation",
+        name: info.id,
+        source: `precomputed://${root}/precomputed/${encodeURIComponent(info.id)}`,
+        selectedAlpha: 1,
+        notSelectedAlpha: 0,
+        segments: shown,
+        segmentColors: Object.fromEntries(looks.slice(1).map((look, n) => [String(n + 1), hex(look)])),
+      },
+    ],
+    layout: "4panel",
+  };
+}
+
+export const neuroglancer_link = (state: object): string => `https://neuroglancer-demo.appspot.com/#!${encodeURIComponent(JSON.stringify(state))}`;

@@ -1,0 +1,69 @@
+// The panel at the side (a sheet at the bottom on narrow screens): tabs, one of which is shown.
+import type { Panel, Viewer } from "../viewer";
+import { Icon } from "../icons";
+import { BoxPanel } from "./box";
+import { MaterialsPanel } from "./materials";
+import { ReportPanel } from "./report";
+import { care_of } from "./report_words";
+import { SharePanel } from "./share";
+import { StatusPanel } from "./status";
+
+const TABS: readonly { panel: Panel; label: string; Content: (props: { viewer: Viewer }) => preact.JSX.Element }[] = [
+  { panel: "materials", label: "Materials", Content: MaterialsPanel },
+  { panel: "report", label: "Report", Content: ReportPanel },
+  { panel: "box", label: "Box", Content: BoxPanel },
+  { panel: "share", label: "Share", Content: SharePanel },
+  { panel: "status", label: "Status", Content: StatusPanel },
+];
+
+export function SidePanel({ viewer }: { viewer: Viewer }) {
+  const shown = viewer.panel.value;
+  const tab = TABS.find((t) => t.panel === shown);
+  const care = care_of(viewer.info);
+  // As tabs should: one stop for the tab key, arrows go from one to the next.
+  const on_key = (event: KeyboardEvent) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const at = TABS.findIndex((t) => t.panel === shown);
+    const next = TABS[(at + step + TABS.length) % TABS.length]!;
+    viewer.panel.value = next.panel;
+    document.getElementById(`tab-${next.panel}`)?.focus();
+  };
+  return (
+    <aside class={`side-panel ${shown ? "" : "collapsed"}`} id="side-panel" aria-label="Side panel">
+      <div class="tabs">
+        <div role="tablist" aria-label="Panels" onKeyDown={on_key}>
+          {TABS.map(({ panel, label }, n) => (
+            <button
+              key={panel}
+              role="tab"
+              id={`tab-${panel}`}
+              aria-selected={panel === shown}
+              aria-controls="panel-content"
+              tabIndex={panel === shown || (!shown && n === 0) ? 0 : -1}
+              onClick={() => (viewer.panel.value = panel)}
+            >
+              {label}
+              {panel === "report" && care.level !== "fine" && <span class={`dot ${care.level}`} title={care.text} />}
+            </button>
+          ))}
+        </div>
+        <button
+          class="icon-button sheet-switch"
+          aria-label={shown ? "Hide the panel" : "Show the panel"}
+          aria-expanded={shown !== null}
+          onClick={() => (viewer.panel.value = shown ? null : "materials")}
+        >
+          <Icon name={shown ? "close" : "panel"} />
+        </button>
+      </div>
+      {tab && (
+        <div class="panel-content" id="panel-content" role="tabpanel" aria-labelledby={`tab-${tab.panel}`} key={tab.panel} tabIndex={-1}>
+          <tab.Content viewer={viewer} />
+        </div>
+      )}
+    </aside>
+  );
+}

@@ -1,0 +1,105 @@
+// The state of the page in its address, behind '#', so that a link shows what its sender saw and the server never reads it.
+// Short and readable: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&hide=0,3 ... Only what differs from the start
+// is in it. Numbers are written so that they come back as they were.
+import { batch, effect } from "@preact/signals";
+import type { AxisIndex, Index3 } from "./api";
+import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
+
+export function grid_in_address(): string | null {
+  return new URLSearchParams(location.hash.slice(1)).get("g");
+}
+
+const numbers = (text: string | null, count: number): number[] | null => {
+  const list = text?.split(",").map((n) => (n.trim() ? Number(n) : Number.NaN));
+  return list && list.length === count && list.every(Number.isFinite) ? list : null;
+};
+
+const LAYOUTS: readonly Layout[] = ["four", "x", "y", "z", "3d"];
+const PANELS: readonly Panel[] = ["materials", "report", "box", "share", "status"];
+const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline" } as const;
+
+const hex = (color: readonly number[]) => color.map((c) => c.toString(16).padStart(2, "0")).join("");
+
+// What stands in the address goes into the viewer; what is missing or makes no sense stays as it is. True when it says where to look.
+export function read_address(viewer: Viewer): boolean {
+  const query = new URLSearchParams(location.hash.slice(1));
+  const look = numbers(query.get("look"), 3);
+  const zoom = numbers(query.get("zoom"), 1);
+  batch(() => {
+    const at = numbers(query.get("at"), 3);
+    if (at) viewer.set_cell(at as Index3);
+    if (look) viewer.centre.value = look as [number, number, number];
+    if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
+    const layout = query.get("layout") as Layout | null;
+    if (layout && LAYOUTS.includes(layout)) viewer.layout.value = layout;
+    const panel = query.get("panel");
+    if (panel === "none") viewer.panel.value = null;
+    else if (panel && PANELS.includes(panel as Panel)) viewer.panel.value = panel as Panel;
+    for (const [key, name] of Object.entries(SWITCHES)) {
+      const value = query.get(key);
+      if (value === "0" || value === "1") viewer[name].value = value === "1";
+    }
+    const in_grid = (n: number, d: number, end: number) => Number.isInteger(n) && n >= 0 && n < viewer.cells[d]! + end;
+    const box = numbers(query.get("box"), 6);
+    if (box?.every((n, d) => in_grid(n, d % 3, 1) && (d < 3 || n > box[d - 3]!))) viewer.box.value = box as Box;
+    const pin = numbers(query.get("pin"), 3);
+    if (pin?.every((n, d) => in_grid(n, d, 0))) viewer.pinned.value = pin as Index3;
+    const orbit = numbers(query.get("orbit"), 6);
+    if (orbit && Math.abs(orbit[1]!) <= 90 && orbit[2]! > 0)
+      viewer.orbit.value = { azimuth: orbit[0]!, elevation: orbit[1]!, distance: orbit[2]!, target: orbit.slice(3) as [number, number, number] };
+    const bodies = query.get("bodies") as BodyMode | null;
+    if (bodies && BODY_MODES.includes(bodies)) viewer.bodies.value = bodies;
+    const measure = numbers(query.get("measure"), 7);
+    if (measure && [0, 1, 2].includes(measure[0]!))
+      viewer.measure.value = { axis: measure[0] as AxisIndex, from: measure.slice(1, 4) as Index3, to: measure.slice(4) as Index3 };
+    // material=id:rrggbb:opacity:visible, joined by ';'
+    const looks = [...viewer.looks.value];
+    for (const text of query.get("material")?.split(";") ?? []) {
+      const [id, color, opacity, visible] = text.split(":");
+      const n = Number(id);
+      const alpha = Number(opacity);
+      if (!looks[n] || !/^[0-9a-f]{6}$/.test(color ?? "") || !(alpha >= 0 && alpha <= 1)) continue;
+      const channel = (i: number) => Number.parseInt(color!.slice(2 * i, 2 * i + 2), 16);
+      looks[n] = { color: [channel(0), channel(1), channel(2)], opacity: alpha, visible: visible === "1" };
+    }
+    viewer.looks.value = looks;
+  });
+  return look !== null && zoom !== null;
+}
+
+export function address_of(viewer: Viewer): string {
+  const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(",") });
+  if (viewer.zoom.value > 0) start.set("zoom", String(viewer.zoom.value));
+  if (viewer.layout.value !== "four") start.set("layout", viewer.layout.value);
+  if (viewer.panel.value !== "materials") start.set("panel", viewer.panel.value ?? "none");
+  const standard = viewer.standard_switches;
+  for (const [key, name] of Object.entries(SWITCHES)) if (viewer[name].value !== standard[name]) start.set(key, viewer[name].value ? "1" : "0");
+  if (viewer.box.value) start.set("box", viewer.box.value.join(","));
+  if (viewer.pinned.value) start.set("pin", viewer.pinned.value.join(","));
+  const o = viewer.orbit.value;
+  if (o) start.set("orbit", [o.azimuth, o.elevation, o.distance, ...o.target].map((x) => Number(x.toPrecision(6))).join(","));
+  if (viewer.bodies.value !== "cut") start.set("bodies", viewer.bodies.value);
+  const m = viewer.measure.value;
+  if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));
+  const changed = viewer.looks.value.flatMap((look, id) => {
+    const before = viewer.standard_looks[id]!;
+    const same = look.visible === before.visible && look.opacity === before.opacity && hex(look.color) === hex(before.color);
+    return same ? [] : [`${id}:${hex(look.color)}:${look.opacity}:${look.visible ? 1 : 0}`];
+  });
+  if (changed.length) start.set("material", changed.join(";"));
+  return `#${start.toString().replaceAll("%2C", ",").replaceAll("%3A", ":").replaceAll("%3B", ";")}`;
+}
+
+// Keeps the address up to date, a little later: browsers limit how often it may change.
+export function keep_address(viewer: Viewer): () => void {
+  let timer = 0;
+  const stop = effect(() => {
+    const address = address_of(viewer);
+    clearTimeout(timer);
+    timer = window.setTimeout(() => history.replaceState(null, "", address), 250);
+  });
+  return () => {
+    clearTimeout(timer);
+    stop();
+  };
+}

@@ -1,0 +1,87 @@
+// What to draw while tiles are on their way. Every place of the view is drawn once, from the best tile that is there:
+// its own; one a little coarser of the same slice; finer ones of the same slice (after zooming out); for a moment what was shown
+// before (a slice ahead comes within that, and nothing flickers); any coarser one of the same slice; whatever was shown before.
+import type { Index3 } from "../api";
+import { FRAMES } from "../axis";
+import { type Extent, type Place, coarser, extent_of, in_slice } from "./place";
+import type { Tile } from "./tile";
+
+export interface Region extends Extent {
+  readonly tile: Tile | null;
+  readonly damaged: boolean;
+}
+
+export interface Held {
+  find(place: Place): Tile | null;
+  is_damaged(place: Place): boolean;
+}
+
+export interface Shown {
+  readonly regions: Region[];
+  readonly missing: Place[]; // wanted and not there
+  readonly blank: Place[]; // the part of them for which nothing of this slice stands in, or only something very coarse
+  readonly stale: boolean; // some of it shows another slice
+}
+
+export interface Before {
+  readonly slice: number | null; // that was shown last
+  readonly patient: boolean; // whether it may stay although something coarse of the right slice is there
+}
+
+const NEAR = 2; // levels coarser that look like the same picture, a little blurred
+const DEEP = 2; // levels finer to look for
+
+// REQUIRES: places of one slice (a cell of level 0), as cover() gives them.
+export function regions_of(places: readonly Place[], slice: number, levels: number, cells: Index3, held: Held, before: Before): Shown {
+  const regions: Region[] = [];
+  const missing: Place[] = [];
+  const blank = new Set<Place>();
+  let stale = false;
+  const add = (place: Place, tile: Tile | null, damaged = false) => regions.push({ ...extent_of(place, cells), tile, damaged });
+
+  const coarse = (place: Place, from: number, to: number): Tile | null => {
+    for (let by = from; by <= to && place.level + by < levels; ++by) {
+      const tile = held.find(coarser(place, by));
+      if (tile) return tile;
+    }
+    return null;
+  };
+  const stand_in = (place: Place, wanted: Place): void => {
+    const near = coarse(place, 1, NEAR + wanted.level - place.level);
+    if (near) {
+      add(place, near);
+      return;
+    }
+    blank.add(wanted);
+    const old = before.slice === null ? null : coarse(in_slice(place, before.slice), 0, levels);
+    const any = old && before.patient ? null : coarse(place, 1, levels);
+    stale ||= !any && old !== null;
+    add(place, any ?? old);
+  };
+  const quarters = (place: Place): Place[] =>
+    [0, 1, 2, 3]
+      .map((q) => ({ ...place, index: slice >> (place.level - 1), level: place.level - 1, column: 2 * place.column + (q & 1), row: 2 * place.row + (q >> 1) }))
+      .filter((quarter) => extent_of(quarter, cells).u0 < cells[FRAMES[place.axis].u] && extent_of(quarter, cells).v0 < cells[FRAMES[place.axis].v]);
+  const has_finer = (place: Place, depth: number): boolean =>
+    depth > 0 && place.level > 0 && quarters(place).some((quarter) => held.find(quarter) !== null || has_finer(quarter, depth - 1));
+  const draw_finer = (place: Place, depth: number, wanted: Place): void => {
+    for (const quarter of quarters(place)) {
+      const tile = held.find(quarter);
+      if (tile) add(quarter, tile);
+      else if (has_finer(quarter, depth - 1)) draw_finer(quarter, depth - 1, wanted);
+      else stand_in(quarter, wanted);
+    }
+  };
+
+  for (const place of places) {
+    const tile = held.find(place);
+    if (tile) add(place, tile);
+    else if (held.is_damaged(place)) add(place, null, true);
+    else {
+      missing.push(place);
+      if (!coarse(place, 1, NEAR) && has_finer(place, DEEP)) draw_finer(place, DEEP, place);
+      else stand_in(place, place);
+    }
+  }
+  return { regions, missing, blank: [...blank], stale };
+}

@@ -1,0 +1,75 @@
+// Numbers for the sets of materials that tiles hold, the same in all tiles of a grid: neighbours can be compared, and one palette
+// colours all of them. The first numbers are no sets.
+import { type MaterialLook, color_of_set } from "../materials";
+
+export const OUTSIDE = 0; // not in the grid
+export const UNKNOWN = 1; // in the grid, nothing has come yet
+const FIRST = 2;
+
+export class SetTable {
+  private readonly numbers = new Map<string, number>();
+  private readonly sets: (readonly number[])[] = [[], []];
+
+  get size(): number {
+    return this.sets.length;
+  }
+
+  number_of(set: readonly number[]): number {
+    const name = set.join(",");
+    let number = this.numbers.get(name);
+    if (number === undefined) {
+      number = this.sets.length;
+      this.numbers.set(name, number);
+      this.sets.push(set);
+    }
+    return number;
+  }
+
+  // Material ids, ascending; null for what is no set.
+  members(number: number): readonly number[] | null {
+    return number < FIRST ? null : this.sets[number]!;
+  }
+}
+
+export type Rgb = readonly [number, number, number];
+
+// As a little endian machine writes it into a picture.
+export const packed = ([r, g, b]: Rgb): number => (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
+
+// Opaque colours of all sets, on the colour of the grid's ground. Kept between frames: only new sets are worked out, unless
+// the looks or the theme have changed; then the version tells.
+export class Palette {
+  colors = new Uint32Array(256);
+  version = 0;
+  private known = 0;
+  private looks: readonly MaterialLook[] = [];
+  private ground: Rgb = [255, 255, 255];
+  private outside: Rgb = [255, 255, 255];
+
+  constructor(private readonly sets: SetTable) {}
+
+  update(looks: readonly MaterialLook[], ground: Rgb, outside: Rgb): void {
+    if (looks !== this.looks || packed(ground) !== packed(this.ground) || packed(outside) !== packed(this.outside)) {
+      this.looks = looks;
+      this.ground = ground;
+      this.outside = outside;
+      this.known = 0;
+      ++this.version;
+    }
+    if (this.colors.length < this.sets.size) {
+      const larger = new Uint32Array(2 * this.sets.size);
+      larger.set(this.colors);
+      this.colors = larger;
+    }
+    for (; this.known < this.sets.size; ++this.known) this.colors[this.known] = packed(this.color(this.known));
+  }
+
+  private color(number: number): Rgb {
+    const set = this.sets.members(number);
+    if (!set) return number === OUTSIDE ? this.outside : this.ground;
+    const [r, g, b, alpha] = color_of_set(set, this.looks);
+    const a = alpha / 255;
+    const over = (c: number, under: number) => Math.round(c * a + under * (1 - a));
+    return [over(r, this.ground[0]), over(g, this.ground[1]), over(b, this.ground[2])];
+  }
+}

@@ -1,0 +1,183 @@
+// The tiles that the page holds, and the requests for those it wants. The views say before each frame what they want, most urgent
+// first; the store keeps a few requests going, gives up those that nobody wants any more when their place is needed, keeps what
+// came within a number of bytes (least recently used first out), and tries again after a while what failed. Nothing polls.
+//
+// Six requests at once is what browsers do to one HTTP/1.1 server; tiles asked for ahead of time leave two to everybody else.
+// A request that nobody wants goes on while there is room: closing its connection costs a new one, and the tile may be wanted back.
+import { batch } from "@preact/signals";
+import { type GridAddress, type Index3, ServerError } from "../api";
+import type { TileCounters } from "../viewer";
+import { type Place, place_name, tile_size } from "./place";
+import type { SetTable } from "./sets";
+import { type Tile, decode_tile } from "./tile";
+
+export interface Want {
+  readonly place: Place;
+  readonly ahead: boolean; // not in sight yet
+}
+
+export type Fetch = (path: string, options: { signal: AbortSignal; priority: "high" | "low" }) => Promise<{ arrayBuffer(): Promise<ArrayBuffer> }>;
+
+interface Flight {
+  readonly abort: AbortController;
+  readonly ahead: boolean;
+}
+
+interface Failure {
+  readonly count: number;
+  readonly until: number; // milliseconds, of performance.now()
+  readonly damaged: boolean;
+}
+
+export const LIMITS = { bytes: 96 * 2 ** 20, requests: 6, ahead: 4, retry_ms: 1000, retry_most_ms: 30_000, latencies: 64 };
+
+export class TileStore {
+  // Called when something came or failed.
+  on_change: () => void = () => {};
+  private readonly tiles = new Map<string, Tile>(); // least recently used first
+  private readonly flights = new Map<string, Flight>();
+  private readonly failures = new Map<string, Failure>();
+  private wants: readonly Want[] = [];
+  private bytes = 0;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private closed = false;
+
+  constructor(
+    private readonly address: GridAddress,
+    private readonly cells: Index3,
+    private readonly sets: SetTable,
+    private readonly counters: TileCounters,
+    private readonly fetch_tile: Fetch,
+    private readonly limits: typeof LIMITS = LIMITS,
+  ) {}
+
+  find(place: Place): Tile | null {
+    const name = place_name(place);
+    const tile = this.tiles.get(name);
+    if (!tile) return null;
+    this.tiles.delete(name);
+    this.tiles.set(name, tile);
+    return tile;
+  }
+
+  is_damaged(place: Place): boolean {
+    return this.failures.get(place_name(place))?.damaged ?? false;
+  }
+
+  // Replaces what was wanted before. Most urgent first.
+  want(wants: readonly Want[]): void {
+    this.wants = wants;
+    this.pump();
+  }
+
+  // Tries at once what failed: the server is back.
+  retry(): void {
+    this.failures.clear();
+    this.pump();
+    this.on_change();
+  }
+
+  close(): void {
+    this.closed = true;
+    clearTimeout(this.timer);
+    for (const { abort } of this.flights.values()) abort.abort();
+    this.tiles.clear();
+  }
+
+  private pump(): void {
+    if (this.closed) return;
+    clearTimeout(this.timer);
+    const now = performance.now();
+    const open = this.wants.filter(({ place }) => !this.tiles.has(place_name(place)));
+    const urgent = new Set(open.filter((want) => !want.ahead).map(({ place }) => place_name(place)));
+    const wanted = new Set(open.map(({ place }) => place_name(place)));
+    let wait = Number.POSITIVE_INFINITY;
+    let waiting = 0;
+    for (const { place, ahead } of open) {
+      const name = place_name(place);
+      if (this.flights.has(name)) continue;
+      const failure = this.failures.get(name);
+      if (failure && failure.until > now) {
+        wait = Math.min(wait, failure.until - now);
+        continue;
+      }
+      if (this.make_room(ahead, urgent, wanted)) this.start(place, name, ahead);
+      else ++waiting;
+    }
+    if (wait < Number.POSITIVE_INFINITY) this.timer = setTimeout(() => this.pump(), wait + 1);
+    this.count(waiting);
+  }
+
+  private make_room(ahead: boolean, urgent: ReadonlySet<string>, wanted: ReadonlySet<string>): boolean {
+    if (this.flights.size < (ahead ? this.limits.ahead : this.limits.requests)) return true;
+    let victim: string | null = null;
+    for (const name of this.flights.keys()) {
+      if (!wanted.has(name)) {
+        victim = name;
+        break;
+      }
+      if (!ahead && !urgent.has(name)) victim ??= name;
+    }
+    if (victim === null) return false;
+    this.flights.get(victim)!.abort.abort();
+    this.flights.delete(victim);
+    return this.flights.size < (ahead ? this.limits.ahead : this.limits.requests);
+  }
+
+  private start(place: Place, name: string, ahead: boolean): void {
+    const flight = { abort: new AbortController(), ahead };
+    this.flights.set(name, flight);
+    void this.fetch_one(place, name, flight);
+  }
+
+  private async fetch_one(place: Place, name: string, flight: Flight): Promise<void> {
+    const began = performance.now();
+    const path = this.address.tile(place.axis, place.index, place.level, place.column, place.row);
+    try {
+      const response = await this.fetch_tile(path, { signal: flight.abort.signal, priority: flight.ahead ? "low" : "high" });
+      const buffer = await response.arrayBuffer();
+      if (this.closed || flight.abort.signal.aborted) return;
+      this.keep(decode_tile(place, tile_size(place, this.cells), buffer, this.sets));
+      this.failures.delete(name);
+      this.counters.latencies.value = [...this.counters.latencies.value.slice(1 - this.limits.latencies), performance.now() - began];
+    } catch (error) {
+      if (this.closed || flight.abort.signal.aborted) return;
+      this.fail(name, error);
+    } finally {
+      if (this.flights.get(name) === flight) this.flights.delete(name);
+    }
+    this.pump();
+    this.on_change();
+  }
+
+  private keep(tile: Tile): void {
+    this.bytes += tile.bytes - (this.tiles.get(tile.name)?.bytes ?? 0);
+    this.tiles.delete(tile.name);
+    this.tiles.set(tile.name, tile);
+    for (const [name, old] of this.tiles) {
+      if (this.bytes <= this.limits.bytes || name === tile.name) break;
+      this.tiles.delete(name);
+      this.bytes -= old.bytes;
+    }
+  }
+
+  private fail(name: string, error: unknown): void {
+    const count = (this.failures.get(name)?.count ?? 0) + 1;
+    const damaged = error instanceof ServerError ? error.status === 500 : true;
+    const wait = damaged ? this.limits.retry_most_ms : Math.min(this.limits.retry_ms * 2 ** (count - 1), this.limits.retry_most_ms);
+    this.failures.set(name, { count, until: performance.now() + wait, damaged });
+  }
+
+  private count(waiting: number): void {
+    const c = this.counters;
+    const damaged = [...this.failures.values()].filter((failure) => failure.damaged).length;
+    batch(() => {
+      c.in_flight.value = this.flights.size;
+      c.waiting.value = waiting;
+      c.bytes.value = this.bytes;
+      c.tiles.value = this.tiles.size;
+      c.failed.value = this.failures.size - damaged;
+      c.damaged.value = damaged;
+    });
+  }
+}

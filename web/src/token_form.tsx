@@ -1,0 +1,30 @@
+// Asks for the token of a server that wants one.
+import { useState } from "preact/hooks";
+import { give_token, has_token } from "./api";
+import { Mark } from "./header";
+
+export function TokenForm() {
+  const [text, set_text] = useState("");
+  const open = (event: Event) => {
+    event.preventDefault();
+    if (text.trim()) give_token(text);
+  };
+  return (
+    <main class="token-page">
+      <form class="token-form" onSubmit={open}>
+        <h1>
+          <Mark /> teracell
+        </h1>
+        <p>{has_token() ? "The server refused this token." : "This server asks for a token."}</p>
+        <label>
+          Access token
+          <input type="password" name="token" autocomplete="current-password" autofocus value={text} onInput={(e) => set_text(e.currentTarget.value)} />
+        </label>
+        <button class="button primary" type="submit" disabled={!text.trim()}>
+          Open
+        </button>
+        <p class="note">It is kept in this tab only, until the tab is closed.</p>
+      </form>
+    </main>
+  );
+}

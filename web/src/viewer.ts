@@ -1,0 +1,162 @@
+// The state of the page while one grid is open: signals that the views, the panels and the address of the page share. Parts talk
+// to each other through it alone; nothing here touches the document.
+import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
+import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "./api";
+import { Axis, FRAMES } from "./axis";
+import { type MaterialLook, initial_looks } from "./materials";
+
+export type Layout = "four" | "x" | "y" | "z" | "3d";
+export type Panel = "materials" | "report" | "box" | "share" | "status";
+export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
+
+// Where the overview's camera is: degrees around and above, half longest sides of the domain away from a point in coordinates.
+export interface OrbitState {
+  azimuth: number;
+  elevation: number;
+  distance: number;
+  target: [number, number, number];
+}
+export const BODY_MODES = ["cut", "whole", "glass"] as const;
+// The bodies in the overview: without the octant before the crosshair, whole, or as if of glass.
+export type BodyMode = (typeof BODY_MODES)[number];
+
+export interface Measure {
+  axis: AxisIndex; // of the view that it was drawn in
+  from: [number, number, number]; // coordinates
+  to: [number, number, number];
+}
+
+// A place that something else points at, such as a hole of the surface.
+export interface Marker {
+  at: [number, number, number]; // coordinates
+  text: string;
+}
+
+// What the tiles of the views cost: for the status panel. Times are of requests that reached the network or the browser's cache.
+export class TileCounters {
+  readonly in_flight = signal(0);
+  readonly waiting = signal(0);
+  readonly bytes = signal(0); // held decoded
+  readonly tiles = signal(0); // held decoded
+  readonly latencies = signal<readonly number[]>([]); // milliseconds, the last 64, oldest first
+  readonly failed = signal(0); // that are tried again after a while
+  readonly damaged = signal(0); // that the server can't read: drawn hatched
+}
+
+export class Viewer {
+  readonly address: GridAddress;
+  readonly axes: readonly [Axis, Axis, Axis];
+
+  // The crosshair: a cell of level 0. Each view shows the slice through it.
+  readonly cell: Signal<Index3>;
+  // What the views look at: the coordinates in their middle, one point for all three, and CSS pixels a unit of length; 0: as
+  // large as fits, which the views replace as soon as they know their size.
+  readonly centre: Signal<[number, number, number]>;
+  readonly zoom: Signal<number>;
+
+  readonly layout = signal<Layout>("four");
+  readonly panel = signal<Panel | null>("materials");
+  readonly looks: Signal<readonly MaterialLook[]>;
+  readonly show_axes = signal<boolean>(true);
+  readonly show_scale = signal(true);
+  readonly show_lines = signal(true); // between cells, when they are large enough
+  readonly show_outline = signal(false); // between materials
+  readonly sweeping = signal<AxisIndex | null>(null); // the view that plays
+  readonly box = signal<Box | null>(null);
+  readonly measure = signal<Measure | null>(null);
+  readonly tool = signal<"look" | "measure" | "box">("look");
+  readonly markers = signal<readonly Marker[]>([]);
+  readonly help = signal(false); // the list of keys and gestures
+  readonly tiles = new TileCounters();
+  // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
+  readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];
+
+  readonly orbit = signal<OrbitState | null>(null); // null: the view that shows all
+  readonly bodies = signal<BodyMode>("cut");
+
+  // The cell under the pointer, and the view it is in. Outside the grid: null.
+  readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; materials: readonly number[] | null } | null>(null);
+  // A cell that a click keeps in the read-out.
+  readonly pinned = signal<Index3 | null>(null);
+
+  // As it was at the start: the page's address holds what differs.
+  readonly standard_looks: readonly MaterialLook[];
+  readonly standard_switches = { show_axes: true, show_scale: true, show_lines: true, show_outline: false } as const;
+
+  readonly cells: Index3;
+  readonly slice: readonly [ReadonlySignal<number>, ReadonlySignal<number>, ReadonlySignal<number>];
+
+  constructor(readonly info: GridInfo) {
+    this.address = new GridAddress(info.id, info.file.hash);
+    const axis = (d: AxisIndex) => new Axis(info.grid.axes[d]!, info.grid.sample[d]!);
+    this.axes = [axis(0), axis(1), axis(2)];
+    this.cells = info.grid.cells;
+    this.cell = signal<Index3>([Math.floor(this.cells[0] / 2), Math.floor(this.cells[1] / 2), Math.floor(this.cells[2] / 2)]);
+    this.centre = signal(this.middle());
+    this.zoom = signal(0);
+    this.standard_looks = initial_looks(info.materials);
+    this.looks = signal(this.standard_looks);
+    const slice = (d: AxisIndex) => computed(() => this.cell.value[d]);
+    this.slice = [slice(0), slice(1), slice(2)];
+  }
+
+  middle(): [number, number, number] {
+    const m = (d: AxisIndex) => (this.axes[d].min + this.axes[d].max) / 2;
+    return [m(0), m(1), m(2)];
+  }
+
+  // Everything but the place as it was at the start: an address says only what differs from that.
+  reset(): void {
+    batch(() => {
+      this.layout.value = "four";
+      this.panel.value = "materials";
+      this.looks.value = this.standard_looks;
+      for (const name of ["show_axes", "show_scale", "show_lines", "show_outline"] as const) this[name].value = this.standard_switches[name];
+      this.box.value = null;
+      this.measure.value = null;
+      this.pinned.value = null;
+      this.orbit.value = null;
+      this.bodies.value = "cut";
+    });
+  }
+
+  // Moves the slice across an axis; it stays in the grid.
+  set_slice(axis: AxisIndex, index: number): void {
+    const to = this.axes[axis].clamp(index);
+    if (to === this.cell.value[axis]) return;
+    const cell: Index3 = [...this.cell.value];
+    cell[axis] = to;
+    this.cell.value = cell;
+  }
+
+  // Puts the crosshair on a cell.
+  set_cell(cell: Index3): void {
+    const to: Index3 = [this.axes[0].clamp(cell[0]), this.axes[1].clamp(cell[1]), this.axes[2].clamp(cell[2])];
+    if (to.some((x, d) => x !== this.cell.value[d])) this.cell.value = to;
+  }
+
+  // The same, and every view looks at it.
+  go_to_cell(cell: Index3): void {
+    batch(() => {
+      this.set_cell(cell);
+      const [i, j, k] = this.cell.value;
+      this.centre.value = [this.axes[0].centre(i), this.axes[1].centre(j), this.axes[2].centre(k)];
+    });
+  }
+  go_to(point: readonly [number, number, number]): void {
+    this.go_to_cell([this.axes[0].cell_at(point[0]), this.axes[1].cell_at(point[1]), this.axes[2].cell_at(point[2])]);
+  }
+
+  // Looks at a box of cells so that it fills about 0.8 of a view of this many CSS pixels.
+  go_to_box(box: Box, pixels = 480): void {
+    const low = (d: AxisIndex) => this.axes[d].plane(box[d]);
+    const high = (d: AxisIndex) => this.axes[d].plane(box[d + 3]!);
+    const size = Math.max(high(0) - low(0), high(1) - low(1), high(2) - low(2));
+    batch(() => {
+      this.go_to([(low(0) + high(0)) / 2, (low(1) + high(1)) / 2, (low(2) + high(2)) / 2]);
+      if (size > 0) this.zoom.value = (0.8 * pixels) / size;
+    });
+  }
+}
+
+export { FRAMES };

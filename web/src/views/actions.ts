@@ -1,0 +1,35 @@
+// What keys and buttons do to the views.
+import { batch } from "@preact/signals";
+import { AXIS_NAMES, type AxisIndex } from "../api";
+import type { Viewer } from "../viewer";
+
+// The view alone, or all four.
+export function toggle_layout(viewer: Viewer, axis: AxisIndex): void {
+  viewer.layout.value = viewer.layout.value === "four" ? AXIS_NAMES[axis] : "four";
+}
+
+export function toggle_sweep(viewer: Viewer, axis: AxisIndex): void {
+  viewer.sweeping.value = viewer.sweeping.value === axis ? null : axis;
+}
+
+// The whole grid in its views.
+export function fit(viewer: Viewer): void {
+  batch(() => {
+    viewer.centre.value = viewer.middle();
+    viewer.zoom.value = 0;
+  });
+}
+
+// One step back: out of a tool, else what was put into the views goes.
+export function escape(viewer: Viewer): void {
+  batch(() => {
+    viewer.sweeping.value = null;
+    if (viewer.tool.value !== "look") {
+      viewer.tool.value = "look";
+      return;
+    }
+    if (viewer.measure.value) viewer.measure.value = null;
+    else if (viewer.box.value) viewer.box.value = null;
+    else viewer.pinned.value = null;
+  });
+}

@@ -1,0 +1,104 @@
+// Where cells are on a view: CSS pixels from its top left corner, x right, y down; u right, v up. All in doubles, from coordinates,
+// so that graded axes are true to scale and 10^9 cells are exact.
+import type { AxisIndex } from "../api";
+import { type Axis, FRAMES } from "../axis";
+import type { Extent } from "../tiles/place";
+
+export class Camera {
+  readonly across: Axis;
+  readonly up: Axis;
+  // Coordinates in the middle of the view.
+  private readonly u: number;
+  private readonly v: number;
+
+  constructor(
+    readonly axis: AxisIndex,
+    axes: readonly [Axis, Axis, Axis],
+    readonly width: number, // CSS pixels
+    readonly height: number,
+    readonly ratio: number, // device pixels a CSS pixel
+    centre: readonly [number, number, number],
+    readonly zoom: number, // CSS pixels a unit of length
+  ) {
+    const frame = FRAMES[axis];
+    this.across = axes[frame.u];
+    this.up = axes[frame.v];
+    this.u = centre[frame.u];
+    this.v = centre[frame.v];
+  }
+
+  x_of(u: number): number {
+    return this.width / 2 + (u - this.u) * this.zoom;
+  }
+  y_of(v: number): number {
+    return this.height / 2 - (v - this.v) * this.zoom;
+  }
+  u_at(x: number): number {
+    return this.u + (x - this.width / 2) / this.zoom;
+  }
+  v_at(y: number): number {
+    return this.v - (y - this.height / 2) / this.zoom;
+  }
+
+  // The cells in sight.
+  seen(): Extent {
+    const part = (axis: Axis, low: number, high: number) => [Math.max(axis.cell_at(low), 0), Math.min(axis.cell_at(high) + 1, axis.cells)] as const;
+    // To the end of the last device pixel, part of which may be cut off.
+    const end = (size: number) => Math.ceil(size * this.ratio) / this.ratio;
+    const [u0, u1] = part(this.across, this.u_at(0), this.u_at(end(this.width)));
+    const [v0, v1] = part(this.up, this.v_at(end(this.height)), this.v_at(0));
+    return { u0, u1, v0, v1 };
+  }
+}
+
+// For each column and row of samples the cell of level 0 there; -1 outside the grid. `each` samples a device pixel both ways.
+export interface SampleCells {
+  readonly columns: Int32Array; // ascending where not -1
+  readonly rows: Int32Array; // descending where not -1
+  readonly each: 1 | 2;
+}
+
+export function sample_cells(camera: Camera, each: 1 | 2): SampleCells {
+  const line = (axis: Axis, pixels: number, coordinate: (x: number) => number) => {
+    const cells = new Int32Array(pixels * each);
+    for (let i = 0; i < cells.length; ++i) {
+      const cell = axis.cell_at(coordinate((i + 0.5) / (each * camera.ratio)));
+      cells[i] = cell >= axis.cells ? -1 : cell;
+    }
+    return cells;
+  };
+  return {
+    columns: line(camera.across, Math.round(camera.width * camera.ratio), (x) => camera.u_at(x)),
+    rows: line(camera.up, Math.round(camera.height * camera.ratio), (y) => camera.v_at(y)),
+    each,
+  };
+}
+
+const MARGIN = 44; // CSS pixels around a grid that fits: its title and rulers are there
+const LARGEST_CELL = 160; // CSS pixels
+
+// The zoom at which the grid fits all views of these sizes.
+export function fitting_zoom(axes: readonly [Axis, Axis, Axis], views: readonly { axis: AxisIndex; width: number; height: number }[]): number {
+  const zooms = views.flatMap(({ axis, width, height }) => {
+    const frame = FRAMES[axis];
+    const extent = (a: Axis) => a.max - a.min;
+    const fill = (size: number) => Math.max(size - 2 * MARGIN, size / 2);
+    return [fill(width) / extent(axes[frame.u]), fill(height) / extent(axes[frame.v])];
+  });
+  return Math.min(...zooms);
+}
+
+// From a grid that is a tenth of the view to cells as large as a thumb.
+export function clamped_zoom(zoom: number, axes: readonly [Axis, Axis, Axis], fitting: number): number {
+  const finest = Math.min(...axes.map((a) => (a.max - a.min) / a.cells));
+  return Math.min(Math.max(zoom, fitting / 10), Math.max(LARGEST_CELL / finest, fitting));
+}
+
+// The middle that keeps the point under (x, y) where it is while the zoom changes; it stays in the grid.
+export function zoomed_about(camera: Camera, x: number, y: number, zoom: number): [number, number] {
+  const u = camera.u_at(x) - (x - camera.width / 2) / zoom;
+  const v = camera.v_at(y) + (y - camera.height / 2) / zoom;
+  return [inside(camera.across, u), inside(camera.up, v)];
+}
+
+export const inside = (axis: Axis, coordinate: number): number => Math.min(Math.max(coordinate, axis.min), axis.max);

@@ -1,0 +1,46 @@
+// Colours of the style sheet for what is painted by hand. They are resolved by the browser, so any notation and either theme works.
+import { type Rgb, packed } from "../tiles/sets";
+
+export interface Ink {
+  readonly ground: Rgb; // of the grid, under materials that are seen through
+  readonly outside: Rgb;
+  readonly outline: number; // packed
+  readonly stripes: readonly [number, number];
+  readonly text: string;
+  readonly halo: string; // around text and lines, so that they can be read on any material
+  readonly plate: string; // under text
+  readonly border: string;
+  readonly line: Rgb; // between cells
+  readonly accent: string;
+  readonly marker: string;
+  readonly axes: readonly [string, string, string];
+}
+
+export function read_ink(host: HTMLElement): Ink {
+  const probe = document.createElement("span");
+  host.append(probe);
+  const css = (name: string) => {
+    probe.style.color = `var(--view-${name})`;
+    return getComputedStyle(probe).color;
+  };
+  const rgb = (name: string): Rgb => {
+    const parts = css(name).match(/[\d.]+/g)!.map(Number);
+    return [parts[0]!, parts[1]!, parts[2]!];
+  };
+  const ink: Ink = {
+    ground: rgb("ground"),
+    outside: rgb("outside"),
+    outline: packed(rgb("outline")),
+    stripes: [packed(rgb("damaged")), packed(rgb("ground"))],
+    text: css("text"),
+    halo: css("halo"),
+    plate: css("plate"),
+    border: css("border"),
+    line: rgb("line"),
+    accent: css("accent"),
+    marker: css("marker"),
+    axes: [css("x"), css("y"), css("z")],
+  };
+  probe.remove();
+  return ink;
+}

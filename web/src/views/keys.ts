@@ -1,0 +1,69 @@
+// Keys of the views; they stand in bindings.ts. They mean the view under the pointer, or the one that is focused.
+import type { Signal } from "@preact/signals";
+import type { Viewer } from "../viewer";
+import { escape, fit, toggle_layout, toggle_sweep } from "./actions";
+import type { Stage } from "./stage";
+
+const PAN = 64; // CSS pixels
+const ZOOM = 1.25;
+
+const flip = (switched: Signal<boolean>) => (switched.value = !switched.value);
+const choose = (viewer: Viewer, tool: "measure" | "box") => (viewer.tool.value = viewer.tool.value === tool ? "look" : tool);
+
+// Elements that have a use of their own for the key.
+function is_taken(event: KeyboardEvent): boolean {
+  const target = event.target;
+  if (!(target instanceof HTMLElement)) return false;
+  if (target.closest("dialog, textarea, select, [contenteditable], [role=menu], [role=listbox]")) return true;
+  if (target instanceof HTMLInputElement) return target.type !== "range" || event.key.startsWith("Arrow") || event.key === " ";
+  if (event.key === " ") return target.closest("button, a, summary, [role=button], [role=tab]") !== null;
+  return event.key.startsWith("Arrow") && target.closest("[role=tab], [role=radio]") !== null;
+}
+
+export function attach_keys(stage: Stage): () => void {
+  const { viewer } = stage;
+  const step = (by: number) => {
+    viewer.sweeping.value = null;
+    viewer.set_slice(stage.active, viewer.cell.value[stage.active] + by);
+  };
+  const zoom = (factor: number) => {
+    const view = stage.views[stage.active];
+    stage.zoom_by(stage.active, factor, view.width / 2, view.height / 2);
+  };
+  const actions: Record<string, () => void> = {
+    ",": () => step(-1),
+    ".": () => step(1),
+    "<": () => step(-10),
+    ">": () => step(10),
+    ";": () => step(-10), // shift and ',' on other keyboards
+    ":": () => step(10),
+    " ": () => toggle_layout(viewer, stage.active),
+    ArrowLeft: () => stage.pan(stage.active, PAN, 0),
+    ArrowRight: () => stage.pan(stage.active, -PAN, 0),
+    ArrowUp: () => stage.pan(stage.active, 0, PAN),
+    ArrowDown: () => stage.pan(stage.active, 0, -PAN),
+    "+": () => zoom(ZOOM),
+    "=": () => zoom(ZOOM),
+    "-": () => zoom(1 / ZOOM),
+    "0": () => fit(viewer),
+    a: () => flip(viewer.show_axes),
+    b: () => flip(viewer.show_scale),
+    l: () => flip(viewer.show_lines),
+    o: () => flip(viewer.show_outline),
+    p: () => toggle_sweep(viewer, stage.active),
+    c: () => viewer.go_to_cell(viewer.cell.value),
+    m: () => choose(viewer, "measure"),
+    x: () => choose(viewer, "box"),
+    h: () => flip(viewer.help),
+    Escape: () => escape(viewer),
+  };
+  const on_key = (event: KeyboardEvent) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || is_taken(event)) return;
+    const action = actions[event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  };
+  document.addEventListener("keydown", on_key);
+  return () => document.removeEventListener("keydown", on_key);
+}

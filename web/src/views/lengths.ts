@@ -1,0 +1,29 @@
+// Lengths for scale bars and measured lines, in the grid's units.
+import { significant } from "../format";
+
+// The largest 1, 2 or 5 times a power of ten that is not above `most`.
+export function round_length(most: number): number {
+  const power = 10 ** Math.floor(Math.log10(most));
+  const digit = most / power;
+  return (digit >= 5 ? 5 : digit >= 2 ? 2 : 1) * power;
+}
+
+// 0.05 mm reads worse than 50 µm; metric units only.
+const METRES: Record<string, number> = { m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, nm: 1e-9 };
+const NAMES: readonly [string, number][] = [
+  ["km", 1e3],
+  ["m", 1],
+  ["mm", 1e-3],
+  ["µm", 1e-6],
+  ["nm", 1e-9],
+];
+
+export const unit_name = (units: string): string => (units === "um" ? "µm" : units);
+
+export function length_text(length: number, units: string, digits = 4): string {
+  const trimmed = (x: number) => significant(Number(x.toPrecision(digits)), digits).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+  const metres = METRES[units];
+  if (length === 0 || metres === undefined || (length >= 0.1 && length < 1e4)) return `${trimmed(length)} ${unit_name(units)}`;
+  const [name, size] = NAMES.find(([, s]) => length * metres >= s * (1 - 1e-9)) ?? NAMES[NAMES.length - 1]!;
+  return `${trimmed((length * metres) / size)} ${name}`;
+}

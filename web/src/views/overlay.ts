@@ -1,0 +1,49 @@
+// What lies above the cells of one view, on a canvas of its own: moving the crosshair paints no cells.
+import type { Box } from "../viewer";
+import { draw_border, draw_cell_lines, draw_crosshair, draw_rulers, draw_scale_bar } from "./overlay_axes";
+import { draw_box, draw_markers, draw_measure, draw_pin } from "./overlay_marks";
+import { Pen } from "./pen";
+import type { Scene, View } from "./view";
+
+// All that an overlay depends on; compared by identity.
+function inputs_of({ viewer, ink, ratio }: Scene, view: View, draft: Box | null): unknown[] {
+  const v = viewer;
+  const signals = [v.cell, v.show_axes, v.show_scale, v.show_lines, v.box, v.measure, v.markers, v.pinned];
+  return [view.camera, view.level, ink, ratio, draft, ...signals.map((signal) => signal.value)];
+}
+
+const last_inputs = new WeakMap<View, unknown[]>();
+
+// Draws it if anything has changed. `draft`: a box that is being drawn.
+export function draw_overlay(scene: Scene, view: View, draft: Box | null): boolean {
+  const inputs = inputs_of(scene, view, draft);
+  const last = last_inputs.get(view);
+  if (last && inputs.every((input, i) => input === last[i])) return false;
+  last_inputs.set(view, inputs);
+  const { ratio } = scene;
+  const [width, height] = [Math.round(view.width * ratio), Math.round(view.height * ratio)];
+  const context = view.overlay.getContext("2d")!;
+  if (view.overlay.width !== width || view.overlay.height !== height) {
+    view.overlay.width = width;
+    view.overlay.height = height;
+  }
+  context.setTransform(1, 0, 0, 1, 0, 0);
+  context.clearRect(0, 0, width, height);
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  draw_marks(new Pen(context, view.camera!, scene.viewer, scene.ink), view.level, draft);
+  return true;
+}
+
+// In CSS pixels, whatever the context's scale: pictures that are saved are finer than the screen.
+export function draw_marks(pen: Pen, level: number, draft: Box | null = null): void {
+  const { viewer } = pen;
+  if (viewer.show_lines.value) draw_cell_lines(pen);
+  draw_border(pen);
+  if (viewer.show_axes.value) draw_rulers(pen);
+  draw_box(pen, draft ?? viewer.box.value);
+  if (viewer.show_axes.value) draw_crosshair(pen);
+  draw_pin(pen);
+  draw_markers(pen, level);
+  draw_measure(pen);
+  if (viewer.show_scale.value) draw_scale_bar(pen);
+}

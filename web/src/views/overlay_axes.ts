@@ -1,0 +1,103 @@
+// The parts of an overlay that tell where one is: lines between cells, the grid's border, rulers, the crosshair, the scale bar.
+import { AXIS_NAMES, type AxisIndex } from "../api";
+import type { Axis } from "../axis";
+import { coordinate } from "../format";
+import { length_text, round_length } from "./lengths";
+import type { Pen } from "./pen";
+
+const LINES_FROM = 7; // CSS pixels: smaller cells get no lines; they are fully there at
+const LINES_FULL = 20;
+const BAR = 130; // the longest scale bar
+const RULER_STEP = 90; // the smallest distance of coordinates on a ruler
+
+// Lines at the planes in sight whose cells are large enough, which graded axes may have in one place and not in another.
+export function draw_cell_lines(pen: Pen): void {
+  const { camera, context, ink } = pen;
+  const seen = camera.seen();
+  const [r, g, b] = ink.line;
+  const lines = (axis: Axis, from: number, to: number, place: (coordinate: number) => number, draw: (at: number) => void) => {
+    if ((to - from) * LINES_FROM > 4 * Math.max(camera.width, camera.height)) return;
+    const size = (i: number) => (axis.plane(i + 1) - axis.plane(i)) * camera.zoom;
+    for (let i = Math.max(from, 1); i < Math.min(to + 1, axis.cells); ++i) {
+      const smaller = Math.min(size(i - 1), size(i));
+      if (smaller < LINES_FROM) continue;
+      context.fillStyle = `rgb(${r} ${g} ${b} / ${Math.min(1, 0.25 + (smaller - LINES_FROM) / (LINES_FULL - LINES_FROM)) * 0.32})`;
+      draw(Math.floor(place(axis.plane(i)) * camera.ratio) / camera.ratio);
+    }
+  };
+  const [left, right] = [Math.max(camera.x_of(camera.across.min), 0), Math.min(camera.x_of(camera.across.max), camera.width)];
+  const [top, bottom] = [Math.max(camera.y_of(camera.up.max), 0), Math.min(camera.y_of(camera.up.min), camera.height)];
+  const one = 1 / camera.ratio;
+  lines(camera.across, seen.u0, seen.u1, (u) => camera.x_of(u), (x) => context.fillRect(x, top, one, bottom - top));
+  lines(camera.up, seen.v0, seen.v1, (v) => camera.y_of(v), (y) => context.fillRect(left, y, right - left, one));
+}
+
+export function draw_border(pen: Pen): void {
+  const { across, up } = pen.camera;
+  pen.cells(0, across.cells, 0, up.cells, pen.ink.border, { width: 1 });
+}
+
+// Round coordinates along the lower and left edge.
+export function draw_rulers(pen: Pen): void {
+  const { camera, context, ink, frame } = pen;
+  const step = round_length((2 * RULER_STEP) / camera.zoom);
+  const marks = (axis: Axis, low: number, high: number, draw: (at: number, text: string) => void) => {
+    const [from, to] = [Math.max(low, axis.min), Math.min(high, axis.max)];
+    for (let n = Math.ceil(from / step - 1e-9); n * step <= to * (1 + 1e-12) + 1e-12 * step && n - from / step < 64; ++n)
+      draw(n * step, coordinate(n * step, 10 * step));
+  };
+  context.fillStyle = ink.text;
+  const low = camera.height - 1;
+  const tick = (x: number, y: number, width: number, height: number) => {
+    context.fillStyle = ink.text;
+    context.fillRect(x, y, width, height);
+  };
+  // Their corner is left to the axes' names.
+  marks(camera.across, camera.u_at(0), camera.u_at(camera.width), (u, text) => {
+    const x = camera.x_of(u);
+    tick(pen.crisp(x) - 0.5, low - 5, 1, 6);
+    if (x > 48 && x < camera.width - 20) pen.text(text, x, low - 8, ink.text, "center", "bottom");
+  });
+  marks(camera.up, camera.v_at(camera.height), camera.v_at(0), (v, text) => {
+    const y = camera.y_of(v);
+    tick(0, pen.crisp(y) - 0.5, 6, 1);
+    if (y > 44 && y < camera.height - 56) pen.text(text, 9, y, ink.text);
+  });
+  context.font = `600 ${context.font}`;
+  pen.text(`${AXIS_NAMES[frame.u]} →`, 22, low - 8, ink.axes[frame.u], "center", "bottom");
+  pen.text(`${AXIS_NAMES[frame.v]} ↑`, 9, low - 30, ink.axes[frame.v], "left", "bottom");
+  context.font = context.font.replace("600 ", "");
+}
+
+const GAP = 7; // around the cell, which stays to be seen
+
+// Each line is where another view cuts, in that view's colour.
+export function draw_crosshair(pen: Pen): void {
+  const { camera, frame, ink, viewer } = pen;
+  const cell = viewer.cell.value;
+  const at = (d: AxisIndex) => viewer.axes[d].centre(cell[d]);
+  const [x, y] = [pen.crisp(camera.x_of(at(frame.u))), pen.crisp(camera.y_of(at(frame.v)))];
+  const size = (axis: Axis, i: number) => ((axis.plane(i + 1) - axis.plane(i)) * camera.zoom) / 2;
+  const [gap_x, gap_y] = [Math.max(GAP, size(camera.across, cell[frame.u]) + 2), Math.max(GAP, size(camera.up, cell[frame.v]) + 2)];
+  const line = (points: [number, number][], color: string) => pen.path(points, color, { width: 1.25 });
+  if (x >= 0 && x <= camera.width) {
+    if (y > gap_y) line([[x, 0], [x, Math.min(y - gap_y, camera.height)]], ink.axes[frame.u]);
+    if (y + gap_y < camera.height) line([[x, Math.max(y + gap_y, 0)], [x, camera.height]], ink.axes[frame.u]);
+  }
+  if (y >= 0 && y <= camera.height) {
+    if (x > gap_x) line([[0, y], [Math.min(x - gap_x, camera.width), y]], ink.axes[frame.v]);
+    if (x + gap_x < camera.width) line([[Math.max(x + gap_x, 0), y], [camera.width, y]], ink.axes[frame.v]);
+  }
+}
+
+export function draw_scale_bar(pen: Pen): void {
+  const { camera, context, ink, viewer } = pen;
+  const length = round_length(Math.min(BAR, camera.width / 3) / camera.zoom);
+  const width = length * camera.zoom;
+  const [right, y] = [camera.width - 14, camera.height - 30];
+  context.fillStyle = ink.halo;
+  context.fillRect(right - width - 2, y - 5, width + 4, 8);
+  context.fillStyle = ink.text;
+  context.fillRect(right - width, y - 3, width, 4);
+  pen.text(length_text(length, viewer.info.units), right - width / 2, y - 8, ink.text, "center", "bottom");
+}

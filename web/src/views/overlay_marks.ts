@@ -1,0 +1,70 @@
+// The parts of an overlay that somebody put there: the pinned cell, the box, markers, the measured line.
+import { length_text } from "./lengths";
+import type { Pen } from "./pen";
+import type { Box } from "../viewer";
+
+// What is in another slice is dashed.
+const ELSEWHERE = [5, 4];
+
+export function draw_pin(pen: Pen): void {
+  const { viewer, frame, ink, axis, camera } = pen;
+  const pin = viewer.pinned.value;
+  if (!pin) return;
+  const dash = pin[axis] === viewer.cell.value[axis] ? [] : ELSEWHERE;
+  const [u, v] = [pin[frame.u], pin[frame.v]];
+  const [left, right] = [camera.x_of(camera.across.plane(u)), camera.x_of(camera.across.plane(u + 1))];
+  const [top, bottom] = [camera.y_of(camera.up.plane(v + 1)), camera.y_of(camera.up.plane(v))];
+  if (Math.min(right - left, bottom - top) >= 10) {
+    pen.cells(u, u + 1, v, v + 1, ink.accent, { width: 2, dash });
+    return;
+  }
+  // A cell too small to be seen: a square around it.
+  const [x, y] = [pen.crisp((left + right) / 2), pen.crisp((top + bottom) / 2)];
+  pen.path([[x - 6, y - 6], [x + 6, y - 6], [x + 6, y + 6], [x - 6, y + 6]], ink.accent, { width: 2, dash, close: true });
+}
+
+export function draw_box(pen: Pen, box: Box | null): void {
+  if (!box) return;
+  const { frame, axis, viewer } = pen;
+  const slice = viewer.cell.value[axis];
+  const here = slice >= box[axis] && slice < box[axis + 3]!;
+  pen.cells(box[frame.u], box[frame.u + 3]!, box[frame.v], box[frame.v + 3]!, pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
+}
+
+const NEAR = 40; // CSS pixels across the slice within which a marker is shown, ever fainter
+
+export function draw_markers(pen: Pen, level: number): void {
+  const { camera, viewer, frame, axis, ink, context } = pen;
+  const across = viewer.axes[axis];
+  const slice = viewer.cell.value[axis];
+  const [low, high] = [across.plane((slice >> level) * 2 ** level), across.plane(Math.min(((slice >> level) + 1) * 2 ** level, across.cells))];
+  for (const { at, text } of viewer.markers.value) {
+    const w = at[axis];
+    const away = Math.max(low - w, w - high, 0) * camera.zoom;
+    if (away > NEAR) continue;
+    const [x, y] = [camera.x_of(at[frame.u]), camera.y_of(at[frame.v])];
+    context.globalAlpha = 1 - (0.8 * away) / NEAR;
+    pen.path([[x, y], [x - 6, y - 14], [x + 6, y - 14]], ink.marker, { width: 2, close: true });
+    context.fillStyle = ink.marker;
+    context.fill();
+    if (away === 0) pen.text(text, x + 11, y - 10);
+    context.globalAlpha = 1;
+  }
+}
+
+export function draw_measure(pen: Pen): void {
+  const { viewer, camera, axis, frame, ink } = pen;
+  const measure = viewer.measure.value;
+  if (!measure || measure.axis !== axis) return;
+  const place = (p: readonly number[]) => [camera.x_of(p[frame.u]!), camera.y_of(p[frame.v]!)] as const;
+  const [[x0, y0], [x1, y1]] = [place(measure.from), place(measure.to)];
+  const length = Math.hypot(...measure.from.map((x, d) => x - measure.to[d]!));
+  const pixels = Math.hypot(x1 - x0, y1 - y0);
+  // Bars across both ends.
+  const [nx, ny] = pixels > 0 ? [(-(y1 - y0) / pixels) * 6, ((x1 - x0) / pixels) * 6] : [0, 6];
+  const elsewhere = measure.from[axis] !== viewer.axes[axis].centre(viewer.cell.value[axis]);
+  pen.path([[x0 - nx, y0 - ny], [x0 + nx, y0 + ny]], ink.accent, { width: 2 });
+  pen.path([[x1 - nx, y1 - ny], [x1 + nx, y1 + ny]], ink.accent, { width: 2 });
+  pen.path([[x0, y0], [x1, y1]], ink.accent, { width: 2, dash: elsewhere ? ELSEWHERE : [] });
+  pen.plate(length_text(length, viewer.info.units, 5), (x0 + x1) / 2, (y0 + y1) / 2 - 18, ink.accent);
+}

@@ -1,0 +1,66 @@
+// The fourth panel: the overview in three dimensions, whose code comes when the panel is in sight and the slices are there.
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import type { Viewer } from "../viewer";
+import { MaximiseButton } from "./panel";
+
+const QUIET = 300; // milliseconds that the slices get first
+
+export function OverviewPanel({ viewer }: { viewer: Viewer }) {
+  const host = useRef<HTMLDivElement>(null);
+  const trouble = useSignal<string | null>(null);
+  const loading = useSignal(true);
+  const attempt = useSignal(0);
+  const layout = viewer.layout.value;
+  const shown = layout === "four" || layout === "3d";
+  const wanted = useSignal(shown);
+  if (shown) wanted.value = true; // once there it stays, hidden
+  useEffect(() => {
+    if (!wanted.value) return;
+    let gone = false;
+    let unmount = () => {};
+    const load = async () => {
+      try {
+        const { mount_overview } = await import("../overview/overview");
+        if (gone) return;
+        unmount = mount_overview(host.current!, viewer);
+        trouble.value = null;
+      } catch (error) {
+        trouble.value = error instanceof Error ? error.message : String(error);
+      }
+      loading.value = false;
+    };
+    const timer = window.setTimeout(load, QUIET);
+    return () => {
+      gone = true;
+      clearTimeout(timer);
+      unmount();
+    };
+  }, [viewer, wanted.value, attempt.value]);
+  const again = () => {
+    trouble.value = null;
+    loading.value = true;
+    ++attempt.value;
+  };
+  const toggle = () => (viewer.layout.value = layout === "3d" ? "four" : "3d");
+  return (
+    <section class="view-panel" data-view="3d" hidden={!shown} aria-label="Overview in three dimensions">
+      <div class="view-overview" ref={host} />
+      {loading.value && <p class="view-note">Loading the overview …</p>}
+      {trouble.value !== null && (
+        <div class="view-note" role="alert">
+          <p>The overview can't be shown: {trouble.value}.</p>
+          <button onClick={again}>Try again</button>
+        </div>
+      )}
+      <header class="view-head">
+        <div class="view-title">
+          <span class="view-chip view-chip-3d" aria-hidden="true">
+            3D
+          </span>
+        </div>
+        <MaximiseButton what="The overview" alone={layout === "3d"} toggle={toggle} />
+      </header>
+    </section>
+  );
+}

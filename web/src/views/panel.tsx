@@ -1,0 +1,78 @@
+// One slice view: its title, the picture, the bar below.
+import { useEffect, useRef } from "preact/hooks";
+import { AXIS_NAMES, type AxisIndex } from "../api";
+import { coordinate, grouped } from "../format";
+import type { Viewer } from "../viewer";
+import { toggle_layout } from "./actions";
+import { attach_gestures } from "./gestures";
+import { unit_name } from "./lengths";
+import { SliceBar } from "./slice_bar";
+import type { Stage } from "./stage";
+
+export function MaximiseButton({ what, alone, toggle }: { what: string; alone: boolean; toggle: () => void }) {
+  return (
+    <button class="view-maximise" aria-label={alone ? "All four views" : `${what} alone`} title={alone ? "All four views (space)" : "This view alone (space)"} onClick={toggle}>
+      <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="1.6">
+        <path d={alone ? "M6.5 2v4.5H2M9.5 14V9.5H14" : "M9.5 2.5h4v4M6.5 13.5h-4v-4"} />
+      </svg>
+    </button>
+  );
+}
+
+function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: AxisIndex }) {
+  const waiting = stage.waiting[axis].value;
+  const name = AXIS_NAMES[axis];
+  const slice = viewer.slice[axis].value;
+  const a = viewer.axes[axis];
+  const level = viewer.level[axis].value;
+  const together = Math.min(2 ** level, a.cells);
+  return (
+    <div class="view-title">
+      <span class={`view-chip view-chip-${name}`} aria-hidden="true">
+        {name}
+      </span>
+      <span class="view-place">
+        {name} = {coordinate(a.centre(slice), (a.max - a.min) / a.cells)} {unit_name(viewer.info.units)}
+      </span>
+      <span class="view-slice">
+        slice {grouped(slice)} of {grouped(a.cells)}
+      </span>
+      {level > 0 && (
+        <span class="view-level" title={`At this zoom a square shows all materials of ${together} × ${together} × ${together} cells: level ${level}. Zoom in to see single cells.`}>
+          level {level}
+        </span>
+      )}
+      {stage.damaged[axis].value && (
+        <span class="view-damaged" role="status" title="The server can't read the file there: see its message, and teracell verify.">
+          striped: not readable
+        </span>
+      )}
+      <span class={waiting ? "view-waiting" : "view-waiting view-still"} role="status" aria-label={waiting ? "Loading" : undefined} />
+    </div>
+  );
+}
+
+export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: AxisIndex }) {
+  const body = useRef<HTMLDivElement>(null);
+  const name = AXIS_NAMES[axis];
+  const layout = viewer.layout.value;
+  useEffect(() => {
+    const element = body.current!;
+    const detach = stage.attach(axis, element);
+    const let_go = attach_gestures(stage, axis, element);
+    return () => {
+      let_go();
+      detach();
+    };
+  }, [stage, axis]);
+  return (
+    <section class="view-panel" data-view={name} hidden={layout !== "four" && layout !== name} aria-label={`Slices across ${name}`}>
+      <div class={`view-body view-tool-${viewer.tool.value}`} ref={body} tabIndex={0} role="application" aria-roledescription="slice view" aria-label={`Slice ${viewer.slice[axis].value} across ${name}; keys: press h`} />
+      <header class="view-head">
+        <Title stage={stage} viewer={viewer} axis={axis} />
+        <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, axis)} />
+      </header>
+      <SliceBar viewer={viewer} axis={axis} />
+    </section>
+  );
+}

@@ -1,0 +1,258 @@
+// The three slice views together: one frame at a time, and only when something changed. A frame says what each view shows and lacks,
+// hands what is wanted to the store, paints, and sets what follows from it (the level shown, what is under the pointer).
+import { type Signal, effect, signal } from "@preact/signals";
+import { AXIS_NAMES, type AxisIndex, get } from "../api";
+import { FRAMES } from "../axis";
+import { Palette, SetTable } from "../tiles/sets";
+import { TileStore } from "../tiles/store";
+import { wants_of } from "../tiles/wants";
+import type { Box, Viewer } from "../viewer";
+import { clamped_zoom, fitting_zoom, inside, zoomed_about } from "./camera";
+import { returned } from "../connection";
+import { type Ink, read_ink } from "./ink";
+import { draw_overlay } from "./overlay";
+import { type Scene, View } from "./view";
+
+const stages = new WeakMap<Viewer, Stage>();
+export const stage_of = (viewer: Viewer): Stage | undefined => stages.get(viewer);
+
+const SLOW = 24; // milliseconds of painting, on average, from which on fine screens get one pixel a CSS pixel
+const KEPT_TIMES = 4096;
+
+export class Stage {
+  readonly views: readonly [View, View, View] = [new View(0), new View(1), new View(2)];
+  readonly sets = new SetTable();
+  readonly store: TileStore;
+  // From the start of a frame that changed pixels to the start of the next, in milliseconds.
+  readonly frame_times: number[] = [];
+  // A box that is being drawn.
+  readonly draft = signal<Box | null>(null);
+  // Whether a view waits for tiles.
+  readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
+  // Whether the server could not read something that a view shows.
+  readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
+  // The view that keys mean: under the pointer, or focused.
+  active: AxisIndex = 2;
+
+  private readonly palette = new Palette(this.sets);
+  private ink: Ink | null = null;
+  private host: HTMLElement | null = null;
+  private dirty = true;
+  private request = 0;
+  private last_start = 0;
+  private drew = false;
+  private cost = 0; // a moving mean, milliseconds
+  private most_ratio = 2;
+  private timer = 0;
+  private readonly stops: (() => void)[] = [];
+
+  constructor(readonly viewer: Viewer) {
+    this.store = new TileStore(viewer.address, viewer.cells, this.sets, viewer.tiles, get);
+    this.store.on_change = () => this.invalidate();
+  }
+
+  // `host` has the colours of the style sheet.
+  start(host: HTMLElement): () => void {
+    this.host = host;
+    stages.set(this.viewer, this);
+    const { viewer: v } = this;
+    this.stops.push(
+      effect(() => {
+        for (const s of [v.cell, v.centre, v.zoom, v.layout, v.looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.box, v.measure, v.pinned, v.markers])
+          s.value;
+        this.draft.value;
+        this.invalidate();
+      }),
+    );
+    let returns = returned.peek();
+    this.stops.push(
+      effect(() => {
+        if (returned.value === returns) return;
+        returns = returned.value;
+        this.store.retry();
+      }),
+    );
+    const themes = new MutationObserver(() => this.theme_changed());
+    themes.observe(document.documentElement, { attributes: true });
+    const system = matchMedia("(prefers-color-scheme: dark)");
+    const on_system = () => this.theme_changed();
+    system.addEventListener("change", on_system);
+    this.stops.push(() => themes.disconnect(), () => system.removeEventListener("change", on_system));
+    return () => this.stop();
+  }
+
+  // Puts a view into an element and follows its size.
+  attach(axis: AxisIndex, body: HTMLElement): () => void {
+    const view = this.views[axis];
+    body.prepend(view.cells, view.overlay);
+    const sizes = new ResizeObserver(() => {
+      view.width = body.clientWidth;
+      view.height = body.clientHeight;
+      this.invalidate();
+    });
+    sizes.observe(body);
+    return () => {
+      sizes.disconnect();
+      view.cells.remove();
+      view.overlay.remove();
+      view.width = 0;
+    };
+  }
+
+  invalidate(): void {
+    this.dirty = true;
+    if (!this.request && this.host) this.request = requestAnimationFrame(this.frame);
+  }
+
+  get visible(): View[] {
+    return this.views.filter((view) => view.visible);
+  }
+
+  // Whether what is on the screen is not yet what the signals say.
+  get changing(): boolean {
+    return this.dirty;
+  }
+
+  // True when all that is in sight is sharp and on the screen.
+  idle(): boolean {
+    return !this.dirty && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
+  }
+
+  // Whether the views' sizes are those of the layout: they follow it a little later.
+  private laid_out(): boolean {
+    const layout = this.viewer.layout.value;
+    return this.views.every(({ axis, width }) => width > 0 === (layout === "four" || layout === AXIS_NAMES[axis]));
+  }
+
+  fitting(): number {
+    const visible = this.visible;
+    return visible.length ? fitting_zoom(this.viewer.axes, visible) : 0;
+  }
+
+  // Zooms by a factor; the point under (x, y), CSS pixels of the view, stays where it is.
+  zoom_by(axis: AxisIndex, factor: number, x: number, y: number): void {
+    if (this.viewer.zoom.value === 0) return;
+    const camera = this.views[axis].camera_of(this.viewer, 1);
+    const zoom = clamped_zoom(this.viewer.zoom.value * factor, this.viewer.axes, this.fitting());
+    this.look_at(axis, zoomed_about(camera, x, y, zoom));
+    this.viewer.zoom.value = zoom;
+  }
+
+  pan(axis: AxisIndex, dx: number, dy: number): void {
+    const { u, v } = FRAMES[axis];
+    const { axes, centre, zoom } = this.viewer;
+    this.look_at(axis, [inside(axes[u], centre.value[u] - dx / zoom.value), inside(axes[v], centre.value[v] + dy / zoom.value)]);
+  }
+
+  private look_at(axis: AxisIndex, [a, b]: readonly [number, number]): void {
+    const centre: [number, number, number] = [...this.viewer.centre.value];
+    centre[FRAMES[axis].u] = a;
+    centre[FRAMES[axis].v] = b;
+    this.viewer.centre.value = centre;
+  }
+
+  // What overlays are drawn with, also elsewhere than on the screen.
+  scene(ratio: number): Scene | null {
+    if (!this.host) return null;
+    const { viewer, store, palette } = this;
+    return { viewer, store, palette, ink: (this.ink ??= read_ink(this.host)), ratio };
+  }
+
+  private theme_changed(): void {
+    this.ink = null;
+    this.invalidate();
+  }
+
+  private readonly frame = (start: number): void => {
+    if (this.drew && start - this.last_start < 1000) {
+      if (this.frame_times.length >= KEPT_TIMES) this.frame_times.splice(0, KEPT_TIMES / 2);
+      this.frame_times.push(start - this.last_start);
+    }
+    this.request = 0;
+    this.drew = false;
+    if (this.dirty) {
+      this.dirty = false;
+      this.drew = this.draw();
+    }
+    this.last_start = start;
+    // One frame more tells how long this one took.
+    if (this.drew && !this.request) this.request = requestAnimationFrame(this.frame);
+  };
+
+  private draw(): boolean {
+    const { viewer, store, palette } = this;
+    const views = this.visible;
+    const scene = this.scene(Math.min(devicePixelRatio, this.most_ratio));
+    if (!scene || views.length === 0) return false;
+    const began = performance.now();
+    if (viewer.zoom.value === 0) {
+      if (!this.laid_out()) return false; // comes again with the sizes
+      viewer.zoom.value = this.fitting();
+    }
+    for (const view of views) view.look(scene, began);
+    store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
+    palette.update(viewer.looks.value, scene.ink.ground, scene.ink.outside);
+    let painted = false;
+    for (const view of views) {
+      painted = view.paint(scene) || painted;
+      painted = draw_overlay(scene, view, this.draft.value) || painted;
+      viewer.level[view.axis].value = view.level;
+      this.waiting[view.axis].value = !view.sharp;
+      this.damaged[view.axis].value = view.shown.regions.some((region) => region.damaged);
+    }
+    this.say_what_is_under_the_pointer();
+    this.wait_for_patience(views, began);
+    if (painted) this.watch_cost(performance.now() - began);
+    return painted;
+  }
+
+  private wait_for_patience(views: readonly View[], now: number): void {
+    clearTimeout(this.timer);
+    const ends = views.flatMap((view) => (view.impatient_at !== null && view.impatient_at > now ? [view.impatient_at] : []));
+    if (ends.length) this.timer = window.setTimeout(() => this.invalidate(), Math.min(...ends) - now + 1);
+  }
+
+  private watch_cost(milliseconds: number): void {
+    this.cost += (milliseconds - this.cost) / 10;
+    if (this.cost > SLOW) this.most_ratio = 1;
+  }
+
+  private say_what_is_under_the_pointer(): void {
+    const { viewer } = this;
+    const view = this.visible.find(({ pointer }) => pointer !== null);
+    const camera = view?.camera;
+    const before = viewer.hover.value;
+    if (!view?.pointer || !camera) {
+      if (before) viewer.hover.value = null;
+      return;
+    }
+    const { u, v, w } = FRAMES[view.axis];
+    const [a, b] = [camera.u_at(view.pointer.x), camera.v_at(view.pointer.y)];
+    const cell: [number, number, number] = [0, 0, 0];
+    cell[u] = camera.across.cell_at(a);
+    cell[v] = camera.up.cell_at(b);
+    cell[w] = viewer.cell.value[w];
+    if (cell.some((i, d) => i < 0 || i >= viewer.cells[d]!)) {
+      if (before) viewer.hover.value = null;
+      return;
+    }
+    const point: [number, number, number] = [0, 0, 0];
+    point[u] = a;
+    point[v] = b;
+    point[w] = viewer.axes[w].centre(cell[w]);
+    const set = view.finest_at(this.store, cell[w], cell[u], cell[v], viewer.info.levels.length);
+    const materials = set === null ? null : this.sets.members(set);
+    const same = before && before.axis === view.axis && before.materials === materials && before.point.every((x, d) => x === point[d]) && before.cell[w] === cell[w];
+    if (!same) viewer.hover.value = { axis: view.axis, cell, point, materials };
+  }
+
+  private stop(): void {
+    cancelAnimationFrame(this.request);
+    clearTimeout(this.timer);
+    for (const stop of this.stops) stop();
+    stages.delete(this.viewer);
+    this.host = null;
+    this.viewer.hover.value = null;
+    this.store.close();
+  }
+}

@@ -1,0 +1,161 @@
+// One slice view: the canvas of cells and the one of overlays above it, and what was painted there last, so that a frame does
+// only what has changed. Knows no gestures and no requests: stage.ts drives it.
+import type { AxisIndex } from "../api";
+import { FRAMES } from "../axis";
+import { cover } from "../tiles/cover";
+import type { Extent, Place } from "../tiles/place";
+import { type Region, type Shown, regions_of } from "../tiles/regions";
+import { type Palette, UNKNOWN } from "../tiles/sets";
+import type { TileStore } from "../tiles/store";
+import { set_at } from "../tiles/tile";
+import type { ViewNeeds } from "../tiles/wants";
+import type { Viewer } from "../viewer";
+import { Camera, type SampleCells, sample_cells } from "./camera";
+import type { Ink } from "./ink";
+import { number_at, paint, paint_damaged, paint_outline } from "./paint";
+
+// Milliseconds that an earlier slice may stay although something coarse of the right one is there.
+const PATIENCE = 150;
+const SHARP_FROM = 3; // device pixels: cells this large have sharp edges
+
+export interface Scene {
+  readonly viewer: Viewer;
+  readonly store: TileStore;
+  readonly palette: Palette;
+  readonly ink: Ink;
+  readonly ratio: number; // device pixels a CSS pixel
+}
+
+export class View {
+  readonly cells = document.createElement("canvas");
+  readonly overlay = document.createElement("canvas");
+  width = 0; // CSS pixels; 0 while hidden
+  height = 0;
+  camera: Camera | null = null;
+  samples: SampleCells | null = null;
+  places: readonly Place[] = [];
+  shown: Shown = { regions: [], missing: [], blank: [], stale: false };
+  stride = 0;
+  // Where the pointer is, in CSS pixels.
+  pointer: { x: number; y: number } | null = null;
+  private readonly context = this.cells.getContext("2d", { alpha: false })!;
+  private picture: ImageData | null = null;
+  private painted: readonly Region[] = [];
+  private painted_samples: SampleCells | null = null;
+  private shown_slice: number | null = null;
+  private last_slice: number | null = null;
+  private behind_since: number | null = null;
+  private camera_key = "";
+  private picture_key = "";
+
+  constructor(readonly axis: AxisIndex) {
+    this.cells.className = "view-cells";
+    this.overlay.className = "view-overlay";
+  }
+
+  get visible(): boolean {
+    return this.width >= 8 && this.height >= 8;
+  }
+
+  // True when everything in sight is of the finest level and the right slice.
+  get sharp(): boolean {
+    return !this.visible || (this.camera !== null && this.shown.missing.length === 0);
+  }
+
+  // As the signals say now; what is on the screen follows with the next frame.
+  camera_of(viewer: Viewer, ratio: number): Camera {
+    return new Camera(this.axis, viewer.axes, this.width, this.height, ratio, viewer.centre.value, viewer.zoom.value);
+  }
+
+  // The first half of a frame: what is wanted. `now` in milliseconds.
+  look({ viewer, store, ratio }: Scene, now: number): void {
+    const slice = viewer.slice[this.axis].value;
+    if (this.last_slice !== null && slice !== this.last_slice) this.stride = slice - this.last_slice;
+    this.last_slice = slice;
+    const [centre, zoom] = [viewer.centre.value, viewer.zoom.value];
+    const { u, v } = FRAMES[this.axis];
+    const key = [this.width, this.height, ratio, centre[u], centre[v], zoom].join(" ");
+    if (key !== this.camera_key || !this.camera) {
+      this.camera_key = key;
+      this.camera = this.camera_of(viewer, ratio);
+      this.samples = sample_cells(this.camera, smallest_cell(this.camera) < SHARP_FROM ? 2 : 1);
+    }
+    const levels = viewer.info.levels.length;
+    this.places = cover({ axis: this.axis, slice, axes: viewer.axes, levels, scale: zoom * ratio, seen: this.camera.seen() });
+    const patient = this.behind_since === null || now - this.behind_since < PATIENCE;
+    this.shown = regions_of(this.places, slice, levels, viewer.cells, store, { slice: this.shown_slice, patient });
+    if (this.shown.stale) this.behind_since ??= now;
+    else {
+      this.behind_since = null;
+      this.shown_slice = slice;
+    }
+  }
+
+  // When the picture may change although nothing comes: what is shown from before has been shown long enough.
+  get impatient_at(): number | null {
+    return this.behind_since === null ? null : this.behind_since + PATIENCE;
+  }
+
+  get level(): number {
+    return this.places.reduce((least, { level }) => Math.min(least, level), this.places[0]?.level ?? 0);
+  }
+
+  // The second half of a frame. True when pixels have changed.
+  paint({ viewer, palette, ink }: Scene): boolean {
+    const samples = this.samples!;
+    const [width, height] = [samples.columns.length / samples.each, samples.rows.length / samples.each];
+    const outline = viewer.show_outline.value;
+    const key = `${this.camera_key} ${palette.version} ${outline} ${this.shown.regions.map(region_key).join(" ")}`;
+    if (key === this.picture_key) return false;
+    this.picture_key = key;
+    if (!this.picture || this.picture.width !== width || this.picture.height !== height) {
+      this.cells.width = width;
+      this.cells.height = height;
+      this.picture = new ImageData(width, height);
+    }
+    const out = new Uint32Array(this.picture.data.buffer);
+    const { regions } = this.shown;
+    paint(out, samples, regions, palette.colors);
+    if (outline) paint_outline(out, samples, regions, ink.outline);
+    paint_damaged(out, samples, regions, ...ink.stripes);
+    this.context.putImageData(this.picture, 0, 0);
+    this.painted = regions;
+    this.painted_samples = samples;
+    return true;
+  }
+
+  // What a frame needs from the server.
+  needs(viewer: Viewer, first: boolean): ViewNeeds {
+    const camera = this.camera!;
+    const { x, y } = this.pointer ?? { x: this.width / 2, y: this.height / 2 };
+    const focus = [camera.across.cell_at(camera.u_at(x)), camera.up.cell_at(camera.v_at(y))] as const;
+    const { missing, blank } = this.shown;
+    return { places: this.places, missing, blank, slice: viewer.slice[this.axis].value, stride: this.stride, first, focus };
+  }
+
+  // The number of the set painted under a CSS pixel; null where nothing has come, or outside the grid.
+  painted_at(x: number, y: number): number | null {
+    const samples = this.painted_samples;
+    if (!samples || !this.camera) return null;
+    const sample = (css: number) => Math.floor(css * this.camera!.ratio) * samples.each;
+    const number = number_at(samples, this.painted, sample(x), sample(y));
+    return number > UNKNOWN ? number : null;
+  }
+
+  // The number of the set of a cell of the slice shown, from the finest tile there is; null: none.
+  finest_at(store: TileStore, slice: number, u: number, v: number, levels: number): number | null {
+    for (let level = 0; level < levels; ++level) {
+      const tile = store.find({ axis: this.axis, index: slice >> level, level, column: (u >> level) >> 9, row: (v >> level) >> 9 });
+      if (tile) return set_at(tile, u, v);
+    }
+    return null;
+  }
+}
+
+// Device pixels, on average over the grid: of level 0, which is all that can be large.
+function smallest_cell({ across, up, zoom, ratio }: Camera): number {
+  return Math.min((across.max - across.min) / across.cells, (up.max - up.min) / up.cells) * zoom * ratio;
+}
+
+const extent_key = (e: Extent) => `${e.u0},${e.v0},${e.u1},${e.v1}`;
+const region_key = (region: Region) => `${region.tile?.name ?? (region.damaged ? "!" : "?")}@${extent_key(region)}`;

@@ -1,0 +1,30 @@
+// The four panels: slices across z, x and y, and the overview. The panels of z and y stand above each other and have x in common,
+// those of x and y stand side by side and have z in common.
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import type { AxisIndex } from "../api";
+import type { Viewer } from "../viewer";
+import { attach_keys } from "./keys";
+import { OverviewPanel } from "./overview_panel";
+import { SlicePanel } from "./panel";
+import { Stage } from "./stage";
+import { attach_sweep } from "./sweep";
+import { expose } from "./testing";
+import "./views.css";
+
+const ORDER: readonly AxisIndex[] = [2, 0, 1];
+export function Views({ viewer }: { viewer: Viewer }) {
+  const host = useRef<HTMLDivElement>(null);
+  const stage = useMemo(() => new Stage(viewer), [viewer]);
+  useEffect(() => {
+    const stops = [stage.start(host.current!), attach_keys(stage), attach_sweep(stage), expose(stage)];
+    return () => stops.forEach((stop) => stop());
+  }, [stage]);
+  return (
+    <div class="views" data-layout={viewer.layout.value} ref={host}>
+      {ORDER.map((axis) => (
+        <SlicePanel key={axis} stage={stage} viewer={viewer} axis={axis} />
+      ))}
+      <OverviewPanel viewer={viewer} />
+    </div>
+  );
+}
