@@ -26,9 +26,8 @@ export function App() {
   if (token_wanted.value) return <TokenForm />;
   return (
     <>
-      <div class="page" key={open?.info.file.hash ?? "none"}>
+      <div class="page" key={open ? `${open.info.id} ${open.info.file.hash}` : "none"}>
         <Header viewer={open} />
-        <Banners />
         {open ? (
           <div class="workspace">
             <main class="views-area" aria-label="Slices">
@@ -41,6 +40,7 @@ export function App() {
           <StartPage waiting={opening.value} trouble={trouble.value} />
         )}
       </div>
+      <Banners />
       {open && <Help />}
       <Toasts />
     </>

@@ -39,7 +39,7 @@ export function Profiles({ viewer, cell, profiles }: { viewer: Viewer; cell: Ind
   return (
     <section class="dock-part profiles" aria-label="Columns through the cell">
       <h2>
-        <span>Columns through it</span>
+        <span>{viewer.pinned.value ? "Columns through the pinned cell" : "Columns through the crosshair"}</span>
         <span class="profile-text" aria-live="off">
           {run ? run_text(run, viewer.axes[pointed.axis], viewer.info.units) : profiles.error}
         </span>

@@ -1,4 +1,5 @@
-// What lies around the overview's picture: the canvas, the buttons, and words when something is missing.
+// What lies around the overview's picture: the canvas, the buttons, and words when something is missing. The second canvas is for the
+// view saved as a picture: words that are elements on the page are written into it then (writing.ts).
 import { BODY_MODES, type BodyMode } from "../viewer";
 import { element } from "./dom";
 
@@ -14,11 +15,12 @@ export function make_chrome(host: HTMLElement) {
   const home = element("button", { type: "button", title: "show all (Home)", "aria-label": "show all" });
   home.innerHTML = '<svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d="M2 8 8 2.5 14 8M4 6.8V13h8V6.8" fill="none" stroke="currentColor" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round"/></svg>';
   const modes = BODY_MODES.map((mode) => ({ mode, button: element("button", { type: "button", title: MODES[mode].title }, MODES[mode].text) }));
-  const bar = element("div", { class: "overview-bar", role: "toolbar", "aria-label": "overview" }, element("div", { class: "overview-modes", role: "group", "aria-label": "bodies" }, ...modes.map((m) => m.button)), home);
+  const bar = element("div", { class: "overview-bar", role: "toolbar", "aria-label": "overview" }, home, element("div", { class: "overview-modes", role: "group", "aria-label": "bodies" }, ...modes.map((m) => m.button)));
   const busy = element("div", { class: "overview-busy", role: "status" });
   const message = element("div", { class: "overview-message", role: "alert" });
   message.hidden = true;
-  const root = element("div", { class: "overview" }, canvas, bar, busy, message);
+  const ink = element("canvas", { class: "overview-ink", "aria-hidden": "true" });
+  const root = element("div", { class: "overview" }, canvas, ink, bar, busy, message);
   host.append(root);
 
   const say = (text: string, again?: () => void) => {
@@ -35,6 +37,7 @@ export function make_chrome(host: HTMLElement) {
   return {
     root,
     canvas,
+    ink,
     say,
     busy(text: string) {
       busy.textContent = text;

@@ -4,7 +4,7 @@ import { effect, untracked } from "@preact/signals";
 import { ServerError } from "../api";
 import type { Viewer } from "../viewer";
 import { load_bodies } from "./body_source";
-import { HOME, type Orbit, between, fitted, straight } from "./camera";
+import { HOME, type Orbit, basis, between, fitted, straight } from "./camera";
 import { make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { listen_gestures } from "./gestures";
@@ -17,6 +17,7 @@ import { follow_slices } from "./slice_source";
 import { type Stage, make_stage } from "./stage";
 import { on_theme, read_theme } from "./theme";
 import { make_triad } from "./triad";
+import { write_words } from "./writing";
 
 const SETTLE = 160; // ms after the last movement until a sharper picture
 const SETTLE_FAR = 500; // the same when something else on the page moves
@@ -111,7 +112,9 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   };
 
   const triad = make_triad((axis, above) => {
-    const { azimuth, elevation } = straight(axis, above);
+    // A second time: from the other end, which lies behind the first.
+    const there = basis(orbit()).back[axis]! * (above ? 1 : -1) > 0.9999;
+    const { azimuth, elevation } = straight(axis, above !== there);
     fly(home(azimuth, elevation));
   });
   const rulers = make_rulers(viewer, space, move_soon);
@@ -218,6 +221,15 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     chrome.say("");
     pace.soon();
   };
+  // Whoever copies the picture asks for it right before: the canvas keeps it for the current task alone.
+  const on_draw = () => {
+    if (!visible || lost) return;
+    rest = 2;
+    draw(true);
+    write_words(chrome.root, chrome.ink);
+    window.setTimeout(() => (chrome.ink.width = 0));
+  };
+  host.addEventListener("draw", on_draw);
   chrome.canvas.addEventListener("webglcontextlost", on_lost);
   chrome.canvas.addEventListener("webglcontextrestored", on_restored);
   bring_bodies();
@@ -230,6 +242,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     size.disconnect();
     stop_theme();
     stop_gestures();
+    host.removeEventListener("draw", on_draw);
     chrome.canvas.removeEventListener("webglcontextlost", on_lost);
     chrome.canvas.removeEventListener("webglcontextrestored", on_restored);
     stage.dispose();

@@ -19,6 +19,8 @@ export interface Ladder {
 }
 
 const BUDGETS: readonly [number, number] = [30, 110]; // ms a frame, moving and at rest
+const KEPT = 5; // frames, of which the middle one counts: other programs make single ones slow
+const RETRY = 90; // frames until what was too slow may be tried again
 
 export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): Ladder {
   const best = Math.min(Math.max(screen_ratio, 2), 3);
@@ -31,33 +33,31 @@ export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): La
     { ratio: best / 3, coarser: 2 },
   ];
   let at: [number, number] = [3, 1];
-  let price: number[] = []; // of each step, where known
-  let samples = 0;
+  let times: number[][] = steps.map(() => []);
+  let frames = 0;
 
-  // The best step that is known to be, or may be, cheap enough; never more than one better than a known one.
+  const price = (step: number) => [...times[step]!].sort((a, b) => a - b)[times[step]!.length >> 1]; // undefined: not known
   const choose = (rest: 0 | 1) => {
-    const budget = BUDGETS[rest];
-    let step = at[rest];
-    if (price[step] === undefined) return;
-    if (price[step]! > budget) {
-      while (step + 1 < steps.length && (price[step] ?? 0) > budget) ++step;
-    } else if (step > 0 && price[step]! < budget / 4 && (price[step - 1] ?? 0) <= budget) --step;
-    at[rest] = step;
+    const step = at[rest];
+    const now = price(step);
+    if (now === undefined || (times[step]!.length < 3 && now < 4 * BUDGETS[rest])) return;
+    if (now > BUDGETS[rest] && step + 1 < steps.length) at[rest] = step + 1;
+    else if (now < BUDGETS[rest] / 3 && step > 0 && (price(step - 1) ?? 0) <= BUDGETS[rest]) at[rest] = step - 1;
   };
   return {
     quality: (rest) => steps[rest === 2 ? 0 : at[rest]]!,
     measured(quality, ms) {
-      ++samples;
-      if (samples === 1) return; // it also compiles and uploads
+      if (++frames === 1) return; // it also compiles and uploads
       const step = steps.indexOf(quality);
-      price[step] = price[step] === undefined ? ms : 0.6 * price[step]! + 0.4 * ms;
+      times[step] = [...times[step]!.slice(1 - KEPT), ms];
       choose(0);
       choose(1);
+      if (frames % RETRY === 0) times = times.map((list, i) => (i === step ? list : []));
     },
-    curious: () => samples < 4,
+    curious: () => frames < 4,
     changed() {
-      price = [];
-      samples = 0;
+      times = steps.map(() => []);
+      frames = 0;
       at = [3, 1];
     },
   };

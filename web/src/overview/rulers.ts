@@ -13,7 +13,7 @@ export interface Rulers {
   update(view: Projection, at: readonly number[]): void;
 }
 
-const AWAY = 8; // pixels from the edge
+const GAP = 5; // pixels between an edge and its numbers
 
 const short = (x: number) => significant(x, 5).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
 
@@ -34,11 +34,14 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
     return { d, low, high, knob };
   });
 
+  let sizes: (readonly [number, number])[] = []; // of the numbers, in pixels: they never change
+
   return {
     roots: rulers.flatMap(({ low, high, knob }) => [low, high, knob]),
     update(to, at) {
       view = to;
       const edges = labelled_edges(to, space.half);
+      if (sizes.length === 0 && rulers[0]!.low.offsetWidth > 0) sizes = rulers.flatMap(({ low, high }) => [low, high].map((e) => [e.offsetWidth, e.offsetHeight] as const));
       for (const { d, low, high, knob } of rulers) {
         const edge = edges[d];
         for (const e of [low, high, knob]) e.hidden = !edge;
@@ -47,17 +50,19 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
         knob.setAttribute("aria-valuenow", String(cell));
         knob.setAttribute("aria-valuetext", text);
         knob.title = `${AXIS_NAMES[d]} = ${text}: drag to move the slice`;
-        if (!edge) continue;
+        if (!edge || sizes.length === 0) continue;
         const length = Math.hypot(edge.to.x - edge.from.x, edge.to.y - edge.from.y);
         // The text lies outside the box, and from the end of its edge towards the middle: so two edges' texts at a corner keep apart.
-        const put = (e: HTMLElement, p: { x: number; y: number }, inward: number) => {
-          const along = { x: (inward * (edge.to.x - edge.from.x)) / length, y: (inward * (edge.to.y - edge.from.y)) / length };
-          const [x, y] = [p.x + edge.outward.x * AWAY, p.y + edge.outward.y * AWAY];
-          const share = (n: number) => (-50 + 50 * Math.min(Math.max(n, -1), 1)).toFixed(0);
-          e.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(${share(edge.outward.x + along.x)}%, ${share(edge.outward.y + along.y)}%)`;
+        const put = (e: HTMLElement, [w, h]: readonly [number, number], p: { x: number; y: number }, inward: number) => {
+          const [ox, oy] = [edge.outward.x, edge.outward.y];
+          const away = GAP + (w * Math.abs(ox) + h * Math.abs(oy)) / 2;
+          const along = (inward * 0.4 * (w * Math.abs(oy) + h * Math.abs(ox))) / length;
+          const x = p.x + ox * away + (edge.to.x - edge.from.x) * along;
+          const y = p.y + oy * away + (edge.to.y - edge.from.y) * along;
+          e.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
         };
-        put(low, edge.from, 1);
-        put(high, edge.to, -1);
+        put(low, sizes[2 * d]!, edge.from, 1);
+        put(high, sizes[2 * d + 1]!, edge.to, -1);
         const middle = [...edge.a] as [number, number, number];
         middle[d] = at[d]!;
         const p = project(to, middle);

@@ -167,14 +167,15 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
       return p ? [p.x, p.y, p.z] : null;
     },
 
+    // The context goes first: everything in it is free at once, also what an earlier, lost one left.
     dispose() {
+      renderer.forceContextLoss();
       clear_bodies();
       for (const material of materials.values()) material.dispose();
       planes.dispose();
       frames.dispose();
       marks.dispose();
       renderer.dispose();
-      renderer.forceContextLoss();
     },
   };
 }

@@ -20,7 +20,8 @@ export function MaximiseButton({ what, alone, toggle }: { what: string; alone: b
   );
 }
 
-function Title({ viewer, axis, waiting }: { viewer: Viewer; axis: AxisIndex; waiting: boolean }) {
+function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: AxisIndex }) {
+  const waiting = stage.waiting[axis].value;
   const name = AXIS_NAMES[axis];
   const slice = viewer.slice[axis].value;
   const a = viewer.axes[axis];
@@ -40,6 +41,11 @@ function Title({ viewer, axis, waiting }: { viewer: Viewer; axis: AxisIndex; wai
       {level > 0 && (
         <span class="view-level" title={`At this zoom a square shows all materials of ${together} × ${together} × ${together} cells: level ${level}. Zoom in to see single cells.`}>
           level {level}
+        </span>
+      )}
+      {stage.damaged[axis].value && (
+        <span class="view-damaged" role="status" title="The server can't read the file there: see its message, and teracell verify.">
+          striped: not readable
         </span>
       )}
       <span class={waiting ? "view-waiting" : "view-waiting view-still"} role="status" aria-label={waiting ? "Loading" : undefined} />
@@ -64,7 +70,7 @@ export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: View
     <section class="view-panel" data-view={name} hidden={layout !== "four" && layout !== name} aria-label={`Slices across ${name}`}>
       <div class={`view-body view-tool-${viewer.tool.value}`} ref={body} tabIndex={0} role="application" aria-roledescription="slice view" aria-label={`Slice ${viewer.slice[axis].value} across ${name}; keys: press h`} />
       <header class="view-head">
-        <Title viewer={viewer} axis={axis} waiting={stage.waiting[axis].value} />
+        <Title stage={stage} viewer={viewer} axis={axis} />
         <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, axis)} />
       </header>
       <SliceBar viewer={viewer} axis={axis} />

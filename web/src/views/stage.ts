@@ -1,7 +1,7 @@
 // The three slice views together: one frame at a time, and only when something changed. A frame says what each view shows and lacks,
 // hands what is wanted to the store, paints, and sets what follows from it (the level shown, what is under the pointer).
 import { type Signal, effect, signal } from "@preact/signals";
-import { type AxisIndex, get } from "../api";
+import { AXIS_NAMES, type AxisIndex, get } from "../api";
 import { FRAMES } from "../axis";
 import { Palette, SetTable } from "../tiles/sets";
 import { TileStore } from "../tiles/store";
@@ -29,6 +29,8 @@ export class Stage {
   readonly draft = signal<Box | null>(null);
   // Whether a view waits for tiles.
   readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
+  // Whether the server could not read something that a view shows.
+  readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // The view that keys mean: under the pointer, or focused.
   active: AxisIndex = 2;
 
@@ -116,6 +118,12 @@ export class Stage {
     return !this.dirty && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
   }
 
+  // Whether the views' sizes are those of the layout: they follow it a little later.
+  private laid_out(): boolean {
+    const layout = this.viewer.layout.value;
+    return this.views.every(({ axis, width }) => width > 0 === (layout === "four" || layout === AXIS_NAMES[axis]));
+  }
+
   fitting(): number {
     const visible = this.visible;
     return visible.length ? fitting_zoom(this.viewer.axes, visible) : 0;
@@ -123,8 +131,8 @@ export class Stage {
 
   // Zooms by a factor; the point under (x, y), CSS pixels of the view, stays where it is.
   zoom_by(axis: AxisIndex, factor: number, x: number, y: number): void {
-    const camera = this.views[axis].camera;
-    if (!camera) return;
+    if (this.viewer.zoom.value === 0) return;
+    const camera = this.views[axis].camera_of(this.viewer, 1);
     const zoom = clamped_zoom(this.viewer.zoom.value * factor, this.viewer.axes, this.fitting());
     this.look_at(axis, zoomed_about(camera, x, y, zoom));
     this.viewer.zoom.value = zoom;
@@ -177,7 +185,10 @@ export class Stage {
     const scene = this.scene(Math.min(devicePixelRatio, this.most_ratio));
     if (!scene || views.length === 0) return false;
     const began = performance.now();
-    if (viewer.zoom.value === 0) viewer.zoom.value = this.fitting();
+    if (viewer.zoom.value === 0) {
+      if (!this.laid_out()) return false; // comes again with the sizes
+      viewer.zoom.value = this.fitting();
+    }
     for (const view of views) view.look(scene, began);
     store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
     palette.update(viewer.looks.value, scene.ink.ground, scene.ink.outside);
@@ -187,6 +198,7 @@ export class Stage {
       painted = draw_overlay(scene, view, this.draft.value) || painted;
       viewer.level[view.axis].value = view.level;
       this.waiting[view.axis].value = !view.sharp;
+      this.damaged[view.axis].value = view.shown.regions.some((region) => region.damaged);
     }
     this.say_what_is_under_the_pointer();
     this.wait_for_patience(views, began);
