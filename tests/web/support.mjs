@@ -3,6 +3,7 @@ import { execFileSync, spawn } from "node:child_process";
 import { createWriteStream, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
+import { after } from "node:test";
 import { inflateSync } from "node:zlib";
 import { errors_of, launch_options } from "../support/chromium.mjs";
 
@@ -12,13 +13,16 @@ export const folder = process.env.TERACELL_FOLDER;
 export const grids = join(folder, "grids");
 export const grid_file = (name) => join(grids, `${name}.tcell`);
 
-let servers = 0;
+// What a test that fails leaves running would keep the run from ending.
+const children = new Set();
+after(() => children.forEach((child) => child.kill("SIGKILL")));
 
 // `teracell serve` with these arguments, on a free port unless they say which. stop() returns what was wrong: an exit status,
 // answers 5xx that were not meant to be, lines in the log that are no requests.
 export async function serve(...args) {
-  const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${++servers}.log`);
+  const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${children.size}.log`);
   const child = spawn(program, ["serve", ...args, ...(args.includes("--port") ? [] : ["--port", "0"]), "--log", "json"], { stdio: ["ignore", "pipe", "pipe"] });
+  children.add(child);
   const lines = [];
   let rest = "";
   child.stderr.on("data", (data) => {
