@@ -3,6 +3,7 @@ import { execFileSync, spawn } from "node:child_process";
 import { createWriteStream, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
+import { after } from "node:test";
 import { inflateSync } from "node:zlib";
 import { errors_of, launch_options } from "../support/chromium.mjs";
 
@@ -12,13 +13,16 @@ export const folder = process.env.TERACELL_FOLDER;
 export const grids = join(folder, "grids");
 export const grid_file = (name) => join(grids, `${name}.tcell`);
 
-let servers = 0;
+// What a test that fails leaves running would keep the run from ending.
+const children = new Set();
+after(() => children.forEach((child) => child.kill("SIGKILL")));
 
 // `teracell serve` with these arguments, on a free port unless they say which. stop() returns what was wrong: an exit status,
 // answers 5xx that were not meant to be, lines in the log that are no requests.
 export async function serve(...args) {
-  const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${++servers}.log`);
+  const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${children.size}.log`);
   const child = spawn(program, ["serve", ...args, ...(args.includes("--port") ? [] : ["--port", "0"]), "--log", "json"], { stdio: ["ignore", "pipe", "pipe"] });
+  children.add(child);
   const lines = [];
   let rest = "";
   child.stderr.on("data", (data) => {
@@ -88,11 +92,23 @@ export const set_state = (page, values) =>
   }, values);
 
 export const view = (page, axis) => page.locator(`[data-view="${axis}"] .view-body`);
-// A point of a view in CSS pixels of the page; from its middle.
+const middle_of = (page, axis) =>
+  view(page, axis).evaluate((body) => {
+    const { left, top } = body.getBoundingClientRect();
+    return [left + body.clientWidth / 2, top + body.clientHeight / 2];
+  });
+// A point of a view, about as far from its middle: whole CSS pixels of the page, as wheel events know no others.
 export async function point_of(page, axis, dx = 0, dy = 0) {
-  const box = await view(page, axis).boundingBox();
-  return [box.x + box.width / 2 + dx, box.y + box.height / 2 + dy];
+  const [x, y] = await middle_of(page, axis);
+  return [Math.round(x + dx), Math.round(y + dy)];
 }
+// How far a point of the page is from the view's middle, exactly.
+export async function offset_in(page, axis, [x, y]) {
+  const middle = await middle_of(page, axis);
+  return [x - middle[0], y - middle[1]];
+}
+// No request for tiles is under way, or waits.
+export const quiet = (page) => page.waitForFunction(() => teracell.viewer.tiles.in_flight.value + teracell.viewer.tiles.waiting.value === 0);
 
 // The pixels of a view's cells, without what is drawn over them: { width, height, data }, a number a pixel (little endian RGBA).
 export async function pixels(page, axis) {
