@@ -1,6 +1,7 @@
 // One slice view: its title, the picture, the bar below.
 import { useEffect, useRef } from "preact/hooks";
 import { AXIS_NAMES, type AxisIndex } from "../api";
+import { width_at } from "../dock/runs";
 import { coordinate, grouped } from "../format";
 import type { Viewer } from "../viewer";
 import { toggle_layout } from "./actions";
@@ -32,7 +33,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         {name}
       </span>
       <span class="view-place">
-        {name} = {coordinate(a.centre(slice), (a.max - a.min) / a.cells)} {unit_name(viewer.info.units)}
+        {name} = {coordinate(a.centre(slice), width_at(a, slice))} {unit_name(viewer.info.units)}
       </span>
       <span class="view-slice">
         slice {grouped(slice)} of {grouped(a.cells)}
