@@ -3,7 +3,6 @@ import { execFileSync, spawn } from "node:child_process";
 import { createWriteStream, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
-import { after } from "node:test";
 import { inflateSync } from "node:zlib";
 import { errors_of, launch_options } from "../support/chromium.mjs";
 
@@ -13,9 +12,9 @@ export const folder = process.env.TERACELL_FOLDER;
 export const grids = join(folder, "grids");
 export const grid_file = (name) => join(grids, `${name}.tcell`);
 
-// What a test that fails leaves running would keep the run from ending.
+// What a test that fails leaves running keeps nobody waiting, and ends with the run.
 const children = new Set();
-after(() => children.forEach((child) => child.kill("SIGKILL")));
+process.on("exit", () => children.forEach((child) => child.kill("SIGKILL")));
 
 // `teracell serve` with these arguments, on a free port unless they say which. stop() returns what was wrong: an exit status,
 // answers 5xx that were not meant to be, lines in the log that are no requests.
@@ -41,18 +40,23 @@ export async function serve(...args) {
     });
     void ended.then((status) => reject(new Error(`the server ended with status ${status}: ${lines.join("\n")}`)));
   });
+  const parts = [child, child.stdout, child.stderr];
+  for (const part of parts) part.unref();
+  const wait = () => {
+    for (const part of parts) part.ref();
+    return ended;
+  };
   return {
     url,
     port: new URL(url).port,
-    requests: () => lines.filter((line) => line.startsWith("{")).map((line) => JSON.parse(line)),
     // As when the machine it runs on goes away.
     async kill() {
       child.kill("SIGKILL");
-      await ended;
+      await wait();
     },
     async stop(expected = () => false) {
       child.kill("SIGTERM");
-      const status = await ended;
+      const status = await wait();
       const wrong = lines.filter((line) => !expected(line) && (!line.startsWith("{") || JSON.parse(line).status >= 500));
       return status === 0 ? wrong : [...wrong, `exit status ${status}`];
     },
@@ -67,7 +71,7 @@ export async function open_page(browser, url, options = {}) {
   const context = given ?? (await browser.newContext({ viewport: { width, height }, ...rest }));
   const page = await context.newPage();
   page.errors = errors_of(page, new URL(url).origin, expected);
-  page.setDefaultTimeout(30_000);
+  page.setDefaultTimeout(60_000);
   await page.goto(url);
   return page;
 }
