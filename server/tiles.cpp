@@ -59,18 +59,19 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
   const Frame f = Frame::along(view.axis);
   wider.u1 = std::min(n[f.u], view.u1 + 1);
   wider.v1 = std::min(n[f.v], view.v1 + 1);
-  const std::vector<uint16_t> all = numbers_of(reader, wider, sets, true);
+  std::vector<uint16_t> numbers = numbers_of(reader, wider, sets, true);
   const auto outline = static_cast<uint16_t>(sets.sets().size());
-  const size_t wide = width_of(wider), margin = height_of(wider) - height_of(view);  // margin: rows
-  std::vector<uint16_t> out;
-  out.reserve(width_of(view) * height_of(view));
-  for (size_t r = margin; r < height_of(wider); ++r)
-    for (size_t c = 0; c < width_of(view); ++c) {
-      const uint16_t* here = &all[r * wide + c];
-      const bool right = c + 1 < wide && here[1] != *here, above = r > 0 && *(here - wide) != *here;
-      out.push_back(right || above ? outline : *here);
-    }
-  return out;
+  const size_t width = width_of(view), wide = width_of(wider), margin = height_of(wider) - height_of(view);  // margin: rows
+  const size_t inner = std::min(width, wide - 1);  // at the grid's edge the last cell has none on its right
+  for (size_t r = height_of(wider); r-- > margin;) {  // upwards: the row above is looked at before it changes
+    uint16_t* here = &numbers[r * wide];
+    const uint16_t* above = r > 0 ? here - wide : here;
+    for (size_t c = 0; c < inner; ++c) here[c] = (here[c + 1] != here[c]) | (above[c] != here[c]) ? outline : here[c];
+    if (inner < width) here[inner] = above[inner] != here[inner] ? outline : here[inner];
+  }
+  for (size_t r = 0; r < height_of(view); ++r) std::copy_n(&numbers[(r + margin) * wide], width, &numbers[r * width]);
+  numbers.resize(width * height_of(view));
+  return numbers;
 }
 
 // Row by row: a picture larger than kMostOutlined is never in memory as numbers.

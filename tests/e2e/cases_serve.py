@@ -147,7 +147,7 @@ class Serving(ServeCase):
         self.assertGreaterEqual(samples["teracell_connections"], 2)
         self.assertGreaterEqual(samples['teracell_cache_hits_total{cache="answers"}'], 2)
         self.assertGreater(samples['teracell_cache_bytes{cache="answers"}'], 0)
-        self.assertEqual(samples['teracell_cache_limit_bytes{cache="chunks"}'], 256 << 20)
+        self.assertEqual(sum(samples[f'teracell_cache_limit_bytes{{cache="{cache}"}}'] for cache in ("chunks", "index")), 256 << 20)
         self.assertGreater(samples["teracell_read_bytes_total"], 0)
         self.assertEqual(samples["teracell_damaged_total"], 0)
         self.assertEqual(samples["teracell_grids"], 1)
