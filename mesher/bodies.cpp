@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "mesher/closure.hpp"
-#include "store/background.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -224,12 +223,12 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
       tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
     }, budget, out.helper.get());
     out.helper->finish();
-    out.lo = study->lo;
-    out.hi = study->hi;
-    out.area = study->area;
     close_body(body, b, study->proof, budget, out, found);
     out.bodies.push_back(std::move(found));
   }
+  out.lo = study->lo;
+  out.hi = study->hi;
+  out.area = study->area;
   return out;
 }
 

@@ -338,6 +338,8 @@ constexpr const char* kSceneJson = R"json({
 
 void write_stadium(const std::filesystem::path& folder) {
   std::error_code error;
+  if (std::filesystem::exists(folder, error) && !std::filesystem::is_directory(folder, error))
+    throw IoError(fmt::format("{}: expected a folder, or none yet, found something else", folder.string()));
   const bool new_folder = std::filesystem::create_directories(folder, error);
   if (error) throw IoError(fmt::format("{}: the folder can't be made: {}", folder.string(), error.message()));
   const Stadium stadium;

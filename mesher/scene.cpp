@@ -66,7 +66,7 @@ struct Span {
 
 Span span_of(const SceneAxis& axis, int64_t pad, double lo, double hi) {
   if (axis.min) return {*axis.min, *axis.max - *axis.min, 0, true};
-  if (!(lo <= hi)) throw InputError("the grid has no min and max, and the bodies have no vertices to take them from");
+  if (!(lo <= hi)) throw InputError("the grid has no min and max, and there are no facets whose box it could be: give it \"min\" and \"max\", or bodies");
   return {lo, hi - lo, pad, false};
 }
 

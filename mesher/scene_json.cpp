@@ -163,7 +163,7 @@ uint32_t material_id(const Node& node, const MaterialIds& ids) {
   std::vector<std::string_view> known;
   for (const auto& [name, id] : ids) known.push_back(name);
   std::sort(known.begin(), known.end());
-  node.fail(fmt::format("a material of the scene{}",
+  node.fail(fmt::format("a material that \"materials\" declares{}",
                         known.empty() ? "" : fmt::format(" (the nearest is \"{}\")", nearest(node.text(), known))));
 }
 

@@ -72,6 +72,8 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
   return best == candidates.end() ? std::string_view{} : *best;
 }
 
+bool resembles(std::string_view word, std::string_view other) { return 2 * edit_distance(word, other) <= std::max(word.size(), other.size()); }
+
 std::string NameBook::numbered(const std::string& stem) {
   uint64_t& last = last_[stem];
   std::string name;

@@ -28,6 +28,8 @@ std::string printable(std::string_view text);
 
 // The candidate with the smallest edit distance (V. Levenshtein, 1966); empty when there is none.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates);
+// Whether the word may be a slip for the other: at most half of it must be changed.
+bool resembles(std::string_view word, std::string_view other);
 
 // Gives out names that differ: "hull", "hull-2", "hull-3".
 class NameBook {

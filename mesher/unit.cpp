@@ -27,11 +27,8 @@ void UnitWork::make_row(uint32_t row, Worker& worker) {
 void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker) {
   const uint32_t cu = unit_.cu * 4 + i % 4, cv = unit_.cv * 4 + i / 4, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
   Chunk fine{{}, SetTable(static_cast<uint32_t>(meta_.labels.size()))};
-  Chunk& piece = pieces_[i];
   if (facets.empty() && !worker.engine->searches_scene()) {  // most tiles of a large grid
     fine.rays.fill(nu, nv, shape_.nw, 0);
-    piece.sets = fine.sets;
-    piece.rays.fill((nu + 3) / 4, (nv + 3) / 4, static_cast<uint32_t>(ceil_shift(shape_.nw, 2)), 0);
   } else {
     const Frame f = meta_.frame();
     Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
@@ -40,9 +37,8 @@ void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets,
     worker.engine->cast(tile, facets, worker.crossings);
     totals_[i / 4].crossings += worker.crossings.all.size();
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
-    piece.sets = fine.sets;
-    piece.rays = coarsen(fine.rays, 2, piece.sets);
   }
+  pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
 }
 
@@ -56,8 +52,7 @@ void UnitWork::make_level2(Worker& worker) {
   const Chunk level2 = join_pieces(pieces_.data(), 4, 4, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
   pieces_ = {};
   chunks_[16] = encode_level(worker.encoder, meta_, 2, unit_.cu, unit_.cv, level2);
-  coarse_.sets = level2.sets;
-  coarse_.rays = coarsen(level2.rays, 1, coarse_.sets);
+  coarse_ = coarsen(level2, 1);
 }
 
 }  // namespace teracell

@@ -46,8 +46,10 @@ OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep) : tar
     throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(), std::filesystem::is_directory(found) ? "a folder" : "a device or a pipe"));
   fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
   if (fd_ < 0) {
-    const bool no_folder = errno == ENOENT && target_.has_parent_path();
-    throw IoError(fmt::format("{}: can't create: {}", partial_.string(), no_folder ? fmt::format("there is no folder '{}'", target_.parent_path().string()) : std::strerror(errno)));
+    const int error = errno;
+    const std::filesystem::path folder = target_.parent_path();
+    const bool no_folder = error == ENOENT && !folder.empty() && !std::filesystem::exists(folder, ignored);
+    throw IoError(fmt::format("{}: can't create: {}", partial_.string(), no_folder ? fmt::format("there is no folder '{}'", folder.string()) : std::strerror(error)));
   }
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
     ::close(fd_);

@@ -120,11 +120,11 @@ Bytes encode_metadata(const Metadata& meta) {
   return encode_text(j.dump());
 }
 
-Metadata decode_metadata(std::span<const uint8_t> frame) {
-  const std::string text = decode_text(frame, "metadata");
+namespace {
+
+Metadata metadata_from(const ordered_json& j) {
   Metadata meta;
   try {
-    const ordered_json j = parse_json(text, "metadata");
     meta.units = j.at("units");
     const std::string axis = j.at("ray_axis");
     if (axis != "x" && axis != "y" && axis != "z") throw FormatError("metadata: ray_axis is x, y or z, found " + axis);
@@ -159,6 +159,10 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
   } catch (const UsageError& e) {  // an axis
     throw FormatError(fmt::format("metadata: {}", e.what()));
   }
+  return meta;
+}
+
+void check(const Metadata& meta) {
   const auto expect = [](bool ok, const char* message) {
     if (!ok) throw FormatError(std::string("metadata: ") + message);
   };
@@ -183,6 +187,13 @@ Metadata decode_metadata(std::span<const uint8_t> frame) {
     const int next = i + 1 < meta.levels.size() ? meta.levels[i + 1].level : meta.grid.levels();
     expect(next - meta.levels[i].level <= 2, "of two successive levels at least one must be stored");
   }
+}
+
+}  // namespace
+
+Metadata decode_metadata(std::span<const uint8_t> frame) {
+  const Metadata meta = metadata_from(parse_json(decode_text(frame, "metadata"), "metadata"));
+  check(meta);
   return meta;
 }
 
@@ -338,6 +349,8 @@ Bytes encode_footer(const Footer& footer) {
 Footer decode_footer(std::span<const uint8_t> bytes) {
   if (bytes.size() != kFooterBytes || !std::equal(kFooterMagic, kFooterMagic + 8, bytes.end() - 8))
     throw FormatError("the file does not end with a teracell footer: it is cut short or not a teracell file");
+  const auto expected = ByteReader(bytes.subspan(kFooterBytes - 16, 8), "footer").fixed<uint64_t>(), found = checksum(bytes.first(kFooterBytes - 16));
+  if (found != expected) throw FormatError(fmt::format("footer: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
   ByteReader in(bytes, "footer");
   check_skippable(in, kFooterBytes - 8);
   Footer footer;
@@ -347,8 +360,6 @@ Footer decode_footer(std::span<const uint8_t> bytes) {
   std::ranges::copy(in.take(16), footer.hash.begin());
   for (const uint8_t b : in.take(in.remaining() - 16))
     if (b != 0) in.fail("reserved bytes are set");
-  const auto expected = in.fixed<uint64_t>(), found = checksum(bytes.first(kFooterBytes - 16));
-  if (found != expected) throw FormatError(fmt::format("footer: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
   return footer;
 }
 

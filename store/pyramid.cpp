@@ -159,16 +159,18 @@ class CoarseRay {
 
 }  // namespace
 
-RayBlock coarsen(const RayBlock& fine, int shift, SetTable& sets) {
+Chunk coarsen(const Chunk& chunk, int shift) {
+  const RayBlock& fine = chunk.rays;
   const uint32_t width = 1u << shift;
-  RayBlock out;
+  Chunk coarse{{}, chunk.sets};  // unions get ids there
+  RayBlock& out = coarse.rays;
   out.reset((fine.nu + width - 1) >> shift, (fine.nv + width - 1) >> shift,
             static_cast<uint32_t>((uint64_t{fine.length} + width - 1) >> shift));
   if (fine.uniform()) {
     out.fill(out.nu, out.nv, out.length, fine.patterns.sets(0)[0]);
-    return out;
+    return coarse;
   }
-  CoarseRay coarse(fine, shift, sets);
+  CoarseRay ray(fine, shift, coarse.sets);
   std::array<uint32_t, 16> rays;
   for (uint32_t v = 0; v < fine.nv; v += width) {
     for (uint32_t u = 0; u < fine.nu; u += width) {
@@ -179,10 +181,10 @@ RayBlock coarsen(const RayBlock& fine, int shift, SetTable& sets) {
           rays[count++] = y * fine.nu + x;
           differ |= fine.pattern[y * fine.nu + x] ^ first;
         }
-      coarse.merge({rays.data(), count}, differ == 0, out);
+      ray.merge({rays.data(), count}, differ == 0, out);
     }
   }
-  return out;
+  return coarse;
 }
 
 }  // namespace teracell

@@ -5,7 +5,7 @@
 namespace teracell {
 
 // Merges 2^shift x 2^shift rays, and 2^shift cells along them, into one; the last ones of each axis may be partial.
-// Unions get their ids from `sets`, the table of the block's ids. REQUIRES: shift is 1 (one level) or 2 (two).
-RayBlock coarsen(const RayBlock& fine, int shift, SetTable& sets);
+// REQUIRES: shift is 1 (one level) or 2 (two).
+Chunk coarsen(const Chunk& fine, int shift);
 
 }  // namespace teracell

@@ -25,26 +25,17 @@ Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t 
   return places.empty() ? Chunk() : join(places, labels);
 }
 
-PyramidWriter::PyramidWriter(GridWriter& writer) : writer_(writer), open_(writer.meta().grid.levels() / 2 + 1) {}
+PyramidWriter::PyramidWriter(GridWriter& writer) : writer_(writer), open_(writer.meta().grid.levels() / 2) {}
 
 void PyramidWriter::put(const LevelChunk& chunk) {
   for (uint32_t s = 0; s < chunk.segments.size(); ++s) writer_.put(chunk.level, chunk.cu, chunk.cv, s, chunk.segments[s]);
 }
 
-namespace {
-
-Chunk one_level_up(const Chunk& rays) {
-  Chunk up{{}, rays.sets};
-  up.rays = coarsen(rays.rays, 1, up.sets);
-  return up;
-}
-
-}  // namespace
-
 void PyramidWriter::rise(int level, uint32_t cu, uint32_t cv, Chunk coarse) {
   const Metadata& meta = writer_.meta();
-  if (level + (level == 0 ? 2 : 1) >= meta.grid.levels()) return;
-  Open& open = open_[level / 2 + 1];
+  const int levels = meta.grid.levels();
+  if (level + 1 >= levels) return;
+  Open& open = open_[level / 2 - 1];
   const uint32_t parent_u = cu / 4, parent_v = cv / 4;
   if (open.missing == 0) {
     const LevelShape below(meta, level);
@@ -52,28 +43,20 @@ void PyramidWriter::rise(int level, uint32_t cu, uint32_t cv, Chunk coarse) {
   }
   open.pieces[cv % 4 * 4 + cu % 4] = std::move(coarse);
   if (--open.missing > 0) return;
-  const auto labels = static_cast<uint32_t>(meta.labels.size());
-  if (level == 0) {
-    const Chunk rays = join_pieces(open.pieces.data(), 4, 4, meta.chunk_rays, labels);
-    open.pieces = {};
-    return finish(2, parent_u, parent_v, rays);
-  }
   // 2 x 2 chunks of the odd level between, and from them the one of the even level above.
+  const auto labels = static_cast<uint32_t>(meta.labels.size());
   std::array<Chunk, 4> quarters;
   for (uint32_t q = 0; q < 4; ++q) {
     const Chunk rays = join_pieces(&open.pieces[q / 2 * 8 + q % 2 * 2], 2, 4, meta.chunk_rays, labels);
     if (rays.rays.rays() == 0) continue;
     put(encode_level(encoder_, meta, level + 1, parent_u * 2 + q % 2, parent_v * 2 + q / 2, rays));
-    if (level + 2 < meta.grid.levels()) quarters[q] = one_level_up(rays);
+    if (level + 2 < levels) quarters[q] = coarsen(rays, 1);
   }
   open.pieces = {};
-  if (level + 2 < meta.grid.levels()) finish(level + 2, parent_u, parent_v, join_pieces(quarters.data(), 2, 2, meta.chunk_rays, labels));
-}
-
-// A whole chunk of an even level.
-void PyramidWriter::finish(int level, uint32_t cu, uint32_t cv, const Chunk& rays) {
-  put(encode_level(encoder_, writer_.meta(), level, cu, cv, rays));
-  if (level + 1 < writer_.meta().grid.levels()) rise(level, cu, cv, one_level_up(rays));
+  if (level + 2 >= levels) return;
+  const Chunk above = join_pieces(quarters.data(), 2, 2, meta.chunk_rays, labels);
+  put(encode_level(encoder_, meta, level + 2, parent_u, parent_v, above));
+  if (level + 3 < levels) rise(level + 2, parent_u, parent_v, coarsen(above, 1));
 }
 
 void PyramidWriter::save(Bytes& state) {

@@ -1,6 +1,6 @@
-// Levels 2, 3, 4 ... while level 0 is being written: each gets its chunks' pieces from the level below and passes its
-// own on to the next. Fed in the order of the tree (mesher/tiling.hpp), whose nodes are those of the even levels, it holds
-// at most 4 x 4 pieces every other level.
+// Levels 3, 4, 5 ... while the levels below are being written: each gets its chunks' pieces from the level below and passes
+// its own on to the next. Fed in the order of the tree (mesher/tiling.hpp), whose nodes are those of the even levels, it
+// holds at most 4 x 4 pieces every other level.
 #pragma once
 #include "store/writer.hpp"
 
@@ -25,8 +25,8 @@ class PyramidWriter {
  public:
   explicit PyramidWriter(GridWriter& writer);
   void put(const LevelChunk& chunk);
-  // The rays of chunk (cu, cv) of an even level: of level 0 as they are on level 2, of others one level up. They become
-  // part of the chunks above. REQUIRES: tree order.
+  // The rays of chunk (cu, cv) of an even level from 2 on, one level up: they become part of the chunks above.
+  // REQUIRES: tree order.
   void rise(int level, uint32_t cu, uint32_t cv, Chunk coarse);
   // Appends to `state` the chunks that are not complete; restore() puts them into a fresh writer.
   void save(Bytes& state);
@@ -37,10 +37,9 @@ class PyramidWriter {
     std::array<Chunk, 16> pieces;
     uint32_t missing = 0;  // 0: not begun
   };
-  void finish(int level, uint32_t cu, uint32_t cv, const Chunk& rays);
   GridWriter& writer_;
   ChunkEncoder encoder_;
-  std::vector<Open> open_;  // level / 2
+  std::vector<Open> open_;  // of levels 2, 4 ...
 };
 
 }  // namespace teracell

@@ -88,72 +88,72 @@ struct Picture {
         [&](const std::pair<Band, std::vector<uint16_t>>& done) { deliver(done.first, done.second); });
   }
 
-  // A derived level: of the chunks below, the two cells of each ray that the slice covers. (Deriving its chunks whole takes
-  // twice as long.)
-  void across_derived() const {
-    const LevelShape below = reader.shape(view.level - 1);
-    const auto segment = static_cast<uint32_t>(2 * view.index / below.chunk_cells);
-    const auto cell = static_cast<uint32_t>(2 * view.index % below.chunk_cells);  // even, like chunk_cells
-    const int64_t half = below.chunk_rays / 2;
-    by_bands(half, [&](const Band& band, std::vector<uint16_t>& cells) {
-      const auto cv = static_cast<uint32_t>(band.from / half);
+  // Part of the picture across the rays of one chunk: pixels [u0, u1) x [v0, v1), counted from the chunk's corner.
+  struct Patch {
+    uint32_t u0, u1, v0, v1;
+    uint16_t* out;  // the pixel (u0, v0); rows are width() apart
+  };
+
+  // The picture across the rays of chunks of `level`, each `side` pixels wide. paint(chunk, patch) is called for those that
+  // are not uniform.
+  template <class Paint>
+  void by_chunks(int level, int64_t side, uint32_t segment, Paint paint) const {
+    by_bands(side, [&](const Band& band, std::vector<uint16_t>& cells) {
+      const auto cv = static_cast<uint32_t>(band.from / side);
       std::shared_ptr<Chunk> scratch;
-      for (int64_t cu = view.u0 / half; cu * half < view.u1; ++cu) {
-        const int64_t u0 = std::max(view.u0, cu * half), u1 = std::min(view.u1, (cu + 1) * half);
-        const auto place = [&](int64_t v) { return cells.data() + (v - band.from) * width() + (u0 - view.u0); };
-        if (const auto set = reader.uniform(view.level - 1, static_cast<uint32_t>(cu), cv, segment)) {
+      for (int64_t first = view.u0 / side * side; first < view.u1; first += side) {
+        const auto cu = static_cast<uint32_t>(first / side);
+        const int64_t u0 = std::max(view.u0, first), u1 = std::min(view.u1, first + side);
+        uint16_t* const out = cells.data() + (u0 - view.u0);
+        if (const auto set = reader.uniform(level, cu, cv, segment)) {
           const auto all = static_cast<uint16_t>(value(*set));
-          for (int64_t v = band.from; v < band.to; ++v) std::fill_n(place(v), u1 - u0, all);
+          for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * width(), u1 - u0, all);
           continue;
         }
-        const auto held = reader.chunk(view.level - 1, static_cast<uint32_t>(cu), cv, segment, scratch);
-        const RayBlock& b = held->rays;
-        SetTable sets = held->sets;  // unions get ids
-        Values values(sets, value);
-        const auto set_of = [&](uint32_t ray) {
-          const auto changes = b.changes(ray);
-          const auto of_ray = b.sets(ray);
-          const uint32_t run = run_at(changes, cell);
-          return run < changes.size() && changes[run] == cell + 1 ? sets.unite(of_ray[run], of_ray[run + 1]) : of_ray[run];
-        };
-        for (int64_t v = band.from; v < band.to; ++v) {
-          uint16_t* out = place(v);
-          const auto first = static_cast<uint32_t>(2 * (v - cv * half)), rows = std::min(2u, b.nv - first);
-          for (int64_t u = u0; u < u1; ++u) {
-            const auto column = static_cast<uint32_t>(2 * (u - cu * half)), columns = std::min(2u, b.nu - column);
-            SetId set = set_of(first * b.nu + column);
-            for (uint32_t i = 1; i < rows * columns; ++i) set = sets.unite(set, set_of((first + i / columns) * b.nu + column + i % columns));
-            *out++ = values(set);
-          }
-        }
+        const auto held = reader.chunk(level, cu, cv, segment, scratch);
+        const auto within = [&](int64_t n, int64_t begin) { return static_cast<uint32_t>(n - begin); };
+        paint(*held, Patch{within(u0, first), within(u1, first), within(band.from, cv * side), within(band.to, cv * side), out});
       }
     });
   }
 
   void across() const {
     if (!reader.stored(view.level)) return across_derived();
-    const auto segment = static_cast<uint32_t>(view.index / shape.chunk_cells);
-    const auto cell = static_cast<uint32_t>(view.index % shape.chunk_cells);
-    by_bands(shape.chunk_rays, [&](const Band& band, std::vector<uint16_t>& cells) {
-      const auto cv = static_cast<uint32_t>(band.from / shape.chunk_rays);
-      std::shared_ptr<Chunk> scratch;
-      for (int64_t cu = view.u0 / shape.chunk_rays; cu * shape.chunk_rays < view.u1; ++cu) {
-        const int64_t first = cu * shape.chunk_rays;
-        const int64_t u0 = std::max(view.u0, first), u1 = std::min<int64_t>(view.u1, first + shape.chunk_rays);
-        const auto place = [&](int64_t v) { return cells.data() + (v - band.from) * width() + (u0 - view.u0); };
-        if (const auto set = reader.uniform(view.level, static_cast<uint32_t>(cu), cv, segment)) {
-          const auto all = static_cast<uint16_t>(value(*set));
-          for (int64_t v = band.from; v < band.to; ++v) std::fill_n(place(v), u1 - u0, all);
-          continue;
-        }
-        const auto held = reader.chunk(view.level, static_cast<uint32_t>(cu), cv, segment, scratch);
-        const Chunk& chunk = *held;
-        Values values(chunk.sets, value);
-        const RayBlock& b = chunk.rays;
-        for (int64_t v = band.from; v < band.to; ++v) {
-          uint16_t* out = place(v);
-          uint32_t ray = static_cast<uint32_t>(v % shape.chunk_rays) * b.nu + static_cast<uint32_t>(u0 - first);
-          for (int64_t u = u0; u < u1; ++u, ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
+    const auto segment = static_cast<uint32_t>(view.index / shape.chunk_cells), cell = static_cast<uint32_t>(view.index % shape.chunk_cells);
+    by_chunks(view.level, shape.chunk_rays, segment, [&](const Chunk& chunk, const Patch& p) {
+      const RayBlock& b = chunk.rays;
+      Values values(chunk.sets, value);
+      for (uint32_t v = p.v0; v < p.v1; ++v) {
+        uint16_t* out = p.out + (v - p.v0) * width();
+        for (uint32_t ray = v * b.nu + p.u0; ray < v * b.nu + p.u1; ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
+      }
+    });
+  }
+
+  // A derived level: of the chunks below, the two cells of each ray that the slice covers. (Deriving its chunks whole takes
+  // twice as long.)
+  void across_derived() const {
+    const LevelShape below = reader.shape(view.level - 1);
+    const auto segment = static_cast<uint32_t>(2 * view.index / below.chunk_cells);
+    const auto cell = static_cast<uint32_t>(2 * view.index % below.chunk_cells);  // even, like chunk_cells
+    by_chunks(view.level - 1, below.chunk_rays / 2, segment, [&](const Chunk& chunk, const Patch& p) {
+      const RayBlock& b = chunk.rays;
+      SetTable sets = chunk.sets;  // unions get ids
+      Values values(sets, value);
+      const auto set_of = [&](uint32_t ray) {
+        const auto changes = b.changes(ray);
+        const auto of_ray = b.sets(ray);
+        const uint32_t run = run_at(changes, cell);
+        return run < changes.size() && changes[run] == cell + 1 ? sets.unite(of_ray[run], of_ray[run + 1]) : of_ray[run];
+      };
+      for (uint32_t v = p.v0; v < p.v1; ++v) {
+        uint16_t* out = p.out + (v - p.v0) * width();
+        const uint32_t first = 2 * v, rows = std::min(2u, b.nv - first);
+        for (uint32_t column = 2 * p.u0; column < 2 * p.u1; column += 2) {
+          const uint32_t columns = std::min(2u, b.nu - column);
+          SetId set = set_of(first * b.nu + column);
+          for (uint32_t i = 1; i < rows * columns; ++i) set = sets.unite(set, set_of((first + i / columns) * b.nu + column + i % columns));
+          *out++ = values(set);
         }
       }
     });

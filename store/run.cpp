@@ -101,33 +101,38 @@ Chunk join(std::span<const Piece> pieces, uint32_t labels) {
     }
     sources.push_back(std::move(s));
   }
+  // Appends a ray that runs through a pile of pieces.
   std::vector<SetId> sets;
   std::vector<uint32_t> changes;
+  const auto append = [&](std::span<const Source> pile, uint32_t ray) {
+    sets.clear();
+    changes.clear();
+    for (const Source& s : pile) {
+      const RayBlock& rays = s.piece.chunk->rays;
+      const std::vector<SetId>& pattern = s.patterns[rays.pattern[ray]];
+      const auto at = rays.changes(ray);
+      for (size_t k = 0; k < pattern.size(); ++k) {
+        if (!sets.empty() && sets.back() == pattern[k]) continue;
+        if (!sets.empty()) changes.push_back(s.piece.w + (k == 0 ? 0 : at[k - 1]));
+        sets.push_back(pattern[k]);
+      }
+    }
+    out.rays.append(sets, changes);
+  };
+  // Where those like the one at `first` end.
+  const auto group = [&](size_t first, size_t last, auto same) {
+    size_t end = first;
+    while (end < last && same(sources[end].piece, sources[first].piece)) ++end;
+    return end;
+  };
   for (size_t row = 0; row < sources.size();) {
-    size_t row_end = row;
-    while (row_end < sources.size() && sources[row_end].piece.v == sources[row].piece.v) ++row_end;
+    const size_t row_end = group(row, sources.size(), [](const Piece& a, const Piece& b) { return a.v == b.v; });
     const uint32_t height = sources[row].piece.chunk->rays.nv;
     for (uint32_t y = 0; y < height; ++y) {
       for (size_t pile = row; pile < row_end;) {
-        size_t pile_end = pile;
-        while (pile_end < row_end && sources[pile_end].piece.u == sources[pile].piece.u) ++pile_end;
+        const size_t pile_end = group(pile, row_end, [](const Piece& a, const Piece& b) { return a.u == b.u; });
         const uint32_t width = sources[pile].piece.chunk->rays.nu;
-        for (uint32_t x = 0; x < width; ++x) {
-          sets.clear();
-          changes.clear();
-          for (size_t i = pile; i < pile_end; ++i) {
-            const RayBlock& rays = sources[i].piece.chunk->rays;
-            const uint32_t ray = y * width + x, w = sources[i].piece.w;
-            const std::vector<SetId>& pattern = sources[i].patterns[rays.pattern[ray]];
-            const auto at = rays.changes(ray);
-            for (size_t k = 0; k < pattern.size(); ++k) {
-              if (!sets.empty() && sets.back() == pattern[k]) continue;
-              if (!sets.empty()) changes.push_back(w + (k == 0 ? 0 : at[k - 1]));
-              sets.push_back(pattern[k]);
-            }
-          }
-          out.rays.append(sets, changes);
-        }
+        for (uint32_t x = 0; x < width; ++x) append({&sources[pile], pile_end - pile}, y * width + x);
         pile = pile_end;
       }
     }

@@ -204,31 +204,6 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
   });
 }
 
-std::optional<std::vector<Label>> uniform_set(const GridReader& reader, int level, const Box& box) {
-  check_box(reader.meta(), level, box);
-  if (box.empty()) return std::nullopt;
-  std::optional<std::vector<Label>> set;
-  bool several = false;
-  const auto meet = [&](const std::vector<Label>& found) {
-    if (!set) set = found;
-    several |= *set != found;
-  };
-  std::shared_ptr<Chunk> scratch;
-  for_each_part(reader.shape(level), RayBox(box, reader.meta().frame()), [&](const ChunkPart& p) {
-    if (several) return;
-    if (const auto all = reader.uniform(level, p.cu, p.cv, p.segment)) return meet(*all);
-    const auto held = reader.chunk(level, p.cu, p.cv, p.segment, scratch);
-    const Chunk& chunk = *held;
-    SetId last = ~0u;
-    for_each_part_run(chunk.rays, p, [&](uint32_t, uint32_t, uint32_t, uint32_t, SetId id) {
-      if (several || id == last) return;
-      last = id;
-      meet(chunk.sets.members(id));
-    });
-  });
-  return several ? std::nullopt : set;
-}
-
 std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b) {
   const Metadata& meta = reader.meta();
   const Frame f = Frame::along(axis);

@@ -2,7 +2,6 @@
 // the chunks that it needs, a chunk at a time; level L derives what is not stored. All are safe on a shared reader.
 #pragma once
 #include <functional>
-#include <optional>
 #include <span>
 
 #include "store/reader.hpp"
@@ -40,11 +39,8 @@ struct BoxRun {
   const std::vector<Label>* set;
 };
 // Calls f for the runs of `box`, chunk by chunk; cells are never expanded. A run that passes from one chunk to the next
-// along the rays comes in two parts. Throws UsageError, like the next two, unless the box lies in the level.
+// along the rays comes in two parts. Throws UsageError, like read_stats(), unless the box lies in the level.
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f);
-
-// The set that fills the whole box; none if there are several, or the box is empty.
-std::optional<std::vector<Label>> uniform_set(const GridReader& reader, int level, const Box& box);
 
 // The runs of the column of level-0 cells along `axis` through (a, b) of Frame::along(axis), joined where the material
 // continues.

@@ -1,5 +1,5 @@
-"""The rows of `tools/bench serve`: the slice server on the 10^12-cell grid, against nginx and against its own promises."""
-import argparse
+"""The slice server on a grid of 10,000^3 = 10^12 cells, against nginx and against its own promises."""
+import concurrent.futures
 import http.client
 import json
 import os
@@ -8,9 +8,11 @@ import re
 import socket
 import statistics
 import subprocess
+import sys
 import tempfile
-import threading
 import time
+
+from bench_common import ROOT, TERACELL, build, count, parser
 
 AXES = "xyz"
 
@@ -18,10 +20,12 @@ AXES = "xyz"
 class Server:
     """`teracell serve` on a free port."""
 
-    def __init__(self, teracell, *arguments):
-        self.process = subprocess.Popen([teracell, "serve", *arguments, "--port", "0", "--log", "none"], stdout=subprocess.PIPE, text=True)
-        line = self.process.stdout.readline()
-        self.port = int(re.search(r":(\d+)/", line).group(1))
+    def __init__(self, *arguments):
+        self.process = subprocess.Popen([TERACELL, "serve", *arguments, "--port", "0", "--log", "none"], stdout=subprocess.PIPE, text=True)
+        address = re.search(r":(\d+)/", self.process.stdout.readline())
+        if not address:
+            raise SystemExit(f"teracell serve {' '.join(arguments)} did not start: exit status {self.process.wait()}")
+        self.port = int(address.group(1))
 
     def __enter__(self):
         return self
@@ -74,14 +78,11 @@ def fetch_random(server, info, seed, count, connections):
             answer.read()
             took.append(time.perf_counter() - began)
             if answer.status != 200:
-                raise SystemExit(f"{path}: {answer.status}")
+                raise RuntimeError(f"{path}: {answer.status}")
 
-    threads = [threading.Thread(target=work, args=(i,)) for i in range(connections)]
     began = time.perf_counter()
-    for t in threads:
-        t.start()
-    for t in threads:
-        t.join()
+    with concurrent.futures.ThreadPoolExecutor(connections) as pool:
+        list(pool.map(work, range(connections)))
     return time.perf_counter() - began, sorted(took)
 
 
@@ -175,15 +176,12 @@ def idle_row(row, server):
     row("health beside 800 idle and half-sent connections", f"{1e3 * max(took):.1f} ms at most, {grown:.0f} MB more; all dropped after {time.perf_counter() - began:.0f} s", "at once")
 
 
-def main(arguments, build, root):
-    parser = argparse.ArgumentParser(prog="tools/bench serve", description=__doc__)
-    parser.add_argument("--runs", type=int, default=3)
-    parser.add_argument("--mesh", default=os.path.join(root, "../shared/meshes/nefertiti.obj"))
-    parser.add_argument("--tiles", type=int, default=100000, help="of the memory row")
-    parser.add_argument("--huge", action="store_true", help="also a file of 10^15 cells, which takes minutes to make")
-    options = parser.parse_args(arguments)
+def main(arguments):
+    options_of = parser("tools/bench serve", __doc__, runs=3)
+    options_of.add_argument("--tiles", type=count, default=100000, metavar="N", help="random tiles of the memory row (default 100000)")
+    options_of.add_argument("--huge", action="store_true", help="also a file of 10^15 cells, which takes minutes to make")
+    options = options_of.parse_args(arguments)
     build("wrk nginx-light", "teracell")
-    teracell = os.path.join(root, "build/bench/teracell")
 
     def row(what, found, bar=""):
         print(f"{what:<72} {found:<56} {bar}", flush=True)
@@ -191,21 +189,21 @@ def main(arguments, build, root):
     with tempfile.TemporaryDirectory() as folder:
         def grid(n):
             scene, path = os.path.join(folder, f"{n}.json"), os.path.join(folder, f"g{n}.tcell")
-            subprocess.run(["python3", os.path.join(root, "tools/peers/cubic_scene.py"), options.mesh, str(n), scene], check=True)
-            subprocess.run([teracell, "mesh", scene, "-o", path, "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([sys.executable, os.path.join(ROOT, "tools/peers/cubic_scene.py"), options.mesh, str(n), scene], check=True)
+            subprocess.run([TERACELL, "mesh", scene, "-o", path, "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
             return path
 
         path = grid(10000)
-        with Server(teracell, path, "--cache", "256M") as server:
+        with Server(path, "--cache", "256M") as server:
             info = json.loads(server.get("/api/v1/grids/g10000"))
             cold_row(row, server, info)
             warm_row(row, server, info, folder, options.runs)
             memory_row(row, server, info, options.tiles)
-        with Server(teracell, path, "--request-timeout", "5", "--idle-timeout", "5") as server:
+        with Server(path, "--request-timeout", "5", "--idle-timeout", "5") as server:
             idle_row(row, server)
         if options.huge:
             path = grid(100000)
-            with Server(teracell, path) as server:
+            with Server(path) as server:
                 info = json.loads(server.get("/api/v1/grids/g100000"))
                 before, began = server.rss(), time.perf_counter()
                 server.get(f"/api/v1/grids/g100000/tile/z/{info['levels'][8]['cells'][2] // 2}/8/0_0.png")

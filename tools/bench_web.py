@@ -1,27 +1,26 @@
 """The rows of `tools/bench web`: the dashboard on the 10^12-cell grid, in Chromium without a graphics card. bench_web.mjs measures."""
-import argparse
 import json
 import os
 import subprocess
+import sys
 import tempfile
 
+from bench_common import ROOT, TERACELL, build, parser
 from bench_serve import Server
 
 
-def main(arguments, build, root):
-    parser = argparse.ArgumentParser(prog="tools/bench web", description=__doc__)
-    parser.add_argument("--mesh", default=os.path.join(root, "../shared/meshes/nefertiti.obj"))
-    parser.add_argument("--grid", help="a .tcell file instead, so that nothing is meshed")
-    parser.add_argument("--url", help="a server's address instead, so that nothing is served")
-    options = parser.parse_args(arguments)
+def main(arguments):
+    options_of = parser("tools/bench web", __doc__)
+    options_of.add_argument("--grid", help="a .tcell file instead, so that nothing is meshed")
+    options_of.add_argument("--url", help="a server's address instead, so that nothing is served")
+    options = options_of.parse_args(arguments)
     build("chromium", "teracell")
-    teracell = os.path.join(root, "build/bench/teracell")
 
     def row(what, found, bar=""):
         print(f"{what:<86} {found:<46} {bar}", flush=True)
 
     def measure(url):
-        with subprocess.Popen(["node", os.path.join(root, "tools/bench_web.mjs"), url], stdout=subprocess.PIPE, text=True) as process:
+        with subprocess.Popen(["node", os.path.join(ROOT, "tools/bench_web.mjs"), url], stdout=subprocess.PIPE, text=True) as process:
             for line in process.stdout:
                 row(*json.loads(line))
         if process.returncode:
@@ -33,7 +32,7 @@ def main(arguments, build, root):
         path = options.grid
         if not path:
             scene, path = os.path.join(folder, "10000.json"), os.path.join(folder, "nefertiti.tcell")
-            subprocess.run(["python3", os.path.join(root, "tools/peers/cubic_scene.py"), options.mesh, "10000", scene], check=True)
-            subprocess.run([teracell, "mesh", scene, "-o", path, "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
-        with Server(teracell, path) as server:
+            subprocess.run([sys.executable, os.path.join(ROOT, "tools/peers/cubic_scene.py"), options.mesh, "10000", scene], check=True)
+            subprocess.run([TERACELL, "mesh", scene, "-o", path, "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
+        with Server(path) as server:
             measure(f"http://127.0.0.1:{server.port}/")

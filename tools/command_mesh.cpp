@@ -27,7 +27,11 @@ struct Options {
 
 Scene scene_from(const Options& o) {
   bool json = false;
-  for (const std::string& input : o.inputs) json |= std::filesystem::path(input).extension() == ".json";
+  for (const std::string& input : o.inputs) {
+    const std::filesystem::path extension = std::filesystem::path(input).extension();
+    if (extension == ".tcell") throw UsageError(fmt::format("{}: expected a scene or a surface, found a grid that is meshed already", input));
+    json |= extension == ".json";
+  }
   if (json && o.inputs.size() != 1)
     throw UsageError(fmt::format("expected one scene or bare meshes, found {} files with a scene among them", o.inputs.size()));
   Scene scene = json ? read_scene(o.inputs[0]) : bare_scene({o.inputs.begin(), o.inputs.end()});

@@ -38,7 +38,8 @@ constexpr Command kCommands[] = {
 constexpr const char* kNoRoom = "out of memory, or of threads: free some, or take fewer --threads, a smaller --region, or surfaces with fewer facets";
 
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
-  return fmt::format("; did you mean {}?", nearest(word, {names.begin(), names.end()}));
+  const std::string_view near = nearest(word, {names.begin(), names.end()});
+  return resembles(word, near) ? fmt::format("; did you mean {}?", near) : ".";
 }
 
 int fail(int status, const std::string& message) {

@@ -95,6 +95,8 @@ class Shapes(Case):
         report = self.json_of("info", "e.tcell")["report"]
         self.assertEqual((report["bodies"], report["inputs"], report["warnings"]), ([], [], []))
         self.assertEqual(self.export("e.tcell"), ((1, 2, 3), bytes(6)))
+        self.write("s.json", {"grid": {"cells": 10}, "bodies": []})
+        self.refused(1, ["no min and max", "no facets"], "mesh", "s.json", "-o", "e.tcell")
 
     def test_text_output_is_for_people(self):
         for args in (["info", "g.tcell"], ["stats", "g.tcell"], ["column", "g.tcell", "--axis", "z", "--at", "3,3"]):

@@ -40,7 +40,8 @@ class Usage(Case):
                 (["no command 'slcie'", "mean slice?"], ["slcie", "g.tcell"]),
                 (["no option '--foo'", "--help"], ["--foo"]),
                 (["no option '--cels'", "mean --cells?"], ["mesh", "box.stl", "--cels", "4", "-o", "x.tcell"]),
-                (["no option '--level'", "teracell info --help"], ["info", "g.tcell", "--level", "1"]),
+                (["no command 'nothing'. The commands are mesh"], ["nothing"]),
+                (["no option '--level'. See: teracell info --help"], ["info", "g.tcell", "--level", "1"]),
                 (["no option '-q'"], ["info", "g.tcell", "-q"]),
                 (["nothing more", "second"], ["info", "g.tcell", "second"]),
                 (["--output"], ["mesh", "box.stl", "--cells", 4]),
@@ -78,6 +79,7 @@ class Usage(Case):
             self.refused(2, phrases, *args)
         for slip in ("s.json", "a.STL", "a.obj", "a.ply", "a.stl.gz", "a.png", "a.npy"):
             self.refused(2, ["--output", ".tcell", slip], "mesh", "box.stl", "--cells", 10, "-o", slip)
+        self.refused(2, ["g.tcell", "meshed already"], "mesh", "g.tcell", "--cells", 10, "-o", "x.tcell")
         self.write("s.json", {"grid": GRID, "materials": {"steel": {}}, "bodies": [BODY]})
         self.refused(2, ["one scene", "2 files"], "mesh", "s.json", "box.stl", "-o", "x.tcell")
         os.link(self.path("box.stl"), self.path("box.tcell"))

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """The real program from the outside. Usage: cli_test.py PATH_TO_TERACELL [arguments of unittest]."""
-from running import run
+import program
 
-run("cases_agree", "cases_meshes", "cases_scenes", "cases_shapes", "cases_usage", "cases_inputs", "cases_open", "cases_faults", "cases_files")
+if __name__ == "__main__":
+    program.main("cases_agree", "cases_meshes", "cases_scenes", "cases_shapes", "cases_usage", "cases_inputs", "cases_open", "cases_faults", "cases_files")

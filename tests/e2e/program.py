@@ -1,14 +1,30 @@
 """Runs the program as a user would, and reads what it writes: .npy and .png, with nothing but the standard library."""
+import importlib
 import json
 import os
 import shutil
 import struct
 import subprocess
+import sys
 import tempfile
 import unittest
 import zlib
 
-PROGRAM = os.environ.get("TERACELL", "teracell")
+PROGRAM = None  # its path: set by main(), before the cases are imported
+
+
+def main(*modules):
+    """Runs the cases of the modules. Arguments of the script: the program's path, then what unittest takes."""
+    if len(sys.argv) < 2:
+        sys.exit(f"usage: {os.path.basename(sys.argv[0])} PATH_TO_TERACELL [arguments of unittest]")
+    global PROGRAM
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    for module in modules:
+        for name, case in vars(importlib.import_module(module)).items():
+            if isinstance(case, type) and case.__module__ == module:
+                assert not hasattr(sys.modules["__main__"], name), f"two cases are called {name}"
+                setattr(sys.modules["__main__"], name, case)
+    unittest.main()
 
 
 class Result:

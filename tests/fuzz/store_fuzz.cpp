@@ -52,7 +52,6 @@ void read_some(const GridReader& reader, int level) {
     uint64_t covered = 0;
     for_each_run(reader, level, box, [&](const BoxRun& run) { covered += static_cast<uint64_t>(run.length); });
     if (covered != cells.size()) std::abort();
-    uniform_set(reader, level, box);
     if (level == 0) read_stats(reader, box);
     SliceView view{2, box.lo[2], level, box.lo[0], box.lo[1], box.hi[0], box.hi[1]};
     for_each_row(reader, view, value, true, 1, [&](int64_t v, std::span<const uint16_t> row) {

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include "tests/support/meshed.hpp"
+#include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
+#include "tests/support/ties.hpp"
 
 namespace teracell {
 namespace {
@@ -37,19 +39,6 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
   }
 }
 
-double random_in(std::mt19937_64& random, double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); }
-int random_int(std::mt19937_64& random, int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(random); }
-
-// A box whose corners are multiples of half a cell: half of its faces lie on cell centres.
-shapes::Facets lattice_box(std::mt19937_64& random, int n) {
-  Vec3 lo, hi;
-  for (int d = 0; d < 3; ++d) {
-    lo[d] = random_int(random, -1, 2 * n - 2) / 2.0;
-    hi[d] = lo[d] + random_int(random, 1, n) / 2.0;
-  }
-  return shapes::box(lo, hi);
-}
-
 TEST_CASE("A box owns its lower faces and not its upper ones, whatever the ray axis") {
   const Grid grid = uniform_grid(0, 1, 6, 6, 6);
   const std::vector<Body> bodies = {{shapes::box({1.5, 1.5, 1.5}, {3.5, 3.5, 3.5})}};
@@ -74,34 +63,14 @@ TEST_CASE("Random scenes full of exact ties equal rational arithmetic along ever
     const int n = random_int(random, 5, 11);
     std::vector<Body> bodies;
     for (int b = random_int(random, 1, 5); b > 0; --b) {
-      Body body;
-      switch (random_int(random, 0, 5)) {
-        case 0: body.facets = lattice_box(random, n); break;
-        case 1: body.facets = shapes::join({lattice_box(random, n), lattice_box(random, n)}); break;  // overlapping shells
-        case 2: body.facets = shapes::sphere({n / 2.0, n / 2.0, n / 2.0}, random_in(random, 1, n / 2.0), 1, 0.5); break;
-        case 3: body.facets = shapes::join(shapes::random_tetrahedra(random, 3, -1, n + 1, 0.5)); break;
-        case 4: body.facets = shapes::torus({n / 2.0, n / 2.0, n / 2.0}, n / 3.0, n / 8.0, 7, 5, 0.25); break;
-        default: body.facets = shapes::l_shape({0.5, 1.5, 0.5}, n - 2, 1 + (n > 6), n - 3); break;
-      }
-      if (random_int(random, 0, 3) == 0) body.facets = shapes::flip(body.facets);
+      Body body{shapes::shell_of_ties(random, n)};
       if (random_int(random, 0, 2) == 0) body.rule = Rule::kEvenodd;
       body.material = static_cast<uint32_t>(random_int(random, 1, 3));
       body.priority = random_int(random, 0, 2);
       bodies.push_back(std::move(body));
     }
     Grid grid;
-    for (Axis& axis : grid.axis) {
-      const double sample = std::array{0.5, 0.0, 0.25}[random_int(random, 0, 2)];
-      if (random_int(random, 0, 2) == 0) {  // graded, planes on the same lattice
-        std::vector<double> planes = {-1};
-        while (planes.back() < n + 1) planes.push_back(planes.back() + random_int(random, 1, 6) / 4.0);
-        axis = Axis::graded(planes, sample);
-      } else {
-        const double step = std::array{1.0, 0.5, 0.75}[random_int(random, 0, 2)];
-        const auto cells = static_cast<int64_t>((n + 1) / step);
-        axis = Axis::uniform(-0.5, step, 0, cells, sample);
-      }
-    }
+    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
     expect_exact(bodies, grid);
   }
 }
@@ -111,16 +80,8 @@ TEST_CASE("Decimal lattices, whose ties miss by a rounding, equal rational arith
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     std::vector<Body> bodies;
-    for (int b = 0; b < 3; ++b) {
-      auto facets = shapes::join(shapes::random_tetrahedra(random, 2, 0, 10, 1));
-      for (Facet& f : facets)
-        for (Vec3& p : f.vertex)
-          for (double& x : p) x = x / 10 + 0.05;  // 0.15, 0.25 ...: not representable
-      bodies.push_back({facets, Rule::kNonzero, static_cast<uint32_t>(b + 1)});
-    }
-    Scene scene;
-    Grid grid{{Axis::uniform(0, 1.1 / 11, 0, 11, 0.5), Axis::uniform(0, 1.1 / 11, 0, 11, 0.5), Axis::uniform(0, 1.1 / 11, 0, 11, 0.5)}};
-    expect_exact(bodies, grid);
+    for (uint32_t material = 1; material <= 3; ++material) bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
+    expect_exact(bodies, uniform_grid(0, 1.1 / 11, 11, 11, 11));
   }
 }
 
@@ -129,16 +90,9 @@ TEST_CASE("Needles and near-vertical facets, where doubles lose the slope, equal
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     std::vector<Body> bodies;
-    for (int b = 0; b < 4; ++b) {
-      const double tiny = std::ldexp(1.0, -random_int(random, 20, 50));
-      const Vec3 p = {random_in(random, 0, 9), random_in(random, 0, 9), random_in(random, 0, 9)};
-      Vec3 q = p, r = p, s = p;
-      q[random_int(random, 0, 2)] += 9;
-      r = q;
-      r[random_int(random, 0, 2)] += tiny;
-      s[random_int(random, 0, 2)] -= 7;
-      bodies.push_back({shapes::tetrahedron(p, q, r, s), Rule::kNonzero, static_cast<uint32_t>(b + 1)});
-      bodies.push_back({shapes::tetrahedron({0.5, 0.5, 0.5}, {9.5, 9.5, 0.5 + tiny}, {9.5, 9.5, 9.5}, {9.5 + tiny, 9.5, 0.5}), Rule::kNonzero, 5});
+    for (uint32_t material = 1; material <= 4; ++material) {
+      bodies.push_back({shapes::needle(random), Rule::kNonzero, material});
+      bodies.push_back({shapes::sheet(random), Rule::kNonzero, 5});
     }
     expect_exact(bodies, uniform_grid(0, 1, 10, 10, 10));
   }

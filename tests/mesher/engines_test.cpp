@@ -10,15 +10,15 @@
 #include "mesher/engines/tree.hpp"
 #include "store/error.hpp"
 #include "tests/support/oracle.hpp"
-#include "tests/support/shapes.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/ties.hpp"
 
 namespace teracell {
 namespace {
 
 using shapes::Facets;
-
-double random_in(std::mt19937_64& random, double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); }
-int random_int(std::mt19937_64& random, int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(random); }
+using testing::random_in;
+using testing::random_int;
 
 // Facets in three layers, as a scene has them.
 class SceneFacets {
@@ -137,46 +137,16 @@ Facets with_slivers(Facets facets, std::mt19937_64& random, int count) {
   return facets;
 }
 
-Facets lattice_box(std::mt19937_64& random, int n) {  // half of its faces lie on cell centres
-  Vec3 lo, hi;
-  for (int d = 0; d < 3; ++d) {
-    lo[d] = random_int(random, -1, 2 * n - 2) / 2.0;
-    hi[d] = lo[d] + random_int(random, 1, n) / 2.0;
-  }
-  return shapes::box(lo, hi);
-}
-
-Axis random_axis(std::mt19937_64& random, int n) {
-  const double sample = std::array{0.5, 0.0, 0.25}[random_int(random, 0, 2)];
-  if (random_int(random, 0, 2) == 0) {  // graded, planes on the shapes' lattice
-    std::vector<double> planes = {-1};
-    while (planes.back() < n + 1) planes.push_back(planes.back() + random_int(random, 1, 6) / 4.0);
-    return Axis::graded(planes, sample);
-  }
-  const double step = std::array{1.0, 0.5, 0.75}[random_int(random, 0, 2)];
-  return Axis::uniform(-0.5, step, 0, static_cast<int64_t>((n + 1) / step), sample);
-}
-
 TEST_CASE("All engines find the same crossings, those of rational arithmetic, in scenes full of exact ties", "[engines]") {
   for (uint64_t seed = 0; seed < 200; ++seed) {
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     const int n = random_int(random, 4, 9);
-    const Vec3 centre = {n / 2.0, n / 2.0, n / 2.0};
     std::vector<Facets> shells;
-    for (int b = random_int(random, 1, 4); b > 0; --b) {
-      switch (random_int(random, 0, 6)) {
-        case 0: shells.push_back(lattice_box(random, n)); break;
-        case 1: shells.push_back(shapes::join({lattice_box(random, n), lattice_box(random, n)})); break;
-        case 2: shells.push_back(shapes::sphere(centre, random_in(random, 1, n / 2.0), 2, 0.5)); break;
-        case 3: shells.push_back(shapes::join(shapes::random_tetrahedra(random, 3, -1, n + 1, 0.5))); break;
-        case 4: shells.push_back(shapes::torus(centre, n / 3.0, n / 8.0, 7, 5, 0.25)); break;
-        case 5: shells.push_back(shapes::join(shapes::box_in_tetrahedra({0.5, 0.5, 0.5}, {n - 0.5, n - 0.5, n - 0.5}))); break;
-        default: shells.push_back(shapes::l_shape({0.5, 1.5, 0.5}, n - 2, 1, n - 3)); break;
-      }
-      if (random_int(random, 0, 2) == 0) shells.back() = shapes::flip(shells.back());
-    }
-    expect_exact(with_slivers(shapes::join(shells), random, 10), {{random_axis(random, n), random_axis(random, n), random_axis(random, n)}}, random);
+    for (int b = random_int(random, 1, 4); b > 0; --b) shells.push_back(shapes::shell_of_ties(random, n));
+    Grid grid;
+    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
+    expect_exact(with_slivers(shapes::join(shells), random, 10), grid, random);
   }
 }
 
@@ -184,11 +154,7 @@ TEST_CASE("All engines agree with rational arithmetic on ties that miss by a rou
   for (uint64_t seed = 100; seed < 120; ++seed) {
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
-    Facets facets = shapes::join(shapes::random_tetrahedra(random, 6, 0, 10, 1));
-    for (Facet& f : facets)
-      for (Vec3& p : f.vertex)
-        for (double& x : p) x = x / 10 + 0.05;  // 0.15, 0.25 ...: not representable
-    expect_exact(facets, cube_grid(0, 1.1 / 11, 11), random);
+    expect_exact(shapes::join(shapes::decimal_tetrahedra(random, 6)), cube_grid(0, 1.1 / 11, 11), random);
   }
 }
 
@@ -198,15 +164,8 @@ TEST_CASE("All engines agree with rational arithmetic on needles, near-vertical 
     std::mt19937_64 random(seed);
     std::vector<Facets> shells;
     for (int b = 0; b < 3; ++b) {
-      const double tiny = std::ldexp(1.0, -random_int(random, 20, 50));
-      const Vec3 p = {random_in(random, 0, 9), random_in(random, 0, 9), random_in(random, 0, 9)};
-      Vec3 q = p, r = p, s = p;
-      q[random_int(random, 0, 2)] += 9;
-      r = q;
-      r[random_int(random, 0, 2)] += tiny;
-      s[random_int(random, 0, 2)] -= 7;
-      shells.push_back(shapes::tetrahedron(p, q, r, s));
-      shells.push_back(shapes::tetrahedron({0.5, 0.5, 0.5}, {9.5, 9.5, 0.5 + tiny}, {9.5, 9.5, 9.5}, {9.5 + tiny, 9.5, 0.5}));
+      shells.push_back(shapes::needle(random));
+      shells.push_back(shapes::sheet(random));
     }
     const Facets facets = shapes::join(shells);
     expect_exact(facets, cube_grid(0, 1, 10), random);

@@ -52,7 +52,7 @@ TEST_CASE("Line ends of every system, and a byte order mark, change nothing") {
 
 TEST_CASE("A file is read, hashed as xxhsum does, and closed again") {
   const TemporaryFile file(gzipped(kObj));
-  const int64_t before = open_descriptors();
+  const size_t before = testing::open_descriptors();
   Facets facets;
   const SurfaceFile found = read_facets(file.path, "", [&](std::span<const Facet> some) {
     for (const Facet& f : some) facets.push_back(f.vertex);
@@ -71,7 +71,7 @@ TEST_CASE("A file is read, hashed as xxhsum does, and closed again") {
   CHECK_THROWS_AS(read_facets("/", "", [](auto) {}), IoError);
   CHECK_THROWS_WITH(read_facets("/nowhere/hull.stl", "", [](auto) {}),
                     Contains("/nowhere/hull.stl") && Contains("No such file"));
-  CHECK(open_descriptors() == before);
+  CHECK(testing::open_descriptors() == before);
 }
 
 TEST_CASE("Facets come in order however large the file, and an exception of the sink passes through") {

@@ -106,7 +106,7 @@ TEST_CASE("PLY: the facets do not depend on the memory given") {
 }
 
 TEST_CASE("A vertex table needs its folder only when it is full, and closes its file") {
-  const int64_t before = open_descriptors();
+  const size_t before = testing::open_descriptors();
   const Budget nowhere{1, "/nowhere"};
   CHECK(read(kObj, "", nowhere).facets == tetrahedron());
   std::string text;
@@ -119,5 +119,5 @@ TEST_CASE("A vertex table needs its folder only when it is full, and closes its 
   }
   CHECK(read(text + kObj, "", kTiny).facets.size() == 4);
   CHECK_THROWS_AS(read(text + "f 0 0 0\n", "", kTiny), InputError);
-  CHECK(open_descriptors() == before);
+  CHECK(testing::open_descriptors() == before);
 }

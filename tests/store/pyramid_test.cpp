@@ -11,12 +11,6 @@ namespace {
 
 using namespace testing;
 
-Chunk coarse(const Chunk& fine, int shift) {
-  Chunk out{{}, fine.sets};
-  out.rays = coarsen(fine.rays, shift, out.sets);
-  return out;
-}
-
 std::vector<Mask> coarse_by_hand(const Chunk& fine, int shift) {
   const RayBlock& b = fine.rays;
   const auto half = [&](uint32_t n) { return static_cast<size_t>(ceil_shift(n, shift)); };
@@ -32,12 +26,12 @@ std::vector<Mask> coarse_by_hand(const Chunk& fine, int shift) {
 void expect_exact(const Chunk& fine) {
   for (const int shift : {1, 2}) {
     INFO("shift " << shift << ", " << fine.rays.nu << " x " << fine.rays.nv << " rays of " << fine.rays.length << " cells");
-    const Chunk found = coarse(fine, shift);
+    const Chunk found = coarsen(fine, shift);
     const auto part = [&](uint32_t n) { return static_cast<uint32_t>(ceil_shift(n, shift)); };
     REQUIRE(broken_invariant(found, part(fine.rays.nu), part(fine.rays.nv), part(fine.rays.length), fine.sets.labels()) == "");
     REQUIRE(expand(found) == coarse_by_hand(fine, shift));
   }
-  REQUIRE(same_runs(coarse(fine, 2), coarse(coarse(fine, 1), 1)));
+  REQUIRE(same_runs(coarsen(fine, 2), coarsen(coarsen(fine, 1), 1)));
 }
 
 TEST_CASE("A coarse cell has exactly the labels below it, for random blocks of any size") {
@@ -55,7 +49,7 @@ TEST_CASE("Blocks of sets, as a level above the first is, coarsen to the unions 
   for (int round = 0; round < 40; ++round) {
     const Chunk fine = random_chunk(random, Kind::kSets, 9, 7, 40, 8);
     expect_exact(fine);
-    expect_exact(coarse(fine, 1));
+    expect_exact(coarsen(fine, 1));
   }
 }
 
@@ -92,7 +86,7 @@ TEST_CASE("A uniform block stays uniform") {
     const SetId pair = fine.sets.intern({1, 3});
     fine.rays.fill(size, size, size, pair);
     expect_exact(fine);
-    REQUIRE(coarse(fine, 2).rays.uniform());
+    REQUIRE(coarsen(fine, 2).rays.uniform());
   }
 }
 
@@ -102,7 +96,7 @@ TEST_CASE("Rays of the largest length coarsen without overflow") {
   fine.rays.reset(2, 1, length);
   fine.rays.append(std::array<SetId, 2>{0, 1}, std::array{length - 1});
   fine.rays.append(std::array<SetId, 3>{0, 1, 0}, std::array{1u, length - 1});
-  const Chunk found = coarse(fine, 2);
+  const Chunk found = coarsen(fine, 2);
   REQUIRE(broken_invariant(found, 1, 1, 1u << 29, 2) == "");
   REQUIRE(found.sets.members(found.rays.sets(0)[0]) == std::vector<Label>{0, 1});
   REQUIRE(found.rays.changes(0).empty());

@@ -111,15 +111,6 @@ struct Checked {
     REQUIRE(count == expected);
   }
 
-  void uniform(int level, const Box& box) {
-    const Mask first = at(level, box.lo[0], box.lo[1], box.lo[2]);
-    bool all = true;
-    for_cells(box, [&](int64_t x, int64_t y, int64_t z) { all &= at(level, x, y, z) == first; });
-    const auto found = uniform_set(reader, level, box);
-    REQUIRE(found.has_value() == all);
-    if (found) REQUIRE(mask_of(*found) == first);
-  }
-
   void columns() {
     for (int axis = 0; axis < 3; ++axis) {
       const Frame f = Frame::along(axis);
@@ -207,17 +198,7 @@ struct Checked {
       INFO("level " << level << (reader.stored(level) ? "" : ", derived"));
       boxes(level);
       runs(level, grid().box(level));
-      uniform(level, grid().box(level));
-      for (int i = 0; i < 6; ++i) {
-        const Box part = random_box(level, 0);
-        runs(level, part);
-        uniform(level, part);
-      }
-      for (int i = 0; i < 20; ++i) {  // small ones, of which some are uniform
-        Box part = random_box(level, 0);
-        for (int d = 0; d < 3; ++d) part.hi[d] = std::min(part.hi[d], part.lo[d] + 3);
-        uniform(level, part);
-      }
+      for (int i = 0; i < 6; ++i) runs(level, random_box(level, 0));
       slices(level);
     }
     columns();
@@ -382,7 +363,6 @@ TEST_CASE("Levels, indices, columns and regions out of range are usage errors th
     REQUIRE_THROWS_WITH(whole_slice(meta, 2, 0, level), Catch::Contains("0 to 4"));
     REQUIRE_THROWS_AS(read_box<uint32_t>(reader, level, {{0, 0, 0}, {1, 1, 1}}, strongest_material(meta), 0, &cell, {1, 1, 1}), UsageError);
     REQUIRE_THROWS_AS(for_each_run(reader, level, {{0, 0, 0}, {1, 1, 1}}, [](const BoxRun&) {}), UsageError);
-    REQUIRE_THROWS_AS(uniform_set(reader, level, {{0, 0, 0}, {1, 1, 1}}), UsageError);
   }
   for (const int64_t index : {int64_t{-1}, int64_t{10}, std::numeric_limits<int64_t>::max()}) REQUIRE_THROWS_WITH(whole_slice(meta, 2, index, 0), Catch::Contains("0 to 9"));
   REQUIRE_THROWS_WITH(whole_slice(meta, 0, 4, 1), Catch::Contains("0 to 3"));
@@ -396,17 +376,15 @@ TEST_CASE("Levels, indices, columns and regions out of range are usage errors th
   }
 }
 
-TEST_CASE("A box beyond the grid is refused by all that do not fill what lies outside; an empty one holds no set") {
+TEST_CASE("A box beyond the grid is refused by all that do not fill what lies outside") {
   const TempFolder folder;
   const Grid grid{{Axis::uniform(0, 1, 0, 5, 0.5), Axis::uniform(0, 1, 0, 6, 0.5), Axis::uniform(0, 1, 0, 7, 0.5)}};
   mesh_quietly(scene_of(folder, {{shapes::box({1, 1, 1}, {3, 3, 3})}}, grid), folder / "g.tcell");
   const GridReader reader(folder / "g.tcell");
   for (const Box& box : {Box{{0, 0, 0}, {6, 6, 7}}, Box{{-1, 0, 0}, {5, 6, 7}}, Box{{0, 0, 0}, {5, 6, int64_t{1} << 40}}}) {
     REQUIRE_THROWS_AS(for_each_run(reader, 0, box, [](const BoxRun&) {}), UsageError);
-    REQUIRE_THROWS_AS(uniform_set(reader, 0, box), UsageError);
     REQUIRE_THROWS_AS(read_stats(reader, box), UsageError);
   }
-  REQUIRE_FALSE(uniform_set(reader, 0, {{2, 2, 2}, {2, 3, 3}}).has_value());
 }
 
 }  // namespace

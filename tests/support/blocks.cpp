@@ -51,8 +51,6 @@ Mask mask_of(const std::vector<Label>& set) {
   return mask;
 }
 
-int random_int(std::mt19937_64& random, int lo, int hi) { return std::uniform_int_distribution<int>(lo, hi)(random); }
-
 // REQUIRES: labels >= 3.
 Chunk random_chunk(std::mt19937_64& random, Kind kind, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels) {
   Chunk out{{}, SetTable(labels)};

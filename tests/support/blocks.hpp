@@ -1,9 +1,9 @@
 // Blocks of rays for the tests of the store: drawn at random, and written out cell by cell.
 #pragma once
-#include <random>
 #include <string>
 
 #include "store/run.hpp"
+#include "tests/support/random.hpp"
 
 namespace teracell::testing {
 
@@ -20,7 +20,6 @@ enum class Kind {
 };
 inline constexpr Kind kAllKinds[] = {Kind::kSmooth, Kind::kNoise, Kind::kDifferent, Kind::kSets, Kind::kJagged};
 
-int random_int(std::mt19937_64& random, int lo, int hi);
 Chunk random_chunk(std::mt19937_64& random, Kind kind, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels);
 
 // The sets of all cells, a ray after the other.

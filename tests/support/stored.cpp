@@ -46,7 +46,7 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
   const Frame f = meta.frame();
   const Index3 n = meta.grid.cells();
   const auto labels = static_cast<uint32_t>(meta.labels.size());
-  const auto put = [&](uint32_t cu, uint32_t cv) {
+  const auto chunk = [&](uint32_t cu, uint32_t cv) {
     std::vector<Mask> block;
     for (uint32_t v = 0; v < shape.rays_v(cv); ++v)
       for (uint32_t u = 0; u < shape.rays_u(cu); ++u)
@@ -55,19 +55,29 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
           cell[f.u] = cu * shape.chunk_rays + u, cell[f.v] = cv * shape.chunk_rays + v, cell[f.w] = w;
           block.push_back(Mask{1} << cells[static_cast<size_t>((cell[2] * n[1] + cell[1]) * n[0] + cell[0])]);
         }
-    const Chunk fine = block_of_cells(shape.rays_u(cu), shape.rays_v(cv), shape.nw, labels, block);
-    pyramid.put(encode_level(encoder, meta, 0, cu, cv, fine));
-    Chunk coarse{{}, fine.sets};
-    coarse.rays = coarsen(fine.rays, 2, coarse.sets);
-    pyramid.rise(0, cu, cv, std::move(coarse));
+    return block_of_cells(shape.rays_u(cu), shape.rays_v(cv), shape.nw, labels, block);
+  };
+  const auto unit = [&](uint32_t cu, uint32_t cv) {  // 4 x 4 chunks, and the one of level 2 above them
+    std::array<Chunk, 16> pieces;
+    for (uint32_t i = 0; i < 16; ++i) {
+      const uint32_t u = cu * 4 + i % 4, v = cv * 4 + i / 4;
+      if (u >= shape.chunks_u || v >= shape.chunks_v) continue;
+      const Chunk fine = chunk(u, v);
+      pyramid.put(encode_level(encoder, meta, 0, u, v, fine));
+      pieces[i] = coarsen(fine, 2);
+    }
+    if (meta.grid.levels() <= 2) return;
+    const Chunk level2 = join_pieces(pieces.data(), 4, 4, meta.chunk_rays, labels);
+    pyramid.put(encode_level(encoder, meta, 2, cu, cv, level2));
+    pyramid.rise(2, cu, cv, coarsen(level2, 1));
   };
   const auto visit = [&](auto&& self, uint32_t cu, uint32_t cv, uint32_t width) -> void {
-    if (cu >= shape.chunks_u || cv >= shape.chunks_v) return;
-    if (width == 1) return put(cu, cv);
+    if (cu * 4 >= shape.chunks_u || cv * 4 >= shape.chunks_v) return;
+    if (width == 1) return unit(cu, cv);
     for (uint32_t i = 0; i < 16; ++i) self(self, cu + i % 4 * (width / 4), cv + i / 4 * (width / 4), width / 4);
   };
   uint32_t width = 1;
-  while (width < std::max(shape.chunks_u, shape.chunks_v)) width *= 4;
+  while (width * 4 < std::max(shape.chunks_u, shape.chunks_v)) width *= 4;
   visit(visit, 0, 0, width);
   writer.finish(R"({"schema":1})", 1234);
 }
@@ -121,11 +131,6 @@ std::vector<Mask> level_as_read(const GridReader& reader, int level) {
 Bytes file_bytes(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
-}
-
-size_t open_descriptors() {
-  const std::filesystem::directory_iterator all("/proc/self/fd");
-  return static_cast<size_t>(std::distance(begin(all), end(all)));
 }
 
 }  // namespace teracell::testing

@@ -5,6 +5,7 @@
 
 #include "store/reader.hpp"
 #include "tests/support/blocks.hpp"
+#include "tests/support/descriptors.hpp"
 
 namespace teracell::testing {
 
@@ -39,6 +40,5 @@ std::vector<Mask> level_by_hand(const Grid& grid, const std::vector<Label>& cell
 std::vector<Mask> level_as_read(const GridReader& reader, int level);
 
 Bytes file_bytes(const std::filesystem::path& path);
-size_t open_descriptors();
 
 }  // namespace teracell::testing

@@ -16,6 +16,7 @@
 #include "mesher/facets.hpp"
 #include "mesher/readers.hpp"
 #include "store/error.hpp"
+#include "tests/support/descriptors.hpp"
 
 namespace teracell::surfaces {
 
@@ -141,9 +142,5 @@ class TemporaryFile {
   ~TemporaryFile() { std::filesystem::remove(path); }
   const std::filesystem::path path;
 };
-
-inline int64_t open_descriptors() {
-  return std::distance(std::filesystem::directory_iterator("/proc/self/fd"), std::filesystem::directory_iterator());
-}
 
 }  // namespace teracell::surfaces

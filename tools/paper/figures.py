@@ -1,13 +1,10 @@
-"""tools/bench paper: the figures of T. Ma, T. Ma, L. Hao (MSAM 2020) measured here: time and memory of every engine
+"""The figures of T. Ma, T. Ma, L. Hao (MSAM 2020) measured here: time and memory of every engine
 against facets and cells. README.md beside this file says what they show.
-
-Usage: tools/bench paper [--runs K] [--mesh nefertiti.obj] [--output paper-out]
 
 Two inputs: the bust (--mesh, an OBJ file) in its cubic domain, and the sample stadium. For fewer facets their vertices
 are clustered, for more their facets are cut in four. Engines take turns, and all is done --runs times, each run with one
 thread. Writes points.csv, the medians, and the pictures.
 """
-import argparse
 import csv
 import json
 import math
@@ -19,12 +16,10 @@ import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-ROOT = os.path.dirname(os.path.dirname(HERE))
-sys.path.insert(0, os.path.join(ROOT, "tools/peers"))
+sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "../peers")]
+from bench_common import TERACELL, build, parser, peer  # noqa: E402
 from cubic_scene import cubic_scene  # noqa: E402
 
-TERACELL = os.path.join(ROOT, "build/bench/teracell")
-SUBDIVIDE = os.path.join(ROOT, "build/bench/tools/peers/subdivide")
 COLUMNS = ["input", "engine", "facets", "n", "cells", "rays", "crossings", "cast_seconds", "run_seconds", "peak_bytes"]
 AXIS = {"bust": "z", "stadium": "x"}  # of the rays, in every run
 MOST_TESTS = 4.7e9  # rays times facets for the brute engine: 15 s
@@ -101,7 +96,7 @@ class Inputs:
             scene, files, (way, amount) = self.template(name, 1000), [], how
             for i, body in enumerate(scene["bodies"]):
                 files.append(self.path(f"{name}-{way}-{amount}-{i}.stl"))
-                subprocess.run([SUBDIVIDE, body["mesh"], files[-1], str(amount if way == "cut" else 0)], check=True)
+                subprocess.run([peer("subdivide"), body["mesh"], files[-1], str(amount if way == "cut" else 0)], check=True)
                 if way == "clustered":
                     domain = scene["grid"]["max"][0] - scene["grid"]["min"][0]
                     cluster(files[-1], domain / amount if name == "bust" else amount)
@@ -163,18 +158,14 @@ def print_table(points):
         print(f"| {facets:,} |" + "".join(f" {cast[facets, n, 'tree']:.2f} / {cast[facets, n, 'scan']:.2f} |" for n in grids))
 
 
-def main(arguments, build):
-    parser = argparse.ArgumentParser(prog="tools/bench paper", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--runs", type=int, default=3)
-    parser.add_argument("--mesh", default=os.path.join(ROOT, "../shared/meshes/nefertiti.obj"))
-    parser.add_argument("-o", "--output", default="paper-out")
-    options = parser.parse_args(arguments)
+def main(arguments):
+    options_of = parser("tools/bench paper", __doc__, runs=3)
+    options_of.add_argument("-o", "--output", default="paper-out", metavar="FOLDER", help="for the pictures (default paper-out)")
+    options = options_of.parse_args(arguments)
     build("gnuplot-nox", "teracell", "subdivide")
-    if not os.path.exists(options.mesh):
-        sys.exit(f"{options.mesh}: no such mesh: give an OBJ file with --mesh")
     rows = {}
     with tempfile.TemporaryDirectory() as folder:
-        inputs = Inputs(os.path.abspath(options.mesh), folder)
+        inputs = Inputs(options.mesh, folder)
         for turn in range(options.runs):
             for i, case in enumerate(dict.fromkeys(cases())):
                 print(f"\rround {turn + 1} of {options.runs}, {i:3}: {' '.join(map(str, case)):60}", end="", file=sys.stderr, flush=True)

@@ -3,17 +3,14 @@
 #include <libdeflate.h>
 
 #include <cstdio>
-#include <exception>
 
-#include "tools/peers/mesh_domain.hpp"
+#include "tools/peers/peer.hpp"
 
 namespace teracell::bench {
 namespace {
 
-void run(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("can't read " + path);
-  const std::vector<char> labels{std::istreambuf_iterator<char>(file), {}};
+void run(const Arguments& arguments) {
+  const std::string labels = bytes_of(arguments[0]);
   libdeflate_compressor* compressor = libdeflate_alloc_compressor(1);
   std::vector<char> packed(libdeflate_zlib_compress_bound(compressor, labels.size()));  // touched before the clock runs
   const Stopwatch packing;
@@ -28,14 +25,5 @@ void run(const std::string& path) {
 }  // namespace teracell::bench
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: deflate_peer labels.raw\n");
-    return 2;
-  }
-  try {
-    teracell::bench::run(argv[1]);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "deflate_peer: %s\n", e.what());
-    return 1;
-  }
+  return teracell::bench::peer_main(argc, argv, "deflate_peer labels.raw", 1, 1, teracell::bench::run);
 }

@@ -10,7 +10,6 @@
 
 #include <atomic>
 #include <cstdio>
-#include <stdexcept>
 #include <thread>
 
 #include "tools/peers/mesh_domain.hpp"
@@ -187,7 +186,9 @@ const Way& named_way(const std::string& name) {
   for (const Way& way : kWays) {
     if (name == way.name) return way;
   }
-  throw std::runtime_error("no such way to cast: " + name);
+  std::string names;
+  for (const Way& way : kWays) names += std::string(" ") + way.name;
+  throw std::runtime_error("there is no way to cast called '" + name + "'; there are:" + names);
 }
 
 const Way& fastest_way(RTCScene scene, const CubicDomain& domain) {
@@ -206,15 +207,16 @@ const Way& fastest_way(RTCScene scene, const CubicDomain& domain) {
   return *fastest;
 }
 
-void run(const std::string& path, int64_t n, const char* way_name) {
-  const Mesh mesh = load_obj(path);
+void run(const Arguments& arguments) {
+  const Mesh mesh = load_obj(arguments[0]);
+  const int64_t n = whole_number(arguments[1]);
   const CubicDomain domain = cubic_domain(mesh, n);
   const RTCDevice device = rtcNewDevice("threads=2");
   const Stopwatch building;
   const RTCScene scene = build_scene(device, mesh);
   const double build_seconds = building.seconds();
 
-  const Way& way = way_name ? named_way(way_name) : fastest_way(scene, domain);
+  const Way& way = arguments.size() > 2 ? named_way(arguments[2]) : fastest_way(scene, domain);
   const Stopwatch casting;
   const Tally tally = way.cast(scene, domain, way.shadow, 1);
   const double seconds = casting.seconds();
@@ -231,14 +233,5 @@ void run(const std::string& path, int64_t n, const char* way_name) {
 }  // namespace teracell::bench
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "usage: embree_peer mesh.obj N [way]\n");
-    return 2;
-  }
-  try {
-    teracell::bench::run(argv[1], std::stoll(argv[2]), argc > 3 ? argv[3] : nullptr);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "embree_peer: %s\n", e.what());
-    return 1;
-  }
+  return teracell::bench::peer_main(argc, argv, "embree_peer mesh.obj N [way]", 2, 3, teracell::bench::run);
 }

@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <chrono>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "tools/peers/peer.hpp"
 
 namespace teracell::bench {
 
@@ -52,9 +51,7 @@ inline CubicDomain cubic_domain(const Mesh& mesh, int64_t n) {
 
 // `v` and `f` lines only, polygons as fans. Trusts the file: these are benchmark inputs.
 inline Mesh load_obj(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw std::runtime_error("can't read " + path);
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const std::string text = bytes_of(path);
   Mesh mesh;
   const char *at = text.data(), *const end = at + text.size();
   while (at < end) {
@@ -86,13 +83,5 @@ inline Mesh load_obj(const std::string& path) {
   }
   return mesh;
 }
-
-class Stopwatch {
- public:
-  double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace teracell::bench

@@ -8,19 +8,18 @@
 #include <tbb/global_control.h>
 
 #include <cstdio>
-#include <exception>
 
 #include "tools/peers/mesh_domain.hpp"
 
 namespace teracell::bench {
 namespace {
 
-void run(const std::string& path, int64_t n, const std::string& out) {
+void run(const Arguments& arguments) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 2);
   const Stopwatch whole;
   openvdb::initialize();
-  const Mesh mesh = load_obj(path);
-  const CubicDomain domain = cubic_domain(mesh, n);
+  const Mesh mesh = load_obj(arguments[0]);
+  const CubicDomain domain = cubic_domain(mesh, whole_number(arguments[1]));
 
   // Index (i, j, k) is the place of that cell's centre.
   const auto transform = openvdb::math::Transform::createLinearTransform(domain.step);
@@ -36,7 +35,7 @@ void run(const std::string& path, int64_t n, const std::string& out) {
   const double field_seconds = whole.seconds();
   const auto mask = openvdb::tools::sdfInteriorMask(*field);
   mask->setName("inside");
-  openvdb::io::File file(out);
+  openvdb::io::File file(arguments[2]);
   file.write({mask});
   file.close();
   std::printf("{\"peer\": \"openvdb\", \"field_seconds\": %.4f, \"seconds\": %.4f, \"cells_inside\": %llu}\n",
@@ -47,14 +46,5 @@ void run(const std::string& path, int64_t n, const std::string& out) {
 }  // namespace teracell::bench
 
 int main(int argc, char** argv) {
-  if (argc < 4) {
-    std::fprintf(stderr, "usage: openvdb_peer mesh.obj N out.vdb\n");
-    return 2;
-  }
-  try {
-    teracell::bench::run(argv[1], std::stoll(argv[2]), argv[3]);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "openvdb_peer: %s\n", e.what());
-    return 1;
-  }
+  return teracell::bench::peer_main(argc, argv, "openvdb_peer mesh.obj N out.vdb", 3, 3, teracell::bench::run);
 }

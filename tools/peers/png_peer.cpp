@@ -13,7 +13,7 @@
 #include <span>
 
 #include "server/tile_png.hpp"
-#include "tools/peers/mesh_domain.hpp"
+#include "tools/peers/peer.hpp"
 
 namespace {
 libdeflate_compressor* stb_compressor = libdeflate_alloc_compressor(1);
@@ -41,16 +41,15 @@ struct Tile {
 };
 
 Tile load(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  if (bytes.size() < 12) throw std::runtime_error("can't read " + path);
+  const std::string bytes = bytes_of(path);
+  if (bytes.size() < 12) throw std::runtime_error(path + ": expected a .npy file, found " + std::to_string(bytes.size()) + " bytes");
   const size_t head = 10 + static_cast<uint8_t>(bytes[8]) + 256u * static_cast<uint8_t>(bytes[9]);
-  const std::string dict(bytes.begin() + 10, bytes.begin() + static_cast<ptrdiff_t>(std::min(head, bytes.size())));
+  const std::string dict = bytes.substr(10, head - 10);
   Tile tile;
   const size_t shape = dict.find("'shape': (");
   if (dict.find("|u1") == std::string::npos || shape == std::string::npos ||
       std::sscanf(dict.c_str() + shape, "'shape': (%u, %u", &tile.height, &tile.width) != 2 || bytes.size() != head + size_t{tile.width} * tile.height)
-    throw std::runtime_error(path + ": expected a picture of bytes");
+    throw std::runtime_error(path + ": expected an array of u1 with two axes, found something else");
   for (size_t i = head; i < bytes.size(); ++i) tile.numbers.push_back(static_cast<uint8_t>(bytes[i]));
   const uint32_t most = *std::max_element(tile.numbers.begin(), tile.numbers.end()) + 1u;
   for (uint32_t n = 0; n < most; ++n) tile.colors.push_back({static_cast<uint8_t>(40 * n), static_cast<uint8_t>(90 * n), 200, static_cast<uint8_t>(n ? 255 : 0)});
@@ -184,14 +183,7 @@ void run(const std::string& path) {
 }  // namespace teracell::bench
 
 int main(int argc, char** argv) {
-  if (argc < 2) {
-    std::fprintf(stderr, "usage: png_peer TILE.npy...\n");
-    return 2;
-  }
-  try {
-    for (int i = 1; i < argc; ++i) teracell::bench::run(argv[i]);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "png_peer: %s\n", e.what());
-    return 1;
-  }
+  return teracell::bench::peer_main(argc, argv, "png_peer TILE.npy...", 1, ~size_t{0}, [](const auto& files) {
+    for (const std::string& file : files) teracell::bench::run(file);
+  });
 }

@@ -1,10 +1,11 @@
 // subdivide IN OUT.stl DEPTH: a surface with every facet cut into four, DEPTH times, as a binary STL: large real input
 // for the benchmark. A midpoint depends on the edge's two ends alone, so a closed surface stays closed.
+#include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
 #include "mesher/facets.hpp"
+#include "tools/peers/peer.hpp"
 
 namespace {
 
@@ -16,7 +17,7 @@ Point middle(const Point& a, const Point& b) {
   return m;
 }
 
-void write(std::FILE* out, const Point& a, const Point& b, const Point& c, int depth) {
+void write(std::FILE* out, const Point& a, const Point& b, const Point& c, int64_t depth) {
   if (depth > 0) {
     const Point ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);
     write(out, a, ab, ca, depth - 1);
@@ -32,17 +33,16 @@ void write(std::FILE* out, const Point& a, const Point& b, const Point& c, int d
   std::fwrite(facet, 50, 1, out);
 }
 
-}  // namespace
 
-int main(int argc, char** argv) {
-  if (argc != 4) return std::fprintf(stderr, "usage: subdivide IN OUT.stl DEPTH\n"), 2;
-  const int depth = std::atoi(argv[3]);
-  std::FILE* out = std::fopen(argv[2], "wb");
-  if (!out) return std::perror(argv[2]), 1;
+void run(const teracell::bench::Arguments& arguments) {
+  const int64_t depth = teracell::bench::whole_number(arguments[2]);
+  if (depth < 0 || depth > 8) throw std::runtime_error("expected a depth of 0 to 8, found " + arguments[2]);
+  std::FILE* out = std::fopen(arguments[1].c_str(), "wb");
+  if (!out) throw std::runtime_error("can't write " + arguments[1]);
   char head[84] = {};
   std::fwrite(head, 84, 1, out);
   uint32_t facets = 0;
-  teracell::read_facets(argv[1], "", [&](std::span<const teracell::Facet> batch) {
+  teracell::read_facets(arguments[0], "", [&](std::span<const teracell::Facet> batch) {
     for (const teracell::Facet& f : batch) {
       std::array<Point, 3> p;
       for (int i = 0; i < 3; ++i)
@@ -53,5 +53,9 @@ int main(int argc, char** argv) {
   });
   std::fseek(out, 80, SEEK_SET);
   std::fwrite(&facets, 4, 1, out);
-  return std::fclose(out) != 0;
+  if (std::ferror(out) != 0 || std::fclose(out) != 0) throw std::runtime_error("can't write " + arguments[1] + ": no space?");
 }
+
+}  // namespace
+
+int main(int argc, char** argv) { return teracell::bench::peer_main(argc, argv, "subdivide IN OUT.stl DEPTH", 3, 3, run); }

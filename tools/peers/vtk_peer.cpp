@@ -11,17 +11,17 @@
 #include <vtkPolyDataToImageStencil.h>
 
 #include <cstdio>
-#include <exception>
 
 #include "tools/peers/mesh_domain.hpp"
 
 namespace teracell::bench {
 namespace {
 
-void run(const std::string& path, int64_t n, const char* out) {
+void run(const Arguments& arguments) {
   const Stopwatch whole;
+  const int64_t n = whole_number(arguments[1]);
   vtkNew<vtkOBJReader> reader;
-  reader->SetFileName(path.c_str());
+  reader->SetFileName(arguments[0].c_str());
   reader->Update();
   double bounds[6];
   reader->GetOutput()->GetBounds(bounds);
@@ -42,7 +42,7 @@ void run(const std::string& path, int64_t n, const char* out) {
   const double seconds = whole.seconds();
 
   const auto* cells = static_cast<const uint8_t*>(image->GetOutput()->GetScalarPointer());
-  if (out) std::ofstream(out, std::ios::binary).write(reinterpret_cast<const char*>(cells), n * n * n);
+  if (arguments.size() > 2) std::ofstream(arguments[2], std::ios::binary).write(reinterpret_cast<const char*>(cells), n * n * n);
   std::printf("{\"peer\": \"vtk\", \"seconds\": %.4f, \"centre_cell\": %d}\n", seconds,
               int{cells[(n / 2 * n + n / 2) * n + n / 2]});
 }
@@ -51,14 +51,5 @@ void run(const std::string& path, int64_t n, const char* out) {
 }  // namespace teracell::bench
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    std::fprintf(stderr, "usage: vtk_peer mesh.obj N [out.raw]\n");
-    return 2;
-  }
-  try {
-    teracell::bench::run(argv[1], std::stoll(argv[2]), argc > 3 ? argv[3] : nullptr);
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "vtk_peer: %s\n", e.what());
-    return 1;
-  }
+  return teracell::bench::peer_main(argc, argv, "vtk_peer mesh.obj N [out.raw]", 2, 3, teracell::bench::run);
 }
