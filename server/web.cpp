@@ -121,7 +121,8 @@ std::optional<Response> Page::answer(const Request& request) const {
   std::ifstream in(found->second, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in) throw IoError(fmt::format("{}: can't be read", name));
-  return with_body(response(name, fmt::format("\"{}\"", hash_of(text)), false), request, body_of(std::move(text)));
+  Response r = response(name, fmt::format("\"{}\"", hash_of(text)), false);
+  return with_body(std::move(r), request, body_of(std::move(text)));
 }
 
 Handler with_page(Handler inner, const Page& page) {

@@ -45,7 +45,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   let lost = false;
   let settle = 0;
   let rest: Rest = 2;
-  let flight: { from: Orbit; to: Orbit; began: number } | null = null;
+  let flight: { from: Orbit; to: Orbit; began: number; goes_home: boolean } | null = null;
 
   const point = () => point_to_space(space, viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!)));
   const home = (azimuth = HOME.azimuth, elevation = HOME.elevation) => fitted(space.half, azimuth, elevation, aspect, 0.8);
@@ -53,8 +53,11 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     const o = viewer.orbit.value;
     return o ? { ...o, target: point_to_space(space, o.target) } : home();
   };
+  let own = false; // the orbit changes because it was changed here
   const set_orbit = (to: Orbit | null) => {
+    own = true;
     viewer.orbit.value = to && { ...to, target: to.target.map((x, d) => from_space(space, d, x)) as Vec3 };
+    own = false;
   };
 
   const draw = (calm: boolean) => {
@@ -62,8 +65,10 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     if (flight) {
       const t = Math.min((performance.now() - flight.began) / FLIGHT, 1);
       set_orbit(between(flight.from, flight.to, t * t * (3 - 2 * t)));
-      if (t === 1) flight = null;
-      else move_soon();
+      if (t === 1) {
+        if (flight.goes_home) set_orbit(null); // from now on the view follows the panel's size
+        flight = null;
+      } else move_soon();
     }
     const o = orbit();
     const view = stage.projection(o);
@@ -105,9 +110,9 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     unsettle(SETTLE_FAR);
     pace.later();
   };
-  const fly = (to: Orbit) => {
-    if (matchMedia("(prefers-reduced-motion: reduce)").matches) set_orbit(to);
-    else flight = { from: orbit(), to, began: performance.now() };
+  const fly = (to: Orbit, goes_home = false) => {
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches) set_orbit(goes_home ? null : to);
+    else flight = { from: orbit(), to, began: performance.now(), goes_home };
     move_soon();
   };
 
@@ -151,11 +156,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
       });
   };
 
-  const go_home = () => {
-    fly(home());
-    // From then on the view follows the panel's size again.
-    window.setTimeout(() => !abort.signal.aborted && !flight && set_orbit(null), FLIGHT + 50);
-  };
+  const go_home = () => fly(home(), true);
   const stop_gestures = listen_gestures(chrome.canvas, {
     orbit,
     move(to) {
@@ -195,7 +196,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     }),
     effect(() => {
       void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value, viewer.looks.value];
-      untracked(follow_later);
+      if (!own) untracked(follow_later);
     }),
   ];
   const size = new ResizeObserver(([entry]) => {
