@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { readFileSync } from "node:fs";
-import { column_of, decoded_png, exported_cell, grids, info_of, open_browser, open_grid, packed, point_of, serve, settled, state, stats_of, view } from "./support.mjs";
+import { column_of, decoded_png, exported_cell, grids, info_of, offset_in, open_browser, open_grid, packed, point_of, serve, settled, state, stats_of, view } from "./support.mjs";
 
 let browser, server;
 before(async () => {
@@ -28,17 +28,19 @@ for (const grid of ["stadium", "graded"])
     const part = page.getByRole("region", { name: "Under the pointer" });
     let seen = new Set();
     for (const axis of ["x", "y", "z"])
-      for (const [dx, dy] of [[0, 0], [13, -5], [-40, 9], [55, 20], [-71, -12], [31, 2]]) {
-        await page.mouse.move(...(await point_of(page, axis, dx, dy)));
-        await page.waitForTimeout(60);
+      for (const [dx, dy] of [[0, 0], [13, -5], [-80, 9], [55, 20], [-120, -12], [31, 40], [95, 33]]) {
+        const point = await point_of(page, axis, dx, dy);
+        const [right, down] = await offset_in(page, axis, point);
+        await page.mouse.move(...point);
+        await settled(page);
         const hover = await page.evaluate(() => teracell.viewer.hover.value);
         if (!hover) continue; // beside the grid
         assert.equal(hover.axis, "xyz".indexOf(axis));
         const { zoom, centre, cell } = await page.evaluate(() => ({ zoom: teracell.viewer.zoom.value, centre: teracell.viewer.centre.value, cell: teracell.viewer.cell.value }));
         const [u, v, w] = [[1, 2, 0], [0, 2, 1], [0, 1, 2]][hover.axis];
         assert.equal(hover.cell[w], cell[w]);
-        for (const [d, expected] of [[u, centre[u] + dx / zoom], [v, centre[v] - dy / zoom]]) {
-          assert.ok(Math.abs(hover.point[d] - expected) < 1 / zoom, `coordinate ${hover.point[d]}, expected ${expected}`);
+        for (const [d, expected] of [[u, centre[u] + right / zoom], [v, centre[v] - down / zoom]]) {
+          assert.ok(Math.abs(hover.point[d] - expected) < 0.01 / zoom, `coordinate ${hover.point[d]}, expected ${expected}`);
           const a = g.axes[d];
           const plane = (i) => (a.type === "graded" ? a.planes[i] : a.min + (a.first + i) * a.step);
           assert.ok(plane(hover.cell[d]) <= hover.point[d] && hover.point[d] < plane(hover.cell[d] + 1));

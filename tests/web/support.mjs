@@ -12,13 +12,16 @@ export const folder = process.env.TERACELL_FOLDER;
 export const grids = join(folder, "grids");
 export const grid_file = (name) => join(grids, `${name}.tcell`);
 
-let servers = 0;
+// What a test that fails leaves running keeps nobody waiting, and ends with the run.
+const children = new Set();
+process.on("exit", () => children.forEach((child) => child.kill("SIGKILL")));
 
 // `teracell serve` with these arguments, on a free port unless they say which. stop() returns what was wrong: an exit status,
 // answers 5xx that were not meant to be, lines in the log that are no requests.
 export async function serve(...args) {
-  const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${++servers}.log`);
+  const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${children.size}.log`);
   const child = spawn(program, ["serve", ...args, ...(args.includes("--port") ? [] : ["--port", "0"]), "--log", "json"], { stdio: ["ignore", "pipe", "pipe"] });
+  children.add(child);
   const lines = [];
   let rest = "";
   child.stderr.on("data", (data) => {
@@ -37,18 +40,23 @@ export async function serve(...args) {
     });
     void ended.then((status) => reject(new Error(`the server ended with status ${status}: ${lines.join("\n")}`)));
   });
+  const parts = [child, child.stdout, child.stderr];
+  for (const part of parts) part.unref();
+  const wait = () => {
+    for (const part of parts) part.ref();
+    return ended;
+  };
   return {
     url,
     port: new URL(url).port,
-    requests: () => lines.filter((line) => line.startsWith("{")).map((line) => JSON.parse(line)),
     // As when the machine it runs on goes away.
     async kill() {
       child.kill("SIGKILL");
-      await ended;
+      await wait();
     },
     async stop(expected = () => false) {
       child.kill("SIGTERM");
-      const status = await ended;
+      const status = await wait();
       const wrong = lines.filter((line) => !expected(line) && (!line.startsWith("{") || JSON.parse(line).status >= 500));
       return status === 0 ? wrong : [...wrong, `exit status ${status}`];
     },
@@ -63,7 +71,7 @@ export async function open_page(browser, url, options = {}) {
   const context = given ?? (await browser.newContext({ viewport: { width, height }, ...rest }));
   const page = await context.newPage();
   page.errors = errors_of(page, new URL(url).origin, expected);
-  page.setDefaultTimeout(30_000);
+  page.setDefaultTimeout(60_000);
   await page.goto(url);
   return page;
 }
@@ -88,11 +96,23 @@ export const set_state = (page, values) =>
   }, values);
 
 export const view = (page, axis) => page.locator(`[data-view="${axis}"] .view-body`);
-// A point of a view in CSS pixels of the page; from its middle.
+const middle_of = (page, axis) =>
+  view(page, axis).evaluate((body) => {
+    const { left, top } = body.getBoundingClientRect();
+    return [left + body.clientWidth / 2, top + body.clientHeight / 2];
+  });
+// A point of a view, about as far from its middle: whole CSS pixels of the page, as wheel events know no others.
 export async function point_of(page, axis, dx = 0, dy = 0) {
-  const box = await view(page, axis).boundingBox();
-  return [box.x + box.width / 2 + dx, box.y + box.height / 2 + dy];
+  const [x, y] = await middle_of(page, axis);
+  return [Math.round(x + dx), Math.round(y + dy)];
 }
+// How far a point of the page is from the view's middle, exactly.
+export async function offset_in(page, axis, [x, y]) {
+  const middle = await middle_of(page, axis);
+  return [x - middle[0], y - middle[1]];
+}
+// No request for tiles is under way, or waits.
+export const quiet = (page) => page.waitForFunction(() => teracell.viewer.tiles.in_flight.value + teracell.viewer.tiles.waiting.value === 0);
 
 // The pixels of a view's cells, without what is drawn over them: { width, height, data }, a number a pixel (little endian RGBA).
 export async function pixels(page, axis) {

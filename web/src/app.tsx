@@ -26,7 +26,7 @@ export function App() {
   if (token_wanted.value) return <TokenForm />;
   return (
     <>
-      <div class="page" key={open?.info.file.hash ?? "none"}>
+      <div class="page" key={open ? `${open.info.id} ${open.info.file.hash}` : "none"}>
         <Header viewer={open} />
         {open ? (
           <div class="workspace">

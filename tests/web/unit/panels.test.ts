@@ -8,6 +8,8 @@ import { all_distinct, distinct_color, with_colors_of, with_distinct_colors } fr
 import { doors, neuroglancer_link, neuroglancer_state } from "@page/panels/share_links";
 import type { Box } from "@page/viewer";
 
+const materials = (...colors: string[]) => colors.map((color, id) => ({ id, name: String(id), color, rank: id }));
+
 const box: Box = [10, 20, 30, 40, 50, 60];
 
 test("a box's end moves alone, stays in the grid, and pushes the other one before it is empty", () => {
@@ -28,7 +30,7 @@ test("statistics as a table keep counts that no double holds", () => {
 
 test("distinct colours are those that the mesher gives, the background keeps its own", () => {
   assert.deepEqual([1, 2, 7, 8, 15].map(distinct_color), [[0x56, 0xb4, 0xe9], [0xe6, 0x9f, 0], [0, 0x72, 0xb2], [0x37, 0x75, 0x97], [0x22, 0x48, 0x5d]]);
-  const own = initial_looks([{ id: 0, name: "air", color: "#00000000", rank: 0 }, { id: 1, name: "a", color: "#ff0000", rank: 1 }, { id: 2, name: "b", color: "#00ff0080", rank: 2 }]);
+  const own = initial_looks(materials("#00000000", "#ff0000", "#00ff0080"));
   assert.equal(all_distinct(own), false);
   const distinct = with_distinct_colors(own);
   assert.equal(all_distinct(distinct), true);
@@ -39,7 +41,7 @@ test("distinct colours are those that the mesher gives, the background keeps its
 
 const uniform = (step: number) => ({ type: "uniform", min: 0, step, first: 0, cells: 10 });
 const info = (axes: object[]) => ({ id: "a grid", units: "mm", grid: { axes }, levels: [{ level: 0, cells: [1000, 1000, 1000] }, { level: 1, cells: [500, 500, 500] }, { level: 2, cells: [250, 250, 250] }] }) as unknown as GridInfo;
-const looks = initial_looks([{ id: 0, name: "air", color: "#00000000", rank: 0 }, { id: 1, name: "a", color: "#ff0000", rank: 1 }, { id: 2, name: "b", color: "#0000ff", rank: 2 }]);
+const looks = initial_looks(materials("#00000000", "#ff0000", "#0000ff"));
 
 test("Neuroglancer is told the size of a cell in metres, and which materials show in which colours", () => {
   looks[2] = { ...looks[2]!, visible: false };

@@ -38,7 +38,9 @@ function Pointer({ viewer }: { viewer: Viewer }) {
     <section class="dock-part" aria-label="Under the pointer">
       <h2>Pointer</h2>
       <Place viewer={viewer} cell={hover?.cell ?? null} {...(hover ? { point: hover.point } : {})} />
-      <div class="dock-material"><MaterialNames viewer={viewer} ids={hover?.materials ?? null} /></div>
+      <div class="dock-material">
+        <MaterialNames viewer={viewer} ids={hover?.materials ?? null} />
+      </div>
     </section>
   );
 }

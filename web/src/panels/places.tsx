@@ -16,6 +16,11 @@ export function GoThere({ what, go }: { what: string; go: () => void }) {
   );
 }
 
+// A point's coordinates, as fine as the cells there.
+export function point_text(viewer: Viewer, point: readonly number[]): string {
+  return AXES.map((d) => coordinate(point[d]!, width_at(viewer.axes[d], viewer.axes[d].cell_at(point[d]!)))).join(", ");
+}
+
 // Its first and last cells, and between which coordinates they lie.
 export function BoxText({ viewer, box }: { viewer: Viewer; box: Box }) {
   return (

@@ -65,7 +65,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
           <h3>Warnings</h3>
           <ul class="warnings">
             {report.warnings.map((text) => (
-              <li key={text}>{text}</li>
+              <li key={text}>{text.charAt(0).toUpperCase() + text.slice(1)}</li>
             ))}
           </ul>
         </section>

@@ -3,7 +3,7 @@ import { batch } from "@preact/signals";
 import type { BodyReport, Hole } from "../api";
 import { grouped, plural, significant } from "../format";
 import type { Viewer } from "../viewer";
-import { GoThere } from "./places";
+import { GoThere, point_text } from "./places";
 import { hole_text } from "./report_words";
 
 const MOST = 30; // places listed
@@ -18,7 +18,7 @@ function look_at(viewer: Viewer, hole: Hole): void {
 
 function HoleLine({ viewer, hole }: { viewer: Viewer; hole: Hole }) {
   const { units } = viewer.info;
-  const at = hole.at.map((x) => significant(x, 4)).join(", ");
+  const at = point_text(viewer, hole.at);
   return (
     <li>
       <span>
@@ -80,7 +80,7 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
           <p class="note">Facets face the other way than their neighbours along {plural(body.flips.length, "curve")}:</p>
           <ul class="places">
             {body.flips.slice(0, MOST).map((flip, n) => {
-              const at = flip.at.map((x) => significant(x, 4)).join(", ");
+              const at = point_text(viewer, flip.at);
               return (
                 <li key={n}>
                   <span>

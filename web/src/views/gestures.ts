@@ -23,8 +23,8 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
     return { x: event.clientX - box.left, y: event.clientY - box.top };
   };
   const cell_at = ({ x, y }: { x: number; y: number }): Index3 | null => {
-    const camera = view.camera;
-    if (!camera) return null;
+    if (viewer.zoom.value === 0) return null;
+    const camera = view.camera_of(viewer, 1);
     const { u, v } = FRAMES[axis];
     const cell: Index3 = [...viewer.cell.value];
     cell[u] = camera.across.cell_at(camera.u_at(x));

@@ -1,8 +1,8 @@
-// Labels to pixels, on the processor, row by row: the numbers of the sets at each sample of a row, from the tiles of the regions,
-// then their colours. Rows that equal the one above are copied.
+// Labels to pixels, on the processor, row by row of samples: from the tiles of the regions to colours.
 //
-// Cells of about a pixel get 2 x 2 samples a pixel, whose colours are averaged: samples are closer than cells are large, so that none is
-// left out, and edges are smooth. Cells of several pixels get one: they have sharp edges.
+// Cells of about a pixel get 2 x 2 samples a pixel, whose colours are averaged, first along the row, then with the row below: samples
+// are closer than cells are large, so that none is left out, and edges are smooth. Cells of several pixels get one sample: they
+// have sharp edges. A row of samples in the same cells as the one above is not made again.
 //
 // Not WebGL: a view has about a million pixels, each needs a few look-ups. That takes as long without a graphics card (in the
 // tests, over a remote desktop) as with one; there is no context to lose and nothing to upload, and a test in Node can hold the
@@ -10,6 +10,7 @@
 import { TILE } from "../tiles/place";
 import type { Region } from "../tiles/regions";
 import { OUTSIDE, UNKNOWN } from "../tiles/sets";
+import { set_at } from "../tiles/tile";
 import type { SampleCells } from "./camera";
 
 // Half open range of the places whose value is in [from, to), of values in order, -1 only at the ends.
@@ -28,33 +29,56 @@ interface Patch {
   readonly y0: number;
   readonly y1: number;
   readonly columns: Int32Array; // of the tile, for each sample from x0 on
+  readonly colors: Uint32Array; // of the tile's own numbers
 }
 
-function patches_of(samples: SampleCells, regions: readonly Region[]): Patch[] {
+function patches_of(samples: SampleCells, regions: readonly Region[], colors: Uint32Array): Patch[] {
   return regions.flatMap((region) => {
     const [x0, x1] = range_of(samples.columns, region.u0, region.u1);
     const [y0, y1] = range_of(samples.rows, region.v0, region.v1);
     if (x0 === x1 || y0 === y1) return [];
-    const place = region.tile?.place;
-    const columns = place ? samples.columns.slice(x0, x1).map((u) => (u >> place.level) - place.column * TILE) : new Int32Array(0);
-    return [{ region, x0, x1, y0, y1, columns }];
+    const { tile } = region;
+    if (!tile) return [{ region, x0, x1, y0, y1, columns: new Int32Array(0), colors }];
+    const { level, column } = tile.place;
+    const columns = samples.columns.slice(x0, x1).map((u) => (u >> level) - column * TILE);
+    return [{ region, x0, x1, y0, y1, columns, colors: tile.sets.map((set) => colors[set]!) }];
   });
 }
 
-// The numbers of the sets of one row of samples.
-function fill_row(line: Uint32Array, y: number, v: number, patches: readonly Patch[]): void {
-  line.fill(OUTSIDE);
-  for (const { region, x0, x1, y0, y1, columns } of patches) {
+// The number of the set at a sample.
+export function number_at(samples: SampleCells, regions: readonly Region[], x: number, y: number): number {
+  const [u, v] = [samples.columns[x] ?? -1, samples.rows[y] ?? -1];
+  const region = u < 0 || v < 0 ? undefined : regions.find((r) => u >= r.u0 && u < r.u1 && v >= r.v0 && v < r.v1);
+  if (!region) return OUTSIDE;
+  return region.tile ? set_at(region.tile, u, v) : UNKNOWN;
+}
+
+// Of each channel, half up.
+const mean = (a: number, b: number): number => ((a | b) - (((a ^ b) & 0xfefefefe) >>> 1)) >>> 0;
+
+// The colours of one row of samples, those of a pixel averaged.
+function fill_line(line: Uint32Array, y: number, samples: SampleCells, regions: readonly Region[], patches: readonly Patch[], colors: Uint32Array): void {
+  const { each } = samples;
+  line.fill(colors[OUTSIDE]!);
+  for (const { region, x0, x1, y0, y1, columns, colors: own } of patches) {
     if (y < y0 || y >= y1) continue;
+    const [from, to] = [Math.ceil(x0 / each), Math.floor(x1 / each)]; // whole pixels
     const { tile } = region;
-    if (!tile?.labels) {
-      line.fill(tile ? tile.sets[0]! : UNKNOWN, x0, x1);
-      continue;
+    if (!tile?.labels) line.fill(tile ? own[0]! : colors[UNKNOWN]!, from, to);
+    else {
+      const { labels } = tile;
+      const base = ((samples.rows[y]! >> tile.place.level) - tile.place.row * TILE) * tile.width;
+      if (each === 1) for (let x = from; x < to; ++x) line[x] = own[labels[base + columns[x - x0]!]!]!;
+      else
+        for (let x = from, s = 2 * from - x0; x < to; ++x, s += 2) {
+          const a = labels[base + columns[s]!]!;
+          const b = labels[base + columns[s + 1]!]!;
+          line[x] = a === b ? own[a]! : mean(own[a]!, own[b]!);
+        }
     }
-    const { labels, sets } = tile;
-    const base = ((v >> tile.place.level) - tile.place.row * TILE) * tile.width;
-    const count = x1 - x0;
-    for (let i = 0; i < count; ++i) line[x0 + i] = sets[labels[base + columns[i]!]!]!;
+    // A pixel that two regions share.
+    for (const x of each === 1 ? [] : [x0, x1])
+      if (x % 2 === 1) line[x >> 1] = mean(colors[number_at(samples, regions, x - 1, y)]!, colors[number_at(samples, regions, x, y)]!);
   }
 }
 
@@ -70,54 +94,42 @@ function equals_above(rows: Int32Array, y: number, patches: readonly Patch[]): b
   });
 }
 
-const LANES = 0xff00ff; // two channels at once
-
-function mean(a: number, b: number, c: number, d: number): number {
-  const even = ((a & LANES) + (b & LANES) + (c & LANES) + (d & LANES) + 0x20002) >>> 2;
-  const odd = (((a >>> 8) & LANES) + ((b >>> 8) & LANES) + ((c >>> 8) & LANES) + ((d >>> 8) & LANES) + 0x20002) >>> 2;
-  return ((even & LANES) | ((odd & LANES) << 8)) >>> 0;
-}
-
-// `out`: packed colours, `numbers`: of the sets, both of width x height pixels.
-export function paint(out: Uint32Array, numbers: Uint32Array, samples: SampleCells, regions: readonly Region[], colors: Uint32Array): void {
-  const { columns, rows, each } = samples;
-  const [width, height] = [columns.length / each, rows.length / each];
-  const patches = patches_of(samples, regions);
-  const first = new Uint32Array(columns.length);
-  const second = each === 2 ? new Uint32Array(columns.length) : first;
-  for (let row = 0; row < height; ++row) {
-    const y = row * each;
-    const at = row * width;
-    const last = y + each - 1;
-    const repeated = row > 0 && equals_above(rows, y, patches);
-    const flat = each === 1 || equals_above(rows, last, patches);
-    if (repeated && flat && (each === 1 || equals_above(rows, y - 1, patches))) {
-      out.copyWithin(at, at - width, at);
-      numbers.copyWithin(at, at - width, at);
-      continue;
-    }
-    if (repeated && each === 2) first.set(second);
-    else fill_row(first, y, rows[y]!, patches);
-    if (each === 1) {
-      for (let x = 0; x < width; ++x) out[at + x] = colors[first[x]!]!;
-      numbers.set(first, at);
-      continue;
-    }
-    if (flat) second.set(first);
-    else fill_row(second, last, rows[last]!, patches);
+// `out`: packed colours, a pixel for every `each` x `each` samples.
+export function paint(out: Uint32Array, samples: SampleCells, regions: readonly Region[], colors: Uint32Array): void {
+  const { each, rows } = samples;
+  const width = samples.columns.length / each;
+  const patches = patches_of(samples, regions, colors);
+  let line = new Uint32Array(width);
+  let other = new Uint32Array(width);
+  const next = (y: number) => {
+    if (y > 0 && equals_above(rows, y, patches)) return;
+    [line, other] = [other, line];
+    fill_line(line, y, samples, regions, patches, colors);
+  };
+  for (let y = 0, at = 0; y < rows.length; y += each, at += width) {
+    next(y);
+    out.set(line, at);
+    if (each === 1) continue;
+    const above = line;
+    next(y + 1);
+    if (line === above) continue;
     for (let x = 0; x < width; ++x) {
-      const a = first[2 * x]!;
-      const b = first[2 * x + 1]!;
-      const c = second[2 * x]!;
-      const d = second[2 * x + 1]!;
-      numbers[at + x] = a;
-      out[at + x] = a === b && c === d && a === c ? colors[a]! : mean(colors[a]!, colors[b]!, colors[c]!, colors[d]!);
+      const a = above[x]!;
+      const b = line[x]!;
+      if (a !== b) out[at + x] = mean(a, b);
     }
   }
 }
 
 // A packed colour on pixels whose set differs from that on the left or above.
-export function paint_outline(out: Uint32Array, numbers: Uint32Array, width: number, color: number): void {
+export function paint_outline(out: Uint32Array, samples: SampleCells, regions: readonly Region[], color: number): void {
+  const { each, rows } = samples;
+  const width = samples.columns.length / each;
+  // As colours the numbers themselves, of the first sample of each pixel.
+  const firsts: SampleCells = { columns: samples.columns.filter((_, i) => i % each === 0), rows: rows.filter((_, i) => i % each === 0), each: 1 };
+  const most = regions.reduce((n, { tile }) => tile?.sets.reduce((m, set) => Math.max(m, set), n) ?? n, UNKNOWN);
+  const numbers = new Uint32Array(out.length);
+  paint(numbers, firsts, regions, Uint32Array.from({ length: most + 1 }, (_, i) => i));
   for (let i = width; i < numbers.length; ++i) {
     const here = numbers[i]!;
     if ((here !== numbers[i - 1] && i % width !== 0) || here !== numbers[i - width]) out[i] = color;
@@ -128,7 +140,7 @@ export function paint_outline(out: Uint32Array, numbers: Uint32Array, width: num
 export function paint_damaged(out: Uint32Array, samples: SampleCells, regions: readonly Region[], dark: number, light: number): void {
   const { each } = samples;
   const width = samples.columns.length / each;
-  for (const { x0, x1, y0, y1 } of patches_of(samples, regions.filter((region) => region.damaged)))
+  for (const { x0, x1, y0, y1 } of patches_of(samples, regions.filter((region) => region.damaged), new Uint32Array(2)))
     for (let y = Math.ceil(y0 / each); y < Math.ceil(y1 / each); ++y)
-      for (let x = Math.ceil(x0 / each); x < Math.ceil(x1 / each); ++x) out[y * width + x] = ((x + y) >> 3) & 1 ? dark : light;
+      for (let x = Math.ceil(x0 / each); x < Math.ceil(x1 / each); ++x) out[y * width + x] = ((x + y) & 15) < 3 ? dark : light;
 }

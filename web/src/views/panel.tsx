@@ -1,6 +1,7 @@
 // One slice view: its title, the picture, the bar below.
 import { useEffect, useRef } from "preact/hooks";
 import { AXIS_NAMES, type AxisIndex } from "../api";
+import { width_at } from "../dock/runs";
 import { coordinate, grouped } from "../format";
 import type { Viewer } from "../viewer";
 import { toggle_layout } from "./actions";
@@ -19,7 +20,8 @@ export function MaximiseButton({ what, alone, toggle }: { what: string; alone: b
   );
 }
 
-function Title({ viewer, axis, waiting }: { viewer: Viewer; axis: AxisIndex; waiting: boolean }) {
+function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: AxisIndex }) {
+  const waiting = stage.waiting[axis].value;
   const name = AXIS_NAMES[axis];
   const slice = viewer.slice[axis].value;
   const a = viewer.axes[axis];
@@ -31,7 +33,7 @@ function Title({ viewer, axis, waiting }: { viewer: Viewer; axis: AxisIndex; wai
         {name}
       </span>
       <span class="view-place">
-        {name} = {coordinate(a.centre(slice), (a.max - a.min) / a.cells)} {unit_name(viewer.info.units)}
+        {name} = {coordinate(a.centre(slice), width_at(a, slice))} {unit_name(viewer.info.units)}
       </span>
       <span class="view-slice">
         slice {grouped(slice)} of {grouped(a.cells)}
@@ -39,6 +41,11 @@ function Title({ viewer, axis, waiting }: { viewer: Viewer; axis: AxisIndex; wai
       {level > 0 && (
         <span class="view-level" title={`At this zoom a square shows all materials of ${together} × ${together} × ${together} cells: level ${level}. Zoom in to see single cells.`}>
           level {level}
+        </span>
+      )}
+      {stage.damaged[axis].value && (
+        <span class="view-damaged" role="status" title="The server can't read the file there: see its message, and teracell verify.">
+          striped: not readable
         </span>
       )}
       <span class={waiting ? "view-waiting" : "view-waiting view-still"} role="status" aria-label={waiting ? "Loading" : undefined} />
@@ -63,7 +70,7 @@ export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: View
     <section class="view-panel" data-view={name} hidden={layout !== "four" && layout !== name} aria-label={`Slices across ${name}`}>
       <div class={`view-body view-tool-${viewer.tool.value}`} ref={body} tabIndex={0} role="application" aria-roledescription="slice view" aria-label={`Slice ${viewer.slice[axis].value} across ${name}; keys: press h`} />
       <header class="view-head">
-        <Title viewer={viewer} axis={axis} waiting={stage.waiting[axis].value} />
+        <Title stage={stage} viewer={viewer} axis={axis} />
         <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, axis)} />
       </header>
       <SliceBar viewer={viewer} axis={axis} />

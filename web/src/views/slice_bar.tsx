@@ -1,6 +1,7 @@
 // Below each view: play, a slider, and the slice as a number of cells and as a coordinate.
 import { useSignal } from "@preact/signals";
 import { AXIS_NAMES, type AxisIndex } from "../api";
+import { width_at } from "../dock/runs";
 import { decimals } from "../format";
 import type { Viewer } from "../viewer";
 import { toggle_sweep } from "./actions";
@@ -45,9 +46,8 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
     viewer.sweeping.value = null;
     viewer.set_slice(axis, index);
   };
-  const step = (a.max - a.min) / a.cells;
-  const coordinate = (i: number) => a.centre(i).toFixed(decimals(step));
-  const widest = Math.max(coordinate(0).length, coordinate(a.cells - 1).length);
+  const coordinate = (i: number) => a.centre(i).toFixed(decimals(width_at(a, i)));
+  const widest = Math.max(coordinate(0).length, coordinate(a.cells - 1).length, coordinate(slice).length);
   return (
     <div class="slice-bar">
       <button class="slice-play" aria-label={playing ? `Pause ${name}` : `Play the slices across ${name}`} aria-pressed={playing} title={playing ? "Pause (p)" : "Play (p)"} onClick={() => toggle_sweep(viewer, axis)}>

@@ -29,6 +29,8 @@ export class Stage {
   readonly draft = signal<Box | null>(null);
   // Whether a view waits for tiles.
   readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
+  // Whether the server could not read something that a view shows.
+  readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // The view that keys mean: under the pointer, or focused.
   active: AxisIndex = 2;
 
@@ -129,8 +131,8 @@ export class Stage {
 
   // Zooms by a factor; the point under (x, y), CSS pixels of the view, stays where it is.
   zoom_by(axis: AxisIndex, factor: number, x: number, y: number): void {
-    const camera = this.views[axis].camera;
-    if (!camera) return;
+    if (this.viewer.zoom.value === 0) return;
+    const camera = this.views[axis].camera_of(this.viewer, 1);
     const zoom = clamped_zoom(this.viewer.zoom.value * factor, this.viewer.axes, this.fitting());
     this.look_at(axis, zoomed_about(camera, x, y, zoom));
     this.viewer.zoom.value = zoom;
@@ -196,6 +198,7 @@ export class Stage {
       painted = draw_overlay(scene, view, this.draft.value) || painted;
       viewer.level[view.axis].value = view.level;
       this.waiting[view.axis].value = !view.sharp;
+      this.damaged[view.axis].value = view.shown.regions.some((region) => region.damaged);
     }
     this.say_what_is_under_the_pointer();
     this.wait_for_patience(views, began);

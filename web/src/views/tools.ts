@@ -19,7 +19,7 @@ function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   const { viewer } = stage;
   const { u, v } = FRAMES[axis];
   const point = (x: number, y: number) => {
-    const camera = stage.views[axis].camera!;
+    const camera = stage.views[axis].camera_of(viewer, 1);
     const p: [number, number, number] = [0, 0, 0];
     p[axis] = viewer.axes[axis].centre(viewer.cell.value[axis]);
     p[u] = camera.u_at(x);
@@ -40,7 +40,7 @@ function box(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   const { viewer } = stage;
   const { u, v } = FRAMES[axis];
   const cell = (x: number, y: number) => {
-    const camera = stage.views[axis].camera!;
+    const camera = stage.views[axis].camera_of(viewer, 1);
     const clamp = (i: number, n: number) => Math.min(Math.max(i, 0), n - 1);
     return [clamp(camera.across.cell_at(camera.u_at(x)), viewer.cells[u]), clamp(camera.up.cell_at(camera.v_at(y)), viewer.cells[v])] as const;
   };

@@ -12,7 +12,7 @@ import type { ViewNeeds } from "../tiles/wants";
 import type { Viewer } from "../viewer";
 import { Camera, type SampleCells, sample_cells } from "./camera";
 import type { Ink } from "./ink";
-import { paint, paint_damaged, paint_outline } from "./paint";
+import { number_at, paint, paint_damaged, paint_outline } from "./paint";
 
 // Milliseconds that an earlier slice may stay although something coarse of the right one is there.
 const PATIENCE = 150;
@@ -40,7 +40,8 @@ export class View {
   pointer: { x: number; y: number } | null = null;
   private readonly context = this.cells.getContext("2d", { alpha: false })!;
   private picture: ImageData | null = null;
-  private numbers = new Uint32Array(0);
+  private painted: readonly Region[] = [];
+  private painted_samples: SampleCells | null = null;
   private shown_slice: number | null = null;
   private last_slice: number | null = null;
   private behind_since: number | null = null;
@@ -61,7 +62,12 @@ export class View {
     return !this.visible || (this.camera !== null && this.shown.missing.length === 0);
   }
 
-  // The first half of a frame: what is wanted. True when the picture will change. `now` in milliseconds.
+  // As the signals say now; what is on the screen follows with the next frame.
+  camera_of(viewer: Viewer, ratio: number): Camera {
+    return new Camera(this.axis, viewer.axes, this.width, this.height, ratio, viewer.centre.value, viewer.zoom.value);
+  }
+
+  // The first half of a frame: what is wanted. `now` in milliseconds.
   look({ viewer, store, ratio }: Scene, now: number): void {
     const slice = viewer.slice[this.axis].value;
     if (this.last_slice !== null && slice !== this.last_slice) this.stride = slice - this.last_slice;
@@ -71,7 +77,7 @@ export class View {
     const key = [this.width, this.height, ratio, centre[u], centre[v], zoom].join(" ");
     if (key !== this.camera_key || !this.camera) {
       this.camera_key = key;
-      this.camera = new Camera(this.axis, viewer.axes, this.width, this.height, ratio, centre, zoom);
+      this.camera = this.camera_of(viewer, ratio);
       this.samples = sample_cells(this.camera, smallest_cell(this.camera) < SHARP_FROM ? 2 : 1);
     }
     const levels = viewer.info.levels.length;
@@ -106,13 +112,15 @@ export class View {
       this.cells.width = width;
       this.cells.height = height;
       this.picture = new ImageData(width, height);
-      this.numbers = new Uint32Array(width * height);
     }
     const out = new Uint32Array(this.picture.data.buffer);
-    paint(out, this.numbers, samples, this.shown.regions, palette.colors);
-    if (outline) paint_outline(out, this.numbers, width, ink.outline);
-    paint_damaged(out, samples, this.shown.regions, ...ink.stripes);
+    const { regions } = this.shown;
+    paint(out, samples, regions, palette.colors);
+    if (outline) paint_outline(out, samples, regions, ink.outline);
+    paint_damaged(out, samples, regions, ...ink.stripes);
     this.context.putImageData(this.picture, 0, 0);
+    this.painted = regions;
+    this.painted_samples = samples;
     return true;
   }
 
@@ -127,11 +135,10 @@ export class View {
 
   // The number of the set painted under a CSS pixel; null where nothing has come, or outside the grid.
   painted_at(x: number, y: number): number | null {
-    const { picture, camera } = this;
-    if (!picture || !camera) return null;
-    const [column, row] = [Math.floor(x * camera.ratio), Math.floor(y * camera.ratio)];
-    if (column < 0 || row < 0 || column >= picture.width || row >= picture.height) return null;
-    const number = this.numbers[row * picture.width + column]!;
+    const samples = this.painted_samples;
+    if (!samples || !this.camera) return null;
+    const sample = (css: number) => Math.floor(css * this.camera!.ratio) * samples.each;
+    const number = number_at(samples, this.painted, sample(x), sample(y));
     return number > UNKNOWN ? number : null;
   }
 
