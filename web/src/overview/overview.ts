@@ -20,8 +20,8 @@ import { make_triad } from "./triad";
 import { write_words } from "./writing";
 
 const SETTLE = 160; // ms after the last movement until a sharper picture
-const SETTLE_FAR = 500; // the same when something else on the page moves
 const SHARPEST = 800; // and from then to the sharpest, which may take long on a slow machine
+const SETTLE_FAR = 1300; // until the sharpest when something else on the page moved: it must not wait for the overview
 const TINT = 0.045; // opacity of a plane where nothing is
 const FLIGHT = 320; // ms from view to view
 
@@ -80,7 +80,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     triad.update(view);
     if (calm) slices.update();
     const quality = ladder.quality(rest);
-    const ms = stage.draw(o, quality, (rest === 0 && !calm) || ladder.curious());
+    const ms = stage.draw(o, quality, (rest === 0 && !calm) || rest === 2 || ladder.curious());
     if (ms > 0) {
       ladder.measured(quality, ms);
       pace.cost(ms);
@@ -89,25 +89,24 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   };
   const pace = make_pace(draw);
   // What moves is drawn quickly rather than sharply; sharper pictures follow when nothing moves any more.
-  const unsettle = (after: number) => {
-    rest = 0;
+  const sharpen = (to: Rest, after: number, then?: () => void) => {
     clearTimeout(settle);
+    if (ladder.quality(rest) === ladder.quality(2)) return;
     settle = window.setTimeout(() => {
-      rest = 1;
-      pace.soon();
-      if (ladder.quality(1) === ladder.quality(2)) return;
-      settle = window.setTimeout(() => {
-        rest = 2;
-        pace.later();
-      }, SHARPEST);
+      rest = to;
+      if (to === 2) pace.later();
+      else pace.soon();
+      then?.();
     }, after);
   };
   const move_soon = () => {
-    unsettle(SETTLE);
+    rest = 0;
+    sharpen(1, SETTLE, () => sharpen(2, SHARPEST));
     pace.soon();
   };
   const follow_later = () => {
-    unsettle(SETTLE_FAR);
+    rest = 0;
+    sharpen(2, SETTLE_FAR);
     pace.later();
   };
   const fly = (to: Orbit, goes_home = false) => {
@@ -139,7 +138,6 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     load_bodies(viewer, space, abort.signal, (bodies) => {
       stage.add_bodies(bodies.surfaces);
       ladder.changed();
-      unsettle(SETTLE_FAR);
       chrome.root.dataset.level = String(bodies.level);
       chrome.root.dataset.triangles = String(bodies.surfaces.reduce((sum, s) => sum + s.indices.length / 3, 0));
       pace.soon();

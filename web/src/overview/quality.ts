@@ -18,7 +18,7 @@ export interface Ladder {
   changed(): void;
 }
 
-const BUDGETS: readonly [number, number] = [30, 110]; // ms a frame, moving and at rest
+const BUDGETS = [30, 110, 350] as const; // ms a frame, by its Rest
 const KEPT = 5; // frames, of which the middle one counts: other programs make single ones slow
 const RETRY = 90; // frames until what was too slow may be tried again
 
@@ -32,12 +32,12 @@ export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): La
     { ratio: best / 2, coarser: 2 },
     { ratio: best / 3, coarser: 2 },
   ];
-  let at: [number, number] = [3, 1];
+  let at: [number, number, number] = [3, 1, 0];
   let times: number[][] = steps.map(() => []);
   let frames = 0;
 
   const price = (step: number) => [...times[step]!].sort((a, b) => a - b)[times[step]!.length >> 1]; // undefined: not known
-  const choose = (rest: 0 | 1) => {
+  const choose = (rest: Rest) => {
     const step = at[rest];
     const now = price(step);
     if (now === undefined || (times[step]!.length < 3 && now < 4 * BUDGETS[rest])) return;
@@ -45,20 +45,19 @@ export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): La
     else if (now < BUDGETS[rest] / 3 && step > 0 && (price(step - 1) ?? 0) <= BUDGETS[rest]) at[rest] = step - 1;
   };
   return {
-    quality: (rest) => steps[rest === 2 ? 0 : at[rest]]!,
+    quality: (rest) => steps[at[rest]]!,
     measured(quality, ms) {
       if (++frames === 1) return; // it also compiles and uploads
       const step = steps.indexOf(quality);
       times[step] = [...times[step]!.slice(1 - KEPT), ms];
-      choose(0);
-      choose(1);
+      for (const rest of [0, 1, 2] as const) choose(rest);
       if (frames % RETRY === 0) times = times.map((list, i) => (i === step ? list : []));
     },
     curious: () => frames < 4,
     changed() {
       times = steps.map(() => []);
       frames = 0;
-      at = [3, 1];
+      at = [3, 1, 0];
     },
   };
 }
