@@ -66,8 +66,7 @@ class Survey {
 
   uint32_t vertices() const { return numbers_.count(); }
   uint64_t degenerate() const { return degenerate_; }                 // facets without area, exactly
-  uint64_t distinct() { return distinct_.count(); }                   // facets with the same three vertices count once
-  uint64_t duplicates() { return facets_ - distinct_.count(); }       // the others
+  uint64_t duplicates() { return facets_ - distinct_.count(); }       // facets with the three vertices of an earlier one
   uint64_t shells() const;                                            // groups of facets connected by equal vertices
   SurveyTotals totals() { return {degenerate(), duplicates(), shells()}; }
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.

@@ -218,10 +218,8 @@ void GridReader::derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, C
   Chunk fine;
   for (const auto& [u, v, s] : chunks_below(below, cu, cv, segment)) {
     read(level - 1, u, v, s, fine);
-    Chunk& part = parts.emplace_back();
-    part.rays = coarsen(fine.rays, 1, fine.sets);
-    part.sets = std::move(fine.sets);
-    pieces.push_back({u % 2 * below.chunk_rays / 2, v % 2 * below.chunk_rays / 2, s % 2 * below.chunk_cells / 2, &part});
+    parts.push_back(coarsen(fine, 1));
+    pieces.push_back({u % 2 * below.chunk_rays / 2, v % 2 * below.chunk_rays / 2, s % 2 * below.chunk_cells / 2, &parts.back()});
   }
   out = join(pieces, static_cast<uint32_t>(meta_.labels.size()));
 }
