@@ -196,6 +196,7 @@ class ServeUsage(ServeCase):
         ]:
             self.refused(2, phrases, "serve", *args)
         self.refused(1, ["--token-file nowhere"], "serve", "g.tcell", "--token-file", "nowhere")
+        self.refused(1, ["--web nowhere", "index.html"], "serve", "g.tcell", "--web", "nowhere")
         self.refused(1, ["--host 999.1.2.3"], "serve", "g.tcell", "--host", "999.1.2.3")
         self.refused(1, ["192.0.2.1"], "serve", "g.tcell", "--host", "192.0.2.1", "--port", "0")
 
