@@ -205,6 +205,7 @@ class ServeUsage(ServeCase):
         self.refused(1, ["--token-file .: can't be read: Is a directory"], "serve", "g.tcell", "--token-file", ".")
         self.refused(1, ["teracell: broken.tcell: "], "serve", "broken.tcell")
         self.refused(1, [f"teracell: {self.path('broken.tcell')}: "], "serve", self.path("broken.tcell"))
+        self.refused(1, ["--web nowhere", "index.html"], "serve", "g.tcell", "--web", "nowhere")
         self.refused(1, ["--host 999.1.2.3"], "serve", "g.tcell", "--host", "999.1.2.3")
         self.refused(1, ["192.0.2.1"], "serve", "g.tcell", "--host", "192.0.2.1", "--port", "0")
 
