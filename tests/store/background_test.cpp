@@ -1,6 +1,7 @@
 #include "store/background.hpp"
 
 #include <future>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -40,9 +41,14 @@ TEST_CASE("finish() waits for no work for later, and such work can be dropped", 
     go.get_future().wait();
     ++later;
   });
-  work.run_later([&] { ++later; });
+  auto held = std::make_shared<int>();  // by the second job
+  const std::weak_ptr<int> waiting = held;
+  work.run_later([&, held = std::move(held)] { ++later; });
   begun.get_future().wait();
-  std::thread opener([&] { go.set_value(); });
+  std::thread opener([&] {
+    while (!waiting.expired()) std::this_thread::yield();
+    go.set_value();
+  });
   work.drop_later();
   opener.join();
   work.finish_all();
