@@ -184,6 +184,7 @@ try {
   });
   await go(page, 2000);
   await over_z(page);
+  await new Promise((done) => setTimeout(done, 3000)); // the overview, hidden until now, is drawn anew
   const heaps = [await heap()];
   const frames = [];
   for (let part = 0; part < 3; ++part) {
