@@ -6,7 +6,8 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "store/json_text.hpp"
 
 namespace teracell {
 namespace {
@@ -52,8 +53,7 @@ std::string mesh_stem(const std::filesystem::path& mesh) {
 }
 
 std::string printable(std::string_view text) {
-  using nlohmann::json;
-  const std::string utf8 = json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace));
+  const std::string utf8 = utf8_of(text);
   std::string out;
   for (size_t i = 0; i < utf8.size(); ++i) {
     const auto byte = [&](size_t at) { return static_cast<unsigned char>(utf8[at]); };

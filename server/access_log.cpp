@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "server/wire.hpp"
+#include "store/json_text.hpp"
 
 namespace teracell {
 namespace {
@@ -32,7 +32,7 @@ void append_harmless(std::string& out, std::string_view text) {
 }
 
 void append_note(std::string& out, LogFormat format, std::string_view time, std::string_view message) {
-  if (format == LogFormat::kJson) fmt::format_to(std::back_inserter(out), R"({{"time":"{}","message":{}}})", time, json_text(message));
+  if (format == LogFormat::kJson) fmt::format_to(std::back_inserter(out), R"({{"time":"{}","message":{}}})", time, ascii_json(message));
   else fmt::format_to(std::back_inserter(out), "teracell: {}", message);
   out += '\n';
 }

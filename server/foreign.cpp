@@ -4,7 +4,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
+
+#include "store/json_text.hpp"
 
 namespace teracell {
 
@@ -36,9 +37,7 @@ std::optional<Service::Recipe> find_document(const Documents& documents, std::st
 }
 
 Service::Recipe json_recipe(std::function<nlohmann::ordered_json()> make) {
-  // A grid's id comes from a file's name, which may be no UTF-8.
-  const auto text = [make = std::move(make)] { return make().dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace); };
-  return {.content_type = "application/json", .compress = true, .make = text};
+  return {.content_type = "application/json", .compress = true, .make = [make = std::move(make)] { return ascii_json(make()); }};
 }
 
 std::string joined(std::span<const std::string> path) { return fmt::format("{}", fmt::join(path, "/")); }

@@ -7,9 +7,9 @@
 #include <chrono>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "server/http.hpp"
+#include "store/json_text.hpp"
 
 namespace teracell {
 namespace {
@@ -45,8 +45,7 @@ std::string with_folder(const std::string& message, const fs::path& path) {
 // The stem as an address can hold it and as JSON tells it: UTF-8 without control characters, and neither "." nor "..", which
 // clients resolve.
 std::string stem_of(const fs::path& path) {
-  using Json = nlohmann::json;
-  std::string stem = Json::parse(Json(path.stem().string()).dump(-1, ' ', false, Json::error_handler_t::replace));
+  std::string stem = utf8_of(path.stem().string());
   std::ranges::replace_if(stem, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
   if (stem == "." || stem == "..") std::ranges::replace(stem, '.', '_');
   return stem;

@@ -10,6 +10,7 @@
 #include "server/tiles.hpp"
 #include "server/wire.hpp"
 #include "store/info.hpp"
+#include "store/json_text.hpp"
 
 namespace teracell {
 namespace {
@@ -17,9 +18,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr const char* kJson = "application/json";
-
-// Names come from anybody's files: what is no UTF-8 in them is replaced. ASCII, as some readers of JSON take nothing else (zarr 2.13).
-std::string text_of(const ordered_json& j) { return j.dump(-1, ' ', true, ordered_json::error_handler_t::replace); }
 
 Response plain(const char* route, const char* type, std::string text) {
   Response r;
@@ -85,7 +83,7 @@ struct GridRequest {
 };
 
 Response json_answer(const GridRequest& r, const char* route, std::function<ordered_json()> make) {
-  return r.service.answer(r.request, r.target, *r.grid, {.route = route, .content_type = kJson, .compress = true, .make = [make = std::move(make)] { return text_of(make()); }});
+  return r.service.answer(r.request, r.target, *r.grid, {.route = route, .content_type = kJson, .compress = true, .make = [make = std::move(make)] { return ascii_json(make()); }});
 }
 
 Response info(const GridRequest& r) {
@@ -204,7 +202,7 @@ Response list(Service& service, const Target& target) {
                           {"bytes", grid->reader().file_bytes()},
                           {"hash", grid->hash},
                           {"units", grid->meta().units}});
-  return plain("grids", kJson, text_of(j));
+  return plain("grids", kJson, ascii_json(j));
 }
 
 Response api(Service& service, const Request& request, const Target& target) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "server/deflate.hpp"
-
 #include "server/wire.hpp"
 
 namespace teracell {

@@ -5,7 +5,8 @@
 #include <ctime>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
+
+#include "store/json_text.hpp"
 
 namespace teracell {
 namespace {
@@ -163,17 +164,12 @@ bool take_off_base(std::string& target, std::string_view base) {
 }
 
 // Not by way of a JSON object: to destroy one takes memory, and there may be none.
-std::string json_text(std::string_view text) {
-  using Json = nlohmann::json;
-  return Json(text).dump(-1, ' ', true, Json::error_handler_t::replace);
-}
-
 Response error_response(int status, const std::string& code, const std::string& message) {
   Response r;
   r.status = status;
   r.content_type = "application/json";
   r.cache_control = "no-store";
-  r.body = body_of(fmt::format(R"({{"error":{{"code":"{}","message":{}}}}})", code, json_text(message)));
+  r.body = body_of(fmt::format(R"({{"error":{{"code":"{}","message":{}}}}})", code, ascii_json(message)));
   return r;
 }
 

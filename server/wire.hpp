@@ -35,8 +35,6 @@ bool has_etag(std::string_view if_none_match, std::string_view etag);
 // Whether an Authorization field carries the token. Takes the same time wherever they differ.
 bool bears_token(std::string_view authorization, std::string_view token);
 
-// As JSON: in quotes, ASCII; what is no UTF-8 is replaced.
-std::string json_text(std::string_view text);
 // {"error": {"code", "message"}}
 Response error_response(int status, const std::string& code, const std::string& message);
 

@@ -73,4 +73,8 @@ Json parse_json(const std::string& text, const std::string& what) {
   return root;
 }
 
+std::string ascii_json(const Json& j) { return j.dump(-1, ' ', true, Json::error_handler_t::replace); }
+
+std::string utf8_of(std::string_view text) { return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)); }
+
 }  // namespace teracell

@@ -1,6 +1,5 @@
 // Header, footer, directory, page and metadata: to bytes and back, damaged, and with numbers that lie.
 #include "store/format.hpp"
-#include "store/json_text.hpp"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -378,33 +377,6 @@ TEST_CASE("Chunks and pages of a level divide its rays and cells without gap or 
     REQUIRE(rays == uint64_t{s.nu} * s.nv * s.nw);
     for (uint64_t page = 0; page < s.pages(); ++page) REQUIRE(chunks[page] == s.page_width(page) * s.page_height(page));
   }
-}
-
-TEST_CASE("JSON is read as the library reads it") {
-  for (const char* text : {"null", "[]", "{}", "-3", "7", "1.5e3", "\"a\\u00e4\\n\"", "[[], {}, [[1, -2], true, null, 2.5]]", R"({"b": 1, "a": {"d": [{"x": [[]]}, {}], "c": "\"}]"}, "z": false})"})
-    REQUIRE(parse_json(text, "text").dump() == ordered_json::parse(text).dump());
-}
-
-TEST_CASE("As many members and elements as there may be materials are read in linear time") {
-  ordered_json::object_t members;
-  ordered_json elements = ordered_json::array();
-  for (int i = 0; i < 65536; ++i) {
-    members.push_back({fmt::format("m{}", i), {{"color", "#102030"}}});
-    elements.push_back({{"name", i}});
-  }
-  const std::string text = ordered_json{{"members", std::move(members)}, {"elements", elements}}.dump();
-  REQUIRE(parse_json(text, "text").dump() == text);
-}
-
-TEST_CASE("JSON that is none, or nested without end, is a FormatError that says what it was") {
-  REQUIRE(parse_json("{\"a\": [1]}", "report")["a"][0] == 1);
-  REQUIRE_THROWS_WITH(parse_json("{\"a\": ", "report"), Catch::Contains("report: expected JSON"));
-  REQUIRE_THROWS_AS(parse_json("{\"a\": ", "report"), FormatError);
-  REQUIRE_THROWS_AS(parse_json("{} {}", "report"), FormatError);
-  REQUIRE_NOTHROW(parse_json(std::string(64, '[') + std::string(64, ']'), "report"));
-  REQUIRE_THROWS_AS(parse_json(std::string(65, '[') + std::string(65, ']'), "report"), FormatError);
-  const std::string deep(100000, '[');
-  REQUIRE_THROWS_WITH(parse_json(deep + std::string(100000, ']'), "report"), Catch::Contains("64 levels"));
 }
 
 }  // namespace
