@@ -115,7 +115,7 @@ export class Stage {
 
   // True when all that is in sight is sharp and on the screen.
   idle(): boolean {
-    return !this.dirty && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
+    return !this.dirty && this.laid_out() && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
   }
 
   // Whether the views' sizes are those of the layout: they follow it a little later.
