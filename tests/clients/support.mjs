@@ -5,6 +5,7 @@ import { createServer } from "node:http";
 import { extname, join } from "node:path";
 import { chromium } from "playwright-core";
 import { errors_of, launch_options } from "../support/chromium.mjs";
+import { read_npy } from "../support/npy.mjs";
 
 export const server = process.env.TERACELL_URL;
 // Exports, and pages to be browsed; screenshots go there too.
@@ -12,14 +13,7 @@ export const folder = process.env.TERACELL_FOLDER;
 export const grids = JSON.parse(readFileSync(join(folder, "grids.json")));
 
 // {shape: [nz, ny, nx], data} of a level as exported.
-export function exported(grid, level) {
-  const file = readFileSync(join(folder, `${grid}.${level}.npy`));
-  const header_end = 10 + file.readUInt16LE(8);
-  const header = file.toString("latin1", 10, header_end);
-  const shape = header.match(/'shape': \(([^)]*)\)/)[1].split(",").filter((n) => n.trim()).map(Number);
-  const bytes = new Uint8Array(file.subarray(header_end)).buffer;
-  return { shape, data: header.includes("<u2") ? new Uint16Array(bytes) : new Uint8Array(bytes) };
-}
+export const exported = (grid, level) => read_npy(join(folder, `${grid}.${level}.npy`));
 
 // Fails at the first difference, saying where it is.
 export function expect_same(found, expected, what) {

@@ -4,23 +4,11 @@ import assert from "node:assert/strict";
 import { createServer, request as http_request } from "node:http";
 import { writeFileSync } from "node:fs";
 import { join } from "node:path";
-import test, { after, before } from "node:test";
-import { folder, grid_file, grids, info_of, open_browser, open_grid, open_page, pixels, point_of, quiet, screenshot, serve, settled, shares, state, view } from "./support.mjs";
+import test from "node:test";
+import { close, folder, grid_file, grids, info_of, open_grid, open_page, pixels, point_of, quiet, screenshot, serve, server_and_browser, settled, shares, state, view } from "./support.mjs";
 
-let browser, server;
-before(async () => {
-  server = await serve(grids);
-  browser = await open_browser();
-});
-after(async () => {
-  await browser.close();
-  assert.deepEqual(await server.stop(), []);
-});
+const { server, browser } = await server_and_browser();
 
-async function close(page) {
-  assert.deepEqual(page.errors, []);
-  await page.context().close();
-}
 const all_pixels = async (page) => Promise.all(["x", "y", "z"].map((axis) => pixels(page, axis)));
 
 test("a link shows the same picture to whoever opens it", async () => {

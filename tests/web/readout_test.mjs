@@ -1,24 +1,12 @@
 // What the page says in numbers is what `teracell column`, `stats` and `export` say.
 import assert from "node:assert/strict";
-import test, { after, before } from "node:test";
+import test from "node:test";
 import { readFileSync } from "node:fs";
-import { column_of, decoded_png, exported_cell, grids, info_of, offset_in, open_browser, open_grid, packed, point_of, serve, settled, state, stats_of, view } from "./support.mjs";
+import { close, column_of, decoded_png, exported_cell, info_of, offset_in, open_grid, packed, point_of, server_and_browser, settled, state, stats_of, view } from "./support.mjs";
 
-let browser, server;
-before(async () => {
-  server = await serve(grids);
-  browser = await open_browser();
-});
-after(async () => {
-  await browser.close();
-  assert.deepEqual(await server.stop(), []);
-});
+const { server, browser } = await server_and_browser();
 
 const open = (grid, rest = "", options = {}) => open_grid(browser, `${server.url}#g=${grid}${rest}`, options);
-async function close(page) {
-  assert.deepEqual(page.errors, []);
-  await page.context().close();
-}
 const digits = (text) => Number(text.replace(/[^\d.−-]/g, "").replace("−", "-"));
 
 for (const grid of ["stadium", "graded"])

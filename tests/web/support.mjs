@@ -1,10 +1,13 @@
 // What the tests in a browser share: servers, pages, and what `teracell` itself says about the same grids.
+import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { createWriteStream, readFileSync } from "node:fs";
+import { createWriteStream } from "node:fs";
 import { createRequire } from "node:module";
 import { join } from "node:path";
 import { inflateSync } from "node:zlib";
+import { after } from "node:test";
 import { errors_of, launch_options } from "../support/chromium.mjs";
+import { read_npy } from "../support/npy.mjs";
 
 const { chromium } = createRequire(new URL("../../web/package.json", import.meta.url))("playwright-core");
 const program = process.env.TERACELL;
@@ -63,7 +66,15 @@ export async function serve(...args) {
   };
 }
 
-export const open_browser = () => chromium.launch(launch_options);
+// For all tests of a file: a server of all grids and a browser, which must end well.
+export async function server_and_browser() {
+  const [server, browser] = await Promise.all([serve(grids), chromium.launch(launch_options)]);
+  after(async () => {
+    await browser.close();
+    assert.deepEqual(await server.stop(), []);
+  });
+  return { server, browser };
+}
 
 // A page of the dashboard in a window of its own, when everything in sight is sharp. `errors` must be empty at its end.
 export async function open_page(browser, url, options = {}) {
@@ -74,6 +85,12 @@ export async function open_page(browser, url, options = {}) {
   page.setDefaultTimeout(60_000);
   await page.goto(url);
   return page;
+}
+
+// When nothing has gone wrong on it.
+export async function close(page) {
+  assert.deepEqual(page.errors, []);
+  await page.context().close();
 }
 
 export async function open_grid(browser, url, options) {
@@ -173,27 +190,18 @@ export const info_of = (name) => told("info", grid_file(name));
 export const column_of = (name, axis, at) => told("column", grid_file(name), "--axis", axis, "--at", at.join(","));
 export const stats_of = (name, region) => told("stats", grid_file(name), ...(region ? ["--region", region.join(",")] : []));
 
-function npy(path) {
-  const file = readFileSync(path);
-  const header_end = 10 + file.readUInt16LE(8);
-  const header = file.toString("latin1", 10, header_end);
-  const shape = header.match(/'shape': \(([^)]*)\)/)[1].split(",").filter((n) => n.trim()).map(Number);
-  const bytes = new Uint8Array(file.subarray(header_end)).buffer;
-  return { shape, data: header.includes("<u2") ? new Uint16Array(bytes) : new Uint8Array(bytes) };
-}
-
 // Material ids of a slice, rows of v from 0: { shape: [nv, nu], data }.
 export function slice_of(name, axis, index) {
   const path = join(folder, `${name}-${axis}-${index}.npy`);
   execFileSync(program, ["slice", grid_file(name), "--axis", axis, "--index", String(index), "-o", path], { stdio: "ignore" });
-  return npy(path);
+  return read_npy(path);
 }
 
 // The material of one cell, by `teracell export`.
 export function exported_cell(name, [i, j, k]) {
   const path = join(folder, "cell.npy");
   execFileSync(program, ["export", grid_file(name), "-o", path, "--region", [i, j, k, i + 1, j + 1, k + 1].join(",")], { stdio: "ignore" });
-  return npy(path).data[0];
+  return read_npy(path).data[0];
 }
 
 // Which material each pixel of a view must show, from the cells and from where the page says that it looks; -1 outside of the grid.

@@ -1,23 +1,11 @@
 // The slice views: what they show is what `teracell slice` gives, whatever gesture or key led there.
 import assert from "node:assert/strict";
-import test, { after, before } from "node:test";
-import { expected_labels, grids, info_of, offset_in, open_browser, open_grid, packed, pixels, point_of, quiet, screenshot, serve, settled, state, view } from "./support.mjs";
+import test from "node:test";
+import { close, expected_labels, grids, info_of, offset_in, open_grid, packed, pixels, point_of, quiet, screenshot, server_and_browser, settled, state, view } from "./support.mjs";
 
-let browser, server;
-before(async () => {
-  server = await serve(grids);
-  browser = await open_browser();
-});
-after(async () => {
-  await browser.close();
-  assert.deepEqual(await server.stop(), []);
-});
+const { server, browser } = await server_and_browser();
 
 const open = (grid, rest = "") => open_grid(browser, `${server.url}#g=${grid}${rest}`);
-async function close(page) {
-  assert.deepEqual(page.errors, []);
-  await page.context().close();
-}
 
 const color_of = (material) => {
   const channel = (at) => Number.parseInt(material.color.slice(at, at + 2), 16);

@@ -1,7 +1,7 @@
 // What an address of the server gives, for a component: fetched when the address changes, the former answer kept until the next one
 // is there (nothing flickers), asked for again when a lost server is back.
 import { useEffect, useState } from "preact/hooks";
-import { ServerError, get_json } from "./api";
+import { get_json, is_version_gone, words_of } from "./api";
 import { returned } from "./connection";
 
 export interface Answer<T> {
@@ -19,11 +19,7 @@ export function use_answer<T>(path: string | null): Answer<T> {
     get_json<T>(path, abort.signal).then(
       (value) => set_answer({ value, path, error: null }),
       (error: unknown) => {
-        if (abort.signal.aborted) return;
-        // A version that is gone: the page says so as a whole (banners.tsx).
-        if (error instanceof ServerError && error.status === 404 && path.includes("v=")) return;
-        const words = error instanceof ServerError ? error.message : String(error);
-        set_answer((before) => ({ ...before, error: words }));
+        if (!abort.signal.aborted && !is_version_gone(error, path)) set_answer((before) => ({ ...before, error: words_of(error) }));
       },
     );
     return () => abort.abort();

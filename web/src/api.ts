@@ -111,6 +111,9 @@ export class ServerError extends Error {
   }
 }
 
+// For people.
+export const words_of = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
 async function error_of(response: Response): Promise<ServerError> {
   try {
     const { error } = (await response.json()) as { error: { code: string; message: string } };
@@ -123,28 +126,31 @@ async function error_of(response: Response): Promise<ServerError> {
 // A server may ask for a token (--token-file). The page itself comes without one, as browsers send none when they open it, and
 // then asks: the field is shown while `token_wanted`, and hands what is typed to give_token(). It is kept for this tab alone.
 export const token_wanted = signal(false);
-const kTokenKey = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may lie under another path
+const token_key = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may lie under another path
 
 function headers(): Record<string, string> {
-  const token = sessionStorage.getItem(kTokenKey());
+  const token = sessionStorage.getItem(token_key());
   return token ? { authorization: `Bearer ${token}` } : {};
 }
 
-export const has_token = (): boolean => sessionStorage.getItem(kTokenKey()) !== null;
+export const has_token = (): boolean => sessionStorage.getItem(token_key()) !== null;
 
 // The page begins anew: whatever was refused is asked for again, and the address has the state.
 export function give_token(token: string): void {
-  sessionStorage.setItem(kTokenKey(), token.trim());
+  sessionStorage.setItem(token_key(), token.trim());
   location.reload();
 }
 
 // The file behind a grid was replaced: an address with the old version has nothing any more. Counts up.
 export const version_gone = signal(0);
 
+// Whether that is why an address has nothing: then the page says so as a whole (banners.tsx).
+export const is_version_gone = (error: unknown, path: string): boolean => error instanceof ServerError && error.status === 404 && path.includes("v=");
+
 // What concerns the whole page, whoever asked.
 function noted(error: ServerError, path: string): ServerError {
   if (error.status === 401) token_wanted.value = true;
-  else if (error.status === 404 && path.includes("v=")) ++version_gone.value;
+  else if (is_version_gone(error, path)) ++version_gone.value;
   else if (error.status >= 500) say(`${error.message[0]?.toUpperCase()}${error.message.slice(1)}`);
   return error;
 }
@@ -192,9 +198,6 @@ export class GridAddress {
   }
   stats(region?: readonly number[]): string {
     return `${this.base}/stats?${region ? `region=${region.join(",")}&` : ""}v=${this.hash}`;
-  }
-  cell(index: Index3): string {
-    return `${this.base}/cell?i=${index[0]}&j=${index[1]}&k=${index[2]}&v=${this.hash}`;
   }
 }
 

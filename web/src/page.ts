@@ -1,7 +1,7 @@
 // Which grids there are, which one is open, and the address that says so: "#g=id..." opens one, an address without a grid gives the
 // list, or the only grid there is. Looks now and then whether the open grid's file is still the same.
 import { effect, signal } from "@preact/signals";
-import { type GridSummary, ServerError, grid_info, list_grids, version_gone } from "./api";
+import { type GridSummary, ServerError, grid_info, list_grids, version_gone, words_of } from "./api";
 import { connection, returned } from "./connection";
 import { grid_in_address, keep_address, read_address } from "./permalink";
 import { Viewer } from "./viewer";
@@ -16,8 +16,6 @@ export const stale = signal<Staleness>(null);
 const LOOK_EVERY = 10000;
 let stop_keeping = () => {};
 let abort = new AbortController();
-
-const words = (error: unknown) => (error instanceof ServerError ? error.message : String(error));
 
 async function load_grids(): Promise<void> {
   grids.value = await list_grids();
@@ -52,7 +50,7 @@ async function open(id: string): Promise<void> {
     stop_keeping = keep_address(next);
   } catch (error) {
     if (signal.aborted) return;
-    trouble.value = error instanceof ServerError && error.status === 404 ? `There is no grid “${id}” here.` : `“${id}” can't be opened: ${words(error)}`;
+    trouble.value = error instanceof ServerError && error.status === 404 ? `There is no grid “${id}” here.` : `“${id}” can't be opened: ${words_of(error)}`;
   }
   opening.value = null;
 }
@@ -87,7 +85,7 @@ async function look(): Promise<void> {
   try {
     await load_grids();
   } catch (error) {
-    if (!viewer.value && !opening.value && grids.value === null) trouble.value = `The list of grids can't be read: ${words(error)}`;
+    if (!viewer.value && !opening.value && grids.value === null) trouble.value = `The list of grids can't be read: ${words_of(error)}`;
   }
 }
 

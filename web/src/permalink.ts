@@ -1,6 +1,6 @@
 // The state of the page in its address, behind '#', so that a link shows what its sender saw and the server never reads it.
-// Short and readable: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&hide=0,3 ... Only what differs from the start
-// is in it. Numbers are written so that they come back as they were.
+// Readable: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&layout=z ... Besides where it looks, only what differs from the
+// start is in it. Numbers are written so that they come back as they were.
 import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "./api";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
@@ -20,8 +20,8 @@ const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", 
 
 const hex = (color: readonly number[]) => color.map((c) => c.toString(16).padStart(2, "0")).join("");
 
-// What stands in the address goes into the viewer; what is missing or makes no sense stays as it is. True when it says where to look.
-export function read_address(viewer: Viewer): boolean {
+// What stands in the address goes into the viewer; what is missing or makes no sense stays as it is.
+export function read_address(viewer: Viewer): void {
   const query = new URLSearchParams(location.hash.slice(1));
   const look = numbers(query.get("look"), 3);
   const zoom = numbers(query.get("zoom"), 1);
@@ -64,7 +64,6 @@ export function read_address(viewer: Viewer): boolean {
     }
     viewer.looks.value = looks;
   });
-  return look !== null && zoom !== null;
 }
 
 export function address_of(viewer: Viewer): string {

@@ -2,7 +2,7 @@
 // to each other through it alone; nothing here touches the document.
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
 import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "./api";
-import { Axis, FRAMES } from "./axis";
+import { Axis } from "./axis";
 import { type MaterialLook, initial_looks } from "./materials";
 
 export type Layout = "four" | "x" | "y" | "z" | "3d";
@@ -148,15 +148,14 @@ export class Viewer {
   }
 
   // Looks at a box of cells so that it fills about 0.8 of a view of this many CSS pixels.
-  go_to_box(box: Box, pixels = 480): void {
+  go_to_box(box: Box): void {
     const low = (d: AxisIndex) => this.axes[d].plane(box[d]);
     const high = (d: AxisIndex) => this.axes[d].plane(box[d + 3]!);
     const size = Math.max(high(0) - low(0), high(1) - low(1), high(2) - low(2));
     batch(() => {
       this.go_to([(low(0) + high(0)) / 2, (low(1) + high(1)) / 2, (low(2) + high(2)) / 2]);
-      if (size > 0) this.zoom.value = (0.8 * pixels) / size;
+      if (size > 0) this.zoom.value = (0.8 * 480) / size;
     });
   }
 }
 
-export { FRAMES };

@@ -1,7 +1,7 @@
 // The 3D overview: mounts into an element, follows the viewer's signals, and takes itself away again. It is loaded when first shown, with
 // three.js; nothing else of the page may import it but by import().
 import { effect, untracked } from "@preact/signals";
-import { ServerError } from "../api";
+import { words_of } from "../api";
 import type { Viewer } from "../viewer";
 import { load_bodies } from "./body_source";
 import { HOME, type Orbit, basis, between, fitted, straight } from "./camera";
@@ -129,7 +129,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
       stage.planes.set_picture(axis, picture);
       follow_later();
     },
-    (error) => chrome.say(`The slices could not be loaded: ${words(error)}.`, () => slices.update()),
+    (error) => chrome.say(`The slices could not be loaded: ${words_of(error)}.`, () => slices.update()),
   );
   const bring_bodies = () => {
     chrome.root.dataset.state = "loading";
@@ -150,7 +150,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
         if (abort.signal.aborted) return;
         chrome.busy("");
         chrome.root.dataset.state = "failed";
-        chrome.say(`The bodies could not be loaded: ${words(error)}.`, bring_bodies);
+        chrome.say(`The bodies could not be loaded: ${words_of(error)}.`, bring_bodies);
       });
   };
 
@@ -249,4 +249,3 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   };
 }
 
-const words = (error: unknown): string => (error instanceof ServerError || error instanceof Error ? error.message : String(error));

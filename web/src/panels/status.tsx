@@ -1,6 +1,6 @@
 // The connection, how long answers take (here and on the server), what is kept in memory. Asked for every two seconds while shown.
 import { useEffect, useState } from "preact/hooks";
-import { ServerError, get } from "../api";
+import { get, words_of } from "../api";
 import { connection } from "../connection";
 import { bytes_text, clock, grouped, milliseconds, percent } from "../format";
 import type { Viewer } from "../viewer";
@@ -37,7 +37,7 @@ function use_moments(): { moments: readonly Moment[]; error: string | null } {
         set_moments((list) => [...list.slice(1 - KEPT), next]);
         set_error(null);
       } catch (problem) {
-        if (!abort.signal.aborted) set_error(problem instanceof ServerError ? problem.message : String(problem));
+        if (!abort.signal.aborted) set_error(words_of(problem));
       }
     };
     void ask();

@@ -140,27 +140,16 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
     view.pointer = null;
     stage.invalidate();
   };
-  const on_focus = () => (stage.active = axis);
-  const on_double = () => toggle_layout(viewer, axis);
 
-  body.addEventListener("wheel", on_wheel, { passive: false });
-  body.addEventListener("pointerdown", on_down);
-  body.addEventListener("pointermove", on_move);
-  body.addEventListener("pointerup", on_up);
-  body.addEventListener("pointercancel", on_up);
-  body.addEventListener("pointerleave", on_leave);
-  body.addEventListener("contextmenu", on_menu);
-  body.addEventListener("dblclick", on_double);
-  body.addEventListener("focus", on_focus);
-  return () => {
-    body.removeEventListener("wheel", on_wheel);
-    body.removeEventListener("pointerdown", on_down);
-    body.removeEventListener("pointermove", on_move);
-    body.removeEventListener("pointerup", on_up);
-    body.removeEventListener("pointercancel", on_up);
-    body.removeEventListener("pointerleave", on_leave);
-    body.removeEventListener("contextmenu", on_menu);
-    body.removeEventListener("dblclick", on_double);
-    body.removeEventListener("focus", on_focus);
-  };
+  const stop = new AbortController();
+  const { signal } = stop;
+  body.addEventListener("wheel", on_wheel, { passive: false, signal });
+  body.addEventListener("pointerdown", on_down, { signal });
+  body.addEventListener("pointermove", on_move, { signal });
+  for (const end of ["pointerup", "pointercancel"] as const) body.addEventListener(end, on_up, { signal });
+  body.addEventListener("pointerleave", on_leave, { signal });
+  body.addEventListener("contextmenu", on_menu, { signal });
+  body.addEventListener("dblclick", () => toggle_layout(viewer, axis), { signal });
+  body.addEventListener("focus", () => (stage.active = axis), { signal });
+  return () => stop.abort();
 }
