@@ -2,6 +2,7 @@
 // labels of themselves ("labels/material"), with names and colours, for clients that tell images from labels.
 //
 // Its metadata is consolidated: nothing can be listed over HTTP.
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "server/blocks.hpp"
@@ -63,7 +64,7 @@ Documents nodes(const ServedGrid& grid) {
   add_levels("");
   out.emplace_back(kLabels, [] { return group({{"version", "0.5"}, {"labels", {"material"}}}); });
   out.emplace_back(kMaterial, [&grid] { return label_group(grid); });
-  add_levels(std::string(kMaterial) + "/");
+  add_levels(fmt::format("{}/", kMaterial));
   return out;
 }
 
