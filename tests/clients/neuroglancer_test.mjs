@@ -37,7 +37,7 @@ async function wait_for(page, size) {
     const chunks = [...viewer.dataContext.chunkManager.memoize.map.values()].filter((source) => source.spec?.upperVoxelBound)
       .filter(({ spec }) => spec.upperVoxelBound.every((n, i) => n - spec.lowerVoxelBound[i] === size[i])).flatMap((source) => [...source.chunks.values()]);
     return chunks.length > 0 && viewer.layerManager.managedLayers[0].isReady() && viewer.isReady();
-  }, size, { timeout: 20000 });
+  }, size, { timeout: 60000 });
 }
 
 // All that was decoded: of each volume its size and chunks; of each chunk the place and size of the part that lies in the
@@ -121,7 +121,7 @@ for (const [grid, info] of Object.entries(grids)) {
       const label = ([x, y, z]) => data[(z * ny + y) * nx + x];
       const { page, errors } = await browser.open(`neuroglancer/neuroglancer.html#!${encodeURIComponent(JSON.stringify(state(grid, source(grid), space, at)))}`);
       await wait_for(page, cells);
-      assert.ok((await screenshot(page, `neuroglancer-${protocol}-${grid}`)) > 100, "the picture is blank");
+      assert.ok((await screenshot(page, `neuroglancer-${protocol}-${grid}`)).length > 100, "the picture is blank");
 
       const places = cells_in_view(at, cells);
       assert.ok(places.length > 100);

@@ -53,14 +53,14 @@ export async function open_browser() {
   };
 }
 
-// Takes a screenshot and returns its number of different colours.
+// Takes a screenshot and returns its colours, as RGBA in little endian.
 export async function screenshot(page, name) {
   const png = await page.screenshot({ path: join(folder, `${name}.png`) });
   return page.evaluate(async (url) => {
     const picture = await createImageBitmap(await (await fetch(url)).blob());
     const context = new OffscreenCanvas(picture.width, picture.height).getContext("2d");
     context.drawImage(picture, 0, 0);
-    return new Set(new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer)).size;
+    return [...new Set(new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer))];
   }, `data:image/png;base64,${png.toString("base64")}`);
 }
 

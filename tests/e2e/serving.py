@@ -43,11 +43,11 @@ class Server:
 
     def log_line(self):
         """The next one, which must come within a second or so."""
-        return self.queue.get(timeout=5)
+        return self.queue.get(timeout=20)
 
     def problem(self):
         """The next line that is none of the access log's."""
-        while LINE.fullmatch(line := self.queue.get(timeout=5)):
+        while LINE.fullmatch(line := self.queue.get(timeout=20)):
             pass
         return line
 

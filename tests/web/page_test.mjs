@@ -22,7 +22,7 @@ test("a link shows the same picture to whoever opens it", async () => {
   await page.getByRole("button", { name: `Show ${info_of("stadium").materials[3].name}` }).click();
   await page.keyboard.press("o");
   await settled(page);
-  await page.waitForTimeout(400); // the address follows a little later
+  await page.waitForFunction(() => location.hash.includes("outline=1")); // the address follows a little later
   const address = page.url();
   const names = ["cell", "centre", "zoom", "pinned", "show_outline", "looks"];
   const before = { pixels: await all_pixels(page), state: await Promise.all(names.map((n) => state(page, n))) };
@@ -255,7 +255,7 @@ test("the overview in three dimensions is there, and is not blank", async () => 
   const canvas = page.locator('[data-view="3d"] canvas').first();
   await canvas.waitFor();
   let colors = 0;
-  for (let n = 0; n < 40 && colors < 100; ++n) {
+  for (let n = 0; n < 120 && colors < 100; ++n) {
     await page.waitForTimeout(250);
     colors = new Set((await screenshot(page, "overview")).data).size;
   }

@@ -16,7 +16,7 @@ async function copy_text(text: string): Promise<void> {
   if (!done) throw new Error("the browser refused");
 }
 
-export function CopyButton({ text, what, label }: { text: string | (() => string); what: string; label?: string }) {
+export function CopyButton({ text, what, label, disabled = false }: { text: string | (() => string); what: string; label?: string; disabled?: boolean }) {
   const [copied, set_copied] = useState(false);
   const copy = async () => {
     try {
@@ -28,7 +28,7 @@ export function CopyButton({ text, what, label }: { text: string | (() => string
     }
   };
   return (
-    <button class={label ? "button" : "icon-button"} title={`Copy ${what}`} aria-label={`Copy ${what}`} onClick={copy}>
+    <button class={label ? "button" : "icon-button"} title={`Copy ${what}`} aria-label={`Copy ${what}`} onClick={copy} disabled={disabled}>
       <Icon name={copied ? "done" : "copy"} />
       {label && <span>{copied ? "Copied" : label}</span>}
     </button>

@@ -11,6 +11,7 @@ import { run_at, run_text, runs_csv } from "./runs";
 export interface ProfilesAnswer {
   columns: readonly (Column | null)[];
   material: number | null; // of the cell
+  complete: boolean; // whether all are those of the cell: while it moves, some stay from before
   error: string | null;
 }
 
@@ -28,6 +29,7 @@ export function use_profiles(viewer: Viewer, cell: Index3): ProfilesAnswer {
   return {
     columns: answers.map((a) => a.value),
     material: runs ? runs[run_at(runs, cell[fresh!])]!.material : null,
+    complete: AXES.every((d) => answers[d]!.path === wanted[d]),
     error: answers.find((a) => a.error)?.error ?? null,
   };
 }
@@ -44,7 +46,7 @@ export function Profiles({ viewer, cell, profiles }: { viewer: Viewer; cell: Ind
           {run ? run_text(run, viewer.axes[pointed.axis], viewer.info.units) : profiles.error}
         </span>
         <span class="dock-actions">
-          <CopyButton what="the runs of the three columns as CSV" text={() => runs_csv(columns, viewer.info.units)} />
+          <CopyButton what="the runs of the three columns as CSV" text={() => runs_csv(columns, viewer.info.units)} disabled={!profiles.complete} />
         </span>
       </h2>
       {AXES.map((d) => (
