@@ -110,7 +110,10 @@ test("a server with a token: the page comes, asks for it, and bears it", async (
   await field.fill("wrong");
   await page.getByRole("button", { name: "Open" }).click();
   await page.getByText("The server refused this token.").waitFor();
-  await field.fill("open-sesame");
+  await field.fill("“open-sesame”");
+  await page.getByText("this one has U+201C").waitFor();
+  assert.ok(await page.getByRole("button", { name: "Open" }).isDisabled());
+  await field.fill(" open-sesame ");
   await page.getByRole("button", { name: "Open" }).click();
   await settled(page);
   await page.reload();
@@ -119,6 +122,14 @@ test("a server with a token: the page comes, asks for it, and bears it", async (
   const other = await open_page(browser, guarded.url, { context: page.context(), expected: (url, status) => status === 401 });
   await other.getByLabel("Access token").waitFor(); // another doesn't
   assert.deepEqual(other.errors, []);
+  // Frames of other sites may have no storage: the page knows the token until it is left.
+  const frame = await open_page(browser, "about:blank", { expected: (url, status) => status === 401 });
+  await frame.addInitScript(() => Object.defineProperty(window, "sessionStorage", { get: () => { throw new DOMException("denied", "SecurityError"); } }));
+  await frame.goto(guarded.url);
+  await frame.getByLabel("Access token").fill("open-sesame");
+  await frame.getByRole("button", { name: "Open" }).click();
+  await settled(frame);
+  await close(frame);
   await close(page);
   assert.deepEqual(await guarded.stop(), []);
 });
@@ -149,6 +160,22 @@ test("the server goes away: what is on screen stays, the page says so, and goes 
   await close(other);
   await close(page);
   assert.deepEqual(await mortal.stop(), []);
+});
+
+test("a busy server is asked again", async () => {
+  const page = await open_page(browser, "about:blank", { expected: (url, status) => status === 503 });
+  const refused = new Set();
+  await page.route(/\/api\/v1\/grids\/stadium(\/stats.*)?$/, (route) => {
+    const url = route.request().url();
+    if (refused.has(url)) return route.continue();
+    refused.add(url);
+    return route.fulfill({ status: 503, json: { error: { code: "busy", message: "too much to do" } } });
+  });
+  await page.goto(`${server.url}#g=stadium`);
+  await settled(page);
+  await page.getByText("all cells").waitFor();
+  assert.equal(refused.size, 2);
+  await close(page);
 });
 
 test("a damaged file: what can't be read is hatched and said, the rest is there", async () => {

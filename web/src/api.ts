@@ -1,6 +1,6 @@
 // What the server says, typed, and the one way to ask for it. Addresses are relative to the page: it may lie under any base path.
 import { signal } from "@preact/signals";
-import { not_reached, reached } from "./connection";
+import { ask_again, doubt, not_reached, reached } from "./connection";
 import { say } from "./toasts";
 
 export type Index3 = [number, number, number];
@@ -124,21 +124,39 @@ async function error_of(response: Response): Promise<ServerError> {
 }
 
 // A server may ask for a token (--token-file). The page itself comes without one, as browsers send none when they open it, and
-// then asks: the field is shown while `token_wanted`, and hands what is typed to give_token(). It is kept for this tab alone.
+// then asks: the field is shown while `token_wanted`, and hands what is typed to give_token(). It is kept for this tab alone, and
+// where storage is forbidden (frames of other sites) for this page.
 export const token_wanted = signal(false);
 const token_key = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may lie under another path
 
-function headers(): Record<string, string> {
-  const token = sessionStorage.getItem(token_key());
-  return token ? { authorization: `Bearer ${token}` } : {};
+function remembered(): string | null {
+  try {
+    return sessionStorage.getItem(token_key());
+  } catch {
+    return null;
+  }
+}
+let token = remembered();
+export const has_token = (): boolean => token !== null;
+
+// Why this can't be a token, if so: a field of HTTP takes visible ASCII characters.
+export function fault_of_token(text: string): string | null {
+  const odd = [...text].find((c) => c < "!" || c > "~");
+  if (odd === undefined) return null;
+  const code = odd.codePointAt(0)!.toString(16).toUpperCase().padStart(4, "0");
+  return `A token has neither spaces nor letters beyond ASCII; this one has U+${code}.`;
 }
 
-export const has_token = (): boolean => sessionStorage.getItem(token_key()) !== null;
-
-// The page begins anew: whatever was refused is asked for again, and the address has the state.
-export function give_token(token: string): void {
-  sessionStorage.setItem(token_key(), token.trim());
-  location.reload();
+// Whatever was refused is asked for again.
+export function give_token(text: string): void {
+  token = text;
+  try {
+    sessionStorage.setItem(token_key(), text);
+  } catch {
+    // nothing to remember it with
+  }
+  token_wanted.value = false;
+  ask_again();
 }
 
 // The file behind a grid was replaced: an address with the old version has nothing any more. Counts up.
@@ -155,15 +173,21 @@ function noted(error: ServerError, path: string): ServerError {
   return error;
 }
 
+const SLOW = 10_000; // milliseconds without an answer after which a server may be gone without a word
+
 // Fetches an address below the server's root. Throws ServerError, or AbortError when the signal says so.
 export async function get(path: string, options: { signal?: AbortSignal; priority?: "high" | "low" | "auto" } = {}): Promise<Response> {
+  const headers: HeadersInit = token === null ? {} : { authorization: `Bearer ${token}` };
+  const timer = setTimeout(() => void doubt(), SLOW);
   let response: Response;
   try {
-    response = await fetch(path, { ...options, headers: headers() });
+    response = await fetch(path, { ...options, headers });
   } catch (error) {
     if (options.signal?.aborted) throw error;
     not_reached();
     throw new ServerError(0, "unreachable", "the server can't be reached");
+  } finally {
+    clearTimeout(timer);
   }
   // A server in front answers 502 or 504 for one that is gone.
   if (response.status === 502 || response.status === 504) not_reached();
@@ -172,8 +196,20 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
   return response;
 }
 
+const BUSY_FIRST = 1000;
+const BUSY_LONGEST = 15_000;
+
+// With a signal, what a busy server refuses (503) is asked for again, later and later, until nobody wants it any more.
 export async function get_json<T>(path: string, signal?: AbortSignal): Promise<T> {
-  return (await (await get(path, signal ? { signal } : {})).json()) as T;
+  for (let wait = BUSY_FIRST; ; wait = Math.min(2 * wait, BUSY_LONGEST)) {
+    try {
+      return (await (await get(path, signal ? { signal } : {})).json()) as T;
+    } catch (error) {
+      if (!signal || !(error instanceof ServerError && error.status === 503)) throw error;
+    }
+    await new Promise((done) => setTimeout(done, wait));
+    signal.throwIfAborted();
+  }
 }
 
 // Addresses of one grid. Those with its version may be kept for ever by the browser.

@@ -6,6 +6,7 @@ export class Axis {
   readonly min: number;
   readonly max: number;
   readonly graded: boolean;
+  readonly finest: number; // the width of the thinnest cell
   private readonly planes: Float64Array | null;
 
   constructor(
@@ -17,6 +18,7 @@ export class Axis {
     this.cells = json.type === "graded" ? json.planes.length - 1 : json.cells;
     this.min = this.plane(0);
     this.max = this.plane(this.cells);
+    this.finest = this.planes ? this.planes.reduce((least, plane, i, all) => (i > 0 ? Math.min(least, plane - all[i - 1]!) : least), Number.POSITIVE_INFINITY) : (this.max - this.min) / this.cells;
   }
 
   // Cell i lies between plane(i) and plane(i + 1).
@@ -49,6 +51,17 @@ export class Axis {
       else low = middle;
     }
     return low;
+  }
+
+  // The cell that stands for all of [low, high), -1 when none does: the one in the middle, unless it is wider than that while others
+  // lie whole within. Then the middle one of those: thin cells are not passed over, nor is a domain thinner than a pixel.
+  cell_among(low: number, high: number): number {
+    const middle = this.cell_at((low + high) / 2);
+    const inside = middle >= 0 && middle < this.cells;
+    if (inside && !this.graded) return middle;
+    const [before, after] = [this.cell_at(low), this.cell_at(high)];
+    if (!inside) return before < 0 && after >= this.cells ? (this.cells - 1) >> 1 : -1;
+    return (middle === before || middle === after) && after - before >= 2 ? (before + after) >> 1 : middle;
   }
 
   clamp(i: number): number {

@@ -21,7 +21,7 @@ export function reached(): void {
   clearTimeout(timer);
   next_try.value = null;
   connection.value = { state: "there", since: Date.now() };
-  ++returned.value;
+  ask_again();
 }
 
 export function not_reached(): void {
@@ -38,17 +38,28 @@ function schedule(): void {
 }
 
 // A server in front may answer for one that is gone: only a healthy answer counts.
+async function is_healthy(): Promise<boolean> {
+  try {
+    return (await fetch("healthz", { cache: "no-store", signal: AbortSignal.timeout(10000) })).ok;
+  } catch {
+    return false;
+  }
+}
+
 export async function try_now(): Promise<void> {
   clearTimeout(timer);
   next_try.value = null;
-  try {
-    const response = await fetch("healthz", { cache: "no-store", signal: AbortSignal.timeout(10000) });
-    if (response.ok) return reached();
-  } catch {
-    // not yet
-  }
+  if (await is_healthy()) return reached();
   if (connection.value.state === "lost") schedule();
 }
+
+// An answer takes very long: it may be large, or the server gone without a word.
+export async function doubt(): Promise<void> {
+  if (connection.value.state === "there" && !(await is_healthy())) not_reached();
+}
+
+// Whoever waits for data asks again.
+export const ask_again = () => void ++returned.value;
 
 // The browser knows before any request does.
 export function watch_network(): void {

@@ -75,7 +75,7 @@ export async function start_page(): Promise<void> {
   if (grid_in_address()) follow_address();
   await look();
   if (!viewer.value && !opening.value && !trouble.value) follow_address();
-  setInterval(() => document.visibilityState === "visible" && connection.value.state === "there" && void look(), LOOK_EVERY);
+  setInterval(() => document.visibilityState === "visible" && connection.value.state === "there" && void (grids.value ? look() : look_again()), LOOK_EVERY);
   effect(() => {
     if (version_gone.value + returned.value > 0) void look_again();
   });

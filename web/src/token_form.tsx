@@ -1,13 +1,15 @@
 // Asks for the token of a server that wants one.
 import { useState } from "preact/hooks";
-import { give_token, has_token } from "./api";
+import { fault_of_token, give_token, has_token } from "./api";
 import { Mark } from "./header";
 
 export function TokenForm() {
   const [text, set_text] = useState("");
+  const token = text.trim();
+  const fault = fault_of_token(token);
   const open = (event: Event) => {
     event.preventDefault();
-    if (text.trim()) give_token(text);
+    if (token && !fault) give_token(token);
   };
   return (
     <main class="token-page">
@@ -20,9 +22,10 @@ export function TokenForm() {
           Access token
           <input type="password" name="token" autocomplete="current-password" autofocus value={text} onInput={(e) => set_text(e.currentTarget.value)} />
         </label>
-        <button class="button primary" type="submit" disabled={!text.trim()}>
+        <button class="button primary" type="submit" disabled={!token || fault !== null}>
           Open
         </button>
+        {fault && <p role="alert">{fault}</p>}
         <p class="note">It is kept in this tab only, until the tab is closed.</p>
       </form>
     </main>

@@ -32,3 +32,15 @@ test("planes and centres have the roundings of the cell rule", () => {
   assert.equal(graded.centre(4), 0.2 + 0.25 * (8 - 0.2));
   assert.ok(graded.graded && !uniform.graded);
 });
+
+test("cells thinner than what is looked at are not passed over, nor is a domain", () => {
+  assert.equal(graded.cell_among(-0.05, 0.31), 3, "0.13 lies in cell 3");
+  assert.equal(graded.cell_among(-1.4, 0.3), 2, "the middle lies in a wide cell, two thin ones within");
+  assert.equal(graded.cell_among(-1.4, -0.2), 1);
+  assert.equal(graded.cell_among(-500, 100), 3 - 1, "the middle lies outside, all cells within");
+  assert.equal(graded.cell_among(-500, 5), -1, "most is outside");
+  assert.equal(uniform.cell_among(-1e6, 2e6), 499);
+  assert.equal(uniform.cell_among(uniform.plane(10), uniform.plane(13)), 11);
+  assert.equal(graded.finest, 0.2 - 0.1);
+  assert.ok(Math.abs(uniform.finest - 0.1) < 1e-12);
+});

@@ -25,7 +25,7 @@ test("a place on the view and back", () => {
   }
 });
 
-test("every sample is the cell that holds its coordinate, and none outside the grid; those in sight are seen", () => {
+test("every sample is the cell that holds its middle, or one whole within it, and none outside the grid; those in sight are seen", () => {
   for (let i = 0; i < 60; ++i) {
     const camera = random_camera();
     for (const each of [1, 2] as const) {
@@ -33,9 +33,13 @@ test("every sample is the cell that holds its coordinate, and none outside the g
       const seen = camera.seen();
       const check = (cells: Int32Array, axis: Axis, coordinate: (pixels: number) => number, from: number, to: number) =>
         cells.forEach((cell, s) => {
-          const at = coordinate((s + 0.5) / (each * camera.ratio));
-          if (cell < 0) assert.ok(at < axis.min || at >= axis.max);
-          else assert.ok(axis.plane(cell) <= at && at < axis.plane(cell + 1) && cell >= from && cell < to);
+          const [one, at, other] = [s, s + 0.5, s + 1].map((x) => coordinate(x / (each * camera.ratio))) as [number, number, number];
+          const [low, high] = [Math.min(one, other), Math.max(one, other)];
+          if (cell < 0) assert.ok((at < axis.min || at >= axis.max) && (low > axis.min || high < axis.max));
+          else {
+            const [left, right] = [axis.plane(cell), axis.plane(cell + 1)];
+            assert.ok(((left <= at && at < right) || (low <= left && right <= high)) && cell >= from && cell < to);
+          }
         });
       check(columns, camera.across, (x) => camera.u_at(x), seen.u0, seen.u1);
       check(rows, camera.up, (y) => camera.v_at(y), seen.v0, seen.v1);

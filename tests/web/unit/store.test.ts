@@ -107,7 +107,7 @@ test("it holds a number of bytes: what was not used for longest goes first", asy
 test("what failed is tried again after a while, or when the server is back; what is damaged is told so", async () => {
   const s = new Server({ retry_ms: 20, retry_most_ms: 1_000_000 });
   s.want([1, 2]);
-  await s.open.get("1")!.answer(new ServerError(0, "unreachable", "the server can't be reached"));
+  await s.open.get("1")!.answer(new TypeError("the connection ended within the answer"));
   await s.open.get("2")!.answer(new ServerError(500, "damaged", "a chunk is damaged"));
   assert.deepEqual([s.store.is_damaged(place(1)), s.store.is_damaged(place(2))], [false, true]);
   assert.deepEqual([s.counters.failed.value, s.counters.damaged.value], [1, 1]);

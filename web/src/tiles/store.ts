@@ -70,8 +70,10 @@ export class TileStore {
     this.pump();
   }
 
-  // Tries at once what failed: the server is back.
+  // Tries at once what failed, and what may never come: the server is back.
   retry(): void {
+    for (const { abort } of this.flights.values()) abort.abort();
+    this.flights.clear();
     this.failures.clear();
     this.pump();
     this.on_change();
@@ -163,7 +165,8 @@ export class TileStore {
 
   private fail(name: string, error: unknown): void {
     const count = (this.failures.get(name)?.count ?? 0) + 1;
-    const damaged = error instanceof ServerError ? error.status === 500 : true;
+    // Bytes that are no tile are as bad as an answer that says so; a connection that ends within them (TypeError) is not.
+    const damaged = error instanceof ServerError ? error.status === 500 : !(error instanceof TypeError);
     const wait = damaged ? this.limits.retry_most_ms : Math.min(this.limits.retry_ms * 2 ** (count - 1), this.limits.retry_most_ms);
     this.failures.set(name, { count, until: performance.now() + wait, damaged });
   }

@@ -59,17 +59,11 @@ export interface SampleCells {
 }
 
 export function sample_cells(camera: Camera, each: 1 | 2): SampleCells {
-  const line = (axis: Axis, pixels: number, coordinate: (x: number) => number) => {
-    const cells = new Int32Array(pixels * each);
-    for (let i = 0; i < cells.length; ++i) {
-      const cell = axis.cell_at(coordinate((i + 0.5) / (each * camera.ratio)));
-      cells[i] = cell >= axis.cells ? -1 : cell;
-    }
-    return cells;
-  };
+  const samples = each * camera.ratio; // a CSS pixel
+  const [width, height] = [Math.round(camera.width * camera.ratio) * each, Math.round(camera.height * camera.ratio) * each];
   return {
-    columns: line(camera.across, Math.round(camera.width * camera.ratio), (x) => camera.u_at(x)),
-    rows: line(camera.up, Math.round(camera.height * camera.ratio), (y) => camera.v_at(y)),
+    columns: Int32Array.from({ length: width }, (_, i) => camera.across.cell_among(camera.u_at(i / samples), camera.u_at((i + 1) / samples))),
+    rows: Int32Array.from({ length: height }, (_, i) => camera.up.cell_among(camera.v_at((i + 1) / samples), camera.v_at(i / samples))),
     each,
   };
 }
@@ -90,7 +84,7 @@ export function fitting_zoom(axes: readonly [Axis, Axis, Axis], views: readonly 
 
 // From a grid that is a tenth of the view to cells as large as a thumb.
 export function clamped_zoom(zoom: number, axes: readonly [Axis, Axis, Axis], fitting: number): number {
-  const finest = Math.min(...axes.map((a) => (a.max - a.min) / a.cells));
+  const finest = Math.min(...axes.map((a) => a.finest));
   return Math.min(Math.max(zoom, fitting / 10), Math.max(LARGEST_CELL / finest, fitting));
 }
 
