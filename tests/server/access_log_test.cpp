@@ -4,9 +4,9 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <future>
-#include <regex>
 #include <sstream>
 #include <thread>
 
@@ -90,9 +90,10 @@ TEST_CASE("lines and notes are written with the time in front, all of them when 
     log.note("a note");
     log.write({"::1", "GET", "/b", 200, 1, 1, "x"});
   }
-  const std::string out = pipe.rest();
-  const std::regex lines(R"((\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z) ::1 GET /a 200 1 1\.000 x\nteracell: a note\n\S+Z ::1 GET /b 200 1 1\.000 x\n)");
-  CHECK(std::regex_match(out, lines));
+  std::string out = pipe.rest();
+  std::ranges::replace_if(out, [](char c) { return c >= '0' && c <= '9'; }, '0');
+  const std::string time = "0000-00-00T00:00:00.000Z";
+  CHECK(out == time + " ::0 GET /a 000 0 0.000 x\nteracell: a note\n" + time + " ::0 GET /b 000 0 0.000 x\n");
 }
 
 TEST_CASE("notes are written without a log of requests, and as JSON in a JSON log", "[server][log]") {
