@@ -32,10 +32,11 @@ void save_checkpoint(const Checkpoint& c, const std::filesystem::path& output) {
   put_varint(out, c.identity.size());
   out.insert(out.end(), c.identity.begin(), c.identity.end());
   for (const uint64_t n : {c.units, c.totals.crossings, c.totals.exact_decisions, uint64_t{c.totals.cells.size()}}) put_varint(out, n);
-  for (const unsigned __int128 n : c.totals.cells) {
-    put_fixed(out, static_cast<uint64_t>(n));
-    put_fixed(out, static_cast<uint64_t>(n >> 64));
-  }
+  for (const auto* counts : {&c.totals.cells, &c.totals.covered})
+    for (const unsigned __int128 n : *counts) {
+      put_fixed(out, static_cast<uint64_t>(n));
+      put_fixed(out, static_cast<uint64_t>(n >> 64));
+    }
   put_varint(out, c.writers.size());
   out.insert(out.end(), c.writers.begin(), c.writers.end());
   put_fixed(out, checksum(out));
@@ -66,10 +67,13 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   c.units = in.varint();
   c.totals.crossings = in.varint();
   c.totals.exact_decisions = in.varint();
-  c.totals.cells.resize(in.varint(0, in.remaining() / 16, "bodies"));
-  for (unsigned __int128& n : c.totals.cells) {
-    n = in.fixed<uint64_t>();
-    n |= static_cast<unsigned __int128>(in.fixed<uint64_t>()) << 64;
+  const uint64_t bodies = in.varint(0, in.remaining() / 32, "bodies");
+  for (auto* counts : {&c.totals.cells, &c.totals.covered}) {
+    counts->resize(bodies);
+    for (unsigned __int128& n : *counts) {
+      n = in.fixed<uint64_t>();
+      n |= static_cast<unsigned __int128>(in.fixed<uint64_t>()) << 64;
+    }
   }
   const auto writers = in.take(in.varint());
   c.writers.assign(writers.begin(), writers.end());

@@ -40,6 +40,7 @@ Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& stren
       label_(label.size() + 1, 0),
       body_(label.size()),
       cells_(label.size()),
+      covered_(label.size()),
       counter_(layers_.size(), 0),
       inside_(strength.size(), 0),
       active_(strength.size() / 64 + 1, 0) {
@@ -59,7 +60,9 @@ void Composer::step(uint64_t crossing) {
   if (was == is) return;
   open_ += is ? 1 : -1;
   int& inside = inside_[layer.body];
+  const bool body_was = inside > 0;
   inside += is ? 1 : -1;
+  overlap_ += (inside > 0) - body_was;
   const uint32_t s = strength_[layer.body];
   const uint64_t bit = uint64_t{1} << (s % 64);
   active_[s / 64] = inside > 0 ? active_[s / 64] | bit : active_[s / 64] & ~bit;
@@ -70,6 +73,17 @@ uint32_t Composer::top() const {
   for (size_t w = 0; w < active_.size(); ++w)
     if (active_[w] != 0) return static_cast<uint32_t>(64 * w + std::countr_zero(active_[w]));
   return static_cast<uint32_t>(body_.size());
+}
+
+void Composer::count(uint32_t cells) {
+  if (overlap_ == 0 || cells == 0) return;
+  uint32_t s = top();
+  cells_[body_[s]] += cells;
+  for (int weaker = overlap_ - 1; weaker > 0;)
+    if (const uint64_t bit = ++s; active_[bit / 64] >> (bit % 64) & 1) {
+      covered_[body_[s]] += cells;
+      --weaker;
+    }
 }
 
 void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out) {
@@ -128,19 +142,14 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
 
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
   sets_.assign(1, 0);
-  auto owner = static_cast<uint32_t>(body_.size());  // the strength of the current owner, and its first cell
   uint32_t since = 0;
-  const auto settle = [&](uint32_t until) {
-    if (owner < body_.size()) cells_[body_[owner]] += until - since;
-  };
   for (size_t i = 0; i < all.size();) {
-    const uint32_t cell = Crossing::cell(all[i]);
+    const uint32_t cell = Crossing::cell(all[i]), until = std::min(cell, length);
+    count(until - since);
+    since = until;
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i]);
     if (cell >= length) continue;
-    settle(cell);
-    owner = top();
-    since = cell;
-    const Label label = label_[owner];
+    const Label label = label_[top()];
     if (cell == 0) {
       sets_[0] = label;
     } else if (label != sets_.back()) {
@@ -148,7 +157,7 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
       *at++ = cell;
     }
   }
-  settle(length);
+  count(length - since);
   pattern = patterns.intern(sets_);
   return open_;
 }

@@ -24,8 +24,9 @@ class Composer {
   // Turns the crossings of a tile of nu x nv rays of `length` cells into runs; sorts them on the way. Every layer's
   // surface is closed, so its counter is back at zero where the ray ends: anything else throws Error.
   void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
-  // Of each body: how many cells it owned since the last call.
+  // Of each body, since the last call: how many cells it owned, and how many in it stronger bodies owned.
   std::vector<unsigned __int128> take_cells() { return std::exchange(cells_, std::vector<unsigned __int128>(cells_.size())); }
+  std::vector<unsigned __int128> take_covered() { return std::exchange(covered_, std::vector<unsigned __int128>(covered_.size())); }
 
  private:
   struct Alternating {
@@ -36,16 +37,18 @@ class Composer {
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   void step(uint64_t crossing);
   uint32_t top() const;
+  void count(uint32_t cells);  // that lie in the bodies that are inside now
 
   std::vector<Layer> layers_;
   std::vector<uint32_t> strength_;  // of each body
   std::vector<Label> label_;        // by strength; last of all that of the background
   std::vector<uint32_t> body_;      // by strength
-  std::vector<unsigned __int128> cells_;
+  std::vector<unsigned __int128> cells_, covered_;
   std::vector<int> counter_;        // of each layer
   std::vector<int> inside_;         // of each body: layers that are inside
   std::vector<uint64_t> active_;    // bit s: the body of strength s is inside
   int open_ = 0;                    // layers that are inside
+  int overlap_ = 0;                 // bodies that are inside
   std::vector<SetId> sets_;
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]
 };

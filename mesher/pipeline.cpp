@@ -118,6 +118,7 @@ class MeshRun {
 
   void open_output() {
     totals_.cells.resize(scene_.bodies.size());
+    totals_.covered.resize(scene_.bodies.size());
     identity_ = identity();
     std::optional<Checkpoint> before;
     if (options_.resume) before = load_checkpoint(output_, identity_);

@@ -33,7 +33,8 @@ double longest_side(const Grid& grid) {
   return longest;
 }
 
-ordered_json body_report(const SceneBody& body, const BodyFacets& found, const Grid& grid, const SurveyTotals& survey, unsigned __int128 cells) {
+ordered_json body_report(const SceneBody& body, const BodyFacets& found, const Grid& grid, const SurveyTotals& survey, unsigned __int128 cells,
+                         unsigned __int128 covered) {
   ordered_json out = {{"name", body.name},
                       {"facets", found.file.facets},
                       {"degenerate", survey.degenerate},
@@ -57,6 +58,7 @@ ordered_json body_report(const SceneBody& body, const BodyFacets& found, const G
   for (const Flip& f : found.flips) out["flips"].push_back({{"at", place(f.at)}, {"edges", f.edges}});
   out["cells"] = static_cast<uint64_t>(cells);
   if (cells >> 53 != 0) out["cells_text"] = fmt::format("{}", cells);
+  if (covered != 0) out["covered_cells"] = static_cast<uint64_t>(covered);
   return out;
 }
 
@@ -117,7 +119,7 @@ ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::ve
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     const BodyFacets& found = bodies.bodies[b];
-    all.push_back(body_report(body, found, grid, surveys[b], totals.cells[b]));
+    all.push_back(body_report(body, found, grid, surveys[b], totals.cells[b], totals.covered[b]));
     inputs.push_back({{"path", body.mesh_text}, {"format", found.file.format}, {"bytes", found.file.bytes}, {"hash", found.file.hash}});
     for (const std::string& words : body_warnings(scene, body, found, grid, surveys[b], totals.cells[b]))
       warnings.push_back(fmt::format("body '{}' {}", body.name, words));

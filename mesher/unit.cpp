@@ -8,7 +8,8 @@ void CastTotals::add(const CastTotals& other) {
   crossings += other.crossings;
   exact_decisions += other.exact_decisions;
   cells.resize(std::max(cells.size(), other.cells.size()));
-  for (size_t b = 0; b < other.cells.size(); ++b) cells[b] += other.cells[b];
+  covered.resize(cells.size());
+  for (size_t b = 0; b < other.cells.size(); ++b) cells[b] += other.cells[b], covered[b] += other.covered[b];
 }
 
 UnitWork::UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta)
@@ -21,6 +22,7 @@ void UnitWork::make_row(uint32_t row, Worker& worker) {
     if (unit_.cu * 4 + u < shape_.chunks_u && unit_.cv * 4 + row < shape_.chunks_v) make_chunk(row * 4 + u, facets[u], worker);
   totals_[row].exact_decisions = worker.engine->exact_decisions() - exact_before;
   totals_[row].cells = worker.composer.take_cells();
+  totals_[row].covered = worker.composer.take_covered();
   if (--rows_left_ == 0 && meta_.grid.levels() > 2) make_level2(worker);
 }
 

@@ -24,7 +24,7 @@ struct Worker {
 // What casting counted.
 struct CastTotals {
   uint64_t crossings = 0, exact_decisions = 0;
-  std::vector<unsigned __int128> cells;  // that each body owns
+  std::vector<unsigned __int128> cells, covered;  // of each body: that it owns; that lie in it and a stronger one owns
   void add(const CastTotals& other);
 };
 

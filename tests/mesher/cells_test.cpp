@@ -1,4 +1,6 @@
 // The cells themselves: meshed scenes against rational arithmetic, analytic solids and each other.
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include <fmt/format.h>
@@ -19,16 +21,28 @@ Grid uniform_grid(double min, double step, int64_t nx, int64_t ny, int64_t nz) {
   return {{Axis::uniform(min, step, 0, nx, 0.5), Axis::uniform(min, step, 0, ny, 0.5), Axis::uniform(min, step, 0, nz, 0.5)}};
 }
 
+// Of how many cells each body holds the sample point, whoever owns them.
+std::vector<size_t> held(const std::vector<Body>& bodies, const Grid& grid) {
+  std::vector<size_t> out;
+  for (const Body& body : bodies) {
+    const auto alone = oracle::materials({{body.facets, body.rule, 1}}, grid);
+    out.push_back(alone.size() - static_cast<size_t>(std::ranges::count(alone, 0u)));
+  }
+  return out;
+}
+
 // Meshes along x, y and z; each must give exactly what rational arithmetic gives.
 void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
   const TempFolder folder;
   const Scene scene = scene_of(folder, bodies, grid);
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
+  const std::vector<size_t> in_body = held(bodies, grid);
   for (int axis = 0; axis < 3; ++axis) {
     MeshOptions options;
     options.axis = axis;
     options.threads = 1;
-    mesh_quietly(scene, folder / "g.tcell", options);
+    const auto report = mesh_quietly(scene, folder / "g.tcell", options);
+    for (size_t b = 0; b < bodies.size(); ++b) REQUIRE(report["bodies"][b]["cells"].get<size_t>() + report["bodies"][b].value("covered_cells", size_t{0}) == in_body[b]);
     const GridReader reader(folder / "g.tcell");
     REQUIRE(reader.meta().grid == grid);
     const std::vector<uint32_t> found = all_cells(reader);
@@ -158,7 +172,9 @@ TEST_CASE("A body under a stronger one owns no cell and is named in a warning") 
   const auto box = shapes::box({0, 0, 0}, {2, 2, 2});
   const auto report = mesh_quietly(scene_of(folder, {{box}, {box, Rule::kNonzero, 2}}, uniform_grid(-1, 0.5, 8, 8, 8)), folder / "g.tcell");
   REQUIRE(report["bodies"][0]["cells"] == 0);
+  REQUIRE(report["bodies"][0]["covered_cells"] == 64);
   REQUIRE(report["bodies"][1]["cells"] == 64);
+  REQUIRE_FALSE(report["bodies"][1].contains("covered_cells"));
   REQUIRE(report["warnings"].size() == 1);
   REQUIRE_THAT(report["warnings"][0].get<std::string>(), Catch::Contains("body0"));
 }
