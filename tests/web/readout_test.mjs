@@ -90,6 +90,15 @@ test("the materials' cells, volumes and boxes are those of `stats`", async () =>
   const { box } = expected[1];
   const cell = await state(page, "cell");
   cell.forEach((i, d) => assert.ok(i >= box[d] && i < box[d + 3], `${cell} is not in ${box}`));
+  const { centre, zoom } = { centre: await state(page, "centre"), zoom: await state(page, "zoom") };
+  const plane = (d, i) => info_of("stadium").grid.axes[d].min + i * info_of("stadium").grid.axes[d].step;
+  let most = 0;
+  for (const [axis, u, v] of [["x", 1, 2], ["y", 0, 2], ["z", 0, 1]]) {
+    const { width, height } = await view(page, axis).boundingBox();
+    for (const [d, size] of [[u, width], [v, height]])
+      for (const i of [box[d], box[d + 3]]) most = Math.max(most, Math.abs(plane(d, i) - centre[d]) * zoom / (size / 2));
+  }
+  assert.ok(most > 0.5 && most < 0.9, `the box reaches ${most} of the way to a view's edge`);
   await close(page);
 });
 

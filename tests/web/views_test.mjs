@@ -216,6 +216,68 @@ test("the keys", async () => {
   await close(page);
 });
 
+// How far the grid reaches, of the way to the nearest edge of a view in sight.
+const reach = (page) =>
+  page.evaluate(() => {
+    const { axes, zoom } = teracell.viewer;
+    const shown = [...document.querySelectorAll(".view-panel:not([hidden]) .view-body")].map((body) => [body, body.parentElement.dataset.view]);
+    const extent = (d) => (axes[d].max - axes[d].min) * zoom.value;
+    const frames = { x: [1, 2], y: [0, 2], z: [0, 1] };
+    const reaches = ([body, name]) => [extent(frames[name][0]) / (body.clientWidth - 88), extent(frames[name][1]) / (body.clientHeight - 88)];
+    return Math.max(...shown.flatMap(reaches));
+  });
+const expect_fit = async (page, fits = true) => {
+  await settled(page);
+  const found = await reach(page);
+  assert.equal(Math.abs(found - 1) < 1e-9, fits, `the grid takes ${found} of the room`);
+};
+
+test("a grid that fits goes on to fit, whatever the layout and the sizes, until somebody zooms or moves it", async () => {
+  const page = await open("stadium");
+  const layout = (name) => page.evaluate((to) => (teracell.viewer.layout.value = to), name);
+  await expect_fit(page);
+  for (const name of ["x", "z", "3d", "four", "y", "four"]) {
+    await layout(name);
+    if (name !== "3d") await expect_fit(page);
+  }
+  const { width } = await view(page, "x").boundingBox();
+  await page.getByRole("button", { name: "Side panel" }).click();
+  await page.waitForFunction((was) => document.querySelector('[data-view="x"] .view-body').clientWidth > was, Math.ceil(width));
+  await expect_fit(page);
+  // The address of a page that fits opens one that does.
+  await page.waitForFunction((zoom) => location.hash.includes(`zoom=${zoom}`), await state(page, "zoom"));
+  await page.reload();
+  await expect_fit(page);
+  await layout("x");
+  await expect_fit(page);
+  await page.mouse.move(...(await point_of(page, "x")));
+  await page.keyboard.press("+");
+  const zoom = await state(page, "zoom");
+  await layout("four");
+  await expect_fit(page, false);
+  assert.equal(await state(page, "zoom"), zoom);
+  await page.keyboard.press("0");
+  await expect_fit(page);
+  await page.keyboard.press("ArrowLeft");
+  const moved = await state(page, "zoom");
+  await layout("x");
+  await expect_fit(page, false);
+  assert.equal(await state(page, "zoom"), moved);
+  await close(page);
+});
+
+test("a zoom in the address is kept to what zooming allows", async () => {
+  for (const [asked, expected] of [["1e9", (step) => 160 / step], ["1e-9", (step, fitting) => fitting / 10]]) {
+    const page = await open("stadium", `&zoom=${asked}`);
+    const zoom = await state(page, "zoom");
+    await page.keyboard.press("0");
+    await settled(page);
+    const { step } = info_of("stadium").grid.axes[0];
+    assert.ok(Math.abs(zoom / expected(step, await state(page, "zoom")) - 1) < 1e-9, `${zoom}`);
+    await close(page);
+  }
+});
+
 test("slider, number and coordinate say the slice, and play sweeps it", async () => {
   const page = await open("graded");
   const { planes } = info_of("graded").grid.axes[2];

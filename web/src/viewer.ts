@@ -4,6 +4,7 @@ import { type ReadonlySignal, type Signal, batch, computed, signal } from "@prea
 import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "./api";
 import { Axis } from "./axis";
 import { type MaterialLook, initial_looks } from "./materials";
+import { type ViewSize, fitting_zoom } from "./views/camera";
 
 export type Layout = "four" | "x" | "y" | "z" | "3d";
 export type Panel = "materials" | "report" | "box" | "share" | "status";
@@ -53,6 +54,9 @@ export class Viewer {
   // large as fits, which the views replace as soon as they know their size.
   readonly centre: Signal<[number, number, number]>;
   readonly zoom: Signal<number>;
+
+  // The slice views that were in sight last.
+  views: readonly ViewSize[] = [];
 
   readonly layout = signal<Layout>("four");
   readonly panel = signal<Panel | null>("materials");
@@ -147,14 +151,15 @@ export class Viewer {
     this.go_to_cell([this.axes[0].cell_at(point[0]), this.axes[1].cell_at(point[1]), this.axes[2].cell_at(point[2])]);
   }
 
-  // Looks at a box of cells so that it fills about 0.8 of a view of this many CSS pixels.
+  // Looks at a box of cells so that all views show the whole of it.
   go_to_box(box: Box): void {
-    const low = (d: AxisIndex) => this.axes[d].plane(box[d]);
-    const high = (d: AxisIndex) => this.axes[d].plane(box[d + 3]!);
-    const size = Math.max(high(0) - low(0), high(1) - low(1), high(2) - low(2));
+    const range = (d: AxisIndex) => ({ min: this.axes[d].plane(box[d]), max: this.axes[d].plane(box[d + 3]!) });
+    const ranges = [range(0), range(1), range(2)] as const;
+    const middle = (d: AxisIndex) => (ranges[d].min + ranges[d].max) / 2;
     batch(() => {
-      this.go_to([(low(0) + high(0)) / 2, (low(1) + high(1)) / 2, (low(2) + high(2)) / 2]);
-      if (size > 0) this.zoom.value = (0.8 * 480) / size;
+      this.go_to([middle(0), middle(1), middle(2)]);
+      this.centre.value = [middle(0), middle(1), middle(2)];
+      if (this.views.length) this.zoom.value = fitting_zoom(ranges, this.views);
     });
   }
 }

@@ -39,6 +39,7 @@ export class Stage {
   private host: HTMLElement | null = null;
   private dirty = true;
   private request = 0;
+  private fitted = 0; // the zoom that fitted the views when they were drawn last
   private last_start = 0;
   private drew = false;
   private cost = 0; // a moving mean, milliseconds
@@ -129,6 +130,17 @@ export class Stage {
     return visible.length ? fitting_zoom(this.viewer.axes, visible) : 0;
   }
 
+  // A grid that fits goes on to fit when the sizes change, until somebody zooms or moves it. What came from elsewhere, as an address,
+  // is kept to what zooming allows.
+  private settle_zoom(): void {
+    const { axes, centre, zoom } = this.viewer;
+    const [fitting, middle] = [this.fitting(), this.viewer.middle()];
+    const fits = zoom.value === 0 || (zoom.value === this.fitted && centre.value.every((x, d) => x === middle[d]));
+    zoom.value = fits ? fitting : clamped_zoom(zoom.value, axes, fitting);
+    this.fitted = fitting;
+    this.viewer.views = this.visible.map(({ axis, width, height }) => ({ axis, width, height }));
+  }
+
   // Zooms by a factor; the point under (x, y), CSS pixels of the view, stays where it is.
   zoom_by(axis: AxisIndex, factor: number, x: number, y: number): void {
     if (this.viewer.zoom.value === 0) return;
@@ -185,10 +197,8 @@ export class Stage {
     const scene = this.scene(Math.min(devicePixelRatio, this.most_ratio));
     if (!scene || views.length === 0) return false;
     const began = performance.now();
-    if (viewer.zoom.value === 0) {
-      if (!this.laid_out()) return false; // comes again with the sizes
-      viewer.zoom.value = this.fitting();
-    }
+    if (this.laid_out()) this.settle_zoom();
+    if (viewer.zoom.value === 0) return false; // comes again with the sizes
     for (const view of views) view.look(scene, began);
     store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
     palette.update(viewer.looks.value, scene.ink.ground, scene.ink.outside);
