@@ -110,7 +110,7 @@ test("a box that is drawn: its statistics are exact", async () => {
   await page.mouse.down();
   await page.mouse.move(...(await point_of(page, "z", 70, 30)), { steps: 4 });
   await page.mouse.up();
-  await page.keyboard.press("Escape");
+  assert.equal(await state(page, "tool"), "look", "a tool draws once");
   const box = await state(page, "box");
   const { cells } = info_of("stadium").grid;
   assert.deepEqual([box[2], box[5]], [0, cells[2]]);
@@ -123,6 +123,15 @@ test("a box that is drawn: its statistics are exact", async () => {
     assert.equal((await row.getByRole("rowheader").innerText()).trim(), expected[n].name);
     assert.equal(digits(await row.getByRole("cell").first().innerText()), expected[n].cells);
   }
+  // Neither a click nor one with the tool takes it away.
+  await page.mouse.click(...(await point_of(page, "z", 100, 60)));
+  await page.keyboard.press("x");
+  await page.getByText("Drag to draw a box").waitFor();
+  await page.mouse.click(...(await point_of(page, "z", 20, 60)));
+  assert.equal(await state(page, "tool"), "box");
+  await page.keyboard.press("Escape");
+  assert.equal(await state(page, "tool"), "look");
+  assert.deepEqual(await state(page, "box"), box);
   await close(page);
 });
 
@@ -138,6 +147,11 @@ test("a distance is measured in units of length", async () => {
   const { axis, from, to } = await state(page, "measure");
   assert.equal(axis, 2);
   assert.ok(Math.abs(Math.hypot(...from.map((x, d) => to[d] - x)) - 100 / zoom) < 2 / zoom);
+  await page.keyboard.press("m");
+  await page.mouse.click(...(await point_of(page, "z", 10, 40)));
+  assert.deepEqual(await state(page, "measure"), { axis, from, to }, "a press that does not move draws nothing");
+  await page.keyboard.press("Escape");
+  assert.equal(await state(page, "tool"), "look");
   await page.getByRole("tab", { name: "Box" }).click();
   const said = page.getByRole("definition").first();
   assert.ok(Math.abs(digits((await said.innerText()).replace("mm", "")) - 100 / zoom) < 2 / zoom, await said.innerText());

@@ -278,6 +278,57 @@ test("a zoom in the address is kept to what zooming allows", async () => {
   }
 });
 
+test("keys mean the view whose panel is used, also its bar and the overview, and controls leave those that they don't use", async () => {
+  const page = await open("stadium");
+  const [i, j, k] = await state(page, "cell");
+  await page.mouse.move(...(await point_of(page, "z")));
+  await page.locator('[data-view="x"] .slice-bar').hover();
+  await page.keyboard.press(".");
+  assert.deepEqual(await state(page, "cell"), [i + 1, j, k]);
+  await page.getByRole("slider", { name: "Slice across y", exact: true }).focus();
+  await page.keyboard.press(".");
+  assert.deepEqual(await state(page, "cell"), [i + 1, j + 1, k]);
+  await page.locator('[data-view="3d"]').hover({ position: { x: 60, y: 120 } });
+  await page.keyboard.press(".");
+  assert.deepEqual(await state(page, "cell"), [i + 1, j + 2, k]);
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("Space");
+  assert.equal(await state(page, "layout"), "3d");
+  await page.keyboard.press("Space");
+  assert.equal(await state(page, "layout"), "four");
+  // A checkbox, a colour and a slider keep their own keys alone.
+  await page.evaluate(() => {
+    const box = document.querySelector("#side-panel").appendChild(document.createElement("input"));
+    box.type = "checkbox";
+    box.id = "box";
+  });
+  for (const control of [page.locator("#box"), page.getByLabel(/^Colour of/).first(), page.getByRole("slider", { name: "Slice across x", exact: true })]) {
+    await control.focus();
+    const outlines = await state(page, "show_outline");
+    await page.keyboard.press("o");
+    assert.equal(await state(page, "show_outline"), !outlines);
+    await page.keyboard.press("h");
+    await page.getByRole("dialog").waitFor();
+    await page.keyboard.press("h");
+    await page.getByRole("dialog").waitFor({ state: "hidden" });
+  }
+  await page.locator("#box").press("Space");
+  assert.ok(await page.locator("#box").isChecked());
+  assert.equal(await state(page, "layout"), "four");
+  await close(page);
+});
+
+test("a double click shows one view alone, and leaves crosshair and pin as they were", async () => {
+  const page = await open("stadium");
+  await page.mouse.click(...(await point_of(page, "z", 40, 30)));
+  const [cell, pinned] = [await state(page, "cell"), await state(page, "pinned")];
+  assert.deepEqual(cell, pinned);
+  await page.mouse.dblclick(...(await point_of(page, "x", -50, 10)));
+  assert.equal(await state(page, "layout"), "x");
+  assert.deepEqual([await state(page, "cell"), await state(page, "pinned")], [cell, pinned]);
+  await close(page);
+});
+
 test("slider, number and coordinate say the slice, and play sweeps it", async () => {
   const page = await open("graded");
   const { planes } = info_of("graded").grid.axes[2];

@@ -6,7 +6,8 @@ import { Axis } from "./axis";
 import { type MaterialLook, initial_looks } from "./materials";
 import { type ViewSize, fitting_zoom } from "./views/camera";
 
-export type Layout = "four" | "x" | "y" | "z" | "3d";
+export type ViewName = "x" | "y" | "z" | "3d";
+export type Layout = "four" | ViewName;
 export type Panel = "materials" | "report" | "box" | "share" | "status";
 export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
 
@@ -70,7 +71,6 @@ export class Viewer {
   readonly measure = signal<Measure | null>(null);
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly markers = signal<readonly Marker[]>([]);
-  readonly help = signal(false); // the list of keys and gestures
   readonly tiles = new TileCounters();
   // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
   readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];

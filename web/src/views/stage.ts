@@ -6,7 +6,7 @@ import { FRAMES } from "../axis";
 import { Palette, SetTable } from "../tiles/sets";
 import { TileStore } from "../tiles/store";
 import { wants_of } from "../tiles/wants";
-import type { Box, Viewer } from "../viewer";
+import type { Box, ViewName, Viewer } from "../viewer";
 import { clamped_zoom, fitting_zoom, inside, zoomed_about } from "./camera";
 import { returned } from "../connection";
 import { type Ink, read_ink } from "./ink";
@@ -31,7 +31,8 @@ export class Stage {
   readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // Whether the server could not read something that a view shows.
   readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
-  // The view that keys mean: under the pointer, or focused.
+  // The view that keys mean: its panel has the pointer, or the focus. For keys that move slices: the last such that shows some.
+  active_view: ViewName = "z";
   active: AxisIndex = 2;
 
   private readonly palette = new Palette(this.sets);
@@ -98,6 +99,11 @@ export class Stage {
       view.overlay.remove();
       view.width = 0;
     };
+  }
+
+  activate(view: ViewName): void {
+    this.active_view = view;
+    if (view !== "3d") this.active = AXIS_NAMES.indexOf(view) as AxisIndex;
   }
 
   invalidate(): void {
