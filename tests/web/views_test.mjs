@@ -329,6 +329,50 @@ test("a double click shows one view alone, and leaves crosshair and pin as they 
   await close(page);
 });
 
+test("fingers: a long press recentres, a moved or a second finger doesn't; buttons step by one slice", async () => {
+  const page = await open_grid(browser, `${server.url}#g=stadium`, { width: 820, height: 1180, hasTouch: true });
+  const session = await page.context().newCDPSession(page);
+  const touch = (type, ...points) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const [x, y] = await point_of(page, "z", 50, 30);
+  const { centre, zoom } = { centre: await state(page, "centre"), zoom: await state(page, "zoom") };
+  await touch("touchStart", [x, y]);
+  await page.waitForFunction((was) => teracell.viewer.centre.value[0] !== was, centre[0]);
+  await touch("touchEnd");
+  const [there, cell] = [await state(page, "centre"), await state(page, "cell")];
+  const offset = await offset_in(page, "z", [x, y]);
+  const { step } = info_of("stadium").grid.axes[0];
+  assert.ok(Math.abs(there[0] - centre[0] - offset[0] / zoom) <= step && Math.abs(there[1] - centre[1] + offset[1] / zoom) <= step);
+  assert.equal(await state(page, "pinned"), null, "a long press is no tap");
+  assert.ok(!(await page.getByRole("region", { name: "Under the pointer" }).isVisible()), "a finger points at nothing before it is down");
+  await touch("touchStart", [x, y]);
+  await touch("touchMove", [x + 30, y]);
+  await page.waitForTimeout(700); // longer than a long press
+  await touch("touchEnd");
+  await touch("touchStart", [x, y]);
+  await touch("touchStart", [x, y], [x + 40, y]);
+  await page.waitForTimeout(700);
+  await touch("touchEnd");
+  assert.deepEqual(await state(page, "cell"), cell);
+  await page.getByRole("button", { name: "Next slice across y" }).tap();
+  await page.getByRole("button", { name: "Previous slice across x" }).tap();
+  assert.deepEqual(await state(page, "cell"), [cell[0] - 1, cell[1] + 1, cell[2]]);
+  await close(page);
+});
+
+test("a ruler's labels interrupt the crosshair's lines", async () => {
+  const page = await open("stadium");
+  const same_as_line = await page.evaluate(() => {
+    const overlay = document.querySelector('[data-view="z"] .view-overlay');
+    const { centre, zoom, cell, axes } = teracell.viewer;
+    const x = Math.floor(overlay.width / 2 + (axes[0].centre(cell.value[0]) - centre.value[0]) * zoom.value);
+    const pixel = (y) => String(overlay.getContext("2d").getImageData(x, y, 1, 1).data);
+    const line = pixel(overlay.height - 40);
+    return Array.from({ length: 12 }, (_, i) => pixel(overlay.height - 20 + i) === line);
+  });
+  assert.deepEqual(new Set(same_as_line), new Set([false]));
+  await close(page);
+});
+
 test("slider, number and coordinate say the slice, and play sweeps it", async () => {
   const page = await open("graded");
   const { planes } = info_of("graded").grid.axes[2];
@@ -342,6 +386,8 @@ test("slider, number and coordinate say the slice, and play sweeps it", async ()
   assert.equal((await state(page, "cell"))[2], planes.findIndex((p) => p > 33) - 1);
   await coordinate.fill("nonsense");
   await page.keyboard.press("Enter");
+  assert.equal(await coordinate.getAttribute("aria-invalid"), "true", "it goes back, and is seen to");
+  assert.match(await coordinate.inputValue(), /^3\d/);
   assert.equal((await state(page, "cell"))[2], planes.findIndex((p) => p > 33) - 1);
   await page.getByRole("slider", { name: "Slice across z", exact: true }).fill("2");
   assert.equal((await state(page, "cell"))[2], 2);

@@ -42,7 +42,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         {name} = {coordinate(a.centre(slice), width_at(a, slice))} {unit_name(viewer.info.units)}
       </span>
       <span class="view-slice">
-        slice {grouped(slice)} of {grouped(a.cells)}
+        slice {grouped(slice)} (0–{grouped(a.cells - 1)})
       </span>
       {level > 0 && (
         <span class="view-level" title={`At this zoom a square shows all materials of ${together} × ${together} × ${together} cells: level ${level}. Zoom in to see single cells.`}>
