@@ -70,6 +70,21 @@ for (const grid of ["stadium", "graded"])
     await close(page);
   });
 
+// That every view shows the whole of a box of the stadium's cells, and as large as it can be.
+async function expect_all_of(page, box) {
+  await settled(page);
+  const { axes } = info_of("stadium").grid;
+  const [centre, zoom] = [await state(page, "centre"), await state(page, "zoom")];
+  const away = (d) => Math.max(...[box[d], box[d + 3]].map((i) => Math.abs(axes[d].min + (axes[d].first + i) * axes[d].step - centre[d]))) * zoom;
+  const reaches = [];
+  for (const [axis, u, v] of [["x", 1, 2], ["y", 0, 2], ["z", 0, 1]]) {
+    const { width, height } = await view(page, axis).boundingBox();
+    reaches.push(away(u) / (width / 2), away(v) / (height / 2));
+  }
+  const most = Math.max(...reaches);
+  assert.ok(most > 0.5 && most < 0.9, `the box reaches ${most} of the way to a view's edge`);
+}
+
 test("the materials' cells, volumes and boxes are those of `stats`", async () => {
   const page = await open("stadium");
   const expected = stats_of("stadium").materials;
@@ -90,15 +105,12 @@ test("the materials' cells, volumes and boxes are those of `stats`", async () =>
   const { box } = expected[1];
   const cell = await state(page, "cell");
   cell.forEach((i, d) => assert.ok(i >= box[d] && i < box[d + 3], `${cell} is not in ${box}`));
-  const { centre, zoom } = { centre: await state(page, "centre"), zoom: await state(page, "zoom") };
-  const plane = (d, i) => info_of("stadium").grid.axes[d].min + i * info_of("stadium").grid.axes[d].step;
-  let most = 0;
-  for (const [axis, u, v] of [["x", 1, 2], ["y", 0, 2], ["z", 0, 1]]) {
-    const { width, height } = await view(page, axis).boundingBox();
-    for (const [d, size] of [[u, width], [v, height]])
-      for (const i of [box[d], box[d + 3]]) most = Math.max(most, Math.abs(plane(d, i) - centre[d]) * zoom / (size / 2));
-  }
-  assert.ok(most > 0.5 && most < 0.9, `the box reaches ${most} of the way to a view's edge`);
+  await expect_all_of(page, box);
+  // One as high as it is wide, in views that are not.
+  const { cells } = info_of("stadium").grid;
+  const square = [0, 0, 0, cells[1], cells[1], cells[2]];
+  await page.evaluate((to) => teracell.viewer.go_to_box(to), square);
+  await expect_all_of(page, square);
   await close(page);
 });
 
