@@ -70,6 +70,21 @@ for (const grid of ["stadium", "graded"])
     await close(page);
   });
 
+// That every view shows the whole of a box of the stadium's cells, and as large as it can be.
+async function expect_all_of(page, box) {
+  await settled(page);
+  const { axes } = info_of("stadium").grid;
+  const [centre, zoom] = [await state(page, "centre"), await state(page, "zoom")];
+  const away = (d) => Math.max(...[box[d], box[d + 3]].map((i) => Math.abs(axes[d].min + (axes[d].first + i) * axes[d].step - centre[d]))) * zoom;
+  const reaches = [];
+  for (const [axis, u, v] of [["x", 1, 2], ["y", 0, 2], ["z", 0, 1]]) {
+    const { width, height } = await view(page, axis).boundingBox();
+    reaches.push(away(u) / (width / 2), away(v) / (height / 2));
+  }
+  const most = Math.max(...reaches);
+  assert.ok(most > 0.5 && most < 0.9, `the box reaches ${most} of the way to a view's edge`);
+}
+
 test("the materials' cells, volumes and boxes are those of `stats`", async () => {
   const page = await open("stadium");
   const expected = stats_of("stadium").materials;
@@ -90,6 +105,12 @@ test("the materials' cells, volumes and boxes are those of `stats`", async () =>
   const { box } = expected[1];
   const cell = await state(page, "cell");
   cell.forEach((i, d) => assert.ok(i >= box[d] && i < box[d + 3], `${cell} is not in ${box}`));
+  await expect_all_of(page, box);
+  // One as high as it is wide, in views that are not.
+  const { cells } = info_of("stadium").grid;
+  const square = [0, 0, 0, cells[1], cells[1], cells[2]];
+  await page.evaluate((to) => teracell.viewer.go_to_box(to), square);
+  await expect_all_of(page, square);
   await close(page);
 });
 
@@ -101,7 +122,7 @@ test("a box that is drawn: its statistics are exact", async () => {
   await page.mouse.down();
   await page.mouse.move(...(await point_of(page, "z", 70, 30)), { steps: 4 });
   await page.mouse.up();
-  await page.keyboard.press("Escape");
+  assert.equal(await state(page, "tool"), "look", "a tool draws once");
   const box = await state(page, "box");
   const { cells } = info_of("stadium").grid;
   assert.deepEqual([box[2], box[5]], [0, cells[2]]);
@@ -114,6 +135,15 @@ test("a box that is drawn: its statistics are exact", async () => {
     assert.equal((await row.getByRole("rowheader").innerText()).trim(), expected[n].name);
     assert.equal(digits(await row.getByRole("cell").first().innerText()), expected[n].cells);
   }
+  // Neither a click nor one with the tool takes it away.
+  await page.mouse.click(...(await point_of(page, "z", 100, 60)));
+  await page.keyboard.press("x");
+  await page.getByText("Drag to draw a box").waitFor();
+  await page.mouse.click(...(await point_of(page, "z", 20, 60)));
+  assert.equal(await state(page, "tool"), "box");
+  await page.keyboard.press("Escape");
+  assert.equal(await state(page, "tool"), "look");
+  assert.deepEqual(await state(page, "box"), box);
   await close(page);
 });
 
@@ -129,6 +159,11 @@ test("a distance is measured in units of length", async () => {
   const { axis, from, to } = await state(page, "measure");
   assert.equal(axis, 2);
   assert.ok(Math.abs(Math.hypot(...from.map((x, d) => to[d] - x)) - 100 / zoom) < 2 / zoom);
+  await page.keyboard.press("m");
+  await page.mouse.click(...(await point_of(page, "z", 10, 40)));
+  assert.deepEqual(await state(page, "measure"), { axis, from, to }, "a press that does not move draws nothing");
+  await page.keyboard.press("Escape");
+  assert.equal(await state(page, "tool"), "look");
   await page.getByRole("tab", { name: "Box" }).click();
   const said = page.getByRole("definition").first();
   assert.ok(Math.abs(digits((await said.innerText()).replace("mm", "")) - 100 / zoom) < 2 / zoom, await said.innerText());

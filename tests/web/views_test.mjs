@@ -216,6 +216,163 @@ test("the keys", async () => {
   await close(page);
 });
 
+// How far the grid reaches, of the way to the nearest edge of a view in sight.
+const reach = (page) =>
+  page.evaluate(() => {
+    const { axes, zoom } = teracell.viewer;
+    const shown = [...document.querySelectorAll(".view-panel:not([hidden]) .view-body")].map((body) => [body, body.parentElement.dataset.view]);
+    const extent = (d) => (axes[d].max - axes[d].min) * zoom.value;
+    const frames = { x: [1, 2], y: [0, 2], z: [0, 1] };
+    const reaches = ([body, name]) => [extent(frames[name][0]) / (body.clientWidth - 88), extent(frames[name][1]) / (body.clientHeight - 88)];
+    return Math.max(...shown.flatMap(reaches));
+  });
+const expect_fit = async (page, fits = true) => {
+  await settled(page);
+  const found = await reach(page);
+  assert.equal(Math.abs(found - 1) < 1e-9, fits, `the grid takes ${found} of the room`);
+};
+
+test("a grid that fits goes on to fit, whatever the layout and the sizes, until somebody zooms or moves it", async () => {
+  const page = await open("stadium");
+  const layout = (name) => page.evaluate((to) => (teracell.viewer.layout.value = to), name);
+  await expect_fit(page);
+  for (const name of ["x", "z", "3d", "four", "y", "four"]) {
+    await layout(name);
+    if (name !== "3d") await expect_fit(page);
+  }
+  const { width } = await view(page, "x").boundingBox();
+  await page.getByRole("button", { name: "Side panel" }).click();
+  await page.waitForFunction((was) => document.querySelector('[data-view="x"] .view-body').clientWidth > was, Math.ceil(width));
+  await expect_fit(page);
+  // The address of a page that fits opens one that does.
+  await page.waitForFunction((zoom) => location.hash.includes(`zoom=${zoom}`), await state(page, "zoom"));
+  await page.reload();
+  await expect_fit(page);
+  await layout("x");
+  await expect_fit(page);
+  await page.mouse.move(...(await point_of(page, "x")));
+  await page.keyboard.press("+");
+  const zoom = await state(page, "zoom");
+  await layout("four");
+  await expect_fit(page, false);
+  assert.equal(await state(page, "zoom"), zoom);
+  await page.keyboard.press("0");
+  await expect_fit(page);
+  await page.keyboard.press("ArrowLeft");
+  const moved = await state(page, "zoom");
+  await layout("x");
+  await expect_fit(page, false);
+  assert.equal(await state(page, "zoom"), moved);
+  await close(page);
+});
+
+test("a zoom in the address is kept to what zooming allows", async () => {
+  for (const [asked, expected] of [["1e9", (step) => 160 / step], ["1e-9", (step, fitting) => fitting / 10]]) {
+    const page = await open("stadium", `&zoom=${asked}`);
+    const zoom = await state(page, "zoom");
+    await page.keyboard.press("0");
+    await settled(page);
+    const { step } = info_of("stadium").grid.axes[0];
+    assert.ok(Math.abs(zoom / expected(step, await state(page, "zoom")) - 1) < 1e-9, `${zoom}`);
+    await close(page);
+  }
+});
+
+test("keys mean the view whose panel is used, also its bar and the overview, and controls leave those that they don't use", async () => {
+  const page = await open("stadium");
+  const [i, j, k] = await state(page, "cell");
+  await page.mouse.move(...(await point_of(page, "z")));
+  await page.locator('[data-view="x"] .slice-bar').hover();
+  await page.keyboard.press(".");
+  assert.deepEqual(await state(page, "cell"), [i + 1, j, k]);
+  await page.getByRole("slider", { name: "Slice across y", exact: true }).focus();
+  await page.keyboard.press(".");
+  assert.deepEqual(await state(page, "cell"), [i + 1, j + 1, k]);
+  await page.locator('[data-view="3d"]').hover({ position: { x: 60, y: 120 } });
+  await page.keyboard.press(".");
+  assert.deepEqual(await state(page, "cell"), [i + 1, j + 2, k]);
+  await page.evaluate(() => document.activeElement.blur());
+  await page.keyboard.press("Space");
+  assert.equal(await state(page, "layout"), "3d");
+  await page.keyboard.press("Space");
+  assert.equal(await state(page, "layout"), "four");
+  // A checkbox, a colour and a slider keep their own keys alone.
+  await page.evaluate(() => {
+    const box = document.querySelector("#side-panel").appendChild(document.createElement("input"));
+    box.type = "checkbox";
+    box.id = "box";
+  });
+  for (const control of [page.locator("#box"), page.getByLabel(/^Colour of/).first(), page.getByRole("slider", { name: "Slice across x", exact: true })]) {
+    await control.focus();
+    const outlines = await state(page, "show_outline");
+    await page.keyboard.press("o");
+    assert.equal(await state(page, "show_outline"), !outlines);
+    await page.keyboard.press("h");
+    await page.getByRole("dialog").waitFor();
+    await page.keyboard.press("h");
+    await page.getByRole("dialog").waitFor({ state: "hidden" });
+  }
+  await page.locator("#box").press("Space");
+  assert.ok(await page.locator("#box").isChecked());
+  assert.equal(await state(page, "layout"), "four");
+  await close(page);
+});
+
+test("a double click shows one view alone, and leaves crosshair and pin as they were", async () => {
+  const page = await open("stadium");
+  await page.mouse.click(...(await point_of(page, "z", 40, 30)));
+  const [cell, pinned] = [await state(page, "cell"), await state(page, "pinned")];
+  assert.deepEqual(cell, pinned);
+  await page.mouse.dblclick(...(await point_of(page, "x", -50, 10)));
+  assert.equal(await state(page, "layout"), "x");
+  assert.deepEqual([await state(page, "cell"), await state(page, "pinned")], [cell, pinned]);
+  await close(page);
+});
+
+test("fingers: a long press recentres, a moved or a second finger doesn't; buttons step by one slice", async () => {
+  const page = await open_grid(browser, `${server.url}#g=stadium`, { width: 820, height: 1180, hasTouch: true });
+  const session = await page.context().newCDPSession(page);
+  const touch = (type, ...points) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  const [x, y] = await point_of(page, "z", 50, 30);
+  const { centre, zoom } = { centre: await state(page, "centre"), zoom: await state(page, "zoom") };
+  await touch("touchStart", [x, y]);
+  await page.waitForFunction((was) => teracell.viewer.centre.value[0] !== was, centre[0]);
+  await touch("touchEnd");
+  const [there, cell] = [await state(page, "centre"), await state(page, "cell")];
+  const offset = await offset_in(page, "z", [x, y]);
+  const { step } = info_of("stadium").grid.axes[0];
+  assert.ok(Math.abs(there[0] - centre[0] - offset[0] / zoom) <= step && Math.abs(there[1] - centre[1] + offset[1] / zoom) <= step);
+  assert.equal(await state(page, "pinned"), null, "a long press is no tap");
+  assert.ok(!(await page.getByRole("region", { name: "Under the pointer" }).isVisible()), "a finger points at nothing before it is down");
+  await touch("touchStart", [x, y]);
+  await touch("touchMove", [x + 30, y]);
+  await page.waitForTimeout(700); // longer than a long press
+  await touch("touchEnd");
+  await touch("touchStart", [x, y]);
+  await touch("touchStart", [x, y], [x + 40, y]);
+  await page.waitForTimeout(700);
+  await touch("touchEnd");
+  assert.deepEqual(await state(page, "cell"), cell);
+  await page.getByRole("button", { name: "Next slice across y" }).tap();
+  await page.getByRole("button", { name: "Previous slice across x" }).tap();
+  assert.deepEqual(await state(page, "cell"), [cell[0] - 1, cell[1] + 1, cell[2]]);
+  await close(page);
+});
+
+test("a ruler's labels interrupt the crosshair's lines", async () => {
+  const page = await open("stadium");
+  const same_as_line = await page.evaluate(() => {
+    const overlay = document.querySelector('[data-view="z"] .view-overlay');
+    const { centre, zoom, cell, axes } = teracell.viewer;
+    const x = Math.floor(overlay.width / 2 + (axes[0].centre(cell.value[0]) - centre.value[0]) * zoom.value);
+    const pixel = (y) => String(overlay.getContext("2d").getImageData(x, y, 1, 1).data);
+    const line = pixel(overlay.height - 40);
+    return Array.from({ length: 12 }, (_, i) => pixel(overlay.height - 20 + i) === line);
+  });
+  assert.deepEqual(new Set(same_as_line), new Set([false]));
+  await close(page);
+});
+
 test("slider, number and coordinate say the slice, and play sweeps it", async () => {
   const page = await open("graded");
   const { planes } = info_of("graded").grid.axes[2];
@@ -229,6 +386,8 @@ test("slider, number and coordinate say the slice, and play sweeps it", async ()
   assert.equal((await state(page, "cell"))[2], planes.findIndex((p) => p > 33) - 1);
   await coordinate.fill("nonsense");
   await page.keyboard.press("Enter");
+  assert.equal(await coordinate.getAttribute("aria-invalid"), "true", "it goes back, and is seen to");
+  assert.match(await coordinate.inputValue(), /^3\d/);
   assert.equal((await state(page, "cell"))[2], planes.findIndex((p) => p > 33) - 1);
   await page.getByRole("slider", { name: "Slice across z", exact: true }).fill("2");
   assert.equal((await state(page, "cell"))[2], 2);

@@ -1,4 +1,4 @@
-// Numbers as people read them: thin spaces between thousands, digits that a cell's size warrants, a true minus sign.
+// Numbers as people read them: thin spaces between thousands, digits that a cell's size warrants, a true minus sign. And as they type them.
 
 const THIN = "\u202f"; // narrow, and no line breaks at it
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
@@ -77,3 +77,12 @@ export const plural = (n: number, what: string, many = `${what}s`): string => `$
 
 export const product = (cells: readonly number[]): bigint => cells.reduce((n, c) => n * BigInt(c), 1n);
 export const sizes = (cells: readonly number[]): string => cells.map((c) => grouped(c)).join(" × ");
+
+// What was typed or copied from here: with spaces between digits, a true minus sign, commas where they can mean but one thing. null: none.
+export function number_of(text: string, whole = false): number | null {
+  const plain = text.trim().replace("−", "-").replace(/(\d)\s+(?=\d)/g, "$1");
+  const thousands = /^-?[1-9]\d{0,2}(,\d{3})+(\.\d*)?$/.test(plain);
+  if (thousands && !whole && /^[^,]*,\d*$/.test(plain)) return null; // 5,000: five thousand, or five
+  const n = Number(thousands ? plain.replaceAll(",", "") : plain.replace(",", "."));
+  return plain !== "" && Number.isFinite(n) ? n : null;
+}

@@ -6,26 +6,17 @@ import { bindings } from "./views/bindings";
 
 export const help_open = signal(false);
 
-const is_text_field = (target: EventTarget | null) => target instanceof HTMLElement && target.closest("input, textarea, select, [contenteditable]") !== null;
-
 export function Help() {
   const dialog = useRef<HTMLDialogElement>(null);
   const shown = help_open.value;
-  useEffect(() => {
-    const on_key = (event: KeyboardEvent) => {
-      if (event.key !== "h" || event.ctrlKey || event.metaKey || event.altKey || is_text_field(event.target)) return;
-      help_open.value = !help_open.value;
-    };
-    addEventListener("keydown", on_key);
-    return () => removeEventListener("keydown", on_key);
-  }, []);
   useEffect(() => {
     if (shown && !dialog.current!.open) dialog.current!.showModal();
     else if (!shown) dialog.current!.close();
   }, [shown]);
   const close = () => (help_open.value = false);
+  const on_key = (event: KeyboardEvent) => event.key === "h" && close();
   return (
-    <dialog ref={dialog} class="dialog" aria-labelledby="help-title" onClose={close} onClick={(e) => e.target === dialog.current && close()}>
+    <dialog ref={dialog} class="dialog" aria-labelledby="help-title" onClose={close} onKeyDown={on_key} onClick={(e) => e.target === dialog.current && close()}>
       <div class="dialog-body">
         <div class="dialog-head">
           <h2 id="help-title">Gestures and keys</h2>

@@ -4,8 +4,10 @@ import { type ReadonlySignal, type Signal, batch, computed, signal } from "@prea
 import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "./api";
 import { Axis } from "./axis";
 import { type MaterialLook, initial_looks } from "./materials";
+import { type ViewSize, fitting_zoom } from "./views/camera";
 
-export type Layout = "four" | "x" | "y" | "z" | "3d";
+export type ViewName = "x" | "y" | "z" | "3d";
+export type Layout = "four" | ViewName;
 export type Panel = "materials" | "report" | "box" | "share" | "status";
 export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
 
@@ -54,6 +56,9 @@ export class Viewer {
   readonly centre: Signal<[number, number, number]>;
   readonly zoom: Signal<number>;
 
+  // The slice views that were in sight last.
+  views: readonly ViewSize[] = [];
+
   readonly layout = signal<Layout>("four");
   readonly panel = signal<Panel | null>("materials");
   readonly looks: Signal<readonly MaterialLook[]>;
@@ -66,7 +71,6 @@ export class Viewer {
   readonly measure = signal<Measure | null>(null);
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly markers = signal<readonly Marker[]>([]);
-  readonly help = signal(false); // the list of keys and gestures
   readonly tiles = new TileCounters();
   // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
   readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];
@@ -147,14 +151,15 @@ export class Viewer {
     this.go_to_cell([this.axes[0].cell_at(point[0]), this.axes[1].cell_at(point[1]), this.axes[2].cell_at(point[2])]);
   }
 
-  // Looks at a box of cells so that it fills about 0.8 of a view of this many CSS pixels.
+  // Looks at a box of cells so that all views show the whole of it.
   go_to_box(box: Box): void {
-    const low = (d: AxisIndex) => this.axes[d].plane(box[d]);
-    const high = (d: AxisIndex) => this.axes[d].plane(box[d + 3]!);
-    const size = Math.max(high(0) - low(0), high(1) - low(1), high(2) - low(2));
+    const range = (d: AxisIndex) => ({ min: this.axes[d].plane(box[d]), max: this.axes[d].plane(box[d + 3]!) });
+    const ranges = [range(0), range(1), range(2)] as const;
+    const middle = (d: AxisIndex) => (ranges[d].min + ranges[d].max) / 2;
     batch(() => {
-      this.go_to([(low(0) + high(0)) / 2, (low(1) + high(1)) / 2, (low(2) + high(2)) / 2]);
-      if (size > 0) this.zoom.value = (0.8 * 480) / size;
+      this.go_to([middle(0), middle(1), middle(2)]);
+      this.centre.value = [middle(0), middle(1), middle(2)];
+      if (this.views.length) this.zoom.value = fitting_zoom(ranges, this.views);
     });
   }
 }

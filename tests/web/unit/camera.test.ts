@@ -59,6 +59,11 @@ test("zooming keeps the point under the pointer where it is", () => {
   }
 });
 
+test("zooming in ends at the finest cell as large as a thumb, also where most are larger", () => {
+  const fine = new Axis({ type: "graded", planes: [0, 0.01, 1, 2, 50] }, 0.5);
+  assert.equal(clamped_zoom(1e9, [fine, flat, flat], 1), 160 / 0.01);
+});
+
 test("a grid that fits lies within all views, and touches the room of one", () => {
   const box = [new Axis({ type: "uniform", min: -5, step: 1, first: 0, cells: 300 }, 0.5), graded, new Axis({ type: "uniform", min: 0, step: 1, first: 0, cells: 20 }, 0.5)] as const;
   const views = ([0, 1, 2] as const).map((axis) => ({ axis, width: 500, height: 300 }));

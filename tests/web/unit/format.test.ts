@@ -1,7 +1,7 @@
 // Numbers as the page writes them.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { about, bytes_text, coordinate, decimals, grouped, milliseconds, percent, plural, product, significant, sizes } from "@page/format";
+import { about, bytes_text, coordinate, decimals, grouped, milliseconds, number_of, percent, plural, product, significant, sizes } from "@page/format";
 
 // Narrow spaces as plain ones, to be read here.
 const plain = (text: string) => text.replaceAll("\u202f", " ");
@@ -67,4 +67,13 @@ test("words follow their number", () => {
 test("cells are multiplied exactly", () => {
   assert.equal(product([1000003, 1000003, 1000003]), 1000009000027000027n);
   assert.equal(plain(sizes([10000, 20, 3])), "10 000 × 20 × 3");
+});
+
+test("numbers are read as they are written here, or as people type them", () => {
+  for (const n of [0, 7, 5000, 1234567, -1234.5]) assert.equal(number_of(grouped(n)), n);
+  const typed = { " 12 ": 12, "1 00": 100, "−3.5": -3.5, "-3,5": -3.5, "0,500": 0.5, "1,234,567": 1234567, "1,234.5": 1234.5, "1e3": 1000 };
+  for (const [text, n] of Object.entries(typed)) assert.equal(number_of(text), n, text);
+  assert.equal(number_of("5,000"), null); // five thousand, or five
+  assert.equal(number_of("5,000", true), 5000);
+  for (const text of ["", " ", "many", "1 2 x", "1,2,3", "1.2.3", "Infinity", "--1"]) assert.equal(number_of(text), null, text);
 });

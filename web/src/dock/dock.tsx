@@ -35,7 +35,7 @@ function Place({ viewer, cell, point }: { viewer: Viewer; cell: Index3 | null; p
 function Pointer({ viewer }: { viewer: Viewer }) {
   const hover = viewer.hover.value;
   return (
-    <section class="dock-part" aria-label="Under the pointer">
+    <section class="dock-part dock-pointer" aria-label="Under the pointer">
       <h2>Pointer</h2>
       <Place viewer={viewer} cell={hover?.cell ?? null} {...(hover ? { point: hover.point } : {})} />
       <div class="dock-material">

@@ -1,11 +1,11 @@
 // What keys and buttons do to the views.
 import { batch } from "@preact/signals";
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import type { Viewer } from "../viewer";
+import type { AxisIndex } from "../api";
+import type { ViewName, Viewer } from "../viewer";
 
 // The view alone, or all four.
-export function toggle_layout(viewer: Viewer, axis: AxisIndex): void {
-  viewer.layout.value = viewer.layout.value === "four" ? AXIS_NAMES[axis] : "four";
+export function toggle_layout(viewer: Viewer, view: ViewName): void {
+  viewer.layout.value = viewer.layout.value === "four" ? view : "four";
 }
 
 export function toggle_sweep(viewer: Viewer, axis: AxisIndex): void {

@@ -24,8 +24,8 @@ export const bindings: readonly Binding[] = [
   { keys: "b", does: "scale bar" },
   { keys: "l", does: "lines between cells" },
   { keys: "o", does: "outlines of materials" },
-  { keys: "m", does: "measure a distance by dragging" },
-  { keys: "x", does: "draw a box, for its statistics" },
+  { keys: "m", does: "measure a distance: drag once" },
+  { keys: "x", does: "draw a box, for its statistics: drag once" },
   { keys: "h", does: "these keys" },
   { keys: "Escape", does: "back to looking; take away the measured line, the box, the pin" },
 ];

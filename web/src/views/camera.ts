@@ -71,13 +71,20 @@ export function sample_cells(camera: Camera, each: 1 | 2): SampleCells {
 const MARGIN = 44; // CSS pixels around a grid that fits: its title and rulers are there
 const LARGEST_CELL = 160; // CSS pixels
 
-// The zoom at which the grid fits all views of these sizes.
-export function fitting_zoom(axes: readonly [Axis, Axis, Axis], views: readonly { axis: AxisIndex; width: number; height: number }[]): number {
+export interface ViewSize {
+  readonly axis: AxisIndex;
+  readonly width: number; // CSS pixels
+  readonly height: number;
+}
+export type Range = Pick<Axis, "min" | "max">;
+
+// The zoom at which the grid, or a box with these ends, fits all views of these sizes.
+export function fitting_zoom(ranges: readonly [Range, Range, Range], views: readonly ViewSize[]): number {
   const zooms = views.flatMap(({ axis, width, height }) => {
     const frame = FRAMES[axis];
-    const extent = (a: Axis) => a.max - a.min;
+    const extent = ({ min, max }: Range) => max - min;
     const fill = (size: number) => Math.max(size - 2 * MARGIN, size / 2);
-    return [fill(width) / extent(axes[frame.u]), fill(height) / extent(axes[frame.v])];
+    return [fill(width) / extent(ranges[frame.u]), fill(height) / extent(ranges[frame.v])];
   });
   return Math.min(...zooms);
 }

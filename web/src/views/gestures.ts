@@ -1,5 +1,6 @@
 // Wheel, mouse, pen and fingers on one view; what they do stands in bindings.ts.
-import type { AxisIndex, Index3 } from "../api";
+import { batch } from "@preact/signals";
+import { AXIS_NAMES, type AxisIndex, type Index3 } from "../api";
 import { FRAMES } from "../axis";
 import type { Stage } from "./stage";
 import { type Drag, start_tool } from "./tools";
@@ -9,6 +10,7 @@ const NOTCH = 60; // pixels of scrolling from which on an event is a notch of a 
 const WHEEL = 120; // pixels a notch, when several come in one event
 const SWIPE = 24; // pixels of a trackpad a slice
 const STILL = 4; // CSS pixels that a click may move
+const LONG = 500; // milliseconds of a long press
 
 export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement): () => void {
   const { viewer } = stage;
@@ -17,6 +19,9 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
   let drag: Drag | null = null;
   let from: { x: number; y: number; moved: boolean; button: number } | null = null;
   let swiped = 0;
+  let long_press = 0;
+  // Where the crosshair and the pin were before the last presses, the last one first.
+  let presses: { cell: Index3; pinned: Index3 | null }[] = [];
 
   const place = (event: MouseEvent) => {
     const box = body.getBoundingClientRect();
@@ -71,9 +76,13 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
     body.setPointerCapture(event.pointerId);
     const at = place(event);
     pointers.set(event.pointerId, at);
+    clearTimeout(long_press);
     if (pointers.size === 1) {
+      presses = [{ cell: viewer.cell.value, pinned: viewer.pinned.value }, ...presses.slice(0, 1)];
       from = { ...at, moved: false, button: event.button };
       drag = event.button === 0 ? start_tool(stage, axis, at.x, at.y) : null;
+      // Not every browser makes a context menu's event of it.
+      if (event.pointerType === "touch" && !drag) long_press = window.setTimeout(() => recentre(at), LONG);
     } else {
       from = null; // two fingers: no click comes of it
       drag?.end(false);
@@ -82,7 +91,6 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
   };
 
   const on_move = (event: PointerEvent) => {
-    stage.active = axis;
     const at = place(event);
     if (event.pointerType !== "touch") {
       for (const other of stage.views) other.pointer = null;
@@ -104,6 +112,7 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
     const starts = !from.moved && Math.hypot(at.x - from.x, at.y - from.y) > STILL;
     from.moved ||= starts;
     if (!from.moved || from.button === 2) return;
+    clearTimeout(long_press);
     if (drag) drag.move(at.x, at.y);
     else {
       body.classList.add("dragging");
@@ -113,10 +122,12 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
 
   const on_up = (event: PointerEvent) => {
     if (!pointers.delete(event.pointerId)) return;
+    clearTimeout(long_press);
     body.classList.remove("dragging");
     if (!from || pointers.size > 0) return;
-    if (drag) drag.end(from.moved);
-    else if (!from.moved && from.button === 0 && event.type === "pointerup") click(place(event));
+    const ends = event.type === "pointerup";
+    if (drag) drag.end(from.moved && ends);
+    else if (!from.moved && from.button === 0 && ends) click(place(event));
     drag = null;
     from = null;
   };
@@ -129,11 +140,26 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
     viewer.pinned.value = again ? null : cell;
   };
 
+  // Two clicks that are a double click leave nothing behind.
+  const on_double_click = () =>
+    batch(() => {
+      const before = presses[1];
+      if (before) [viewer.cell.value, viewer.pinned.value] = [before.cell, before.pinned];
+      toggle_layout(viewer, AXIS_NAMES[axis]);
+    });
+
+  const recentre = (at: { x: number; y: number }) => {
+    const cell = cell_at(at);
+    if (cell) viewer.go_to_cell(cell);
+    clearTimeout(long_press);
+    drag?.end(false);
+    drag = null;
+    from = null; // a long press is no tap
+  };
+
   const on_menu = (event: MouseEvent) => {
     event.preventDefault();
-    const cell = cell_at(place(event));
-    if (cell) viewer.go_to_cell(cell);
-    from = null; // a long press is no tap
+    if (pointers.size === 0 || from) recentre(place(event)); // else the long press was seen before
   };
 
   const on_leave = () => {
@@ -149,7 +175,7 @@ export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement
   for (const end of ["pointerup", "pointercancel"] as const) body.addEventListener(end, on_up, { signal });
   body.addEventListener("pointerleave", on_leave, { signal });
   body.addEventListener("contextmenu", on_menu, { signal });
-  body.addEventListener("dblclick", () => toggle_layout(viewer, axis), { signal });
-  body.addEventListener("focus", () => (stage.active = axis), { signal });
+  body.addEventListener("dblclick", on_double_click, { signal });
+  signal.addEventListener("abort", () => clearTimeout(long_press));
   return () => stop.abort();
 }

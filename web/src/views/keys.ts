@@ -1,5 +1,6 @@
-// Keys of the views; they stand in bindings.ts. They mean the view under the pointer, or the one that is focused.
+// Keys of the views; they stand in bindings.ts. They mean the view whose panel has the pointer, or the focus.
 import type { Signal } from "@preact/signals";
+import { help_open } from "../help";
 import type { Viewer } from "../viewer";
 import { escape, fit, toggle_layout, toggle_sweep } from "./actions";
 import type { Stage } from "./stage";
@@ -10,14 +11,22 @@ const ZOOM = 1.25;
 const flip = (switched: Signal<boolean>) => (switched.value = !switched.value);
 const choose = (viewer: Viewer, tool: "measure" | "box") => (viewer.tool.value = viewer.tool.value === tool ? "look" : tool);
 
+const is_arrow = (key: string) => key.startsWith("Arrow");
+// Keys that inputs have a use for; those not named here are for text, and take all.
+const INPUTS: Record<string, (key: string) => boolean> = {
+  range: (key) => key === " " || is_arrow(key),
+  radio: (key) => key === " " || key === "Enter" || is_arrow(key),
+  checkbox: (key) => key === " " || key === "Enter",
+  color: (key) => key === " " || key === "Enter",
+};
+
 // Elements that have a use of their own for the key.
-function is_taken(event: KeyboardEvent): boolean {
-  const target = event.target;
+function is_taken({ target, key }: KeyboardEvent): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.closest("dialog, textarea, select, [contenteditable], [role=menu], [role=listbox]")) return true;
-  if (target instanceof HTMLInputElement) return target.type !== "range" || event.key.startsWith("Arrow") || event.key === " ";
-  if (event.key === " ") return target.closest("button, a, summary, [role=button], [role=tab]") !== null;
-  return event.key.startsWith("Arrow") && target.closest("[role=tab], [role=radio]") !== null;
+  if (target instanceof HTMLInputElement) return INPUTS[target.type]?.(key) ?? true;
+  if (key === " ") return target.closest("button, a, summary, [role=button], [role=tab]") !== null;
+  return is_arrow(key) && target.closest("[role=tab], [role=radio]") !== null;
 }
 
 export function attach_keys(stage: Stage): () => void {
@@ -37,7 +46,7 @@ export function attach_keys(stage: Stage): () => void {
     ">": () => step(10),
     ";": () => step(-10), // shift and ',' on other keyboards
     ":": () => step(10),
-    " ": () => toggle_layout(viewer, stage.active),
+    " ": () => toggle_layout(viewer, stage.active_view),
     ArrowLeft: () => stage.pan(stage.active, PAN, 0),
     ArrowRight: () => stage.pan(stage.active, -PAN, 0),
     ArrowUp: () => stage.pan(stage.active, 0, PAN),
@@ -54,7 +63,7 @@ export function attach_keys(stage: Stage): () => void {
     c: () => viewer.go_to_cell(viewer.cell.value),
     m: () => choose(viewer, "measure"),
     x: () => choose(viewer, "box"),
-    h: () => flip(viewer.help),
+    h: () => flip(help_open),
     Escape: () => escape(viewer),
   };
   const on_key = (event: KeyboardEvent) => {

@@ -39,9 +39,11 @@ export function draw_marks(pen: Pen, level: number, draft: Box | null = null): v
   const { viewer } = pen;
   if (viewer.show_lines.value) draw_cell_lines(pen);
   draw_border(pen);
-  if (viewer.show_axes.value) draw_rulers(pen);
   draw_box(pen, draft ?? viewer.box.value);
-  if (viewer.show_axes.value) draw_crosshair(pen);
+  if (viewer.show_axes.value) {
+    draw_crosshair(pen);
+    draw_rulers(pen); // whose labels interrupt the lines
+  }
   draw_pin(pen);
   draw_markers(pen, level);
   draw_measure(pen);

@@ -46,7 +46,6 @@ export function draw_rulers(pen: Pen): void {
     for (let n = Math.ceil(from / step - 1e-9); n * step <= to * (1 + 1e-12) + 1e-12 * step && n - from / step < 64; ++n)
       draw(n * step, coordinate(n * step, 10 * step));
   };
-  context.fillStyle = ink.text;
   const low = camera.height - 1;
   const tick = (x: number, y: number, width: number, height: number) => {
     context.fillStyle = ink.text;
@@ -56,12 +55,12 @@ export function draw_rulers(pen: Pen): void {
   marks(camera.across, camera.u_at(0), camera.u_at(camera.width), (u, text) => {
     const x = camera.x_of(u);
     tick(pen.crisp(x) - 0.5, low - 5, 1, 6);
-    if (x > 48 && x < camera.width - 20) pen.text(text, x, low - 8, ink.text, "center", "bottom");
+    if (x > 48 && x < camera.width - 20) pen.label(text, x, low - 8, "center", "bottom");
   });
   marks(camera.up, camera.v_at(camera.height), camera.v_at(0), (v, text) => {
     const y = camera.y_of(v);
     tick(0, pen.crisp(y) - 0.5, 6, 1);
-    if (y > 44 && y < camera.height - 56) pen.text(text, 9, y, ink.text);
+    if (y > 44 && y < camera.height - 56) pen.label(text, 9, y);
   });
   context.font = `600 ${context.font}`;
   pen.text(`${AXIS_NAMES[frame.u]} →`, 22, low - 8, ink.axes[frame.u], "center", "bottom");

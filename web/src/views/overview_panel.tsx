@@ -2,11 +2,13 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Viewer } from "../viewer";
-import { MaximiseButton } from "./panel";
+import { toggle_layout } from "./actions";
+import { MaximiseButton, activating } from "./panel";
+import type { Stage } from "./stage";
 
 const QUIET = 300; // milliseconds that the slices get first
 
-export function OverviewPanel({ viewer }: { viewer: Viewer }) {
+export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
   const trouble = useSignal<string | null>(null);
   const loading = useSignal(true);
@@ -42,9 +44,8 @@ export function OverviewPanel({ viewer }: { viewer: Viewer }) {
     loading.value = true;
     ++attempt.value;
   };
-  const toggle = () => (viewer.layout.value = layout === "3d" ? "four" : "3d");
   return (
-    <section class="view-panel" data-view="3d" hidden={!shown} aria-label="Overview in three dimensions">
+    <section class="view-panel" data-view="3d" hidden={!shown} aria-label="Overview in three dimensions" {...activating(stage, "3d")}>
       <div class="view-overview" ref={host} />
       {loading.value && <p class="view-note">Loading the overview …</p>}
       {trouble.value !== null && (
@@ -59,7 +60,7 @@ export function OverviewPanel({ viewer }: { viewer: Viewer }) {
             3D
           </span>
         </div>
-        <MaximiseButton what="The overview" alone={layout === "3d"} toggle={toggle} />
+        <MaximiseButton what="The overview" alone={layout === "3d"} toggle={() => toggle_layout(viewer, "3d")} />
       </header>
     </section>
   );

@@ -3,12 +3,18 @@ import { useEffect, useRef } from "preact/hooks";
 import { AXIS_NAMES, type AxisIndex } from "../api";
 import { width_at } from "../dock/runs";
 import { coordinate, grouped } from "../format";
-import type { Viewer } from "../viewer";
+import type { ViewName, Viewer } from "../viewer";
 import { toggle_layout } from "./actions";
 import { attach_gestures } from "./gestures";
 import { unit_name } from "./lengths";
 import { SliceBar } from "./slice_bar";
 import type { Stage } from "./stage";
+
+// For a whole panel, its bar included: keys mean the one that is used.
+export function activating(stage: Stage, view: ViewName) {
+  const activate = () => stage.activate(view);
+  return { onPointerEnter: activate, onPointerMove: activate, onFocusIn: activate };
+}
 
 export function MaximiseButton({ what, alone, toggle }: { what: string; alone: boolean; toggle: () => void }) {
   return (
@@ -36,7 +42,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         {name} = {coordinate(a.centre(slice), width_at(a, slice))} {unit_name(viewer.info.units)}
       </span>
       <span class="view-slice">
-        slice {grouped(slice)} of {grouped(a.cells)}
+        slice {grouped(slice)} (0–{grouped(a.cells - 1)})
       </span>
       {level > 0 && (
         <span class="view-level" title={`At this zoom a square shows all materials of ${together} × ${together} × ${together} cells: level ${level}. Zoom in to see single cells.`}>
@@ -67,11 +73,11 @@ export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: View
     };
   }, [stage, axis]);
   return (
-    <section class="view-panel" data-view={name} hidden={layout !== "four" && layout !== name} aria-label={`Slices across ${name}`}>
+    <section class="view-panel" data-view={name} hidden={layout !== "four" && layout !== name} aria-label={`Slices across ${name}`} {...activating(stage, name)}>
       <div class={`view-body view-tool-${viewer.tool.value}`} ref={body} tabIndex={0} role="application" aria-roledescription="slice view" aria-label={`Slice ${viewer.slice[axis].value} across ${name}; keys: press h`} />
       <header class="view-head">
         <Title stage={stage} viewer={viewer} axis={axis} />
-        <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, axis)} />
+        <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, name)} />
       </header>
       <SliceBar viewer={viewer} axis={axis} />
     </section>

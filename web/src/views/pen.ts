@@ -68,6 +68,20 @@ export class Pen {
     c.fillText(text, x, y);
   }
 
+  // Text that covers the lines below it.
+  label(text: string, x: number, y: number, align: CanvasTextAlign = "left", baseline: CanvasTextBaseline = "middle"): void {
+    const c = this.context;
+    c.textAlign = align;
+    c.textBaseline = baseline;
+    const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } = c.measureText(text);
+    c.fillStyle = this.ink.plate;
+    c.beginPath();
+    c.roundRect(x - left - 3, y - up - 3, left + right + 6, up + down + 6, 3);
+    c.fill();
+    c.fillStyle = this.ink.text;
+    c.fillText(text, x, y);
+  }
+
   // Text on a small plate, kept inside the view.
   plate(text: string, x: number, y: number, color: string): void {
     const c = this.context;

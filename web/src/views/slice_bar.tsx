@@ -1,18 +1,30 @@
-// Below each view: play, a slider, and the slice as a number of cells and as a coordinate.
+// Below each view: play, one slice back and forth, a slider, and the slice as a number of cells and as a coordinate.
 import { useSignal } from "@preact/signals";
 import { AXIS_NAMES, type AxisIndex } from "../api";
 import { width_at } from "../dock/runs";
-import { decimals } from "../format";
+import { decimals, number_of } from "../format";
 import type { Viewer } from "../viewer";
 import { toggle_sweep } from "./actions";
 import { unit_name } from "./lengths";
 
-// A box for a number: what is typed counts on Enter or when the box is left; nonsense goes back to what it was.
-function NumberBox({ text, label, width, suffix, take }: { text: string; label: string; width: number; suffix?: string; take: (n: number) => void }) {
+interface NumberBoxProps {
+  text: string;
+  label: string;
+  width: number;
+  suffix?: string;
+  whole?: boolean;
+  take: (n: number) => void;
+}
+
+// A box for a number: what is typed counts on Enter or when the box is left; nonsense goes back to what it was, with a flash.
+function NumberBox({ text, label, width, suffix, whole = false, take }: NumberBoxProps) {
   const typed = useSignal<string | null>(null);
+  const refused = useSignal(false);
   const finish = () => {
-    const n = Number(typed.value?.trim().replace(",", ".").replace("−", "-"));
-    if (typed.value !== null && typed.value.trim() !== "" && Number.isFinite(n)) take(n);
+    if (typed.value === null) return;
+    const n = number_of(typed.value, whole);
+    if (n === null) refused.value = true;
+    else take(n);
     typed.value = null;
   };
   return (
@@ -23,8 +35,13 @@ function NumberBox({ text, label, width, suffix, take }: { text: string; label: 
         aria-label={label}
         title={label}
         style={{ width: `${width + 1}ch` }}
+        aria-invalid={refused.value}
         value={typed.value ?? text}
-        onInput={(e) => (typed.value = e.currentTarget.value)}
+        onInput={(e) => {
+          typed.value = e.currentTarget.value;
+          refused.value = false;
+        }}
+        onAnimationEnd={() => (refused.value = false)}
         onFocus={(e) => e.currentTarget.select()}
         onBlur={finish}
         onKeyDown={(e) => {
@@ -34,6 +51,17 @@ function NumberBox({ text, label, width, suffix, take }: { text: string; label: 
       />
       {suffix && <span>{suffix}</span>}
     </label>
+  );
+}
+
+function Step({ axis, by, take, disabled }: { axis: AxisIndex; by: 1 | -1; take: () => void; disabled: boolean }) {
+  const what = `${by > 0 ? "Next" : "Previous"} slice`;
+  return (
+    <button class="slice-button slice-step" aria-label={`${what} across ${AXIS_NAMES[axis]}`} title={`${what} (${by > 0 ? "." : ","})`} onClick={take} disabled={disabled}>
+      <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="1.8">
+        <path d={by > 0 ? "M6 3.5 10.5 8 6 12.5" : "M10 3.5 5.5 8l4.5 4.5"} />
+      </svg>
+    </button>
   );
 }
 
@@ -50,13 +78,15 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
   const widest = Math.max(coordinate(0).length, coordinate(a.cells - 1).length, coordinate(slice).length);
   return (
     <div class="slice-bar">
-      <button class="slice-play" aria-label={playing ? `Pause ${name}` : `Play the slices across ${name}`} aria-pressed={playing} title={playing ? "Pause (p)" : "Play (p)"} onClick={() => toggle_sweep(viewer, axis)}>
+      <button class="slice-button slice-play" aria-label={playing ? `Pause ${name}` : `Play the slices across ${name}`} aria-pressed={playing} title={playing ? "Pause (p)" : "Play (p)"} onClick={() => toggle_sweep(viewer, axis)}>
         <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true">
           <path d={playing ? "M4 3h3v10H4zM9 3h3v10H9z" : "M4 2.5v11l9-5.5z"} fill="currentColor" />
         </svg>
       </button>
+      <Step axis={axis} by={-1} take={() => take(slice - 1)} disabled={slice === 0} />
       <input type="range" aria-label={`Slice across ${name}`} min={0} max={a.cells - 1} step={1} value={slice} onInput={(e) => take(e.currentTarget.valueAsNumber)} disabled={a.cells === 1} />
-      <NumberBox label={`Slice across ${name}, from 0 to ${a.cells - 1}`} text={String(slice)} width={String(a.cells - 1).length} take={take} />
+      <Step axis={axis} by={1} take={() => take(slice + 1)} disabled={slice === a.cells - 1} />
+      <NumberBox label={`Slice across ${name}, from 0 to ${a.cells - 1}`} text={String(slice)} width={String(a.cells - 1).length} take={take} whole />
       <NumberBox
         label={`Coordinate ${name} of the slice's cells, in ${unit_name(viewer.info.units)}`}
         text={coordinate(slice)}

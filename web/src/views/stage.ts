@@ -6,7 +6,7 @@ import { FRAMES } from "../axis";
 import { Palette, SetTable } from "../tiles/sets";
 import { TileStore } from "../tiles/store";
 import { wants_of } from "../tiles/wants";
-import type { Box, Viewer } from "../viewer";
+import type { Box, ViewName, Viewer } from "../viewer";
 import { clamped_zoom, fitting_zoom, inside, zoomed_about } from "./camera";
 import { returned } from "../connection";
 import { type Ink, read_ink } from "./ink";
@@ -31,7 +31,8 @@ export class Stage {
   readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // Whether the server could not read something that a view shows.
   readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
-  // The view that keys mean: under the pointer, or focused.
+  // The view that keys mean: its panel has the pointer, or the focus. For keys that move slices: the last such that shows some.
+  active_view: ViewName = "z";
   active: AxisIndex = 2;
 
   private readonly palette = new Palette(this.sets);
@@ -39,6 +40,7 @@ export class Stage {
   private host: HTMLElement | null = null;
   private dirty = true;
   private request = 0;
+  private fitted = 0; // the zoom that fitted the views when they were drawn last
   private last_start = 0;
   private drew = false;
   private cost = 0; // a moving mean, milliseconds
@@ -99,6 +101,11 @@ export class Stage {
     };
   }
 
+  activate(view: ViewName): void {
+    this.active_view = view;
+    if (view !== "3d") this.active = AXIS_NAMES.indexOf(view) as AxisIndex;
+  }
+
   invalidate(): void {
     this.dirty = true;
     if (!this.request && this.host) this.request = requestAnimationFrame(this.frame);
@@ -127,6 +134,17 @@ export class Stage {
   fitting(): number {
     const visible = this.visible;
     return visible.length ? fitting_zoom(this.viewer.axes, visible) : 0;
+  }
+
+  // A grid that fits goes on to fit when the sizes change, until somebody zooms or moves it. What came from elsewhere, as an address,
+  // is kept to what zooming allows.
+  private settle_zoom(): void {
+    const { axes, centre, zoom } = this.viewer;
+    const [fitting, middle] = [this.fitting(), this.viewer.middle()];
+    const fits = zoom.value === 0 || (zoom.value === this.fitted && centre.value.every((x, d) => x === middle[d]));
+    zoom.value = fits ? fitting : clamped_zoom(zoom.value, axes, fitting);
+    this.fitted = fitting;
+    this.viewer.views = this.visible.map(({ axis, width, height }) => ({ axis, width, height }));
   }
 
   // Zooms by a factor; the point under (x, y), CSS pixels of the view, stays where it is.
@@ -185,10 +203,8 @@ export class Stage {
     const scene = this.scene(Math.min(devicePixelRatio, this.most_ratio));
     if (!scene || views.length === 0) return false;
     const began = performance.now();
-    if (viewer.zoom.value === 0) {
-      if (!this.laid_out()) return false; // comes again with the sizes
-      viewer.zoom.value = this.fitting();
-    }
+    if (this.laid_out()) this.settle_zoom();
+    if (viewer.zoom.value === 0) return false; // comes again with the sizes
     for (const view of views) view.look(scene, began);
     store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
     palette.update(viewer.looks.value, scene.ink.ground, scene.ink.outside);

@@ -6,13 +6,21 @@ import type { Stage } from "./stage";
 
 export interface Drag {
   move(x: number, y: number): void;
-  end(moved: boolean): void;
+  end(drawn: boolean): void; // otherwise all is as it was
 }
 
-// CSS pixels of the view.
+// CSS pixels of the view. A tool draws once: the next drag moves the picture again.
 export function start_tool(stage: Stage, axis: AxisIndex, x: number, y: number): Drag | null {
   const { tool } = stage.viewer;
-  return tool.value === "measure" ? measure(stage, axis, x, y) : tool.value === "box" ? box(stage, axis, x, y) : null;
+  if (tool.value === "look") return null;
+  const drag = tool.value === "measure" ? measure(stage, axis, x, y) : box(stage, axis, x, y);
+  return {
+    move: drag.move,
+    end: (drawn) => {
+      drag.end(drawn);
+      if (drawn) tool.value = "look";
+    },
+  };
 }
 
 function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
@@ -27,10 +35,11 @@ function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
     return p;
   };
   const from = point(x0, y0);
+  const before = viewer.measure.value;
   return {
     move: (x, y) => (viewer.measure.value = { axis, from, to: point(x, y) }),
-    end: (moved) => {
-      if (!moved) viewer.measure.value = null;
+    end: (drawn) => {
+      if (!drawn) viewer.measure.value = before;
     },
   };
 }
@@ -55,11 +64,11 @@ function box(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
       [low[v], high[v]] = [Math.min(b0, b), Math.max(b0, b) + 1];
       stage.draft.value = [...low, ...high];
     },
-    end: (moved) => {
-      if (moved && stage.draft.value) {
+    end: (drawn) => {
+      if (drawn && stage.draft.value) {
         viewer.box.value = stage.draft.value;
         viewer.panel.value = "box";
-      } else viewer.box.value = null;
+      }
       stage.draft.value = null;
     },
   };

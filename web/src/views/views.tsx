@@ -12,6 +12,17 @@ import { expose } from "./testing";
 import "./views.css";
 
 const ORDER: readonly AxisIndex[] = [2, 0, 1];
+
+// The pointer's shape alone would not say that the next drag draws, and on touch there is none.
+function ToolNote({ viewer }: { viewer: Viewer }) {
+  const tool = viewer.tool.value;
+  return (
+    <p class="tool-note" role="status" hidden={tool === "look"}>
+      {tool === "measure" ? "Drag to measure a distance" : "Drag to draw a box"}; Escape ends
+    </p>
+  );
+}
+
 export function Views({ viewer }: { viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useMemo(() => new Stage(viewer), [viewer]);
@@ -24,7 +35,8 @@ export function Views({ viewer }: { viewer: Viewer }) {
       {ORDER.map((axis) => (
         <SlicePanel key={axis} stage={stage} viewer={viewer} axis={axis} />
       ))}
-      <OverviewPanel viewer={viewer} />
+      <OverviewPanel stage={stage} viewer={viewer} />
+      <ToolNote viewer={viewer} />
     </div>
   );
 }
