@@ -5,7 +5,6 @@ import { width_at } from "../dock/runs";
 import { decimals } from "../format";
 import type { Viewer } from "../viewer";
 import { toggle_sweep } from "./actions";
-import { unit_name } from "./lengths";
 
 // A box for a number: what is typed counts on Enter or when the box is left; nonsense goes back to what it was.
 function NumberBox({ text, label, width, suffix, take }: { text: string; label: string; width: number; suffix?: string; take: (n: number) => void }) {
@@ -58,10 +57,10 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
       <input type="range" aria-label={`Slice across ${name}`} min={0} max={a.cells - 1} step={1} value={slice} onInput={(e) => take(e.currentTarget.valueAsNumber)} disabled={a.cells === 1} />
       <NumberBox label={`Slice across ${name}, from 0 to ${a.cells - 1}`} text={String(slice)} width={String(a.cells - 1).length} take={take} />
       <NumberBox
-        label={`Coordinate ${name} of the slice's cells, in ${unit_name(viewer.info.units)}`}
+        label={`Coordinate ${name} of the slice's cells, in ${viewer.units}`}
         text={coordinate(slice)}
         width={widest}
-        suffix={unit_name(viewer.info.units)}
+        suffix={viewer.units}
         take={(x) => take(a.cell_at(x))}
       />
     </div>
