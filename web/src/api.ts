@@ -73,6 +73,12 @@ export interface GridSummary {
   units: string;
 }
 
+// A file of a folder that is served, and why it is no grid that one can look at.
+export interface UnreadableFile {
+  id: string;
+  error: string;
+}
+
 export interface MaterialStats {
   id: number;
   name: string;
@@ -237,5 +243,5 @@ export class GridAddress {
   }
 }
 
-export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[] }>("api/v1/grids", signal).then((j) => j.grids);
+export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[]; unreadable: UnreadableFile[] }>("api/v1/grids", signal);
 export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);
