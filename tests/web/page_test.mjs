@@ -225,7 +225,11 @@ test("a damaged file: what can't be read is hatched and said, the rest is there"
   const options = { expected: (url, status) => status === 500, width: 2300, height: 1800 };
   const page = await open_page(browser, `${damaged.url}#g=damaged&layout=z&panel=none`, options);
   await page.waitForFunction(() => window.teracell?.viewer.tiles.damaged.value > 0);
-  await page.getByText("the file is damaged").first().waitFor();
+  const toast = page.locator(".toast");
+  await toast.filter({ hasText: /×\d/ }).waitFor(); // one for all of it
+  assert.equal(await toast.count(), 1);
+  assert.match(await toast.innerText(), /The file is damaged: .*damaged\.tcell: level 0 chunk/s);
+  assert.ok((await toast.boundingBox()).height < 70, "a toast is short");
   await quiet(page);
   await screenshot(page, "damaged");
   const { level, tiles } = await page.evaluate(() => ({ level: teracell.viewer.level[2].value, tiles: teracell.viewer.tiles.damaged.value }));

@@ -175,7 +175,8 @@ export const is_version_gone = (error: unknown, path: string): boolean => error 
 function noted(error: ServerError, path: string): ServerError {
   if (error.status === 401) token_wanted.value = true;
   else if (is_version_gone(error, path)) ++version_gone.value;
-  else if (error.status >= 500) say(`${error.message[0]?.toUpperCase()}${error.message.slice(1)}`);
+  else if (error.code === "damaged") say("The file is damaged: some of it can't be read", error.message);
+  else if (error.status >= 500) say("The server could not answer", error.message);
   return error;
 }
 
