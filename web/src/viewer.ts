@@ -118,6 +118,7 @@ export class Viewer {
       this.box.value = null;
       this.measure.value = null;
       this.pinned.value = null;
+      this.markers.value = [];
       this.orbit.value = null;
       this.bodies.value = "cut";
     });
