@@ -190,4 +190,12 @@ std::shared_ptr<const ServedGrid> Grids::find(const std::string& id) const {
 
 std::vector<std::shared_ptr<const ServedGrid>> Grids::all() const { return known()->readable; }
 
+std::vector<Grids::Unreadable> Grids::unreadable() const {
+  std::vector<Unreadable> out;
+  const auto now = known();
+  for (const auto& [id, entry] : now->by_id)
+    if (!entry.grid) out.push_back({id, entry.error});
+  return out;
+}
+
 }  // namespace teracell

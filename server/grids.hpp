@@ -49,6 +49,11 @@ class Grids {
   std::optional<uint64_t> epoch_of(const ServedGrid& grid) const;
   // Those that can be read, in the order of the command line, those of a folder by name.
   std::vector<std::shared_ptr<const ServedGrid>> all() const;
+  // The others, by id.
+  struct Unreadable {
+    std::string id, error;
+  };
+  std::vector<Unreadable> unreadable() const;
   // Looks at the files now, instead of in half a second at most.
   void look();
 

@@ -66,7 +66,9 @@ ordered_json schemas() {
   box_or_null["type"] = {"array", "null"};
   return {
       {"Error", object({{"error", object({{"code", text}, {"message", text}})}})},
-      {"Grids", object({{"schema", kInteger}, {"grids", array(object({{"id", text}, {"name", text}, {"cells", index}, {"bytes", kInteger}, {"hash", text}, {"units", text}}))}})},
+      {"Grids", object({{"schema", kInteger},
+                        {"grids", array(object({{"id", text}, {"name", text}, {"cells", index}, {"bytes", kInteger}, {"hash", text}, {"units", text}}))},
+                        {"unreadable", array(object({{"id", text}, {"error", text}}))}})},
       {"Info", object({{"schema", kInteger},
                        {"id", text},
                        {"units", text},
@@ -98,7 +100,7 @@ std::string openapi_json(const Request& request) {
   paths["/healthz"]["get"]["security"] = ordered_json::array();
   paths["/metrics"] = get("Prometheus metrics", ordered_json::array(), "text/plain", nullptr, Source::kServer);
   paths["/openapi.json"] = get("this description", ordered_json::array(), "application/json", nullptr, Source::kGrids);
-  paths["/api/v1/grids"] = get("the grids that are served", ordered_json::array(), "application/json", "Grids", Source::kGrids);
+  paths["/api/v1/grids"] = get("the grids that are served, and files that can't be read", ordered_json::array(), "application/json", "Grids", Source::kGrids);
   paths[grid] = get("a grid: axes, materials, levels, what meshing reported", {id, version()}, "application/json", "Info");
   paths[grid + "/slice/{axis}/{index}.png"] = get(
       "a slice as a picture, v upwards", {id, axis(), parameter("index", "path", "the slice, in cells of the level", kInteger), level("query"),

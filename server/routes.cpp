@@ -194,7 +194,7 @@ Response stats(const GridRequest& r) {
 
 Response list(Service& service, const Target& target) {
   target.allow({});
-  ordered_json j = {{"schema", 1}, {"grids", ordered_json::array()}};
+  ordered_json j = {{"schema", 1}, {"grids", ordered_json::array()}, {"unreadable", ordered_json::array()}};
   for (const auto& grid : service.grids().all())
     j["grids"].push_back({{"id", grid->id},
                           {"name", grid->id},
@@ -202,6 +202,7 @@ Response list(Service& service, const Target& target) {
                           {"bytes", grid->reader().file_bytes()},
                           {"hash", grid->hash},
                           {"units", grid->meta().units}});
+  for (const auto& [id, error] : service.grids().unreadable()) j["unreadable"].push_back({{"id", id}, {"error", error}});
   return plain("grids", kJson, ascii_json(j));
 }
 

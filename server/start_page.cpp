@@ -66,6 +66,8 @@ constexpr const char* kStyle =
 std::string start_page(Service& service, const Request& request) {
   std::string cards;
   for (const auto& grid : service.grids().all()) cards += card(*grid, request);
+  for (const auto& [id, error] : service.grids().unreadable())
+    cards += fmt::format("<section><h2>{}</h2><p>This file can't be read: {}</p></section>", html(id), html(error));
   if (cards.empty()) cards = "<p>There is no grid here yet. Files that end in .tcell appear on this page as soon as they lie in a folder that is served.</p>";
   return fmt::format(
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>teracell</title><style>{}</style><h1>teracell</h1>{}"

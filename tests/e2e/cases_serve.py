@@ -120,7 +120,10 @@ class Serving(ServeCase):
         after = server.get(TILE + ".bin")
         self.assertNotEqual((before.body, before.headers["ETag"]), (after.body, after.headers["ETag"]))
         self.assertEqual(server.get(f"{TILE}.bin?v={version}").status, 404)
-        self.assertEqual([g["id"] for g in server.get("/api/v1/grids").json()["grids"]], ["g", "new"])
+        served = server.get("/api/v1/grids").json()
+        self.assertEqual([g["id"] for g in served["grids"]], ["g", "new"])
+        self.assertEqual([g["id"] for g in served["unreadable"]], ["broken"])
+        self.assertRegex(served["unreadable"][0]["error"], r"^broken\.tcell: .*expected")
         self.assertRegex(server.problem(), r"^teracell: \./broken\.tcell: .*expected")
         self.stop(server, problems=1)
 

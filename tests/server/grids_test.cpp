@@ -83,6 +83,9 @@ TEST_CASE("A bad file in a folder is an error of that grid alone, complained of 
   } catch (const HttpError& e) {
     CHECK(e.status == 500);
     CHECK(std::string(e.what()).find(folder.path().string()) == std::string::npos);  // clients learn no folder
+    REQUIRE(grids.unreadable().size() == 1);
+    CHECK(grids.unreadable()[0].id == "bad");
+    CHECK(grids.unreadable()[0].error == e.what());
   }
   for (int i = 0; i < 3; ++i) grids.look();
   REQUIRE(w.complaints.size() == 1);
@@ -92,6 +95,7 @@ TEST_CASE("A bad file in a folder is an error of that grid alone, complained of 
   const uint64_t epoch = grids.epoch();
   grids.look();
   CHECK(ids(grids) == Ids{"bad", "good"});
+  CHECK(grids.unreadable().empty());
   CHECK(grids.epoch() != epoch);
   CHECK(w.complaints.size() == 1);
 }

@@ -288,6 +288,17 @@ TEST_CASE("JSON is ASCII, whatever the names", "[server]") {
   CHECK(json::parse(*list.body)["grids"][0]["id"] == "\xc3\xbcn\xef\xbf\xbd");
 }
 
+TEST_CASE("Files that can't be read are told beside the grids, and on the plain start page", "[server]") {
+  Served s;
+  std::ofstream(s.folder / "a<b>.tcell") << "nothing of a grid";
+  s.service->grids().look();
+  const json list = s.parsed("/api/v1/grids");
+  CHECK(list["grids"].size() == 1);
+  REQUIRE(list["unreadable"].size() == 1);
+  CHECK(list["unreadable"][0] == json({{"id", "a<b>"}, {"error", s.error("/api/v1/grids/a%3Cb%3E")}}));
+  CHECK_THAT(*s.get("/").body, Catch::Contains("<h2>a&lt;b&gt;</h2><p>This file can't be read: a&lt;b&gt;.tcell: "));
+}
+
 TEST_CASE("The caches stay within their limit", "[server]") {
   ServiceOptions options;
   options.cache_bytes = 200000;
@@ -358,6 +369,8 @@ std::string mismatch(const json& schema, const json& value, const json& all, con
 
 TEST_CASE("Every address of the description answers as it says", "[server]") {
   Served s;
+  std::ofstream(s.folder / "bad.tcell") << "nothing of a grid";
+  s.service->grids().look();
   const json api = s.parsed("/openapi.json");
   CHECK(api["openapi"] == "3.1.0");
   const std::map<std::string, std::string> values = {{"id", "g"}, {"axis", "z"}, {"index", "4"}, {"level", "1"}, {"col", "0"}, {"row", "0"}, {"a", "3"}, {"b", "4"}, {"i", "1"}, {"j", "2"}, {"k", "3"}};

@@ -2,7 +2,7 @@
 // small windows, the keyboard alone.
 import assert from "node:assert/strict";
 import { createServer, request as http_request } from "node:http";
-import { writeFileSync } from "node:fs";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import test from "node:test";
 import { close, folder, grid_file, grids, info_of, open_grid, open_page, pixels, point_of, quiet, screenshot, serve, server_and_browser, settled, shares, state, view } from "./support.mjs";
@@ -38,8 +38,17 @@ test("several grids: a start page; each opens, and the browser's back button lea
   const page = await open_page(browser, server.url);
   await page.getByRole("heading", { name: "3 grids" }).waitFor();
   for (const name of ["stadium", "graded", "open"]) await page.getByRole("heading", { name, exact: true }).waitFor();
-  await page.waitForFunction(() => document.querySelectorAll(".preview img").length === 9);
+  await page.waitForFunction(() => document.querySelectorAll(".preview canvas:not([hidden])").length === 9);
   await screenshot(page, "start-page");
+  // 100 x 60 mm in 130 x 60 cells; steel are the first 113, which end at 49 mm.
+  const graded = page.getByRole("img", { name: "graded: slice across z in the middle" });
+  const { width, height, steel } = await graded.evaluate((canvas) => {
+    const { width, height } = canvas;
+    const row = canvas.getContext("2d").getImageData(0, 4, width, 1).data;
+    return { width, height, steel: row.filter((alpha, at) => at % 4 === 3 && alpha > 0).length };
+  });
+  assert.ok(Math.abs(width / height - 100 / 60) < 0.02, `${width} x ${height}`);
+  assert.ok(Math.abs(steel - 0.49 * width) <= 1, `${steel} of ${width} pixels are steel`);
   await page.getByRole("link", { name: /graded/ }).click();
   await settled(page);
   assert.equal(await page.evaluate(() => teracell.viewer.info.id), "graded");
@@ -67,6 +76,38 @@ test("a folder without grids: the page says what to do", async () => {
   await screenshot(page, "empty");
   await close(page);
   assert.deepEqual(await empty.stop(), []);
+});
+
+test("files that can't be read are told on the start page, with what is wrong; a grid beside them doesn't hide them", async () => {
+  const broken = join(folder, "broken");
+  mkdirSync(broken);
+  const whole = readFileSync(grid_file("graded"));
+  writeFileSync(join(broken, "short.tcell"), whole.subarray(0, whole.length / 2));
+  const served = await serve(broken);
+  const listed = async () => (await fetch(`${served.url}api/v1/grids`)).json();
+  const page = await open_page(browser, served.url, { expected: (url, status) => status === 500 && url.includes("whole") });
+  await page.getByRole("heading", { name: "1 file that can't be read" }).waitFor();
+  const card = page.getByRole("listitem").filter({ has: page.getByRole("heading", { name: "short" }) });
+  assert.match(await card.innerText(), /This file can't be read: short\.tcell: \S+/);
+  assert.equal(await page.getByText("No grid here yet").count(), 0);
+  await screenshot(page, "unreadable");
+  writeFileSync(join(broken, "whole.tcell"), whole);
+  while ((await listed()).grids.length === 0); // it looks twice a second
+  await page.reload();
+  await page.getByRole("heading", { name: "One grid, 1 file that can't be read" }).waitFor();
+  await page.getByRole("link", { name: /whole/ }).click();
+  await settled(page);
+  // The open one breaks, too: the banner says how, as soon as the page looks again.
+  writeFileSync(join(broken, "whole.tcell"), whole.subarray(0, whole.length / 2));
+  while ((await listed()).grids.length > 0);
+  await page.evaluate(() => ["offline", "online"].forEach((what) => dispatchEvent(new Event(what))));
+  await page.getByText(/“whole” is no longer served: whole\.tcell: /).waitFor();
+  await page.getByRole("link", { name: "All grids" }).click();
+  await page.getByRole("heading", { name: "2 files that can't be read" }).waitFor();
+  await card.waitFor();
+  await close(page);
+  const told = await served.stop((line) => line.startsWith("teracell: ") || JSON.parse(line).status === 500);
+  assert.deepEqual(told, []);
 });
 
 test("below a path, behind a server that puts another one in front", async () => {
@@ -184,7 +225,11 @@ test("a damaged file: what can't be read is hatched and said, the rest is there"
   const options = { expected: (url, status) => status === 500, width: 2300, height: 1800 };
   const page = await open_page(browser, `${damaged.url}#g=damaged&layout=z&panel=none`, options);
   await page.waitForFunction(() => window.teracell?.viewer.tiles.damaged.value > 0);
-  await page.getByText("the file is damaged").first().waitFor();
+  const toast = page.locator(".toast");
+  await toast.filter({ hasText: /×\d/ }).waitFor(); // one for all of it
+  assert.equal(await toast.count(), 1);
+  assert.match(await toast.innerText(), /The file is damaged: .*damaged\.tcell: level 0 chunk/s);
+  assert.ok((await toast.boundingBox()).height < 70, "a toast is short");
   await quiet(page);
   await screenshot(page, "damaged");
   const { level, tiles } = await page.evaluate(() => ({ level: teracell.viewer.level[2].value, tiles: teracell.viewer.tiles.damaged.value }));

@@ -2,7 +2,8 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { readFileSync } from "node:fs";
-import { close, column_of, decoded_png, exported_cell, info_of, offset_in, open_grid, packed, point_of, server_and_browser, settled, state, stats_of, view } from "./support.mjs";
+import { join } from "node:path";
+import { close, column_of, decoded_png, exported_cell, folder, info_of, offset_in, open_grid, packed, point_of, server_and_browser, settled, state, stats_of, view } from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 
@@ -188,6 +189,77 @@ test("the report: a hole is named, marked and gone to; a body without cells is t
   assert.deepEqual(await state(page, "cell"), expected);
   await page.screenshot({ path: `${process.env.TERACELL_FOLDER}/report.png` });
   await close(page);
+});
+
+// The page with a grid whose info and statistics say something else.
+async function open_told(t, { info = (j) => j, stats = (j) => j }) {
+  const context = await browser.newContext({ viewport: { width: 1400, height: 900 } });
+  t.after(async () => {
+    await context.unrouteAll({ behavior: "wait" });
+    await context.close();
+  });
+  const answer = (change) => async (route) => {
+    const response = await route.fetch();
+    await route.fulfill({ response, json: change(await response.json()) });
+  };
+  await context.route(/\/api\/v1\/grids\/stadium(\?v=\w+)?$/, answer(info));
+  await context.route(/\/api\/v1\/grids\/stadium\/stats/, answer(stats));
+  return open_grid(browser, `${server.url}#g=stadium&layout=z`, { context });
+}
+
+test("very many materials: a line each, opened for more, the rest for a click or by name", async (t) => {
+  const COUNT = 65535;
+  const grown = (list, more) => Array.from({ length: COUNT }, (_, id) => list[id] ?? { ...more, id, name: `m${id}` });
+  const page = await open_told(t, {
+    info: (j) => ({ ...j, materials: grown(j.materials, { color: "#123456", rank: 1 }) }),
+    stats: (j) => ({ ...j, materials: grown(j.materials, { cells: 0, volume: 0, box: null }) }),
+  });
+  const cards = page.locator(".material");
+  assert.equal(await cards.count(), 100);
+  const filter = page.getByRole("searchbox");
+  assert.ok((await filter.boundingBox()).height >= 26, "the filter is squashed");
+  for (const n of [0, 50]) assert.ok((await cards.nth(n).boundingBox()).height < 36, "a card is not one line");
+  const { name } = info_of("stadium").materials[2];
+  const card = cards.filter({ has: page.getByRole("button", { name, exact: true }) });
+  assert.equal(await card.getByRole("slider").count(), 0);
+  await card.getByRole("button", { name, exact: true }).click();
+  await card.getByRole("slider", { name: `Opacity of ${name}` }).waitFor();
+  await card.getByText("Bounding box").waitFor();
+  await page.screenshot({ path: join(folder, "many-materials.png") });
+  await page.getByRole("button", { name: /435 more/ }).click();
+  await page.waitForFunction(() => document.querySelectorAll(".material").length === 200);
+  await filter.fill("m65000");
+  await page.waitForFunction(() => document.querySelectorAll(".material").length === 1);
+  await page.getByRole("button", { name: "Show m65000" }).click();
+  assert.equal(await page.evaluate(() => teracell.viewer.looks.value[65000].visible), false);
+  await page.waitForFunction(() => location.hash.includes("material=65000:"));
+  assert.deepEqual(page.errors, []);
+});
+
+test("very many bodies, holes and warnings: the first of each, and more for a click", async (t) => {
+  const page = await open_told(t, {
+    info: (j) => {
+      const body = (n) => ({ ...j.report.bodies[0], name: `body ${n}`, cells: n === 4999 ? 1 : 2, holes: [] });
+      const bodies = Array.from({ length: 5000 }, (_, n) => body(n));
+      bodies[7].holes = Array.from({ length: 10000 }, (_, n) => ({ at: [0, 0, 0], edges: 3, diameter: 1 + n, diameter_cells: 10, cap_area: 1 }));
+      return { ...j, report: { ...j.report, bodies, warnings: bodies.map((b) => `body '${b.name}' is open`) } };
+    },
+  });
+  await page.getByRole("tab", { name: "Report" }).click();
+  const bodies = page.locator(".body");
+  await bodies.first().waitFor();
+  assert.equal(await bodies.count(), 100);
+  assert.match(await bodies.first().innerText(), /body 7\n10\s000 holes/);
+  assert.equal(await bodies.first().locator(".places li:not(.more)").count(), 30);
+  assert.equal(await page.locator(".warnings li:not(.more)").count(), 100);
+  assert.equal(await page.locator(".body-details").count(), 1); // of the one that is open
+  await bodies.nth(1).locator("summary").click();
+  await bodies.nth(1).getByText("facets").first().waitFor();
+  await page.locator(".bodies").getByRole("button", { name: /4\s900 more/ }).click();
+  await page.waitForFunction(() => document.querySelectorAll(".body").length === 200);
+  await page.screenshot({ path: join(folder, "many-bodies.png") });
+  await page.waitForFunction(() => location.hash.includes("marks=1"));
+  assert.deepEqual(page.errors, []);
 });
 
 test("the view is saved as a PNG with a legend", async () => {

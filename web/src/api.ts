@@ -73,6 +73,12 @@ export interface GridSummary {
   units: string;
 }
 
+// A file of a folder that is served, and why it is no grid that one can look at.
+export interface UnreadableFile {
+  id: string;
+  error: string;
+}
+
 export interface MaterialStats {
   id: number;
   name: string;
@@ -169,7 +175,8 @@ export const is_version_gone = (error: unknown, path: string): boolean => error 
 function noted(error: ServerError, path: string): ServerError {
   if (error.status === 401) token_wanted.value = true;
   else if (is_version_gone(error, path)) ++version_gone.value;
-  else if (error.status >= 500) say(`${error.message[0]?.toUpperCase()}${error.message.slice(1)}`);
+  else if (error.code === "damaged") say("The file is damaged: some of it can't be read", error.message);
+  else if (error.status >= 500) say("The server could not answer", error.message);
   return error;
 }
 
@@ -237,5 +244,5 @@ export class GridAddress {
   }
 }
 
-export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[] }>("api/v1/grids", signal).then((j) => j.grids);
+export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[]; unreadable: UnreadableFile[] }>("api/v1/grids", signal);
 export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);

@@ -3,7 +3,7 @@ import { useEffect, useState } from "preact/hooks";
 import { connection, next_try, try_now } from "./connection";
 import { clock } from "./format";
 import { Icon } from "./icons";
-import { reload, stale, viewer } from "./page";
+import { reload, stale, unreadable, viewer } from "./page";
 
 function Waiting() {
   const [, tick] = useState(0);
@@ -18,6 +18,7 @@ function Waiting() {
 export function Banners() {
   const lost = connection.value.state === "lost";
   const id = viewer.value?.info.id;
+  const broken = unreadable.value.find((file) => file.id === id);
   return (
     <div class="banners" role="status" aria-live="polite">
       {lost && (
@@ -47,7 +48,9 @@ export function Banners() {
       {!lost && stale.value === "gone" && (
         <div class="banner bad">
           <Icon name="warning" />
-          <span>“{id}” is no longer served: its file is gone. What is on screen stays.</span>
+          <span>
+            “{id}” is no longer served: {broken?.error ?? "its file is gone"}. What is on screen stays.
+          </span>
         </div>
       )}
     </div>

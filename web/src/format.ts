@@ -44,6 +44,9 @@ export function significant(x: number, digits = 5): string {
   return grouped(x.toFixed(Math.min(Math.max(digits - 1 - size, 0), 100)));
 }
 
+// As people write it; everything for machines keeps the scene's own.
+export const unit_name = (units: string): string => (units === "um" ? "µm" : units);
+
 export function bytes_text(n: number): string {
   const units = ["B", "kB", "MB", "GB", "TB"];
   let at = 0;
@@ -73,7 +76,8 @@ export function milliseconds(ms: number): string {
 
 export const clock = (time: number | Date): string => new Date(time).toLocaleTimeString([], { hour: "2-digit", minute: "2-digit" });
 
-export const plural = (n: number, what: string, many = `${what}s`): string => `${grouped(n)} ${n === 1 ? what : many}`;
+export const noun = (n: number | bigint | string, one: string, many = `${one}s`): string => (String(n) === "1" ? one : many);
+export const plural = (n: number | bigint | string, one: string, many?: string): string => `${grouped(n)} ${noun(n, one, many)}`;
 
 export const product = (cells: readonly number[]): bigint => cells.reduce((n, c) => n * BigInt(c), 1n);
 export const sizes = (cells: readonly number[]): string => cells.map((c) => grouped(c)).join(" × ");

@@ -1,8 +1,8 @@
 // The line at the top: what is open, how the views lie, and the switches of the page.
-import { about, bytes_text, grouped, product, sizes } from "./format";
+import { about, bytes_text, noun, plural, product, sizes } from "./format";
 import { help_open } from "./help";
 import { Icon, type IconName } from "./icons";
-import { grids } from "./page";
+import { grids, unreadable } from "./page";
 import { switch_theme, theme } from "./theme";
 import type { Layout, Viewer } from "./viewer";
 
@@ -49,16 +49,16 @@ function Facts({ viewer }: { viewer: Viewer }) {
   const { cells } = viewer;
   const all = product(cells);
   return (
-    <span class="facts" title={`${grouped(all)} cells`}>
+    <span class="facts" title={plural(all, "cell")}>
       <span class="fact-sizes">{sizes(cells)}</span>
-      <span class="fact-cells">{about(all)} cells</span>
+      <span class="fact-cells">{about(all)} {noun(all, "cell")}</span>
       <span>{bytes_text(viewer.info.file.bytes)}</span>
     </span>
   );
 }
 
 export function Header({ viewer }: { viewer: Viewer | null }) {
-  const several = (grids.value?.length ?? 0) > 1;
+  const several = (grids.value?.length ?? 0) + unreadable.value.length > 1;
   const dark = theme.value === "dark";
   return (
     <header class="header">

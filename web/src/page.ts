@@ -1,12 +1,13 @@
 // Which grids there are, which one is open, and the address that says so: "#g=id..." opens one, an address without a grid gives the
-// list, or the only grid there is. Looks now and then whether the open grid's file is still the same.
-import { effect, signal } from "@preact/signals";
-import { type GridSummary, ServerError, grid_info, list_grids, version_gone, words_of } from "./api";
+// list, or the only grid when nothing else is there. Looks now and then whether the open grid's file is still the same.
+import { batch, effect, signal } from "@preact/signals";
+import { type GridSummary, ServerError, type UnreadableFile, grid_info, list_grids, version_gone, words_of } from "./api";
 import { connection, returned } from "./connection";
 import { grid_in_address, keep_address, read_address } from "./permalink";
 import { Viewer } from "./viewer";
 
 export const grids = signal<readonly GridSummary[] | null>(null); // null: not known yet
+export const unreadable = signal<readonly UnreadableFile[]>([]); // what lies beside them
 export const viewer = signal<Viewer | null>(null);
 export const opening = signal<string | null>(null); // the grid that is being opened
 export const trouble = signal<string | null>(null); // why nothing could be opened
@@ -18,10 +19,14 @@ let stop_keeping = () => {};
 let abort = new AbortController();
 
 async function load_grids(): Promise<void> {
-  grids.value = await list_grids();
+  const list = await list_grids();
+  batch(() => {
+    grids.value = list.grids;
+    unreadable.value = list.unreadable;
+  });
   const open = viewer.value;
   if (!open) return;
-  const now = grids.value.find((g) => g.id === open.info.id);
+  const now = list.grids.find((g) => g.id === open.info.id);
   stale.value = !now ? "gone" : now.hash !== open.info.file.hash ? "replaced" : null;
 }
 
@@ -57,7 +62,8 @@ async function open(id: string): Promise<void> {
 
 // What the address says now. A changed address of the grid that is open moves the views; nothing is loaded anew.
 function follow_address(): void {
-  const id = grid_in_address() ?? (grids.value?.length === 1 ? grids.value[0]!.id : null);
+  const only = grids.value?.length === 1 && unreadable.value.length === 0 ? grids.value[0]!.id : null;
+  const id = grid_in_address() ?? only;
   const now = viewer.value;
   if (id === null) close();
   else if (now && now.info.id === id) {

@@ -3,6 +3,7 @@
 // start is in it. Numbers are written so that they come back as they were.
 import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "./api";
+import { places_found } from "./panels/report_words";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
 
 export function grid_in_address(): string | null {
@@ -47,6 +48,7 @@ export function read_address(viewer: Viewer): void {
     const orbit = numbers(query.get("orbit"), 6);
     if (orbit && Math.abs(orbit[1]!) <= 90 && orbit[2]! > 0)
       viewer.orbit.value = { azimuth: orbit[0]!, elevation: orbit[1]!, distance: orbit[2]!, target: orbit.slice(3) as [number, number, number] };
+    if (query.get("marks") === "1") viewer.markers.value = places_found(viewer.info);
     const bodies = query.get("bodies") as BodyMode | null;
     if (bodies && BODY_MODES.includes(bodies)) viewer.bodies.value = bodies;
     const measure = numbers(query.get("measure"), 7);
@@ -75,6 +77,7 @@ export function address_of(viewer: Viewer): string {
   for (const [key, name] of Object.entries(SWITCHES)) if (viewer[name].value !== standard[name]) start.set(key, viewer[name].value ? "1" : "0");
   if (viewer.box.value) start.set("box", viewer.box.value.join(","));
   if (viewer.pinned.value) start.set("pin", viewer.pinned.value.join(","));
+  if (viewer.markers.value.length) start.set("marks", "1");
   const o = viewer.orbit.value;
   if (o) start.set("orbit", [o.azimuth, o.elevation, o.distance, ...o.target].map((x) => Number(x.toPrecision(6))).join(","));
   if (viewer.bodies.value !== "cut") start.set("bodies", viewer.bodies.value);
@@ -82,7 +85,7 @@ export function address_of(viewer: Viewer): string {
   if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));
   const changed = viewer.looks.value.flatMap((look, id) => {
     const before = viewer.standard_looks[id]!;
-    const same = look.visible === before.visible && look.opacity === before.opacity && hex(look.color) === hex(before.color);
+    const same = look === before || (look.visible === before.visible && look.opacity === before.opacity && hex(look.color) === hex(before.color));
     return same ? [] : [`${id}:${hex(look.color)}:${look.opacity}:${look.visible ? 1 : 0}`];
   });
   if (changed.length) start.set("material", changed.join(";"));

@@ -41,7 +41,7 @@ function place_text(viewer: Viewer): string {
     const axis = viewer.axes[d as 0 | 1 | 2];
     return `${AXIS_NAMES[d]} = ${coordinate(axis.centre(i), width_at(axis, i))}`;
   });
-  return `${where.join(", ")} ${viewer.info.units}`;
+  return `${where.join(", ")} ${viewer.units}`;
 }
 
 export async function framed_snapshot(viewer: Viewer): Promise<HTMLCanvasElement> {

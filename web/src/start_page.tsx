@@ -1,47 +1,30 @@
 // The grids that are served, with pictures; or why there is none to see.
-import { useEffect, useState } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex, type GridInfo, type GridSummary, get } from "./api";
+import type { GridInfo, GridSummary, UnreadableFile } from "./api";
 import { use_answer } from "./answer";
+import { Axis } from "./axis";
 import { CopyButton } from "./copy";
-import { about, bytes_text, grouped, product, significant, sizes } from "./format";
-import { grids } from "./page";
-import { FRAMES } from "./axis";
+import { about, bytes_text, grouped, noun, plural, product, significant, sizes, unit_name } from "./format";
+import { Icon } from "./icons";
+import { grids, unreadable } from "./page";
+import { Preview } from "./preview";
 
-const PICTURE = 360; // cells: a level that is about as fine as the picture on the card
-
-// Pictures come like everything else, so that a token goes along.
-function Preview({ grid, axis }: { grid: GridSummary; axis: AxisIndex }) {
-  const [url, set_url] = useState<string | null>(null);
-  const [failed, set_failed] = useState(false);
-  const frame = FRAMES[axis];
-  let level = 0;
-  while (Math.max(grid.cells[frame.u], grid.cells[frame.v]) / 2 ** level > PICTURE) ++level;
-  const index = Math.floor(grid.cells[axis] / 2 / 2 ** level);
-  const path = `api/v1/grids/${encodeURIComponent(grid.id)}/slice/${AXIS_NAMES[axis]}/${index}.png?level=${level}&v=${grid.hash}`;
-  useEffect(() => {
-    const abort = new AbortController();
-    let made: string | null = null;
-    get(path, { signal: abort.signal, priority: "low" })
-      .then((r) => r.blob())
-      .then((blob) => set_url((made = URL.createObjectURL(blob))))
-      .catch(() => abort.signal.aborted || set_failed(true));
-    return () => {
-      abort.abort();
-      if (made) URL.revokeObjectURL(made);
-    };
-  }, [path]);
-  return <span class="preview">{url ? <img src={url} alt={`${grid.id}: slice across ${AXIS_NAMES[axis]} in the middle`} /> : failed && <span class="faint">no picture</span>}</span>;
+function Previews({ grid, info }: { grid: GridSummary; info: GridInfo | null }) {
+  const axes = info?.grid.axes.map((axis, d) => new Axis(axis, info.grid.sample[d]!));
+  return (
+    <span class="previews">
+      {([2, 1, 0] as const).map((axis) => (axes ? <Preview key={axis} grid={grid} axes={axes} axis={axis} /> : <span key={axis} class="preview" />))}
+    </span>
+  );
 }
 
-function Materials({ grid }: { grid: GridSummary }) {
-  const info = use_answer<GridInfo>(`api/v1/grids/${encodeURIComponent(grid.id)}?v=${grid.hash}`).value;
+function Materials({ info }: { info: GridInfo | null }) {
   if (!info) return <p class="card-facts">&nbsp;</p>;
   const size = info.grid.max.map((high, d) => significant(high - info.grid.min[d]!, 4)).join(" × ");
   const shown = info.materials.slice(1, 7);
   return (
     <p class="card-facts">
       <span>
-        {size} {info.units}
+        {size} {unit_name(info.units)}
       </span>
       <span class="card-materials">
         {shown.map((m) => (
@@ -57,6 +40,8 @@ function Materials({ grid }: { grid: GridSummary }) {
 }
 
 function Card({ grid }: { grid: GridSummary }) {
+  const info = use_answer<GridInfo>(`api/v1/grids/${encodeURIComponent(grid.id)}?v=${grid.hash}`).value;
+  const cells = product(grid.cells);
   const root = new URL(".", location.href.split("#")[0]).href;
   const id = encodeURIComponent(grid.id);
   const addresses: readonly (readonly [string, string])[] = [
@@ -71,20 +56,16 @@ function Card({ grid }: { grid: GridSummary }) {
   return (
     <li class="card">
       <a class="card-main" href={`#g=${id}`}>
-        <span class="previews">
-          {([2, 1, 0] as const).map((axis) => (
-            <Preview key={axis} grid={grid} axis={axis} />
-          ))}
-        </span>
+        <Previews grid={grid} info={info} />
         <h2>{grid.name}</h2>
         <p class="card-facts">
           <span>{sizes(grid.cells)}</span>
           <span>
-            <b>{about(product(grid.cells))}</b> cells
+            <b>{about(cells)}</b> {noun(cells, "cell")}
           </span>
           <span>{bytes_text(grid.bytes)}</span>
         </p>
-        <Materials grid={grid} />
+        <Materials info={info} />
       </a>
       <details>
         <summary>Addresses for other programs</summary>
@@ -108,8 +89,25 @@ function Card({ grid }: { grid: GridSummary }) {
   );
 }
 
+function UnreadableCard({ file }: { file: UnreadableFile }) {
+  return (
+    <li class="card unreadable">
+      <h2>
+        <Icon name="warning" /> {file.id}
+      </h2>
+      <p>This file can't be read: {file.error}</p>
+    </li>
+  );
+}
+
+function headline(readable: number, broken: number): string {
+  const parts = [readable === 1 ? "One grid" : `${grouped(readable)} grids`, `${plural(broken, "file")} that can't be read`];
+  return parts.filter((_, n) => [readable, broken][n]! > 0).join(", ");
+}
+
 export function StartPage({ waiting, trouble }: { waiting: string | null; trouble: string | null }) {
   const list = grids.value;
+  const broken = unreadable.value;
   if (waiting || (list === null && !trouble)) return <main class="start" aria-busy="true" aria-label={waiting ? `Opening ${waiting}` : "Looking for grids"} />;
   return (
     <main class="start">
@@ -118,7 +116,7 @@ export function StartPage({ waiting, trouble }: { waiting: string | null; troubl
           {trouble}
         </p>
       )}
-      {list?.length === 0 && (
+      {list?.length === 0 && broken.length === 0 && (
         <div class="empty">
           <h1>No grid here yet</h1>
           <p>
@@ -127,12 +125,15 @@ export function StartPage({ waiting, trouble }: { waiting: string | null; troubl
           <pre>teracell mesh part.stl --cells 2000 -o part.tcell</pre>
         </div>
       )}
-      {list && list.length > 0 && (
+      {list && list.length + broken.length > 0 && (
         <>
-          <h1>{list.length === 1 ? "One grid" : `${grouped(list.length)} grids`}</h1>
+          <h1>{headline(list.length, broken.length)}</h1>
           <ul class="cards">
             {list.map((grid) => (
               <Card key={grid.id} grid={grid} />
+            ))}
+            {broken.map((file) => (
+              <UnreadableCard key={file.id} file={file} />
             ))}
           </ul>
         </>

@@ -3,6 +3,7 @@
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
 import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "./api";
 import { Axis } from "./axis";
+import { unit_name } from "./format";
 import { type MaterialLook, initial_looks } from "./materials";
 import { type ViewSize, fitting_zoom } from "./views/camera";
 
@@ -87,6 +88,7 @@ export class Viewer {
   readonly standard_looks: readonly MaterialLook[];
   readonly standard_switches = { show_axes: true, show_scale: true, show_lines: true, show_outline: false } as const;
 
+  readonly units: string; // as people write them
   readonly cells: Index3;
   readonly slice: readonly [ReadonlySignal<number>, ReadonlySignal<number>, ReadonlySignal<number>];
 
@@ -94,6 +96,7 @@ export class Viewer {
     this.address = new GridAddress(info.id, info.file.hash);
     const axis = (d: AxisIndex) => new Axis(info.grid.axes[d]!, info.grid.sample[d]!);
     this.axes = [axis(0), axis(1), axis(2)];
+    this.units = unit_name(info.units);
     this.cells = info.grid.cells;
     this.cell = signal<Index3>([Math.floor(this.cells[0] / 2), Math.floor(this.cells[1] / 2), Math.floor(this.cells[2] / 2)]);
     this.centre = signal(this.middle());
@@ -119,6 +122,7 @@ export class Viewer {
       this.box.value = null;
       this.measure.value = null;
       this.pinned.value = null;
+      this.markers.value = [];
       this.orbit.value = null;
       this.bodies.value = "cut";
     });

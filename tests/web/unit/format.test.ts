@@ -1,7 +1,7 @@
 // Numbers as the page writes them.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { about, bytes_text, coordinate, decimals, grouped, milliseconds, number_of, percent, plural, product, significant, sizes } from "@page/format";
+import { about, bytes_text, coordinate, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name } from "@page/format";
 
 // Narrow spaces as plain ones, to be read here.
 const plain = (text: string) => text.replaceAll("\u202f", " ");
@@ -62,6 +62,13 @@ test("words follow their number", () => {
   assert.equal(plural(1, "hole"), "1 hole");
   assert.equal(plural(0, "hole"), "0 holes");
   assert.equal(plural(2, "body", "bodies"), "2 bodies");
+  assert.equal(plural("1", "cell"), "1 cell");
+  assert.equal(plural(1n, "cell"), "1 cell");
+  assert.equal(noun(10n ** 18n, "cell"), "cells");
+});
+
+test("units are written as people write them", () => {
+  assert.deepEqual(["um", "mm", "in"].map(unit_name), ["µm", "mm", "in"]);
 });
 
 test("cells are multiplied exactly", () => {

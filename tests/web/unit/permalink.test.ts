@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import type { GridInfo } from "@page/api";
 import { address_of, read_address } from "@page/permalink";
+import { places_found } from "@page/panels/report_words";
 import { Viewer } from "@page/viewer";
 
 const info = {
@@ -29,7 +30,7 @@ const info = {
   file: { bytes: 1, version: "1.0", hash: "0" },
   crossings: 0,
   bits_per_crossing: 0,
-  report: { bodies: [], crossings: 0, warnings: [], inputs: [] },
+  report: { bodies: [{ name: "tin", facets: 1, degenerate: 0, duplicates: 0, shells: 1, fill: [], holes: [{ at: [1, 0, 1], edges: 3, diameter: 1, cap_area: 1 }], flips: [], cells: 1 }], crossings: 0, warnings: [], inputs: [] },
 } as unknown as GridInfo;
 
 function read(address: string): Viewer {
@@ -51,6 +52,7 @@ function changed(): Viewer {
   v.box.value = [1, 2, 3, 4, 5, 6];
   v.pinned.value = [9, 8, 6];
   v.measure.value = { axis: 1, from: [0.1, 0.2, 0.3], to: [1, 2, 3] };
+  v.markers.value = places_found(info);
   v.looks.value = [
     { color: [1, 2, 255], visible: true, opacity: 0.25 },
     { color: [0x88, 0x99, 0xaa], visible: false, opacity: 1 },
@@ -61,7 +63,7 @@ function changed(): Viewer {
 test("a changed state comes back whole, to the last bit of its numbers", () => {
   const before = changed();
   const after = read(address_of(before));
-  for (const name of ["cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "box", "pinned", "measure", "looks"] as const)
+  for (const name of ["cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "box", "pinned", "measure", "markers", "looks"] as const)
     assert.deepEqual(after[name].value, before[name].value, name);
   assert.equal(address_of(after), address_of(before));
   assert.equal(new URLSearchParams(address_of(before).slice(1)).get("g"), info.id);

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import type { BodyReport, GridInfo, Hole } from "@page/api";
-import { care_of, compression } from "@page/panels/report_words";
+import { body_cells, care_of, compression, levels_text, places_found, size_text } from "@page/panels/report_words";
 
 const hole = (diameter: number, cells: number): Hole => ({ at: [0, 0, 0], edges: 3, diameter, diameter_cells: cells, cap_area: 1 });
 const body = (name: string, more: Partial<BodyReport> = {}): BodyReport => ({
@@ -26,6 +26,13 @@ test("holes narrower than two cells are harmless", () => {
   assert.deepEqual(care, { level: "look", text: "Harmless: “hull” had 2 holes, none as wide as 2 cells; caps close them." });
 });
 
+test("one harmless hole is one, and its units are people's", () => {
+  const one = (diameter: number, cells: number) => ({ ...info([body("hull", { holes: [hole(diameter, cells)] })]), units: "um" });
+  assert.equal(care_of(one(0.1, 1.99)).text, "Harmless: “hull” had a hole, not as wide as 2 cells; a cap closes it.");
+  assert.match(care_of(one(4, 33)).text, /4\.000 µm wide/);
+  assert.match(places_found(one(4, 33))[0]!.text, /4\.000 µm wide/);
+});
+
 test("a body without cells matters more than a hole", () => {
   const care = care_of(info([body("hull", { holes: [hole(4, 33)] }), body("bolt", { cells: 0 })]));
   assert.deepEqual(care, { level: "bad", text: "Look here: “bolt” owns no cell at all: is it in the right place, and wider than a cell?" });
@@ -47,4 +54,20 @@ test("compression is against a byte a cell", () => {
   const { dense, times } = compression(info([]));
   assert.equal(dense, 1e12);
   assert.equal(Math.round(times), 63914);
+});
+
+test("sizes are said so that they make sense for the smallest grids, too", () => {
+  const of = (cells: [number, number, number], bytes: number) => size_text({ grid: { cells }, file: { bytes } } as unknown as GridInfo);
+  assert.equal(of([10000, 10000, 10000], 15645947), "1.00 TB: 63\u202f914 times as much");
+  assert.equal(of([10, 10, 10], 400), "1.00 kB: 2.50 times as much");
+  assert.equal(of([1, 1, 1], 1096), "1 B, less than this file");
+  assert.deepEqual([levels_text(1), levels_text(4)], ["the cells alone", "4, of cells up to 8 times as wide"]);
+  assert.deepEqual([1, 2].map((cells) => body_cells(body("a", { cells }))), ["1 cell", "2 cells"]);
+});
+
+test("of very many holes the widest are marked", () => {
+  const holes = Array.from({ length: 10000 }, (_, n) => hole(n, n));
+  const places = places_found(info([body("sieve", { holes })]));
+  assert.equal(places.length, 500);
+  assert.match(places[0]!.text, /^hole in sieve: 9\u202f999/);
 });

@@ -23,7 +23,7 @@ function Place({ viewer, cell, point }: { viewer: Viewer; cell: Index3 | null; p
               <th scope="row">{AXIS_NAMES[d]}</th>
               <td class="index">{i === undefined ? "–" : grouped(i)}</td>
               <td class="coordinate">{i === undefined ? "" : coordinate(point?.[d] ?? axis.centre(i), width_at(axis, i))}</td>
-              <td class="unit">{i === undefined ? "" : viewer.info.units}</td>
+              <td class="unit">{i === undefined ? "" : viewer.units}</td>
             </tr>
           );
         })}

@@ -121,7 +121,7 @@ export function ProfileBar(props: Props) {
     if (column) point_at(run_at(column.runs, viewer.cell.peek()[d]));
   };
   const material = column?.runs[run_at(column.runs, here)]?.name;
-  const value = `cell ${grouped(here)}, ${coordinate(axis.centre(here), width_at(axis, here))} ${viewer.info.units}${material ? `, ${material}` : ""}`;
+  const value = `cell ${grouped(here)}, ${coordinate(axis.centre(here), width_at(axis, here))} ${viewer.units}${material ? `, ${material}` : ""}`;
   return (
     <div class="profile-bar">
       <canvas

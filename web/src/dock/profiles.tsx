@@ -43,7 +43,7 @@ export function Profiles({ viewer, cell, profiles }: { viewer: Viewer; cell: Ind
       <h2>
         <span>{viewer.pinned.value ? "Columns through the pinned cell" : "Columns through the crosshair"}</span>
         <span class="profile-text" aria-live="off">
-          {run ? run_text(run, viewer.axes[pointed.axis], viewer.info.units) : profiles.error}
+          {run ? run_text(run, viewer.axes[pointed.axis], viewer.units) : profiles.error}
         </span>
         <span class="dock-actions">
           <CopyButton what="the runs of the three columns as CSV" text={() => runs_csv(columns, viewer.info.units)} disabled={!profiles.complete} />

@@ -18,7 +18,7 @@ const GAP = 5; // pixels between an edge and its numbers
 const short = (x: number) => significant(x, 5).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
 
 export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rulers {
-  const { units } = viewer.info;
+  const { units } = viewer;
   let view: Projection | null = null;
   const rulers = ([0, 1, 2] as const).map((d) => {
     const axis = viewer.axes[d];

@@ -11,6 +11,7 @@ import { cells_of } from "./materials";
 import { stats_csv, with_end } from "./box_cells";
 
 const AXES: readonly AxisIndex[] = [0, 1, 2];
+const MOST = 200; // materials listed
 
 // The two numbers of an axis; changed when the field is left or Enter is pressed, so that typing never jumps.
 function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisIndex }) {
@@ -32,8 +33,8 @@ function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisI
       <td>
         <input class="number-input" type="number" aria-label={`Last cell along ${name}`} min={0} max={axis.cells - 1} value={high - 1} onChange={set("high")} />
       </td>
-      <td class="extent" title={`${coordinate(axis.plane(low), width_at(axis, low))} to ${coordinate(axis.plane(high), width_at(axis, high - 1))} ${viewer.info.units}`}>
-        {significant(axis.plane(high) - axis.plane(low), 5)} {viewer.info.units}
+      <td class="extent" title={`${coordinate(axis.plane(low), width_at(axis, low))} to ${coordinate(axis.plane(high), width_at(axis, high - 1))} ${viewer.units}`}>
+        {significant(axis.plane(high) - axis.plane(low), 5)} {viewer.units}
       </td>
     </tr>
   );
@@ -46,7 +47,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
   const counting = answer.path !== viewer.address.stats(box);
   const stats = answer.value;
   const all = Number(product(AXES.map((d) => box[d + 3]! - box[d])));
-  const { units } = viewer.info;
+  const { units } = viewer;
   const present = stats?.materials.filter((m) => m.cells > 0) ?? [];
   return (
     <>
@@ -61,7 +62,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
           </tr>
         </thead>
         <tbody>
-          {present.map((m) => (
+          {present.slice(0, MOST).map((m) => (
             <tr key={m.id}>
               <th scope="row">
                 <Swatch viewer={viewer} id={m.id} />
@@ -72,6 +73,11 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
               <td>{significant(m.volume, 5)}</td>
             </tr>
           ))}
+          {present.length > MOST && (
+            <tr>
+              <td colSpan={4}>{grouped(present.length - MOST)} more, all in the CSV</td>
+            </tr>
+          )}
         </tbody>
         <tfoot>
           <tr>
@@ -86,7 +92,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
         <button class="button" onClick={() => viewer.go_to_box(box)}>
           <Icon name="target" /> Look at it
         </button>
-        {stats && <CopyButton label="Copy as CSV" what="the statistics as CSV" text={() => stats_csv(stats, units)} />}
+        {stats && <CopyButton label="Copy as CSV" what="the statistics as CSV" text={() => stats_csv(stats, viewer.info.units)} />}
         <span class="spacer" />
         <button class="button" onClick={() => (viewer.box.value = null)}>
           Clear
@@ -98,7 +104,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
 
 function Distance({ viewer }: { viewer: Viewer }) {
   const m = viewer.measure.value;
-  const { units } = viewer.info;
+  const { units } = viewer;
   const parts = m ? AXES.map((d) => m.to[d] - m.from[d]) : [];
   return (
     <section>

@@ -6,15 +6,16 @@ import { grouped, percent, product, significant } from "../format";
 import { Icon } from "../icons";
 import { type MaterialLook, css_color } from "../materials";
 import type { Viewer } from "../viewer";
+import { FirstOf } from "./first_of";
 import { all_distinct, with_colors_of, with_distinct_colors } from "./palette";
 import { BoxText, GoThere } from "./places";
 
-const MANY = 12; // from here on a filter helps
-const MOST = 200; // shown at once
+const MANY = 12; // from here on a filter helps, and a line each, opened for more
+const STEP = 100; // shown at once
 
 const hex = (look: MaterialLook) => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
 
-const same_look = (a: MaterialLook, b: MaterialLook) => a.visible === b.visible && a.opacity === b.opacity && hex(a) === hex(b);
+const same_look = (a: MaterialLook, b: MaterialLook) => a === b || (a.visible === b.visible && a.opacity === b.opacity && hex(a) === hex(b));
 
 export const cells_of = (m: MaterialStats): string => grouped(m.cells_text ?? m.cells);
 
@@ -34,36 +35,35 @@ function recolour(viewer: Viewer, id: number, text: string): void {
   change(viewer, id, { color: [channel(1), channel(3), channel(5)] });
 }
 
-function MaterialCard({ viewer, id, stats, all }: { viewer: Viewer; id: number; stats: MaterialStats | null; all: number }) {
+interface CardProps {
+  viewer: Viewer;
+  id: number;
+  stats: MaterialStats | null;
+  all: number; // cells of the grid
+}
+
+function Opacity({ viewer, id }: { viewer: Viewer; id: number }) {
   const look = viewer.looks.value[id]!;
-  const { name } = viewer.info.materials[id]!;
-  const share = stats ? stats.cells / all : 0;
-  const volume = stats ? `${significant(stats.volume, 6)} ${viewer.info.units}³` : "";
+  const percent_of = Math.round(100 * look.opacity);
   return (
-    <li class={`material ${look.visible ? "" : "is-hidden"}`}>
-      <div class="material-head">
-        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex(look)} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
-        <span class="material-title" title={name}>
-          {name}
-          {id === 0 && <span class="faint"> background</span>}
-        </span>
-        <input
-          type="range"
-          min={0}
-          max={100}
-          value={Math.round(100 * look.opacity)}
-          title={`Opacity ${Math.round(100 * look.opacity)} %`}
-          aria-label={`Opacity of ${name}`}
-          aria-valuetext={`${Math.round(100 * look.opacity)} %`}
-          onInput={(e) => change(viewer, id, { opacity: Number(e.currentTarget.value) / 100 })}
-        />
-        <button class="icon-button" title={look.visible ? "Hide" : "Show"} aria-label={`Show ${name}`} aria-pressed={look.visible} onClick={() => change(viewer, id, { visible: !look.visible })}>
-          <Icon name={look.visible ? "eye" : "hidden"} />
-        </button>
-        <button class="icon-button" title="Only this one" aria-label={`Only ${name}`} aria-pressed={is_solo(viewer, id)} onClick={() => solo(viewer, id)}>
-          <Icon name="solo" />
-        </button>
-      </div>
+    <input
+      type="range"
+      min={0}
+      max={100}
+      value={percent_of}
+      title={`Opacity ${percent_of} %`}
+      aria-label={`Opacity of ${viewer.info.materials[id]!.name}`}
+      aria-valuetext={`${percent_of} %`}
+      onInput={(e) => change(viewer, id, { opacity: Number(e.currentTarget.value) / 100 })}
+    />
+  );
+}
+
+function Amount({ viewer, id, stats, all }: CardProps) {
+  const look = viewer.looks.value[id]!;
+  const share = stats ? stats.cells / all : 0;
+  return (
+    <>
       <div class="share-bar" aria-hidden="true">
         <span style={{ width: `${100 * share}%`, background: look.opacity > 0 ? css_color(look) : "var(--line-strong)" }} />
       </div>
@@ -76,18 +76,57 @@ function MaterialCard({ viewer, id, stats, all }: { viewer: Viewer; id: number; 
         </div>
         <div>
           <dt>volume</dt>
-          <dd>{stats ? volume : "…"}</dd>
+          <dd>{stats ? `${significant(stats.volume, 6)} ${viewer.units}³` : "…"}</dd>
         </div>
       </dl>
       {stats?.box ? (
         <details class="material-box">
           <summary>Bounding box</summary>
           <BoxText viewer={viewer} box={stats.box} />
-          <GoThere what={name} go={() => viewer.go_to_box(stats.box!)} />
+          <GoThere what={viewer.info.materials[id]!.name} go={() => viewer.go_to_box(stats.box!)} />
         </details>
       ) : (
         stats && <p class="note">no cell of it</p>
       )}
+    </>
+  );
+}
+
+// `short`: a line, until it is opened.
+function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
+  const { viewer, id, stats, all } = props;
+  const [opened, set_opened] = useState(false);
+  const look = viewer.looks.value[id]!;
+  const { name } = viewer.info.materials[id]!;
+  const whole = !short || opened;
+  const title = (
+    <>
+      {name}
+      {id === 0 && <span class="faint"> background</span>}
+    </>
+  );
+  return (
+    <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
+      <div class="material-head">
+        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex(look)} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
+        {short ? (
+          <button class="material-title" title={name} aria-expanded={opened} onClick={() => set_opened(!opened)}>
+            {title}
+          </button>
+        ) : (
+          <span class="material-title" title={name}>
+            {title}
+          </span>
+        )}
+        {whole ? <Opacity viewer={viewer} id={id} /> : <span class="share">{stats ? percent(stats.cells / all) : "…"}</span>}
+        <button class="icon-button" title={look.visible ? "Hide" : "Show"} aria-label={`Show ${name}`} aria-pressed={look.visible} onClick={() => change(viewer, id, { visible: !look.visible })}>
+          <Icon name={look.visible ? "eye" : "hidden"} />
+        </button>
+        <button class="icon-button" title="Only this one" aria-label={`Only ${name}`} aria-pressed={is_solo(viewer, id)} onClick={() => solo(viewer, id)}>
+          <Icon name="solo" />
+        </button>
+      </div>
+      {whole && <Amount {...props} />}
     </li>
   );
 }
@@ -128,11 +167,11 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
       )}
       {stats.error && <p class="problem">The cells can't be counted: {stats.error}</p>}
       <ul class="materials">
-        {found.slice(0, MOST).map((m) => (
-          <MaterialCard key={m.id} viewer={viewer} id={m.id} stats={stats.value?.materials[m.id] ?? null} all={all} />
-        ))}
+        <FirstOf list={found} step={STEP}>
+          {(m) => <MaterialCard key={m.id} short={materials.length > MANY} viewer={viewer} id={m.id} stats={stats.value?.materials[m.id] ?? null} all={all} />}
+        </FirstOf>
       </ul>
-      {found.length > MOST && <p class="note">{grouped(found.length - MOST)} more: filter by name</p>}
+      {found.length === 0 && <p class="note">No material has this in its name.</p>}
       <dl class="numbers total">
         <div>
           <dt>all cells</dt>

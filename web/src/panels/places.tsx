@@ -36,7 +36,7 @@ export function BoxText({ viewer, box }: { viewer: Viewer; box: Box }) {
                 {grouped(low)} – {grouped(high - 1)}
               </td>
               <td>
-                {coordinate(axis.plane(low), width_at(axis, low))} … {coordinate(axis.plane(high), width_at(axis, high - 1))} {viewer.info.units}
+                {coordinate(axis.plane(low), width_at(axis, low))} … {coordinate(axis.plane(high), width_at(axis, high - 1))} {viewer.units}
               </td>
             </tr>
           );

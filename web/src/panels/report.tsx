@@ -1,39 +1,35 @@
 // What meshing found: whether to care first, then why, body by body, with places to go to.
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import type { BodyReport } from "../api";
 import { CopyButton } from "../copy";
-import { about, bytes_text, grouped, plural, product, significant } from "../format";
+import { bytes_text, grouped, plural, product, significant } from "../format";
 import { Icon } from "../icons";
-import type { Marker, Viewer } from "../viewer";
+import type { Viewer } from "../viewer";
+import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
-import { body_cells, care_of, compression, hole_text } from "./report_words";
+import { body_cells, care_of, levels_text, places_found, size_text } from "./report_words";
 
-const MOST_MARKERS = 500;
+const MANY = 100; // of a list shown at once
 const MANY_BODIES = 8; // from here on only those with something to say are unfolded
-
-export function places_found(viewer: Viewer): Marker[] {
-  const { bodies } = viewer.info.report;
-  const holes = bodies.flatMap((b) => b.holes.map((h) => ({ at: h.at, size: h.diameter, text: `hole in ${b.name}: ${hole_text(h, viewer.info.units)}` })));
-  holes.sort((a, b) => b.size - a.size);
-  const flips = bodies.flatMap((b) => b.flips.map((f) => ({ at: f.at, text: `${b.name}: facets face the other way along ${plural(f.edges, "edge")}` })));
-  return [...holes.map(({ at, text }) => ({ at, text })), ...flips].slice(0, MOST_MARKERS);
-}
 
 const has_something_to_say = (b: BodyReport) => b.holes.length > 0 || b.flips.length > 0 || b.cells === 0;
 
 function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: boolean }) {
+  const [opened, set_opened] = useState(open); // what was never open costs nothing
   const problem = has_something_to_say(body);
   return (
-    <details class="body" open={open}>
-      <summary>
-        <span class="body-name" title={body.name}>
-          {body.name}
-        </span>
-        {problem && <span class={`tag ${body.cells === 0 ? "bad" : "look"}`}>{body.cells === 0 ? "no cells" : body.holes.length ? plural(body.holes.length, "hole") : "flipped"}</span>}
-        <span class="body-cells">{body_cells(body)} cells</span>
-      </summary>
-      <BodyDetails viewer={viewer} body={body} />
-    </details>
+    <li class="body">
+      <details open={open} onToggle={(e) => e.currentTarget.open && set_opened(true)}>
+        <summary>
+          <span class="body-name" title={body.name}>
+            {body.name}
+          </span>
+          {problem && <span class={`tag ${body.cells === 0 ? "bad" : "look"}`}>{body.cells === 0 ? "no cells" : body.holes.length ? plural(body.holes.length, "hole") : "flipped"}</span>}
+          <span class="body-cells">{body_cells(body)}</span>
+        </summary>
+        {opened && <BodyDetails viewer={viewer} body={body} />}
+      </details>
+    </li>
   );
 }
 
@@ -41,13 +37,13 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
   const { info } = viewer;
   const { report } = info;
   const care = care_of(info);
-  const { dense, times } = compression(info);
-  const places = places_found(viewer);
+  const places = useMemo(() => places_found(info), [info]);
   const marked = viewer.markers.value.length > 0;
   useEffect(() => {
     if (places.length && !viewer.markers.peek().length) viewer.markers.value = places;
   }, [viewer]);
   const bodies = [...report.bodies].sort((a, b) => Number(has_something_to_say(b)) - Number(has_something_to_say(a)));
+  const few = bodies.length < MANY_BODIES;
   return (
     <>
       <p class={`care ${care.level}`}>
@@ -64,18 +60,20 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
         <section>
           <h3>Warnings</h3>
           <ul class="warnings">
-            {report.warnings.map((text) => (
-              <li key={text}>{text.charAt(0).toUpperCase() + text.slice(1)}</li>
-            ))}
+            <FirstOf list={report.warnings} step={MANY}>
+              {(text, n) => <li key={n}>{text.charAt(0).toUpperCase() + text.slice(1)}</li>}
+            </FirstOf>
           </ul>
         </section>
       )}
       <section>
         <h3>Bodies</h3>
         {bodies.length === 0 && <p class="note">There are none: the whole grid is background.</p>}
-        {bodies.map((body, n) => (
-          <Body key={body.name} viewer={viewer} body={body} open={bodies.length < MANY_BODIES ? has_something_to_say(body) || bodies.length === 1 : has_something_to_say(body) && n < 3} />
-        ))}
+        <ul class="bodies">
+          <FirstOf list={bodies} step={MANY}>
+            {(body, n) => <Body key={body.name} viewer={viewer} body={body} open={bodies.length === 1 || (has_something_to_say(body) && (few || n < 3))} />}
+          </FirstOf>
+        </ul>
       </section>
       <section>
         <h3>File</h3>
@@ -86,9 +84,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
           </div>
           <div>
             <dt>one byte a cell</dt>
-            <dd title={`${grouped(product(info.grid.cells))} bytes`}>
-              {bytes_text(dense)}: {times >= 1000 ? about(Math.round(times)) : significant(times, 3)} times as much
-            </dd>
+            <dd title={`${grouped(product(info.grid.cells))} bytes`}>{size_text(info)}</dd>
           </div>
           <div>
             <dt>crossings</dt>
@@ -107,9 +103,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
           </div>
           <div>
             <dt>levels</dt>
-            <dd>
-              {info.levels.length}, of cells up to {grouped(2 ** (info.levels.length - 1))} times as wide
-            </dd>
+            <dd>{levels_text(info.levels.length)}</dd>
           </div>
           <div>
             <dt>content</dt>
@@ -123,20 +117,22 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
       <section>
         <h3>Inputs</h3>
         <ul class="inputs">
-          {report.inputs.map((input, n) => (
-            <li key={n}>
-              <span class="input-path" title={input.path}>
-                {input.path}
-              </span>
-              <span class="faint">
-                {input.format}, {bytes_text(input.bytes)}
-              </span>
-              <span class="hash">
-                <code title={input.hash}>{input.hash}</code>
-                <CopyButton text={input.hash} what={`the hash of ${input.path}`} />
-              </span>
-            </li>
-          ))}
+          <FirstOf list={report.inputs} step={MANY}>
+            {(input, n) => (
+              <li key={n}>
+                <span class="input-path" title={input.path}>
+                  {input.path}
+                </span>
+                <span class="faint">
+                  {input.format}, {bytes_text(input.bytes)}
+                </span>
+                <span class="hash">
+                  <code title={input.hash}>{input.hash}</code>
+                  <CopyButton text={input.hash} what={`the hash of ${input.path}`} />
+                </span>
+              </li>
+            )}
+          </FirstOf>
         </ul>
       </section>
     </>

@@ -3,10 +3,11 @@ import { batch } from "@preact/signals";
 import type { BodyReport, Hole } from "../api";
 import { grouped, plural, significant } from "../format";
 import type { Viewer } from "../viewer";
+import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
 import { hole_text } from "./report_words";
 
-const MOST = 30; // places listed
+const MANY = 30; // places listed at once
 
 // As large as a third of a small view.
 function look_at(viewer: Viewer, hole: Hole): void {
@@ -17,7 +18,7 @@ function look_at(viewer: Viewer, hole: Hole): void {
 }
 
 function HoleLine({ viewer, hole }: { viewer: Viewer; hole: Hole }) {
-  const { units } = viewer.info;
+  const { units } = viewer;
   const at = point_text(viewer, hole.at);
   return (
     <li>
@@ -69,29 +70,29 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
       {body.cells === 0 && <p class="problem">Owns no cell: it encloses none, lies outside the grid, between the sample points, or under stronger bodies.</p>}
       {holes.length > 0 && (
         <ul class="places">
-          {holes.slice(0, MOST).map((hole, n) => (
-            <HoleLine key={n} viewer={viewer} hole={hole} />
-          ))}
+          <FirstOf list={holes} step={MANY}>
+            {(hole, n) => <HoleLine key={n} viewer={viewer} hole={hole} />}
+          </FirstOf>
         </ul>
       )}
-      {holes.length > MOST && <p class="note">{grouped(holes.length - MOST)} narrower ones</p>}
       {body.flips.length > 0 && (
         <>
           <p class="note">Facets face the other way than their neighbours along {plural(body.flips.length, "curve")}:</p>
           <ul class="places">
-            {body.flips.slice(0, MOST).map((flip, n) => {
-              const at = point_text(viewer, flip.at);
-              return (
-                <li key={n}>
-                  <span>
-                    {plural(flip.edges, "edge")} <span class="faint">at {at}</span>
-                  </span>
-                  <GoThere what={`the curve at ${at}`} go={() => viewer.go_to(flip.at)} />
-                </li>
-              );
-            })}
+            <FirstOf list={body.flips} step={MANY}>
+              {(flip, n) => {
+                const at = point_text(viewer, flip.at);
+                return (
+                  <li key={n}>
+                    <span>
+                      {plural(flip.edges, "edge")} <span class="faint">at {at}</span>
+                    </span>
+                    <GoThere what={`the curve at ${at}`} go={() => viewer.go_to(flip.at)} />
+                  </li>
+                );
+              }}
+            </FirstOf>
           </ul>
-          {body.flips.length > MOST && <p class="note">{grouped(body.flips.length - MOST)} more</p>}
         </>
       )}
     </div>

@@ -1,6 +1,7 @@
 // What meshing found, in words: first whether to care.
 import type { BodyReport, GridInfo, Hole } from "../api";
-import { grouped, plural, product, significant } from "../format";
+import { about, bytes_text, grouped, plural, product, significant, unit_name } from "../format";
+import type { Marker } from "../viewer";
 
 export interface Care {
   level: "fine" | "look" | "bad";
@@ -9,10 +10,12 @@ export interface Care {
 
 const HARMLESS = 2; // cells: what is narrower shapes no cell that matters (mesher/report.cpp says the same)
 
+const MOST_MARKERS = 500;
+
 const quoted = (bodies: readonly BodyReport[]) => {
   const names = bodies.slice(0, 3).map((b) => `“${b.name}”`);
   const more = bodies.length - names.length;
-  return more > 0 ? `${names.join(", ")} and ${more} more` : names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names.join("");
+  return more > 0 ? `${names.join(", ")} and ${grouped(more)} more` : names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names.join("");
 };
 
 export const widest = (holes: readonly Hole[]): Hole | undefined => holes.reduce<Hole | undefined>((w, h) => (w && w.diameter >= h.diameter ? w : h), undefined);
@@ -38,8 +41,9 @@ export function care_of(info: GridInfo): Care {
   if (large.length) {
     const is = open.length === 1 ? "is" : "are";
     const many = large.length === 1 ? "a hole" : `holes, the widest`;
-    return { level: "bad", text: `Look here: ${quoted(open)} ${is} open, with ${many} ${hole_text(widest(large)!, info.units)}. Caps close them, and a cap is a guess.` };
+    return { level: "bad", text: `Look here: ${quoted(open)} ${is} open, with ${many} ${hole_text(widest(large)!, unit_name(info.units))}. Caps close them, and a cap is a guess.` };
   }
+  if (holes.length === 1) return { level: "look", text: `Harmless: ${quoted(open)} had a hole, not as wide as ${HARMLESS} cells; a cap closes it.` };
   if (holes.length) return { level: "look", text: `Harmless: ${quoted(open)} had ${plural(holes.length, "hole")}, none as wide as ${HARMLESS} cells; caps close them.` };
   if (flipped.length)
     return { level: "look", text: `Probably fine: ${quoted(flipped)} ${flipped.length === 1 ? "has" : "have"} facets that face the wrong way; inside was decided by parity.` };
@@ -55,4 +59,23 @@ export function compression(info: GridInfo): { dense: number; times: number } {
   return { dense, times: dense / info.file.bytes };
 }
 
-export const body_cells = (body: BodyReport): string => grouped(body.cells_text ?? body.cells);
+export function size_text(info: GridInfo): string {
+  const { dense, times } = compression(info);
+  if (times < 1) return `${bytes_text(dense)}, less than this file`;
+  return `${bytes_text(dense)}: ${times >= 1000 ? about(Math.round(times)) : significant(times, 3)} times as much`;
+}
+
+export function levels_text(levels: number): string {
+  return levels === 1 ? "the cells alone" : `${grouped(levels)}, of cells up to ${grouped(2 ** (levels - 1))} times as wide`;
+}
+
+export const body_cells = (body: BodyReport): string => plural(body.cells_text ?? body.cells, "cell");
+
+// What can be marked in the views: the widest holes first.
+export function places_found(info: GridInfo): Marker[] {
+  const { bodies } = info.report;
+  const holes = bodies.flatMap((b) => b.holes.map((h) => ({ at: h.at, size: h.diameter, text: `hole in ${b.name}: ${hole_text(h, unit_name(info.units))}` })));
+  holes.sort((a, b) => b.size - a.size);
+  const flips = bodies.flatMap((b) => b.flips.map((f) => ({ at: f.at, text: `${b.name}: facets face the other way along ${plural(f.edges, "edge")}` })));
+  return [...holes.map(({ at, text }) => ({ at, text })), ...flips].slice(0, MOST_MARKERS);
+}

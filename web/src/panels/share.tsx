@@ -62,7 +62,7 @@ export function SharePanel({ viewer }: { viewer: Viewer }) {
           <CopyButton label="Copy link" what="a link to what you see" text={() => link(viewer)} />
           <SavePicture viewer={viewer} />
         </div>
-        <p class="note">The link holds the place, the colours, the box and the panel. The picture has a scale bar and a legend.</p>
+        <p class="note">The link holds all that you see, except light or dark. The picture has a scale bar and a legend.</p>
       </section>
       <section>
         <h3>Neuroglancer</h3>

@@ -2,7 +2,7 @@
 import { useEffect, useState } from "preact/hooks";
 import { get, words_of } from "../api";
 import { connection } from "../connection";
-import { bytes_text, clock, grouped, milliseconds, percent } from "../format";
+import { bytes_text, clock, grouped, milliseconds, percent, plural } from "../format";
 import type { Viewer } from "../viewer";
 import { type Bucket, type Sample, buckets, label_values, parse_metrics, quantile, since, total } from "./prometheus";
 import { Sparkline } from "./sparkline";
@@ -96,13 +96,13 @@ function Server({ moments }: { moments: readonly Moment[] }) {
           <div>
             <dt>connections</dt>
             <dd>
-              {grouped(one("teracell_connections"))}, {grouped(one("teracell_waiting_requests"))} requests in work
+              {grouped(one("teracell_connections"))}, {plural(one("teracell_waiting_requests"), "request")} in work
             </dd>
           </div>
           <div>
             <dt>read from files</dt>
             <dd>
-              {bytes_text(one("teracell_read_bytes_total"))} in {grouped(one("teracell_reads_total"))} reads
+              {bytes_text(one("teracell_read_bytes_total"))} in {plural(one("teracell_reads_total"), "read")}
             </dd>
           </div>
           {one("teracell_overloaded_total") > 0 && (
@@ -175,7 +175,7 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
           <div>
             <dt>kept here</dt>
             <dd>
-              {grouped(tiles.tiles.value)} tiles, {bytes_text(tiles.bytes.value)}
+              {plural(tiles.tiles.value, "tile")}, {bytes_text(tiles.bytes.value)}
             </dd>
           </div>
           {tiles.failed.value > 0 && (
@@ -187,7 +187,7 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
           {tiles.damaged.value > 0 && (
             <div class="problem">
               <dt>damaged</dt>
-              <dd>{grouped(tiles.damaged.value)} tiles: run “teracell verify”</dd>
+              <dd>{plural(tiles.damaged.value, "tile")}: run “teracell verify”</dd>
             </div>
           )}
         </dl>

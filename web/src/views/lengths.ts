@@ -1,5 +1,5 @@
 // Lengths for scale bars and measured lines, in the grid's units.
-import { significant } from "../format";
+import { significant, unit_name } from "../format";
 
 // The largest 1, 2 or 5 times a power of ten that is not above `most`.
 export function round_length(most: number): number {
@@ -17,8 +17,6 @@ const NAMES: readonly [string, number][] = [
   ["µm", 1e-6],
   ["nm", 1e-9],
 ];
-
-export const unit_name = (units: string): string => (units === "um" ? "µm" : units);
 
 export function length_text(length: number, units: string, digits = 4): string {
   const trimmed = (x: number) => significant(Number(x.toPrecision(digits)), digits).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");

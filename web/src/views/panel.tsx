@@ -6,7 +6,6 @@ import { coordinate, grouped } from "../format";
 import type { ViewName, Viewer } from "../viewer";
 import { toggle_layout } from "./actions";
 import { attach_gestures } from "./gestures";
-import { unit_name } from "./lengths";
 import { SliceBar } from "./slice_bar";
 import type { Stage } from "./stage";
 
@@ -39,7 +38,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         {name}
       </span>
       <span class="view-place">
-        {name} = {coordinate(a.centre(slice), width_at(a, slice))} {unit_name(viewer.info.units)}
+        {name} = {coordinate(a.centre(slice), width_at(a, slice))} {viewer.units}
       </span>
       <span class="view-slice">
         slice {grouped(slice)} (0–{grouped(a.cells - 1)})

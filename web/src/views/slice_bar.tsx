@@ -5,7 +5,6 @@ import { width_at } from "../dock/runs";
 import { decimals, number_of } from "../format";
 import type { Viewer } from "../viewer";
 import { toggle_sweep } from "./actions";
-import { unit_name } from "./lengths";
 
 interface NumberBoxProps {
   text: string;
@@ -88,10 +87,10 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
       <Step axis={axis} by={1} take={() => take(slice + 1)} disabled={slice === a.cells - 1} />
       <NumberBox label={`Slice across ${name}, from 0 to ${a.cells - 1}`} text={String(slice)} width={String(a.cells - 1).length} take={take} whole />
       <NumberBox
-        label={`Coordinate ${name} of the slice's cells, in ${unit_name(viewer.info.units)}`}
+        label={`Coordinate ${name} of the slice's cells, in ${viewer.units}`}
         text={coordinate(slice)}
         width={widest}
-        suffix={unit_name(viewer.info.units)}
+        suffix={viewer.units}
         take={(x) => take(a.cell_at(x))}
       />
     </div>

@@ -3,7 +3,6 @@ import { AXIS_NAMES, type AxisIndex } from "../api";
 import { coordinate } from "../format";
 import type { Viewer } from "../viewer";
 import { Camera } from "./camera";
-import { unit_name } from "./lengths";
 import { draw_marks } from "./overlay";
 import { FONT, Pen } from "./pen";
 import { type Stage, stage_of } from "./stage";
@@ -70,7 +69,7 @@ function draw_overview(context: CanvasRenderingContext2D, body: HTMLElement): vo
 
 function draw_title(context: CanvasRenderingContext2D, viewer: Viewer, axis: AxisIndex, style: CSSStyleDeclaration): void {
   const a = viewer.axes[axis];
-  const text = `${AXIS_NAMES[axis]} = ${coordinate(a.centre(viewer.cell.value[axis]), (a.max - a.min) / a.cells)} ${unit_name(viewer.info.units)}`;
+  const text = `${AXIS_NAMES[axis]} = ${coordinate(a.centre(viewer.cell.value[axis]), (a.max - a.min) / a.cells)} ${viewer.units}`;
   context.font = `600 ${FONT}`;
   context.fillStyle = style.getPropertyValue("--view-plate");
   context.beginPath();

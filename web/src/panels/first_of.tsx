@@ -1,0 +1,20 @@
+// Lists that may be very long: the first of it, and as many again for a click.
+import { useState } from "preact/hooks";
+import { grouped } from "../format";
+
+export function FirstOf<T>({ list, step, children }: { list: readonly T[]; step: number; children: (item: T, n: number) => preact.ComponentChildren }) {
+  const [most, set_most] = useState(step);
+  const more = list.length - most;
+  return (
+    <>
+      {list.slice(0, most).map(children)}
+      {more > 0 && (
+        <li class="more">
+          <button class="button small" onClick={() => set_most(most + step)}>
+            {grouped(more)} more
+          </button>
+        </li>
+      )}
+    </>
+  );
+}
