@@ -137,6 +137,7 @@ test("a server with a token: the page comes, asks for it, and bears it", async (
 test("the server goes away: what is on screen stays, the page says so, and goes on by itself when it is back", async () => {
   let mortal = await serve(grid_file("stadium"));
   const page = await open_grid(browser, `${mortal.url}#g=stadium`, { expected: (url, status) => status === 0 });
+  await page.waitForSelector('.overview[data-state="ready"]');
   await page.mouse.move(...(await point_of(page, "z")));
   const before = shares((await pixels(page, "z")).data);
   await mortal.kill();
@@ -144,12 +145,15 @@ test("the server goes away: what is on screen stays, the page says so, and goes 
   await page.keyboard.press("Shift+>");
   const banner = page.getByText("The server does not answer");
   await banner.waitFor();
+  const overview = page.getByText("The slices could not be loaded");
+  await overview.waitFor();
   await screenshot(page, "server-lost");
   const during = shares((await pixels(page, "z")).data);
   for (const [pixel, share] of before) if (share > 0.02) assert.ok((during.get(pixel) ?? 0) > share / 2, "the picture went away");
   const cell = await state(page, "cell");
   mortal = await serve(grid_file("stadium"), "--port", mortal.port);
   await banner.waitFor({ state: "hidden" });
+  await overview.waitFor({ state: "hidden" });
   await settled(page);
   assert.deepEqual(await state(page, "cell"), cell);
   // The same slice as a page sees that never lost anything.
@@ -276,6 +280,17 @@ for (const [name, width, height] of [["tablet, upright", 820, 1180], ["tablet", 
     assert.ok(new Set(data).size > 20);
     await close(page);
   });
+
+test("bodies that could not be fetched come when the server is back", async () => {
+  const context = await browser.newContext();
+  let cubes = 0;
+  await context.route(/\/zarr\/stadium\//, (route) => (cubes++ === 0 ? route.abort() : route.continue()));
+  const page = await open_page(browser, `${server.url}#g=stadium`, { context, expected: (url, status) => status === 0 });
+  await page.waitForSelector('.overview[data-state="ready"]');
+  assert.ok(cubes > 1);
+  assert.equal(await page.locator(".overview-message").isHidden(), true);
+  await close(page);
+});
 
 test("the overview in three dimensions is there, and is not blank", async () => {
   const page = await open_page(browser, `${server.url}#g=stadium&layout=3d`);

@@ -40,7 +40,7 @@ test("distinct colours are those that the mesher gives, the background keeps its
 });
 
 const uniform = (step: number) => ({ type: "uniform", min: 0, step, first: 0, cells: 10 });
-const info = (axes: object[]) => ({ id: "a grid", units: "mm", grid: { axes }, levels: [{ level: 0, cells: [1000, 1000, 1000] }, { level: 1, cells: [500, 500, 500] }, { level: 2, cells: [250, 250, 250] }] }) as unknown as GridInfo;
+const info = (axes: object[]) => ({ id: "a grid", units: "mm", grid: { axes, cells: [1000, 1000, 1000] }, levels: [{ level: 0, cells: [1000, 1000, 1000] }, { level: 1, cells: [500, 500, 500] }, { level: 2, cells: [250, 250, 250] }] }) as unknown as GridInfo;
 const looks = initial_looks(materials("#00000000", "#ff0000", "#0000ff"));
 
 test("Neuroglancer is told the size of a cell in metres, and which materials show in which colours", () => {
@@ -55,6 +55,12 @@ test("Neuroglancer is told the size of a cell in metres, and which materials sho
     layout: "4panel",
   });
   assert.deepEqual(JSON.parse(decodeURIComponent(neuroglancer_link(state).split("#!")[1]!)), state);
+});
+
+test("Neuroglancer shows the whole grid where no zoom is known yet", () => {
+  const scale = (third: object) => (neuroglancer_state(info([uniform(0.5), uniform(0.5), third]), "http://h", [1, 2, 3], looks, 0) as { crossSectionScale: number }).crossSectionScale;
+  assert.equal(scale(uniform(1)), 2000 / 480); // cells of 0.5 a pixel: z is twice as long
+  assert.equal(scale({ type: "graded", planes: [0, 1, 3] }), 1000 / 480);
 });
 
 test("Neuroglancer shows graded grids cell by cell", () => {

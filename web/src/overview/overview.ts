@@ -2,6 +2,7 @@
 // three.js; nothing else of the page may import it but by import().
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../api";
+import { returned } from "../connection";
 import type { Viewer } from "../viewer";
 import { load_bodies } from "./body_source";
 import { HOME, type Orbit, basis, between, fitted, straight } from "./camera";
@@ -154,6 +155,13 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
       });
   };
 
+  // What failed while the server was away.
+  const ask_again = () => {
+    chrome.say("");
+    if (visible) slices.update();
+    if (chrome.root.dataset.state === "failed") bring_bodies();
+  };
+
   const go_home = () => fly(home(), true);
   const stop_gestures = listen_gestures(chrome.canvas, {
     orbit,
@@ -195,6 +203,10 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     effect(() => {
       void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value, viewer.looks.value];
       if (!own) untracked(follow_later);
+    }),
+    effect(() => {
+      void returned.value;
+      untracked(ask_again);
     }),
   ];
   const size = new ResizeObserver(([entry]) => {
