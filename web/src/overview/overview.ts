@@ -18,7 +18,7 @@ import { follow_slices } from "./slice_source";
 import { type Stage, make_stage } from "./stage";
 import { on_theme, read_theme } from "./theme";
 import { make_triad } from "./triad";
-import { write_words } from "./writing";
+import { draw_picture } from "./writing";
 
 const SETTLE = 160; // ms after the last movement until a sharper picture
 const SHARPEST = 800; // and from then to the sharpest, which may take long on a slow machine
@@ -232,13 +232,12 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     chrome.say("");
     pace.soon();
   };
-  // Whoever copies the picture asks for it right before: the canvas keeps it for the current task alone.
-  const on_draw = () => {
+  // Whoever wants the picture elsewhere, too, sends where to: the canvas keeps it for the current task alone.
+  const on_draw = (event: Event) => {
     if (!visible || lost) return;
     rest = 2;
     draw(true);
-    write_words(chrome.root, chrome.ink);
-    window.setTimeout(() => (chrome.ink.width = 0));
+    draw_picture((event as CustomEvent<CanvasRenderingContext2D>).detail, chrome.root, chrome.canvas, theme.ground);
   };
   host.addEventListener("draw", on_draw);
   chrome.canvas.addEventListener("webglcontextlost", on_lost);
