@@ -39,6 +39,7 @@ for (const grid of ["stadium", "graded"])
         seen.add(material);
         const text = await part.innerText();
         assert.ok(text.includes(materials[material].name), text);
+        assert.equal(text.includes("mixed:"), hover.materials.length > 1, text);
         for (const [d, row] of (await part.getByRole("row").all()).entries()) assert.equal(digits(await row.getByRole("cell").first().innerText()), hover.cell[d]);
       }
     assert.ok(seen.size >= 2, "the pointer met one material only");

@@ -30,6 +30,10 @@ test("statistics as a table keep counts that no double holds", () => {
 
 test("distinct colours are those that the mesher gives, the background keeps its own", () => {
   assert.deepEqual([1, 2, 7, 8, 15].map(distinct_color), [[0x56, 0xb4, 0xe9], [0xe6, 0x9f, 0], [0, 0x72, 0xb2], [0x37, 0x75, 0x97], [0x22, 0x48, 0x5d]]);
+  // Beyond the mesher's 21 they go on, no two alike.
+  const many = Array.from({ length: 49 }, (_, n) => distinct_color(n + 1));
+  const apart = (a: number[], b: number[]) => Math.hypot(...a.map((c, i) => c - b[i]!));
+  many.forEach((a, n) => many.slice(0, n).forEach((b, m) => assert.ok(apart(a, b) > 12, `${n + 1} and ${m + 1} are ${a} and ${b}`)));
   const own = initial_looks(materials("#00000000", "#ff0000", "#00ff0080"));
   assert.equal(all_distinct(own), false);
   const distinct = with_distinct_colors(own);

@@ -5,7 +5,7 @@ import { words_of } from "../api";
 import { returned } from "../connection";
 import type { Viewer } from "../viewer";
 import { load_bodies } from "./body_source";
-import { HOME, type Orbit, basis, between, fitted, straight } from "./camera";
+import { HOME, type Orbit, basis, between, fitted, project, straight } from "./camera";
 import { make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { listen_gestures } from "./gestures";
@@ -24,6 +24,7 @@ const SETTLE = 160; // ms after the last movement until a sharper picture
 const SHARPEST = 800; // and from then to the sharpest, which may take long on a slow machine
 const SETTLE_FAR = 1300; // until the sharpest when something else on the page moved: it must not wait for the overview
 const TINT = 0.045; // opacity of a plane where nothing is
+const MARKER = 9; // pixels around a marker that are its
 const FLIGHT = 320; // ms from view to view
 
 export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
@@ -178,6 +179,16 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
       pace.soon();
     },
   });
+  // A marker says what it marks.
+  const say_marker = ({ offsetX, offsetY }: PointerEvent) => {
+    const view = stage.projection(orbit());
+    const under = viewer.markers.value.find((marker) => {
+      const p = project(view, point_to_space(space, marker.at));
+      return p.far > 0 && Math.hypot(p.x - offsetX, p.y - offsetY) < MARKER;
+    });
+    chrome.canvas.title = under?.text ?? "";
+  };
+  chrome.canvas.addEventListener("pointermove", say_marker);
   chrome.on_home(go_home);
   chrome.on_mode((mode) => (viewer.bodies.value = mode));
   chrome.root.append(...rulers.roots, triad.root);

@@ -42,7 +42,7 @@ function MaterialCard({ viewer, id, stats, all }: { viewer: Viewer; id: number; 
   return (
     <li class={`material ${look.visible ? "" : "is-hidden"}`}>
       <div class="material-head">
-        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex(look)} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
+        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex(look)} style={{ "--opacity": look.opacity }} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
         <span class="material-title" title={name}>
           {name}
           {id === 0 && <span class="faint"> background</span>}
