@@ -49,6 +49,15 @@ test("whatever the view, numbers lie in the panel and apart from each other and 
   assert.ok(hidden < 0.1 * seen, `${hidden} of ${seen + hidden} have no room`);
 });
 
+test("a number that has to give way takes nobody's best place", () => {
+  const wish = (x: number, y: number): Wish => ({ size: [40, 14], end: { x, y }, outward: { x: -1, y: 0 }, beyond: { x: 0, y: 1 } });
+  // The first one's place is taken; beyond its end is where the second one belongs.
+  const [first, second] = [wish(100, 70), wish(130, 95)];
+  const [best] = place_numbers([second], 200, 200, []);
+  const [, place] = place_numbers([first, second], 200, 200, [{ left: 60, top: 60, right: 70, bottom: 68 }]);
+  assert.deepEqual(place, best);
+});
+
 test("a number whose end is not in sight is not shown", () => {
   const wish: Wish = { size: [40, 14], end: { x: -1, y: 50 }, outward: { x: 0, y: 1 }, beyond: { x: -1, y: 0 } };
   assert.deepEqual(place_numbers([wish], 200, 100, []), [null]);

@@ -39,25 +39,29 @@ const around = ({ x, y }: Point, [w, h]: readonly [number, number]): Rect => ({ 
 const clamp = (x: number, low: number, high: number) => Math.min(Math.max(x, low), Math.max(low, high));
 const apart = (a: Rect, b: Rect) => a.left >= b.right + MARGIN || b.left >= a.right + MARGIN || a.top >= b.bottom + MARGIN || b.top >= a.bottom + MARGIN;
 
-// Where a number may lie, the best place first.
+// Where a number may lie, the best place first: beside its end, beyond it, or there but pushed into the panel.
 function places({ size: [w, h], end, outward, beyond }: Wish, width: number, height: number): Point[] {
   const away = (d: Point, gap: number) => gap + (w * Math.abs(d.x) + h * Math.abs(d.y)) / 2;
   const along = 0.4 * (w * Math.abs(outward.y) + h * Math.abs(outward.x));
   const beside = { x: end.x + outward.x * away(outward, GAP) - beyond.x * along, y: end.y + outward.y * away(outward, GAP) - beyond.y * along };
   const after = { x: end.x + beyond.x * away(beyond, GAP), y: end.y + beyond.y * away(beyond, GAP) };
   const kept = (p: Point) => ({ x: clamp(p.x, w / 2 + MARGIN, width - w / 2 - MARGIN), y: clamp(p.y, h / 2 + MARGIN, height - h / 2 - MARGIN) });
-  const inside = (p: Point) => kept(p).x === p.x && kept(p).y === p.y;
-  return [...[beside, after].filter(inside), kept(beside), kept(after)];
+  return [...[beside, after].filter((p) => kept(p).x === p.x && kept(p).y === p.y), kept(beside), kept(after)];
 }
 
-// The middle of each number, the most important first; null where there is no room, or its end is not in sight.
+// The middle of each number, the most important first; null where there is no room, or its end is not in sight. Those that can have their
+// best place get it before others look for another.
 export function place_numbers(wishes: readonly Wish[], width: number, height: number, taken: readonly Rect[]): (Point | null)[] {
   const used = [...taken];
-  return wishes.map((wish) => {
-    const { x, y } = wish.end;
-    if (x < 0 || y < 0 || x > width || y > height) return null;
-    const place = places(wish, width, height).find((p) => used.every((rect) => apart(rect, around(p, wish.size))));
-    if (place) used.push(around(place, wish.size));
-    return place ?? null;
-  });
+  const choices = wishes.map((wish) => (wish.end.x < 0 || wish.end.y < 0 || wish.end.x > width || wish.end.y > height ? [] : places(wish, width, height)));
+  const found: (Point | null)[] = wishes.map(() => null);
+  for (const most of [1, Infinity])
+    wishes.forEach(({ size }, i) => {
+      if (found[i]) return;
+      const place = choices[i]!.slice(0, most).find((p) => used.every((rect) => apart(rect, around(p, size))));
+      if (!place) return;
+      found[i] = place;
+      used.push(around(place, size));
+    });
+  return found;
 }
