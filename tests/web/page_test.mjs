@@ -5,7 +5,7 @@ import { createServer, request as http_request } from "node:http";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import test from "node:test";
-import { close, folder, grid_file, grids, info_of, open_grid, open_page, pixels, point_of, quiet, screenshot, serve, server_and_browser, settled, shares, state, view } from "./support.mjs";
+import { close, decoded_png, folder, grid_file, grids, info_of, open_grid, open_page, packed, pixels, point_of, quiet, screenshot, serve, server_and_browser, settled, shares, state, view } from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 
@@ -178,6 +178,7 @@ test("a server with a token: the page comes, asks for it, and bears it", async (
 test("the server goes away: what is on screen stays, the page says so, and goes on by itself when it is back", async () => {
   let mortal = await serve(grid_file("stadium"));
   const page = await open_grid(browser, `${mortal.url}#g=stadium`, { expected: (url, status) => status === 0 });
+  await page.waitForSelector('.overview[data-state="ready"]');
   await page.mouse.move(...(await point_of(page, "z")));
   const before = shares((await pixels(page, "z")).data);
   await mortal.kill();
@@ -185,12 +186,15 @@ test("the server goes away: what is on screen stays, the page says so, and goes 
   await page.keyboard.press("Shift+>");
   const banner = page.getByText("The server does not answer");
   await banner.waitFor();
+  const overview = page.getByText("The slices could not be loaded");
+  await overview.waitFor();
   await screenshot(page, "server-lost");
   const during = shares((await pixels(page, "z")).data);
   for (const [pixel, share] of before) if (share > 0.02) assert.ok((during.get(pixel) ?? 0) > share / 2, "the picture went away");
   const cell = await state(page, "cell");
   mortal = await serve(grid_file("stadium"), "--port", mortal.port);
   await banner.waitFor({ state: "hidden" });
+  await overview.waitFor({ state: "hidden" });
   await settled(page);
   assert.deepEqual(await state(page, "cell"), cell);
   // The same slice as a page sees that never lost anything.
@@ -321,6 +325,48 @@ for (const [name, width, height] of [["tablet, upright", 820, 1180], ["tablet", 
     assert.ok(new Set(data).size > 20);
     await close(page);
   });
+
+test("bodies that could not be fetched come when the server is back", async () => {
+  const context = await browser.newContext();
+  let cubes = 0;
+  await context.route(/\/zarr\/stadium\//, (route) => (cubes++ === 0 ? route.abort() : route.continue()));
+  const page = await open_page(browser, `${server.url}#g=stadium`, { context, expected: (url, status) => status === 0 });
+  await page.waitForSelector('.overview[data-state="ready"]');
+  assert.ok(cubes > 1);
+  assert.equal(await page.locator(".overview-message").isHidden(), true);
+  await close(page);
+});
+
+test("the triad's ends are large enough to be hit, and a marker says what it marks", async () => {
+  const page = await open_page(browser, `${server.url}#g=open&layout=3d&panel=report`);
+  await page.waitForSelector('.overview[data-state="ready"]');
+  const missed = await page.evaluate(() =>
+    [...document.querySelectorAll(".overview-end")].filter((end) => {
+      const { left, top, width, height } = end.getBoundingClientRect();
+      const hit = (dx, dy) => document.elementFromPoint(left + width / 2 + dx, top + height / 2 + dy)?.closest(".overview-end");
+      return ![[12, 0], [-12, 0], [0, 12], [0, -12]].every(([dx, dy]) => hit(dx, dy));
+    }).length,
+  );
+  assert.equal(missed, 0);
+  await page.waitForFunction(() => teracell.viewer.markers.value.length === 1);
+  const [{ at, text }] = await state(page, "markers");
+  await page.evaluate((target) => (teracell.viewer.orbit.value = { azimuth: 30, elevation: 20, distance: 4, target }), at);
+  const { x, y, width, height } = await page.locator(".overview > canvas").boundingBox();
+  await page.mouse.move(x + width / 2 + 2, y + height / 2);
+  assert.equal(await page.locator(".overview > canvas").getAttribute("title"), text);
+  await page.mouse.move(x + width / 2 + 40, y + height / 2);
+  assert.equal(await page.locator(".overview > canvas").getAttribute("title"), "");
+  await close(page);
+});
+
+test("the swatch of a clear material is a checkerboard", async () => {
+  const page = await open_grid(browser, `${server.url}#g=open`);
+  const colors = async (name) => new Set(decoded_png(await page.getByLabel(`Colour of ${name}`).screenshot()).data);
+  const air = await colors("air");
+  assert.ok(!air.has(packed(0, 0, 0)) && air.has(packed(0xda, 0xdf, 0xe6)) && air.has(packed(0xff, 0xff, 0xff)), "air is not clear");
+  assert.ok((await colors("tin")).has(packed(0xcc, 0x66, 0x77)));
+  await close(page);
+});
 
 test("the overview in three dimensions is there, and is not blank", async () => {
   const page = await open_page(browser, `${server.url}#g=stadium&layout=3d`);

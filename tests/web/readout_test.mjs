@@ -40,6 +40,7 @@ for (const grid of ["stadium", "graded"])
         seen.add(material);
         const text = await part.innerText();
         assert.ok(text.includes(materials[material].name), text);
+        assert.equal(text.includes("mixed:"), hover.materials.length > 1, text);
         for (const [d, row] of (await part.getByRole("row").all()).entries()) assert.equal(digits(await row.getByRole("cell").first().innerText()), hover.cell[d]);
       }
     assert.ok(seen.size >= 2, "the pointer met one material only");
@@ -262,16 +263,20 @@ test("very many bodies, holes and warnings: the first of each, and more for a cl
   assert.deepEqual(page.errors, []);
 });
 
-test("the view is saved as a PNG with a legend", async () => {
-  const page = await open("stadium", "&layout=z");
+async function saved_picture(page, name) {
   await page.getByRole("tab", { name: "Share" }).click();
   const downloading = page.waitForEvent("download");
   await page.getByRole("button", { name: "Save as PNG" }).click();
   const download = await downloading;
-  const path = `${process.env.TERACELL_FOLDER}/saved.png`;
+  const path = `${process.env.TERACELL_FOLDER}/${name}.png`;
   await download.saveAs(path);
   assert.match(download.suggestedFilename(), /stadium.*\.png$/);
-  const picture = decoded_png(readFileSync(path));
+  return decoded_png(readFileSync(path));
+}
+
+test("the view is saved as a PNG with a legend", async () => {
+  const page = await open("stadium", "&layout=z");
+  const picture = await saved_picture(page, "saved");
   const box = await view(page, "z").boundingBox();
   assert.ok(picture.width >= box.width && picture.height >= box.height);
   const there = new Set(picture.data);
@@ -279,5 +284,32 @@ test("the view is saved as a PNG with a legend", async () => {
     const [r, g, b] = [1, 3, 5].map((at) => Number.parseInt(color.slice(at, at + 2), 16));
     assert.ok(there.has(packed(r, g, b)), `${color} is neither in the picture nor in the legend`);
   }
+  await close(page);
+});
+
+test("four views are saved whole: crosshairs from edge to edge, the overview with its ground, rulers and triad", async () => {
+  const page = await open("stadium");
+  await page.waitForSelector('.overview[data-state="ready"]');
+  const picture = await saved_picture(page, "saved-four");
+  const boxes = await page.evaluate(() => {
+    const { left, top } = document.querySelector(".views").getBoundingClientRect();
+    const box = (panel) => panel.getBoundingClientRect();
+    return Object.fromEntries([...document.querySelectorAll(".view-panel")].map((p) => [p.dataset.view, [box(p).left - left, box(p).top - top, box(p).width, box(p).height]]));
+  });
+  const [ratio, head] = [2, 44];
+  // The pixels of a part of a panel, in CSS pixels.
+  const part = (view, x0, y0, width, height) => {
+    const [left, top] = [Math.round(ratio * (boxes[view][0] + x0)), Math.round(ratio * (boxes[view][1] + y0 + head))];
+    return Array.from({ length: ratio * height }, (_, y) => [...picture.data.subarray((top + y) * picture.width + left, (top + y) * picture.width + left + ratio * Math.floor(width))]).flat();
+  };
+  const inks = { x: packed(0xc8, 0x10, 0x2e), y: packed(0x0b, 0x7a, 0x34), z: packed(0x1f, 0x4f, 0xe0) }; // base.css
+  for (const [axis, vertical] of [["x", "y"], ["y", "x"], ["z", "x"]]) {
+    const [, , width, height] = boxes[axis];
+    for (const y of [0, height - 2]) assert.ok(part(axis, 0, y, width, 1).includes(inks[vertical]), `the crosshair ends before ${y} of ${height} in the view across ${axis}`);
+  }
+  const [, , width, height] = boxes["3d"];
+  const triad = part("3d", 8, height - 90, 80, 80);
+  for (const ink of Object.values(inks)) assert.ok(triad.filter((pixel) => pixel === ink).length > 100, "there is no triad");
+  assert.notEqual(part("3d", width / 2, 60, 1, 1)[0], part("3d", 2, height - 3, 1, 1)[0], "the ground has one colour");
   await close(page);
 });

@@ -408,7 +408,8 @@ test("materials: hidden ones leave the pixels at once, one alone, another colour
   const { name } = info_of("stadium").materials[id];
   await quiet(page);
   let requests = 0;
-  page.on("request", (request) => (requests += request.url().includes("/tile/") ? 1 : 0));
+  // Those of level 0: the overview asks for its coarser ones when it has time.
+  page.on("request", (request) => (requests += /\/tile\/[xyz]\/\d+\/0\//.test(request.url()) ? 1 : 0));
   const show = page.getByRole("button", { name: `Show ${name}`, exact: true });
   await show.click();
   assert.equal(await show.getAttribute("aria-pressed"), "false");
@@ -431,7 +432,7 @@ test("materials: hidden ones leave the pixels at once, one alone, another colour
   await close(page);
 });
 
-test("coarse cells are the mean of their materials, as in the server's own pictures", async () => {
+test("coarse cells are the mean of their materials, as in the server's own pictures, but that air counts half", async () => {
   // The whole grid in a small window: the page's pictures against `slice.png` of the level that it shows, by their mean colour.
   const page = await open_grid(browser, `${server.url}#g=stadium&layout=z`, { width: 500, height: 500 });
   await page.evaluate(() => (teracell.viewer.show_lines.value = false));
@@ -440,7 +441,13 @@ test("coarse cells are the mean of their materials, as in the server's own pictu
   assert.ok(level >= 1);
   const mean = await page.evaluate(
     async ({ level, k }) => {
-      const picture = await createImageBitmap(await (await fetch(`api/v1/grids/stadium/slice/z/${k >> level}.png?level=${level}`)).blob());
+      const plain = await createImageBitmap(await (await fetch(`api/v1/grids/stadium/slice/z/${k >> level}.png?level=${level}`)).blob());
+      const picture = new OffscreenCanvas(plain.width, plain.height);
+      const pixels = picture.getContext("2d");
+      pixels.drawImage(plain, 0, 0);
+      const image = pixels.getImageData(0, 0, plain.width, plain.height);
+      for (let i = 3; i < image.data.length; i += 4) image.data[i] = (510 * image.data[i]) / (255 + image.data[i]);
+      pixels.putImageData(image, 0, 0);
       const view = document.querySelector('[data-view="z"] .view-cells');
       const { centre, zoom, axes } = teracell.viewer;
       const x = (d, end) => view.width / 2 + (axes[d][end] - centre.value[d]) * zoom.value;
@@ -461,6 +468,6 @@ test("coarse cells are the mean of their materials, as in the server's own pictu
     },
     { level, k: cell[2] },
   );
-  assert.ok(mean < 6, `colours differ by ${mean} of 255 in the mean`);
+  assert.ok(mean < 4, `colours differ by ${mean} of 255 in the mean`);
   await close(page);
 });

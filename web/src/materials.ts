@@ -1,5 +1,5 @@
 // How materials look. A coarse cell's set of materials is blended like the server blends it, so that the page and the pictures
-// of the server agree: the mean of the members' colours, weighted by their opacity.
+// of the server agree: the mean of the members' colours, weighted by their opacity. Only air weighs less on the page.
 import type { Material } from "./api";
 
 export interface MaterialLook {
@@ -36,4 +36,11 @@ export function color_of_set(set: readonly number[], looks: readonly MaterialLoo
   }
   if (a === 0) return [0, 0, 0, 0];
   return [Math.round(r / a), Math.round(g / a), Math.round(b / a), Math.round((255 * a) / n)];
+}
+
+// As the page shows a set: beside something else, what is clear counts half. A sheet one cell thick is mostly air on coarse levels,
+// and must still be seen.
+export function shown_color(set: readonly number[], looks: readonly MaterialLook[]): [number, number, number, number] {
+  const [r, g, b, a] = color_of_set(set, looks);
+  return [r, g, b, set.length > 1 ? Math.round((510 * a) / (255 + a)) : a];
 }

@@ -8,6 +8,7 @@ import { edge_depths, labelled_edges } from "../../../web/src/overview/edges";
 import { type Vec3, cells_of_level, coordinate_at, from_space, level_planes, level_within, space_of, to_space } from "../../../web/src/overview/level_axis";
 import { make_ladder } from "../../../web/src/overview/quality";
 import { decode_slice, slice_picture, slice_place } from "../../../web/src/overview/slice_picture";
+import { clear_order } from "../../../web/src/overview/stage";
 import { CUBE, cubes_of, empty_volume, place_cube } from "../../../web/src/overview/volume";
 
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 4, 8, 16] }, 0.5);
@@ -143,4 +144,11 @@ test("a single slow frame changes nothing", () => {
   const before = ladder.quality(0);
   for (let i = 0; i < 20; ++i) ladder.measured(ladder.quality(0), i === 10 ? 90 : 20);
   assert.deepEqual(ladder.quality(0), before);
+});
+
+test("bodies of glass are drawn from far to near, after the planes and before the lines", () => {
+  const orders = [100, 5, 2, 0].map(clear_order);
+  assert.deepEqual(orders, [...orders].sort((a, b) => a - b));
+  assert.ok(orders.every((order) => order > 16 && order < 30));
+  assert.equal(new Set(orders).size, 4);
 });

@@ -30,6 +30,10 @@ test("statistics as a table keep counts that no double holds", () => {
 
 test("distinct colours are those that the mesher gives, the background keeps its own", () => {
   assert.deepEqual([1, 2, 7, 8, 15].map(distinct_color), [[0x56, 0xb4, 0xe9], [0xe6, 0x9f, 0], [0, 0x72, 0xb2], [0x37, 0x75, 0x97], [0x22, 0x48, 0x5d]]);
+  // Beyond the mesher's 21 they go on, no two alike.
+  const many = Array.from({ length: 49 }, (_, n) => distinct_color(n + 1));
+  const apart = (a: number[], b: number[]) => Math.hypot(...a.map((c, i) => c - b[i]!));
+  many.forEach((a, n) => many.slice(0, n).forEach((b, m) => assert.ok(apart(a, b) > 12, `${n + 1} and ${m + 1} are ${a} and ${b}`)));
   const own = initial_looks(materials("#00000000", "#ff0000", "#00ff0080"));
   assert.equal(all_distinct(own), false);
   const distinct = with_distinct_colors(own);
@@ -40,7 +44,7 @@ test("distinct colours are those that the mesher gives, the background keeps its
 });
 
 const uniform = (step: number) => ({ type: "uniform", min: 0, step, first: 0, cells: 10 });
-const info = (axes: object[]) => ({ id: "a grid", units: "mm", grid: { axes }, levels: [{ level: 0, cells: [1000, 1000, 1000] }, { level: 1, cells: [500, 500, 500] }, { level: 2, cells: [250, 250, 250] }] }) as unknown as GridInfo;
+const info = (axes: object[]) => ({ id: "a grid", units: "mm", grid: { axes, cells: [1000, 1000, 1000] }, levels: [{ level: 0, cells: [1000, 1000, 1000] }, { level: 1, cells: [500, 500, 500] }, { level: 2, cells: [250, 250, 250] }] }) as unknown as GridInfo;
 const looks = initial_looks(materials("#00000000", "#ff0000", "#0000ff"));
 
 test("Neuroglancer is told the size of a cell in metres, and which materials show in which colours", () => {
@@ -55,6 +59,12 @@ test("Neuroglancer is told the size of a cell in metres, and which materials sho
     layout: "4panel",
   });
   assert.deepEqual(JSON.parse(decodeURIComponent(neuroglancer_link(state).split("#!")[1]!)), state);
+});
+
+test("Neuroglancer shows the whole grid where no zoom is known yet", () => {
+  const scale = (third: object) => (neuroglancer_state(info([uniform(0.5), uniform(0.5), third]), "http://h", [1, 2, 3], looks, 0) as { crossSectionScale: number }).crossSectionScale;
+  assert.equal(scale(uniform(1)), 2000 / 480); // cells of 0.5 a pixel: z is twice as long
+  assert.equal(scale({ type: "graded", planes: [0, 1, 3] }), 1000 / 480);
 });
 
 test("Neuroglancer shows graded grids cell by cell", () => {

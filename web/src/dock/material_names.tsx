@@ -12,7 +12,8 @@ export function MaterialNames({ viewer, ids }: { viewer: Viewer; ids: readonly n
   if (!ids) return <span class="faint">–</span>;
   const names = ids.map((id) => viewer.info.materials[id]?.name ?? String(id));
   return (
-    <span class="material-names" title={names.join(", ")}>
+    <span class="material-names" title={ids.length > 1 ? `mixed: ${names.join(", ")}` : names[0]}>
+      {ids.length > 1 && <span class="faint">mixed:</span>}
       {ids.map((id, n) => (
         <span key={id} class="material-name">
           <Swatch viewer={viewer} id={id} />

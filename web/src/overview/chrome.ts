@@ -1,5 +1,4 @@
-// What lies around the overview's picture: the canvas, the buttons, and words when something is missing. The second canvas is for the
-// view saved as a picture: words that are elements on the page are written into it then (writing.ts).
+// What lies around the overview's picture: the canvas, the buttons, and words when something is missing.
 import { BODY_MODES, type BodyMode } from "../viewer";
 import { element } from "./dom";
 
@@ -19,8 +18,7 @@ export function make_chrome(host: HTMLElement) {
   const busy = element("div", { class: "overview-busy", role: "status" });
   const message = element("div", { class: "overview-message", role: "alert" });
   message.hidden = true;
-  const ink = element("canvas", { class: "overview-ink", "aria-hidden": "true" });
-  const root = element("div", { class: "overview" }, canvas, ink, bar, busy, message);
+  const root = element("div", { class: "overview" }, canvas, bar, busy, message);
   host.append(root);
 
   const say = (text: string, again?: () => void) => {
@@ -37,7 +35,6 @@ export function make_chrome(host: HTMLElement) {
   return {
     root,
     canvas,
-    ink,
     say,
     busy(text: string) {
       busy.textContent = text;

@@ -2,9 +2,10 @@
 // three.js; nothing else of the page may import it but by import().
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../api";
+import { returned } from "../connection";
 import type { Viewer } from "../viewer";
 import { load_bodies } from "./body_source";
-import { HOME, type Orbit, basis, between, fitted, straight } from "./camera";
+import { HOME, type Orbit, basis, between, fitted, project, straight } from "./camera";
 import { make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { listen_gestures } from "./gestures";
@@ -17,12 +18,13 @@ import { follow_slices } from "./slice_source";
 import { type Stage, make_stage } from "./stage";
 import { on_theme, read_theme } from "./theme";
 import { make_triad } from "./triad";
-import { write_words } from "./writing";
+import { draw_picture } from "./writing";
 
 const SETTLE = 160; // ms after the last movement until a sharper picture
 const SHARPEST = 800; // and from then to the sharpest, which may take long on a slow machine
 const SETTLE_FAR = 1300; // until the sharpest when something else on the page moved: it must not wait for the overview
 const TINT = 0.045; // opacity of a plane where nothing is
+const MARKER = 9; // pixels around a marker that are its
 const FLIGHT = 320; // ms from view to view
 
 export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
@@ -154,6 +156,13 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
       });
   };
 
+  // What failed while the server was away.
+  const ask_again = () => {
+    chrome.say("");
+    if (visible) slices.update();
+    if (chrome.root.dataset.state === "failed") bring_bodies();
+  };
+
   const go_home = () => fly(home(), true);
   const stop_gestures = listen_gestures(chrome.canvas, {
     orbit,
@@ -170,6 +179,16 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
       pace.soon();
     },
   });
+  // A marker says what it marks.
+  const say_marker = ({ offsetX, offsetY }: PointerEvent) => {
+    const view = stage.projection(orbit());
+    const under = viewer.markers.value.find((marker) => {
+      const p = project(view, point_to_space(space, marker.at));
+      return p.far > 0 && Math.hypot(p.x - offsetX, p.y - offsetY) < MARKER;
+    });
+    chrome.canvas.title = under?.text ?? "";
+  };
+  chrome.canvas.addEventListener("pointermove", say_marker);
   chrome.on_home(go_home);
   chrome.on_mode((mode) => (viewer.bodies.value = mode));
   chrome.root.append(...rulers.roots, triad.root);
@@ -196,6 +215,10 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
       void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value, viewer.looks.value];
       if (!own) untracked(follow_later);
     }),
+    effect(() => {
+      void returned.value;
+      untracked(ask_again);
+    }),
   ];
   const size = new ResizeObserver(([entry]) => {
     const { width, height } = entry!.contentRect;
@@ -220,13 +243,12 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
     chrome.say("");
     pace.soon();
   };
-  // Whoever copies the picture asks for it right before: the canvas keeps it for the current task alone.
-  const on_draw = () => {
+  // Whoever wants the picture elsewhere, too, sends where to: the canvas keeps it for the current task alone.
+  const on_draw = (event: Event) => {
     if (!visible || lost) return;
     rest = 2;
     draw(true);
-    write_words(chrome.root, chrome.ink);
-    window.setTimeout(() => (chrome.ink.width = 0));
+    draw_picture((event as CustomEvent<CanvasRenderingContext2D>).detail, chrome.root, chrome.canvas, theme.ground);
   };
   host.addEventListener("draw", on_draw);
   chrome.canvas.addEventListener("webglcontextlost", on_lost);

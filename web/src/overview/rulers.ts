@@ -7,15 +7,22 @@ import { type Projection, along_axis, project } from "./camera";
 import { element } from "./dom";
 import { labelled_edges } from "./edges";
 import { type Space, from_space } from "./level_axis";
+import { type Point, type Rect, type Wish, end_text, place_numbers } from "./numbers";
 
 export interface Rulers {
   readonly roots: readonly HTMLElement[];
   update(view: Projection, at: readonly number[]): void;
 }
 
-const GAP = 5; // pixels between an edge and its numbers
+const KNOB = 9; // pixels, half its size
 
-const short = (x: number) => significant(x, 5).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+// What the panel's corners are for: its title, the buttons, the triad.
+const corners = (width: number, height: number): Rect[] => [
+  { left: 0, top: 0, right: 60, bottom: 40 },
+  { left: width - 230, top: 0, right: width, bottom: 40 },
+  { left: 10, top: height - 76, right: 86, bottom: height - 20 }, // a disc, nearly
+  { left: 20, top: height - 86, right: 76, bottom: height - 10 },
+];
 
 export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rulers {
   const { units } = viewer;
@@ -23,8 +30,8 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
   const rulers = ([0, 1, 2] as const).map((d) => {
     const axis = viewer.axes[d];
     const name = AXIS_NAMES[d];
-    const low = element("span", { class: "overview-number", "aria-hidden": "true" }, short(axis.min));
-    const high = element("span", { class: "overview-number", "aria-hidden": "true" }, `${short(axis.max)} ${units}`);
+    const low = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, end_text(axis, axis.min));
+    const high = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, `${end_text(axis, axis.max)} ${units}`);
     const knob = element("div", { class: `overview-knob ${name}`, role: "slider", tabindex: "0", "aria-label": `slice across ${name}`, "aria-valuemin": "0", "aria-valuemax": String(axis.cells - 1) }, name);
     listen_knob(knob, viewer, d, slid, (x, y) => {
       const edge = view && labelled_edges(view, space.half)[d];
@@ -35,39 +42,49 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
   });
 
   let sizes: (readonly [number, number])[] = []; // of the numbers, in pixels: they never change
+  const measure = () => {
+    if (rulers[0]!.low.offsetWidth > 0) sizes = rulers.flatMap(({ low, high }) => [low, high].map((e) => [e.offsetWidth, e.offsetHeight] as const));
+  };
+  const move = (e: HTMLElement, p: Point | null) => {
+    e.hidden = p === null;
+    if (p) e.style.transform = `translate(${p.x.toFixed(1)}px, ${p.y.toFixed(1)}px) translate(-50%, -50%)`;
+  };
 
   return {
     roots: rulers.flatMap(({ low, high, knob }) => [low, high, knob]),
     update(to, at) {
       view = to;
+      if (sizes.length === 0) measure();
+      if (sizes.length === 0) return;
       const edges = labelled_edges(to, space.half);
-      if (sizes.length === 0 && rulers[0]!.low.offsetWidth > 0) sizes = rulers.flatMap(({ low, high }) => [low, high].map((e) => [e.offsetWidth, e.offsetHeight] as const));
+      const taken = corners(to.width, to.height);
+      const seen: { e: HTMLElement; wish: Wish; length: number; upper: number }[] = [];
       for (const { d, low, high, knob } of rulers) {
         const edge = edges[d];
-        for (const e of [low, high, knob]) e.hidden = !edge;
         const cell = viewer.cell.value[d];
         const text = `${significant(viewer.axes[d].centre(cell), 6)} ${units}, slice ${cell}`;
         knob.setAttribute("aria-valuenow", String(cell));
         knob.setAttribute("aria-valuetext", text);
         knob.title = `${AXIS_NAMES[d]} = ${text}: drag to move the slice`;
-        if (!edge || sizes.length === 0) continue;
-        const length = Math.hypot(edge.to.x - edge.from.x, edge.to.y - edge.from.y);
-        // The text lies outside the box, and from the end of its edge towards the middle: so two edges' texts at a corner keep apart.
-        const put = (e: HTMLElement, [w, h]: readonly [number, number], p: { x: number; y: number }, inward: number) => {
-          const [ox, oy] = [edge.outward.x, edge.outward.y];
-          const away = GAP + (w * Math.abs(ox) + h * Math.abs(oy)) / 2;
-          const along = (inward * 0.4 * (w * Math.abs(oy) + h * Math.abs(ox))) / length;
-          const x = p.x + ox * away + (edge.to.x - edge.from.x) * along;
-          const y = p.y + oy * away + (edge.to.y - edge.from.y) * along;
-          e.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
-        };
-        put(low, sizes[2 * d]!, edge.from, 1);
-        put(high, sizes[2 * d + 1]!, edge.to, -1);
+        for (const e of [low, high, knob]) e.hidden = true;
+        if (!edge) continue;
         const middle = [...edge.a] as [number, number, number];
         middle[d] = at[d]!;
         const p = project(to, middle);
-        knob.style.transform = `translate(${p.x.toFixed(1)}px, ${p.y.toFixed(1)}px) translate(-50%, -50%)`;
+        move(knob, p);
+        taken.push({ left: p.x - KNOB, top: p.y - KNOB, right: p.x + KNOB, bottom: p.y + KNOB });
+        const [x, y] = [edge.to.x - edge.from.x, edge.to.y - edge.from.y];
+        const length = Math.hypot(x, y);
+        [low, high].forEach((e, upper) => {
+          const sign = upper ? 1 : -1;
+          const beyond = { x: (sign * x) / length, y: (sign * y) / length };
+          seen.push({ e, length, upper, wish: { size: sizes[2 * d + upper]!, end: upper ? edge.to : edge.from, outward: edge.outward, beyond } });
+        });
       }
+      // Upper ends say the unit; long edges tell more than short ones.
+      seen.sort((a, b) => b.upper - a.upper || b.length - a.length);
+      const places = place_numbers(seen.map(({ wish }) => wish), to.width, to.height, taken);
+      seen.forEach(({ e }, i) => move(e, places[i]!));
     },
   };
 }

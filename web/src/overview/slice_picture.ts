@@ -2,7 +2,7 @@
 // do. What is transparent stays transparent. Graded axes are drawn true to scale. Pure.
 import type { AxisIndex } from "../api";
 import { type Axis, FRAMES } from "../axis";
-import { type MaterialLook, color_of_set } from "../materials";
+import { type MaterialLook, shown_color } from "../materials";
 import { SetTable } from "../tiles/sets";
 import { type Tile, decode_tile } from "../tiles/tile";
 import { type Axes, level_within } from "./level_axis";
@@ -49,7 +49,7 @@ function cells_across(axis: Axis, level: number, pixels: number): Uint16Array | 
 }
 
 function packed_color(set: readonly number[], looks: readonly MaterialLook[]): number {
-  const [r, g, b, a] = color_of_set(set, looks);
+  const [r, g, b, a] = shown_color(set, looks);
   const over = (c: number) => Math.round((c * a) / 255);
   return ((a << 24) | (over(b) << 16) | (over(g) << 8) | over(r)) >>> 0;
 }

@@ -12,6 +12,9 @@ import { make_planes } from "./planes";
 import type { Quality } from "./quality";
 import type { Surface } from "./worker";
 
+// Of a body that is seen through, by its distance: after the planes (from 10 on) and before the lines (from 30 on).
+export const clear_order = (distance: number): number => 20 + 9 / (1 + distance);
+
 export type Stage = ReturnType<typeof make_stage>;
 
 // Throws when there is no WebGL 2.
@@ -57,8 +60,13 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
       for (const mesh of meshes(group)) {
         const look = looks[number_of(mesh)];
         mesh.visible = look !== undefined && look.visible && look.opacity > 0;
-        mesh.renderOrder = mesh.material.transparent ? 20 : 0; // the opaque ones hide each other, so they come first
+        if (!mesh.material.transparent) mesh.renderOrder = 0; // they hide each other, so they come first
       }
+  };
+  // From far to near: what is seen through doesn't hide what is drawn later.
+  const sort_clear = (eye: Vector3) => {
+    for (const group of groups())
+      for (const mesh of meshes(group)) if (mesh.material.transparent) mesh.renderOrder = clear_order(mesh.geometry.boundingSphere!.center.distanceTo(eye));
   };
   const clear_bodies = () => {
     for (const group of groups()) for (const mesh of meshes(group)) mesh.geometry.dispose();
@@ -78,6 +86,7 @@ export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
     sky.value.set(right[2], up[2], back[2]);
     const toward = at.map((x, d) => (eye[d]! >= x ? 1 : -1)) as Vec3;
     planes.sort(toward);
+    sort_clear(new Vector3(...eye));
     cut.at.value.set(...at);
     cut.toward.value.set(...(mode === "cut" ? toward : ([0, 0, 0] as Vec3)));
   };

@@ -2,6 +2,7 @@
 import type { Rgba } from "./lines";
 
 export interface Theme {
+  readonly ground: readonly [Rgba, Rgba, Rgba]; // from its middle to its corners
   readonly edge: Rgba; // of the domain
   readonly axes: readonly [Rgba, Rgba, Rgba];
   readonly crosshair: Rgba;
@@ -24,7 +25,7 @@ export function read_theme(element: HTMLElement): Theme {
   const style = getComputedStyle(element);
   const context = document.createElement("canvas").getContext("2d", { willReadFrequently: true })!;
   const color = (name: string) => color_of(context, style.getPropertyValue(`--overview-${name}`));
-  return { edge: color("edge"), axes: [color("x"), color("y"), color("z")], crosshair: color("crosshair"), box: color("box"), marker: color("marker"), measure: color("measure") };
+  return { ground: [color("inner"), color("middle"), color("outer")], edge: color("edge"), axes: [color("x"), color("y"), color("z")], crosshair: color("crosshair"), box: color("box"), marker: color("marker"), measure: color("measure") };
 }
 
 // Calls when the page's colours may have changed.

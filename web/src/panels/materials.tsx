@@ -108,7 +108,7 @@ function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
   return (
     <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
       <div class="material-head">
-        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex(look)} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
+        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex(look)} style={{ "--opacity": look.opacity }} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
         {short ? (
           <button class="material-title" title={name} aria-expanded={opened} onClick={() => set_opened(!opened)}>
             {title}

@@ -1,5 +1,5 @@
 // Colours that stay apart for colour-blind eyes: those that the mesher gives materials without one (mesher/scene_names.cpp), after
-// M. Okabe, K. Ito: Color Universal Design, 2008, less its black; then darker shades of them.
+// M. Okabe, K. Ito: Color Universal Design, 2008, less its black; then darker shades of them. Where the mesher begins anew, others follow.
 import type { MaterialLook } from "../materials";
 
 const COLORS: readonly (readonly [number, number, number])[] = [
@@ -11,13 +11,13 @@ const COLORS: readonly (readonly [number, number, number])[] = [
   [0xf0, 0xe4, 0x42],
   [0x00, 0x72, 0xb2],
 ];
-const PERCENT = [100, 65, 40];
+const SHADES = [[100, 0], [65, 0], [40, 0], [55, 45], [82, 0], [30, 70], [52, 0]] as const; // percent of the colour, and of white
 
 // Of material 1, 2, ...; the background, 0, has none of its own.
 export function distinct_color(id: number): [number, number, number] {
   const color = COLORS[(id - 1) % COLORS.length]!;
-  const shade = PERCENT[Math.floor((id - 1) / COLORS.length) % PERCENT.length]!;
-  return [0, 1, 2].map((i) => Math.floor((color[i]! * shade) / 100)) as [number, number, number];
+  const [own, white] = SHADES[Math.floor((id - 1) / COLORS.length) % SHADES.length]!;
+  return color.map((c) => Math.floor((c * own + 255 * white) / 100)) as [number, number, number];
 }
 
 const is_distinct = (look: MaterialLook, id: number) => id === 0 || distinct_color(id).every((c, i) => c === look.color[i]);

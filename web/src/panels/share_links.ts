@@ -10,6 +10,7 @@ export interface Door {
   note?: string;
 }
 
+const FITTED = 480; // pixels that the longest side gets when no zoom is known: in the layout of the overview alone
 const MOST_CELLS = 256 ** 3; // of the level that lines ask for: it comes at once
 
 const METRES: Readonly<Record<string, number>> = { m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, ft: 0.3048 };
@@ -89,10 +90,11 @@ export function neuroglancer_state(info: GridInfo, root: string, cell: Index3, l
   const shown = looks.flatMap((look, id) => (id > 0 && look.visible ? [String(id)] : []));
   // Cells a pixel; Neuroglancer counts in those of the smallest step.
   const smallest = index ? 1 : Math.min(...steps.map((s) => s!));
+  const fitted = Math.max(...info.grid.cells.map((n, d) => (index ? n : (n * steps[d]!) / smallest))) / FITTED;
   return {
     dimensions: { x: scale(0), y: scale(1), z: scale(2) },
     position: cell.map((c) => c + 0.5),
-    crossSectionScale: index ? 1 : 1 / (pixels_a_unit * smallest),
+    crossSectionScale: pixels_a_unit === 0 ? fitted : index ? 1 : 1 / (pixels_a_unit * smallest),
     layers: [
       {
         type: "segmentation",

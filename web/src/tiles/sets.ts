@@ -1,6 +1,6 @@
 // Numbers for the sets of materials that tiles hold, the same in all tiles of a grid: neighbours can be compared, and one palette
 // colours all of them. The first numbers are no sets.
-import { type MaterialLook, color_of_set } from "../materials";
+import { type MaterialLook, shown_color } from "../materials";
 
 export const OUTSIDE = 0; // not in the grid
 export const UNKNOWN = 1; // in the grid, nothing has come yet
@@ -67,7 +67,7 @@ export class Palette {
   private color(number: number): Rgb {
     const set = this.sets.members(number);
     if (!set) return number === OUTSIDE ? this.outside : this.ground;
-    const [r, g, b, alpha] = color_of_set(set, this.looks);
+    const [r, g, b, alpha] = shown_color(set, this.looks);
     const a = alpha / 255;
     const over = (c: number, under: number) => Math.round(c * a + under * (1 - a));
     return [over(r, this.ground[0]), over(g, this.ground[1]), over(b, this.ground[2])];

@@ -62,10 +62,23 @@ export function draw_rulers(pen: Pen): void {
     tick(0, pen.crisp(y) - 0.5, 6, 1);
     if (y > 44 && y < camera.height - 56) pen.label(text, 9, y);
   });
-  context.font = `600 ${context.font}`;
-  pen.text(`${AXIS_NAMES[frame.u]} →`, 22, low - 8, ink.axes[frame.u], "center", "bottom");
-  pen.text(`${AXIS_NAMES[frame.v]} ↑`, 9, low - 30, ink.axes[frame.v], "left", "bottom");
-  context.font = context.font.replace("600 ", "");
+  draw_name(pen, `${AXIS_NAMES[frame.u]} →`, low - 15, ink.axes[frame.u]);
+  draw_name(pen, `${AXIS_NAMES[frame.v]} ↑`, low - 37, ink.axes[frame.v]);
+}
+
+// On a plate: colours of axes can't be read on every material.
+function draw_name({ context, ink }: Pen, text: string, y: number, color: string): void {
+  const plain = context.font;
+  context.font = `600 ${plain}`;
+  context.fillStyle = ink.plate;
+  context.beginPath();
+  context.roundRect(8, y - 10, context.measureText(text).width + 10, 20, 4);
+  context.fill();
+  context.textAlign = "left";
+  context.textBaseline = "middle";
+  context.fillStyle = color;
+  context.fillText(text, 13, y + 0.5);
+  context.font = plain;
 }
 
 const GAP = 7; // around the cell, which stays to be seen
@@ -78,7 +91,7 @@ export function draw_crosshair(pen: Pen): void {
   const [x, y] = [pen.crisp(camera.x_of(at(frame.u))), pen.crisp(camera.y_of(at(frame.v)))];
   const size = (axis: Axis, i: number) => ((axis.plane(i + 1) - axis.plane(i)) * camera.zoom) / 2;
   const [gap_x, gap_y] = [Math.max(GAP, size(camera.across, cell[frame.u]) + 2), Math.max(GAP, size(camera.up, cell[frame.v]) + 2)];
-  const line = (points: [number, number][], color: string) => pen.path(points, color, { width: 1.25 });
+  const line = (points: [number, number][], color: string) => pen.path(points, color, { width: 2 });
   if (x >= 0 && x <= camera.width) {
     if (y > gap_y) line([[x, 0], [x, Math.min(y - gap_y, camera.height)]], ink.axes[frame.u]);
     if (y + gap_y < camera.height) line([[x, Math.max(y + gap_y, 0)], [x, camera.height]], ink.axes[frame.u]);
