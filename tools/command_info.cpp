@@ -84,7 +84,7 @@ void print_body(const std::string& title, const ordered_json& b, const std::stri
   print_holes(holes, units);
   print_flips(flips);
   if (b.contains("covered_cells"))
-    detail("overlap", fmt::format("{} in it belong to bodies that come before it", counted(count("covered_cells"), "cell")));
+    detail("overlap", fmt::format("{}, owned by stronger bodies", counted(count("covered_cells"), "cell")));
   if (const uint64_t n = count("duplicates"); n > 0)
     detail("duplicates", fmt::format("{}: {}{}{}", counted(n, "facet"), nonzero ? "no matter where nonzero, what winds twice winds around" : "",
                                      nonzero && evenodd ? "; " : "", evenodd ? "two that coincide count as none where evenodd" : ""));

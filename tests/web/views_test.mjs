@@ -1,7 +1,7 @@
 // The slice views: what they show is what `teracell slice` gives, whatever gesture or key led there.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { close, expected_labels, grids, info_of, offset_in, open_grid, packed, pixels, point_of, quiet, screenshot, server_and_browser, settled, state, view } from "./support.mjs";
+import { close, expected_labels, grids, info_of, offset_in, open_grid, open_page, packed, pixels, point_of, quiet, screenshot, server_and_browser, settled, state, view } from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 
@@ -371,6 +371,21 @@ test("a ruler's labels interrupt the crosshair's lines", async () => {
   });
   assert.deepEqual(new Set(same_as_line), new Set([false]));
   await close(page);
+});
+
+test("a view alone is the one that keys mean; in three dimensions alone nothing is moved that can't be", async () => {
+  const page = await open("stadium", "&layout=x");
+  const [i, j, k] = await state(page, "cell");
+  await page.keyboard.press(".");
+  assert.deepEqual(await state(page, "cell"), [i + 1, j, k]);
+  await close(page);
+  const other = await open_page(browser, `${server.url}#g=stadium&layout=3d`);
+  await other.waitForFunction(() => window.teracell);
+  await other.keyboard.press("ArrowRight");
+  await other.evaluate(() => (teracell.viewer.layout.value = "four"));
+  await settled(other);
+  assert.ok((await state(other, "centre")).every(Number.isFinite));
+  await close(other);
 });
 
 test("slider, number and coordinate say the slice, and play sweeps it", async () => {

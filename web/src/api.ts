@@ -41,6 +41,7 @@ export interface BodyReport {
   flips: Flip[];
   cells: number;
   cells_text?: string; // exact, past 2^53
+  covered_cells?: number; // in it, but stronger bodies own them
 }
 
 export interface Report {

@@ -90,3 +90,9 @@ export function number_of(text: string, whole = false): number | null {
   const n = Number(thousands ? plain.replaceAll(",", "") : plain.replace(",", "."));
   return plain !== "" && Number.isFinite(n) ? n : null;
 }
+
+// A name in a CSV. Spreadsheets take some beginnings for formulas, and anybody may have named it: an apostrophe says that it is text.
+export function csv_name(name: string): string {
+  const text = /^[=+\-@\t\r]/.test(name) ? `'${name}` : name;
+  return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+}

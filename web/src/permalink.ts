@@ -5,6 +5,7 @@ import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "./api";
 import { places_found } from "./panels/report_words";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
+import { inside } from "./views/camera";
 
 export function grid_in_address(): string | null {
   return new URLSearchParams(location.hash.slice(1)).get("g");
@@ -29,7 +30,7 @@ export function read_address(viewer: Viewer): void {
   batch(() => {
     const at = numbers(query.get("at"), 3);
     if (at) viewer.set_cell(at as Index3);
-    if (look) viewer.centre.value = look as [number, number, number];
+    if (look) viewer.centre.value = viewer.axes.map((axis, d) => inside(axis, look[d]!)) as [number, number, number];
     if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
     const layout = query.get("layout") as Layout | null;
     if (layout && LAYOUTS.includes(layout)) viewer.layout.value = layout;

@@ -1,7 +1,7 @@
 // Numbers as the page writes them.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { about, bytes_text, coordinate, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name } from "@page/format";
+import { about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name } from "@page/format";
 
 // Narrow spaces as plain ones, to be read here.
 const plain = (text: string) => text.replaceAll("\u202f", " ");
@@ -83,4 +83,8 @@ test("numbers are read as they are written here, or as people type them", () => 
   assert.equal(number_of("5,000"), null); // five thousand, or five
   assert.equal(number_of("5,000", true), 5000);
   for (const text of ["", " ", "many", "1 2 x", "1,2,3", "1.2.3", "Infinity", "--1"]) assert.equal(number_of(text), null, text);
+});
+
+test("names in a CSV are no formulas, and in quotes where they must be", () => {
+  assert.deepEqual(["steel", "a, b", 'say "so"', "=HYPERLINK(1)", "-1,2"].map(csv_name), ["steel", '"a, b"', '"say ""so"""', "'=HYPERLINK(1)", '"\'-1,2"']);
 });

@@ -1,7 +1,7 @@
 // The runs of a column: which one holds a cell, where the next change is, what a line of a table says.
 import type { Column, ColumnRun } from "../api";
 import type { Axis } from "../axis";
-import { coordinate, grouped, significant } from "../format";
+import { coordinate, csv_name, grouped, significant } from "../format";
 
 // The width of a cell; cells outside count as the nearest one.
 export function width_at(axis: Axis, i: number): number {
@@ -36,13 +36,12 @@ export function run_text(run: ColumnRun, axis: Axis, units: string): string {
   return `${run.name}: ${range}, ${at(run.min)} to ${at(run.max)} ${units}, ${significant(run.max - run.min, 5)} ${units} long`;
 }
 
-const quoted = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
 // As a spreadsheet reads it: `to` is the cell after the run's last.
 export function runs_csv(columns: readonly Column[], units: string): string {
   const lines = [`axis,from,to,min_${units},max_${units},length_${units},id,material`];
   for (const column of columns)
-    for (const r of column.runs) lines.push([column.axis, r.from, r.to, r.min, r.max, r.max - r.min, r.material, quoted(r.name)].join(","));
+    for (const r of column.runs) lines.push([column.axis, r.from, r.to, r.min, r.max, r.max - r.min, r.material, csv_name(r.name)].join(","));
   return `${lines.join("\n")}\n`;
 }
 

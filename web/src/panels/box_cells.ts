@@ -1,5 +1,6 @@
 // Boxes of cells, half open, and their statistics as a table for other programs.
 import type { AxisIndex, Stats } from "../api";
+import { csv_name } from "../format";
 import type { Box } from "../viewer";
 
 // A box with one of its ends moved. It stays in the axis and holds at least a cell: the other end makes way.
@@ -15,10 +16,9 @@ export function with_end(box: Box, axis: AxisIndex, end: "low" | "high", to: num
   return out;
 }
 
-const quoted = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
 
 export function stats_csv(stats: Stats, units: string): string {
   const lines = [`id,material,cells,volume_${units}3,x0,y0,z0,x1,y1,z1`];
-  for (const m of stats.materials) lines.push([m.id, quoted(m.name), m.cells_text ?? m.cells, m.volume, ...(m.box ?? ["", "", "", "", "", ""])].join(","));
+  for (const m of stats.materials) lines.push([m.id, csv_name(m.name), m.cells_text ?? m.cells, m.volume, ...(m.box ?? ["", "", "", "", "", ""])].join(","));
   return `${lines.join("\n")}\n`;
 }

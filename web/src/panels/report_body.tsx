@@ -45,6 +45,12 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
             {grouped(body.facets)} in {plural(body.shells, "shell")}
           </dd>
         </div>
+        {body.covered_cells && (
+          <div>
+            <dt>overlap</dt>
+            <dd>{plural(body.covered_cells, "cell")}, owned by stronger bodies</dd>
+          </div>
+        )}
         {body.degenerate > 0 && (
           <div>
             <dt>without area</dt>

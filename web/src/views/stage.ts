@@ -17,6 +17,8 @@ const stages = new WeakMap<Viewer, Stage>();
 export const stage_of = (viewer: Viewer): Stage | undefined => stages.get(viewer);
 
 const SLOW = 24; // milliseconds of painting, on average, from which on fine screens get one pixel a CSS pixel
+const FINEST = 2; // device pixels a CSS pixel
+const REST = 500; // milliseconds without a change after which they are all used again
 const KEPT_TIMES = 4096;
 
 export class Stage {
@@ -44,7 +46,8 @@ export class Stage {
   private last_start = 0;
   private drew = false;
   private cost = 0; // a moving mean, milliseconds
-  private most_ratio = 2;
+  private most_ratio = FINEST;
+  private rest = 0;
   private timer = 0;
   private readonly stops: (() => void)[] = [];
 
@@ -66,6 +69,8 @@ export class Stage {
         this.invalidate();
       }),
     );
+    // A view alone is the one that keys mean, before any pointer is there.
+    this.stops.push(effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))));
     let returns = returned.peek();
     this.stops.push(
       effect(() => {
@@ -157,6 +162,7 @@ export class Stage {
   }
 
   pan(axis: AxisIndex, dx: number, dy: number): void {
+    if (this.viewer.zoom.value === 0) return;
     const { u, v } = FRAMES[axis];
     const { axes, centre, zoom } = this.viewer;
     this.look_at(axis, [inside(axes[u], centre.value[u] - dx / zoom.value), inside(axes[v], centre.value[v] + dy / zoom.value)]);
@@ -231,6 +237,14 @@ export class Stage {
   private watch_cost(milliseconds: number): void {
     this.cost += (milliseconds - this.cost) / 10;
     if (this.cost > SLOW) this.most_ratio = 1;
+    clearTimeout(this.rest);
+    if (this.most_ratio < FINEST) this.rest = window.setTimeout(() => this.sharpen(), REST);
+  }
+
+  private sharpen(): void {
+    this.most_ratio = FINEST;
+    this.cost = 0;
+    this.invalidate();
   }
 
   private say_what_is_under_the_pointer(): void {
@@ -265,6 +279,7 @@ export class Stage {
   private stop(): void {
     cancelAnimationFrame(this.request);
     clearTimeout(this.timer);
+    clearTimeout(this.rest);
     for (const stop of this.stops) stop();
     stages.delete(this.viewer);
     this.host = null;
