@@ -10,7 +10,7 @@
 namespace teracell {
 namespace {
 
-constexpr char kMagic[] = "tcellrun";
+constexpr char kMagic[] = "tcellru2";  // its last digit is raised when the layout changes
 
 // The first thing that differs, in words. An input's hash or size says most.
 std::string difference(const std::string& before, const std::string& now) {

@@ -75,12 +75,12 @@ uint32_t Composer::top() const {
   return static_cast<uint32_t>(body_.size());
 }
 
-void Composer::count(uint32_t cells) {
+void Composer::count(uint32_t cells, uint32_t owner) {
   if (overlap_ == 0 || cells == 0) return;
-  uint32_t s = top();
-  cells_[body_[s]] += cells;
-  for (int weaker = overlap_ - 1; weaker > 0;)
-    if (const uint64_t bit = ++s; active_[bit / 64] >> (bit % 64) & 1) {
+  cells_[body_[owner]] += cells;
+  int weaker = overlap_ - 1;
+  for (uint32_t s = owner + 1; weaker > 0; ++s)
+    if (active_[s / 64] >> (s % 64) & 1) {
       covered_[body_[s]] += cells;
       --weaker;
     }
@@ -143,13 +143,15 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
   sets_.assign(1, 0);
   uint32_t since = 0;
+  auto owner = static_cast<uint32_t>(body_.size());
   for (size_t i = 0; i < all.size();) {
     const uint32_t cell = Crossing::cell(all[i]), until = std::min(cell, length);
-    count(until - since);
+    count(until - since, owner);
     since = until;
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i]);
     if (cell >= length) continue;
-    const Label label = label_[top()];
+    owner = top();
+    const Label label = label_[owner];
     if (cell == 0) {
       sets_[0] = label;
     } else if (label != sets_.back()) {
@@ -157,7 +159,7 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
       *at++ = cell;
     }
   }
-  count(length - since);
+  count(length - since, owner);
   pattern = patterns.intern(sets_);
   return open_;
 }

@@ -37,7 +37,8 @@ class Composer {
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   void step(uint64_t crossing);
   uint32_t top() const;
-  void count(uint32_t cells);  // that lie in the bodies that are inside now
+  // Cells in the bodies that are inside now, the strongest of which has this strength.
+  void count(uint32_t cells, uint32_t owner);
 
   std::vector<Layer> layers_;
   std::vector<uint32_t> strength_;  // of each body

@@ -36,7 +36,6 @@ export function run_text(run: ColumnRun, axis: Axis, units: string): string {
   return `${run.name}: ${range}, ${at(run.min)} to ${at(run.max)} ${units}, ${significant(run.max - run.min, 5)} ${units} long`;
 }
 
-
 // As a spreadsheet reads it: `to` is the cell after the run's last.
 export function runs_csv(columns: readonly Column[], units: string): string {
   const lines = [`axis,from,to,min_${units},max_${units},length_${units},id,material`];

@@ -16,7 +16,6 @@ export function with_end(box: Box, axis: AxisIndex, end: "low" | "high", to: num
   return out;
 }
 
-
 export function stats_csv(stats: Stats, units: string): string {
   const lines = [`id,material,cells,volume_${units}3,x0,y0,z0,x1,y1,z1`];
   for (const m of stats.materials) lines.push([m.id, csv_name(m.name), m.cells_text ?? m.cells, m.volume, ...(m.box ?? ["", "", "", "", "", ""])].join(","));
