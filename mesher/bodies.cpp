@@ -148,7 +148,7 @@ void close_body(const SceneBody& body, size_t b, const BoundaryProof& proof, con
   found.cut_from_others = !body.part.empty() && touches_other_parts(body, edges, budget);
   for (const bool parity : {false, true}) {
     if (edges[parity].empty()) continue;
-    if (body.closing == Closing::kStrict) refuse_open(body, found, parity, edges[parity]);
+    if (body.closing.way == Closing::Way::kStrict) refuse_open(body, found, parity, edges[parity]);
     Caps& caps = found.rules[parity].caps;
     caps = cap_boundary(edges[parity], parity, found.file.float32, body.matrix);
     if (bodies.in_memory) bodies.facets->append_all(caps.facets, layer_of(b, parity));

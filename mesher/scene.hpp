@@ -7,14 +7,25 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "store/grid.hpp"
 
 namespace teracell {
 
-enum class Fill { kAuto, kNonzero, kEvenodd };
-enum class Closing { kCap, kStrict };
+enum class Fill { kAuto, kNonzero, kEvenodd, kDistinct };
+enum class Kind { kSolid, kSheet };
+enum class Thin { kIgnore, kKeep };
+
+// What happens to a surface that is still open after stitching.
+struct Closing {
+  enum class Way { kCap, kStrict, kExtrude };
+  Way way = Way::kCap;
+  int axis = 2;     // of the grid; of kExtrude
+  bool up = false;  // towards greater coordinates; of kExtrude
+  friend bool operator==(const Closing&, const Closing&) = default;
+};
 
 // p' = M p + t, each row ((m0 x + m1 y) + m2 z) + t, one rounding per operation. Row by row: m0 m1 m2 t.
 using Matrix = std::array<double, 12>;
@@ -39,7 +50,10 @@ struct SceneBody {
   uint32_t material = 1;       // index into Scene::materials (0 is the background)
   int64_t priority = 0;
   Fill fill = Fill::kAuto;
-  Closing closing = Closing::kCap;
+  Closing closing;
+  std::optional<double> stitch;  // a length in the grid's units; absent: a quarter of the shortest cell edge; 0: none
+  Kind kind = Kind::kSolid;
+  Thin thin = Thin::kIgnore;
   Matrix matrix = kIdentity;
   friend bool operator==(const SceneBody&, const SceneBody&) = default;
 };
@@ -77,6 +91,9 @@ struct GridOptions {
   std::optional<int64_t> pad;                   // --pad P
 };
 
+// "cap", "strict" or "extrude:-z" (+ or -, x, y or z), as the command line has it. None when it is none of these.
+std::optional<Closing> parse_closing(std::string_view text);
+
 // A mesh need not exist yet. UsageError: the scene is wrong, with file, place, expected and found; IoError: the scene
 // or its planes_file can't be read; InputError: the planes_file, with its line.
 Scene read_scene(const std::filesystem::path& path);
@@ -89,7 +106,8 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes);
 // its planes: NX must agree with their number. An option that nothing in the scene leaves room for is a UsageError.
 void override_grid(Scene& scene, const GridOptions& options);
 
-// The scene as normalised: every default written out, matrices instead of scale/rotate/translate. Reads back equal.
+// The scene as normalised: defaults written out, matrices instead of scale/rotate/translate; `stitch`, `kind` and `thin`
+// only where they are not the default. Reads back equal.
 nlohmann::ordered_json normalised(const Scene& scene);
 
 // The axes (how options become axes). `lo`, `hi` are the box of all bodies' transformed vertices; unused, and free

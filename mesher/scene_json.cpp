@@ -249,9 +249,19 @@ Matrix parse_matrix(const Node& body) {
   return m;
 }
 
+// "cap", "strict" or {"extrude": "-z"}.
+Closing closing_of(const Node& node) {
+  if (!node.is_object()) return {static_cast<Closing::Way>(node.choice({"cap", "strict"}))};
+  node.check_keys({"extrude"});
+  const Node direction = node.require("extrude");
+  const auto closing = parse_closing("extrude:" + direction.text());
+  if (!closing) direction.fail("a direction along the grid: \"+x\", \"-x\", \"+y\", \"-y\", \"+z\" or \"-z\"");
+  return *closing;
+}
+
 SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& folder) {
   node.check_keys(
-      {"name", "mesh", "part", "material", "priority", "fill", "closing", "matrix", "scale", "rotate", "translate"});
+      {"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "matrix", "scale", "rotate", "translate"});
   SceneBody body;
   body.mesh_text = node.require("mesh").text();
   body.mesh = folder / body.mesh_text;
@@ -259,8 +269,16 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   if (const auto n = node.find("name")) body.name = n->text();
   if (const auto n = node.find("part")) body.part = n->text();
   if (const auto n = node.find("priority")) body.priority = n->integer(INT64_MIN, INT64_MAX);
-  if (const auto n = node.find("fill")) body.fill = static_cast<Fill>(n->choice({"auto", "nonzero", "evenodd"}));
-  if (const auto n = node.find("closing")) body.closing = static_cast<Closing>(n->choice({"cap", "strict"}));
+  if (const auto n = node.find("fill")) body.fill = static_cast<Fill>(n->choice({"auto", "nonzero", "evenodd", "distinct"}));
+  if (const auto n = node.find("closing")) body.closing = closing_of(*n);
+  if (const auto n = node.find("stitch")) {
+    body.stitch = n->number();
+    if (!(*body.stitch >= 0)) n->fail("a length of 0 or more");
+  }
+  if (const auto n = node.find("kind")) body.kind = static_cast<Kind>(n->choice({"solid", "sheet"}));
+  if (const auto n = node.find("thin")) body.thin = static_cast<Thin>(n->choice({"ignore", "keep"}));
+  if (body.kind == Kind::kSheet && (body.fill != Fill::kAuto || body.closing != Closing{} || body.thin != Thin::kIgnore))
+    throw UsageError(fmt::format("{}: fill, closing and thin are for solids: a sheet is neither filled nor closed, and no part of it gets lost", node.where()));
   body.matrix = parse_matrix(node);
   return body;
 }
@@ -307,6 +325,18 @@ nlohmann::ordered_json normalised_grid(const Scene& scene) {
 
 }  // namespace
 
+std::optional<Closing> parse_closing(std::string_view text) {
+  using enum Closing::Way;
+  if (text == "cap") return Closing{kCap};
+  if (text == "strict") return Closing{kStrict};
+  constexpr std::string_view kPrefix = "extrude:";
+  if (!text.starts_with(kPrefix) || text.size() != kPrefix.size() + 2) return std::nullopt;
+  const char sign = text[kPrefix.size()];
+  const auto axis = axis_named(text.substr(kPrefix.size() + 1));
+  if (!axis || (sign != '+' && sign != '-')) return std::nullopt;
+  return Closing{kExtrude, *axis, sign == '+'};
+}
+
 Scene parse_scene(const std::string& json_text, const fs::path& folder) {
   const SceneText text = read_json(json_text);
   const Node root(text.root, "");
@@ -340,8 +370,7 @@ Scene read_scene(const fs::path& path) {
 }
 
 nlohmann::ordered_json normalised(const Scene& scene) {
-  constexpr const char* kFill[] = {"auto", "nonzero", "evenodd"};
-  constexpr const char* kClosing[] = {"cap", "strict"};
+  constexpr const char* kFill[] = {"auto", "nonzero", "evenodd", "distinct"};
   nlohmann::ordered_json json;
   json["units"] = scene.units;
   json["grid"] = normalised_grid(scene);
@@ -360,7 +389,11 @@ nlohmann::ordered_json normalised(const Scene& scene) {
     body["material"] = scene.materials[b.material].name;
     body["priority"] = b.priority;
     body["fill"] = kFill[static_cast<int>(b.fill)];
-    body["closing"] = kClosing[static_cast<int>(b.closing)];
+    if (b.closing.way == Closing::Way::kExtrude) body["closing"] = {{"extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)}};
+    else body["closing"] = b.closing.way == Closing::Way::kStrict ? "strict" : "cap";
+    if (b.stitch) body["stitch"] = *b.stitch;
+    if (b.kind == Kind::kSheet) body["kind"] = "sheet";
+    if (b.thin == Thin::kKeep) body["thin"] = "keep";
     body["matrix"] = b.matrix;
     json["bodies"].push_back(std::move(body));
   }

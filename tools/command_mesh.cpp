@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "mesher/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
@@ -16,10 +17,12 @@
 namespace teracell {
 namespace {
 
+const std::vector<std::string> kFills = {"auto", "nonzero", "evenodd", "distinct"};  // in the order of Fill
+
 struct Options {
   std::vector<std::string> inputs;
   std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, progress = "auto";
-  std::optional<double> step;
+  std::optional<double> step, stitch;
   std::optional<int64_t> pad;
   int threads = 0;
   bool resume = false;
@@ -46,9 +49,14 @@ Scene scene_from(const Options& o) {
   grid.step = o.step;
   grid.pad = o.pad;
   override_grid(scene, grid);
+  const std::optional<Closing> closing = parse_closing(o.closing.empty() ? "cap" : o.closing);
+  if (!closing) throw UsageError(fmt::format("--closing: expected cap, strict, or extrude: and a direction such as -z, found '{}'", o.closing));
+  if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75)) throw UsageError(fmt::format("--stitch: expected a length of 0 or more, found {}", *o.stitch));
   for (SceneBody& body : scene.bodies) {
-    if (!o.fill.empty()) body.fill = o.fill == "auto" ? Fill::kAuto : o.fill == "nonzero" ? Fill::kNonzero : Fill::kEvenodd;
-    if (!o.closing.empty()) body.closing = o.closing == "cap" ? Closing::kCap : Closing::kStrict;
+    if (body.kind == Kind::kSheet) continue;
+    if (!o.fill.empty()) body.fill = static_cast<Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
+    if (!o.closing.empty()) body.closing = *closing;
+    if (o.stitch) body.stitch = o.stitch;
   }
   return scene;
 }
@@ -133,8 +141,9 @@ Run setup_mesh(CLI::App& app) {
   app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
   app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
   app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
-  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd")->check(one_of({"auto", "nonzero", "evenodd"}));
-  app.add_option("--closing", o->closing, "open surfaces: cap closes them, strict refuses them")->check(one_of({"cap", "strict"}));
+  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd, distinct")->check(one_of(kFills));
+  app.add_option("--closing", o->closing, "surfaces that are open after stitching: cap closes them, strict refuses them, extrude:-z (or +z, -x ...) extends them beyond the domain");
+  app.add_option("--stitch", o->stitch, "open edges closer than this are joined, in the units of the grid (default: a quarter of the shortest cell edge; 0: none)");
   app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice, brute; the file is the same")->check(one_of(engine_names()));
   add_threads(app, o->threads);
   app.add_option("--memory", o->memory, "how much the run may take, e.g. 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled");

@@ -229,7 +229,7 @@ TEST_CASE("A surface whose only shell has a flipped facet is meshed by parity") 
 TEST_CASE("Closing strict refuses an open surface and describes its boundary") {
   const TempFolder folder;
   Scene scene = scene_of(folder, {{without(shapes::box({0, 0, 0}, {1, 1, 1}), {11})}}, uniform_grid(-1, 0.5, 6));
-  scene.bodies[0].closing = Closing::kStrict;
+  scene.bodies[0].closing.way = Closing::Way::kStrict;
   REQUIRE_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell"), Catch::Contains("not closed") && Catch::Contains("3 edges"));
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell.partial"));

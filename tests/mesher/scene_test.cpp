@@ -84,7 +84,7 @@ TEST_CASE("the specified example is read with all its keys", "[scene]") {
   CHECK(s.materials == std::vector<SceneMaterial>{{"air", "#00000000"}, {"steel", "#8899aa"}});
   REQUIRE(s.bodies.size() == 1);
   CHECK(s.bodies[0] ==
-        SceneBody{"hull", "models/hull.stl", "hull.stl", "deck*", 1, -3, Fill::kEvenodd, Closing::kStrict, kIdentity});
+        SceneBody{"hull", "models/hull.stl", "hull.stl", "deck*", 1, -3, Fill::kEvenodd, {Closing::Way::kStrict}, {}, {}, {}, kIdentity});
   const Grid g = resolve_grid(s, {}, {});
   CHECK(g.cells() == Index3{1200, 800, 400});
   CHECK(g.axis[0].step() == 120.0 / 1200);
@@ -98,7 +98,7 @@ TEST_CASE("what a scene leaves out has the specified default", "[scene]") {
   CHECK_FALSE(s.label_by_body);
   CHECK(s.materials[0] == SceneMaterial{"air", "#00000000"});
   CHECK(s.bodies[0] ==
-        SceneBody{"hull", "models/hull.stl", "hull.stl", "", 1, 0, Fill::kAuto, Closing::kCap, kIdentity});
+        SceneBody{"hull", "models/hull.stl", "hull.stl", "", 1, 0, Fill::kAuto, {}, {}, {}, {}, kIdentity});
 }
 
 TEST_CASE("materials are numbered in the scene's order, the background is 0", "[scene]") {

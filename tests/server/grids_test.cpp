@@ -2,6 +2,8 @@
 #include "server/grids.hpp"
 
 #include <fstream>
+
+#include <fmt/format.h>
 #include <thread>
 
 #include <catch2/catch.hpp>

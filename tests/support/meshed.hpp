@@ -2,6 +2,8 @@
 #pragma once
 #include <filesystem>
 
+#include <nlohmann/json.hpp>
+
 #include "mesher/pipeline.hpp"
 #include "store/slice.hpp"
 #include "tests/support/oracle.hpp"
