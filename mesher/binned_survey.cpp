@@ -15,8 +15,8 @@ BinnedSurvey::Bin::Bin(BinnedSurvey& survey, uint64_t facets) : survey_(survey) 
 }
 
 void BinnedSurvey::Bin::add(const BinnedFacet& f) {
-  if (f.cap) return;  // the file doesn't have it
-  const uint32_t body = f.layer / 2;
+  if (f.added) return;  // the file doesn't have it
+  const uint32_t body = (f.layer & ~kIgnored) / 2;
   surveys_[body].add(f.facet, f.at_home);
   if (f.shared) shared_.emplace_back(body, f.facet.vertex[0]);
 }
@@ -37,6 +37,7 @@ void BinnedSurvey::Bin::finish() {
     SurveyTotals& totals = survey_.bodies_[b].totals;
     totals.degenerate += survey.degenerate();
     totals.duplicates += survey.duplicates();
+    totals.opposite += survey.opposite();
     totals.shells += survey.shells();
   }
 }

@@ -56,10 +56,11 @@ FacetBins::Places FacetBins::places_of(const RayRange& r) const {
   return {std::min(r.u0, u) / unit, std::min(r.u1, u) / unit, std::min(r.v0, v) / unit, std::min(r.v1, v) / unit};
 }
 
-void FacetBins::add(const Facet& facet, uint32_t layer, bool cap) {
+void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin) {
+  const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
   std::array<uint8_t, 9 * sizeof(double) + sizeof(uint32_t)> record;
-  encode(facet, cap ? layer | kCap : layer, {record.data(), record_bytes_});
-  put(root_, places_of(rays_.range_of(move_(facet, layer))), {record.data(), record_bytes_});
+  encode(facet, tag, {record.data(), record_bytes_});
+  put(root_, places_of(rays_.range_of(placed(facet, tag))), {record.data(), record_bytes_});
 }
 
 void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> record) {
@@ -103,7 +104,7 @@ void FacetBins::split_large(Bin& bin) {
     take_records(whole, [&](std::span<const uint8_t> record) {
       uint32_t tag;
       const Facet facet = decode(record, tag);
-      put(bin, places_of(rays_.range_of(move_(facet, tag & ~kCap))), record);
+      put(bin, places_of(rays_.range_of(placed(facet, tag))), record);
     });
   }
   for (Bin& child : bin.children) split_large(child);
@@ -126,9 +127,9 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
     BinnedFacet out;
     uint32_t tag;
     out.facet = decode(record, tag);
-    out.layer = tag & ~kCap;
-    out.cap = (tag & kCap) != 0;
-    const Facet moved = move_(out.facet, out.layer);
+    out.layer = tag & ~(kNotOfFile | kInPlace);
+    out.added = (tag & kNotOfFile) != 0;
+    const Facet moved = placed(out.facet, tag);
     const RayRange range = rays_.range_of(moved);
     const Places places = places_of(range);
     out.shared = !inside(places.u0, places.v0) || !inside(places.u1, places.v1);
@@ -139,7 +140,7 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
       const Places home = places_of(rays_.range_of({{p, p, p}}));
       out.at_home = inside(home.u0, home.v0);
     }
-    f(out, moved, range);
+    f(out, moved, tag & kIgnored ? RayRange{} : range);
   });
 }
 

@@ -15,10 +15,10 @@ namespace teracell {
 // A facet as a bin has it.
 struct BinnedFacet {
   Facet facet;     // in its file's coordinates
-  uint32_t layer;  // of its body, bodies.hpp
+  uint32_t layer;  // of its body, closing.hpp; with kIgnored
   bool at_home;    // in just one of the bins that it lies in
   bool shared;     // it lies in several
-  bool cap;        // it closes a hole
+  bool added;      // its file doesn't have it: it closes a hole
 };
 
 // Not thread-safe while it is filled; then threads may take different bins at once.
@@ -30,14 +30,16 @@ class FacetBins {
   // With `own_writer` a thread of its own writes to the disk.
   FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move);
 
-  void add(const Facet& facet, uint32_t layer, bool cap);
+  // Where a facet comes from: its body's file, its closing in the file's coordinates, or in the grid's.
+  enum Origin { kOfFile, kAdded, kPlaced };
+  void add(const Facet& facet, uint32_t layer, Origin origin);
   // When all are added. Splits the bins that are too large, as far as the tree goes.
   void finish();
 
   // After finish(). A node of the tree is a bin, has bins below it, or lies in a bin.
   bool is_split(const TreePlace& place) const { return !bin_at(place).children.empty(); }
   uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }
-  // Calls f with the facets of a bin, each also as the grid sees it and with its rays. Once only.
+  // Calls f with the facets of a bin, each also as the grid sees it and with its rays: none where it is to be ignored. Once only.
   void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
   uint64_t bytes() const { return end_; }  // ever written
 
@@ -66,8 +68,9 @@ class FacetBins {
   void split_large(Bin& bin);
   template <class F>
   void take_records(Bin& bin, F&& f);
-  // A record: nine coordinates, then the layer and whether the facet is a cap.
-  static constexpr uint32_t kCap = uint32_t{1} << 31;
+  // A record: nine coordinates, then the layer, in which two bits tell the origin.
+  static constexpr uint32_t kNotOfFile = uint32_t{1} << 31, kInPlace = uint32_t{1} << 29;
+  Facet placed(const Facet& facet, uint32_t tag) const { return tag & kInPlace ? facet : move_(facet, tag & ~kNotOfFile); }
   void encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const;
   Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
 

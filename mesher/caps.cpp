@@ -75,24 +75,6 @@ void for_each_loop(Graph& graph, F&& f) {
   }
 }
 
-Vec3 apex_of(const std::vector<Vec3>& vertices, std::span<const uint32_t> loop, bool float32) {
-  std::vector<uint32_t> ascending(loop.begin(), loop.end());  // numbers ascend as vertices do
-  std::ranges::sort(ascending);
-  Vec3 sum{}, lo = vertices[ascending[0]], hi = lo, apex;
-  for (const uint32_t v : ascending)
-    for (int d = 0; d < 3; ++d) {
-      sum[d] += vertices[v][d];
-      lo[d] = std::min(lo[d], vertices[v][d]);
-      hi[d] = std::max(hi[d], vertices[v][d]);
-    }
-  for (int d = 0; d < 3; ++d) {
-    apex[d] = std::clamp(sum[d] / static_cast<double>(loop.size()), lo[d], hi[d]);
-    if (float32) apex[d] = static_cast<float>(apex[d]);
-    if (std::abs(apex[d]) < 1e-75) apex[d] = 0;  // what is left where vertices cancel; no coordinate may be smaller
-  }
-  return apex;
-}
-
 double length(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }  // unlike hypot the same on every machine
 double distance(const Vec3& a, const Vec3& b) { return length(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
@@ -103,23 +85,59 @@ double area(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 }  // namespace
 
-Caps cap_boundary(const std::vector<BoundaryEdge>& edges, bool evenodd, bool float32, const Matrix& matrix) {
-  Caps out;
+std::vector<Loop> cut_into_loops(const std::vector<BoundaryEdge>& edges, bool evenodd) {
+  std::vector<Loop> out;
   Graph graph(edges, evenodd);
   for_each_loop(graph, [&](std::span<const uint32_t> loop) {
-    const Vec3 apex = apex_of(graph.vertices(), loop, float32), at = transform(matrix, apex);
-    Hole hole{at, loop.size(), 0, 0};
-    for (size_t i = 0; i < loop.size(); ++i) {
-      const Vec3 &a = graph.vertices()[loop[i]], &b = graph.vertices()[loop[(i + 1) % loop.size()]];
-      out.facets.push_back({{b, a, apex}});
-      const Vec3 moved = transform(matrix, a);
-      hole.diameter = std::max(hole.diameter, 2 * distance(moved, at));
-      hole.cap_area += area(moved, transform(matrix, b), at);
-    }
-    out.holes.push_back(hole);
+    Loop& vertices = out.emplace_back();
+    for (const uint32_t v : loop) vertices.push_back(graph.vertices()[v]);
   });
-  std::ranges::stable_sort(out.holes, std::ranges::greater{}, &Hole::diameter);
   return out;
+}
+
+Vec3 apex_of(const Loop& loop, bool float32) {
+  Loop ascending = loop;
+  std::ranges::sort(ascending);
+  Vec3 sum{}, lo = ascending[0], hi = lo, apex;
+  for (const Vec3& v : ascending)
+    for (int d = 0; d < 3; ++d) {
+      sum[d] += v[d];
+      lo[d] = std::min(lo[d], v[d]);
+      hi[d] = std::max(hi[d], v[d]);
+    }
+  for (int d = 0; d < 3; ++d) {
+    apex[d] = std::clamp(sum[d] / static_cast<double>(loop.size()), lo[d], hi[d]);
+    if (float32) apex[d] = static_cast<float>(apex[d]);
+    if (std::abs(apex[d]) < 1e-75) apex[d] = 0;  // what is left where vertices cancel; no coordinate may be smaller
+  }
+  return apex;
+}
+
+Hole measure_hole(const Loop& loop, const Vec3& apex) {
+  Hole hole{apex, loop[0], loop[0], loop.size(), 0, 0, 0};
+  double around = 0;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const Vec3 &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    for (int d = 0; d < 3; ++d) {
+      hole.lo[d] = std::min(hole.lo[d], a[d]);
+      hole.hi[d] = std::max(hole.hi[d], a[d]);
+    }
+    hole.diameter = std::max(hole.diameter, 2 * distance(a, apex));
+    hole.cap_area += area(a, b, apex);
+    around += distance(a, b);
+  }
+  hole.width = around > 0 ? std::min(4 * hole.cap_area / around, hole.diameter) : 0;
+  return hole;
+}
+
+void cap_loop(const Loop& loop, bool float32, const Matrix& matrix, Caps& out) {
+  const Vec3 apex = apex_of(loop, float32);
+  Loop moved;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    out.facets.push_back({{loop[(i + 1) % loop.size()], loop[i], apex}});
+    moved.push_back(transform(matrix, loop[i]));
+  }
+  out.holes.push_back(measure_hole(moved, transform(matrix, apex)));
 }
 
 }  // namespace teracell

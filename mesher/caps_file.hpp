@@ -1,4 +1,5 @@
-// The caps of a scene's bodies as surface files: surface and caps together are closed and have the same cells.
+// What closes a scene's bodies, stitches, caps and walls, as surface files: surface and these together are closed and have
+// the same cells.
 #pragma once
 #include <memory>
 
@@ -11,8 +12,9 @@ namespace teracell {
 // where that is no name of its own. UsageError unless `path` ends in .stl or .ply.
 std::vector<std::filesystem::path> caps_names(const Scene& scene, const std::filesystem::path& path);
 
-// Binary STL, or binary PLY in doubles: of the bodies that have caps. Nothing stands under the names until the files are
-// committed. UsageError for .stl when the vertices are doubles.
-std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bodies& bodies, const std::filesystem::path& path);
+// Binary STL, or binary PLY in doubles: what closes each body that was open, in its file's coordinates; with extruded loops
+// all of the body, in the grid's. Nothing stands under the names until the files are committed. UsageError for .stl when
+// the vertices are doubles.
+std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bodies& bodies, const std::filesystem::path& path, const Budget& budget);
 
 }  // namespace teracell

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "mesher/vertex_hash.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -12,11 +11,10 @@ namespace {
 
 // Calls f(hash, forward, i) for the edges from vertex i to the next: the same hash both ways, `forward` in one of them.
 template <class F>
-void for_each_edge(const Facet& facet, F&& f) {
-  const std::array<VertexHash, 3> h = {vertex_hash(facet.vertex[0]), vertex_hash(facet.vertex[1]), vertex_hash(facet.vertex[2])};
+void for_each_edge(const std::array<VertexHash, 3>& h, F&& f) {
   for (int i = 0; i < 3; ++i) {
     VertexHash a = h[i], b = h[(i + 1) % 3];
-    if (facet.vertex[i] == facet.vertex[(i + 1) % 3]) continue;  // no length, no edge
+    if (a == b) continue;  // no length, no edge
     const bool forward = a < b;
     if (!forward) std::swap(a, b);
     f(std::array{fold(a.low ^ kHashKeys[0], b.low ^ kHashKeys[1]), fold(a.high ^ kHashKeys[2], b.high ^ kHashKeys[3])}, forward, i);
@@ -48,7 +46,7 @@ void append_boundary(std::vector<Use>& uses, std::vector<BoundaryEdge>& out) {
 
 }  // namespace
 
-void BoundaryProof::add(const Facet& facet) {
+void BoundaryProof::add(const std::array<VertexHash, 3>& facet) {
   for_each_edge(facet, [&](const std::array<uint64_t, 2>& edge, bool forward, int) {
     for (int lane = 0; lane < 2; ++lane) {
       sum_[lane] += forward ? edge[lane] : -edge[lane];
@@ -57,11 +55,38 @@ void BoundaryProof::add(const Facet& facet) {
   });
 }
 
+void OppositeSample::keep(uint64_t facet) {
+  facets_.push_back(facet);
+  if (facets_.size() >= 2 * kFacets) shrink();
+}
+
+void OppositeSample::shrink() {
+  if (facets_.size() <= kFacets) return;
+  std::ranges::nth_element(facets_, facets_.begin() + kFacets);
+  most_ = facets_[kFacets] | 1;
+  std::erase_if(facets_, [&](uint64_t f) { return f > most_; });
+}
+
+bool OppositeSample::take_answer() {
+  shrink();
+  std::vector<uint64_t> slots(std::bit_ceil(2 * facets_.size() + 1));
+  bool found = false;
+  for (const uint64_t f : facets_) {
+    size_t i = f >> 1 & (slots.size() - 1);
+    while (slots[i] != 0 && (slots[i] ^ f) > 1) i = (i + 1) & (slots.size() - 1);
+    found |= slots[i] != 0 && slots[i] != f;
+    slots[i] = f;
+  }
+  facets_.clear();
+  most_ = ~uint64_t{0};
+  return found;
+}
+
 std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memory, const std::string& name) {
   std::vector<Bucket> buckets(size_t{1} << kBucketBits);
   const auto bucket_of = [](const std::array<uint64_t, 2>& edge) { return edge[1] >> (64 - kBucketBits); };
   facets([&](const Facet& facet) {
-    for_each_edge(facet, [&](const std::array<uint64_t, 2>& edge, bool forward, int) {
+    for_each_edge(vertex_hashes(facet), [&](const std::array<uint64_t, 2>& edge, bool forward, int) {
       Bucket& b = buckets[bucket_of(edge)];
       b.sum += forward ? edge[0] : -edge[0];
       b.parity ^= edge[0];
@@ -84,7 +109,7 @@ std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memor
     uses.clear();
     uses.reserve(bytes / sizeof(Use));
     facets([&](const Facet& facet) {
-      for_each_edge(facet, [&](const std::array<uint64_t, 2>& edge, bool, int i) {
+      for_each_edge(vertex_hashes(facet), [&](const std::array<uint64_t, 2>& edge, bool, int i) {
         if (!wanted[bucket_of(edge)]) return;
         const Vec3 &a = facet.vertex[i], &b = facet.vertex[(i + 1) % 3];
         uses.push_back(a < b ? Use{a, b, true} : Use{b, a, false});

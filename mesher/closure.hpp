@@ -11,12 +11,13 @@
 #include <vector>
 
 #include "mesher/facets.hpp"
+#include "mesher/vertex_hash.hpp"
 
 namespace teracell {
 
 class BoundaryProof {
  public:
-  void add(const Facet& facet);
+  void add(const std::array<VertexHash, 3>& facet);
   // Every edge is matched by its reverse: the winding number is the same along every ray.
   bool directed_boundary_is_empty() const { return sum_[0] == 0 && sum_[1] == 0; }
   // Every edge is used an even number of times: so is the parity.
@@ -24,6 +25,26 @@ class BoundaryProof {
 
  private:
   std::array<uint64_t, 2> sum_{}, parity_{};
+};
+
+// Do facets lie on each other with opposite orientation? A sample of them by a hash of their vertices, so that both of such
+// a pair are in it or none: all facets of a small surface, some 65,536 of a large one. The answer does not depend on the
+// order of the facets.
+class OppositeSample {
+ public:
+  void add(const std::array<VertexHash, 3>& facet) {
+    const FacetKey f(facet);
+    if (f.key.low <= most_ && three_different(facet)) keep((f.key.low & ~uint64_t{1}) | f.odd);
+  }
+  // Then it is empty again.
+  bool take_answer();
+
+ private:
+  static constexpr size_t kFacets = size_t{1} << 16;
+  void keep(uint64_t facet);
+  void shrink();
+  uint64_t most_ = ~uint64_t{0};  // the sample has the keys up to this one
+  std::vector<uint64_t> facets_;  // keys; the lowest bit tells which way round
 };
 
 // An edge that is used more often from -> to than to -> from.

@@ -14,6 +14,8 @@ struct SceneFacet {
   Facet facet;
   uint32_t layer;
 };
+// Added to a layer: the facet counts for nothing, no engine may see it. It repeats another one (closing.hpp).
+inline constexpr uint32_t kIgnored = uint32_t{1} << 30;
 
 // A rectangle of rays. Ray (i, j) passes through u[i], v[j] along frame.w; its cells are those of `axis`.
 struct Tile {

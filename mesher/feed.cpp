@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mesher/placement.hpp"
+
 namespace teracell {
 namespace {
 
@@ -11,9 +13,7 @@ std::vector<bool> which_move(const Scene& scene) {
   return out;
 }
 
-Facet moved_facet(const Facet& facet, const SceneBody& body) {
-  return {{moved(facet.vertex[0], body), moved(facet.vertex[1], body), moved(facet.vertex[2], body)}};
-}
+uint32_t body_of(uint32_t layer) { return (layer & ~kIgnored) / 2; }
 
 }  // namespace
 
@@ -32,9 +32,11 @@ void Feed::use_memory() {
   if (const auto moves = which_move(scene_); std::ranges::count(moves, true) > 0) {
     bodies_.helper->finish_all();  // the survey takes the files' coordinates
     bodies_.facets->for_each(0, bodies_.facets->size(), [&](SceneFacet& f) {
-      if (moves[f.layer / 2]) f.facet = moved_facet(f.facet, scene_.bodies[f.layer / 2]);
+      if (const uint32_t b = body_of(f.layer); moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
     });
   }
+  for (size_t b = 0; b < scene_.bodies.size(); ++b)
+    for (const bool parity : {false, true}) bodies_.facets->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
   tiling_.emplace(bodies_.facets, meta_);
 }
 
@@ -44,23 +46,31 @@ std::vector<SurveyTotals> Feed::surveys() {
 
 // They are read once more, from their files.
 std::unique_ptr<FacetBins> Feed::fill_bins(const Budget& budget, int threads, const std::function<void(double)>& tick) {
-  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved_facet(f, scene.bodies[layer / 2]) : f; };
-  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32(), budget, threads > 1, move);
+  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
+    const uint32_t b = body_of(layer);
+    return moves[b] ? moved(f, scene.bodies[b]) : f;
+  };
+  const bool walls = std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move);
   const double all = static_cast<double>(bodies_.facet_count());
   uint64_t done = 0;
   for (size_t b = 0; b < scene_.bodies.size(); ++b) {
     const BodyFacets& found = bodies_.bodies[b];
+    const ClosedBody& closed = found.closed;
+    uint64_t number = 0;
     Background background(threads > 1);
     read_again(scene_.bodies[b], found, budget, [&](std::span<const Facet> facets) {
       background.run([&, b, batch = std::vector<Facet>(facets.begin(), facets.end())] {
-        for (const Facet& f : batch) bins->add(f, layer_of(b, found.shells ? found.shells->evenodd(f.vertex[0]) : found.rules[1].used), false);
+        for (const Facet& f : batch) bins->add(f, closed.rules ? closed.rules->layer(b, number++) : closed.layer(b), FacetBins::kOfFile);
       });
       done += facets.size();
       tick(static_cast<double>(done) / all);
     });
     background.finish();
-    for (const bool parity : {false, true})
-      for (const Facet& f : found.rules[parity].caps.facets) bins->add(f, layer_of(b, parity), true);
+    for (const bool parity : {false, true}) {
+      for (const Facet& f : closed.added[parity]) bins->add(f, layer_of(b, parity), FacetBins::kAdded);
+      for (const Facet& f : closed.walls[parity]) bins->add(f, layer_of(b, parity), FacetBins::kPlaced);
+    }
   }
   bins->finish();
   return bins;

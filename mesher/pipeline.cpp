@@ -79,9 +79,11 @@ class MeshRun {
 
   ordered_json run() {
     bodies_ = read_bodies(scene_, threads_, budget_, [&](double share) { tick("read", share); });
-    if (!options_.write_caps.empty()) caps_ = write_caps(scene_, bodies_, options_.write_caps);
     phases_.end("read");
     plan_ = make_plan(scene_, bodies_, options_.axis, options_.chunk_rays);
+    close_bodies(scene_, plan_.meta.grid, budget_, bodies_, [&](double share) { tick("close", share); });
+    if (!options_.write_caps.empty()) caps_ = write_caps(scene_, bodies_, options_.write_caps, budget_);
+    phases_.end("close");
     open_output();
     Feed feed(scene_, bodies_, plan_.meta, budget_, threads_, [&](double share) { tick("spill", share); });
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
@@ -142,7 +144,9 @@ class MeshRun {
       throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan",
                                    options_.engine));
     std::vector<const SceneFacet*> all;
-    std::as_const(*bodies_.facets).for_each(0, bodies_.facets->size(), [&](const SceneFacet& f) { all.push_back(&f); });
+    std::as_const(*bodies_.facets).for_each(0, bodies_.facets->size(), [&](const SceneFacet& f) {
+      if (!(f.layer & kIgnored)) all.push_back(&f);
+    });
     return all;
   }
 

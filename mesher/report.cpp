@@ -16,15 +16,15 @@ std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})",
 
 std::string plural(uint64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
-// How many cells a hole is wide, where cells are narrowest.
-double width_in_cells(const Hole& hole, const Grid& grid) {
+// A length in cells where they are narrowest, near `at`.
+double in_cells(double length, const Vec3& at, const Grid& grid) {
   double narrowest = HUGE_VAL;
   for (int d = 0; d < 3; ++d) {
     const Axis& a = grid.axis[d];
-    const int64_t i = a.cell_at(std::clamp(hole.at[d], a.min(), a.max()));
+    const int64_t i = a.cell_at(std::clamp(at[d], a.min(), a.max()));
     narrowest = std::min(narrowest, a.plane(i + 1) - a.plane(i));
   }
-  return hole.diameter / narrowest;
+  return length / narrowest;
 }
 
 double longest_side(const Grid& grid) {
@@ -33,78 +33,122 @@ double longest_side(const Grid& grid) {
   return longest;
 }
 
+ordered_json hole_report(const Hole& h, const Grid& grid) {
+  ordered_json out = {{"at", place(h.at)},
+                      {"edges", h.edges},
+                      {"diameter", h.diameter},
+                      {"diameter_cells", in_cells(h.diameter, h.at, grid)},
+                      {"width", h.width},
+                      {"width_cells", in_cells(h.width, h.at, grid)},
+                      {"cap_area", h.cap_area}};
+  if (h.extruded) out["extruded"] = true;
+  return out;
+}
+
 ordered_json body_report(const SceneBody& body, const BodyFacets& found, const Grid& grid, const SurveyTotals& survey, unsigned __int128 cells,
                          unsigned __int128 covered) {
+  constexpr const char* kRule[] = {"auto", "nonzero", "evenodd", "distinct"};
+  const ClosedBody& closed = found.closed;
   ordered_json out = {{"name", body.name},
                       {"facets", found.file.facets},
                       {"degenerate", survey.degenerate},
                       {"duplicates", survey.duplicates},
+                      {"opposite", survey.opposite},
                       {"shells", survey.shells}};
-  const uint64_t by_parity = found.shells ? found.shells->evenodd_shells() : found.rules[1].used ? survey.shells : 0;
   out["fill"] = ordered_json::array();
-  out["holes"] = ordered_json::array();
-  for (const bool parity : {false, true}) {
-    const Rule& rule = found.rules[parity];
-    const uint64_t shells = parity ? by_parity : survey.shells - by_parity;
-    if (rule.used) out["fill"].push_back({{"rule", parity ? "evenodd" : "nonzero"}, {"shells", shells}, {"why", rule.why}});
-    for (const Hole& h : rule.caps.holes)
-      out["holes"].push_back({{"at", place(h.at)},
-                              {"edges", h.edges},
-                              {"diameter", h.diameter},
-                              {"diameter_cells", width_in_cells(h, grid)},
-                              {"cap_area", h.cap_area}});
+  for (const FillChoice& f : closed.fill)
+    out["fill"].push_back({{"rule", kRule[static_cast<size_t>(f.rule)]}, {"shells", f.shells.value_or(survey.shells)}, {"why", f.why}});
+  if (body.kind == Kind::kSolid) {
+    out["stitch"] = closed.stitch;
+    out["seams"] = {{"number", closed.seams.number}, {"length", closed.seams.length}, {"widest_gap", closed.seams.widest_gap}};
   }
+  out["holes"] = ordered_json::array();
+  for (const Hole& h : closed.holes) out["holes"].push_back(hole_report(h, grid));
   out["flips"] = ordered_json::array();
-  for (const Flip& f : found.flips) out["flips"].push_back({{"at", place(f.at)}, {"edges", f.edges}});
+  for (const Flip& f : closed.flips) out["flips"].push_back({{"at", place(f.at)}, {"edges", f.edges}});
   out["cells"] = static_cast<uint64_t>(cells);
   if (cells >> 53 != 0) out["cells_text"] = fmt::format("{}", cells);
   if (covered != 0) out["covered_cells"] = static_cast<uint64_t>(covered);
   return out;
 }
 
-// Whether to care about holes, the largest of which is so wide.
+// Whether to care about holes, the widest of which is so wide.
 std::string verdict(double width, double cells, const Grid& grid, bool loose) {
-  if (loose) return "No two facets share an edge, so they enclose nothing: are vertices that should be one equal to the last digit?";
+  if (loose) return "No two facets share an edge, so they enclose nothing: are vertices that should be one further apart than the stitch length?";
   if (cells < 2) return "That is below 2 cells: harmless on this grid";
   if (width * 10 < longest_side(grid)) return "Inside ends at the caps: look there if those few cells matter";
   return "Inside ends at the caps, so they shape the body: look whether it should be open there";
 }
 
-std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid) {
-  std::vector<Hole> holes;
-  for (const Rule& rule : found.rules) holes.insert(holes.end(), rule.caps.holes.begin(), rule.caps.holes.end());
-  if (holes.empty()) return "";
-  uint64_t edges = 0;
-  double area = 0, most_cells = 0;
-  for (const Hole& h : holes) {
-    edges += h.edges, area += h.cap_area;
-    most_cells = std::max(most_cells, width_in_cells(h, grid));
-  }
-  const Hole& largest = *std::ranges::max_element(holes, {}, &Hole::diameter);
-  const bool one = holes.size() == 1, loose = holes.size() == found.file.facets && edges == 3 * holes.size();
-  return fmt::format("is open: {} ({}), closed by {} of {:.4g} {}^2 in all; the {} is {:.4g} {} wide, {:.3g} cells, at {}. {}{}",
-                     plural(holes.size(), "hole"), plural(edges, "edge"), one ? "a cap" : "caps", area, scene.units, one ? "hole" : "largest",
-                     largest.diameter, scene.units, width_in_cells(largest, grid), text(largest.at),
-                     verdict(largest.diameter, most_cells, grid, loose),
-                     found.cut_from_others ? fmt::format(". Part '{}' is cut off there from parts that were left out", body.part) : "");
+// The axis along which terrain would be extruded, if a hole looks like the edge of one: it spans the domain along the two
+// others.
+std::optional<int> terrain_axis(const Hole& hole, const Grid& grid) {
+  std::vector<int> narrow;
+  for (int d = 0; d < 3; ++d)
+    if (hole.hi[d] - hole.lo[d] < 0.8 * (grid.axis[d].max() - grid.axis[d].min())) narrow.push_back(d);
+  if (narrow.size() > 1) return std::nullopt;
+  return narrow.empty() ? 2 : narrow[0];
 }
 
-std::string flip_warning(const BodyFacets& found) {
-  if (found.flips.empty()) return "";
+std::string seam_note(const Scene& scene, const ClosedBody& closed) {
+  if (closed.seams.number == 0) return "";
+  return fmt::format("was stitched along {}, {:.4g} {} in all, over gaps of up to {:.3g} {} (the stitch length is {:.3g} {})",
+                     plural(closed.seams.number, "seam"), closed.seams.length, scene.units, closed.seams.widest_gap, scene.units, closed.stitch, scene.units);
+}
+
+std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid) {
+  const ClosedBody& closed = found.closed;
+  uint64_t edges = 0, capped = 0;
+  double area = 0, most_cells = 0;
+  const Hole* largest = nullptr;
+  for (const Hole& h : closed.holes) {
+    if (h.extruded) continue;
+    ++capped;
+    edges += h.edges, area += h.cap_area;
+    most_cells = std::max(most_cells, in_cells(h.width, h.at, grid));
+    if (!largest) largest = &h;  // they come in this order
+  }
+  if (!largest) return "";
+  const bool one = capped == 1, loose = capped == found.file.facets && edges == 3 * capped;
+  std::string out = fmt::format("is open: {} ({}), closed by {} of {:.4g} {}^2 in all; the {} is {:.4g} {} across, {:.3g} cells, with a gap of {:.3g} {}, {:.3g} cells, at {}. {}",
+                                plural(capped, "hole"), plural(edges, "edge"), one ? "a cap" : "caps", area, scene.units, one ? "hole" : "largest",
+                                largest->diameter, scene.units, in_cells(largest->diameter, largest->at, grid), largest->width, scene.units,
+                                in_cells(largest->width, largest->at, grid), text(largest->at), verdict(largest->diameter, most_cells, grid, loose));
+  if (closed.cut_from_others) out += fmt::format(". Part '{}' is cut off there from parts that were left out", body.part);
+  if (const auto axis = terrain_axis(*largest, grid); axis && body.closing.way == Closing::Way::kCap)
+    out += fmt::format(". If it is terrain, a sheet over the whole domain, give it \"closing\": {{\"extrude\": \"-{0}\"}} or --closing extrude:-{0}: "
+                       "then all that is below it is inside", axis_name(*axis));
+  return out;
+}
+
+bool uses_parity(const ClosedBody& closed) {
+  return std::ranges::any_of(closed.fill, [](const FillChoice& f) { return f.rule != Fill::kNonzero; });
+}
+
+std::string flip_warning(const ClosedBody& closed) {
+  if (closed.flips.empty()) return "";
   uint64_t edges = 0;
-  for (const Flip& f : found.flips) edges += f.edges;
-  const char* parity = "Inside such a shell is decided by parity, which does not mind; only where the shell overlaps itself is it hollow";
-  const char* winding = "Fill nonzero was asked for, so each curve is a hole, closed by caps: fill auto would not mind";
-  return fmt::format("has facets that face the other way than their neighbours: {} along {}, the first at {}. {}",
-                     plural(edges, "edge"), plural(found.flips.size(), "curve"), text(found.flips[0].at), found.rules[1].used ? parity : winding);
+  for (const Flip& f : closed.flips) edges += f.edges;
+  const char* parity = "Inside such a shell is decided by parity, for which orientation does not matter; only where the shell overlaps itself is it hollow";
+  const char* winding = "Fill nonzero was asked for, so each curve is a hole, closed by caps: fill auto would decide by parity instead";
+  return fmt::format("has facets that face the other way than their neighbours: {} along {}, the first at {}. {}", plural(edges, "edge"),
+                     plural(closed.flips.size(), "curve"), text(closed.flips[0].at), uses_parity(closed) ? parity : winding);
+}
+
+std::string double_warning(const ClosedBody& closed) {
+  for (const FillChoice& f : closed.fill)
+    if (f.rule == Fill::kDistinct && f.why != "asked for") return "is given twice, or partly: " + f.why;
+  return "";
 }
 
 // What was wrong with a body, what was done, and whether to care.
 std::vector<std::string> body_warnings(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid,
                                        const SurveyTotals& survey, unsigned __int128 cells) {
-  std::vector<std::string> out = {open_warning(scene, body, found, grid), flip_warning(found)};
-  if (found.rules[1].used && survey.duplicates > 0)
-    out.push_back(fmt::format("has {}, and shells whose inside is decided by parity: there a facet that lies twice counts as none",
+  const ClosedBody& closed = found.closed;
+  std::vector<std::string> out = {seam_note(scene, closed), open_warning(scene, body, found, grid), flip_warning(closed), double_warning(closed)};
+  const bool evenodd = std::ranges::any_of(closed.fill, [](const FillChoice& f) { return f.rule == Fill::kEvenodd; });
+  if (evenodd && survey.duplicates > 0)
+    out.push_back(fmt::format("has {}, and shells whose inside is decided by parity: there a facet that is given twice counts as none",
                               plural(survey.duplicates, "duplicate facet")));
   if (cells == 0) out.push_back("owns no cell: it encloses none, lies outside the grid, between the sample points, or under stronger bodies");
   std::erase(out, "");

@@ -14,11 +14,17 @@ bool has_no_area(const Facet& f) {
 
 }  // namespace
 
-uint32_t VertexNumbers::operator()(const Vec3& vertex) {
-  const VertexHash hash = vertex_hash(vertex);
+uint32_t VertexNumbers::operator()(const VertexHash& hash) {
   Recent& recent = recent_[hash.low >> 55];
   if (recent.hash != hash || recent.number == kNone) recent = {hash, find_or_add(hash)};
   return recent.number;
+}
+
+uint32_t VertexNumbers::find(const VertexHash& hash) const {
+  const size_t mask = slots_.size() - 1;
+  size_t i = hash.low & mask;
+  while (hashes_[slots_[i] - 1] != hash) i = (i + 1) & mask;
+  return slots_[i] - 1;
 }
 
 uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
@@ -47,9 +53,9 @@ void VertexNumbers::rehash(size_t slots) {
 // A hash waits a moment for its place to reach the cache: on a large mesh nearly every look-up misses it, and waiting
 // for memory was most of the survey.
 void DistinctCount::add(uint64_t hash) {
-  hash |= hash == 0;  // 0 is free
+  hash |= uint64_t{hash < 2} << 1;  // 0 is free
   if (2 * (count_ + kWaiting) >= slots_.size()) grow();
-  __builtin_prefetch(&slots_[hash & (slots_.size() - 1)]);
+  __builtin_prefetch(&slots_[hash >> 1 & (slots_.size() - 1)]);
   std::swap(hash, waiting_[turn_++ % kWaiting]);
   if (hash != 0) count_ += insert(hash);
 }
@@ -62,9 +68,14 @@ uint64_t DistinctCount::count() {
 
 bool DistinctCount::insert(uint64_t hash) {
   const size_t mask = slots_.size() - 1;
-  size_t i = hash & mask;
-  while (slots_[i] != 0 && slots_[i] != hash) i = (i + 1) & mask;
-  return std::exchange(slots_[i], hash) == 0;
+  size_t i = hash >> 1 & mask;
+  while (slots_[i] != 0 && (slots_[i] ^ hash) > 1) i = (i + 1) & mask;
+  if (slots_[i] != 0) {
+    otherwise_ += slots_[i] != hash;
+    return false;
+  }
+  slots_[i] = hash;
+  return true;
 }
 
 void DistinctCount::grow() { rehash(std::max<size_t>(1024, 4 * slots_.size())); }
@@ -97,8 +108,10 @@ void Survey::add(const Facet& facet, bool at_home) {
   if (!at_home) return;
   ++facets_;
   degenerate_ += has_no_area(facet);
+  const bool odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);  // with three different ones: whether sorting turns it over
   std::ranges::sort(v);  // the same facet, whatever the order of its vertices
-  distinct_.add(fold(fold(v[0] ^ kHashKeys[0], v[1] ^ kHashKeys[1]) ^ kHashKeys[2], v[2] ^ kHashKeys[3]));
+  const bool turns = odd && v[0] != v[1] && v[1] != v[2];
+  distinct_.add((fold(fold(v[0] ^ kHashKeys[0], v[1] ^ kHashKeys[1]) ^ kHashKeys[2], v[2] ^ kHashKeys[3]) & ~uint64_t{1}) | turns);
 }
 
 uint64_t Survey::shells() const {

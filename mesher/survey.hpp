@@ -16,7 +16,11 @@ namespace teracell {
 // memory for the usual one.
 class VertexNumbers {
  public:
-  uint32_t operator()(const Vec3& vertex);
+  uint32_t operator()(const Vec3& vertex) { return (*this)(vertex_hash(vertex)); }
+  uint32_t operator()(const VertexHash& hash);
+  // REQUIRES: a vertex with that hash has a number.
+  uint32_t find(const VertexHash& hash) const;
+  const VertexHash& hash(uint32_t number) const { return hashes_[number]; }
   void expect(uint64_t vertices) { rehash(std::bit_ceil(2 * vertices + 1024)); }
   uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
 
@@ -35,11 +39,13 @@ class VertexNumbers {
   std::vector<uint32_t, Populated<uint32_t>> slots_;  // number + 1; 0 is free
 };
 
-// Counts distinct hashes.
+// Counts distinct hashes, of which the lowest bit says nothing but how each came first: of those that come again it counts
+// which come in the other way.
 class DistinctCount {
  public:
   void add(uint64_t hash);
   uint64_t count();
+  uint64_t otherwise() const { return otherwise_; }  // as of the last count()
   void expect(uint64_t hashes) { rehash(std::bit_ceil(2 * hashes + 1024)); }
 
  private:
@@ -49,11 +55,11 @@ class DistinctCount {
   void rehash(size_t slots);
   std::vector<uint64_t, Populated<uint64_t>> slots_;
   std::array<uint64_t, kWaiting> waiting_{};
-  uint64_t count_ = 0, turn_ = 0;
+  uint64_t count_ = 0, turn_ = 0, otherwise_ = 0;
 };
 
 struct SurveyTotals {
-  uint64_t degenerate = 0, duplicates = 0, shells = 0;  // as of Survey
+  uint64_t degenerate = 0, duplicates = 0, opposite = 0, shells = 0;  // as of Survey
 };
 
 // Takes facets one by one, in any order. Memory: some 35 bytes a facet. Not thread-safe.
@@ -67,8 +73,9 @@ class Survey {
   uint32_t vertices() const { return numbers_.count(); }
   uint64_t degenerate() const { return degenerate_; }                 // facets without area, exactly
   uint64_t duplicates() { return facets_ - distinct_.count(); }       // facets with the three vertices of an earlier one
+  uint64_t opposite() { return (distinct_.count(), distinct_.otherwise()); }  // of these, those that run the other way round than the first one
   uint64_t shells() const;                                            // groups of facets connected by equal vertices
-  SurveyTotals totals() { return {degenerate(), duplicates(), shells()}; }
+  SurveyTotals totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
   uint32_t shell_of(const Vec3& vertex) { return root(numbers_(vertex)); }
 

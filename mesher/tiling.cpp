@@ -70,7 +70,7 @@ class Tiling::NodeBuilder {
 Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta) : Tiling(meta) {
   NodeBuilder root(rays_);
   root.expect(facets->size());
-  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, rays_.range_of(f.facet)); });
+  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_.range_of(f.facet)); });
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 

@@ -7,7 +7,7 @@
 #include <compare>
 #include <cstdint>
 
-#include "store/grid.hpp"
+#include "mesher/facets.hpp"
 
 namespace teracell {
 
@@ -31,5 +31,20 @@ inline VertexHash vertex_hash(const Vec3& vertex) {
   return {fold(fold(x ^ kHashKeys[0], y ^ kHashKeys[1]) ^ kHashKeys[2], z ^ kHashKeys[3]),
           fold(fold(x ^ kHashKeys[4], y ^ kHashKeys[5]) ^ kHashKeys[6], z ^ kHashKeys[7])};
 }
+
+// The three vertices of a facet as a set, and which way round they run: facets with equal keys lie on each other.
+struct FacetKey {
+  VertexHash key;
+  bool odd;  // the facet runs the other way round than one with the same key that is not odd
+
+  explicit FacetKey(const std::array<VertexHash, 3>& v)
+      : key{fold((v[0].low + v[1].low + v[2].low) ^ kHashKeys[1], kHashKeys[0]), fold((v[0].high + v[1].high + v[2].high) ^ kHashKeys[3], kHashKeys[2])},
+        odd(((v[0].low > v[1].low) ^ (v[1].low > v[2].low) ^ (v[0].low > v[2].low)) != 0) {}
+};
+
+inline std::array<VertexHash, 3> vertex_hashes(const Facet& facet) {
+  return {vertex_hash(facet.vertex[0]), vertex_hash(facet.vertex[1]), vertex_hash(facet.vertex[2])};
+}
+inline bool three_different(const std::array<VertexHash, 3>& v) { return v[0] != v[1] && v[1] != v[2] && v[0] != v[2]; }
 
 }  // namespace teracell

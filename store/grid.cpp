@@ -67,6 +67,13 @@ void Axis::check() const {
   }
 }
 
+double Axis::shortest_cell() const {
+  if (!is_graded()) return step_;
+  double shortest = planes_[1] - planes_[0];
+  for (size_t i = 2; i < planes_.size(); ++i) shortest = std::min(shortest, planes_[i] - planes_[i - 1]);
+  return shortest;
+}
+
 int64_t Axis::first_centre_from(double x) const {
   if (is_graded()) {
     int64_t lo = 0, hi = cells_;

@@ -42,13 +42,21 @@ void print_holes(const ordered_json& holes, const std::string& units) {
   std::string title = "holes";
   for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
     const ordered_json& h = *sorted[i];
-    const std::string edges = counted(h.at("edges").get<uint64_t>(), "edge");
-    detail(std::exchange(title, ""), fmt::format("{:.4g} {} wide ({:.3g} cells) at {}, {}, cap of {:.4g} {}^2", diameter(&h), units,
-                                                 h.at("diameter_cells").get<double>(), place(h.at("at")), edges,
-                                                 h.at("cap_area").get<double>(), units));
+    const auto gap = h.contains("width") ? fmt::format("gap {:.4g} {} ({:.3g} cells), ", h.at("width").get<double>(), units, h.at("width_cells").get<double>()) : "";
+    detail(std::exchange(title, ""), fmt::format("{:.4g} {} across ({:.3g} cells), {}at {}, {}, {} {:.4g} {}^2", diameter(&h), units,
+                                                 h.at("diameter_cells").get<double>(), gap, place(h.at("at")), counted(h.at("edges").get<uint64_t>(), "edge"),
+                                                 h.value("extruded", false) ? "extruded, floor of" : "cap of", h.at("cap_area").get<double>(), units));
   }
   if (sorted.size() > kShown)
     detail("", fmt::format("and {} more, none wider than {:.4g} {}", sorted.size() - kShown, diameter(sorted[kShown]), units));
+}
+
+void print_seams(const ordered_json& body, const std::string& units) {
+  if (!body.contains("seams") || body.at("seams").at("number") == 0) return;
+  const ordered_json& seams = body.at("seams");
+  detail("seams", fmt::format("{} stitched, {:.4g} {} in all, over gaps of up to {:.3g} {} (stitch length {:.3g} {})",
+                              counted(seams.at("number").get<uint64_t>(), "seam"), seams.at("length").get<double>(), units,
+                              seams.at("widest_gap").get<double>(), units, body.at("stitch").get<double>(), units));
 }
 
 void print_flips(const ordered_json& flips) {
@@ -65,7 +73,9 @@ void print_rules(const ordered_json& fill) {
   std::string title = "inside";
   for (const auto& f : fill) {
     const std::string rule = f.at("rule"), why = f.at("why"), shells = counted(f.at("shells").get<uint64_t>(), "shell");
-    const char* where = rule == "evenodd" ? "a ray out passes the surface an odd number of times" : "the surface winds around";
+    const char* where = rule == "evenodd"    ? "a ray out passes the surface an odd number of times"
+                        : rule == "distinct" ? "a ray out passes an odd number of places, each counted once however many facets lie there"
+                                             : "the surface winds around";
     detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", shells, where, rule, why));
   }
 }
@@ -76,20 +86,22 @@ void print_body(const std::string& title, const ordered_json& b, const std::stri
   const auto count = [&](const char* key) { return b.at(key).get<uint64_t>(); };
   std::vector<std::string> rules;
   for (const auto& f : fill) rules.push_back(f.at("rule"));
-  const bool evenodd = std::ranges::count(rules, "evenodd") > 0, nonzero = std::ranges::count(rules, "nonzero") > 0;
+  const bool evenodd = std::ranges::count(rules, "evenodd") > 0, distinct = std::ranges::count(rules, "distinct") > 0;
   const std::string cells = b.contains("cells_text") ? b.at("cells_text").get<std::string>() : b.at("cells").dump();
   row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.at("name").get<std::string>(), counted(count("facets"), "facet"),
                          counted(count("shells"), "shell"), fmt::join(rules, " and "), cells, cells == "1" ? "" : "s"));
-  if (evenodd || !holes.empty() || !flips.empty()) print_rules(fill);
+  if (evenodd || distinct || !holes.empty() || !flips.empty()) print_rules(fill);
+  print_seams(b, units);
   print_holes(holes, units);
   print_flips(flips);
   if (b.contains("covered_cells"))
     detail("overlap", fmt::format("{}, owned by stronger bodies", counted(count("covered_cells"), "cell")));
-  if (const uint64_t n = count("duplicates"); n > 0)
-    detail("duplicates", fmt::format("{}: {}{}{}", counted(n, "facet"), nonzero ? "no matter where nonzero, what winds twice winds around" : "",
-                                     nonzero && evenodd ? "; " : "", evenodd ? "two that coincide count as none where evenodd" : ""));
+  if (const uint64_t n = count("duplicates"); n > 0) {
+    const uint64_t opposite = b.value("opposite", uint64_t{0});
+    detail("duplicates", fmt::format("{} with the vertices of an earlier one: {} the same way round, {} the other way", counted(n, "facet"), n - opposite, opposite));
+  }
   if (const uint64_t n = count("degenerate"); n > 0)
-    detail("degenerate", fmt::format("{} without area: no matter, no ray meets them", counted(n, "facet")));
+    detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", counted(n, "facet")));
 }
 
 void print_report(const ordered_json& report, const std::string& units) {

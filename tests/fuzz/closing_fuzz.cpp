@@ -14,7 +14,9 @@ Caps caps_of(const std::vector<Facet>& facets, bool evenodd) {
   };
   auto edges = boundary_edges(pass, uint64_t{1} << 26, "fuzz");
   if (evenodd) std::erase_if(edges, [](const BoundaryEdge& e) { return !e.odd(); });
-  return cap_boundary(edges, evenodd, false, kIdentity);
+  Caps caps;
+  for (const Loop& loop : cut_into_loops(edges, evenodd)) cap_loop(loop, false, kIdentity, caps);
+  return caps;
 }
 
 }  // namespace
@@ -30,8 +32,8 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   for (const bool evenodd : {false, true}) {
     const Caps caps = caps_of(facets, evenodd);
     BoundaryProof proof;
-    for (const Facet& f : facets) proof.add(f);
-    for (const Facet& f : caps.facets) proof.add(f);
+    for (const Facet& f : facets) proof.add(vertex_hashes(f));
+    for (const Facet& f : caps.facets) proof.add(vertex_hashes(f));
     if (!(evenodd ? proof.undirected_boundary_is_empty() : proof.directed_boundary_is_empty())) std::abort();
     std::vector<Facet> reversed(facets.rbegin(), facets.rend());
     const Caps again = caps_of(reversed, evenodd);

@@ -33,7 +33,10 @@ std::vector<BoundaryEdge> boundary(const Facets& facets) { return boundary_edges
 Caps caps_of(const Facets& facets, bool evenodd, bool float32 = false) {
   auto edges = boundary(facets);
   if (evenodd) std::erase_if(edges, [](const BoundaryEdge& e) { return !e.odd(); });
-  return cap_boundary(edges, evenodd, float32, kIdentity);
+  Caps caps;
+  for (const Loop& loop : cut_into_loops(edges, evenodd)) cap_loop(loop, float32, kIdentity, caps);
+  std::ranges::stable_sort(caps.holes, std::ranges::greater{}, &Hole::diameter);
+  return caps;
 }
 
 // Facets between few points: every edge is used often, in both directions.
