@@ -6,7 +6,7 @@
 // so there is one multiplication a facet, a count of how often the product passes the negative real axis, and one atan2
 // a point at the end. With n = (b - a) x (c - a) the imaginary part is a . n, and 2 a . b = |a|^2 + |b|^2 - |a - b|^2.
 //
-// 2^27 pairs of a point and a facet take 1.2 s on one thread, 0.6 s on two (SSE2, 9 ns a pair; half of that are its three
+// 2^27 pairs of a point and a facet take 1.2 s of one thread (SSE2, 9 ns a pair; half of that are its three
 // square roots); the exact crossings of 32,768 facets at 4096 points 0.01 s.
 #include "mesher/trust.hpp"
 

@@ -72,6 +72,20 @@ Patches cube_sphere(const Vec3& centre, double radius, int n) {
   return patches;
 }
 
+Facets refined(Facets facets, int levels) {
+  for (; levels > 0; --levels) {
+    Facets finer;
+    for (const Facet& f : facets) {
+      const auto& [a, b, c] = f.vertex;
+      const auto halfway = [](const Vec3& p, const Vec3& q) { return along(std::min(p, q), std::max(p, q), 0.5); };  // the same for the neighbour
+      const Vec3 ab = halfway(a, b), bc = halfway(b, c), ca = halfway(c, a);
+      finer.insert(finer.end(), {{{a, ab, ca}}, {{b, bc, ab}}, {{c, ca, bc}}, {{ab, bc, ca}}});
+    }
+    facets = std::move(finer);
+  }
+  return facets;
+}
+
 Patches cut_by_seeds(const Facets& facets, std::mt19937_64& random, size_t patches) {
   std::vector<Vec3> seeds;
   for (size_t i = 0; i < patches; ++i) seeds.push_back(middle(facets[std::uniform_int_distribution<size_t>(0, facets.size() - 1)(random)]));

@@ -11,6 +11,8 @@ using Patches = std::vector<Facets>;
 
 // A sphere as six patches, the faces of a cube of n x n squares each; closed when they are joined.
 Patches cube_sphere(const Vec3& centre, double radius, int n);
+// Every facet cut in four, so many times.
+Facets refined(Facets facets, int levels);
 // Each facet goes to the nearest of so many random facets.
 Patches cut_by_seeds(const Facets& facets, std::mt19937_64& random, size_t patches);
 // By random planes through the middle of the surface's box, or near it.
