@@ -92,10 +92,12 @@ TornScene torn_scene(uint64_t seed) {
   }
   s.facets = shapes::join(shells);
   std::ranges::shuffle(s.facets, random);
-  if (s.float32)
-    for (Facet& f : s.facets)
-      for (Vec3& v : f.vertex)
-        for (double& x : v) x = static_cast<float>(x);
+  for (Facet& f : s.facets)
+    for (Vec3& v : f.vertex)
+      for (double& x : v) {
+        if (s.float32) x = static_cast<float>(x);
+        if (std::abs(x) < 1e-75) x = 0;  // a file with anything in between is refused
+      }
   return s;
 }
 

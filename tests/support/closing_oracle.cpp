@@ -268,26 +268,19 @@ void add_ends(std::set<Vec3>& ends, const Chain& boundary) {
   for (const auto& [edge, k] : boundary) ends.insert({edge.first, edge.second});
 }
 
-// One rule for the whole body: it need not be told apart into shells.
-ClosedSurface closed_by(const Shell& body, By by, double tau, bool float32) {
-  std::set<Vec3> ends;
-  add_ends(ends, by == By::kParity ? body.parity : body.winding);
-  ClosedSurface out;
-  add_closed(out, {&body}, by, Needle(ends, tau), float32);
-  return out;
-}
-
-ClosedSurface closed_by_shell(const std::vector<Facet>& facets, double tau, bool float32) {
+ClosedSurface closed_by_shell(const std::vector<Facet>& facets, Fill fill, double tau, bool float32) {
+  const bool automatic = fill == Fill::kAuto, by_parity = fill == Fill::kEvenodd || fill == Fill::kDistinct;
   std::vector<Shell> open;
   std::set<Vec3> ends;
   ClosedSurface out;
   for (const std::vector<Facet>& one : shells_of(facets)) {
-    Shell shell = shell_of(one, mostly_cancels(one));
-    if (shell.closed()) {
-      add_closed(out, {&shell}, shell.distinct || !shell.winding.empty() ? By::kParity : By::kWinding, Needle({}, 0), float32);
+    Shell shell = shell_of(one, fill == Fill::kDistinct || (automatic && mostly_cancels(one)));
+    if (automatic ? shell.closed() : by_parity ? shell.parity.empty() : shell.winding.empty()) {
+      const bool parity = automatic ? shell.distinct || !shell.winding.empty() : by_parity;
+      add_closed(out, {&shell}, parity ? By::kParity : By::kWinding, Needle({}, 0), float32);
       continue;
     }
-    add_ends(ends, shell.distinct ? shell.parity : shell.winding);
+    add_ends(ends, shell.distinct || by_parity ? shell.parity : shell.winding);
     open.push_back(std::move(shell));
   }
   const Needle needle(ends, tau);
@@ -314,7 +307,8 @@ ClosedSurface closed_by_shell(const std::vector<Facet>& facets, double tau, bool
     }
     if (members.empty()) continue;
     const bool has_distinct = std::any_of(members.begin(), members.end(), [](const Shell* s) { return s->distinct; });
-    const bool evenodd = has_distinct || needle.stitch(parity, By::kParity).left.size() < needle.stitch(winding, By::kWinding).left.size();
+    const bool evenodd =
+        automatic ? has_distinct || needle.stitch(parity, By::kParity).left.size() < needle.stitch(winding, By::kWinding).left.size() : by_parity;
     add_closed(out, members, evenodd ? By::kParity : By::kWinding, needle, float32);
   }
   return out;
@@ -323,11 +317,7 @@ ClosedSurface closed_by_shell(const std::vector<Facet>& facets, double tau, bool
 }  // namespace
 
 ClosedSurface closed(const std::vector<Facet>& facets, Fill fill, double tau, bool float32) {
-  ClosedSurface out;
-  if (fill == Fill::kAuto) out = closed_by_shell(facets, tau, float32);
-  if (fill == Fill::kNonzero) out = closed_by(shell_of(facets, false), By::kWinding, tau, float32);
-  if (fill == Fill::kEvenodd) out = closed_by(shell_of(facets, false), By::kParity, tau, float32);
-  if (fill == Fill::kDistinct) out = closed_by(shell_of(facets, true), By::kParity, tau, float32);
+  ClosedSurface out = closed_by_shell(facets, fill, tau, float32);
   size_t boundary = 0;
   for (const JoinedShell& s : out.shells) boundary += s.boundary;
   if (out.stitches > 64 * boundary) throw std::length_error("oracle: too many stitches");
