@@ -10,7 +10,9 @@
 #include "mesher/checkpoint.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/feed.hpp"
+#include "mesher/placement.hpp"
 #include "mesher/report.hpp"
+#include "mesher/trust.hpp"
 #include "mesher/unit.hpp"
 #include "store/in_order.hpp"
 
@@ -84,6 +86,8 @@ class MeshRun {
     close_bodies(scene_, plan_.meta.grid, budget_, bodies_, [&](double share) { tick("close", share); });
     if (!options_.write_caps.empty()) caps_ = write_caps(scene_, bodies_, options_.write_caps, budget_);
     phases_.end("close");
+    check_caps();
+    phases_.end("check");
     open_output();
     Feed feed(scene_, bodies_, plan_.meta, budget_, threads_, [&](double share) { tick("spill", share); });
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
@@ -101,6 +105,26 @@ class MeshRun {
     double cells = 1;
     for (const int64_t n : plan_.meta.grid.cells()) cells *= static_cast<double>(n);
     progress_(phase, share, cells);
+  }
+
+  // Holds bodies that were open against the winding number of their surface. It rounds, so it stays out of the file.
+  void check_caps() {
+    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+      const SceneBody& body = scene_.bodies[b];
+      const BodyFacets& found = bodies_.bodies[b];
+      const ClosedBody& closed = found.closed;
+      const bool extruded = !closed.walls[0].empty() || !closed.walls[1].empty();
+      if (!closed.was_open || extruded || closed.fill.size() != 1 || closed.fill[0].rule != Fill::kNonzero) continue;
+      tick("check", static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+      const std::vector<Vec3> points = draw_trust_points(found.lo, found.hi, plan_.meta.grid, trust_points(found.file.facets));
+      if (points.empty()) continue;
+      // Each thread goes through all facets: where that means to read the file, one does.
+      const Trust trust = try_points(points, found.lo, found.hi, bodies_.in_memory ? threads_ : 1, [&](TrustCheck& check) {
+        for_each_facet(body, found, bodies_, budget_, [&](const Facet& f) { check.add_surface(moved(f, body)); });
+        for (const Facet& f : closed.added[0]) check.add_closing(moved(f, body));
+      });
+      trust_.emplace_back(b, trust);
+    }
   }
 
   // What the file's bytes depend on.
@@ -212,6 +236,11 @@ class MeshRun {
   }
 
   ordered_json whole_report(ordered_json report, uint64_t spilled_bytes) const {
+    for (const auto& [b, trust] : trust_) {
+      ordered_json& body = report["bodies"][b]["trust"] = {{"points", trust.points}, {"disagree", trust.disagree}};
+      if (trust.disagree > 0) body["at"] = trust.at, body["box"] = {trust.lo, trust.hi};
+      if (const std::string words = trust_warning(trust, scene_.bodies[b].name); !words.empty()) report["warnings"].push_back(words);
+    }
     report["phases"] = phases_.list();
     report["peak_memory_bytes"] = peak_memory_bytes();
     report["threads"] = threads_;
@@ -233,6 +262,7 @@ class MeshRun {
   Phases phases_;
   Bodies bodies_;
   std::vector<std::unique_ptr<OutputFile>> caps_;
+  std::vector<std::pair<size_t, Trust>> trust_;  // of the bodies that were open
   Plan plan_;
   std::optional<GridWriter> writer_;
   std::optional<PyramidWriter> pyramid_;

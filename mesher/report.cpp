@@ -81,13 +81,15 @@ std::string verdict(double width, double cells, const Grid& grid, bool loose) {
 }
 
 // The axis along which terrain would be extruded, if a hole looks like the edge of one: it spans the domain along the two
-// others.
-std::optional<int> terrain_axis(const Hole& hole, const Grid& grid) {
+// others, and goes up and down with the surface, which the missing side of a box does not.
+std::optional<int> terrain_axis(const Hole& hole, const BodyFacets& found, const Grid& grid) {
   std::vector<int> narrow;
   for (int d = 0; d < 3; ++d)
     if (hole.hi[d] - hole.lo[d] < 0.8 * (grid.axis[d].max() - grid.axis[d].min())) narrow.push_back(d);
   if (narrow.size() > 1) return std::nullopt;
-  return narrow.empty() ? 2 : narrow[0];
+  const int axis = narrow.empty() ? 2 : narrow[0];
+  if (hole.hi[axis] - hole.lo[axis] < 0.2 * (found.hi[axis] - found.lo[axis])) return std::nullopt;
+  return axis;
 }
 
 std::string seam_note(const Scene& scene, const ClosedBody& closed) {
@@ -115,7 +117,7 @@ std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFa
                                 largest->diameter, scene.units, in_cells(largest->diameter, largest->at, grid), largest->width, scene.units,
                                 in_cells(largest->width, largest->at, grid), text(largest->at), verdict(largest->diameter, most_cells, grid, loose));
   if (closed.cut_from_others) out += fmt::format(". Part '{}' is cut off there from parts that were left out", body.part);
-  if (const auto axis = terrain_axis(*largest, grid); axis && body.closing.way == Closing::Way::kCap)
+  if (const auto axis = terrain_axis(*largest, found, grid); axis && body.closing.way == Closing::Way::kCap)
     out += fmt::format(". If it is terrain, a sheet over the whole domain, give it \"closing\": {{\"extrude\": \"-{0}\"}} or --closing extrude:-{0}: "
                        "then all that is below it is inside", axis_name(*axis));
   return out;
