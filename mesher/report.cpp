@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -162,11 +163,14 @@ std::vector<std::string> body_warnings(const Scene& scene, const SceneBody& body
 ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Grid& grid,
                          const AxisChoice& axis, const CastTotals& totals) {
   ordered_json all = ordered_json::array(), inputs = ordered_json::array(), warnings = ordered_json::array();
+  std::set<std::pair<std::string, std::string>> said;  // of a file: once, however many bodies are in it
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     const BodyFacets& found = bodies.bodies[b];
     all.push_back(body_report(body, found, grid, surveys[b], totals.cells[b], totals.covered[b]));
     inputs.push_back({{"path", body.mesh_text}, {"format", found.file.format}, {"bytes", found.file.bytes}, {"hash", found.file.hash}});
+    for (const std::string& w : found.file.warnings)
+      if (said.insert({body.mesh_text, w}).second) warnings.push_back(fmt::format("{}: {}", body.mesh_text, w));
     for (const std::string& words : body_warnings(scene, body, found, grid, surveys[b], totals.cells[b]))
       warnings.push_back(fmt::format("body '{}' {}", body.name, words));
   }
