@@ -27,8 +27,8 @@ class FacetBins {
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, in single precision if `float32`. `move` takes them to where the grid sees them. A bin
   // takes some sixteenth of the budget when it is loaded, so do all buffers together while bins are filled.
-  // With `own_writer` a thread of its own writes to the disk.
-  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move);
+  // With `own_writer` a thread of its own writes to the disk. `wide` bodies as in rays.hpp.
+  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> wide);
 
   void add(const Facet& facet, uint32_t layer, bool cap);
   // When all are added. Splits the bins that are too large, as far as the tree goes.

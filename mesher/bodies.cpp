@@ -130,6 +130,7 @@ void split_by_shell(const SceneBody& body, size_t b, const Budget& budget, Bodie
 
 // Gives every shell its fill rule and closes what is open.
 void close_body(const SceneBody& body, size_t b, const BoundaryProof& proof, const Budget& budget, Bodies& bodies, BodyFacets& found) {
+  if (body.kind == Kind::kSheet) return;
   const bool evenodd = body.fill == Fill::kEvenodd, automatic = body.fill == Fill::kAuto;
   const bool closed = evenodd ? proof.undirected_boundary_is_empty() : proof.directed_boundary_is_empty();
   found.rules[evenodd] = {true, !automatic ? "asked for" : closed ? "closed: every edge is matched by its reverse" : "facets are oriented alike", {}};
@@ -191,7 +192,8 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
     const SceneBody& body = scene.bodies[b];
     const bool moves = body.matrix != kIdentity;
     const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);
-    study->proof = {};
+    const Study all = std::exchange(*study, {});
+    study->area = all.area;
     Survey* const survey = &out.surveys.emplace_back();
     BodyFacets found;
     found.first = out.facets->size();
@@ -223,6 +225,8 @@ Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const 
       tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
     }, budget, out.helper.get());
     out.helper->finish();
+    found.lo = study->lo, found.hi = study->hi;
+    for (int d = 0; d < 3; ++d) study->lo[d] = std::min(study->lo[d], all.lo[d]), study->hi[d] = std::max(study->hi[d], all.hi[d]);
     close_body(body, b, study->proof, budget, out, found);
     out.bodies.push_back(std::move(found));
   }

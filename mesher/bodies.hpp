@@ -47,6 +47,7 @@ struct BodyFacets {
   std::array<Rule, 2> rules;           // nonzero, evenodd
   std::shared_ptr<ShellRules> shells;  // when facets are oriented both ways and the rule is chosen by shell
   std::vector<Flip> flips;
+  Vec3 lo, hi;                         // the box of its vertices, as the grid sees them
   bool cut_from_others = false;        // edges of its boundary belong to parts that were left out
 };
 
