@@ -89,11 +89,11 @@ class MeshRun {
     check_caps();
     phases_.end("check");
     open_output();
-    Feed feed(scene_, bodies_, plan_.meta, budget_, threads_, [&](double share) { tick("spill", share); });
+    Feed feed(scene_, bodies_, plan_.meta, wide_bodies(scene_, options_.thin), budget_, threads_, [&](double share) { tick("spill", share); });
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
     phases_.end("prepare");
     cast(feed.tiling(), make_engine);
-    const ordered_json report = make_report(scene_, bodies_, feed.surveys(), plan_.meta.grid, plan_.rays, totals_);
+    const ordered_json report = make_report(scene_, bodies_, feed.surveys(), plan_, totals_, options_.thin);
     phases_.end("cast");
     finish(report);
     return whole_report(report, feed.spilled_bytes());
@@ -137,6 +137,7 @@ class MeshRun {
                         {"axis", axis_name(plan_.meta.ray_axis)},
                         {"axis_asked_for", plan_.rays.asked_for},
                         {"chunk_rays", plan_.meta.chunk_rays},
+                        {"thin", options_.thin},
                         {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
                         {"zstd", compressor_version()}}
         .dump();
@@ -163,13 +164,14 @@ class MeshRun {
     resumed_chunks_ = writer_->chunks();
   }
 
+  // Of solids.
   std::vector<const SceneFacet*> all_facets() const {
     if (!bodies_.in_memory)
       throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan",
                                    options_.engine));
     std::vector<const SceneFacet*> all;
     std::as_const(*bodies_.facets).for_each(0, bodies_.facets->size(), [&](const SceneFacet& f) {
-      if (!(f.layer & kIgnored)) all.push_back(&f);
+      if (!(f.layer & kIgnored) && scene_.bodies[f.layer / 2].kind == Kind::kSolid) all.push_back(&f);
     });
     return all;
   }
@@ -178,7 +180,7 @@ class MeshRun {
     std::vector<Layer> layers;  // layer_of()
     for (uint32_t b = 0; b < scene_.bodies.size(); ++b) layers.insert(layers.end(), {{b, false}, {b, true}});
     std::vector<std::unique_ptr<Worker>> workers;
-    for (int i = 0; i < threads_; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels));
+    for (int i = 0; i < threads_; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels, scene_, plan_.meta, options_.thin));
     for (uint64_t done = 0; done < units_; ++done) {
       tiling.next();
       tick("resume", static_cast<double>(done) / static_cast<double>(units_));
