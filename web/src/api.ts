@@ -21,7 +21,10 @@ export interface Hole {
   edges: number;
   diameter: number;
   diameter_cells?: number;
+  width?: number; // across its gap: of a crack much less than the diameter
+  width_cells?: number;
   cap_area: number;
+  extruded?: boolean; // closed by walls, not by a cap
 }
 
 // A curve along which facets face the other way than their neighbours.
@@ -35,7 +38,10 @@ export interface BodyReport {
   facets: number;
   degenerate: number;
   duplicates: number;
+  opposite?: number; // of these, those that face the other way than the first one
   shells: number;
+  stitch?: number; // length
+  seams?: { number: number; length: number; widest_gap: number };
   fill: { rule: string; shells: number; why: string }[];
   holes: Hole[];
   flips: Flip[];

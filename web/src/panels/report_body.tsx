@@ -5,7 +5,7 @@ import { grouped, plural, significant } from "../format";
 import type { Viewer } from "../viewer";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
-import { hole_text } from "./report_words";
+import { hole_text, seams_text } from "./report_words";
 
 const MANY = 30; // places listed at once
 
@@ -26,7 +26,7 @@ function HoleLine({ viewer, hole }: { viewer: Viewer; hole: Hole }) {
         <b>{hole_text(hole, units)}</b>
         <br />
         <span class="faint">
-          {plural(hole.edges, "edge")}, cap of {significant(hole.cap_area, 4)} {units}², at {at}
+          {plural(hole.edges, "edge")}, {hole.extruded ? "extruded to a floor" : "cap"} of {significant(hole.cap_area, 4)} {units}², at {at}
         </span>
       </span>
       <GoThere what={`the hole at ${at}`} go={() => look_at(viewer, hole)} />
@@ -60,13 +60,22 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
         {body.duplicates > 0 && (
           <div>
             <dt>duplicates</dt>
-            <dd>{grouped(body.duplicates)}</dd>
+            <dd>
+              {grouped(body.duplicates)}
+              {body.opposite ? `, ${grouped(body.opposite)} of them facing the other way` : ""}
+            </dd>
           </div>
         )}
         <div>
           <dt>surface</dt>
-          <dd>{holes.length ? `open: ${plural(holes.length, "hole")}` : "closed"}</dd>
+          <dd>{holes.length ? `open: ${plural(holes.length, "hole")}` : body.seams?.number ? "closed by stitches" : "closed"}</dd>
         </div>
+        {seams_text(body, viewer.units) && (
+          <div>
+            <dt>seams</dt>
+            <dd>{seams_text(body, viewer.units)}</dd>
+          </div>
+        )}
       </dl>
       {body.fill.map((fill) => (
         <p class="note" key={fill.rule}>

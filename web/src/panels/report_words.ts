@@ -20,18 +20,27 @@ const quoted = (bodies: readonly BodyReport[]) => {
 
 export const widest = (holes: readonly Hole[]): Hole | undefined => holes.reduce<Hole | undefined>((w, h) => (w && w.diameter >= h.diameter ? w : h), undefined);
 
-// "0.047 m wide, 90.5 cells"
+// "0.047 m wide, 90.5 cells"; of a crack also its gap.
 export function hole_text(hole: Hole, units: string): string {
   const cells = hole.diameter_cells;
-  return `${significant(hole.diameter, 4)} ${units} wide${cells === undefined ? "" : `, ${significant(cells, 3)} cells`}`;
+  const crack = hole.width !== undefined && hole.width_cells !== undefined && hole.width < hole.diameter / 4;
+  const gap = crack ? `, with a gap of ${significant(hole.width!, 3)} ${units}, ${significant(hole.width_cells!, 3)} cells` : "";
+  return `${significant(hole.diameter, 4)} ${units} wide${cells === undefined ? "" : `, ${significant(cells, 3)} cells`}${gap}`;
+}
+
+// "3 seams, 12 m in all, were stitched over gaps of up to 1e-7 m"
+export function seams_text(body: BodyReport, units: string): string {
+  const { seams } = body;
+  if (!seams?.number) return "";
+  return `${plural(seams.number, "seam")}, ${significant(seams.length, 4)} ${units} in all, stitched over gaps of up to ${significant(seams.widest_gap, 3)} ${units}`;
 }
 
 // One sentence that says whether to care, of the worst that was found.
 export function care_of(info: GridInfo): Care {
   const { bodies } = info.report;
   const empty = bodies.filter((b) => b.cells === 0);
-  const open = bodies.filter((b) => b.holes.length > 0);
-  const holes = open.flatMap((b) => b.holes);
+  const open = bodies.filter((b) => b.holes.some((h) => !h.extruded));
+  const holes = open.flatMap((b) => b.holes).filter((h) => !h.extruded);
   const large = holes.filter((h) => (h.diameter_cells ?? Infinity) >= HARMLESS);
   const flipped = bodies.filter((b) => b.flips.length > 0);
   if (empty.length) {
