@@ -48,7 +48,7 @@ Facets torn(std::mt19937_64& random, double gap) {
     if (chance(random, 70)) patch = patchworks::moved(patch, random, gap);
     if (chance(random, 15)) patch = shapes::flip(patch);
     if (chance(random, 10)) patch = shapes::join({patch, shapes::flip(patch)});
-    if (chance(random, 10)) patch.insert(patch.end(), patch.begin(), patch.begin() + 2);
+    if (chance(random, 10)) patch = shapes::join({patch, {patch[0], patch[patch.size() / 2]}});
     if (chance(random, 20) && patch.size() > 2) patch.erase(patch.begin() + 1);
     if (chance(random, 10)) patch.push_back({{patch[0].vertex[0], patch[0].vertex[0], patch[0].vertex[1]}});
   }
