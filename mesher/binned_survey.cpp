@@ -16,7 +16,7 @@ BinnedSurvey::Bin::Bin(BinnedSurvey& survey, uint64_t facets) : survey_(survey) 
 
 void BinnedSurvey::Bin::add(const BinnedFacet& f) {
   if (f.added) return;  // the file doesn't have it
-  const uint32_t body = (f.layer & ~kIgnored) / 2;
+  const uint32_t body = f.layer / 2;
   surveys_[body].add(f.facet, f.at_home);
   if (f.shared) shared_.emplace_back(body, f.facet.vertex[0]);
 }

@@ -17,8 +17,8 @@ constexpr uint64_t kLoadedBytes = 200;
 
 }  // namespace
 
-FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move)
-    : rays_(meta),
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> wide)
+    : rays_(meta, std::move(wide)),
       float32_(float32),
       record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + sizeof(uint32_t)),
       most_facets_(std::max<uint64_t>(budget.bytes / 16 / kLoadedBytes, 1024)),
@@ -60,7 +60,7 @@ void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin) {
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
   std::array<uint8_t, 9 * sizeof(double) + sizeof(uint32_t)> record;
   encode(facet, tag, {record.data(), record_bytes_});
-  put(root_, places_of(rays_.range_of(placed(facet, tag))), {record.data(), record_bytes_});
+  put(root_, places_of(rays_.range_of(placed(facet, tag), layer_in(tag))), {record.data(), record_bytes_});
 }
 
 void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> record) {
@@ -104,7 +104,7 @@ void FacetBins::split_large(Bin& bin) {
     take_records(whole, [&](std::span<const uint8_t> record) {
       uint32_t tag;
       const Facet facet = decode(record, tag);
-      put(bin, places_of(rays_.range_of(placed(facet, tag))), record);
+      put(bin, places_of(rays_.range_of(placed(facet, tag), layer_in(tag))), record);
     });
   }
   for (Bin& child : bin.children) split_large(child);
@@ -127,20 +127,21 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
     BinnedFacet out;
     uint32_t tag;
     out.facet = decode(record, tag);
-    out.layer = tag & ~(kNotOfFile | kInPlace);
+    out.layer = layer_in(tag);
+    out.ignored = (tag & kIgnored) != 0;
     out.added = (tag & kNotOfFile) != 0;
     const Facet moved = placed(out.facet, tag);
-    const RayRange range = rays_.range_of(moved);
+    const RayRange range = rays_.range_of(moved, out.layer);
     const Places places = places_of(range);
     out.shared = !inside(places.u0, places.v0) || !inside(places.u1, places.v1);
     out.at_home = true;
     if (out.shared) {
       // At home where its least vertex is: facets with the same vertices have the same home.
       const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
-      const Places home = places_of(rays_.range_of({{p, p, p}}));
+      const Places home = places_of(rays_.range_of({{p, p, p}}, out.layer));
       out.at_home = inside(home.u0, home.v0);
     }
-    f(out, moved, tag & kIgnored ? RayRange{} : range);
+    f(out, moved, out.ignored ? RayRange{} : range);
   });
 }
 

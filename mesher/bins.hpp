@@ -15,10 +15,11 @@ namespace teracell {
 // A facet as a bin has it.
 struct BinnedFacet {
   Facet facet;     // in its file's coordinates
-  uint32_t layer;  // of its body, closing.hpp; with kIgnored
+  uint32_t layer;  // of its body, closing.hpp
   bool at_home;    // in just one of the bins that it lies in
   bool shared;     // it lies in several
   bool added;      // its file doesn't have it: it closes a hole
+  bool ignored;    // it counts for nothing
 };
 
 // Not thread-safe while it is filled; then threads may take different bins at once.
@@ -27,8 +28,8 @@ class FacetBins {
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, in single precision if `float32`. `move` takes them to where the grid sees them. A bin
   // takes some sixteenth of the budget when it is loaded, so do all buffers together while bins are filled.
-  // With `own_writer` a thread of its own writes to the disk.
-  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move);
+  // With `own_writer` a thread of its own writes to the disk. `wide` bodies as in rays.hpp.
+  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> wide);
 
   // Where a facet comes from: its body's file, its closing in the file's coordinates, or in the grid's.
   enum Origin { kOfFile, kAdded, kPlaced };
@@ -70,7 +71,8 @@ class FacetBins {
   void take_records(Bin& bin, F&& f);
   // A record: nine coordinates, then the layer, in which two bits tell the origin.
   static constexpr uint32_t kNotOfFile = uint32_t{1} << 31, kInPlace = uint32_t{1} << 29;
-  Facet placed(const Facet& facet, uint32_t tag) const { return tag & kInPlace ? facet : move_(facet, tag & ~kNotOfFile); }
+  static uint32_t layer_in(uint32_t tag) { return tag & ~(kNotOfFile | kIgnored | kInPlace); }
+  Facet placed(const Facet& facet, uint32_t tag) const { return tag & kInPlace ? facet : move_(facet, layer_in(tag)); }
   void encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const;
   Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
 

@@ -10,7 +10,7 @@
 namespace teracell {
 namespace {
 
-constexpr char kMagic[] = "tcellru2";  // its last digit is raised when the layout changes
+constexpr char kMagic[] = "tcellru3";  // its last digit is raised when the layout changes
 
 // The first thing that differs, in words. An input's hash or size says most.
 std::string difference(const std::string& before, const std::string& now) {
@@ -37,6 +37,7 @@ void save_checkpoint(const Checkpoint& c, const std::filesystem::path& output) {
       put_fixed(out, static_cast<uint64_t>(n));
       put_fixed(out, static_cast<uint64_t>(n >> 64));
     }
+  c.totals.tallies.save(out);
   put_varint(out, c.writers.size());
   out.insert(out.end(), c.writers.begin(), c.writers.end());
   put_fixed(out, checksum(out));
@@ -75,6 +76,7 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
       n |= static_cast<unsigned __int128>(in.fixed<uint64_t>()) << 64;
     }
   }
+  c.totals.tallies = Tallies::restored(in);
   const auto writers = in.take(in.varint());
   c.writers.assign(writers.begin(), writers.end());
   in.expect_end();

@@ -11,7 +11,7 @@ namespace teracell {
 namespace {
 
 // Sorts the crossings of a ray: a handful that the engine leaves nearly in order, so insertion is one compare each.
-// Returns whether all are of one layer; asked here because a second loop over freshly stored crossings waits for the
+// Returns whether all are of one layer, and all marks or none; asked here because a second loop over freshly stored crossings waits for the
 // stores (it took a tenth of the whole run).
 bool sort_crossings(std::span<uint64_t> c) {
   if (c.empty()) return true;
@@ -29,7 +29,7 @@ bool sort_crossings(std::span<uint64_t> c) {
       c[j] = x;
     }
   }
-  return Crossing::layer(mixed) == 0;
+  return Crossing::layer(mixed) == 0 && !Crossing::is_mark(mixed);
 }
 
 }  // namespace
@@ -86,14 +86,28 @@ void Composer::count(uint32_t cells, uint32_t owner) {
     }
 }
 
+void Composer::note_close(std::span<const uint64_t> crossings, uint32_t length) {
+  const uint32_t cell = Crossing::cell(crossings[0]);
+  if (cell == 0 || cell >= length) return;
+  for (size_t i = 0; i < crossings.size();) {
+    const size_t first = i;
+    const uint32_t body = layers_[Crossing::layer(crossings[i])].body;
+    while (i < crossings.size() && !Crossing::is_mark(crossings[i]) && layers_[Crossing::layer(crossings[i])].body == body) ++i;
+    if (i == first) return;  // marks are sorted last
+    if (i - first > 1) close_.push_back({ray_, cell, body, (i - first) / 2});
+  }
+}
+
 void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out) {
   out.reset(nu, nv, length);
   out.pattern.resize(out.rays());
   out.begin.resize(out.rays() + 1);
   out.at.resize(crossings.all.size());  // as many changes at most
   alternating_.assign(2, {});
+  close_.clear();
   uint32_t* at = out.at.data();
   for (uint32_t ray = 0; ray < out.rays(); ++ray) {
+    ray_ = ray;
     const std::span<uint64_t> all(crossings.all.data() + crossings.begin[ray], crossings.begin[ray + 1] - crossings.begin[ray]);
     const bool one_layer = sort_crossings(all);
     const bool simple = one_layer && (all.empty() || label_[strength_[layers_[Crossing::layer(all[0])].body]] != 0);
@@ -113,9 +127,11 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
   int64_t cells = 0;
   const Layer layer = all.empty() ? Layer{0, false} : layers_[Crossing::layer(all[0])];
   for (size_t i = 0; i < all.size();) {
+    const size_t begin = i;
     const uint32_t cell = Crossing::cell(all[i]);
     do counter += Crossing::step(all[i++]);
     while (i < all.size() && Crossing::cell(all[i]) == cell);
+    if (i - begin > 1) note_close(all.subspan(begin, i - begin), length);
     const bool is = layer.evenodd ? counter & 1 : counter != 0;
     if (is == was || cell >= length) continue;
     was = is;
@@ -148,7 +164,9 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
     const uint32_t cell = Crossing::cell(all[i]), until = std::min(cell, length);
     count(until - since, owner);
     since = until;
+    const size_t begin = i;
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i]);
+    if (i - begin > 1) note_close(all.subspan(begin, i - begin), length);
     if (cell >= length) continue;
     owner = top();
     const Label label = label_[owner];

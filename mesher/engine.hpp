@@ -28,9 +28,12 @@ struct Tile {
 // A crossing: from cell `cell` on, the sample points of the ray lie beyond the facet. Packed so that sorting by value
 // sorts by cell.
 struct Crossing {
+  // Of the ends of a stretch that is a body's though no facet is crossed there (marks.hpp).
+  static constexpr uint64_t kMark = uint64_t{1} << 31;
   static uint64_t pack(uint64_t cell, uint32_t layer, bool up) { return cell << 32 | uint64_t{layer} << 1 | up; }
   static uint32_t cell(uint64_t c) { return static_cast<uint32_t>(c >> 32); }
-  static uint32_t layer(uint64_t c) { return static_cast<uint32_t>(c) >> 1; }
+  static uint32_t layer(uint64_t c) { return static_cast<uint32_t>(c & (kMark - 1)) >> 1; }
+  static bool is_mark(uint64_t c) { return (c & kMark) != 0; }
   static int step(uint64_t c) { return c & 1 ? 1 : -1; }  // to the winding number
 };
 

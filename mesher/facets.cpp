@@ -18,7 +18,8 @@
 namespace teracell {
 namespace {
 
-enum class Format { kBinaryStl, kAsciiStl, kObj, kPly };
+// The sure ones need no order: no file is two of them.
+constexpr const SurfaceReader* kReaders[] = {&kPlyReader, &kBinaryStlReader, &kAsciiStlReader, &kObjReader};
 
 constexpr size_t kPeek = size_t{1} << 16;
 
@@ -37,41 +38,36 @@ std::string_view first_word(std::string_view head) {
   return {};
 }
 
-bool is_obj_word(std::string_view word) {
-  for (const char* known : {"v",   "vt",   "vn",     "vp",     "f",      "fo",       "g",        "o",
-                            "s",   "l",    "p",      "mtllib", "usemtl", "mg",       "lod",      "cstype",
-                            "deg", "surf", "maplib", "usemap", "bevel",  "c_interp", "d_interp", "shadow_obj"})
-    if (word == known) return true;
-  return false;
+// Leaves `input` behind the byte order mark.
+Head head_of(Input& input) {
+  const size_t mark = input.window(kPeek).starts_with("\xef\xbb\xbf") ? 3 : 0;
+  Head head{.bytes = input.window(0), .size = input.size(), .text = false, .word = {}};
+  if (!head.size && head.bytes.size() < kPeek) head.size = head.bytes.size();
+  head.text = is_text(head.bytes);
+  if (head.text) {
+    input.consume(mark);
+    head.bytes.remove_prefix(mark);
+    if (head.bytes.find('\n') == std::string_view::npos && head.bytes.find('\r') != std::string_view::npos) input.set_newline('\r');
+  }
+  head.word = first_word(head.bytes);
+  return head;
 }
 
-Format format_of(Input& input) {
-  const std::string_view head = input.window(kPeek);
-  if (head.empty()) throw InputError(fmt::format("{}: the file is empty: expected STL, OBJ or PLY", input.name()));
-  if (head.starts_with("ply\n") || head.starts_with("ply\r")) {
-    if (!head.starts_with("ply\r\n") && head[3] == '\r') input.set_newline('\r');
-    return Format::kPly;
+const SurfaceReader& reader_of(Input& input) {
+  if (input.window(1).empty()) throw InputError(fmt::format("{}: the file is empty: expected STL, OBJ or PLY", input.name()));
+  const Head head = head_of(input);
+  const SurfaceReader* perhaps = nullptr;
+  for (const SurfaceReader* reader : kReaders) {
+    const Match match = reader->recognises(head);
+    if (match == Match::kSure) return *reader;
+    if (match == Match::kPerhaps && !perhaps) perhaps = reader;
   }
-  // The size decides for binary STL: many of them begin with "solid" too.
-  const uint64_t size = input.size() ? *input.size() : head.size() < kPeek ? head.size() : 0;
-  if (head.size() >= 84) {
-    uint64_t facets = 0;
-    for (int i = 3; i >= 0; --i) facets = facets << 8 | static_cast<unsigned char>(head[80 + i]);
-    if (size == 84 + 50 * facets || !is_text(head)) return Format::kBinaryStl;
-  }
-  if (is_text(head)) {
-    if (head.find('\n') == std::string_view::npos && head.find('\r') != std::string_view::npos) input.set_newline('\r');
-    const size_t mark = head.starts_with("\xef\xbb\xbf") ? 3 : 0;  // of UTF-8
-    const std::string_view word = first_word(head.substr(mark));
-    const bool comments_only = word.empty() && head.find('#') != std::string_view::npos;
-    const Format format = is_keyword(word, "solid") ? Format::kAsciiStl : Format::kObj;
-    if (format == Format::kAsciiStl || comments_only || is_obj_word(word)) {
-      input.consume(mark);
-      return format;
-    }
-  }
+  if (const auto other = other_kind(head))
+    throw InputError(fmt::format("{}: this is {}{}: expected STL, OBJ or PLY{}{}", input.name(), other->what, input.compressed() ? ", compressed by gzip" : "",
+                                 other->advice.empty() ? "" : "; ", other->advice));
+  if (perhaps) return *perhaps;
   throw InputError(fmt::format("{}: not a surface file: expected STL, OBJ or PLY, found {}", input.name(),
-                               shown(head.substr(0, 64))));
+                               shown(head.bytes.substr(0, 64))));
 }
 
 // The C locale whatever the program has set: a decimal point is a point.
@@ -123,11 +119,14 @@ void FacetStream::finish(const std::string& name, SurfaceFile& file) {
                                  more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
   }
   if (facets_ == 0)
-    throw InputError(glob_.empty() ? fmt::format("{}: holds no facet", name)
-                                   : fmt::format("{}: the parts that match {} hold no facet", name, shown(glob_)));
+    throw InputError(fmt::format("{}: {}{}{}", name, glob_.empty() ? "holds no facet" : fmt::format("the parts that match {} hold no facet", shown(glob_)),
+                                 warnings_.empty() ? "" : ": ", fmt::join(warnings_, ". ")));
   file.facets = facets_;
   file.parts = std::move(parts_);
+  file.warnings = std::move(warnings_);
 }
+
+std::string plural(uint64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
@@ -148,6 +147,15 @@ void refuse_number(std::string_view word, const char* expected, const Input& inp
                                word.empty() ? "the end of the line" : shown(word)));
 }
 
+void refuse_too_large(std::string_view word, float, const Input& input) {
+  throw InputError(fmt::format("{}: {}: expected a coordinate, found a number too large for float32 (at most 3.4e38)", input.at_line(), shown(word)));
+}
+
+void refuse_too_large(std::string_view word, double, const Input& input) {
+  throw InputError(fmt::format("{}: {}: expected a coordinate of 0 or of size 1e-75 to 1e75, found a number too large for float64 (at most 1.8e308)",
+                               input.at_line(), shown(word)));
+}
+
 void refuse_coordinate(std::string_view word, double v, const Input& input) {
   checked_coordinate(v, fmt::format("{}: {}", input.at_line(), shown(word)));
   throw std::logic_error("refuse_coordinate: nothing to refuse");
@@ -163,24 +171,7 @@ double checked_coordinate(double v, const std::string& where) {
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget, Background* helper) {
   SurfaceFile file;
   FacetStream out(part, sink);
-  switch (format_of(input)) {
-    case Format::kBinaryStl:
-      file.format = "STL (binary)";
-      read_binary_stl(input, out);
-      break;
-    case Format::kAsciiStl:
-      file.format = "STL (ASCII)";
-      read_ascii_stl(input, out);
-      break;
-    case Format::kObj:
-      file.format = "OBJ";
-      file.float32 = false;
-      read_obj(input, out, budget, helper);
-      break;
-    case Format::kPly:
-      file.format = read_ply(input, out, budget, file.float32);
-      break;
-  }
+  reader_of(input).read(input, out, file, budget, helper);
   out.finish(input.name(), file);
   file.bytes = input.bytes_on_disk();
   file.hash = input.hash();

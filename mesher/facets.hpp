@@ -31,6 +31,7 @@ struct SurfaceFile {
   uint64_t facets = 0;              // given to the sink
   bool float32 = true;              // every vertex given to the sink was declared as float32
   std::vector<std::string> parts;   // named STL solids, OBJ groups and objects, in the file's order; all, not only matches, up to some MB of names
+  std::vector<std::string> warnings;  // what was skipped or put up with: a sentence for each kind of it, without the file's name
 };
 
 // Receives facets in the file's order, some thousands at a time. The span is valid during the call only.
@@ -42,7 +43,7 @@ using FacetSink = std::function<void(std::span<const Facet>)>;
 // A part of an OBJ is each of the groups (`g`) or the object (`o`) a facet is in; of an ASCII STL, the solid; what has no
 // name has the name "". `*`, `?` and `[...]` as in fnmatch(3), case-sensitive.
 // Throws InputError (file, line or byte offset, expected, found) or IoError. No facet at all is an InputError, and so is
-// a `part` that nothing matches. Facets before the fault have been given to the sink when it throws. What the sink throws
+// a `part` that nothing matches. A file of another kind is named as what it is. Facets before the fault have been given to the sink when it throws. What the sink throws
 // passes through.
 // `helper` may do part of the parsing; it may have other jobs.
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);

@@ -17,18 +17,19 @@ uint32_t body_of(uint32_t layer) { return (layer & ~kIgnored) / 2; }
 
 }  // namespace
 
-Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick)
+Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
+           const std::function<void(double)>& tick)
     : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()) {
   if (bodies.in_memory) {
-    use_memory();
+    use_memory(wide);
     return;
   }
-  auto bins = fill_bins(budget, threads, tick);
+  auto bins = fill_bins(wide, budget, threads, tick);
   spilled_ = bins->bytes();
   tiling_.emplace(std::move(bins), binned_, threads > 1 ? threads : 0, meta);
 }
 
-void Feed::use_memory() {
+void Feed::use_memory(const std::vector<bool>& wide) {
   if (const auto moves = which_move(scene_); std::ranges::count(moves, true) > 0) {
     bodies_.helper->finish_all();  // the survey takes the files' coordinates
     bodies_.facets->for_each(0, bodies_.facets->size(), [&](SceneFacet& f) {
@@ -37,7 +38,7 @@ void Feed::use_memory() {
   }
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
     for (const bool parity : {false, true}) bodies_.facets->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
-  tiling_.emplace(bodies_.facets, meta_);
+  tiling_.emplace(bodies_.facets, meta_, wide);
 }
 
 std::vector<SurveyTotals> Feed::surveys() {
@@ -45,13 +46,10 @@ std::vector<SurveyTotals> Feed::surveys() {
 }
 
 // They are read once more, from their files.
-std::unique_ptr<FacetBins> Feed::fill_bins(const Budget& budget, int threads, const std::function<void(double)>& tick) {
-  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
-    const uint32_t b = body_of(layer);
-    return moves[b] ? moved(f, scene.bodies[b]) : f;
-  };
+std::unique_ptr<FacetBins> Feed::fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads, const std::function<void(double)>& tick) {
+  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved(f, scene.bodies[layer / 2]) : f; };
   const bool walls = std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
-  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move);
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, wide);
   const double all = static_cast<double>(bodies_.facet_count());
   uint64_t done = 0;
   for (size_t b = 0; b < scene_.bodies.size(); ++b) {

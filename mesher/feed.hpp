@@ -10,9 +10,10 @@ namespace teracell {
 
 class Feed {
  public:
-  // Keeps references to all but `tick`, which is called with shares of 1 while facets are spilled. Facets in memory are
-  // moved to where the grid sees them.
-  Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const Budget& budget, int threads, const std::function<void(double)>& tick);
+  // Keeps references to scene, bodies and meta; `tick` is called with shares of 1 while facets are spilled. Facets in memory
+  // are moved to where the grid sees them. `wide` bodies as in rays.hpp.
+  Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
+       const std::function<void(double)>& tick);
 
   Tiling& tiling() { return *tiling_; }
   uint64_t spilled_bytes() const { return spilled_; }
@@ -20,8 +21,8 @@ class Feed {
   std::vector<SurveyTotals> surveys();
 
  private:
-  void use_memory();
-  std::unique_ptr<FacetBins> fill_bins(const Budget& budget, int threads, const std::function<void(double)>& tick);
+  void use_memory(const std::vector<bool>& wide);
+  std::unique_ptr<FacetBins> fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads, const std::function<void(double)>& tick);
 
   const Scene& scene_;
   Bodies& bodies_;

@@ -28,6 +28,7 @@ class Input {
   Input& operator=(const Input&) = delete;
 
   const std::string& name() const { return name_; }
+  bool compressed() const { return inflate_ != nullptr; }
   // Of the contents; unknown when they are compressed or come through a pipe.
   std::optional<uint64_t> size() const { return size_; }
   // Bytes of the contents taken so far.
@@ -54,6 +55,8 @@ class Input {
   // '\r' for texts of old Macintosh programs.
   void set_newline(char c) { newline_ = c; }
 
+  // The number of the line given last, from 1.
+  uint64_t line() const { return line_; }
   // Where we are, for messages: "hull.stl: line 7" (the line given last), "hull.stl: byte 84".
   std::string at_line() const;
   std::string at_byte(uint64_t offset) const;

@@ -1,5 +1,5 @@
 // Wavefront OBJ: `v` and `f` lines, with the groups and objects that name parts. Everything else is decoration and
-// skipped, but for free-form surfaces: leaving those out would leave holes without a word.
+// skipped, with a warning that counts polylines, points, free-form curves and surfaces: who drew them may miss them.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -57,10 +57,10 @@ class ObjReader {
         enter_groups(line);
       else if (keyword == "o")
         enter_object(line);
-      else if (keyword == "surf")
-        throw InputError(fmt::format("{}: expected polygons, found a free-form surface: convert it to polygons first",
-                                     input_.at_line()));
+      else
+        count_skipped(keyword, line);
     }
+    warn_of_skipped();
   }
 
  private:
@@ -172,6 +172,32 @@ class ObjReader {
     choose();
   }
 
+  void count_skipped(std::string_view keyword, std::string_view line) {
+    if (keyword == "l")
+      ++polylines_;
+    else if (keyword == "p")
+      for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) ++points_;
+    else if (keyword == "curv" || keyword == "curv2" || keyword == "cdc")
+      ++curves_;
+    else if (keyword == "surf" || keyword == "bsp" || keyword == "bzp" || keyword == "cdp")
+      ++surfaces_;
+  }
+  void warn_of_skipped() {
+    const std::pair<uint64_t, const char*> counts[] = {
+        {polylines_, "polyline"}, {points_, "point"}, {curves_, "free-form curve"}, {surfaces_, "free-form surface"}};
+    std::string list, last;
+    uint64_t sum = 0;
+    for (const auto& [n, what] : counts) {
+      if (n == 0) continue;
+      if (!last.empty()) list += (list.empty() ? "" : ", ") + last;
+      last = plural(n, what);
+      sum += n;
+    }
+    if (sum > 0)
+      out_.warn(fmt::format("{}{}{} {} skipped{}", list, list.empty() ? "" : " and ", last, sum == 1 ? "was" : "were",
+                            surfaces_ > 0 ? ": convert surfaces to polygons where the body needs them" : ""));
+  }
+
   void choose() { wanted_ = grouped_ || in_object_ ? group_wanted_ || object_wanted_ : out_.wants(""); }
 
   Input& input_;
@@ -183,10 +209,27 @@ class ObjReader {
   std::string joined_;
   bool grouped_ = false, group_wanted_ = false, in_object_ = false, object_wanted_ = false;
   bool wanted_;  // the facets of the current part go to the sink
+  uint64_t polylines_ = 0, points_ = 0, curves_ = 0, surfaces_ = 0;  // skipped
 };
+
+Match recognises(const Head& head) {
+  if (!head.text) return Match::kNo;
+  if (head.word.empty()) return head.bytes.find('#') != std::string_view::npos ? Match::kPerhaps : Match::kNo;  // comments only, so far
+  for (const char* known : {"v",      "vt",   "vn",    "vp",     "f",      "fo",    "g",        "o",        "s",
+                            "l",      "p",    "mtllib", "usemtl", "mg",     "lod",   "cstype",   "deg",      "surf",
+                            "maplib", "curv", "curv2", "usemap", "bevel",  "c_interp", "d_interp", "shadow_obj"})
+    if (head.word == known) return Match::kPerhaps;
+  return Match::kNo;
+}
+
+void read(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background* helper) {
+  file.format = "OBJ";
+  file.float32 = false;
+  ObjReader(input, out, budget, helper).read();
+}
 
 }  // namespace
 
-void read_obj(Input& input, FacetStream& out, const Budget& budget, Background* helper) { ObjReader(input, out, budget, helper).read(); }
+const SurfaceReader kObjReader = {recognises, read};
 
 }  // namespace teracell

@@ -10,7 +10,9 @@
 #include "mesher/checkpoint.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/feed.hpp"
+#include "mesher/placement.hpp"
 #include "mesher/report.hpp"
+#include "mesher/trust.hpp"
 #include "mesher/unit.hpp"
 #include "store/in_order.hpp"
 
@@ -84,12 +86,14 @@ class MeshRun {
     close_bodies(scene_, plan_.meta.grid, budget_, bodies_, [&](double share) { tick("close", share); });
     if (!options_.write_caps.empty()) caps_ = write_caps(scene_, bodies_, options_.write_caps, budget_);
     phases_.end("close");
+    check_caps();
+    phases_.end("check");
     open_output();
-    Feed feed(scene_, bodies_, plan_.meta, budget_, threads_, [&](double share) { tick("spill", share); });
+    Feed feed(scene_, bodies_, plan_.meta, wide_bodies(scene_, options_.thin), budget_, threads_, [&](double share) { tick("spill", share); });
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
     phases_.end("prepare");
     cast(feed.tiling(), make_engine);
-    const ordered_json report = make_report(scene_, bodies_, feed.surveys(), plan_.meta.grid, plan_.rays, totals_);
+    const ordered_json report = make_report(scene_, bodies_, feed.surveys(), plan_, totals_, options_.thin);
     phases_.end("cast");
     finish(report);
     return whole_report(report, feed.spilled_bytes());
@@ -103,6 +107,26 @@ class MeshRun {
     progress_(phase, share, cells);
   }
 
+  // Holds bodies that were open against the winding number of their surface. It rounds, so it stays out of the file.
+  void check_caps() {
+    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+      const SceneBody& body = scene_.bodies[b];
+      const BodyFacets& found = bodies_.bodies[b];
+      const ClosedBody& closed = found.closed;
+      const bool extruded = !closed.walls[0].empty() || !closed.walls[1].empty();
+      if (!closed.was_open || extruded || closed.fill.size() != 1 || closed.fill[0].rule != Fill::kNonzero) continue;
+      tick("check", static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+      const std::vector<Vec3> points = draw_trust_points(found.lo, found.hi, plan_.meta.grid, trust_points(found.file.facets));
+      if (points.empty()) continue;
+      // Each thread goes through all facets: where that means to read the file, one does.
+      const Trust trust = try_points(points, found.lo, found.hi, bodies_.in_memory ? threads_ : 1, [&](TrustCheck& check) {
+        for_each_facet(body, found, bodies_, budget_, [&](const Facet& f) { check.add_surface(moved(f, body)); });
+        for (const Facet& f : closed.added[0]) check.add_closing(moved(f, body));
+      });
+      trust_.emplace_back(b, trust);
+    }
+  }
+
   // What the file's bytes depend on.
   std::string identity() const {
     ordered_json inputs = ordered_json::array();
@@ -113,6 +137,7 @@ class MeshRun {
                         {"axis", axis_name(plan_.meta.ray_axis)},
                         {"axis_asked_for", plan_.rays.asked_for},
                         {"chunk_rays", plan_.meta.chunk_rays},
+                        {"thin", options_.thin},
                         {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
                         {"zstd", compressor_version()}}
         .dump();
@@ -139,13 +164,14 @@ class MeshRun {
     resumed_chunks_ = writer_->chunks();
   }
 
+  // Of solids.
   std::vector<const SceneFacet*> all_facets() const {
     if (!bodies_.in_memory)
       throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan",
                                    options_.engine));
     std::vector<const SceneFacet*> all;
     std::as_const(*bodies_.facets).for_each(0, bodies_.facets->size(), [&](const SceneFacet& f) {
-      if (!(f.layer & kIgnored)) all.push_back(&f);
+      if (!(f.layer & kIgnored) && scene_.bodies[f.layer / 2].kind == Kind::kSolid) all.push_back(&f);
     });
     return all;
   }
@@ -154,7 +180,7 @@ class MeshRun {
     std::vector<Layer> layers;  // layer_of()
     for (uint32_t b = 0; b < scene_.bodies.size(); ++b) layers.insert(layers.end(), {{b, false}, {b, true}});
     std::vector<std::unique_ptr<Worker>> workers;
-    for (int i = 0; i < threads_; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels));
+    for (int i = 0; i < threads_; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels, scene_, plan_.meta, options_.thin));
     for (uint64_t done = 0; done < units_; ++done) {
       tiling.next();
       tick("resume", static_cast<double>(done) / static_cast<double>(units_));
@@ -212,6 +238,11 @@ class MeshRun {
   }
 
   ordered_json whole_report(ordered_json report, uint64_t spilled_bytes) const {
+    for (const auto& [b, trust] : trust_) {
+      ordered_json& body = report["bodies"][b]["trust"] = {{"points", trust.points}, {"disagree", trust.disagree}};
+      if (trust.disagree > 0) body["at"] = trust.at, body["box"] = {trust.lo, trust.hi};
+      if (const std::string words = trust_warning(trust, scene_.bodies[b].name); !words.empty()) report["warnings"].push_back(words);
+    }
     report["phases"] = phases_.list();
     report["peak_memory_bytes"] = peak_memory_bytes();
     report["threads"] = threads_;
@@ -233,6 +264,7 @@ class MeshRun {
   Phases phases_;
   Bodies bodies_;
   std::vector<std::unique_ptr<OutputFile>> caps_;
+  std::vector<std::pair<size_t, Trust>> trust_;  // of the bodies that were open
   Plan plan_;
   std::optional<GridWriter> writer_;
   std::optional<PyramidWriter> pyramid_;

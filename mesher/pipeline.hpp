@@ -21,6 +21,7 @@ struct MeshOptions {
   uint64_t memory = ~uint64_t{0};    // bytes that the whole run may take, roughly; what doesn't fit is spilled
   std::filesystem::path tmp;         // folder for that; empty: the output's
   std::filesystem::path write_caps;  // file for the caps that close open surfaces; empty: none
+  bool thin = false;                 // count what is lost between sample points, of all solids along all axes
   bool resume = false;               // go on with what a killed run has left, if there is something
   double checkpoint_seconds = 1;     // at least, between two of them
   uint32_t chunk_rays = 64;          // a chunk has chunk_rays x chunk_rays rays

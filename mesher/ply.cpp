@@ -1,6 +1,7 @@
 // PLY: a text header declares elements, each so many times a row of properties; then the values as text (a line a row)
 // or binary of either byte order. Vertices are element `vertex` (x, y, z), facets the list `vertex_indices` or
-// `vertex_index` of element `face`; what else there is gets skipped. Greg Turk, "The PLY Polygon File Format", 1994.
+// `vertex_index` of element `face` (a polygon) or `tristrips` (triangle strips, -1 between two); what else there is gets
+// skipped. Greg Turk, "The PLY Polygon File Format", 1994.
 //
 // A header may lie: memory grows with the values that come, never with a count.
 #include <algorithm>
@@ -70,7 +71,7 @@ class HeaderReader {
         read_property(header);
       else if (keyword == "end_header")
         break;
-      else if (keyword != "comment" && keyword != "obj_info")
+      else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty())
         refuse("expected format, element, property, comment, obj_info or end_header", keyword);
     }
     if (header.format.empty()) refuse("expected a format line before end_header", "none");
@@ -252,18 +253,23 @@ class BinaryValues {
 
 // ---- the elements
 
-// Where a vertex keeps x, y and z, and a face its list.
+// An element that lists vertices by number.
+struct Lists {
+  const Element* element = nullptr;
+  const Property* indices = nullptr;
+};
+
+// Where a vertex keeps x, y and z, and facets their lists.
 struct Layout {
   const Element* vertex = nullptr;
-  const Element* face = nullptr;
   std::array<const Property*, 3> xyz{};
-  const Property* indices = nullptr;
+  Lists face, strips;
 };
 
 // Throws InputError unless the header describes a surface.
 Layout layout_of(const Header& header, const Input& input) {
   Layout layout;
-  const auto refuse = [&](const char* text) {
+  const auto refuse = [&](const std::string& text) {
     throw InputError(fmt::format("{}: PLY header: {}", input.name(), text));
   };
   for (const Element& element : header.elements) {
@@ -272,21 +278,22 @@ Layout layout_of(const Header& header, const Input& input) {
       layout.vertex = &element;
       for (const Property& p : element.properties)
         if (!p.count && p.name.size() == 1 && p.name[0] >= 'x' && p.name[0] <= 'z') layout.xyz[p.name[0] - 'x'] = &p;
-    } else if (element.name == "face") {
-      if (layout.face) refuse("expected one element face, found two");
-      if (!layout.vertex) refuse("expected element vertex before element face, found the faces first");
-      layout.face = &element;
+    } else if (element.name == "face" || element.name == "tristrips") {
+      Lists& lists = element.name == "face" ? layout.face : layout.strips;
+      if (lists.element) refuse(fmt::format("expected one element {}, found two", element.name));
+      if (!layout.vertex)
+        refuse(fmt::format("expected element vertex before element {}, found it behind or not at all: write the file again with the vertices first", element.name));
+      lists.element = &element;
       for (const Property& p : element.properties)
-        if (p.count && is_integer(p.type) && (p.name == "vertex_indices" || p.name == "vertex_index"))
-          layout.indices = &p;
+        if (p.count && is_integer(p.type) && (p.name == "vertex_indices" || p.name == "vertex_index")) lists.indices = &p;
+      if (!lists.indices) refuse(fmt::format("expected a list of integers vertex_indices of element {}, found none", element.name));
     }
   }
   if (!layout.vertex) refuse("expected an element vertex, found none");
   for (const Property* p : layout.xyz)
     if (!p) refuse("expected the properties x, y and z of element vertex, found not all of them");
-  if (!layout.face)
-    refuse("expected an element face, found none (points and triangle strips are no facets: convert the file)");
-  if (!layout.indices) refuse("expected a list of integers vertex_indices of element face, found none");
+  if (!layout.face.element && !layout.strips.element)
+    refuse("expected an element face or tristrips, found none: points alone are no surface, make one of them first");
   return layout;
 }
 
@@ -317,20 +324,52 @@ void read_vertex(Values& values, const Layout& layout, VertexTable& vertices) {
 }
 
 template <class Values>
-void read_face(Values& values, const Layout& layout, VertexTable& vertices, Fan fan) {
-  for (const Property& p : layout.face->properties) {
-    if (&p != layout.indices) {
+int64_t vertex_number(Values& values, Type type, int64_t least, const VertexTable& vertices) {
+  const int64_t index = values.integer(type);
+  if (index < least || index >= static_cast<int64_t>(vertices.size()))
+    throw InputError(fmt::format("{}: expected a vertex number below {}, found {}", values.place(), vertices.size(), index));
+  return index;
+}
+
+template <class Values>
+void read_face(Values& values, const Lists& face, VertexTable& vertices, Fan fan) {
+  for (const Property& p : face.element->properties) {
+    if (&p != face.indices) {
       skip_property(values, p);
       continue;
     }
     const uint64_t n = list_length(values, p);
     if (n < 3) throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", values.place(), n));
-    for (uint64_t i = 0; i < n; ++i) {
-      const int64_t index = values.integer(p.type);
-      if (index < 0 || static_cast<uint64_t>(index) >= vertices.size())
-        throw InputError(
-            fmt::format("{}: expected a vertex number below {}, found {}", values.place(), vertices.size(), index));
-      fan.add(vertices[index]);
+    for (uint64_t i = 0; i < n; ++i) fan.add(vertices[vertex_number(values, p.type, 0, vertices)]);
+  }
+}
+
+// Each vertex of a strip makes a facet with the two before it, every other one the other way round. One that repeats a
+// vertex only steers the strip.
+template <class Values>
+void read_strips(Values& values, const Lists& strips, VertexTable& vertices, FacetStream& out, bool wanted) {
+  struct Corner {
+    int64_t number;
+    Vec3 place;
+  };
+  for (const Property& p : strips.element->properties) {
+    if (&p != strips.indices) {
+      skip_property(values, p);
+      continue;
+    }
+    Corner a{}, b{};
+    uint64_t length = 0;  // of the strip so far
+    for (uint64_t left = list_length(values, p); left > 0; --left) {
+      const int64_t number = vertex_number(values, p.type, -1, vertices);
+      if (number < 0) {
+        length = 0;
+        continue;
+      }
+      const Corner c{number, vertices[number]};
+      if (length >= 2 && wanted && a.number != b.number && b.number != c.number && c.number != a.number)
+        length % 2 == 0 ? out.add(a.place, b.place, c.place) : out.add(b.place, a.place, c.place);
+      a = b, b = c;
+      ++length;
     }
   }
 }
@@ -345,8 +384,10 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
       values.begin_row(element, row);
       if (&element == layout.vertex)
         read_vertex(values, layout, vertices);
-      else if (&element == layout.face)
-        read_face(values, layout, vertices, Fan(out, wanted));
+      else if (&element == layout.face.element)
+        read_face(values, layout.face, vertices, Fan(out, wanted));
+      else if (&element == layout.strips.element)
+        read_strips(values, layout.strips, vertices, out, wanted);
       else
         for (const Property& p : element.properties) skip_property(values, p);
       values.end_row(element);
@@ -355,23 +396,34 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
   values.finish();
 }
 
-}  // namespace
+Match recognises(const Head& head) {
+  std::string_view line = head.bytes.substr(0, head.bytes.find_first_of("\r\n"));
+  return line.size() < head.bytes.size() && next_word(line) == "ply" && trimmed(line).empty() ? Match::kSure : Match::kNo;
+}
 
-std::string read_ply(Input& input, FacetStream& out, const Budget& budget, bool& float32) {
+void read(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background*) {
+  const std::string_view start = input.window(3);
+  const size_t stop = start.find_first_of("\r\n");
+  if (!start.substr(stop).starts_with("\r\n") && start[stop] == '\r') input.set_newline('\r');
+
   const Header header = HeaderReader(input).read();
   const Layout layout = layout_of(header, input);
-  float32 = true;
-  for (const Property* p : layout.xyz) float32 &= p->type == Type::kFloat32;
+  file.float32 = true;
+  for (const Property* p : layout.xyz) file.float32 &= p->type == Type::kFloat32;
   if (header.format == "ascii") {
+    file.format = "PLY (ASCII)";
     read_body(AsciiValues(input), header, layout, out, budget);
-    return "PLY (ASCII)";
-  }
-  if (header.format == "binary_little_endian") {
+  } else if (header.format == "binary_little_endian") {
+    file.format = "PLY (binary, little endian)";
     read_body(BinaryValues<std::endian::little>(input), header, layout, out, budget);
-    return "PLY (binary, little endian)";
+  } else {
+    file.format = "PLY (binary, big endian)";
+    read_body(BinaryValues<std::endian::big>(input), header, layout, out, budget);
   }
-  read_body(BinaryValues<std::endian::big>(input), header, layout, out, budget);
-  return "PLY (binary, big endian)";
 }
+
+}  // namespace
+
+const SurfaceReader kPlyReader = {recognises, read};
 
 }  // namespace teracell

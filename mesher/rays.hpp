@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "mesher/engine.hpp"
 #include "store/format.hpp"
@@ -54,17 +55,26 @@ struct RayFrame {
   const Axis& w;
   RayBounds u, v;
   LevelShape shape;
+  std::vector<bool> wide;  // of each body, or empty: none
 
-  // Keeps references to the axes.
-  explicit RayFrame(const Metadata& meta)
-      : frame(meta.frame()), w(meta.grid.axis[frame.w]), u(meta.grid.axis[frame.u]), v(meta.grid.axis[frame.v]), shape(meta, 0) {}
+  // Keeps references to the axes. The facets of `wide` bodies reach a ray further on each side: they may own cells that they
+  // meet beside the rays (marker.hpp).
+  explicit RayFrame(const Metadata& meta, std::vector<bool> wide_bodies = {})
+      : frame(meta.frame()),
+        w(meta.grid.axis[frame.w]),
+        u(meta.grid.axis[frame.u]),
+        v(meta.grid.axis[frame.v]),
+        shape(meta, 0),
+        wide(std::move(wide_bodies)) {}
 
-  RayRange range_of(const Facet& facet) const {
+  RayRange range_of(const Facet& facet, uint32_t layer) const {
     const auto& [a, b, c] = facet.vertex;
     // Of two at a time: for lists the library branches, and every other branch is mispredicted.
     const auto least = [&](int d) { return std::min(std::min(a[d], b[d]), c[d]); };
     const auto most = [&](int d) { return std::max(std::max(a[d], b[d]), c[d]); };
-    return {u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))};
+    const RayRange r = {u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))};
+    if (wide.empty() || !wide[layer / 2]) return r;
+    return {r.u0 - (r.u0 > 0), std::min(r.u1 + 1, shape.nu), r.v0 - (r.v0 > 0), std::min(r.v1 + 1, shape.nv)};
   }
   // REQUIRES: !range.empty().
   ChunkRange chunks_of(const RayRange& r) const {

@@ -1,9 +1,10 @@
-// What the surface readers (stl, obj, ply) share: where facets go, words and numbers of a text.
+// What the surface readers (stl, obj, ply) share: how one is chosen, where facets go, words and numbers of a text.
 // Private to the mesher; users include facets.hpp.
 #pragma once
 #include <charconv>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <unordered_set>
 
@@ -26,7 +27,9 @@ class FacetStream {
     return batch_[used_++];
   }
   void add(const Vec3& a, const Vec3& b, const Vec3& c) { next().vertex = {a, b, c}; }
-  // Hands on the last facets and fills in facets and parts. Throws InputError when there was no facet or no such part.
+  // For SurfaceFile::warnings; once for each kind of thing.
+  void warn(std::string sentence) { warnings_.push_back(std::move(sentence)); }
+  // Hands on the last facets and fills in facets, parts and warnings. Throws InputError when there was no facet or no such part.
   void finish(const std::string& name, SurfaceFile& file);
 
  private:
@@ -44,6 +47,7 @@ class FacetStream {
   std::unordered_set<std::string> known_parts_;
   uint64_t names_ = 0;       // bytes that these two take, about
   bool more_parts_ = false;  // than they hold
+  std::vector<std::string> warnings_;
 };
 
 // A polygon as a fan from its first vertex, one vertex after the other.
@@ -85,6 +89,9 @@ inline bool is_keyword(std::string_view word, std::string_view keyword) {
   return true;
 }
 
+// "1 facet", "2 facets".
+std::string plural(uint64_t n, const char* what);
+
 // Without blanks around it.
 std::string_view trimmed(std::string_view text);
 // Text from a file as a message may show it: quoted, cut to a few dozen characters, printable.
@@ -105,7 +112,11 @@ inline std::string_view without_plus(std::string_view word) {
 // A number too large or too small for from_chars, correctly rounded all the same: an infinity, 0 or a denormal.
 float round_extreme(std::string_view word, float);
 double round_extreme(std::string_view word, double);
+// `v` is what `word` is as a number of the type; REQUIRES: !is_coordinate(v).
 [[noreturn]] void refuse_coordinate(std::string_view word, double v, const Input& input);
+// `word` is a number, but rounds to an infinity.
+[[noreturn]] void refuse_too_large(std::string_view word, float, const Input& input);
+[[noreturn]] void refuse_too_large(std::string_view word, double, const Input& input);
 [[noreturn]] void refuse_number(std::string_view word, const char* expected, const Input& input);
 
 // A word on the current line as a coordinate: rounded once, straight to T, the declared type.
@@ -116,7 +127,10 @@ double text_coordinate(std::string_view word, const Input& input) {
   const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
   if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument)
     refuse_number(word, "a number", input);
-  if (error == std::errc::result_out_of_range) v = round_extreme(digits, T{});
+  if (error == std::errc::result_out_of_range) {
+    v = round_extreme(digits, T{});
+    if (std::isinf(v)) refuse_too_large(word, v, input);
+  }
   if (!is_coordinate(v)) refuse_coordinate(word, v, input);
   return v + 0.0;  // -0 is +0
 }
@@ -142,12 +156,31 @@ inline int64_t text_integer(std::string_view word, const char* expected, const I
   return v;
 }
 
-// The readers, one a format. Each takes all of `input`; OBJ and PLY keep vertices within `budget`. read_ply returns
-// SurfaceFile::format and sets `float32`.
-void read_binary_stl(Input& input, FacetStream& out);
-void read_ascii_stl(Input& input, FacetStream& out);
-void read_obj(Input& input, FacetStream& out, const Budget& budget, Background* helper);
-std::string read_ply(Input& input, FacetStream& out, const Budget& budget, bool& float32);
+// The beginning of a surface file, which tells what it is.
+struct Head {
+  std::string_view bytes;        // up to 64 KiB; a byte order mark of UTF-8 is left out
+  std::optional<uint64_t> size;  // of all the contents, where it is known
+  bool text;                     // no byte of the first 1024 is zero: so it is no binary STL (see facets.cpp)
+  std::string_view word;         // the first word that is not in a line of comment ("#")
+};
+
+// Of a reader that looks at a head. kPerhaps: unless the file proves to be of a kind that nobody here reads.
+enum class Match { kNo, kPerhaps, kSure };
+
+// A format. A new one is a file with one of these, and a line in the table of facets.cpp.
+struct SurfaceReader {
+  Match (*recognises)(const Head& head);
+  // Takes all of `input`, and sets format and float32 of `file`. Vertices that must be kept stay within `budget`; `helper`,
+  // where there is one, may do part of the work.
+  void (*read)(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background* helper);
+};
+extern const SurfaceReader kBinaryStlReader, kAsciiStlReader, kObjReader, kPlyReader;
+
+// What a file is that no reader takes: "a STEP file", and what to do about it. Empty: nobody knows.
+struct OtherKind {
+  std::string what, advice;
+};
+std::optional<OtherKind> other_kind(const Head& head);
 
 // read_facets() of facets.hpp over a file already opened, or over bytes in memory.
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "mesher/report_lost.hpp"
 
 namespace teracell {
 namespace {
@@ -81,13 +84,15 @@ std::string verdict(double width, double cells, const Grid& grid, bool loose) {
 }
 
 // The axis along which terrain would be extruded, if a hole looks like the edge of one: it spans the domain along the two
-// others.
-std::optional<int> terrain_axis(const Hole& hole, const Grid& grid) {
+// others, and goes up and down with the surface, which the missing side of a box does not.
+std::optional<int> terrain_axis(const Hole& hole, const BodyFacets& found, const Grid& grid) {
   std::vector<int> narrow;
   for (int d = 0; d < 3; ++d)
     if (hole.hi[d] - hole.lo[d] < 0.8 * (grid.axis[d].max() - grid.axis[d].min())) narrow.push_back(d);
   if (narrow.size() > 1) return std::nullopt;
-  return narrow.empty() ? 2 : narrow[0];
+  const int axis = narrow.empty() ? 2 : narrow[0];
+  if (hole.hi[axis] - hole.lo[axis] < 0.2 * (found.hi[axis] - found.lo[axis])) return std::nullopt;
+  return axis;
 }
 
 std::string seam_note(const Scene& scene, const ClosedBody& closed) {
@@ -115,7 +120,7 @@ std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFa
                                 largest->diameter, scene.units, in_cells(largest->diameter, largest->at, grid), largest->width, scene.units,
                                 in_cells(largest->width, largest->at, grid), text(largest->at), verdict(largest->diameter, most_cells, grid, loose));
   if (closed.cut_from_others) out += fmt::format(". Part '{}' is cut off there from parts that were left out", body.part);
-  if (const auto axis = terrain_axis(*largest, grid); axis && body.closing.way == Closing::Way::kCap)
+  if (const auto axis = terrain_axis(*largest, found, grid); axis && body.closing.way == Closing::Way::kCap)
     out += fmt::format(". If it is terrain, a sheet over the whole domain, give it \"closing\": {{\"extrude\": \"-{0}\"}} or --closing extrude:-{0}: "
                        "then all that is below it is inside", axis_name(*axis));
   return out;
@@ -143,35 +148,42 @@ std::string double_warning(const ClosedBody& closed) {
 
 // What was wrong with a body, what was done, and whether to care.
 std::vector<std::string> body_warnings(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid,
-                                       const SurveyTotals& survey, unsigned __int128 cells) {
+                                       const SurveyTotals& survey) {
   const ClosedBody& closed = found.closed;
   std::vector<std::string> out = {seam_note(scene, closed), open_warning(scene, body, found, grid), flip_warning(closed), double_warning(closed)};
   const bool evenodd = std::ranges::any_of(closed.fill, [](const FillChoice& f) { return f.rule == Fill::kEvenodd; });
   if (evenodd && survey.duplicates > 0)
     out.push_back(fmt::format("has {}, and shells whose inside is decided by parity: there a facet that is given twice counts as none",
                               plural(survey.duplicates, "duplicate facet")));
-  if (cells == 0) out.push_back("owns no cell: it encloses none, lies outside the grid, between the sample points, or under stronger bodies");
   std::erase(out, "");
   return out;
 }
 
 }  // namespace
 
-ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Grid& grid,
-                         const AxisChoice& axis, const CastTotals& totals) {
+ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Plan& plan, const CastTotals& totals,
+                         bool count_thin) {
+  const Grid& grid = plan.meta.grid;
+  const AxisChoice& axis = plan.rays;
   ordered_json all = ordered_json::array(), inputs = ordered_json::array(), warnings = ordered_json::array();
+  std::set<std::pair<std::string, std::string>> said;  // of a file: once, however many bodies are in it
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     const BodyFacets& found = bodies.bodies[b];
     all.push_back(body_report(body, found, grid, surveys[b], totals.cells[b], totals.covered[b]));
+    report_lost(scene, b, plan, totals.tallies, count_thin, all.back());
     inputs.push_back({{"path", body.mesh_text}, {"format", found.file.format}, {"bytes", found.file.bytes}, {"hash", found.file.hash}});
-    for (const std::string& words : body_warnings(scene, body, found, grid, surveys[b], totals.cells[b]))
-      warnings.push_back(fmt::format("body '{}' {}", body.name, words));
+    for (const std::string& w : found.file.warnings)
+      if (said.insert({body.mesh_text, w}).second) warnings.push_back(fmt::format("{}: {}", body.mesh_text, w));
+    for (const auto& list : {body_warnings(scene, body, found, grid, surveys[b]), cell_warnings(scene, b, found, plan, totals)})
+      for (const std::string& words : list) warnings.push_back(fmt::format("body '{}' {}", body.name, words));
   }
   ordered_json rays = {{"axis", axis_name(axis.axis)}, {"why", axis.asked_for ? "asked for" : "the fewest crossings and rays"}};
   for (const double crossings : axis.crossings) rays["crossings_expected"].push_back(static_cast<uint64_t>(std::min(crossings, 0x1p63)));
-  return {{"schema", 1},           {"bodies", all},   {"crossings", totals.crossings}, {"warnings", warnings},
-          {"inputs", inputs}, {"ray_axis", rays}, {"scene", normalised(scene)}};
+  ordered_json out = {{"schema", 1},           {"bodies", all},   {"crossings", totals.crossings}, {"warnings", warnings},
+                      {"inputs", inputs}, {"ray_axis", rays}, {"scene", normalised(scene)}};
+  if (count_thin) out["lost_gaps"] = lost_gaps(scene, grid, totals.tallies);
+  return out;
 }
 
 }  // namespace teracell

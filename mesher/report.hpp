@@ -10,7 +10,7 @@ namespace teracell {
 
 // The report in the file: only what inputs and options determine, so no times, memory or counts of threads. One survey a
 // body.
-nlohmann::ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Grid& grid,
-                                   const AxisChoice& axis, const CastTotals& totals);
+nlohmann::ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Plan& plan, const CastTotals& totals,
+                                   bool count_thin);
 
 }  // namespace teracell

@@ -66,7 +66,7 @@ void Shells::end_batch() {
       facets_.push_back(0);
       cancelled_.push_back(0);
     }
-    ++facets_[g];
+    facets_[g] += f.three_different;
     group_of_facet_.push_back(g);
     if (f.three_different) by_vertices_->add(bucket_of(*by_vertices_, f.key), {f.key, facets_before_ + i, g, f.odd});
   }

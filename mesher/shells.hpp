@@ -29,7 +29,7 @@ class Shells {
   uint32_t count() const { return static_cast<uint32_t>(facets_.size()); }
   std::vector<uint32_t> of(const std::vector<Vec3>& vertices) const;  // REQUIRES: each is a vertex of some facet
   uint32_t of_facet(uint64_t facet) const;                            // fast in ascending order
-  uint64_t facets(uint32_t shell) const { return facets_[shell]; }
+  uint64_t facets(uint32_t shell) const { return facets_[shell]; }  // with three different vertices
   // Whether a facet has the vertices of one that comes before it in the file.
   bool repeats(uint64_t facet) const { return !repeats_.empty() && repeats_[facet]; }
   // How many facets of a shell cancel: of facets with the same vertices, those that are gone when opposite ones are taken

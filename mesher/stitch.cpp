@@ -59,13 +59,12 @@ class Stitcher {
 
   Stitched run() {
     if (stitch_ > 0) choose_representatives();
-    std::vector<Pair> pairs = first_pairs();
-    join_shells(pairs);
-    std::vector<Pair> met = sum_by_group(pairs);
-    if (stitch_ > 0) subdivide(met);
-    pairs = pieces(met);
-    join_shells(pairs);
-    left_ = sum_by_group(pairs);
+    const std::vector<Pair> own = sum_by_shell(first_pairs());
+    if (stitch_ > 0) subdivide(own);
+    join_shells(own);
+    join_shells(sum_by_shell(pieces(own)));
+    const std::vector<Pair> met = sum_by_group(own);
+    left_ = sum_by_group(pieces(met));
     decide();
     make_facets(met);
     measure_seams();
@@ -101,49 +100,53 @@ class Stitcher {
     return out;
   }
 
-  // Shells that use an edge an odd number of times each.
-  void join_shells(std::vector<Pair>& pairs) {
+  // What does not cancel, ascending. The keys `shell` are shells, or groups by the shell that stands for them.
+  std::vector<Pair> sum(std::vector<Pair> pairs, const std::vector<bool>& by_parity) const {
+    std::vector<Pair> out;
     std::ranges::sort(pairs, [](const Pair& a, const Pair& b) { return std::tuple(a.lo, a.hi, a.shell) < std::tuple(b.lo, b.hi, b.shell); });
     for (size_t i = 0; i < pairs.size();) {
-      const auto edge = pairs[i].edge();
-      uint32_t first = ~0u;
-      while (i < pairs.size() && pairs[i].edge() == edge) {
-        const uint32_t shell = pairs[i].shell;
-        int64_t net = 0;
-        for (; i < pairs.size() && pairs[i].edge() == edge && pairs[i].shell == shell; ++i) net += pairs[i].net;
-        if (net % 2 == 0) continue;
-        if (first == ~0u) first = shell;
-        else groups_.join(first, shell);
-      }
-    }
-  }
-
-  // What cancels within a group is gone; `shell` of what is left is the group. A group in which a shell counts crossings
-  // does so as a whole.
-  std::vector<Pair> sum_by_group(const std::vector<Pair>& pairs) {
-    std::vector<bool> by_parity(rules_.size());
-    for (uint32_t s = 0; s < rules_.size(); ++s)
-      if (counts_crossings(s)) by_parity[groups_.of(s)] = true;
-    std::vector<Pair> all = pairs, out;
-    for (Pair& p : all) p.shell = groups_.of(p.shell);
-    std::ranges::sort(all, [](const Pair& a, const Pair& b) { return std::tuple(a.lo, a.hi, a.shell) < std::tuple(b.lo, b.hi, b.shell); });
-    for (size_t i = 0; i < all.size();) {
-      Pair sum = all[i];
-      for (++i; i < all.size() && all[i].edge() == sum.edge() && all[i].shell == sum.shell; ++i) sum.net += all[i].net;
-      if (by_parity[sum.shell] ? sum.odd() : sum.net != 0) out.push_back(sum);
+      Pair p = pairs[i];
+      for (++i; i < pairs.size() && pairs[i].edge() == p.edge() && pairs[i].shell == p.shell; ++i) p.net += pairs[i].net;
+      if (by_parity[p.shell] ? p.odd() : p.net != 0) out.push_back(p);
     }
     return out;
   }
+  std::vector<Pair> sum_by_shell(std::vector<Pair> pairs) const {
+    std::vector<bool> by_parity(rules_.size());
+    for (uint32_t s = 0; s < rules_.size(); ++s) by_parity[s] = counts_crossings(s);
+    return sum(std::move(pairs), by_parity);
+  }
+  // A group in which a shell counts crossings does so as a whole.
+  std::vector<bool> groups_by_parity() {
+    std::vector<bool> out(rules_.size());
+    for (uint32_t s = 0; s < rules_.size(); ++s)
+      if (counts_crossings(s)) out[groups_.of(s)] = true;
+    return out;
+  }
+  std::vector<Pair> sum_by_group(std::vector<Pair> pairs) {
+    for (Pair& p : pairs) p.shell = groups_.of(p.shell);
+    return sum(std::move(pairs), groups_by_parity());
+  }
 
-  // The representatives that lie along each edge that is left, from its lesser end to its greater one.
-  void subdivide(const std::vector<Pair>& met) {
+  // Shells that use an edge an odd number of times each. REQUIRES: sums by shell.
+  void join_shells(const std::vector<Pair>& pairs) {
+    const Pair* last = nullptr;
+    for (const Pair& p : pairs) {
+      if (!p.odd()) continue;
+      if (last && last->edge() == p.edge()) groups_.join(last->shell, p.shell);
+      last = &p;
+    }
+  }
+
+  // The representatives that lie along each edge, from its lesser end to its greater one.
+  void subdivide(const std::vector<Pair>& pairs) {
     std::vector<uint32_t> numbers;
     std::vector<Vec3> points;
     for (uint32_t v = 0; v < vertices_.size(); ++v)
       if (representative_[v] == v) numbers.push_back(v), points.push_back(vertices_[v]);
     const PointTree tree(points);
     uint64_t between = 0;
-    for (const Pair& p : met) {
+    for (const Pair& p : pairs) {
       if (between_.contains(p.edge())) continue;
       const Vec3 &a = vertices_[p.lo], &b = vertices_[p.hi], e = minus(b, a);
       const double square = dot(e, e);
@@ -184,10 +187,7 @@ class Stitcher {
 
   // By the rule that leaves fewer edges: an edge that is left with an even count is none where crossings are counted.
   void decide() {
-    std::vector<bool> by_parity(rules_.size());
-    for (uint32_t s = 0; s < rules_.size(); ++s)
-      if (counts_crossings(s)) by_parity[groups_.of(s)] = true;
-    std::vector<bool> undecided(rules_.size());
+    std::vector<bool> by_parity = groups_by_parity(), undecided(rules_.size());
     for (uint32_t s = 0; s < rules_.size(); ++s)
       if (rules_[s] == ShellRule::kAuto) undecided[groups_.of(s)] = true;
     for (const Pair& p : left_)

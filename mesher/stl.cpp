@@ -1,10 +1,13 @@
 // STL, binary and ASCII. Normals are ignored: the order of the vertices says which side is out.
 //
 // Binary: 80 bytes of anything, a 32-bit count, then 50 bytes a facet: normal and three vertices as 12 little-endian
-// float32, and two bytes of attributes. The count must agree with the size: a file cut short is no surface.
+// float32, and two bytes of attributes. A file shorter than the count says is no surface; what lies behind is skipped.
+//
+// ASCII: words, whatever the lines. A line that begins with none of STL's words, such as `color 1 0 0`, is skipped, and a
+// solid may lack its `endsolid`; a facet must be whole.
 #include <algorithm>
 #include <bit>
-#include <utility>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -14,6 +17,8 @@
 namespace teracell {
 namespace {
 
+using namespace std::string_view_literals;
+
 constexpr uint64_t kHeader = 84, kRecord = 50;
 
 uint32_t load32(const char* p) {
@@ -21,11 +26,11 @@ uint32_t load32(const char* p) {
   return uint32_t{b[0]} | uint32_t{b[1]} << 8 | uint32_t{b[2]} << 16 | uint32_t{b[3]} << 24;
 }
 
-[[noreturn]] void wrong_size(const Input& input, uint64_t facets, uint64_t found, bool more) {
-  const uint64_t expected = kHeader + kRecord * facets;
-  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}{}: {}", input.at_byte(80),
-                               facets, expected, more ? "more than " : "", found,
-                               found < expected ? "cut short, or no STL" : "bytes follow the last facet, or no STL"));
+uint64_t counted_facets(std::string_view head) { return load32(head.data() + 80); }
+
+[[noreturn]] void cut_short(const Input& input, uint64_t facets, uint64_t found) {
+  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}: cut short, or no STL", input.at_byte(80), facets,
+                               kHeader + kRecord * facets, found));
 }
 
 // One record -> one facet. A float32 that is finite is always within the limits of a coordinate.
@@ -51,18 +56,46 @@ class Words {
     for (;;) {
       const std::string_view word = next_word(line_);
       if (!word.empty() || !input_.next_line(line_)) return word;
+      begin_ = line_.data();
     }
   }
-  std::string_view rest_of_line() { return std::exchange(line_, {}); }
 
   void expect(const char* keyword) {
-    const std::string_view word = next();
-    if (!is_keyword(word, keyword)) refuse(word, keyword);
+    for (std::string_view word = next(); !is_keyword(word, keyword); word = next()) skip_line(word, keyword);
+  }
+  // `word`, the last one taken, is not what was expected: skips its line if it begins there and is none of STL's, else refuses.
+  void skip_line(std::string_view word, const char* expected) {
+    if (word.empty() || is_of_stl(word) || !trimmed({begin_, static_cast<size_t>(word.data() - begin_)}).empty()) refuse(word, expected);
+    const std::string_view line = trimmed({word.data(), word.size() + line_.size()});
+    if (skipped_++ == 0) first_skipped_ = fmt::format("line {}, {}", input_.line(), shown(line));
+    if (since_facet_.empty()) since_facet_ = fmt::format("line {}, {}", input_.line(), shown(line));
+    line_ = {};
   }
   [[noreturn]] void refuse(std::string_view word, const char* keyword) const {
+    const std::string skipped = since_facet_.empty() ? "" : fmt::format(" ({}, was skipped)", since_facet_);
     throw InputError(
-        word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file", input_.at_line(), keyword)
-                     : fmt::format("{}: expected '{}', found {}", input_.at_line(), keyword, shown(word)));
+        word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file{}", input_.at_line(), keyword, skipped)
+                     : fmt::format("{}: expected '{}', found {}{}", input_.at_line(), keyword, shown(word), skipped));
+  }
+  void facet_is_whole() { since_facet_.clear(); }
+
+  // Behind `solid`: the rest of the line, or of it what stands before a facet.
+  std::string_view solid_name() {
+    const std::string_view name = line_.substr(0, next_facet());
+    line_.remove_prefix(name.size());
+    return trimmed(name);
+  }
+  // Behind `endsolid`: its name once more. The next solid may follow on the same line.
+  void skip_name(std::string_view name) {
+    line_ = trimmed(line_);
+    const size_t facet = next_facet();
+    if (facet == line_.size()) {
+      line_ = {};
+      return;
+    }
+    if (line_.substr(0, facet).starts_with(name)) line_.remove_prefix(name.size());
+    for (std::string_view rest = line_; !rest.empty(); line_ = rest)
+      if (const std::string_view word = next_word(rest); is_keyword(word, "solid") || is_keyword(word, "facet")) return;
   }
   double coordinate() {
     const std::string_view word = next();
@@ -70,9 +103,43 @@ class Words {
     return text_coordinate<float>(word, input_);
   }
 
+  void warn(FacetStream& out) const {
+    if (skipped_ == 1) out.warn(fmt::format("a line that is no part of an STL was skipped: {}", first_skipped_));
+    if (skipped_ > 1) out.warn(fmt::format("{} lines that are no part of an STL were skipped, the first is {}", skipped_, first_skipped_));
+  }
+
  private:
+  static bool is_of_stl(std::string_view word) {
+    for (const char* known : {"solid", "facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"})
+      if (is_keyword(word, known)) return true;
+    const bool cut_off = word.size() < 5 && is_keyword(word, "facet"sv.substr(0, word.size()));  // no decoration, but the end of a file cut short
+    const size_t digit = word.find_first_not_of("+-.");
+    return cut_off || (digit != std::string_view::npos && word[digit] >= '0' && word[digit] <= '9');
+  }
+  static bool is_number(std::string_view word) {
+    float v = 0;
+    word = without_plus(word);
+    return std::from_chars(word.data(), word.data() + word.size(), v).ec != std::errc::invalid_argument;
+  }
+  // Where on the line a facet begins: `facet normal` and a number. The line's length when none does, or only behind a
+  // name of unheard length.
+  size_t next_facet() const {
+    constexpr size_t kLongestName = 4096;
+    std::string_view rest = line_.substr(0, kLongestName);
+    while (!rest.empty()) {
+      const std::string_view word = next_word(rest);
+      std::string_view ahead = rest;
+      if (is_keyword(word, "facet") && is_keyword(next_word(ahead), "normal") && is_number(next_word(ahead)))
+        return static_cast<size_t>(word.data() - line_.data());
+    }
+    return line_.size();
+  }
+
   Input& input_;
   std::string_view line_;
+  const char* begin_ = nullptr;  // of the whole line
+  uint64_t skipped_ = 0;         // lines
+  std::string first_skipped_, since_facet_;  // the first of them, and of those since the last whole facet
 };
 
 // After the word `facet`, up to its `endfacet`.
@@ -88,19 +155,38 @@ void read_ascii_facet(Words& words, Facet& facet) {
   }
   words.expect("endloop");
   words.expect("endfacet");
+  words.facet_is_whole();
 }
 
-}  // namespace
+// The size decides: many begin with "solid" too.
+Match recognises_binary(const Head& head) {
+  if (head.bytes.size() < kHeader) return Match::kNo;
+  if (head.size == kHeader + kRecord * counted_facets(head.bytes)) return Match::kSure;
+  return head.text ? Match::kNo : Match::kPerhaps;
+}
 
-void read_binary_stl(Input& input, FacetStream& out) {
+void skip_behind(Input& input, FacetStream& out, uint64_t facets) {
+  uint64_t bytes = 0;
+  for (size_t some; (some = input.window(1).size()) > 0; bytes += some) input.consume(some);
+  if (bytes > 0 && facets == 0)
+    throw InputError(fmt::format("{}: the header counts 0 facets, and {} bytes follow: a wrong count, or no STL", input.at_byte(80), bytes));
+  if (bytes > 0)
+    out.warn(fmt::format("{} behind the last facet {} skipped{}", plural(bytes, "byte"), bytes == 1 ? "was" : "were",
+                         bytes % kRecord == 0 ? fmt::format(", as many as {} take{}: the header's count of {} may be wrong", plural(bytes / kRecord, "facet"),
+                                                            bytes == kRecord ? "s" : "", facets)
+                                              : ""));
+}
+
+void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const Budget&, Background*) {
+  file.format = "STL (binary)";
   const bool wanted = out.wants("");
-  const uint64_t facets = load32(input.window(kHeader).data() + 80);
-  if (input.size() && *input.size() != kHeader + kRecord * facets) wrong_size(input, facets, *input.size(), false);
+  const uint64_t facets = counted_facets(input.window(kHeader));
+  if (input.size() && *input.size() < kHeader + kRecord * facets) cut_short(input, facets, *input.size());
   input.consume(kHeader);
   for (uint64_t done = 0; done < facets;) {
     const std::string_view records = input.window(kRecord);
     const uint64_t whole = std::min(records.size() / kRecord, facets - done);
-    if (whole == 0) wrong_size(input, facets, input.offset() + records.size(), false);
+    if (whole == 0) cut_short(input, facets, input.offset() + records.size());
     Facet unwanted;
     for (uint64_t i = 0; i < whole; ++i)
       decode(records.data() + kRecord * i, done + i, input.offset() + kRecord * i, input,
@@ -108,22 +194,45 @@ void read_binary_stl(Input& input, FacetStream& out) {
     input.consume(kRecord * whole);
     done += whole;
   }
-  if (!input.window(1).empty()) wrong_size(input, facets, input.offset(), true);
+  skip_behind(input, out, facets);
 }
 
-void read_ascii_stl(Input& input, FacetStream& out) {
+Match recognises_ascii(const Head& head) { return head.text && is_keyword(head.word, "solid") ? Match::kPerhaps : Match::kNo; }
+
+void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const Budget&, Background*) {
+  file.format = "STL (ASCII)";
   Words words(input);
-  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
-    if (!is_keyword(word, "solid")) words.refuse(word, "solid");
-    const bool wanted = out.wants(trimmed(words.rest_of_line()));
-    Facet facet;
-    for (word = words.next(); !is_keyword(word, "endsolid"); word = words.next()) {
-      if (!is_keyword(word, "facet")) words.refuse(word, word.empty() ? "endsolid" : "facet");
+  std::string name;
+  uint64_t unended = 0;                                    // solids that another one follows without an `endsolid`
+  bool inside = false, has_facet = false, wanted = false;  // of the current solid
+  Facet facet;
+  for (;;) {
+    const std::string_view word = words.next();
+    if (inside && is_keyword(word, "facet")) {
       read_ascii_facet(words, facet);
       if (wanted) out.next() = facet;
-    }
-    words.rest_of_line();  // the name once more
+      has_facet = true;
+    } else if (is_keyword(word, "solid")) {
+      unended += inside;
+      name = words.solid_name();
+      wanted = out.wants(name);
+      inside = true, has_facet = false;
+    } else if (inside && is_keyword(word, "endsolid")) {
+      words.skip_name(name);
+      inside = false;
+    } else if (word.empty() && (!inside || has_facet))
+      break;
+    else
+      words.skip_line(word, inside ? "facet" : "solid");
   }
+  words.warn(out);
+  if (unended > 0) out.warn(fmt::format("{} 'endsolid' before the next", unended == 1 ? "1 solid lacks its" : fmt::format("{} solids lack their", unended)));
+  if (inside) out.warn("the file ends without 'endsolid': it may be cut short");
 }
+
+}  // namespace
+
+const SurfaceReader kBinaryStlReader = {recognises_binary, read_binary};
+const SurfaceReader kAsciiStlReader = {recognises_ascii, read_ascii};
 
 }  // namespace teracell

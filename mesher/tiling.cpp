@@ -22,7 +22,7 @@ ListedFacet listed(uint32_t number, const ChunkRange& r, uint32_t cu, uint32_t c
 
 }  // namespace
 
-Tiling::Tiling(const Metadata& meta) : rays_(meta) {
+Tiling::Tiling(const Metadata& meta, std::vector<bool> wide) : rays_(meta, std::move(wide)) {
   units_u_ = (rays_.shape.chunks_u + 3) / 4;
   units_v_ = (rays_.shape.chunks_v + 3) / 4;
   units_ = uint64_t{units_u_} * units_v_;
@@ -67,10 +67,10 @@ class Tiling::NodeBuilder {
   std::vector<uint32_t> order_ = std::vector<uint32_t>(kHeights + 2);
 };
 
-Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta) : Tiling(meta) {
+Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta, std::vector<bool> wide) : Tiling(meta, std::move(wide)) {
   NodeBuilder root(rays_);
   root.expect(facets->size());
-  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_.range_of(f.facet)); });
+  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_.range_of(f.facet, f.layer)); });
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 

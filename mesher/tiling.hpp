@@ -44,8 +44,8 @@ struct Unit {
 // next() is not thread-safe; split() may run on any thread, also while next() runs.
 class Tiling {
  public:
-  // Of facets as the grid sees them.
-  Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta);
+  // Of facets as the grid sees them; `wide` bodies as in rays.hpp.
+  Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta, std::vector<bool> wide);
   // `survey` sees the facets of every bin as it is loaded. The next `ahead` bins are loaded by threads of their own while
   // the units of one are taken.
   Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, int ahead, const Metadata& meta);
@@ -63,7 +63,7 @@ class Tiling {
     std::vector<ListedFacet> facets;
   };
   class NodeBuilder;
-  explicit Tiling(const Metadata& meta);
+  explicit Tiling(const Metadata& meta, std::vector<bool> wide = {});
   Node load(const TreePlace& place) const;
   Node take_bin(const TreePlace& place);
   void push_children(Node node);

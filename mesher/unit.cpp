@@ -10,6 +10,7 @@ void CastTotals::add(const CastTotals& other) {
   cells.resize(std::max(cells.size(), other.cells.size()));
   covered.resize(cells.size());
   for (size_t b = 0; b < other.cells.size(); ++b) cells[b] += other.cells[b], covered[b] += other.covered[b];
+  tallies.add(other.tallies);
 }
 
 UnitWork::UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta)
@@ -17,12 +18,13 @@ UnitWork::UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta)
 
 void UnitWork::make_row(uint32_t row, Worker& worker) {
   const auto facets = tiling_.split(unit_, row);
-  const uint64_t exact_before = worker.engine->exact_decisions();
+  const uint64_t exact_before = worker.exact_decisions();
   for (uint32_t u = 0; u < 4; ++u)
     if (unit_.cu * 4 + u < shape_.chunks_u && unit_.cv * 4 + row < shape_.chunks_v) make_chunk(row * 4 + u, facets[u], worker);
-  totals_[row].exact_decisions = worker.engine->exact_decisions() - exact_before;
+  totals_[row].exact_decisions = worker.exact_decisions() - exact_before;
   totals_[row].cells = worker.composer.take_cells();
   totals_[row].covered = worker.composer.take_covered();
+  totals_[row].tallies.add(worker.marker.take_tallies());
   if (--rows_left_ == 0 && meta_.grid.levels() > 2) make_level2(worker);
 }
 
@@ -34,14 +36,35 @@ void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets,
   } else {
     const Frame f = meta_.frame();
     Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
-    for (uint32_t u = 0; u < nu; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(cu * shape_.chunk_rays + u));
-    for (uint32_t v = 0; v < nv; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(cv * shape_.chunk_rays + v));
-    worker.engine->cast(tile, facets, worker.crossings);
+    Box cells;
+    cells.lo[f.u] = int64_t{cu} * shape_.chunk_rays, cells.hi[f.u] = cells.lo[f.u] + nu;
+    cells.lo[f.v] = int64_t{cv} * shape_.chunk_rays, cells.hi[f.v] = cells.lo[f.v] + nv;
+    cells.hi[f.w] = shape_.nw;
+    for (int64_t u = cells.lo[f.u]; u < cells.hi[f.u]; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(u));
+    for (int64_t v = cells.lo[f.v]; v < cells.hi[f.v]; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(v));
+    worker.engine->cast(tile, worker.marker.solids(facets), worker.crossings);
     totals_[i / 4].crossings += worker.crossings.all.size();
+    worker.marker.mark(tile, cells, worker.crossings);
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
+    tally_close(worker.composer.close_crossings(), cells, totals_[i / 4].tallies);
   }
   pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
+}
+
+void UnitWork::tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const {
+  const Frame f = meta_.frame();
+  const int64_t nu = cells.hi[f.u] - cells.lo[f.u];
+  for (size_t i = 0; i < all.size();) {
+    const TallyKey key{TallyKey::What::kPairs, all[i].body, static_cast<uint8_t>(f.w)};
+    Tally sum;
+    for (; i < all.size() && all[i].body == key.of; ++i) {
+      Index3 lower;
+      lower[f.u] = cells.lo[f.u] + all[i].ray % nu, lower[f.v] = cells.lo[f.v] + all[i].ray / nu, lower[f.w] = int64_t{all[i].cell} - 1;
+      sum.add({all[i].pairs, kSubPositions, 0, lower});
+    }
+    tallies.add(key, sum);
+  }
 }
 
 CastTotals UnitWork::totals() const {

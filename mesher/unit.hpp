@@ -6,6 +6,7 @@
 
 #include "mesher/compose.hpp"
 #include "mesher/labels.hpp"
+#include "mesher/marker.hpp"
 #include "mesher/tiling.hpp"
 #include "store/chunk_codec.hpp"
 #include "store/pyramid_writer.hpp"
@@ -14,8 +15,11 @@ namespace teracell {
 
 // What one thread keeps between jobs.
 struct Worker {
-  Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels) : engine(std::move(by)), composer(layers, labels.strength, labels.of_body) {}
+  Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels, const Scene& scene, const Metadata& meta, bool count_thin)
+      : engine(std::move(by)), marker(scene, meta, labels, count_thin), composer(layers, labels.strength, labels.of_body) {}
+  uint64_t exact_decisions() const { return engine->exact_decisions() + marker.exact_decisions(); }
   std::unique_ptr<Engine> engine;
+  Marker marker;
   Composer composer;
   ChunkEncoder encoder;
   Crossings crossings;
@@ -25,6 +29,7 @@ struct Worker {
 struct CastTotals {
   uint64_t crossings = 0, exact_decisions = 0;
   std::vector<unsigned __int128> cells, covered;  // of each body: that it owns; that lie in it and a stronger one owns
+  Tallies tallies;
   void add(const CastTotals& other);
 };
 
@@ -46,6 +51,7 @@ class UnitWork {
 
  private:
   void make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker);
+  void tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const;
   void make_level2(Worker& worker);
 
   const Unit unit_;

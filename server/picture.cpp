@@ -56,11 +56,11 @@ SetColors::SetColors(const Metadata& meta, int level, std::vector<bool> shown) :
 uint16_t SetColors::number_of_materials(const std::vector<uint32_t>& materials) {
   const Rgba color = of_materials_.of(materials);
   std::lock_guard lock(mutex_);
-  if (const auto it = by_color_.find(PngRows::rgba(color)); it != by_color_.end()) return it->second;
+  if (const auto it = by_color_.find(PngFile::rgba(color)); it != by_color_.end()) return it->second;
   if (colors_.size() == kMaxSetColors) throw UsageError(fmt::format("the picture has more than {} colours: ask for a smaller part of it", kMaxSetColors));
   colors_.push_back(color);
   const auto number = static_cast<uint16_t>(colors_.size() - 1);
-  by_color_[PngRows::rgba(color)] = number;
+  by_color_[PngFile::rgba(color)] = number;
   return number;
 }
 
@@ -69,24 +69,43 @@ std::vector<Rgba> SetColors::colors() const {
   return colors_;
 }
 
-PngWriter::PngWriter(uint32_t width, uint32_t height, const SetColors& colors, Sink sink)
-    : colors_(colors), rows_(width, height, colors.complete() ? colors.colors() : std::vector<Rgba>(), std::move(sink)) {
-  if (colors.complete())
-    for (uint32_t n = 0; n < colors.colors().size(); ++n) value_.push_back(n);
+PngWriter::PngWriter(uint32_t width, uint32_t height, const SetColors& colors, Sink sink) : colors_(colors), width_(width) {
+  const std::vector<Rgba> palette = colors.complete() ? colors.colors() : std::vector<Rgba>();
+  for (uint32_t n = 0; n < palette.size(); ++n) value_.push_back(n);
+  if (width > kLongest) long_rows_.emplace(width, height, palette, std::move(sink));
+  else rows_.emplace(width, height, palette, std::move(sink));
+}
+
+void PngWriter::append(std::span<const uint16_t> numbers) {
+  if (long_rows_) {
+    know(numbers);
+    return long_rows_->append(numbers, value_.data());
+  }
+  if (numbers.size() == width_) return row(numbers);
+  part_.insert(part_.end(), numbers.begin(), numbers.end());
+  if (part_.size() < width_) return;
+  row(part_);
+  part_.clear();
+}
+
+// Sets turn up while rows are made: their colours are fetched when a number is new here.
+void PngWriter::know(std::span<const uint16_t> numbers) {
+  if (*std::ranges::max_element(numbers) < value_.size()) return;
+  value_.clear();
+  for (const Rgba& c : colors_.colors()) value_.push_back(PngFile::rgba(c));
 }
 
 void PngWriter::row(std::span<const uint16_t> numbers) {
   changed_.clear();
   append_changes(numbers_, numbers, changed_);
   numbers_.assign(numbers.begin(), numbers.end());
-  // Sets turn up while rows are made: their colours are fetched when a number is new here.
-  if (!changed_.empty() && *std::ranges::max_element(numbers) >= value_.size()) {
-    value_.clear();
-    for (const Rgba& c : colors_.colors()) value_.push_back(PngRows::rgba(c));
-  }
-  rows_.row(numbers, changed_, value_.data());
+  if (!changed_.empty()) know(numbers);
+  rows_->row(numbers, changed_, value_.data());
 }
 
-void PngWriter::finish() { rows_.finish(); }
+void PngWriter::finish() {
+  if (long_rows_) long_rows_->finish();
+  else rows_->finish();
+}
 
 }  // namespace teracell

@@ -2,10 +2,12 @@
 #pragma once
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "server/png_long_rows.hpp"
 #include "server/png_rows.hpp"
 #include "store/slice.hpp"
 
@@ -49,19 +51,27 @@ class SetColors {
   std::unordered_map<uint32_t, uint16_t> by_color_;
 };
 
-// Writes a PNG of any size with the memory of a few rows: pictures of 10^5 x 10^5 cells must stream. Rows come from the top.
+// Writes a PNG of any size with the memory of a few rows, and of none where these are longer than kLongest: pictures of
+// 10^5 x 10^5 and of 10^9 x 1 cells must stream.
 class PngWriter {
  public:
-  using Sink = PngRows::Sink;
+  using Sink = PngFile::Sink;
+  static constexpr uint32_t kLongest = 1 << 22;  // pixels of a row that is compared with the one above
   // `colors` gives the colour of a number when a row is written; when it is complete it is the palette.
   PngWriter(uint32_t width, uint32_t height, const SetColors& colors, Sink sink);
-  void row(std::span<const uint16_t> numbers);  // REQUIRES: width of them
-  void finish();                                // REQUIRES: height rows were written
+  // The next row from the top, or the next part of one.
+  void append(std::span<const uint16_t> numbers);
+  void finish();  // REQUIRES: height rows were written
 
  private:
+  void know(std::span<const uint16_t> numbers);
+  void row(std::span<const uint16_t> numbers);
   const SetColors& colors_;
-  PngRows rows_;
-  std::vector<uint32_t> value_;    // of a number, for rows_
+  const uint32_t width_;
+  std::optional<PngRows> rows_;
+  std::optional<PngLongRows> long_rows_;  // or these
+  std::vector<uint32_t> value_;           // of a number, for both
+  std::vector<uint16_t> part_;            // of a row that came in parts
   std::vector<uint16_t> numbers_;  // of the row before
   std::vector<uint32_t> changed_;
 };

@@ -4,18 +4,10 @@
 #include <array>
 #include <cstring>
 
-#include <zlib.h>
-
 namespace teracell {
 namespace {
 
 constexpr int64_t kAdlerBase = 65521;
-
-void put_be32(Bytes& out, uint32_t v) {
-  for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<uint8_t>(v >> shift));
-}
-
-uint32_t bits_for(size_t colors) { return colors == 0 ? 32 : colors <= 2 ? 1 : colors <= 4 ? 2 : colors <= 16 ? 4 : 8; }
 
 }  // namespace
 
@@ -40,32 +32,14 @@ void append_changes(std::span<const uint16_t> above, std::span<const uint16_t> r
   groups.resize(static_cast<size_t>(end - groups.data()));
 }
 
-PngRows::PngRows(uint32_t width, uint32_t height, std::span<const Rgba> palette, Sink sink)
-    : sink_(std::move(sink)),
-      bits_(bits_for(palette.size())),
+PngRows::PngRows(uint32_t width, uint32_t height, std::span<const Rgba> palette, PngFile::Sink sink)
+    : file_(width, height, palette, std::move(sink)),
+      bits_(file_.bits()),
       length_((uint64_t{width} * bits_ + 7) / 8 + 1),
       matches_above_(length_ <= RunDeflate::kFarthest),
       near_(bits_ == 32 && matches_above_ ? 4 : 1),
-      deflate_(near_, matches_above_ ? static_cast<uint32_t>(length_) : near_ + 1, [this](std::span<const uint8_t> bytes) { chunk("IDAT", bytes); }),
-      line_(length_, 0) {
-  constexpr uint8_t kSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  sink_(kSignature);
-  Bytes header;
-  put_be32(header, width);
-  put_be32(header, height);
-  const bool has_palette = bits_ <= 8;
-  header.insert(header.end(), {static_cast<uint8_t>(has_palette ? bits_ : 8), static_cast<uint8_t>(has_palette ? 3 : 6), 0, 0, 0});
-  chunk("IHDR", header);
-  if (!has_palette) return;
-  Bytes rgb, alpha;
-  for (const Rgba& c : palette) {
-    rgb.insert(rgb.end(), c.begin(), c.begin() + 3);
-    alpha.push_back(c[3]);
-  }
-  chunk("PLTE", rgb);
-  while (!alpha.empty() && alpha.back() == 255) alpha.pop_back();  // those left out are opaque
-  if (!alpha.empty()) chunk("tRNS", alpha);
-}
+      deflate_(near_, matches_above_ ? static_cast<uint32_t>(length_) : near_ + 1, [this](std::span<const uint8_t> bytes) { file_.data(bytes); }),
+      line_(length_, 0) {}
 
 void PngRows::row(std::span<const uint16_t> numbers, std::span<const uint32_t> changed, const uint32_t* value) {
   const auto length = static_cast<int64_t>(length_);
@@ -90,14 +64,7 @@ void PngRows::row(std::span<const uint16_t> numbers, std::span<const uint32_t> c
       std::copy(n, numbers.data() + numbers.size(), padded.begin());
       n = padded.data();
     }
-    std::array<uint8_t, 32> bytes;
-    if (bits_ == 32) {
-      for (uint32_t i = 0; i < 32; ++i) bytes[i] = static_cast<uint8_t>(value[n[i / 4]] >> (8 * (i % 4)));
-    } else {
-      uint64_t word = 0;
-      for (uint32_t i = 0; i < 8; ++i) word = word << bits_ | value[n[i]];
-      for (uint32_t i = 0; i < bits_; ++i) bytes[i] = static_cast<uint8_t>(word >> (8 * (bits_ - 1 - i)));
-    }
+    const auto bytes = file_.pack(n, value);
     const uint64_t end = std::min(start + bits_, length_);
     const int64_t weight = (length - static_cast<int64_t>(start)) % kAdlerBase;
     for (at = start; at < end; ++at) byte(at, bytes[at - start], weight - static_cast<int64_t>(at - start));
@@ -157,20 +124,7 @@ void PngRows::flush(uint64_t at) {
 void PngRows::finish() {
   flush(0);
   deflate_.finish(static_cast<uint32_t>(adler_b_ << 16 | adler_a_));
-  chunk("IEND", {});
-}
-
-void PngRows::chunk(const char* type, std::span<const uint8_t> data) {
-  Bytes bytes;
-  put_be32(bytes, static_cast<uint32_t>(data.size()));
-  bytes.insert(bytes.end(), type, type + 4);
-  sink_(bytes);
-  sink_(data);
-  uLong crc = crc32(0, reinterpret_cast<const Bytef*>(type), 4);
-  crc = data.empty() ? crc : crc32(crc, data.data(), static_cast<uInt>(data.size()));
-  bytes.clear();
-  put_be32(bytes, static_cast<uint32_t>(crc));
-  sink_(bytes);
+  file_.finish();
 }
 
 }  // namespace teracell

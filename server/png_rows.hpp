@@ -5,44 +5,34 @@
 // Rows too long for such a distance (32 kB) are written as differences to the row above (filter "up"), in runs.
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
+#include "server/png_file.hpp"
 #include "server/run_deflate.hpp"
-#include "store/color.hpp"
 
 namespace teracell {
 
 // Appends the groups of 8 numbers that differ between a row and the one above; all when there is none above.
 void append_changes(std::span<const uint16_t> above, std::span<const uint16_t> row, std::vector<uint32_t>& groups);
 
-// A picture takes the fewest bits that tell `colors` apart: a palette of 1, 2, 4 or 8 bits, or RGBA past 256. Memory: a row and
-// a few hundred kB.
+// Memory: a row and a few hundred kB.
 class PngRows {
  public:
-  using Sink = std::function<void(std::span<const uint8_t>)>;
-  static constexpr size_t kMostColors = 256;  // of a palette
-
-  // An empty palette: RGBA.
-  PngRows(uint32_t width, uint32_t height, std::span<const Rgba> palette, Sink sink);
+  PngRows(uint32_t width, uint32_t height, std::span<const Rgba> palette, PngFile::Sink sink);
   PngRows(const PngRows&) = delete;
-  // The next row from the top. `changed`: of append_changes. `value` tells of each number its place in the palette, or its
-  // colour as rgba().
+  // The next row from the top. `changed`: of append_changes. `value`: of each number, for PngFile::pack().
   void row(std::span<const uint16_t> numbers, std::span<const uint32_t> changed, const uint32_t* value);
   void finish();  // REQUIRES: height rows were written
-
-  static uint32_t rgba(const Rgba& c) { return c[0] | uint32_t{c[1]} << 8 | uint32_t{c[2]} << 16 | uint32_t{c[3]} << 24; }
 
  private:
   void same(uint64_t at, uint64_t length);
   void byte(uint64_t at, uint8_t value, int64_t weight);
   void extend(RunDeflate::Back back, uint64_t at, uint64_t length);
   void flush(uint64_t at);
-  void chunk(const char* type, std::span<const uint8_t> data);
 
-  Sink sink_;
-  const uint32_t bits_;       // a pixel: 1, 2, 4, 8 with a palette, 32 without
+  PngFile file_;
+  const uint32_t bits_;       // a pixel
   const uint64_t length_;     // of a row, with its filter byte
   const bool matches_above_;  // else rows are differences
   const uint32_t near_;       // distance of runs

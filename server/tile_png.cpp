@@ -27,14 +27,14 @@ std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t
   // Colours that are alike share a place.
   std::vector<Rgba> palette;
   std::vector<uint32_t> value(colors.size(), 0);
-  for (size_t n = 0; n < colors.size() && palette.size() <= PngRows::kMostColors; ++n) {
+  for (size_t n = 0; n < colors.size() && palette.size() <= PngFile::kMostColors; ++n) {
     if (!occurs[n]) continue;
     value[n] = static_cast<uint32_t>(std::ranges::find(palette, colors[n]) - palette.begin());
     if (value[n] == palette.size()) palette.push_back(colors[n]);
   }
-  if (palette.size() > PngRows::kMostColors) {
+  if (palette.size() > PngFile::kMostColors) {
     palette.clear();
-    for (size_t n = 0; n < colors.size(); ++n) value[n] = PngRows::rgba(colors[n]);
+    for (size_t n = 0; n < colors.size(); ++n) value[n] = PngFile::rgba(colors[n]);
   }
 
   std::string png;

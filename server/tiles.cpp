@@ -83,7 +83,7 @@ std::string streamed_png(const GridReader& reader, const SliceView& view, const 
   SetColors colors(reader.meta(), view.level, look.shown);
   PngWriter png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), colors,
                 [&](std::span<const uint8_t> bytes) { out.append(bytes.begin(), bytes.end()); });
-  for_each_row(reader, view, colors.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) { png.row(row); });
+  for_each_row(reader, view, colors.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) { png.append(row); });
   png.finish();
   return out;
 }

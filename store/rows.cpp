@@ -5,6 +5,10 @@
 //                current row and applies what changes from one row to the next. A column-wise fill of 10^8 cells
 //                would miss the cache 10^8 times; the sweep touches only what changes
 //   lying        the picture's rows are rays: a run is a stretch of a row
+//
+// However wide a row is, a bounded number of cells is in memory. Rows that are too many to be held together with the others of
+// their chunks are made fewer at a time, down to single ones that are delivered part by part: chunks are decoded once more
+// for each. (Rejected: keeping what is decoded as runs. It is small for bodies, but nothing bounds it.)
 #include <algorithm>
 #include <utility>
 
@@ -48,71 +52,100 @@ struct Picture {
   bool top_down;
   int threads;
   const RowSink& row;
+  const int64_t held;  // cells
   LevelShape shape;
   Frame rays;
 
   int64_t width() const { return view.u1 - view.u0; }
 
-  // Bands of rows [from, to), cut at multiples of `size`, in the order of delivery.
+  // Rows [from, to).
   struct Band {
     int64_t from, to;
   };
-  std::vector<Band> bands(int64_t size) const {
-    std::vector<Band> out;
-    for (int64_t b = view.v0 / size; b * size < view.v1; ++b) out.push_back({std::max(view.v0, b * size), std::min(view.v1, (b + 1) * size)});
-    if (top_down) std::ranges::reverse(out);
-    return out;
+  // The band that comes first of those left, cut at multiples of `size`.
+  Band next_band(const Band& left, int64_t size) const {
+    if (top_down) return {std::max(left.from, (left.to - 1) / size * size), left.to};
+    return {left.from, std::min(left.to, (left.from / size + 1) * size)};
   }
+  // Of a band those rows that come first; and the others.
+  Band head(const Band& band, int64_t rows) const { return top_down ? Band{band.to - rows, band.to} : Band{band.from, band.from + rows}; }
+  Band tail(const Band& band, int64_t rows) const { return top_down ? Band{band.from, band.to - rows} : Band{band.from + rows, band.to}; }
+  int64_t nth(const Band& band, int64_t i) const { return top_down ? band.to - 1 - i : band.from + i; }
 
-  // Rows [band.from, band.to) stand in `cells`, the lowest first.
-  void deliver(const Band& band, const std::vector<uint16_t>& cells) const {
-    const auto n = static_cast<size_t>(width());
-    for (int64_t i = 0; i < band.to - band.from; ++i) {
-      const int64_t v = top_down ? band.to - 1 - i : band.from + i;
-      row(v, {cells.data() + static_cast<size_t>(v - band.from) * n, n});
-    }
-  }
+  // A part of a band: columns [u0, u1), the lowest row first.
+  struct Part {
+    Band band;
+    int64_t u0, u1;
+    std::vector<uint16_t> cells{};
+    int64_t width() const { return u1 - u0; }
+    std::span<const uint16_t> row(int64_t v) const { return std::span(cells).subspan(static_cast<size_t>((v - band.from) * width()), static_cast<size_t>(width())); }
+  };
 
-  // Makes each band's cells on one of the threads, delivers them in order.
+  // Makes the cells of parts on the threads, delivers them in order. Bands are cut at multiples of size_v, parts at multiples
+  // of size_u.
   template <class Fill>
-  void by_bands(int64_t size, Fill fill) const {
-    const std::vector<Band> all = bands(size);
-    size_t next = 0;
+  void by_parts(int64_t size_u, int64_t size_v, Fill fill) const {
+    const int64_t wide = std::max<int64_t>(1, held / 1024), rows = std::clamp<int64_t>(held / width(), 1, size_v);
+    Band left{view.v0, view.v1}, band{};
+    int64_t u = view.u1;
+    std::vector<Part> parts;  // of a band, until it is complete
     in_order(
-        threads, [&]() -> std::optional<Band> { return next < all.size() ? std::optional(all[next++]) : std::nullopt; },
-        [&](Band band, int) {
-          std::vector<uint16_t> cells(static_cast<size_t>((band.to - band.from) * width()));
-          fill(band, cells);
-          return std::pair(band, std::move(cells));
+        threads,
+        [&]() -> std::optional<Part> {
+          if (u == view.u1) {
+            if (left.from == left.to) return std::nullopt;
+            band = next_band(left, size_v);
+            band = head(band, std::min(rows, band.to - band.from));
+            left = tail(left, band.to - band.from);
+            u = view.u0;
+          }
+          const int64_t from = u, cut = (u + wide) / size_u * size_u;
+          u = view.u1 - u <= wide ? view.u1 : cut > u ? cut : u + wide;
+          return Part{band, from, u};
         },
-        [&](const std::pair<Band, std::vector<uint16_t>>& done) { deliver(done.first, done.second); });
+        [&](Part part, int) {
+          part.cells.resize(static_cast<size_t>((part.band.to - part.band.from) * part.width()));
+          fill(part);
+          return part;
+        },
+        [&](Part&& part) {
+          const Band of = part.band;
+          const bool last = part.u1 == view.u1;
+          parts.push_back(std::move(part));
+          if (!last && of.to - of.from > 1) return;
+          for (int64_t i = 0; i < of.to - of.from; ++i)
+            for (const Part& p : parts) row(nth(of, i), p.row(nth(of, i)));
+          parts.clear();
+        });
   }
 
   // Part of the picture across the rays of one chunk: pixels [u0, u1) x [v0, v1), counted from the chunk's corner.
   struct Patch {
     uint32_t u0, u1, v0, v1;
-    uint16_t* out;  // the pixel (u0, v0); rows are width() apart
+    uint16_t* out;  // the pixel (u0, v0)
+    int64_t stride;  // from row to row
   };
 
   // The picture across the rays of chunks of `level`, each `side` pixels wide. paint(chunk, patch) is called for those that
   // are not uniform.
   template <class Paint>
   void by_chunks(int level, int64_t side, uint32_t segment, Paint paint) const {
-    by_bands(side, [&](const Band& band, std::vector<uint16_t>& cells) {
+    by_parts(side, side, [&](Part& part) {
+      const Band& band = part.band;
       const auto cv = static_cast<uint32_t>(band.from / side);
       std::shared_ptr<Chunk> scratch;
-      for (int64_t first = view.u0 / side * side; first < view.u1; first += side) {
+      for (int64_t first = part.u0 / side * side; first < part.u1; first += side) {
         const auto cu = static_cast<uint32_t>(first / side);
-        const int64_t u0 = std::max(view.u0, first), u1 = std::min(view.u1, first + side);
-        uint16_t* const out = cells.data() + (u0 - view.u0);
+        const int64_t u0 = std::max(part.u0, first), u1 = std::min(part.u1, first + side);
+        uint16_t* const out = part.cells.data() + (u0 - part.u0);
         if (const auto set = reader.uniform(level, cu, cv, segment)) {
           const auto all = static_cast<uint16_t>(value(*set));
-          for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * width(), u1 - u0, all);
+          for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * part.width(), u1 - u0, all);
           continue;
         }
-        const auto held = reader.chunk(level, cu, cv, segment, scratch);
+        const auto decoded = reader.chunk(level, cu, cv, segment, scratch);
         const auto within = [&](int64_t n, int64_t begin) { return static_cast<uint32_t>(n - begin); };
-        paint(*held, Patch{within(u0, first), within(u1, first), within(band.from, cv * side), within(band.to, cv * side), out});
+        paint(*decoded, Patch{within(u0, first), within(u1, first), within(band.from, cv * side), within(band.to, cv * side), out, part.width()});
       }
     });
   }
@@ -124,7 +157,7 @@ struct Picture {
       const RayBlock& b = chunk.rays;
       Values values(chunk.sets, value);
       for (uint32_t v = p.v0; v < p.v1; ++v) {
-        uint16_t* out = p.out + (v - p.v0) * width();
+        uint16_t* out = p.out + (v - p.v0) * p.stride;
         for (uint32_t ray = v * b.nu + p.u0; ray < v * b.nu + p.u1; ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
       }
     });
@@ -147,7 +180,7 @@ struct Picture {
         return run < changes.size() && changes[run] == cell + 1 ? sets.unite(of_ray[run], of_ray[run + 1]) : of_ray[run];
       };
       for (uint32_t v = p.v0; v < p.v1; ++v) {
-        uint16_t* out = p.out + (v - p.v0) * width();
+        uint16_t* out = p.out + (v - p.v0) * p.stride;
         const uint32_t first = 2 * v, rows = std::min(2u, b.nv - first);
         for (uint32_t column = 2 * p.u0; column < 2 * p.u1; column += 2) {
           const uint32_t columns = std::min(2u, b.nu - column);
@@ -175,8 +208,8 @@ struct Picture {
         for (int64_t i = from; i < to; ++i) f(i, first_cell, first_cell + shape.length(segment), all);
         continue;
       }
-      const auto held = reader.chunk(view.level, cu, cv, segment, scratch);
-      const Chunk& chunk = *held;
+      const auto decoded = reader.chunk(view.level, cu, cv, segment, scratch);
+      const Chunk& chunk = *decoded;
       Values values(chunk.sets, value);
       for (int64_t i = from; i < to; ++i) {
         const auto r = static_cast<uint32_t>(i - first);
@@ -198,6 +231,14 @@ struct Picture {
     size_t next = 0;              // of them
     std::vector<uint16_t> cells;  // or these, row by row
 
+    size_t bytes() const { return changes.capacity() * sizeof(Change) + cells.capacity() * sizeof(uint16_t); }
+    // Keeps the first rows.
+    void cut(size_t rows) {
+      changes.resize(static_cast<size_t>(std::ranges::lower_bound(changes, rows, {}, &Change::row) - changes.begin()));
+      changes.shrink_to_fit();
+      cells.resize(std::min(cells.size(), rows * wide));
+      cells.shrink_to_fit();
+    }
     // Makes the row before into this one. `out`: from the first column on.
     void turn(size_t row, uint16_t* out) {
       if (!cells.empty()) std::copy_n(cells.data() + row * wide, wide, out);
@@ -229,32 +270,56 @@ struct Picture {
   }
 
   void upright() const {
-    std::vector<uint16_t> current(static_cast<size_t>(width()));
-    for (const Band& band : bands(shape.chunk_cells)) {  // one segment at a time
-      std::vector<Columns> parts;  // made in parallel
-      const int64_t part = 4 * int64_t{shape.chunk_rays};  // at most 1024
-      int64_t next = view.u0;
-      in_order(
-          threads,
-          [&]() -> std::optional<int64_t> {
-            if (next >= view.u1) return std::nullopt;
-            return std::exchange(next, std::min(view.u1, (next / part + 1) * part));
-          },
-          [&](int64_t from, int) { return columns(band, from, std::min(view.u1, (from / part + 1) * part)); },
-          [&](Columns&& made) { parts.push_back(std::move(made)); });
-      for (int64_t r = 0; r < band.to - band.from; ++r) {
-        for (Columns& p : parts) p.turn(static_cast<size_t>(r), current.data() + p.first);
-        row(top_down ? band.to - 1 - r : band.from + r, current);
+    Band left{view.v0, view.v1};
+    while (left.from < left.to) left = tail(left, sweep(next_band(left, shape.chunk_cells)));  // one segment at a time
+  }
+
+  // Delivers the first rows of a band within a segment: as many as can be held. Returns their number.
+  int64_t sweep(const Band& band) const {
+    int64_t rows = 2 * width() <= held ? band.to - band.from : 1;
+    std::vector<uint16_t> current(rows > 1 ? static_cast<size_t>(width()) : 0);
+    std::vector<Columns> parts;  // made in parallel
+    size_t bytes = current.size() * sizeof(uint16_t);
+    const auto keep = [&](Columns&& made) {
+      made.cut(static_cast<size_t>(rows));
+      bytes += made.bytes();
+      parts.push_back(std::move(made));
+      while (rows > 1 && bytes > static_cast<size_t>(held) * sizeof(uint16_t)) {
+        rows = (rows + 1) / 2;
+        bytes = current.size() * sizeof(uint16_t);
+        for (Columns& p : parts) p.cut(static_cast<size_t>(rows)), bytes += p.bytes();
       }
+      if (rows > 1) return;
+      for (Columns& p : parts) {
+        current.resize(p.wide);
+        p.turn(0, current.data());
+        row(nth(band, 0), current);
+      }
+      parts.clear();
+      bytes = 0;
+    };
+    const int64_t part = 4 * int64_t{shape.chunk_rays};  // at most 1024
+    int64_t next = view.u0;
+    in_order(
+        threads,
+        [&]() -> std::optional<int64_t> {
+          if (next >= view.u1) return std::nullopt;
+          return std::exchange(next, std::min(view.u1, (next / part + 1) * part));
+        },
+        [&](int64_t from, int) { return columns(band, from, std::min(view.u1, (from / part + 1) * part)); }, keep);
+    for (int64_t r = 0; !parts.empty() && r < rows; ++r) {
+      for (Columns& p : parts) p.turn(static_cast<size_t>(r), current.data() + p.first);
+      row(nth(band, r), current);
     }
+    return rows;
   }
 
   void lying() const {
-    by_bands(shape.chunk_rays, [&](const Band& band, std::vector<uint16_t>& cells) {
-      for (int64_t s = view.u0 / shape.chunk_cells; s * shape.chunk_cells < view.u1; ++s)
-        runs(band.from, band.to, static_cast<uint32_t>(s), [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {
-          a = std::max(a, view.u0), b = std::min(b, view.u1);
-          if (a < b) std::fill_n(cells.data() + (v - band.from) * width() + (a - view.u0), b - a, value_of_run);
+    by_parts(shape.chunk_cells, shape.chunk_rays, [&](Part& part) {
+      for (int64_t s = part.u0 / shape.chunk_cells; s * shape.chunk_cells < part.u1; ++s)
+        runs(part.band.from, part.band.to, static_cast<uint32_t>(s), [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {
+          a = std::max(a, part.u0), b = std::min(b, part.u1);
+          if (a < b) std::fill_n(part.cells.data() + (v - part.band.from) * part.width() + (a - part.u0), b - a, value_of_run);
         });
     });
   }
@@ -286,10 +351,11 @@ void check_view(const Metadata& meta, const SliceView& view) {
   check(f.v, view.v0, view.v1);
 }
 
-void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row) {
+void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row,
+                  int64_t held) {
   check_view(reader.meta(), view);
   const Frame rays = reader.meta().frame();
-  const Picture picture{reader, view, value, top_down, threads, row, reader.shape(view.level), rays};
+  const Picture picture{reader, view, value, top_down, threads, row, held, reader.shape(view.level), rays};
   if (rays.w == view.axis) picture.across();
   else if (rays.w == Frame::along(view.axis).v) picture.upright();
   else picture.lying();

@@ -71,10 +71,12 @@ struct SliceView {
 SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level);
 void check_view(const Metadata& meta, const SliceView& view);
 
-// Calls row(v, values) for every row of the view, from the top (v1 - 1) down or from v0 up; values has u1 - u0 entries
-// below 65536. Memory: rows of chunks; where the rays stand upright in the picture, what changes along one segment of its
-// rays, at most two bytes a cell. Decodes on `threads` threads.
+// Calls row(v, values) for every row of the view, from the top (v1 - 1) down or from v0 up: with all u1 - u0 values of the
+// row, or, where these are many, with parts of it, one after another. Values are below 65536. Memory: about `held` cells of two
+// bytes, and as much a thread as a chunk and 1024 columns of it take. Decodes on `threads` threads.
 using RowSink = std::function<void(int64_t v, std::span<const uint16_t> values)>;
-void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row);
+inline constexpr int64_t kHeldCells = int64_t{1} << 26;
+void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row,
+                  int64_t held = kHeldCells);
 
 }  // namespace teracell

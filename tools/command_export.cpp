@@ -16,24 +16,25 @@ struct Options {
   int level = 0;
 };
 
-// Layers of z that fit the slab; where not even one fits, rows of a layer.
+// Layers of z that fit the slab; where not even one fits, rows of a layer; or part of a row.
 template <class T>
 void write_cells(const GridReader& reader, const Options& o, const Box& box, const std::atomic<bool>& stop, OutputFile& file) {
   const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1];
   const auto fit = [](int64_t count, int64_t size) { return std::clamp<int64_t>(kSlabBytes / size, 1, count); };
-  const int64_t row = nx * static_cast<int64_t>(sizeof(T)), rows = fit(ny, row), layers = rows < ny ? 1 : fit(box.hi[2] - box.lo[2], ny * row);
+  const int64_t columns = fit(nx, sizeof(T)), row = nx * static_cast<int64_t>(sizeof(T)), rows = fit(ny, row);
+  const int64_t layers = rows < ny ? 1 : fit(box.hi[2] - box.lo[2], ny * row);
   const SetValue material = strongest_material(reader.meta());
   std::vector<T> slab;
-  for (int64_t z = box.lo[2]; z < box.hi[2]; z += layers) {
-    for (int64_t y = box.lo[1]; y < box.hi[1]; y += rows) {
-      stop_if(stop, o.output);
-      const Box part{{box.lo[0], y, z}, {box.hi[0], std::min(box.hi[1], y + rows), std::min(box.hi[2], z + layers)}};
-      const int64_t height = part.hi[1] - y;
-      slab.resize(static_cast<size_t>(nx * height * (part.hi[2] - z)));
-      read_box<T>(reader, o.level, part, material, 0, slab.data(), {1, nx, nx * height});
-      file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
-    }
-  }
+  for (int64_t z = box.lo[2]; z < box.hi[2]; z += layers)
+    for (int64_t y = box.lo[1]; y < box.hi[1]; y += rows)
+      for (int64_t x = box.lo[0]; x < box.hi[0]; x += columns) {
+        stop_if(stop, o.output);
+        const Box part{{x, y, z}, {std::min(box.hi[0], x + columns), std::min(box.hi[1], y + rows), std::min(box.hi[2], z + layers)}};
+        const int64_t width = part.hi[0] - x, height = part.hi[1] - y;
+        slab.resize(static_cast<size_t>(width * height * (part.hi[2] - z)));
+        read_box<T>(reader, o.level, part, material, 0, slab.data(), {1, width, width * height});
+        file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
+      }
 }
 
 void run(const Options& o) {

@@ -48,7 +48,7 @@ void write_png(const GridReader& reader, const SliceView& view, const Options& o
   PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors, [&](std::span<const uint8_t> bytes) { file.append(bytes); });
   for_each_row(reader, view, colors.value(), true, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
     stop_if(stop, o.output);
-    png.row(row);
+    png.append(row);
   });
   png.finish();
 }

@@ -31,10 +31,21 @@ TEST_CASE("OBJ: lines joined without end are refused before they fill the memory
   CHECK_THAT(refusal(kObj + std::string(2 * Input::kLongestLine, ' ')), Contains("line 10: longer than 16777216 bytes"));
 }
 
-TEST_CASE("OBJ: what is decoration is skipped, what would leave a hole is not") {
-  const std::string decorated = "mtllib a.mtl\nusemtl steel\ns off\nvp 1 2\nl 1 2\np 1\nsomething new 1 2 3\n\n  \t\n";
-  CHECK(read(decorated + kObj).facets == tetrahedron());
-  CHECK_THAT(refusal(kObj + "surf 0 1 0 1\n"), Contains("mesh: line 10") && Contains("free-form surface"));
+TEST_CASE("OBJ: what is decoration is skipped; lines, points and free-form parts are counted") {
+  const auto warnings = [](const std::string& more) {
+    const Result r = read(more + kObj + more);
+    CHECK(r.facets == tetrahedron());
+    return r.file.warnings;
+  };
+  const auto one = [](const std::string& text) { return std::vector<std::string>{text}; };
+  CHECK(warnings("mtllib a.mtl\nusemtl steel\ns off\nvp 1 2\nsomething new 1 2 3\n\n  \t\n").empty());
+  CHECK(warnings("l 1 2 3\n") == one("2 polylines were skipped"));
+  CHECK(warnings("p 1 2 \\\n3 # 4\n") == one("6 points were skipped"));
+  CHECK(warnings("l 1 2\np 1\ncstype bezier\ndeg 3 3\ncurv 0 1 1 2\nparm u 0 1\nend\ncurv2 1 2\n") == one("2 polylines, 2 points and 4 free-form curves were skipped"));
+  CHECK(warnings("l 1 2\ncstype rat bspline\ndeg 3 3\nsurf 0 1 0 1 1 2 3 4\nparm u 0 1\ntrim 0 1 1\nhole 0 1 1\nscrv 0 1 1\nsp 1\nend\n") ==
+        one("2 polylines and 2 free-form surfaces were skipped: convert surfaces to polygons where the body needs them"));
+  CHECK(read(kObj + "l 1 2").file.warnings == one("1 polyline was skipped"));
+  CHECK_THAT(refusal("v 0 0 0\nsurf 0 1 0 1 1\n"), Contains("mesh: holds no facet: 1 free-form surface was skipped: convert"));
 }
 
 TEST_CASE("OBJ: what is wrong is named with its line") {

@@ -86,8 +86,10 @@ TEST_CASE("A run killed anywhere resumes to the bytes of an undisturbed one") {
 
 TEST_CASE("A run killed again and again gets to the end, with other threads and memory each time") {
   const TempFolder folder;
-  const Scene scene = scene_to_kill(folder);
+  Scene scene = scene_to_kill(folder);
+  scene.bodies[1].thin = Thin::kKeep;
   MeshOptions options = options_to_kill();
+  options.thin = true;
   const auto whole = mesh_quietly(scene, folder / "whole.tcell", options);
   options.resume = true;
   for (int i = 0; i < 5; ++i) {
@@ -97,6 +99,7 @@ TEST_CASE("A run killed again and again gets to the end, with other threads and 
   }
   const auto report = mesh_quietly(scene, folder / "g.tcell", options);
   CHECK(report["resumed_chunks"] > 0);
+  CHECK(whole["bodies"][1]["lost"]["z"]["number"] > 0);
   CHECK(report["bodies"] == whole["bodies"]);
   CHECK(report["crossings"] == whole["crossings"]);
   CHECK(report["exact_decisions"] == whole["exact_decisions"]);
@@ -128,6 +131,9 @@ TEST_CASE("Another input or another option is refused, and said") {
   MeshOptions along_x = options;
   along_x.axis = 0;
   refuse(scene, along_x, "axis was \"z\" and is \"x\"");
+  MeshOptions counting = options;
+  counting.thin = true;
+  refuse(scene, counting, "thin was false and is true");
   Scene finer = scene;
   finer.axis[0].cells = 1001;
   refuse(finer, options, "1001");

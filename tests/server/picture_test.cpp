@@ -40,7 +40,7 @@ std::vector<std::string> different_colors(uint32_t count, uint32_t alpha = 255) 
 std::vector<uint8_t> write(uint32_t width, const SetColors& colors, const Rows& rows) {
   std::vector<uint8_t> png;
   PngWriter writer(width, static_cast<uint32_t>(rows.size()), colors, [&](std::span<const uint8_t> b) { png.insert(png.end(), b.begin(), b.end()); });
-  for (const auto& row : rows) writer.row(row);
+  for (const auto& row : rows) writer.append(row);
   writer.finish();
   return png;
 }
@@ -138,6 +138,48 @@ TEST_CASE("a row may be longer than a chunk of data", "[server]") {
   }
 }
 
+TEST_CASE("a row that comes in parts is the row", "[server]") {
+  std::mt19937 random(4);
+  const Metadata meta = with_colors(different_colors(5));
+  const SetColors colors(meta, 0);
+  const Rows rows = noise(random, 301, 9, 5);
+  std::vector<uint8_t> png;
+  PngWriter writer(301, 9, colors, [&](std::span<const uint8_t> b) { png.insert(png.end(), b.begin(), b.end()); });
+  for (const auto& row : rows)
+    for (size_t at = 0, size; at < row.size(); at += size) {
+      size = std::min<size_t>(row.size() - at, 1 + random() % 200);
+      writer.append(std::span(row).subspan(at, size));
+    }
+  writer.finish();
+  REQUIRE(png == write(301, colors, rows));
+}
+
+TEST_CASE("rows that are too long to be kept are the same picture, in parts of any length", "[server]") {
+  std::mt19937 random(5);
+  for (const uint32_t count : {2u, 3u, 9u, 200u, 300u}) {
+    const Metadata meta = with_colors(different_colors(count, 77));
+    const SetColors colors(meta, 0);
+    const std::vector<Rgba> palette = colors.complete() ? colors.colors() : std::vector<Rgba>();
+    std::vector<uint32_t> value;
+    for (uint32_t n = 0; n < count; ++n) value.push_back(palette.empty() ? PngFile::rgba(colors.colors()[n]) : n);
+    for (const uint32_t width : {1u, 7u, 8u, 9u, 4001u, 100000u}) {
+      INFO(count << " colours, width " << width);
+      const Rows rows = noise(random, width, 6, count);
+      std::vector<uint8_t> png;
+      PngLongRows writer(width, 6, palette, [&](std::span<const uint8_t> b) { png.insert(png.end(), b.begin(), b.end()); });
+      for (const auto& row : rows)
+        for (size_t at = 0, size; at < row.size(); at += size) {
+          size = std::min<size_t>(row.size() - at, 1 + random() % (random() % 2 ? 11 : 5000));
+          writer.append(std::span(row).subspan(at, size), value.data());
+        }
+      writer.finish();
+      const Decoded d = decode(png);
+      REQUIRE(d.kind == (palette.empty() ? 6 : 3));
+      require_picture(d, colors, rows);
+    }
+  }
+}
+
 TEST_CASE("rows that repeat cost next to nothing", "[server]") {
   const Metadata meta = with_colors({"#000000", "#ffffff"});
   const SetColors colors(meta, 0);
@@ -162,7 +204,7 @@ TEST_CASE("the sets of a few materials have a palette, numbered as they turn up 
   std::vector<uint8_t> png;
   PngWriter writer(2, 2, growing, [&](std::span<const uint8_t> b) { png.insert(png.end(), b.begin(), b.end()); });
   Rows rows = {{0, 8}, {growing.number({1, 2, 3}), growing.number({0, 8})}};  // new ones after the writer has begun
-  for (const auto& row : rows) writer.row(row);
+  for (const auto& row : rows) writer.append(row);
   writer.finish();
   REQUIRE(growing.colors().size() == before + 2);
   const Decoded d = decode(png);

@@ -157,23 +157,24 @@ struct Checked {
     }
   }
 
-  void rows(const SliceView& view, bool top_down, int threads) {
+  void rows(const SliceView& view, bool top_down, int threads, int64_t held = kHeldCells) {
     const Frame f = Frame::along(view.axis);
-    int64_t next = top_down ? view.v1 - 1 : view.v0;
+    int64_t next = top_down ? view.v1 - 1 : view.v0, u = view.u0;
     bool good = true;
-    for_each_row(reader, view, as_mask, top_down, threads, [&](int64_t v, std::span<const uint16_t> values) {
-      good &= v == next && values.size() == static_cast<size_t>(view.u1 - view.u0);
-      next += top_down ? -1 : 1;
+    const auto take = [&](int64_t v, std::span<const uint16_t> values) {
+      good &= v == next && !values.empty() && u + static_cast<int64_t>(values.size()) <= view.u1;
       Index3 cell;
       cell[view.axis] = view.index, cell[f.v] = v;
-      for (int64_t u = view.u0; good && u < view.u1; ++u) {
-        cell[f.u] = u;
-        good = values[static_cast<size_t>(u - view.u0)] == at(view.level, cell[0], cell[1], cell[2]);
+      for (size_t i = 0; good && i < values.size(); ++i) {
+        cell[f.u] = u++;
+        good = values[i] == at(view.level, cell[0], cell[1], cell[2]);
       }
-    });
-    INFO("slice across " << axis_name(view.axis) << " at " << view.index << ", top down " << top_down << ", " << threads << " threads");
+      if (u == view.u1) u = view.u0, next += top_down ? -1 : 1;
+    };
+    for_each_row(reader, view, as_mask, top_down, threads, take, held);
+    INFO("slice across " << axis_name(view.axis) << " at " << view.index << ", top down " << top_down << ", " << threads << " threads, " << held << " cells held");
     REQUIRE(good);
-    REQUIRE(next == (top_down ? view.v0 - 1 : view.v1));
+    REQUIRE((u == view.u0 && next == (top_down ? view.v0 - 1 : view.v1)));
   }
 
   void slices(int level) {
@@ -187,7 +188,8 @@ struct Checked {
           view.u0 = part.lo[f.u], view.u1 = part.hi[f.u], view.v0 = part.lo[f.v], view.v1 = part.hi[f.v];
         }
         for (const bool top_down : {true, false})
-          for (const int threads : {1, random_int(random, 2, 3)}) rows(view, top_down, threads);
+          for (const int threads : {1, random_int(random, 2, 3)})
+            for (const int64_t held : {kHeldCells, int64_t{1} << random_int(random, 0, 14)}) rows(view, top_down, threads, held);
       }
     }
   }

@@ -222,6 +222,7 @@ struct Shell {
   std::vector<Facet> facets;  // that count
   bool distinct;
   Chain winding, parity;      // its boundary by either rule
+  bool closed() const { return parity.empty() || (winding.empty() && !distinct); }
 };
 
 Shell shell_of(const std::vector<Facet>& facets, bool is_distinct) {
@@ -231,96 +232,94 @@ Shell shell_of(const std::vector<Facet>& facets, bool is_distinct) {
   return s;
 }
 
-// Shells that count as one.
-using Group = std::vector<const Shell*>;
-
-Chain boundary_of(const Group& group, By by) {
-  Chain all;
-  for (const Shell* s : group) {
-    const Chain& own = by == By::kParity ? s->parity : s->winding;
-    all.insert(own.begin(), own.end());  // shells share no vertex
-  }
-  return all;
-}
-
-// Groups that use the same edge an odd number of times each become one. `edges_of` gives those that are left by parity.
-template <class F>
-std::vector<Group> joined(const std::vector<Group>& groups, F edges_of) {
-  std::vector<std::pair<Group, Chain>> out;
-  for (const Group& next : groups) {
-    std::pair<Group, Chain> one = {next, edges_of(next)};
-    for (size_t i = 0; i < out.size();) {
-      const bool meet = std::any_of(one.second.begin(), one.second.end(), [&](const auto& entry) { return out[i].second.contains(entry.first); });
-      if (!meet) {
-        ++i;
-        continue;
-      }
-      one.first.insert(one.first.end(), out[i].first.begin(), out[i].first.end());
-      one.second.insert(out[i].second.begin(), out[i].second.end());  // all that any of them uses
-      out.erase(out.begin() + static_cast<int64_t>(i));
-      i = 0;
-    }
-    out.push_back(std::move(one));
-  }
-  std::vector<Group> only;
-  for (auto& [group, edges] : out) only.push_back(group);
-  return only;
+bool share_an_edge(const Chain& a, const Chain& b) {
+  return std::any_of(a.begin(), a.end(), [&](const auto& entry) { return b.contains(entry.first); });
 }
 
 // Adds shells that count as one, with what closes them.
-void add_closed(ClosedSurface& out, const Group& group, By by, const Needle& needle, bool float32) {
-  JoinedShell shell;
+void add_closed(ClosedSurface& out, const std::vector<const Shell*>& members, By by, const Needle& needle, bool float32) {
+  JoinedShell joined;
+  Chain boundary;
   std::vector<Facet>& facets = by == By::kParity ? out.evenodd : out.nonzero;
-  shell.shells = group.size();
-  shell.evenodd = by == By::kParity;
-  for (const Shell* s : group) {
-    shell.distinct |= s->distinct;
+  joined.shells = members.size();
+  joined.evenodd = by == By::kParity;
+  for (const Shell* s : members) {
+    joined.distinct |= s->distinct;
     facets.insert(facets.end(), s->facets.begin(), s->facets.end());
+    const Chain& own = by == By::kParity ? s->parity : s->winding;
+    boundary.insert(own.begin(), own.end());  // shells share no vertex
   }
-  const Chain boundary = boundary_of(group, by);
-  shell.boundary = boundary.size();
-  const Stitched stitched = needle.stitch(boundary, by);
-  out.stitches += stitched.facets.size();
-  facets.insert(facets.end(), stitched.facets.begin(), stitched.facets.end());
-  shell.open = stitched.left.size();
-  for (const std::vector<Vec3>& loop : loops_of(stitched.left, by)) {
-    ++shell.loops;
-    const Vec3 apex = apex_of(loop, float32);
-    for (size_t i = 0; i < loop.size(); ++i) facets.push_back({{loop[(i + 1) % loop.size()], loop[i], apex}});
+  joined.boundary = boundary.size();
+  if (!boundary.empty()) {
+    const Stitched stitched = needle.stitch(boundary, by);
+    out.stitches += stitched.facets.size();
+    facets.insert(facets.end(), stitched.facets.begin(), stitched.facets.end());
+    joined.open = stitched.left.size();
+    for (const std::vector<Vec3>& loop : loops_of(stitched.left, by)) {
+      ++joined.loops;
+      const Vec3 apex = apex_of(loop, float32);
+      for (size_t i = 0; i < loop.size(); ++i) facets.push_back({{loop[(i + 1) % loop.size()], loop[i], apex}});
+    }
   }
-  out.shells.push_back(shell);
+  out.shells.push_back(joined);
+}
+
+void add_ends(std::set<Vec3>& ends, const Chain& boundary) {
+  for (const auto& [edge, k] : boundary) ends.insert({edge.first, edge.second});
+}
+
+ClosedSurface closed_by_shell(const std::vector<Facet>& facets, Fill fill, double tau, bool float32) {
+  const bool automatic = fill == Fill::kAuto, by_parity = fill == Fill::kEvenodd || fill == Fill::kDistinct;
+  std::vector<Shell> open;
+  std::set<Vec3> ends;
+  ClosedSurface out;
+  for (const std::vector<Facet>& one : shells_of(facets)) {
+    Shell shell = shell_of(one, fill == Fill::kDistinct || (automatic && mostly_cancels(one)));
+    if (automatic ? shell.closed() : by_parity ? shell.parity.empty() : shell.winding.empty()) {
+      const bool parity = automatic ? shell.distinct || !shell.winding.empty() : by_parity;
+      add_closed(out, {&shell}, parity ? By::kParity : By::kWinding, Needle({}, 0), float32);
+      continue;
+    }
+    add_ends(ends, shell.distinct || by_parity ? shell.parity : shell.winding);
+    open.push_back(std::move(shell));
+  }
+  const Needle needle(ends, tau);
+
+  // Edges that a shell uses an odd number of times are those that are left by parity.
+  std::vector<Stitched> alone;
+  for (const Shell& s : open) alone.push_back(needle.stitch(s.parity, By::kParity));
+  std::vector<size_t> group(open.size());
+  for (size_t i = 0; i < open.size(); ++i) group[i] = i;
+  for (size_t i = 0; i < open.size(); ++i)
+    for (size_t j = 0; j < i; ++j)
+      if (share_an_edge(alone[i].before, alone[j].before) || share_an_edge(alone[i].left, alone[j].left)) {
+        const size_t gone = group[j];
+        std::replace(group.begin(), group.end(), gone, group[i]);
+      }
+  for (size_t g = 0; g < open.size(); ++g) {
+    std::vector<const Shell*> members;
+    Chain winding, parity;
+    for (size_t i = 0; i < open.size(); ++i) {
+      if (group[i] != g) continue;
+      members.push_back(&open[i]);
+      winding.insert(open[i].winding.begin(), open[i].winding.end());
+      parity.insert(open[i].parity.begin(), open[i].parity.end());
+    }
+    if (members.empty()) continue;
+    const bool has_distinct = std::any_of(members.begin(), members.end(), [](const Shell* s) { return s->distinct; });
+    const bool evenodd =
+        automatic ? has_distinct || needle.stitch(parity, By::kParity).left.size() < needle.stitch(winding, By::kWinding).left.size() : by_parity;
+    add_closed(out, members, evenodd ? By::kParity : By::kWinding, needle, float32);
+  }
+  return out;
 }
 
 }  // namespace
 
 ClosedSurface closed(const std::vector<Facet>& facets, Fill fill, double tau, bool float32) {
-  ClosedSurface out;
-  std::vector<Shell> open;
-  for (const std::vector<Facet>& one : shells_of(facets)) {
-    Shell shell = shell_of(one, fill == Fill::kDistinct || (fill == Fill::kAuto && mostly_cancels(one)));
-    const bool closed_by_winding = shell.winding.empty() && !shell.distinct;
-    if (fill != Fill::kAuto || !(closed_by_winding || shell.parity.empty())) open.push_back(std::move(shell));
-    else add_closed(out, {&shell}, closed_by_winding ? By::kWinding : By::kParity, Needle({}, 0), float32);
-  }
-
-  std::set<Vec3> ends;
-  std::vector<Group> groups;
-  for (const Shell& s : open) {
-    for (const auto& [edge, k] : fill == Fill::kEvenodd || s.distinct ? s.parity : s.winding) ends.insert({edge.first, edge.second});
-    groups.push_back({&s});
-  }
-  const Needle needle(ends, tau);
-  const auto stitched = [&](const Group& g, By by) { return needle.stitch(boundary_of(g, by), by); };
-  groups = joined(groups, [&](const Group& g) { return stitched(g, By::kParity).before; });
-  groups = joined(groups, [&](const Group& g) { return stitched(g, By::kParity).left; });
-
+  ClosedSurface out = closed_by_shell(facets, fill, tau, float32);
   size_t boundary = 0;
-  for (const Group& g : groups) {
-    const bool has_distinct = std::any_of(g.begin(), g.end(), [](const Shell* s) { return s->distinct; });
-    const bool evenodd = fill == Fill::kAuto ? has_distinct || stitched(g, By::kParity).left.size() < stitched(g, By::kWinding).left.size() : fill != Fill::kNonzero;
-    add_closed(out, g, evenodd ? By::kParity : By::kWinding, needle, float32);
-    boundary += out.shells.back().boundary;
-  }
+  for (const JoinedShell& s : out.shells) boundary += s.boundary;
   if (out.stitches > 64 * boundary) throw std::length_error("oracle: too many stitches");
   return out;
 }

@@ -44,6 +44,7 @@ Scene scene_of(const TempFolder& folder, const std::vector<oracle::Body>& bodies
     body.material = bodies[i].material;
     body.priority = bodies[i].priority;
     body.fill = bodies[i].rule == oracle::Rule::kEvenodd ? Fill::kEvenodd : Fill::kNonzero;
+    if (bodies[i].sheet) body.kind = Kind::kSheet, body.fill = Fill::kAuto;
     scene.bodies.push_back(body);
   }
   return scene;

@@ -13,6 +13,11 @@
 // for small e > 0 the sign of its first coefficient that is not 0. A tetrahedron of nonzero volume has no zero normal,
 // so that sign is never 0 and no tie is left. One without volume has no inside and counts nothing.
 //
+// Sheets. The line along axis d through a shifted point crosses a facet if the point lies on the same side of the three
+// planes through the facet's edges and the direction d, all turned alike; the crossing lies between two points of the line
+// when they are on different sides of the facet's plane. Where the facet's normal has no part along d, no line along d crosses
+// it: the shift takes it off the facet's plane.
+//
 // Exactness. Every double is an integer times a power of two; with one power for all of them, all arithmetic above is
 // in integers: 128 bits when the coordinates are below 2^40 (lattices), as many as needed otherwise.
 #include "tests/support/oracle.hpp"
@@ -146,7 +151,143 @@ std::vector<int> windings(const std::vector<Facet>& facets, const Grid& grid, co
   return winding;
 }
 
+template <class Int>
+Point<Int> exact_point(const Vec3& v, const Scale& scale) {
+  return {scaled<Int>(v[0], scale), scaled<Int>(v[1], scale), scaled<Int>(v[2], scale)};
+}
+
+// Lines along `axis` against one facet.
+template <class Int>
+class LinesAndFacet {
+ public:
+  LinesAndFacet(const Facet& facet, int axis, const Scale& scale)
+      : a_(exact_point<Int>(facet.vertex[0], scale)), b_(exact_point<Int>(facet.vertex[1], scale)), c_(exact_point<Int>(facet.vertex[2], scale)), plane_(a_, b_, c_), turn_(sign(plane_.n[axis])) {
+    if (turn_ == 0) return;
+    const auto beside = [&](Point<Int> p) {
+      p[axis] += 1;
+      return p;
+    };
+    edges_ = {Plane<Int>(a_, b_, beside(a_)), Plane<Int>(b_, c_, beside(b_)), Plane<Int>(c_, a_, beside(c_))};
+  }
+  int turn() const { return turn_; }  // sign of the normal's part along the axis
+  bool crosses(const Point<Int>& p) const {
+    if (turn_ == 0) return false;
+    const int side = edges_[0].shifted_side(p);
+    return side == edges_[1].shifted_side(p) && side == edges_[2].shifted_side(p);
+  }
+  // Whether the facet is above p. REQUIRES: crosses(p).
+  bool is_above(const Point<Int>& p) const { return plane_.shifted_side(p) != turn_; }
+
+ private:
+  Point<Int> a_, b_, c_;
+  Plane<Int> plane_;
+  int turn_;
+  std::vector<Plane<Int>> edges_;
+};
+
+void add_vertices(Scale& scale, const std::vector<Facet>& facets) {
+  for (const Facet& f : facets)
+    for (const Vec3& vertex : f.vertex)
+      for (const double v : vertex) scale.add(v);
+}
+
+void add_centres(Scale& scale, const Grid& grid) {
+  for (const Axis& axis : grid.axis)
+    for (int64_t i = 0; i < axis.cells(); ++i) scale.add(axis.centre(i));
+}
+
+// Of the lines along d that may meet the facet: all cells along d, else those between its ends.
+std::array<std::pair<int64_t, int64_t>, 3> lines_within(const Facet& facet, const Grid& grid, int d) {
+  std::array<std::pair<int64_t, int64_t>, 3> range;
+  for (int k = 0; k < 3; ++k) {
+    const auto [lo, hi] = std::minmax({facet.vertex[0][k], facet.vertex[1][k], facet.vertex[2][k]});
+    range[k] = k == d ? std::pair{int64_t{0}, grid.axis[k].cells()} : centres_within(grid.axis[k], lo, hi);
+  }
+  return range;
+}
+
+template <class Int>
+std::vector<bool> sheet(const std::vector<Facet>& facets, const Grid& grid, const Scale& scale) {
+  const Index3 n = grid.cells();
+  std::vector<bool> out(n[0] * n[1] * n[2], false);
+  for (const Facet& facet : facets) {
+    for (int d = 0; d < 3; ++d) {
+      const LinesAndFacet<Int> lines(facet, d, scale);
+      if (lines.turn() == 0) continue;
+      const auto range = lines_within(facet, grid, d);
+      for (int64_t z = range[2].first; z < range[2].second; ++z)
+        for (int64_t y = range[1].first; y < range[1].second; ++y)
+          for (int64_t x = range[0].first; x < range[0].second; ++x) {
+            const Index3 i = {x, y, z};
+            Point<Int> lower;
+            for (int k = 0; k < 3; ++k) lower[k] = scaled<Int>(grid.axis[k].centre(i[k]), scale);
+            lower[d] = scaled<Int>(grid.axis[d].plane(i[d]), scale);
+            Point<Int> upper = lower;
+            upper[d] = scaled<Int>(grid.axis[d].plane(i[d] + 1), scale);
+            if (lines.crosses(lower) && lines.is_above(lower) != lines.is_above(upper)) out[(z * n[1] + y) * n[0] + x] = true;
+          }
+    }
+  }
+  return out;
+}
+
+template <class Int>
+std::vector<Slot> crossed_slots(const std::vector<Facet>& facets, const Grid& grid, const Scale& scale) {
+  std::map<std::pair<int, Index3>, Slot> found;
+  for (const Facet& facet : facets) {
+    for (int d = 0; d < 3; ++d) {
+      const LinesAndFacet<Int> lines(facet, d, scale);
+      if (lines.turn() == 0) continue;
+      const auto range = lines_within(facet, grid, d);
+      Index3 i;
+      for (i[2] = range[2].first; i[2] < range[2].second; ++i[2])
+        for (i[1] = range[1].first; i[1] < range[1].second; ++i[1])
+          for (i[0] = range[0].first; i[0] < range[0].second; ++i[0]) {
+            if (i[d] + 1 == grid.axis[d].cells()) continue;
+            Point<Int> p;
+            for (int k = 0; k < 3; ++k) p[k] = scaled<Int>(grid.axis[k].centre(i[k]), scale);
+            if (!lines.crosses(p) || !lines.is_above(p)) continue;
+            const double lower = grid.axis[d].centre(i[d]), upper = grid.axis[d].centre(i[d] + 1);
+            p[d] = scaled<Int>(upper, scale);
+            if (lines.is_above(p)) continue;
+            uint32_t before = 0, beyond = 65536;
+            while (beyond - before > 1) {
+              const uint32_t k = (before + beyond) / 2;
+              p[d] = scaled<Int>(lower + (k / 65536.0) * (upper - lower), scale);
+              (lines.is_above(p) ? before : beyond) = k;
+            }
+            // Where it goes out of a surface, along the facet's normal, the line leaves one winding behind.
+            Slot& slot = found.try_emplace({d, i}, Slot{d, i, {}}).first->second;
+            slot.steps.emplace_back(beyond, -lines.turn());
+          }
+    }
+  }
+  std::vector<Slot> out;
+  for (auto& [key, slot] : found) {
+    std::sort(slot.steps.begin(), slot.steps.end());
+    out.push_back(std::move(slot));
+  }
+  return out;
+}
+
 }  // namespace
+
+std::vector<Slot> slots(const std::vector<Facet>& facets, const Grid& grid) {
+  Scale scale;
+  add_vertices(scale, facets);
+  add_centres(scale, grid);
+  scale.exponent -= 16;  // a sub-position has no bit below a 65536th of the lowest one of the sample points
+  return scale.bits() <= 40 ? crossed_slots<Int128>(facets, grid, scale) : crossed_slots<cpp_int>(facets, grid, scale);
+}
+
+std::vector<bool> sheet_cells(const std::vector<Facet>& facets, const Grid& grid) {
+  Scale scale;
+  add_vertices(scale, facets);
+  add_centres(scale, grid);
+  for (const Axis& axis : grid.axis)
+    for (int64_t i = 0; i <= axis.cells(); ++i) scale.add(axis.plane(i));
+  return scale.bits() <= 40 ? sheet<Int128>(facets, grid, scale) : sheet<cpp_int>(facets, grid, scale);
+}
 
 bool is_closed(const std::vector<Facet>& facets, Rule rule) {
   std::map<std::pair<Vec3, Vec3>, int64_t> uses;  // of the edge from its smaller vertex to its larger one
@@ -167,14 +308,8 @@ bool is_closed(const std::vector<Facet>& facets, Rule rule) {
 std::vector<int> winding_numbers(const std::vector<Facet>& facets, const Grid& grid, const Vec3& apex) {
   Scale scale;
   for (const double v : apex) scale.add(v);
-  for (const Facet& f : facets) {
-    for (const Vec3& vertex : f.vertex) {
-      for (const double v : vertex) scale.add(v);
-    }
-  }
-  for (const Axis& axis : grid.axis) {
-    for (int64_t i = 0; i < axis.cells(); ++i) scale.add(axis.centre(i));
-  }
+  add_vertices(scale, facets);
+  add_centres(scale, grid);
   // Coordinates below 2^40 differ by less than 2^41; a normal's entries stay below 2 * 2^82 and n . p and n . a below
   // 3 * 2^83 * 2^40 < 2^125 each: their sum fits 128 bits.
   return scale.bits() <= 40 ? windings<Int128>(facets, grid, apex, scale)
@@ -187,11 +322,12 @@ std::vector<uint32_t> materials(const std::vector<Body>& bodies, const Grid& gri
   std::vector<int64_t> priority(material.size(), std::numeric_limits<int64_t>::min());
   for (const Body& body : bodies) {
     if (body.facets.empty()) continue;
-    if (!is_closed(body.facets, body.rule)) throw std::invalid_argument("oracle: a body's surface is not closed");
+    if (!body.sheet && !is_closed(body.facets, body.rule)) throw std::invalid_argument("oracle: a body's surface is not closed");
     // Any apex will do; one on the surface keeps the tetrahedra, and so the cells to test, few.
-    const std::vector<int> winding = winding_numbers(body.facets, grid, body.facets[0].vertex[0]);
+    const std::vector<int> winding = body.sheet ? std::vector<int>() : winding_numbers(body.facets, grid, body.facets[0].vertex[0]);
+    const std::vector<bool> owned = body.sheet ? sheet_cells(body.facets, grid) : std::vector<bool>();
     for (size_t cell = 0; cell < material.size(); ++cell) {
-      const bool inside = body.rule == Rule::kNonzero ? winding[cell] != 0 : winding[cell] % 2 != 0;
+      const bool inside = body.sheet ? owned[cell] : body.rule == Rule::kNonzero ? winding[cell] != 0 : winding[cell] % 2 != 0;
       if (!inside || body.priority < priority[cell]) continue;
       material[cell] = body.material;
       priority[cell] = body.priority;

@@ -1,0 +1,122 @@
+#include "mesher/report_lost.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+namespace teracell {
+namespace {
+
+using nlohmann::ordered_json;
+using What = TallyKey::What;
+
+ordered_json json(const Vec3& p) { return {p[0], p[1], p[2]}; }
+std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
+std::string plural(uint64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
+
+TallyKey key_of(What what, size_t of, int axis) { return {what, static_cast<uint32_t>(of), static_cast<uint8_t>(axis)}; }
+
+// Adds number, width and place of a tally along an axis.
+ordered_json lost_json(ordered_json out, const TallyKey& key, const Grid& grid, const Tallies& tallies) {
+  const Tally* found = tallies.find(key);
+  out["number"] = found ? found->number : 0;
+  out["widest_65536ths"] = found ? found->widest : 0;
+  out["widest"] = found ? width_of(key, *found, grid) : 0.0;
+  out["at"] = found ? json(place_of(key, *found, grid)) : ordered_json();
+  return out;
+}
+
+std::string lower_side_warning(size_t b, int axis, const Grid& grid, const Tallies& tallies) {
+  const TallyKey key = key_of(What::kLowerSide, b, axis);
+  const Tally* found = tallies.find(key);
+  if (!found) return "";
+  return fmt::format("lies on the domain's lower side along {} on {} through sample points, the first at {}: the cells there would lie beyond it. "
+                     "Let the domain begin lower if they matter",
+                     axis_name(axis), plural(found->number, "line"), text(place_of(key, *found, grid)));
+}
+
+// How thick the body's box is along an axis, in cells, those in it on average.
+double thickness_in_cells(const BodyFacets& found, int d, const Axis& axis) {
+  const double extent = found.hi[d] - found.lo[d], lo = std::clamp(found.lo[d], axis.min(), axis.max()), hi = std::clamp(found.hi[d], axis.min(), axis.max());
+  const int64_t first = axis.cell_at(lo), last = axis.cell_at(hi);
+  return extent / ((axis.plane(last + 1) - axis.plane(first)) / static_cast<double>(last + 1 - first));
+}
+
+// Empty unless the box lies beside the domain along some axis.
+std::string beside_domain(const BodyFacets& found, const Grid& grid) {
+  std::vector<std::string> sides;
+  for (int d = 0; d < 3; ++d)
+    if (found.hi[d] < grid.axis[d].min() || found.lo[d] > grid.axis[d].max())
+      sides.push_back(fmt::format("it spans {} from {:.6g} to {:.6g}, the domain from {:.6g} to {:.6g}", axis_name(d), found.lo[d], found.hi[d], grid.axis[d].min(), grid.axis[d].max()));
+  return fmt::format("{}", fmt::join(sides, "; "));
+}
+
+// A body may be small by intention: what is said below is why, not that it is wrong.
+constexpr uint64_t kFewCells = 8;
+
+std::string few_cells_warning(const Scene& scene, size_t b, const BodyFacets& found, const Plan& plan, const CastTotals& totals) {
+  if (totals.cells[b] >= kFewCells) return "";
+  const SceneBody& body = scene.bodies[b];
+  const Grid& grid = plan.meta.grid;
+  const auto cells = static_cast<uint64_t>(totals.cells[b]);
+  const std::string owns = cells == 0 ? "owns no cell" : fmt::format("owns only {}", plural(cells, "cell"));
+  if (const std::string beside = beside_domain(found, grid); !beside.empty()) return fmt::format("{}: it lies outside the domain: {}", owns, beside);
+
+  std::vector<std::string> why;
+  if (totals.covered[b] > 0) why.push_back(fmt::format("stronger bodies own {} of {} cells in it", totals.covered[b], totals.covered[b] + totals.cells[b]));
+  std::vector<std::string> thickness;
+  double thinnest = HUGE_VAL;
+  bool flat = false;
+  for (int d = 0; d < 3; ++d) {
+    const double n = thickness_in_cells(found, d, grid.axis[d]);
+    thinnest = std::min(thinnest, n);
+    flat |= found.lo[d] == found.hi[d];
+    thickness.push_back(fmt::format("{:.3g}", n));
+  }
+  const bool sheet = body.kind == Kind::kSheet;
+  const bool open = !found.closed.holes.empty();
+  if (flat && !sheet) why.push_back(open ? "it is open and flat, so it encloses nothing" : "it is flat, so it encloses nothing");
+  why.push_back(fmt::format("its box is {} cells wide along x, y, z", fmt::join(thickness, " x ")));
+  const TallyKey key = key_of(What::kPairs, b, plan.rays.axis);
+  const Tally* lost = totals.tallies.find(key);
+  if (lost) why.push_back(fmt::format("rays along {} enter and leave it between two sample points {}, the first at {}", axis_name(plan.rays.axis),
+                                      lost->number == 1 ? "once" : fmt::format("{} times", lost->number), text(place_of(key, *lost, grid))));
+  const char* advice = "";
+  if (!sheet && totals.covered[b] == 0) {
+    if (flat || (open && thinnest < 1)) advice = ". If it is a surface without thickness, \"kind\": \"sheet\" gives it the cells that it passes through";
+    else if ((lost || thinnest < 1) && body.thin != Thin::kKeep) advice = ". \"thin\": \"keep\" gives it the cells that its thin parts lie in; smaller cells would too";
+  }
+  return fmt::format("{}: {}{}", owns, fmt::join(why, "; "), advice);
+}
+
+}  // namespace
+
+void report_lost(const Scene& scene, size_t b, const Plan& plan, const Tallies& tallies, bool count_thin, ordered_json& body) {
+  const SceneBody& from = scene.bodies[b];
+  const Grid& grid = plan.meta.grid;
+  if (from.kind == Kind::kSheet) body["kind"] = "sheet";
+  const TallyKey key = key_of(What::kPairs, b, plan.rays.axis);
+  const Tally* pairs = tallies.find(key);
+  body["lost_stretches"] = {{"axis", axis_name(plan.rays.axis)}, {"number", pairs ? pairs->number : 0}, {"at", pairs ? json(place_of(key, *pairs, grid)) : ordered_json()}};
+  if (ThinParts::wanted(from, count_thin))
+    for (int axis = 0; axis < 3; ++axis) body["lost"][axis_name(axis)] = lost_json(ordered_json::object(), key_of(What::kStretches, b, axis), grid, tallies);
+}
+
+ordered_json lost_gaps(const Scene& scene, const Grid& grid, const Tallies& tallies) {
+  ordered_json all = ordered_json::array();
+  for (const auto& [key, tally] : tallies.all())
+    if (key.what == What::kGaps) all.push_back(lost_json({{"material", scene.materials[key.of].name}, {"axis", axis_name(key.axis)}}, key, grid, tallies));
+  return all;
+}
+
+std::vector<std::string> cell_warnings(const Scene& scene, size_t b, const BodyFacets& found, const Plan& plan, const CastTotals& totals) {
+  std::vector<std::string> out = {few_cells_warning(scene, b, found, plan, totals)};
+  for (int axis = 0; axis < 3; ++axis) out.push_back(lower_side_warning(b, axis, plan.meta.grid, totals.tallies));
+  std::erase(out, "");
+  return out;
+}
+
+}  // namespace teracell

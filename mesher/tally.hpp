@@ -1,0 +1,60 @@
+// What lies where no sample point tells of it, counted while rays are cast: how often, how wide, and where. The sums do not
+// depend on the order in which tiles are counted.
+#pragma once
+#include <compare>
+#include <cstdint>
+#include <map>
+
+#include "store/bytes.hpp"
+#include "store/grid.hpp"
+
+namespace teracell {
+
+// Sub-positions between neighbouring sample points: q(k) = c(i) + (k / kSubPositions) * (c(i + 1) - c(i)).
+inline constexpr uint32_t kSubPositions = 65536;
+inline double sub_position(const Axis& axis, int64_t cell, uint32_t k) {
+  const double lower = axis.centre(cell), upper = axis.centre(cell + 1);
+  return k == kSubPositions ? upper : lower + (k / static_cast<double>(kSubPositions)) * (upper - lower);
+}
+
+struct TallyKey {
+  enum class What : uint8_t {
+    kPairs,      // pairs of crossings of a body along a ray, between the same two sample points
+    kStretches,  // lost ones of a body
+    kGaps,       // lost ones of a material
+    kLowerSide,  // lines that cross a sheet exactly on the domain's lower side
+  };
+  What what;
+  uint32_t of;    // the body or the material
+  uint8_t axis;
+  friend auto operator<=>(const TallyKey&, const TallyKey&) = default;
+};
+
+struct Tally {
+  uint64_t number = 0;
+  // The widest, of equals the first (least z, then y, then x): from q(from) of `cell` along the axis, so many 65536ths.
+  uint32_t widest = 0, from = 0;
+  Index3 cell{};
+  void add(const Tally& other);
+};
+
+// Its middle.
+Vec3 place_of(const TallyKey& key, const Tally& tally, const Grid& grid);
+// As a length.
+double width_of(const TallyKey& key, const Tally& tally, const Grid& grid);
+
+class Tallies {
+ public:
+  void add(const TallyKey& key, const Tally& tally);
+  void add(const Tallies& other);
+  const Tally* find(const TallyKey& key) const;
+  const std::map<TallyKey, Tally>& all() const { return all_; }
+
+  void save(Bytes& out) const;
+  static Tallies restored(ByteReader& in);
+
+ private:
+  std::map<TallyKey, Tally> all_;
+};
+
+}  // namespace teracell

@@ -1,0 +1,55 @@
+"""Slices so wide that not even a row of them fits into memory."""
+import os
+import subprocess
+import zlib
+
+import solids
+from program import PROGRAM, Case
+
+WIDTH, LO, HI = 200_000_000, 60_000_000, 140_000_000  # of the grid; the box's cells
+
+
+class Wide(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("box.stl", solids.binary_stl(solids.box_facets((float(LO), 0.0, 0.0), (float(HI), 1.0, 1.0))))
+        self.write("s.json", {"units": "m", "grid": {"min": [0, 0, 0], "max": [WIDTH, 1, 1], "step": 1},
+                              "materials": {"air": {"color": "#000000"}, "rock": {"color": "#ffffff"}},
+                              "bodies": [{"mesh": "box.stl", "material": "rock"}]})
+        self.run_ok("mesh", "s.json", "-o", "g.tcell", "--axis", "x")
+
+    def write_in_little_memory(self, *args):
+        process = subprocess.Popen([PROGRAM, *map(str, args)], cwd=self.folder, stdin=subprocess.DEVNULL)
+        _, status, used = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.assertEqual(process.returncode, 0)
+        self.assertLess(used.ru_maxrss << 10, 2 * WIDTH, "two bytes a cell. (Counts this process before its child began: it stays small.)")
+
+    def assert_row(self, blocks, cells_a_byte, rock):
+        """Bytes of value 0, of value `rock` where the box is, 0 again."""
+        at, lo, hi = 0, LO // cells_a_byte, HI // cells_a_byte
+        for block in blocks:
+            begin, end = (min(max(n - at, 0), len(block)) for n in (lo, hi))
+            self.assertEqual(block.count(rock, begin, end), end - begin)
+            self.assertEqual(block.count(0), len(block) - (end - begin))
+            at += len(block)
+        self.assertEqual(at, WIDTH // cells_a_byte)
+
+    def test_arrays(self):
+        for args in (["slice", "g.tcell", "--axis", "z", "--index", 0, "--threads", 2], ["export", "g.tcell"]):
+            self.write_in_little_memory(*args, "-o", "a.npy")
+            with open(self.path("a.npy"), "rb") as f:
+                f.seek(128)
+                self.assert_row(iter(lambda: f.read(1 << 20), b""), 1, 1)
+
+    def test_pictures(self):
+        for axis in "zy":
+            self.write_in_little_memory("slice", "g.tcell", "--axis", axis, "--index", 0, "-o", "p.png", "--threads", 2)
+            picture, at, data = self.bytes("p.png"), 8, b""
+            while at < len(picture):
+                size, name = int.from_bytes(picture[at : at + 4], "big"), picture[at + 4 : at + 8]
+                data += picture[at + 8 : at + 8 + size] if name == b"IDAT" else b""
+                at += 12 + size
+            row = zlib.decompress(data)
+            self.assertEqual(row[0], 0, "no filter")
+            self.assert_row([row[1:]], 8, 255)

@@ -1,0 +1,217 @@
+// Sheets: the cells that a surface passes through, against rational arithmetic.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "mesher/engines/engines.hpp"
+#include "tests/support/meshed.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/ties.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+using oracle::Body;
+using oracle::Rule;
+using shapes::Facets;
+
+Grid cube_grid(double min, double step, int64_t n) {
+  const Axis axis = Axis::uniform(min, step, 0, n, 0.5);
+  return {{axis, axis, axis}};
+}
+
+Body sheet(Facets facets, uint32_t material = 1, int64_t priority = 0) { return {std::move(facets), Rule::kNonzero, material, priority, true}; }
+
+// Facets with corners on multiples of 1/4 (and 1/2: sample points and planes) that are joined to nothing, needles and facets
+// along the axes among them.
+Facets soup(std::mt19937_64& random, int count, int n) {
+  Facets facets;
+  for (int i = 0; i < count; ++i) {
+    Facet f;
+    const double lattice = random_int(random, 0, 1) == 0 ? 0.5 : 0.25;
+    for (Vec3& p : f.vertex)
+      for (double& x : p) x = random_int(random, static_cast<int>(-1 / lattice), static_cast<int>((n + 1) / lattice)) * lattice;
+    if (const int d = random_int(random, 0, 5); d < 3) f.vertex[1][d] = f.vertex[2][d] = f.vertex[0][d];
+    facets.push_back(f);
+  }
+  return facets;
+}
+
+std::vector<uint32_t> meshed(const TempFolder& folder, const Scene& scene, const MeshOptions& options) {
+  mesh_quietly(scene, folder / "g.tcell", options);
+  return all_cells(GridReader(folder / "g.tcell"));
+}
+
+// Along each axis, by each engine.
+void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
+  const TempFolder folder;
+  const Scene scene = scene_of(folder, bodies, grid);
+  const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const std::string& engine : engine_names()) {
+      INFO("rays along " << axis_name(axis) << ", engine " << engine);
+      MeshOptions options;
+      options.axis = axis;
+      options.engine = engine;
+      options.threads = 1;
+      REQUIRE(meshed(folder, scene, options) == expected);
+    }
+}
+
+TEST_CASE("A sheet owns the cells whose planes its crossing lies between; a surface on a plane belongs to the cell below", "[sheet]") {
+  const Grid grid = cube_grid(0, 1, 6);
+  const TempFolder folder;
+  const auto cells_of = [&](double z) {
+    const Facets square = {{{Vec3{0, 0, z}, Vec3{6, 0, z}, Vec3{6, 6, z}}}, {{Vec3{0, 0, z}, Vec3{6, 6, z}, Vec3{0, 6, z}}}};
+    expect_exact({sheet(square)}, grid);
+    std::vector<size_t> layers(6);
+    const auto cells = meshed(folder, scene_of(folder, {sheet(square)}, grid), {});
+    for (size_t i = 0; i < cells.size(); ++i) layers[i / 36] += cells[i];
+    return layers;
+  };
+  CHECK(cells_of(2.5) == std::vector<size_t>{0, 0, 36, 0, 0, 0});
+  CHECK(cells_of(2.75) == std::vector<size_t>{0, 0, 36, 0, 0, 0});
+  CHECK(cells_of(3) == std::vector<size_t>{0, 0, 36, 0, 0, 0});
+  CHECK(cells_of(6) == std::vector<size_t>{0, 0, 0, 0, 0, 36});
+  CHECK(cells_of(0) == std::vector<size_t>(6));
+}
+
+TEST_CASE("A sheet on the domain's lower side owns no cell there, which a warning says", "[sheet]") {
+  const TempFolder folder;
+  const Grid grid = cube_grid(0, 1, 6);
+  for (const int axis : {0, 1, 2}) {
+    MeshOptions options;
+    options.axis = axis;
+    const auto touching = mesh_quietly(scene_of(folder, {sheet(shapes::box({0, 0, 0}, {6, 6, 6}))}, grid), folder / "g.tcell", options);
+    REQUIRE(touching["bodies"][0]["cells"] == 216 - 125);  // the upper sides are cells
+    REQUIRE(touching["warnings"].size() == 3);
+    for (const auto& warning : touching["warnings"])
+      REQUIRE_THAT(warning.get<std::string>(), Catch::Contains("body0") && Catch::Contains("lower side") && Catch::Contains("36 lines"));
+    const auto inside = mesh_quietly(scene_of(folder, {sheet(shapes::box({0.5, 0.5, 0.5}, {6, 6, 6}))}, grid), folder / "g.tcell", options);
+    REQUIRE(inside["warnings"].empty());
+  }
+}
+
+TEST_CASE("Soups of facets full of ties are the sheets that rational arithmetic says, by every engine along every axis", "[sheet]") {
+  for (uint64_t seed = 0; seed < rounds(30); ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    const int n = random_int(random, 3, 8);
+    Grid grid;
+    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
+    expect_exact({sheet(soup(random, random_int(random, 1, 12), n))}, grid);
+  }
+}
+
+TEST_CASE("Sheets and solids take precedence over one another like any bodies", "[sheet]") {
+  for (uint64_t seed = 100; seed < 100 + rounds(10); ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    const int n = random_int(random, 4, 8);
+    std::vector<Body> bodies;
+    for (uint32_t b = 0; b < 5; ++b) {
+      const int priority = random_int(random, 0, 2);
+      if (b % 2 == 0) bodies.push_back(sheet(soup(random, 5, n), 1 + b % 3, priority));
+      else bodies.push_back({shapes::shell_of_ties(random, n), b == 1 ? Rule::kNonzero : Rule::kEvenodd, 1 + b % 3, priority});
+    }
+    Grid grid;
+    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
+    expect_exact(bodies, grid);
+  }
+}
+
+TEST_CASE("Sheets whose crossings miss planes by a rounding, and needles, equal rational arithmetic", "[sheet]") {
+  for (uint64_t seed = 200; seed < 206; ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    expect_exact({sheet(shapes::join(shapes::decimal_tetrahedra(random, 3)))}, cube_grid(0, 1.1 / 11, 11));
+    expect_exact({sheet(shapes::join({shapes::needle(random), shapes::sheet(random), shapes::needle(random)}))}, cube_grid(0, 1, 10));
+  }
+}
+
+TEST_CASE("The file of sheets does not depend on threads, memory or borders of tiles", "[sheet]") {
+  std::mt19937_64 random(300);
+  const TempFolder folder;
+  const Grid grid{{Axis::uniform(0, 0.5, 0, 41, 0.5), Axis::uniform(-1, 1, 0, 22, 0.25), Axis::graded([] {
+                     std::vector<double> planes = {-0.5};
+                     while (planes.size() < 40) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
+                     return planes;
+                   }(), 0.5)}};
+  const std::vector<Body> bodies = {sheet(soup(random, 25, 20)), {shapes::shell_of_ties(random, 20), Rule::kNonzero, 2}, sheet(shapes::sphere({10, 9, 8}, 7, 3, 0.25), 3)};
+  const Scene scene = scene_of(folder, bodies, grid);
+  const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const uint32_t chunk_rays : {4u, 16u, 64u}) {
+      MeshOptions options;
+      options.axis = axis;
+      options.chunk_rays = chunk_rays;
+      options.threads = 1;
+      const auto report = mesh_quietly(scene, folder / "a.tcell", options);
+      REQUIRE(all_cells(GridReader(folder / "a.tcell")) == expected);
+      for (const uint64_t memory : {uint64_t{1}, ~uint64_t{0}}) {
+        options.threads = 3;
+        options.memory = memory;
+        const auto again = mesh_quietly(scene, folder / "b.tcell", options);
+        REQUIRE((again["spilled_bytes"] > 0) == (memory == 1));
+        REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
+        REQUIRE(again["bodies"] == report["bodies"]);
+      }
+    }
+}
+
+// Of the background, from cell 0, through faces.
+std::vector<bool> flooded(const std::vector<uint32_t>& cells, const Index3& n) {
+  std::vector<bool> wet(cells.size(), false);
+  std::vector<Index3> stack = {{0, 0, 0}};
+  wet[0] = true;
+  while (!stack.empty()) {
+    const Index3 at = stack.back();
+    stack.pop_back();
+    for (int d = 0; d < 3; ++d)
+      for (const int64_t by : {-1, 1}) {
+        Index3 next = at;
+        next[d] += by;
+        if (next[d] < 0 || next[d] >= n[d]) continue;
+        const auto i = static_cast<size_t>((next[2] * n[1] + next[1]) * n[0] + next[0]);
+        if (cells[i] == 0 && !wet[i]) wet[i] = true, stack.push_back(next);
+      }
+  }
+  return wet;
+}
+
+TEST_CASE("A closed sheet lets no flood through", "[sheet]") {
+  const TempFolder folder;
+  const Grid grid = cube_grid(-5, 0.25, 40);
+  for (const Facets& surface : {shapes::sphere({0, 0, 0}, 4, 4, 0x1p-20), shapes::sphere({0.25, 0.125, 0}, 3.7, 0, 0x1p-20), shapes::torus({0, 0, 0}, 3, 1, 30, 20, 0x1p-20), shapes::box({-3, -3, -3}, {3, 3, 3})}) {
+    const auto cells = meshed(folder, scene_of(folder, {sheet(surface)}, grid), {});
+    const auto inside = oracle::winding_numbers(surface, grid, surface[0].vertex[0]);
+    const auto wet = flooded(cells, grid.cells());
+    size_t dry = 0, owned = 0, leaks = 0;
+    for (size_t i = 0; i < cells.size(); ++i) {
+      leaks += wet[i] && inside[i] != 0;
+      dry += cells[i] == 0 && !wet[i];
+      owned += cells[i];
+    }
+    CHECK(leaks == 0);
+    CHECK(dry > 1000);
+    CHECK(owned < 12000);  // a skin, not a solid
+  }
+}
+
+TEST_CASE("A sheet is neither closed nor filled: an open surface is no fault of it", "[sheet]") {
+  const TempFolder folder;
+  Facets open = shapes::sphere({0, 0, 0}, 4, 3);
+  open.resize(open.size() / 2);
+  Scene scene = scene_of(folder, {sheet(open)}, cube_grid(-5, 0.5, 20));
+  const auto report = mesh_quietly(scene, folder / "g.tcell");
+  CHECK(report["bodies"][0]["kind"] == "sheet");
+  CHECK(report["bodies"][0]["holes"].empty());
+  CHECK(report["warnings"].empty());
+}
+
+}  // namespace
+}  // namespace teracell

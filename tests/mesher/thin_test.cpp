@@ -1,0 +1,343 @@
+// What lies between sample points, counted and kept, against rational arithmetic.
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "mesher/engines/engines.hpp"
+#include "tests/support/meshed.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/ties.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+using oracle::Body;
+using oracle::Rule;
+using shapes::Facets;
+
+Grid cube_grid(double min, double step, int64_t n) {
+  const Axis axis = Axis::uniform(min, step, 0, n, 0.5);
+  return {{axis, axis, axis}};
+}
+
+// What is lost of a body or a material along an axis.
+struct Lost {
+  uint64_t number = 0;
+  uint32_t widest = 0;
+  Vec3 at{};
+
+  void add(uint32_t width, const Vec3& place) {
+    ++number;
+    if (width > widest) widest = width, at = place;  // slots come in order
+  }
+};
+
+struct Expected {
+  std::vector<uint32_t> cells;                                // with those kept
+  std::vector<std::array<Lost, 3>> lost;                      // of each body
+  std::map<std::pair<uint32_t, int>, Lost> gaps;              // by material and axis
+  std::vector<std::array<std::pair<uint64_t, Vec3>, 3>> pairs;  // of each body: along each axis how many, and the first
+};
+
+double sub_position(const Axis& axis, int64_t i, uint32_t k) { return axis.centre(i) + (k / 65536.0) * (axis.centre(i + 1) - axis.centre(i)); }
+
+// Of bodies that all keep their thin parts. Slot by slot, every sub-position where something changes.
+Expected expected_of(const std::vector<Body>& bodies, const Grid& grid) {
+  const Index3 n = grid.cells();
+  const auto number = [&](const Index3& c) { return static_cast<size_t>((c[2] * n[1] + c[1]) * n[0] + c[0]); };
+  const auto inside = [&](size_t b, int winding) { return bodies[b].rule == Rule::kNonzero ? winding != 0 : winding % 2 != 0; };
+  using Key = std::tuple<int, int64_t, int64_t, int64_t>;  // axis, z, y, x
+  std::vector<std::vector<int>> windings;
+  std::map<Key, std::vector<std::vector<std::pair<uint32_t, int>>>> slots;  // of each body
+  Expected out;
+  out.lost.resize(bodies.size());
+  out.pairs.resize(bodies.size());
+  std::vector<std::vector<bool>> owned;
+  for (size_t b = 0; b < bodies.size(); ++b) {
+    windings.push_back(oracle::winding_numbers(bodies[b].facets, grid, bodies[b].facets[0].vertex[0]));
+    owned.emplace_back();
+    for (const int w : windings[b]) owned[b].push_back(inside(b, w));
+    for (const oracle::Slot& slot : oracle::slots(bodies[b].facets, grid)) {
+      auto& steps = slots[{slot.axis, slot.lower[2], slot.lower[1], slot.lower[0]}];
+      steps.resize(bodies.size());
+      steps[b] = slot.steps;
+    }
+  }
+  for (const auto& [key, steps] : slots) {
+    const auto& [axis, z, y, x] = key;
+    const Index3 lower = {x, y, z};
+    Index3 upper = lower;
+    ++upper[axis];
+    const auto place = [&](double w) {
+      Vec3 p = {grid.axis[0].centre(x), grid.axis[1].centre(y), grid.axis[2].centre(z)};
+      p[axis] = w;
+      return p;
+    };
+    std::vector<uint32_t> ks = {0, 65536};  // between two of these nothing changes
+    for (const auto& of_body : steps)
+      for (const auto& [k, step] : of_body) ks.push_back(k);
+    std::ranges::sort(ks);
+    ks.erase(std::unique(ks.begin(), ks.end()), ks.end());
+    const auto winding_at = [&](size_t b, uint32_t k) {
+      int w = windings[b][number(lower)];
+      for (const auto& [from, step] : steps[b])
+        if (from <= k) w += step;
+      return w;
+    };
+    const auto material_at = [&](uint32_t k) {
+      uint32_t material = 0;
+      int64_t priority = std::numeric_limits<int64_t>::min();
+      for (size_t b = 0; b < bodies.size(); ++b)
+        if (bodies[b].priority >= priority && inside(b, winding_at(b, k))) material = bodies[b].material, priority = bodies[b].priority;
+      return material;
+    };
+    struct Run {
+      uint32_t from, to;
+    };
+    const auto runs = [&](auto&& is) {
+      std::vector<Run> found;
+      for (size_t i = 0; i + 1 < ks.size(); ++i) {
+        if (!is(ks[i])) continue;
+        if (!found.empty() && found.back().to == ks[i]) found.back().to = ks[i + 1];
+        else found.push_back({ks[i], ks[i + 1]});
+      }
+      return found;
+    };
+    const auto tally = [&](Lost& lost, const std::vector<Run>& found) {
+      const auto widest = std::ranges::max_element(found, {}, [](const Run& r) { return r.to - r.from; });
+      lost.add(widest->to - widest->from, place(sub_position(grid.axis[axis], lower[axis], widest->from + (widest->to - widest->from) / 2)));
+    };
+    for (size_t b = 0; b < bodies.size(); ++b) {
+      REQUIRE(winding_at(b, 65536) == windings[b][number(upper)]);
+      if (auto& [pairs, first] = out.pairs[b][axis]; steps[b].size() > 1) {
+        if (pairs == 0) first = place(sub_position(grid.axis[axis], lower[axis], 32768));
+        pairs += steps[b].size() / 2;
+      }
+      if (inside(b, winding_at(b, 0)) || inside(b, winding_at(b, 65536))) continue;
+      const auto found = runs([&](uint32_t k) { return inside(b, winding_at(b, k)); });
+      if (found.empty()) continue;
+      tally(out.lost[b][axis], found);
+      const bool above = sub_position(grid.axis[axis], lower[axis], found[0].from) >= grid.axis[axis].plane(upper[axis]);
+      owned[b][number(above ? upper : lower)] = true;
+    }
+    const uint32_t around = material_at(0);
+    if (around == 0 || around != material_at(65536)) continue;
+    if (const auto found = runs([&](uint32_t k) { return material_at(k) == 0; }); !found.empty()) tally(out.gaps[{around, axis}], found);
+  }
+  out.cells.resize(windings[0].size());
+  for (size_t i = 0; i < out.cells.size(); ++i) {
+    int64_t priority = std::numeric_limits<int64_t>::min();
+    for (size_t b = 0; b < bodies.size(); ++b)
+      if (owned[b][i] && bodies[b].priority >= priority) out.cells[i] = bodies[b].material, priority = bodies[b].priority;
+  }
+  return out;
+}
+
+Scene keeping(const TempFolder& folder, const std::vector<Body>& bodies, const Grid& grid) {
+  Scene scene = scene_of(folder, bodies, grid);
+  for (SceneBody& body : scene.bodies) body.thin = Thin::kKeep;
+  return scene;
+}
+
+void expect_lost(const nlohmann::ordered_json& found, const Lost& expected) {
+  REQUIRE(found["number"] == expected.number);
+  REQUIRE(found["widest_65536ths"] == expected.widest);
+  if (expected.number > 0) REQUIRE(found["at"].get<Vec3>() == expected.at);
+  else REQUIRE(found["at"].is_null());
+}
+
+void expect_report(const nlohmann::ordered_json& report, const Expected& expected, int ray_axis) {
+  for (size_t b = 0; b < expected.lost.size(); ++b) {
+    const auto& body = report["bodies"][b];
+    for (int axis = 0; axis < 3; ++axis) expect_lost(body["lost"][axis_name(axis)], expected.lost[b][axis]);
+    const auto& [pairs, first] = expected.pairs[b][ray_axis];
+    REQUIRE(body["lost_stretches"]["axis"] == axis_name(ray_axis));
+    REQUIRE(body["lost_stretches"]["number"] == pairs);
+    if (pairs > 0) REQUIRE(body["lost_stretches"]["at"].get<Vec3>() == first);
+    else REQUIRE(body["lost_stretches"]["at"].is_null());
+  }
+  REQUIRE(report["lost_gaps"].size() == expected.gaps.size());
+  for (const auto& gap : report["lost_gaps"]) {
+    const auto material = static_cast<uint32_t>(std::stoul(gap["material"].get<std::string>().substr(1)));
+    expect_lost(gap, expected.gaps.at({material, *axis_named(gap["axis"].get<std::string>())}));
+  }
+}
+
+// Along each axis, by each engine.
+void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
+  const TempFolder folder;
+  const Expected expected = expected_of(bodies, grid);
+  const Scene scene = keeping(folder, bodies, grid);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const std::string& engine : engine_names()) {
+      INFO("rays along " << axis_name(axis) << ", engine " << engine);
+      MeshOptions options;
+      options.axis = axis;
+      options.engine = engine;
+      options.threads = 1;
+      options.thin = true;
+      const auto report = mesh_quietly(scene, folder / "g.tcell", options);
+      REQUIRE(all_cells(GridReader(folder / "g.tcell")) == expected.cells);
+      expect_report(report, expected, axis);
+    }
+}
+
+// Bodies of a few cells, of less than one, and shells full of ties.
+std::vector<Body> thin_scene(std::mt19937_64& random, int n) {
+  std::vector<Body> bodies;
+  for (int b = random_int(random, 1, 4); b > 0; --b) {
+    std::vector<Facets> shells;
+    for (const Facets& t : shapes::random_tetrahedra(random, random_int(random, 1, 6), 0, n, 0.125)) shells.push_back(t);
+    for (int i = random_int(random, 0, 4); i > 0; --i) {  // plates
+      Vec3 lo, hi;
+      for (int d = 0; d < 3; ++d) lo[d] = random_int(random, -4, 8 * n) / 8.0, hi[d] = lo[d] + random_int(random, 1, 8 * n) / 8.0;
+      const int d = random_int(random, 0, 2);
+      hi[d] = lo[d] + random_int(random, 1, 4) / 16.0;
+      shells.push_back(shapes::box(lo, hi));
+    }
+    if (random_int(random, 0, 1) == 0) shells.push_back(shapes::shell_of_ties(random, n));
+    Body body{shapes::join(shells)};
+    if (random_int(random, 0, 2) == 0) body.rule = Rule::kEvenodd;
+    body.material = static_cast<uint32_t>(random_int(random, 1, 2));
+    body.priority = random_int(random, 0, 1);
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+TEST_CASE("Lost stretches and gaps are those of rational arithmetic, and kept cells hold them, by every engine along every axis", "[thin]") {
+  for (uint64_t seed = 0; seed < rounds(25); ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    const int n = random_int(random, 3, 7);
+    Grid grid;
+    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
+    expect_exact(thin_scene(random, n), grid);
+  }
+}
+
+TEST_CASE("Needles, and plates that miss sub-positions by a rounding, are kept as rational arithmetic says", "[thin]") {
+  for (uint64_t seed = 100; seed < 104; ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    expect_exact({{shapes::join(shapes::decimal_tetrahedra(random, 4))}, {shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kEvenodd, 2}}, cube_grid(0, 1.1 / 5, 5));
+    expect_exact({{shapes::join({shapes::needle(random), shapes::sheet(random)})}}, cube_grid(0, 1, 10));
+  }
+}
+
+TEST_CASE("A plate a tenth of a cell thick is kept without a hole, however it lies", "[thin]") {
+  const TempFolder folder;
+  const Grid grid = cube_grid(0, 1, 20);
+  for (const int d : {0, 1, 2})
+    for (const double at : {7.2, 6.95, 7.0, 7.5, 7.95}) {
+      Vec3 lo = {2.25, 2.25, 2.25}, hi = {17.25, 17.25, 17.25};
+      lo[d] = at, hi[d] = at + 0.1;
+      const Scene scene = keeping(folder, {{shapes::box(lo, hi)}}, grid);
+      const auto report = mesh_quietly(scene, folder / "g.tcell");
+      INFO("across " << axis_name(d) << " at " << at);
+      REQUIRE(report["bodies"][0]["cells"] == 225);
+      const auto& lost = report["bodies"][0]["lost"][axis_name(d)];
+      REQUIRE(lost["number"] == (at == 7.5 ? 0 : 225));  // on the sample points it is not lost
+      if (at != 7.5) REQUIRE(lost["widest"].get<double>() == Approx(0.1).margin(1e-4));
+    }
+}
+
+TEST_CASE("A gap narrower than a cell is counted by its material with --thin", "[thin]") {
+  const TempFolder folder;
+  const Grid grid = cube_grid(0, 1, 10);
+  const Facets halves = shapes::join({shapes::box({1, 1, 1}, {9, 9, 4.75}), shapes::box({1, 1, 5}, {9, 9, 9})});
+  for (int axis = 0; axis < 3; ++axis) {
+    MeshOptions options;
+    options.axis = axis;
+    options.thin = true;
+    const auto report = mesh_quietly(scene_of(folder, {{halves}}, grid), folder / "g.tcell", options);
+    REQUIRE(report["lost_gaps"].size() == 1);
+    const auto& gap = report["lost_gaps"][0];
+    CHECK(gap["material"] == "m1");
+    CHECK(gap["axis"] == "z");
+    CHECK(gap["number"] == 64);
+    CHECK(gap["widest_65536ths"] == 16384);
+    CHECK(gap["widest"] == 0.25);
+    CHECK(gap["at"] == nlohmann::json({1.5, 1.5, 4.875}));
+    for (const char* name : {"x", "y", "z"}) CHECK(report["bodies"][0]["lost"][name]["number"] == 0);
+    CHECK_FALSE(mesh_quietly(scene_of(folder, {{halves}}, grid), folder / "g.tcell").contains("lost_gaps"));
+  }
+}
+
+TEST_CASE("What is lost and kept does not depend on threads, memory or borders of tiles", "[thin]") {
+  std::mt19937_64 random(300);
+  const TempFolder folder;
+  const Grid grid{{Axis::uniform(0, 0.5, 0, 37, 0.5), Axis::uniform(-1, 1, 0, 20, 0.25), Axis::graded([] {
+                     std::vector<double> planes = {-0.5};
+                     while (planes.size() < 34) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
+                     return planes;
+                   }(), 0.5)}};
+  const std::vector<Body> bodies = {{shapes::join(shapes::random_tetrahedra(random, 40, 0, 18, 0.125))}, {shapes::shell_of_ties(random, 16), Rule::kEvenodd, 2}, {shapes::box({0.1, 0.2, 3.3}, {17, 18, 3.4}), Rule::kNonzero, 1}};
+  const Scene scene = keeping(folder, bodies, grid);
+  const Expected expected = expected_of(bodies, grid);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const uint32_t chunk_rays : {4u, 16u, 64u}) {
+      MeshOptions options;
+      options.axis = axis;
+      options.chunk_rays = chunk_rays;
+      options.threads = 1;
+      options.thin = true;
+      const auto report = mesh_quietly(scene, folder / "a.tcell", options);
+      REQUIRE(all_cells(GridReader(folder / "a.tcell")) == expected.cells);
+      expect_report(report, expected, axis);
+      for (const uint64_t memory : {uint64_t{1}, ~uint64_t{0}}) {
+        options.threads = 3;
+        options.memory = memory;
+        mesh_quietly(scene, folder / "b.tcell", options);
+        REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
+      }
+    }
+}
+
+TEST_CASE("Without thin keep no cell changes, and only pairs along the rays are counted", "[thin]") {
+  std::mt19937_64 random(400);
+  const TempFolder folder;
+  const Grid grid = cube_grid(0, 1, 8);
+  const std::vector<Body> bodies = thin_scene(random, 8);
+  const Expected expected = expected_of(bodies, grid);
+  for (int axis = 0; axis < 3; ++axis) {
+    MeshOptions options;
+    options.axis = axis;
+    const auto report = mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
+    REQUIRE(all_cells(GridReader(folder / "g.tcell")) == oracle::materials(bodies, grid));
+    for (size_t b = 0; b < bodies.size(); ++b) {
+      CHECK(report["bodies"][b]["lost_stretches"]["number"] == expected.pairs[b][axis].first);
+      CHECK_FALSE(report["bodies"][b].contains("lost"));
+    }
+  }
+}
+
+TEST_CASE("A body with few cells or none says why", "[thin]") {
+  const TempFolder folder;
+  const Grid grid = cube_grid(0, 1, 10);
+  const auto warnings = [&](const std::vector<Body>& bodies) {
+    MeshOptions options;
+    options.axis = 2;
+    const auto report = mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
+    std::string all;
+    for (const auto& w : report["warnings"]) all += w.get<std::string>() + "\n";
+    return all;
+  };
+  const Facets ball = shapes::sphere({5, 5, 5}, 3, 3);
+  CHECK(warnings({{ball}}).empty());
+  const std::string plate = warnings({{shapes::box({1, 1, 3.6}, {9, 9, 3.7})}});
+  CHECK_THAT(plate, Catch::Contains("owns no cell") && Catch::Contains("8 x 8 x 0.1 cells") && Catch::Contains("64 times") && Catch::Contains("keep"));
+  CHECK_THAT(warnings({{shapes::box({11, 1, 1}, {12, 2, 2})}}), Catch::Contains("outside the domain") && Catch::Contains("x from 11 to 12"));
+  CHECK_THAT(warnings({{ball}, {shapes::box({1, 1, 1}, {9, 9, 9}), Rule::kNonzero, 2}}), Catch::Contains("owns no cell: stronger bodies own"));
+  const Facets square = {{{Vec3{1, 1, 3}, Vec3{9, 1, 3}, Vec3{9, 9, 3}}}, {{Vec3{1, 1, 3}, Vec3{9, 9, 3}, Vec3{1, 9, 3}}}};
+  CHECK_THAT(warnings({{square}}), Catch::Contains("open and flat") && Catch::Contains("\"kind\": \"sheet\""));
+  CHECK_THAT(warnings({{shapes::box({1, 1, 1}, {3, 2, 2})}}), Catch::Contains("owns only 2 cells") && Catch::Contains("2 x 1 x 1 cells"));
+}
+
+}  // namespace
+}  // namespace teracell
