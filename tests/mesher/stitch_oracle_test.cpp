@@ -48,7 +48,7 @@ Facets torn(std::mt19937_64& random, double gap) {
     if (chance(random, 70)) patch = patchworks::moved(patch, random, gap);
     if (chance(random, 15)) patch = shapes::flip(patch);
     if (chance(random, 10)) patch = shapes::join({patch, shapes::flip(patch)});
-    if (chance(random, 10)) patch.insert(patch.end(), patch.begin(), patch.begin() + 2);
+    if (chance(random, 10)) patch = shapes::join({patch, {patch[0], patch[patch.size() / 2]}});
     if (chance(random, 20) && patch.size() > 2) patch.erase(patch.begin() + 1);
     if (chance(random, 10)) patch.push_back({{patch[0].vertex[0], patch[0].vertex[0], patch[0].vertex[1]}});
   }
@@ -92,12 +92,10 @@ TornScene torn_scene(uint64_t seed) {
   }
   s.facets = shapes::join(shells);
   std::ranges::shuffle(s.facets, random);
-  for (Facet& f : s.facets)
-    for (Vec3& v : f.vertex)
-      for (double& x : v) {
-        if (s.float32) x = static_cast<float>(x);
-        if (std::abs(x) < 1e-75) x = 0;  // a file with anything in between is refused
-      }
+  if (s.float32)
+    for (Facet& f : s.facets)
+      for (Vec3& v : f.vertex)
+        for (double& x : v) x = static_cast<float>(x);
   return s;
 }
 
