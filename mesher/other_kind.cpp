@@ -88,8 +88,12 @@ struct Root {
   const char *what, *advice;
 };
 constexpr Root kRoots[] = {
-    {"X3D", "an X3D scene", kExport},      {"COLLADA", "a Collada scene", kExport}, {"amf", "an AMF file", kExport},
-    {"model", "the model of a 3MF file", kExport}, {"VTKFile", "a VTK file", kExtract},   {"Xdmf", "an XDMF file", kExtract},
+    {"X3D", "an X3D scene", kExport},
+    {"COLLADA", "a Collada scene", kExport},
+    {"amf", "an AMF file", kExport},
+    {"model", "the model of a 3MF file", kExport},
+    {"VTKFile", "a VTK file", kExtract},
+    {"Xdmf", "an XDMF file", kExtract},
     {"svg", "an SVG picture", kNone},
 };
 constexpr const char *kPage = "a web page", *kDownload = "was a download answered by a page?";

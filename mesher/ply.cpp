@@ -324,11 +324,8 @@ void read_vertex(Values& values, const Layout& layout, VertexTable& vertices) {
 }
 
 template <class Values>
-int64_t vertex_number(Values& values, Type type, int64_t least, const VertexTable& vertices) {
-  const int64_t index = values.integer(type);
-  if (index < least || index >= static_cast<int64_t>(vertices.size()))
-    throw InputError(fmt::format("{}: expected a vertex number below {}, found {}", values.place(), vertices.size(), index));
-  return index;
+[[noreturn]] void refuse_vertex(const Values& values, int64_t number, const VertexTable& vertices) {
+  throw InputError(fmt::format("{}: expected a vertex number below {}, found {}", values.place(), vertices.size(), number));
 }
 
 template <class Values>
@@ -340,7 +337,11 @@ void read_face(Values& values, const Lists& face, VertexTable& vertices, Fan fan
     }
     const uint64_t n = list_length(values, p);
     if (n < 3) throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", values.place(), n));
-    for (uint64_t i = 0; i < n; ++i) fan.add(vertices[vertex_number(values, p.type, 0, vertices)]);
+    for (uint64_t i = 0; i < n; ++i) {
+      const int64_t number = values.integer(p.type);
+      if (number < 0 || static_cast<uint64_t>(number) >= vertices.size()) refuse_vertex(values, number, vertices);
+      fan.add(vertices[number]);
+    }
   }
 }
 
@@ -360,11 +361,12 @@ void read_strips(Values& values, const Lists& strips, VertexTable& vertices, Fac
     Corner a{}, b{};
     uint64_t length = 0;  // of the strip so far
     for (uint64_t left = list_length(values, p); left > 0; --left) {
-      const int64_t number = vertex_number(values, p.type, -1, vertices);
-      if (number < 0) {
+      const int64_t number = values.integer(p.type);
+      if (number == -1) {
         length = 0;
         continue;
       }
+      if (number < 0 || static_cast<uint64_t>(number) >= vertices.size()) refuse_vertex(values, number, vertices);
       const Corner c{number, vertices[number]};
       if (length >= 2 && wanted && a.number != b.number && b.number != c.number && c.number != a.number)
         length % 2 == 0 ? out.add(a.place, b.place, c.place) : out.add(b.place, a.place, c.place);

@@ -60,18 +60,22 @@ class Words {
     }
   }
 
-  void expect(const char* keyword) {
-    for (std::string_view word = next(); !is_keyword(word, keyword); word = next()) skip_line(word, keyword);
+  void expect(std::string_view keyword) {
+    const std::string_view word = next();
+    if (!is_keyword(word, keyword)) [[unlikely]] skip_lines(word, keyword);
+  }
+  [[gnu::cold]] void skip_lines(std::string_view word, std::string_view expected) {
+    for (; !is_keyword(word, expected); word = next()) skip_line(word, expected);
   }
   // `word`, the last one taken, is not what was expected: skips its line if it begins there and is none of STL's, else refuses.
-  void skip_line(std::string_view word, const char* expected) {
+  [[gnu::cold]] void skip_line(std::string_view word, std::string_view expected) {
     if (word.empty() || is_of_stl(word) || !trimmed({begin_, static_cast<size_t>(word.data() - begin_)}).empty()) refuse(word, expected);
     const std::string_view line = trimmed({word.data(), word.size() + line_.size()});
     if (skipped_++ == 0) first_skipped_ = fmt::format("line {}, {}", input_.line(), shown(line));
     if (since_facet_.empty()) since_facet_ = fmt::format("line {}, {}", input_.line(), shown(line));
     line_ = {};
   }
-  [[noreturn]] void refuse(std::string_view word, const char* keyword) const {
+  [[noreturn]] void refuse(std::string_view word, std::string_view keyword) const {
     const std::string skipped = since_facet_.empty() ? "" : fmt::format(" ({}, was skipped)", since_facet_);
     throw InputError(
         word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file{}", input_.at_line(), keyword, skipped)
@@ -98,6 +102,8 @@ class Words {
       if (const std::string_view word = next_word(rest); is_keyword(word, "solid") || is_keyword(word, "facet")) return;
   }
   double coordinate() {
+    line_ = trimmed(line_);
+    if (!line_.empty()) return next_coordinate<float>(line_, input_);
     const std::string_view word = next();
     if (word.empty()) refuse(word, "a number");
     return text_coordinate<float>(word, input_);

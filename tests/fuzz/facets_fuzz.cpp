@@ -1,7 +1,9 @@
-// All surface readers over any bytes: facets with coordinates within the limits, or an InputError; nothing else.
+// All surface readers over any bytes: facets with coordinates within the limits and a few warnings, or an InputError;
+// nothing else.
 #include <cstdlib>
 
 #include "mesher/readers.hpp"
+#include "mesher/scene_names.hpp"
 #include "store/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
@@ -16,7 +18,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
           for (const double x : v)
             if (!is_coordinate(x) || (x == 0 && std::signbit(x))) std::abort();
     });
-    if (file.facets != seen || seen == 0 || file.bytes != size) std::abort();
+    if (file.facets != seen || seen == 0 || file.bytes != size || file.warnings.size() > 3) std::abort();
+    for (const std::string& w : file.warnings)
+      if (w.size() < 10 || w.size() > 300 || w != printable(w)) std::abort();
   } catch (const InputError&) {
   }
   return 0;
