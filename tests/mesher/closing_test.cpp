@@ -176,7 +176,7 @@ TEST_CASE("A box with a missing facet has the cells of the box") {
     REQUIRE(all_cells(GridReader(folder / "g.tcell")) == expected);
     CHECK(report["bodies"][0]["fill"][0]["rule"] == "nonzero");
     CHECK(report["bodies"][0]["holes"].size() >= 1);
-    CHECK(report["warnings"].size() == 1);
+    CHECK(report["warnings"][0].get<std::string>().find("is open") != std::string::npos);
   }
 }
 
