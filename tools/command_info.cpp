@@ -80,6 +80,22 @@ void print_rules(const ordered_json& fill) {
   }
 }
 
+// "12, the widest 0.0312 mm at (...)"
+std::string lost_text(const ordered_json& lost, const std::string& units) {
+  return fmt::format("{}, the widest {:.4g} {} at {}", lost.at("number").get<uint64_t>(), lost.at("widest").get<double>(), units, place(lost.at("at")));
+}
+
+// What of a body lies between sample points; files of version 1.0 may say nothing of it.
+void print_lost(const ordered_json& b, const std::string& units) {
+  const ordered_json pairs = b.value("lost_stretches", ordered_json{{"number", 0}}), lost = b.value("lost", ordered_json::object());
+  std::string title = "thin parts";
+  if (const uint64_t n = pairs.at("number").get<uint64_t>(); n > 0)
+    detail(std::exchange(title, ""), fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}", pairs.at("axis").get<std::string>(),
+                                                 counted(n, "place"), place(pairs.at("at"))));
+  for (const auto& [axis, l] : lost.items())
+    if (l.at("number") > 0) detail(std::exchange(title, ""), fmt::format("stretches between two sample points along {}: {}", axis, lost_text(l, units)));
+}
+
 // A body in a line, and below it what is not as it should be.
 void print_body(const std::string& title, const ordered_json& b, const std::string& units) {
   const ordered_json &fill = b.at("fill"), &holes = b.at("holes"), &flips = b.at("flips");
@@ -89,11 +105,12 @@ void print_body(const std::string& title, const ordered_json& b, const std::stri
   const bool evenodd = std::ranges::count(rules, "evenodd") > 0, distinct = std::ranges::count(rules, "distinct") > 0;
   const std::string cells = b.contains("cells_text") ? b.at("cells_text").get<std::string>() : b.at("cells").dump();
   row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.at("name").get<std::string>(), counted(count("facets"), "facet"),
-                         counted(count("shells"), "shell"), fmt::join(rules, " and "), cells, cells == "1" ? "" : "s"));
+                         counted(count("shells"), "shell"), b.value("kind", fmt::format("{}", fmt::join(rules, " and "))), cells, cells == "1" ? "" : "s"));
   if (evenodd || distinct || !holes.empty() || !flips.empty()) print_rules(fill);
   print_seams(b, units);
   print_holes(holes, units);
   print_flips(flips);
+  print_lost(b, units);
   if (b.contains("covered_cells"))
     detail("overlap", fmt::format("{}, owned by stronger bodies", counted(count("covered_cells"), "cell")));
   if (const uint64_t n = count("duplicates"); n > 0) {
@@ -107,6 +124,9 @@ void print_body(const std::string& title, const ordered_json& b, const std::stri
 void print_report(const ordered_json& report, const std::string& units) {
   std::string title = "bodies";
   for (const auto& b : report.value("bodies", ordered_json::array())) print_body(std::exchange(title, ""), b, units);
+  title = "gaps";
+  for (const auto& gap : report.value("lost_gaps", ordered_json::array()))
+    row(std::exchange(title, ""), fmt::format("of {} between two sample points along {}: {}", gap.at("material").get<std::string>(), gap.at("axis").get<std::string>(), lost_text(gap, units)));
   title = "warnings";
   for (const auto& w : report.value("warnings", ordered_json::array())) row(std::exchange(title, ""), w.get<std::string>());
 }

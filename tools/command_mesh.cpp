@@ -25,7 +25,7 @@ struct Options {
   std::optional<double> step, stitch;
   std::optional<int64_t> pad;
   int threads = 0;
-  bool resume = false;
+  bool resume = false, thin = false;
 };
 
 Scene scene_from(const Options& o) {
@@ -109,6 +109,7 @@ void run(const Options& o) {
   options.tmp = o.tmp;
   options.write_caps = o.caps;
   options.resume = o.resume;
+  options.thin = o.thin;
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);
@@ -144,6 +145,7 @@ Run setup_mesh(CLI::App& app) {
   app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd, distinct")->check(one_of(kFills));
   app.add_option("--closing", o->closing, "surfaces that are open after stitching: cap closes them, strict refuses them, extrude:-z (or +z, -x ...) extends them beyond the domain");
   app.add_option("--stitch", o->stitch, "open edges closer than this are joined, in the units of the grid (default: a quarter of the shortest cell edge; 0: none)");
+  app.add_flag("--thin", o->thin, "count along x, y and z what gets lost between sample points, of every solid and of the gaps between them; the cells are the same");
   app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice, brute; the file is the same")->check(one_of(engine_names()));
   add_threads(app, o->threads);
   app.add_option("--memory", o->memory, "how much the run may take, e.g. 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled");
