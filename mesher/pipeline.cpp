@@ -109,14 +109,18 @@ class MeshRun {
 
   // Holds bodies that were open against the winding number of their surface. It rounds, so it stays out of the file.
   void check_caps() {
+    std::vector<size_t> doubtful;
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+      const ClosedBody& closed = bodies_.bodies[b].closed;
+      const bool extruded = !closed.walls[0].empty() || !closed.walls[1].empty();
+      if (closed.was_open && !extruded && closed.fill.size() == 1 && closed.fill[0].rule == Fill::kNonzero) doubtful.push_back(b);
+    }
+    for (const size_t b : doubtful) {
       const SceneBody& body = scene_.bodies[b];
       const BodyFacets& found = bodies_.bodies[b];
       const ClosedBody& closed = found.closed;
-      const bool extruded = !closed.walls[0].empty() || !closed.walls[1].empty();
-      if (!closed.was_open || extruded || closed.fill.size() != 1 || closed.fill[0].rule != Fill::kNonzero) continue;
       tick("check", static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
-      const std::vector<Vec3> points = draw_trust_points(found.lo, found.hi, plan_.meta.grid, trust_points(found.file.facets));
+      const std::vector<Vec3> points = draw_trust_points(found.lo, found.hi, plan_.meta.grid, trust_points(found.file.facets, doubtful.size()));
       if (points.empty()) continue;
       // Each thread goes through all facets: where that means to read the file, one does.
       const Trust trust = try_points(points, found.lo, found.hi, bodies_.in_memory ? threads_ : 1, [&](TrustCheck& check) {

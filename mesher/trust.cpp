@@ -46,7 +46,9 @@ void Trust::add(const Trust& other) {
   disagree += other.disagree;
 }
 
-uint64_t trust_points(uint64_t facets) { return std::min<uint64_t>(4096, (uint64_t{1} << 27) / std::max<uint64_t>(facets, 1)); }
+uint64_t trust_points(uint64_t facets, uint64_t bodies) {
+  return std::min({uint64_t{4096}, (uint64_t{1} << 27) / std::max<uint64_t>(facets, 1), (uint64_t{1} << 21) / std::max<uint64_t>(bodies, 1)});
+}
 
 std::vector<Vec3> draw_trust_points(const Vec3& lo, const Vec3& hi, const Grid& grid, uint64_t count) {
   std::array<double, 3> from, to;
@@ -175,6 +177,8 @@ Trust TrustCheck::result() {
 }
 
 Trust try_points(std::span<const Vec3> points, const Vec3& lo, const Vec3& hi, int threads, const std::function<void(TrustCheck&)>& feed) {
+  constexpr size_t kWorthAThread = 1024;
+  threads = static_cast<int>(std::min(static_cast<size_t>(threads), points.size() / kWorthAThread + 1));
   Trust out;
   size_t next = 0;
   const size_t share = (points.size() + static_cast<size_t>(threads) - 1) / static_cast<size_t>(threads);

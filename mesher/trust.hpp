@@ -37,8 +37,9 @@ struct Trust {
   bool worth_a_warning() const { return disagree * 500 > points; }  // more than 0.2 %
 };
 
-// How many points a body of so many facets is tried at: at most 4096, and no more than 2^27 pairs of a point and a facet.
-uint64_t trust_points(uint64_t facets);
+// How many points a body of so many facets is tried at, one of so many bodies: at most 4096, no more than 2^27 pairs of a
+// point and a facet, and no more than 2^21 points for all bodies, where a scene has very many.
+uint64_t trust_points(uint64_t facets, uint64_t bodies);
 
 // The sample points of `count` cells that hold points drawn, the same on every run, over the box lo .. hi of a body, as
 // far as the grid reaches. None where the box lies outside.
@@ -77,7 +78,7 @@ class TrustCheck {
   double scale_;
 };
 
-// All of them, shared out to threads. `feed` gives a check every facet; it is called once a thread, from several at a time.
+// All of them, shared out to threads. `feed` gives a check every facet; it is called once a thread, from several at a time; for few points there is one.
 Trust try_points(std::span<const Vec3> points, const Vec3& lo, const Vec3& hi, int threads, const std::function<void(TrustCheck&)>& feed);
 
 // For the user; empty when it is not worth one.

@@ -143,9 +143,11 @@ TEST_CASE("Points are sample points of cells in the body's box, as far as the gr
   CHECK(lo[1] >= 0.9);
   CHECK(hi[1] <= 2.1);
   CHECK(draw_trust_points({20, 1, 2}, {30, 2, 3}, grid, 1000).empty());
-  CHECK(trust_points(1) == 4096);
-  CHECK(trust_points(1 << 20) == 128);
-  CHECK(trust_points(uint64_t{1} << 28) == 0);
+  CHECK(trust_points(1, 1) == 4096);
+  CHECK(trust_points(1, 512) == 4096);
+  CHECK(trust_points(1, 1 << 17) == 16);
+  CHECK(trust_points(1 << 20, 1) == 128);
+  CHECK(trust_points(uint64_t{1} << 28, 1) == 0);
 }
 
 TEST_CASE("Two points in a thousand may disagree without a warning") {
