@@ -1,7 +1,6 @@
 #include "mesher/compose.hpp"
 
 #include <algorithm>
-#include <bit>
 
 #include <fmt/format.h>
 
@@ -35,22 +34,26 @@ bool sort_crossings(std::span<uint64_t> c) {
 }  // namespace
 
 Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& strength, const std::vector<Label>& label)
-    : layers_(std::move(layers)),
-      strength_(strength),
-      label_(label.size() + 1, 0),
-      body_(label.size()),
-      cells_(label.size()),
-      covered_(label.size()),
-      counter_(layers_.size(), 0),
-      inside_(strength.size(), 0),
-      active_(strength.size() / 64 + 1, 0) {
-  for (uint32_t b = 0; b < strength.size(); ++b) {
-    label_[strength[b]] = label[b];
-    body_[strength[b]] = b;
-  }
+    : layers_(std::move(layers)), counter_(layers_.size(), 0) {
+  bodies_.reserve(label.size());
+  for (uint32_t b = 0; b < label.size(); ++b) bodies_.push_back({strength[b], label[b]});
 }
 
-void Composer::step(uint64_t crossing) {
+std::vector<BodyCells> Composer::take_cells() {
+  std::vector<BodyCells> out;
+  out.reserve(met_.size());
+  for (const uint32_t b : met_) {
+    Body& body = bodies_[b];
+    out.push_back({b, static_cast<uint64_t>(body.owned), static_cast<uint64_t>(body.within - body.owned)});
+    body.owned = body.within = 0;
+    body.met = false;
+  }
+  met_.clear();
+  return out;
+}
+
+// A crossing whose cell, or else the ray's length, is `cell`.
+void Composer::step(uint64_t crossing, uint32_t cell) {
   const uint32_t l = Crossing::layer(crossing);
   const Layer& layer = layers_[l];
   int& counter = counter_[l];
@@ -59,31 +62,13 @@ void Composer::step(uint64_t crossing) {
   const bool is = counter != 0;
   if (was == is) return;
   open_ += is ? 1 : -1;
-  int& inside = inside_[layer.body];
-  const bool body_was = inside > 0;
-  inside += is ? 1 : -1;
-  overlap_ += (inside > 0) - body_was;
-  const uint32_t s = strength_[layer.body];
-  const uint64_t bit = uint64_t{1} << (s % 64);
-  active_[s / 64] = inside > 0 ? active_[s / 64] | bit : active_[s / 64] & ~bit;
-}
-
-// The strength of the strongest body that is inside, or the number of bodies.
-uint32_t Composer::top() const {
-  for (size_t w = 0; w < active_.size(); ++w)
-    if (active_[w] != 0) return static_cast<uint32_t>(64 * w + std::countr_zero(active_[w]));
-  return static_cast<uint32_t>(body_.size());
-}
-
-void Composer::count(uint32_t cells, uint32_t owner) {
-  if (overlap_ == 0 || cells == 0) return;
-  cells_[body_[owner]] += cells;
-  int weaker = overlap_ - 1;
-  for (uint32_t s = owner + 1; weaker > 0; ++s)
-    if (active_[s / 64] >> (s % 64) & 1) {
-      covered_[body_[s]] += cells;
-      --weaker;
-    }
+  Body& body = meet(layer.body);
+  body.layers += is ? 1 : -1;
+  if (body.layers != is) return;  // another layer decides
+  body.within += is ? -int64_t{cell} : int64_t{cell};
+  const auto place = std::ranges::lower_bound(inside_, body.strength, std::ranges::greater{}, [&](uint32_t b) { return bodies_[b].strength; });
+  if (is) inside_.insert(place, layer.body);
+  else inside_.erase(place);
 }
 
 void Composer::note_close(std::span<const uint64_t> crossings, uint32_t length) {
@@ -110,7 +95,7 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
     ray_ = ray;
     const std::span<uint64_t> all(crossings.all.data() + crossings.begin[ray], crossings.begin[ray + 1] - crossings.begin[ray]);
     const bool one_layer = sort_crossings(all);
-    const bool simple = one_layer && (all.empty() || label_[strength_[layers_[Crossing::layer(all[0])].body]] != 0);
+    const bool simple = one_layer && (all.empty() || bodies_[layers_[Crossing::layer(all[0])].body].label != 0);
     const size_t open = simple ? compose_one_layer(all, length, at, out.pattern[ray], out.patterns) : compose_any(all, length, at, out.pattern[ray], out.patterns);
     if (open != 0)
       throw Error(fmt::format("ray {}, {} of a tile leaves {} of its surfaces open: the crossings are inconsistent", ray % nu, ray / nu, open));
@@ -141,16 +126,20 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
   }
   const auto changes = static_cast<size_t>(at - first);
   if (was) cells += length;
-  if (!all.empty()) cells_[layer.body] += cells;
-  // Patterns known by layer, beginning and number of changes.
+  Label label = 0;
+  if (changes > 0 || begins_inside) {
+    Body& body = meet(layer.body);
+    body.owned += cells, body.within += cells;
+    label = body.label;
+  }
+  // Patterns known by label, beginning and number of changes.
   std::vector<Alternating>& known = alternating_[begins_inside];
   if (known.size() <= changes) known.resize(changes + 1);
   Alternating& k = known[changes];
-  if (k.pattern == ~0u || k.body != layer.body) {
-    const Label label = changes == 0 && !begins_inside ? 0 : label_[strength_[layer.body]];
+  if (k.pattern == ~0u || k.label != label) {
     sets_.clear();
     for (size_t i = 0; i <= changes; ++i) sets_.push_back((i % 2 == 0) == begins_inside ? label : 0);
-    k = {layer.body, patterns.intern(sets_)};
+    k = {label, patterns.intern(sets_)};
   }
   pattern = k.pattern;
   return layer.evenodd ? counter & 1 : counter != 0;
@@ -159,17 +148,15 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
   sets_.assign(1, 0);
   uint32_t since = 0;
-  auto owner = static_cast<uint32_t>(body_.size());
   for (size_t i = 0; i < all.size();) {
     const uint32_t cell = Crossing::cell(all[i]), until = std::min(cell, length);
-    count(until - since, owner);
+    if (!inside_.empty()) bodies_[inside_.back()].owned += until - since;
     since = until;
     const size_t begin = i;
-    for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i]);
+    for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i], until);
     if (i - begin > 1) note_close(all.subspan(begin, i - begin), length);
     if (cell >= length) continue;
-    owner = top();
-    const Label label = label_[owner];
+    const Label label = inside_.empty() ? 0 : bodies_[inside_.back()].label;
     if (cell == 0) {
       sets_[0] = label;
     } else if (label != sets_.back()) {
@@ -177,7 +164,6 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
       *at++ = cell;
     }
   }
-  count(length - since, owner);
   pattern = patterns.intern(sets_);
   return open_;
 }

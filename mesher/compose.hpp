@@ -2,10 +2,8 @@
 //
 // A body is inside where one of its *layers* is: a layer is a group of shells under one fill rule, with a counter of
 // its own (a winding number or a parity) that the crossings of its facets step. Of the bodies that hold a sample
-// point the strongest gives the label.
+// point the strongest gives the label. What a ray costs depends on the bodies that it meets, whatever their number in all.
 #pragma once
-#include <utility>
-
 #include "mesher/engine.hpp"
 #include "store/run.hpp"
 
@@ -22,6 +20,12 @@ struct CloseCrossings {
   uint64_t pairs;
 };
 
+// The cells of a body: how many it owns, and how many in it stronger bodies own.
+struct BodyCells {
+  uint32_t body;
+  uint64_t owned, covered;
+};
+
 // Not thread-safe: keeps scratch memory.
 class Composer {
  public:
@@ -32,35 +36,40 @@ class Composer {
   void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
   // Of the tile that was composed last, by ray; marks are none.
   const std::vector<CloseCrossings>& close_crossings() const { return close_; }
-  // Of each body, since the last call: how many cells it owned, and how many in it stronger bodies owned.
-  std::vector<unsigned __int128> take_cells() { return std::exchange(cells_, std::vector<unsigned __int128>(cells_.size())); }
-  std::vector<unsigned __int128> take_covered() { return std::exchange(covered_, std::vector<unsigned __int128>(covered_.size())); }
+  // Since the last call, of the bodies that rays met. REQUIRES: called at least once every 2^63 cells.
+  std::vector<BodyCells> take_cells();
 
  private:
+  struct Body {
+    uint32_t strength;
+    Label label;
+    uint32_t layers = 0;            // that are inside
+    bool met = false;               // since take_cells()
+    int64_t owned = 0, within = 0;  // cells since then; where rays are in the body now, less those below
+  };
   struct Alternating {
-    uint32_t body = 0, pattern = ~0u;
+    Label label = 0;
+    uint32_t pattern = ~0u;
   };
   // Both write the changes of a ray at `at`, its pattern, and return how many layers its end leaves open.
   size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
-  void step(uint64_t crossing);
+  void step(uint64_t crossing, uint32_t cell);
+  Body& meet(uint32_t body) {
+    Body& b = bodies_[body];
+    if (!b.met) b.met = true, met_.push_back(body);
+    return b;
+  }
   // Of crossings of the same cell, sorted.
   void note_close(std::span<const uint64_t> crossings, uint32_t length);
-  uint32_t top() const;
-  // Cells in the bodies that are inside now, the strongest of which has this strength.
-  void count(uint32_t cells, uint32_t owner);
 
   std::vector<Layer> layers_;
-  std::vector<uint32_t> strength_;  // of each body
-  std::vector<Label> label_;        // by strength; last of all that of the background
-  std::vector<uint32_t> body_;      // by strength
-  std::vector<unsigned __int128> cells_, covered_;
-  std::vector<int> counter_;        // of each layer
-  std::vector<int> inside_;         // of each body: layers that are inside
-  std::vector<uint64_t> active_;    // bit s: the body of strength s is inside
-  int open_ = 0;                    // layers that are inside
-  int overlap_ = 0;                 // bodies that are inside
-  uint32_t ray_ = 0;                // composed now
+  std::vector<Body> bodies_;
+  std::vector<int> counter_;     // of each layer
+  std::vector<uint32_t> met_;    // bodies
+  std::vector<uint32_t> inside_; // bodies, the strongest last
+  int open_ = 0;                 // layers that are inside
+  uint32_t ray_ = 0;             // composed now
   std::vector<CloseCrossings> close_;
   std::vector<SetId> sets_;
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]

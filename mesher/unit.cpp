@@ -4,13 +4,11 @@
 
 namespace teracell {
 
-void CastTotals::add(const CastTotals& other) {
-  crossings += other.crossings;
-  exact_decisions += other.exact_decisions;
-  cells.resize(std::max(cells.size(), other.cells.size()));
-  covered.resize(cells.size());
-  for (size_t b = 0; b < other.cells.size(); ++b) cells[b] += other.cells[b], covered[b] += other.covered[b];
-  tallies.add(other.tallies);
+void CastTotals::add(const RowTotals& row) {
+  crossings += row.crossings;
+  exact_decisions += row.exact_decisions;
+  for (const BodyCells& b : row.cells) cells[b.body] += b.owned, covered[b.body] += b.covered;
+  tallies.add(row.tallies);
 }
 
 UnitWork::UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta)
@@ -23,7 +21,6 @@ void UnitWork::make_row(uint32_t row, Worker& worker) {
     if (unit_.cu * 4 + u < shape_.chunks_u && unit_.cv * 4 + row < shape_.chunks_v) make_chunk(row * 4 + u, facets[u], worker);
   totals_[row].exact_decisions = worker.exact_decisions() - exact_before;
   totals_[row].cells = worker.composer.take_cells();
-  totals_[row].covered = worker.composer.take_covered();
   totals_[row].tallies.add(worker.marker.take_tallies());
   if (--rows_left_ == 0 && meta_.grid.levels() > 2) make_level2(worker);
 }
@@ -65,12 +62,6 @@ void UnitWork::tally_close(const std::vector<CloseCrossings>& all, const Box& ce
     }
     tallies.add(key, sum);
   }
-}
-
-CastTotals UnitWork::totals() const {
-  CastTotals sum;
-  for (const CastTotals& row : totals_) sum.add(row);
-  return sum;
 }
 
 void UnitWork::make_level2(Worker& worker) {

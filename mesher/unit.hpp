@@ -25,12 +25,19 @@ struct Worker {
   Crossings crossings;
 };
 
+// What casting a row of chunks counted.
+struct RowTotals {
+  uint64_t crossings = 0, exact_decisions = 0;
+  std::vector<BodyCells> cells;
+  Tallies tallies;
+};
+
 // What casting counted.
 struct CastTotals {
   uint64_t crossings = 0, exact_decisions = 0;
   std::vector<unsigned __int128> cells, covered;  // of each body: that it owns; that lie in it and a stronger one owns
   Tallies tallies;
-  void add(const CastTotals& other);
+  void add(const RowTotals& row);
 };
 
 class UnitWork {
@@ -47,7 +54,7 @@ class UnitWork {
   const Unit& unit() const { return unit_; }
   const std::vector<LevelChunk>& chunks() const { return chunks_; }
   Chunk& coarse() { return coarse_; }
-  CastTotals totals() const;
+  const std::array<RowTotals, kRows>& totals() const { return totals_; }
 
  private:
   void make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker);
@@ -62,7 +69,7 @@ class UnitWork {
   std::vector<LevelChunk> chunks_;    // 16 of level 0, some of them beyond the grid and empty, and one of level 2
   std::array<Chunk, 16> pieces_;      // those of level 0, on level 2
   Chunk coarse_;
-  std::array<CastTotals, kRows> totals_;
+  std::array<RowTotals, kRows> totals_;
 };
 
 }  // namespace teracell
