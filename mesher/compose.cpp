@@ -10,7 +10,7 @@ namespace teracell {
 namespace {
 
 // Sorts the crossings of a ray: a handful that the engine leaves nearly in order, so insertion is one compare each.
-// Returns whether all are of one layer, and all marks or none; asked here because a second loop over freshly stored crossings waits for the
+// Returns whether all are of one layer; asked here because a second loop over freshly stored crossings waits for the
 // stores (it took a tenth of the whole run).
 bool sort_crossings(std::span<uint64_t> c) {
   if (c.empty()) return true;
@@ -28,7 +28,7 @@ bool sort_crossings(std::span<uint64_t> c) {
       c[j] = x;
     }
   }
-  return Crossing::layer(mixed) == 0 && !Crossing::is_mark(mixed);
+  return Crossing::layer(mixed) == 0;
 }
 
 }  // namespace

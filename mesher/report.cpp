@@ -175,9 +175,9 @@ ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::ve
     inputs.push_back({{"path", body.mesh_text}, {"format", found.file.format}, {"bytes", found.file.bytes}, {"hash", found.file.hash}});
     for (const std::string& w : found.file.warnings)
       if (said.insert({body.mesh_text, w}).second) warnings.push_back(fmt::format("{}: {}", body.mesh_text, w));
-    for (const auto& list : {body_warnings(scene, body, found, grid, surveys[b]), cell_warnings(scene, b, found, plan, totals)})
-      for (const std::string& words : list) warnings.push_back(fmt::format("body '{}' {}", body.name, words));
+    for (const std::string& words : body_warnings(scene, body, found, grid, surveys[b])) warnings.push_back(fmt::format("body '{}' {}", body.name, words));
   }
+  for (const std::string& words : cell_warnings(scene, bodies, plan, totals)) warnings.push_back(words);
   ordered_json rays = {{"axis", axis_name(axis.axis)}, {"why", axis.asked_for ? "asked for" : "the fewest crossings and rays"}};
   for (const double crossings : axis.crossings) rays["crossings_expected"].push_back(static_cast<uint64_t>(std::min(crossings, 0x1p63)));
   ordered_json out = {{"schema", 1},           {"bodies", all},   {"crossings", totals.crossings}, {"warnings", warnings},

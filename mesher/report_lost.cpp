@@ -58,7 +58,6 @@ std::string beside_domain(const BodyFacets& found, const Grid& grid) {
 constexpr uint64_t kFewCells = 8;
 
 std::string few_cells_warning(const Scene& scene, size_t b, const BodyFacets& found, const Plan& plan, const CastTotals& totals) {
-  if (totals.cells[b] >= kFewCells) return "";
   const SceneBody& body = scene.bodies[b];
   const Grid& grid = plan.meta.grid;
   const auto cells = static_cast<uint64_t>(totals.cells[b]);
@@ -112,10 +111,17 @@ ordered_json lost_gaps(const Scene& scene, const Grid& grid, const Tallies& tall
   return all;
 }
 
-std::vector<std::string> cell_warnings(const Scene& scene, size_t b, const BodyFacets& found, const Plan& plan, const CastTotals& totals) {
-  std::vector<std::string> out = {few_cells_warning(scene, b, found, plan, totals)};
-  for (int axis = 0; axis < 3; ++axis) out.push_back(lower_side_warning(b, axis, plan.meta.grid, totals.tallies));
-  std::erase(out, "");
+std::vector<std::string> cell_warnings(const Scene& scene, const Bodies& bodies, const Plan& plan, const CastTotals& totals) {
+  constexpr size_t kShown = 20;  // scenes may have bodies by the thousand that are small by intention
+  std::vector<std::string> out;
+  const auto say = [&](size_t b, const std::string& words) { out.push_back(fmt::format("body '{}' {}", scene.bodies[b].name, words)); };
+  size_t few = 0;
+  for (size_t b = 0; b < scene.bodies.size(); ++b) {
+    if (totals.cells[b] < kFewCells && ++few <= kShown) say(b, few_cells_warning(scene, b, bodies.bodies[b], plan, totals));
+    for (int axis = 0; axis < 3; ++axis)
+      if (const std::string words = lower_side_warning(b, axis, plan.meta.grid, totals.tallies); !words.empty()) say(b, words);
+  }
+  if (few > kShown) out.push_back(fmt::format("{} with fewer than {} cells or none: the report has the cells of each", few - kShown == 1 ? "one more body" : fmt::format("{} more bodies", few - kShown), kFewCells));
   return out;
 }
 

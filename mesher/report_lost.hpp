@@ -11,7 +11,7 @@ namespace teracell {
 void report_lost(const Scene& scene, size_t b, const Plan& plan, const Tallies& tallies, bool count_thin, nlohmann::ordered_json& body);
 // Of each material and axis.
 nlohmann::ordered_json lost_gaps(const Scene& scene, const Grid& grid, const Tallies& tallies);
-// Why a body has few cells or none, and what of a sheet lies on the domain's lower side: each goes on after the body's name.
-std::vector<std::string> cell_warnings(const Scene& scene, size_t b, const BodyFacets& found, const Plan& plan, const CastTotals& totals);
+// Why bodies have few cells or none (the first 20 of them), and what of sheets lies on the domain's lower side.
+std::vector<std::string> cell_warnings(const Scene& scene, const Bodies& bodies, const Plan& plan, const CastTotals& totals);
 
 }  // namespace teracell

@@ -112,3 +112,37 @@ class Scenes(Case):
         r = self.mesh([{"name": "far", "mesh": "a.stl", "material": "steel", "translate": [100, 0, 0]}])
         self.assertIn("warning: body 'far' owns no cell", r.err)
         self.assertEqual(len(self.json_of("info", "g.tcell")["report"]["warnings"]), 1)
+
+    def test_a_sheet_owns_the_cells_that_it_passes_through(self):
+        self.mesh([{"mesh": "b.obj", "material": "oil", "kind": "sheet"}])
+        (lo, hi), ns = B, (16, 12, 14)
+
+        def in_sheet(cell):  # the cell whose planes hold a face, upper plane included
+            planes = [-1 + 0.5 * i for i in cell]
+            return any(planes[d] < face <= planes[d] + 0.5 and all(lo[e] <= planes[e] + 0.25 < hi[e] for e in range(3) if e != d)
+                       for d in range(3) for face in (lo[d], hi[d]))
+        cells = bytes(2 * in_sheet((i, j, k)) for k in range(ns[2]) for j in range(ns[1]) for i in range(ns[0]))
+        self.assertEqual(self.export("g.tcell"), (ns[::-1], cells))
+        self.assertRegex(self.run_ok("info", "g.tcell").out, r"b: 12 facets in 1 shell, sheet, \d+ cells")
+
+    def test_thin_parts_are_counted_and_kept(self):
+        self.write("plate.stl", solids.binary_stl(solids.box_facets((0.0, 0.0, 2.0), (4.0, 4.0, 2.125))))
+        body = {"mesh": "plate.stl", "material": "steel"}
+        r = self.mesh([body])
+        self.assertIn("owns no cell: its box is 8 x 8 x 0.25 cells wide", r.err)
+        r = self.mesh([{**body, "thin": "keep"}])
+        self.assertNotIn("warning", r.err)
+        self.assert_cells([((0, 0, 2), (4, 4, 2.5), 1)])
+        self.assertEqual(self.json_of("info", "g.tcell")["report"]["bodies"][0]["lost"]["z"], {"number": 64, "widest_65536ths": 16384, "widest": 0.125, "at": [0.25, 0.25, 2.0625]})
+        self.assertIn("stretches between two sample points along z: 64, the widest 0.125 mm at (0.25, 0.25, 2.0625)", self.run_ok("info", "g.tcell").out)
+
+    def test_thin_counts_what_is_lost_of_bodies_and_between_them(self):
+        self.write("upper.stl", solids.binary_stl(solids.box_facets((0.0, 0.0, 4.125), (4.0, 4.0, 5.0))))
+        self.mesh([{"mesh": "a.stl", "material": "steel"}, {"mesh": "upper.stl", "material": "steel"}])
+        cells = self.export("g.tcell")
+        self.assertNotIn("lost_gaps", self.json_of("info", "g.tcell")["report"])
+        self.run_ok("mesh", "s.json", "--thin", "-o", "g.tcell")
+        self.assertEqual(self.export("g.tcell"), cells)
+        gap, = self.json_of("info", "g.tcell")["report"]["lost_gaps"]
+        self.assertEqual(gap, {"material": "steel", "axis": "z", "number": 64, "widest_65536ths": 16384, "widest": 0.125, "at": [0.25, 0.25, 4.0625]})
+        self.assertIn("of steel between two sample points along z: 64, the widest 0.125 mm", self.run_ok("info", "g.tcell").out)

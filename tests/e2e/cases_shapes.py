@@ -27,7 +27,8 @@ def fits(value, shape, where=""):
 REPORT = {"schema": INT,
           "bodies": [{"name": TEXT, "facets": INT, "degenerate": INT, "duplicates": INT, "shells": INT,
                       "fill": [{"rule": TEXT, "shells": INT, "why": TEXT}],
-                      "holes": [{"at": [NUMBER], "edges": INT, "diameter": NUMBER, "cap_area": NUMBER}], "cells": INT}],
+                      "holes": [{"at": [NUMBER], "edges": INT, "diameter": NUMBER, "cap_area": NUMBER}],
+                      "lost_stretches": {"axis": TEXT, "number": INT}, "cells": INT}],
           "crossings": INT, "warnings": [TEXT], "inputs": [{"path": TEXT, "bytes": INT, "hash": TEXT}]}
 RUN_ONLY = {"phases": [{"name": TEXT, "seconds": NUMBER}], "peak_memory_bytes": INT, "threads": INT, "exact_decisions": INT, "spilled_bytes": INT,
             "resumed_chunks": INT}

@@ -337,6 +337,9 @@ TEST_CASE("A body with few cells or none says why", "[thin]") {
   const Facets square = {{{Vec3{1, 1, 3}, Vec3{9, 1, 3}, Vec3{9, 9, 3}}}, {{Vec3{1, 1, 3}, Vec3{9, 9, 3}, Vec3{1, 9, 3}}}};
   CHECK_THAT(warnings({{square}}), Catch::Contains("open and flat") && Catch::Contains("\"kind\": \"sheet\""));
   CHECK_THAT(warnings({{shapes::box({1, 1, 1}, {3, 2, 2})}}), Catch::Contains("owns only 2 cells") && Catch::Contains("2 x 1 x 1 cells"));
+  const std::string many = warnings(std::vector<Body>(25, Body{shapes::box({11, 1, 1}, {12, 2, 2})}));
+  CHECK(std::ranges::count(many, '\n') == 21);
+  CHECK_THAT(many, Catch::Contains("5 more bodies"));
 }
 
 }  // namespace
