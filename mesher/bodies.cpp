@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -82,6 +83,108 @@ void expect_files(const Scene& scene, size_t last) {
                                    scene.bodies[b].mesh.string()));
 }
 
+// Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time: a
+// job for each of 100,000 bodies would take longer than what is done in it.
+class BodyReader {
+ public:
+  BodyReader(const Scene& scene, const Budget& budget, Bodies& out)
+      : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), out_(out), surveys_(out.surveys) {}
+
+  void read(const std::function<void(double)>& tick) {
+    out_.bodies.reserve(scene_.bodies.size());
+    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+      const SceneBody& body = scene_.bodies[b];
+      const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change it
+      BodyFacets found;
+      found.first = out_.facets->size();
+      found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
+        take(b, layer, facets);
+        tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+      }, budget_, out_.helper.get());
+      batch_.pieces.push_back({b, {}, 0, true});
+      if (batch_.pieces.size() >= kPieces) hand_on();
+      out_.bodies.push_back(std::move(found));
+    }
+    hand_on();
+    out_.helper->finish();
+    study_->hand_over(out_);
+  }
+
+ private:
+  static constexpr size_t kFacets = 4096, kPieces = 1024;
+  // Facets of a body that came together: in the store, or as many of Batch::copies. Or the body's end.
+  struct Piece {
+    size_t body;
+    std::span<const SceneFacet> stored;
+    size_t copied;
+    bool ends;
+  };
+  struct Batch {
+    std::vector<Piece> pieces;
+    std::vector<Facet> copies;
+    size_t facets = 0;
+  };
+
+  void take(size_t b, uint32_t layer, std::span<const Facet> facets) {
+    if (out_.in_memory && out_.facets->size() + facets.size() > most_) spill(b);
+    batch_.facets += facets.size();
+    if (!out_.in_memory) {
+      batch_.pieces.push_back({b, {}, facets.size(), false});
+      batch_.copies.insert(batch_.copies.end(), facets.begin(), facets.end());
+    }
+    while (out_.in_memory && !facets.empty()) {
+      const std::span<const SceneFacet> stored = out_.facets->append(facets, layer);
+      batch_.pieces.push_back({b, stored, 0, false});
+      facets = facets.subspan(stored.size());
+    }
+    if (batch_.facets >= kFacets) hand_on();
+  }
+
+  // What was kept is dropped, and no longer surveyed.
+  void spill(size_t b) {
+    expect_files(scene_, b);
+    hand_on();
+    out_.helper->finish();
+    out_.helper->drop_later();
+    out_.in_memory = false;
+    out_.facets = std::make_shared<FacetStore>();
+  }
+
+  void hand_on() {
+    const auto batch = std::make_shared<const Batch>(std::exchange(batch_, {}));
+    if (batch->pieces.empty()) return;
+    out_.helper->run([&scene = scene_, study = study_, batch] {
+      const Facet* copy = batch->copies.data();
+      for (const Piece& p : batch->pieces) {
+        const SceneBody& body = scene.bodies[p.body];
+        const bool moves = body.matrix != kIdentity;
+        for (const SceneFacet& f : p.stored) study->take(f.facet, body, moves);
+        for (size_t i = 0; i < p.copied; ++i) study->take(*copy++, body, moves);
+        if (p.ends) study->end_body();
+      }
+    });
+    if (!out_.in_memory) return;
+    out_.helper->run_later([survey = survey_, surveys = surveys_, batch] {
+      for (const Piece& p : batch->pieces) {
+        for (const SceneFacet& f : p.stored) survey->add(f.facet);
+        if (!p.ends) continue;
+        surveys->push_back(survey->totals());
+        *survey = {};
+      }
+    });
+  }
+
+  const Scene& scene_;
+  const Budget& budget_;
+  const uint64_t most_;
+  Bodies& out_;
+  // Jobs may outlive the reading, when it throws.
+  const std::shared_ptr<Study> study_ = std::make_shared<Study>();
+  const std::shared_ptr<Survey> survey_ = std::make_shared<Survey>();
+  const std::shared_ptr<std::vector<SurveyTotals>> surveys_;
+  Batch batch_;
+};
+
 }  // namespace
 
 uint64_t Bodies::facet_count() const {
@@ -96,55 +199,13 @@ bool Bodies::float32() const {
 
 std::vector<SurveyTotals> Bodies::survey_totals() {
   helper->finish_all();
-  std::vector<SurveyTotals> out;
-  for (Survey& survey : surveys) out.push_back(survey.totals());
-  return out;
+  return *surveys;
 }
 
 Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick) {
   Bodies out;
-  const auto study = std::make_shared<Study>();  // its jobs may outlive this function, when it throws
   out.helper = std::make_unique<Background>(threads > 1);
-  const uint64_t most = budget.bytes / 8 * 5 / kBytesPerFacet;
-  for (size_t b = 0; b < scene.bodies.size(); ++b) {
-    const SceneBody& body = scene.bodies[b];
-    const bool moves = body.matrix != kIdentity;
-    const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change it
-    Survey* const survey = &out.surveys.emplace_back();
-    BodyFacets found;
-    found.first = out.facets->size();
-    found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
-      if (out.in_memory && out.facets->size() + facets.size() > most) {
-        expect_files(scene, b);
-        out.helper->finish();
-        out.helper->drop_later();
-        out.in_memory = false;
-        out.facets = std::make_shared<FacetStore>();
-        out.surveys.clear();
-      }
-      if (out.in_memory) {
-        while (!facets.empty()) {
-          const std::span<const SceneFacet> stored = out.facets->append(facets, layer);
-          facets = facets.subspan(stored.size());
-          out.helper->run([study, &body, stored, moves] {
-            for (const SceneFacet& f : stored) study->take(f.facet, body, moves);
-          });
-          out.helper->run_later([survey, stored] {
-            for (const SceneFacet& f : stored) survey->add(f.facet);
-          });
-        }
-      } else {
-        out.helper->run([study, &body, moves, copy = std::vector<Facet>(facets.begin(), facets.end())] {
-          for (const Facet& f : copy) study->take(f, body, moves);
-        });
-      }
-      tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
-    }, budget, out.helper.get());
-    out.helper->run([study] { study->end_body(); });
-    out.bodies.push_back(std::move(found));
-  }
-  out.helper->finish();
-  study->hand_over(out);
+  BodyReader(scene, budget, out).read(tick);
   return out;
 }
 

@@ -1,6 +1,5 @@
 // The bodies of a scene: read, then closed, and each shell given its fill rule.
 #pragma once
-#include <deque>
 #include <functional>
 #include <memory>
 
@@ -30,7 +29,7 @@ struct Bodies {
   Vec3 area{};  // of the facets' projections along x, y, z
 
   // The survey of facets in memory decides no cell: it is made beside the work, from the files' coordinates.
-  std::deque<Survey> surveys;
+  std::shared_ptr<std::vector<SurveyTotals>> surveys = std::make_shared<std::vector<SurveyTotals>>();
   std::unique_ptr<Background> helper;  // last: its jobs use the others
   std::vector<SurveyTotals> survey_totals();  // of each body; waits. REQUIRES: in_memory
 

@@ -79,7 +79,7 @@ locale_t c_locale() {
 }  // namespace
 
 FacetStream::FacetStream(const std::string& glob, const FacetSink& sink)
-    : glob_(glob), sink_(sink), batch_(std::make_unique_for_overwrite<Facet[]>(kBatch)) {}
+    : glob_(glob), sink_(sink), batch_(std::make_unique_for_overwrite<Facet[]>(kFirst)) {}
 
 bool FacetStream::wants(std::string_view part) {
   const std::string name(part);
@@ -105,6 +105,13 @@ void FacetStream::flush() {
   sink_({batch_.get(), used_});
   facets_ += used_;
   used_ = 0;
+}
+
+void FacetStream::make_room() {
+  flush();
+  if (capacity_ == kBatch) return;
+  batch_ = std::make_unique_for_overwrite<Facet[]>(kBatch);
+  capacity_ = kBatch;
 }
 
 void FacetStream::finish(const std::string& name, SurfaceFile& file) {

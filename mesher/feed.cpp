@@ -1,6 +1,7 @@
 #include "mesher/feed.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "mesher/placement.hpp"
 
@@ -50,26 +51,41 @@ std::unique_ptr<FacetBins> Feed::fill_bins(const std::vector<bool>& wide, const 
   const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved(f, scene.bodies[layer / 2]) : f; };
   const bool walls = std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
   auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, wide);
+  struct Binned {
+    Facet facet;
+    uint32_t layer;
+    FacetBins::Origin origin;
+  };
+  constexpr size_t kBatch = 4096;
+  std::vector<Binned> batch;
+  Background background(threads > 1);
+  const auto hand_on = [&] {
+    background.run([&bins, facets = std::exchange(batch, {})] {
+      for (const Binned& f : facets) bins->add(f.facet, f.layer, f.origin);
+    });
+  };
+  const auto add = [&](const Facet& f, uint32_t layer, FacetBins::Origin origin) {
+    batch.push_back({f, layer, origin});
+    if (batch.size() >= kBatch) hand_on();
+  };
   const double all = static_cast<double>(bodies_.facet_count());
   uint64_t done = 0;
   for (size_t b = 0; b < scene_.bodies.size(); ++b) {
     const BodyFacets& found = bodies_.bodies[b];
     const ClosedBody& closed = found.closed;
     uint64_t number = 0;
-    Background background(threads > 1);
     read_again(scene_.bodies[b], found, budget, [&](std::span<const Facet> facets) {
-      background.run([&, b, batch = std::vector<Facet>(facets.begin(), facets.end())] {
-        for (const Facet& f : batch) bins->add(f, closed.rules ? closed.rules->layer(b, number++) : closed.layer(b), FacetBins::kOfFile);
-      });
+      for (const Facet& f : facets) add(f, closed.rules ? closed.rules->layer(b, number++) : closed.layer(b), FacetBins::kOfFile);
       done += facets.size();
       tick(static_cast<double>(done) / all);
     });
-    background.finish();
     for (const bool parity : {false, true}) {
-      for (const Facet& f : closed.added[parity]) bins->add(f, layer_of(b, parity), FacetBins::kAdded);
-      for (const Facet& f : closed.walls[parity]) bins->add(f, layer_of(b, parity), FacetBins::kPlaced);
+      for (const Facet& f : closed.added[parity]) add(f, layer_of(b, parity), FacetBins::kAdded);
+      for (const Facet& f : closed.walls[parity]) add(f, layer_of(b, parity), FacetBins::kPlaced);
     }
   }
+  hand_on();
+  background.finish();
   bins->finish();
   return bins;
 }

@@ -51,7 +51,7 @@ void Input::begin() {
   hash_.reset(XXH3_createState());
   if (!hash_) throw std::bad_alloc();
   XXH3_128bits_reset(hash_.get());
-  buffer_.resize(kWindow);
+  buffer_.resize(size_ ? std::clamp<size_t>(*size_ + 1, 256, kWindow) : kWindow);  // most files of an assembly are small
   fill(3);
   if (window(0).substr(0, 3) != "\x1f\x8b\x08") return;
 

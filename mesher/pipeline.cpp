@@ -10,6 +10,7 @@
 #include "mesher/checkpoint.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/feed.hpp"
+#include "mesher/json_lists.hpp"
 #include "mesher/placement.hpp"
 #include "mesher/report.hpp"
 #include "mesher/trust.hpp"
@@ -79,7 +80,7 @@ class MeshRun {
         threads_(options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))),
         budget_{options.memory, options.tmp.empty() ? folder_of(output) : options.tmp} {}
 
-  ordered_json run() {
+  MeshReport run() {
     bodies_ = read_bodies(scene_, threads_, budget_, [&](double share) { tick("read", share); });
     phases_.end("read");
     plan_ = make_plan(scene_, bodies_, options_.axis, options_.chunk_rays);
@@ -93,10 +94,11 @@ class MeshRun {
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
     phases_.end("prepare");
     cast(feed.tiling(), make_engine);
-    const ordered_json report = make_report(scene_, bodies_, feed.surveys(), plan_, totals_, options_.thin);
+    Report report = make_report(scene_, bodies_, feed.surveys(), plan_, totals_, options_.thin);
     phases_.end("cast");
-    finish(report);
-    return whole_report(report, feed.spilled_bytes());
+    finish(report.text);
+    const ordered_json run = of_this_run(report.warnings, feed.spilled_bytes());
+    return {std::move(report.text), std::move(report.warnings), run.dump()};
   }
 
  private:
@@ -131,20 +133,24 @@ class MeshRun {
     }
   }
 
-  // What the file's bytes depend on.
+  // What the file's bytes depend on. Long parts stand by their checksum: a checkpoint has it all.
   std::string identity() const {
-    ordered_json inputs = ordered_json::array();
-    for (size_t b = 0; b < scene_.bodies.size(); ++b)
-      inputs.push_back({{"path", scene_.bodies[b].mesh_text}, {"bytes", bodies_.bodies[b].file.bytes}, {"hash", bodies_.bodies[b].file.hash}});
-    return ordered_json{{"inputs", inputs},
-                        {"scene", normalised(scene_)},
-                        {"axis", axis_name(plan_.meta.ray_axis)},
-                        {"axis_asked_for", plan_.rays.asked_for},
-                        {"chunk_rays", plan_.meta.chunk_rays},
-                        {"thin", options_.thin},
-                        {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
-                        {"zstd", compressor_version()}}
-        .dump();
+    const auto brief = [](std::string text) {
+      constexpr size_t kLongest = size_t{1} << 20;
+      return text.size() <= kLongest ? text : fmt::format("\"{} bytes with checksum {:016x}\"", text.size(), checksum({reinterpret_cast<const uint8_t*>(text.data()), text.size()}));
+    };
+    std::string inputs;
+    append_list(inputs, scene_.bodies.size(), [&](size_t b) {
+      const SurfaceFile& file = bodies_.bodies[b].file;
+      return ordered_json{{"path", scene_.bodies[b].mesh_text}, {"bytes", file.bytes}, {"hash", file.hash}};
+    });
+    const ordered_json rest = {{"axis", axis_name(plan_.meta.ray_axis)},
+                               {"axis_asked_for", plan_.rays.asked_for},
+                               {"chunk_rays", plan_.meta.chunk_rays},
+                               {"thin", options_.thin},
+                               {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
+                               {"zstd", compressor_version()}};
+    return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised_text(scene_)), rest.dump().substr(1));
   }
 
   void open_output() {
@@ -233,29 +239,33 @@ class MeshRun {
     save_checkpoint(c, output_);
   }
 
-  void finish(const ordered_json& report) {
+  void finish(const std::string& report) {
     tick("write", 0);
-    writer_->finish(report.dump(), totals_.crossings);
+    writer_->finish(report, totals_.crossings);
     remove_checkpoint(output_);
     for (const auto& file : caps_) file->commit();
     phases_.end("finish");
   }
 
-  ordered_json whole_report(ordered_json report, uint64_t spilled_bytes) const {
+  // What only --report shows. Adds to the warnings.
+  ordered_json of_this_run(std::vector<std::string>& warnings, uint64_t spilled_bytes) const {
+    ordered_json run;
+    run["trust"] = ordered_json::array();
     for (const auto& [b, trust] : trust_) {
-      ordered_json& body = report["bodies"][b]["trust"] = {{"points", trust.points}, {"disagree", trust.disagree}};
-      if (trust.disagree > 0) body["at"] = trust.at, body["box"] = {trust.lo, trust.hi};
-      if (const std::string words = trust_warning(trust, scene_.bodies[b].name); !words.empty()) report["warnings"].push_back(words);
+      ordered_json found = {{"body", scene_.bodies[b].name}, {"points", trust.points}, {"disagree", trust.disagree}};
+      if (trust.disagree > 0) found["at"] = trust.at, found["box"] = {trust.lo, trust.hi};
+      run["trust"].push_back(std::move(found));
+      if (std::string words = trust_warning(trust, scene_.bodies[b].name); !words.empty()) warnings.push_back(std::move(words));
     }
-    report["phases"] = phases_.list();
-    report["peak_memory_bytes"] = peak_memory_bytes();
-    report["threads"] = threads_;
-    report["engine"] = options_.engine;
-    report["exact_decisions"] = totals_.exact_decisions;
-    report["spilled_bytes"] = spilled_bytes;
-    report["resumed_chunks"] = resumed_chunks_;
-    report["file_bytes"] = writer_->bytes();
-    return report;
+    run["phases"] = phases_.list();
+    run["peak_memory_bytes"] = peak_memory_bytes();
+    run["threads"] = threads_;
+    run["engine"] = options_.engine;
+    run["exact_decisions"] = totals_.exact_decisions;
+    run["spilled_bytes"] = spilled_bytes;
+    run["resumed_chunks"] = resumed_chunks_;
+    run["file_bytes"] = writer_->bytes();
+    return run;
   }
 
   const Scene& scene_;
@@ -280,7 +290,14 @@ class MeshRun {
 
 }  // namespace
 
-ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
+ordered_json MeshReport::whole() const {
+  ordered_json out = ordered_json::parse(in_file);
+  out["warnings"] = warnings;
+  out.update(ordered_json::parse(of_this_run));
+  return out;
+}
+
+MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
                   const Progress& progress, const std::atomic<bool>& stop) {
   try {
     return MeshRun(scene, output, options, progress, stop).run();

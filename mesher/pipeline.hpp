@@ -30,9 +30,16 @@ struct MeshOptions {
 // Called now and then, from the thread that called mesh(): the phase, its share of 1, and the cells of the whole grid.
 using Progress = std::function<void(const char* phase, double share, double cells)>;
 
-// Writes `output` and returns the report, with what only --report shows (times, memory, threads). Stops soon after
-// `stop` is set, with Interrupted. Whatever is thrown, nothing stands under the output's name that was not there before.
-nlohmann::ordered_json mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
-                            const Progress& progress, const std::atomic<bool>& stop);
+struct MeshReport {
+  std::string in_file;                // the report in the file, JSON
+  std::vector<std::string> warnings;  // those in it, and what was found by sums that round
+  std::string of_this_run;            // JSON of what only --report shows: times, memory, threads, trust
+  nlohmann::ordered_json whole() const;  // all of it, as a tree: large where the bodies are many
+};
+
+// Writes `output` and returns the report. Stops soon after `stop` is set, with Interrupted. Whatever is thrown, nothing
+// stands under the output's name that was not there before.
+MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
+                const Progress& progress, const std::atomic<bool>& stop);
 
 }  // namespace teracell

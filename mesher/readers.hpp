@@ -23,7 +23,7 @@ class FacetStream {
   bool wants(std::string_view part);
   // A new facet, to be filled in before the next call.
   Facet& next() {
-    if (used_ == kBatch) flush();
+    if (used_ == capacity_) make_room();
     return batch_[used_++];
   }
   void add(const Vec3& a, const Vec3& b, const Vec3& c) { next().vertex = {a, b, c}; }
@@ -33,14 +33,15 @@ class FacetStream {
   void finish(const std::string& name, SurfaceFile& file);
 
  private:
-  static constexpr size_t kBatch = 4096;
+  static constexpr size_t kFirst = 32, kBatch = 4096;  // most files of an assembly are small
   void note(const std::string& name);
   void flush();
+  void make_room();
 
   const std::string& glob_;
   const FacetSink& sink_;
   std::unique_ptr<Facet[]> batch_;
-  size_t used_ = 0;
+  size_t used_ = 0, capacity_ = kFirst;
   uint64_t facets_ = 0;
   bool matched_ = false;  // some part is wanted
   std::vector<std::string> parts_;

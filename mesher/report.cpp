@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "mesher/json_lists.hpp"
 #include "mesher/report_lost.hpp"
 
 namespace teracell {
@@ -161,28 +162,37 @@ std::vector<std::string> body_warnings(const Scene& scene, const SceneBody& body
 
 }  // namespace
 
-ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Plan& plan, const CastTotals& totals,
-                         bool count_thin) {
+Report make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Plan& plan, const CastTotals& totals,
+                   bool count_thin) {
   const Grid& grid = plan.meta.grid;
   const AxisChoice& axis = plan.rays;
-  ordered_json all = ordered_json::array(), inputs = ordered_json::array(), warnings = ordered_json::array();
+  Report out;
   std::set<std::pair<std::string, std::string>> said;  // of a file: once, however many bodies are in it
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
-    const BodyFacets& found = bodies.bodies[b];
-    all.push_back(body_report(body, found, grid, surveys[b], totals.cells[b], totals.covered[b]));
-    report_lost(scene, b, plan, totals.tallies, count_thin, all.back());
-    inputs.push_back({{"path", body.mesh_text}, {"format", found.file.format}, {"bytes", found.file.bytes}, {"hash", found.file.hash}});
-    for (const std::string& w : found.file.warnings)
-      if (said.insert({body.mesh_text, w}).second) warnings.push_back(fmt::format("{}: {}", body.mesh_text, w));
-    for (const std::string& words : body_warnings(scene, body, found, grid, surveys[b])) warnings.push_back(fmt::format("body '{}' {}", body.name, words));
+    for (const std::string& w : bodies.bodies[b].file.warnings)
+      if (said.insert({body.mesh_text, w}).second) out.warnings.push_back(fmt::format("{}: {}", body.mesh_text, w));
+    for (const std::string& words : body_warnings(scene, body, bodies.bodies[b], grid, surveys[b])) out.warnings.push_back(fmt::format("body '{}' {}", body.name, words));
   }
-  for (const std::string& words : cell_warnings(scene, bodies, plan, totals)) warnings.push_back(words);
+  for (const std::string& words : cell_warnings(scene, bodies, plan, totals)) out.warnings.push_back(words);
   ordered_json rays = {{"axis", axis_name(axis.axis)}, {"why", axis.asked_for ? "asked for" : "the fewest crossings and rays"}};
   for (const double crossings : axis.crossings) rays["crossings_expected"].push_back(static_cast<uint64_t>(std::min(crossings, 0x1p63)));
-  ordered_json out = {{"schema", 1},           {"bodies", all},   {"crossings", totals.crossings}, {"warnings", warnings},
-                      {"inputs", inputs}, {"ray_axis", rays}, {"scene", normalised(scene)}};
-  if (count_thin) out["lost_gaps"] = lost_gaps(scene, grid, totals.tallies);
+
+  std::string& text = out.text;
+  text = "{\"schema\":1,\"bodies\":";
+  append_list(text, scene.bodies.size(), [&](size_t b) {
+    ordered_json body = body_report(scene.bodies[b], bodies.bodies[b], grid, surveys[b], totals.cells[b], totals.covered[b]);
+    report_lost(scene, b, plan, totals.tallies, count_thin, body);
+    return body;
+  });
+  text += fmt::format(",\"crossings\":{},\"warnings\":{},\"inputs\":", totals.crossings, ordered_json(out.warnings).dump());
+  append_list(text, scene.bodies.size(), [&](size_t b) {
+    const SurfaceFile& file = bodies.bodies[b].file;
+    return ordered_json{{"path", scene.bodies[b].mesh_text}, {"format", file.format}, {"bytes", file.bytes}, {"hash", file.hash}};
+  });
+  text += fmt::format(",\"ray_axis\":{},\"scene\":{}", rays.dump(), normalised_text(scene));
+  if (count_thin) text += ",\"lost_gaps\":" + lost_gaps(scene, grid, totals.tallies).dump();
+  text += '}';
   return out;
 }
 

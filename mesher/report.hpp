@@ -1,6 +1,7 @@
 // What meshing found, as JSON for people and programs.
 #pragma once
-#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
 
 #include "mesher/binned_survey.hpp"
 #include "mesher/plan.hpp"
@@ -8,9 +9,14 @@
 
 namespace teracell {
 
-// The report in the file: only what inputs and options determine, so no times, memory or counts of threads. One survey a
+struct Report {
+  std::string text;                   // JSON
+  std::vector<std::string> warnings;  // in it
+};
+
+// The report in the file: only what inputs and options determine, so no times, memory or counts of threads. One survey per
 // body.
-nlohmann::ordered_json make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Plan& plan, const CastTotals& totals,
-                                   bool count_thin);
+Report make_report(const Scene& scene, const Bodies& bodies, const std::vector<SurveyTotals>& surveys, const Plan& plan, const CastTotals& totals,
+                   bool count_thin);
 
 }  // namespace teracell

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/json_lists.hpp"
 #include "mesher/scene.hpp"
 #include "mesher/scene_names.hpp"
 #include "mesher/scene_node.hpp"
@@ -323,6 +324,37 @@ nlohmann::ordered_json normalised_grid(const Scene& scene) {
   return grid;
 }
 
+nlohmann::ordered_json normalised_but_bodies(const Scene& scene) {
+  nlohmann::ordered_json json;
+  json["units"] = scene.units;
+  json["grid"] = normalised_grid(scene);
+  json["sample"] = scene.sample;
+  json["background"] = scene.materials.front().name;
+  // Not through operator[], which looks through all keys each time: 65,535 of them would take seconds.
+  nlohmann::ordered_json::object_t materials;
+  materials.reserve(scene.materials.size());
+  for (const SceneMaterial& m : scene.materials) materials.push_back({m.name, {{"color", m.color}}});
+  json["materials"] = std::move(materials);
+  json["label_by"] = scene.label_by_body ? "body" : "material";
+  return json;
+}
+
+nlohmann::ordered_json normalised_body(const Scene& scene, const SceneBody& b) {
+  constexpr const char* kFill[] = {"auto", "nonzero", "evenodd", "distinct"};
+  nlohmann::ordered_json body = {{"name", b.name}, {"mesh", b.mesh_text}};
+  if (!b.part.empty()) body["part"] = b.part;
+  body["material"] = scene.materials[b.material].name;
+  body["priority"] = b.priority;
+  body["fill"] = kFill[static_cast<int>(b.fill)];
+  if (b.closing.way == Closing::Way::kExtrude) body["closing"] = {{"extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)}};
+  else body["closing"] = b.closing.way == Closing::Way::kStrict ? "strict" : "cap";
+  if (b.stitch) body["stitch"] = *b.stitch;
+  if (b.kind == Kind::kSheet) body["kind"] = "sheet";
+  if (b.thin == Thin::kKeep) body["thin"] = "keep";
+  body["matrix"] = b.matrix;
+  return body;
+}
+
 }  // namespace
 
 std::optional<Closing> parse_closing(std::string_view text) {
@@ -370,34 +402,18 @@ Scene read_scene(const fs::path& path) {
 }
 
 nlohmann::ordered_json normalised(const Scene& scene) {
-  constexpr const char* kFill[] = {"auto", "nonzero", "evenodd", "distinct"};
-  nlohmann::ordered_json json;
-  json["units"] = scene.units;
-  json["grid"] = normalised_grid(scene);
-  json["sample"] = scene.sample;
-  json["background"] = scene.materials.front().name;
-  // Not through operator[], which looks through all keys each time: 65,535 of them would take seconds.
-  nlohmann::ordered_json::object_t materials;
-  materials.reserve(scene.materials.size());
-  for (const SceneMaterial& m : scene.materials) materials.push_back({m.name, {{"color", m.color}}});
-  json["materials"] = std::move(materials);
-  json["label_by"] = scene.label_by_body ? "body" : "material";
+  nlohmann::ordered_json json = normalised_but_bodies(scene);
   json["bodies"] = nlohmann::ordered_json::array();
-  for (const SceneBody& b : scene.bodies) {
-    nlohmann::ordered_json body = {{"name", b.name}, {"mesh", b.mesh_text}};
-    if (!b.part.empty()) body["part"] = b.part;
-    body["material"] = scene.materials[b.material].name;
-    body["priority"] = b.priority;
-    body["fill"] = kFill[static_cast<int>(b.fill)];
-    if (b.closing.way == Closing::Way::kExtrude) body["closing"] = {{"extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)}};
-    else body["closing"] = b.closing.way == Closing::Way::kStrict ? "strict" : "cap";
-    if (b.stitch) body["stitch"] = *b.stitch;
-    if (b.kind == Kind::kSheet) body["kind"] = "sheet";
-    if (b.thin == Thin::kKeep) body["thin"] = "keep";
-    body["matrix"] = b.matrix;
-    json["bodies"].push_back(std::move(body));
-  }
+  for (const SceneBody& b : scene.bodies) json["bodies"].push_back(normalised_body(scene, b));
   return json;
+}
+
+std::string normalised_text(const Scene& scene) {
+  std::string text = normalised_but_bodies(scene).dump();
+  text.back() = ',';
+  text += "\"bodies\":";
+  append_list(text, scene.bodies.size(), [&](size_t b) { return normalised_body(scene, scene.bodies[b]); });
+  return text += '}';
 }
 
 }  // namespace teracell

@@ -15,7 +15,7 @@ bool has_no_area(const Facet& f) {
 }  // namespace
 
 uint32_t VertexNumbers::operator()(const VertexHash& hash) {
-  Recent& recent = recent_[hash.low >> 55];
+  Recent& recent = recent_[hash.low >> recent_shift_];
   if (recent.hash != hash || recent.number == kNone) recent = {hash, find_or_add(hash)};
   return recent.number;
 }
@@ -38,9 +38,13 @@ uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
   return count() - 1;
 }
 
-void VertexNumbers::grow() { rehash(std::max<size_t>(1024, 4 * slots_.size())); }
+void VertexNumbers::grow() { rehash(std::max<size_t>(kFewSlots, 4 * slots_.size())); }
 
 void VertexNumbers::rehash(size_t slots) {
+  if (slots >= kManySlots && recent_.size() < 512) {
+    recent_.assign(512, {});
+    recent_shift_ = 55;
+  }
   slots_.assign(slots, 0);
   const size_t mask = slots_.size() - 1;
   for (uint32_t number = 0; number < count(); ++number) {
@@ -78,7 +82,7 @@ bool DistinctCount::insert(uint64_t hash) {
   return true;
 }
 
-void DistinctCount::grow() { rehash(std::max<size_t>(1024, 4 * slots_.size())); }
+void DistinctCount::grow() { rehash(std::max<size_t>(64, 4 * slots_.size())); }
 
 void DistinctCount::rehash(size_t slots) {
   decltype(slots_) old(slots);

@@ -25,7 +25,9 @@ class VertexNumbers {
   uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
 
  private:
-  // Neighbouring facets come one after another and share vertices: a small cache in front spares two of three look-ups.
+  // Neighbouring facets come one after another and share vertices: a small cache in front spares two of three look-ups. It
+  // has its full size once there are some hundred vertices: of 100,000 bodies most have few.
+  static constexpr size_t kFewSlots = 64, kManySlots = 1024;
   static constexpr uint32_t kNone = ~uint32_t{0};
   struct Recent {
     VertexHash hash;
@@ -34,7 +36,8 @@ class VertexNumbers {
   uint32_t find_or_add(const VertexHash& hash);
   void grow();
   void rehash(size_t slots);
-  std::vector<Recent> recent_ = std::vector<Recent>(512);
+  std::vector<Recent> recent_ = std::vector<Recent>(8);
+  int recent_shift_ = 61;  // 2^(64 - shift) of them
   std::vector<VertexHash> hashes_;     // by number
   std::vector<uint32_t, Populated<uint32_t>> slots_;  // number + 1; 0 is free
 };

@@ -85,15 +85,25 @@ void check_outputs(const Options& o, const Scene& scene) {
 uint64_t machine_memory() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
 
 // A short word on what was done; the report has the rest.
-void summarise(const Options& o, const nlohmann::ordered_json& report) {
+void summarise(const Options& o, const MeshReport& report) {
+  constexpr size_t kShown = 50;
   const GridReader reader(o.output);
   const Index3 n = reader.meta().grid.cells();
+  const auto run = nlohmann::json::parse(report.of_this_run);
   double seconds = 0;
-  for (const auto& phase : report["phases"]) seconds += phase["seconds"].get<double>();
+  for (const auto& phase : run.at("phases")) seconds += phase.at("seconds").get<double>();
   say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
                   static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, bytes_text(reader.file_bytes()),
-                  bytes_text(report["peak_memory_bytes"].get<double>()), axis_name(reader.meta().ray_axis)));
-  for (const auto& warning : report["warnings"]) warn("warning: " + warning.get<std::string>());
+                  bytes_text(run.at("peak_memory_bytes").get<double>()), axis_name(reader.meta().ray_axis)));
+  for (size_t i = 0; i < std::min(report.warnings.size(), kShown); ++i) warn("warning: " + report.warnings[i]);
+  if (report.warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", report.warnings.size() - kShown, o.output));
+}
+
+// The report in the file is kept as the text that it is where it is long.
+std::string report_text(const MeshReport& report) {
+  constexpr size_t kReadable = size_t{1} << 24;
+  if (report.in_file.size() < kReadable) return report.whole().dump(1) + "\n";
+  return report.in_file.substr(0, report.in_file.size() - 1) + "," + report.of_this_run.substr(1) + "\n";
 }
 
 void run(const Options& o) {
@@ -113,7 +123,7 @@ void run(const Options& o) {
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);
-  nlohmann::ordered_json report;
+  MeshReport report;
   {
     ProgressLine line(o.progress, "mesh");
     report = mesh(scene, o.output, options, [&](const char* phase, double share, double cells) {
@@ -122,7 +132,7 @@ void run(const Options& o) {
     }, interrupted);
   }
   if (report_file) try {
-    const std::string text = report.dump(1) + "\n";
+    const std::string text = report_text(report);
     report_file->append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
     report_file->commit();
   } catch (const IoError& e) {
