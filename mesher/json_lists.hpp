@@ -5,15 +5,20 @@
 
 namespace teracell {
 
-// Appends the list of the `count` items that `item(i)` gives.
+// Appends the list of the `count` items that `item(i)` gives, as far as `most` bytes hold them; returns how many they don't.
 template <class F>
-void append_list(std::string& text, size_t count, F&& item) {
+size_t append_list(std::string& text, size_t count, size_t most, F&& item) {
+  const size_t begin = text.size();
   text += '[';
-  for (size_t i = 0; i < count; ++i) {
+  size_t i = 0;
+  for (; i < count; ++i) {
+    const std::string one = item(i).dump();
+    if (text.size() - begin + one.size() + 2 > most) break;
     if (i > 0) text += ',';
-    text += item(i).dump();
+    text += one;
   }
   text += ']';
+  return count - i;
 }
 
 }  // namespace teracell

@@ -1,5 +1,7 @@
 #include "mesher/pipeline.hpp"
 
+#include <malloc.h>
+
 #include <chrono>
 #include <fstream>
 
@@ -47,6 +49,13 @@ uint64_t peak_memory_bytes() {
   return 0;
 }
 
+// What was freed stays with the process unless it is asked for: the tree of a large scene's JSON, facets that were dropped.
+void give_back_memory() {
+#ifdef __GLIBC__
+  ::malloc_trim(0);
+#endif
+}
+
 // How often a long run makes what it has durable: rarely enough for that to take no more than a twentieth of the time;
 // with 0 seconds whenever it can.
 class Checkpoints {
@@ -81,7 +90,9 @@ class MeshRun {
         budget_{options.memory, options.tmp.empty() ? folder_of(output) : options.tmp} {}
 
   MeshReport run() {
+    give_back_memory();
     bodies_ = read_bodies(scene_, threads_, budget_, [&](double share) { tick("read", share); });
+    give_back_memory();
     phases_.end("read");
     plan_ = make_plan(scene_, bodies_, options_.axis, options_.chunk_rays);
     close_bodies(scene_, plan_.meta.grid, budget_, bodies_, [&](double share) { tick("close", share); });
@@ -140,7 +151,7 @@ class MeshRun {
       return text.size() <= kLongest ? text : fmt::format("\"{} bytes with checksum {:016x}\"", text.size(), checksum({reinterpret_cast<const uint8_t*>(text.data()), text.size()}));
     };
     std::string inputs;
-    append_list(inputs, scene_.bodies.size(), [&](size_t b) {
+    append_list(inputs, scene_.bodies.size(), ~size_t{0}, [&](size_t b) {
       const SurfaceFile& file = bodies_.bodies[b].file;
       return ordered_json{{"path", scene_.bodies[b].mesh_text}, {"bytes", file.bytes}, {"hash", file.hash}};
     });
@@ -150,7 +161,7 @@ class MeshRun {
                                {"thin", options_.thin},
                                {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
                                {"zstd", compressor_version()}};
-    return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised_text(scene_)), rest.dump().substr(1));
+    return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised_text(scene_, ~size_t{0})), rest.dump().substr(1));
   }
 
   void open_output() {

@@ -15,6 +15,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
+// A file holds a report of 2^26 bytes at most (store/FORMAT.md). Very many bodies are counted, no longer listed.
+constexpr size_t kMostOfBodies = size_t{34} << 20, kMostOfInputs = size_t{11} << 20, kMostOfScene = size_t{15} << 20, kMostOfWarnings = size_t{1} << 20;
+constexpr size_t kBytesOfABody = 620;  // in all lists, when there is nothing special about it
+
 ordered_json place(const Vec3& p) { return {p[0], p[1], p[2]}; }
 std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 
@@ -167,30 +171,40 @@ Report make_report(const Scene& scene, const Bodies& bodies, const std::vector<S
   const Grid& grid = plan.meta.grid;
   const AxisChoice& axis = plan.rays;
   Report out;
+  uint64_t more_warnings = 0, warning_bytes = 0;
+  const auto warn = [&](std::string words) {
+    warning_bytes += words.size();
+    if (warning_bytes > kMostOfWarnings) ++more_warnings;
+    else out.warnings.push_back(std::move(words));
+  };
   std::set<std::pair<std::string, std::string>> said;  // of a file: once, however many bodies are in it
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     for (const std::string& w : bodies.bodies[b].file.warnings)
-      if (said.insert({body.mesh_text, w}).second) out.warnings.push_back(fmt::format("{}: {}", body.mesh_text, w));
-    for (const std::string& words : body_warnings(scene, body, bodies.bodies[b], grid, surveys[b])) out.warnings.push_back(fmt::format("body '{}' {}", body.name, words));
+      if (said.insert({body.mesh_text, w}).second) warn(fmt::format("{}: {}", body.mesh_text, w));
+    for (const std::string& words : body_warnings(scene, body, bodies.bodies[b], grid, surveys[b])) warn(fmt::format("body '{}' {}", body.name, words));
   }
-  for (const std::string& words : cell_warnings(scene, bodies, plan, totals)) out.warnings.push_back(words);
+  for (const std::string& words : cell_warnings(scene, bodies, plan, totals)) warn(words);
+  if (more_warnings > 0) out.warnings.push_back(fmt::format("there are {} more warnings than the report holds", more_warnings));
   ordered_json rays = {{"axis", axis_name(axis.axis)}, {"why", axis.asked_for ? "asked for" : "the fewest crossings and rays"}};
   for (const double crossings : axis.crossings) rays["crossings_expected"].push_back(static_cast<uint64_t>(std::min(crossings, 0x1p63)));
 
   std::string& text = out.text;
+  text.reserve(std::min(scene.bodies.size() * kBytesOfABody, kMostOfBodies + kMostOfInputs + kMostOfScene));  // doubling would take twice as much for a moment
   text = "{\"schema\":1,\"bodies\":";
-  append_list(text, scene.bodies.size(), [&](size_t b) {
+  const size_t left_out = append_list(text, scene.bodies.size(), kMostOfBodies, [&](size_t b) {
     ordered_json body = body_report(scene.bodies[b], bodies.bodies[b], grid, surveys[b], totals.cells[b], totals.covered[b]);
     report_lost(scene, b, plan, totals.tallies, count_thin, body);
     return body;
   });
+  if (left_out > 0) text += fmt::format(",\"bodies_left_out\":{}", left_out);
   text += fmt::format(",\"crossings\":{},\"warnings\":{},\"inputs\":", totals.crossings, ordered_json(out.warnings).dump());
-  append_list(text, scene.bodies.size(), [&](size_t b) {
+  append_list(text, scene.bodies.size(), kMostOfInputs, [&](size_t b) {
     const SurfaceFile& file = bodies.bodies[b].file;
     return ordered_json{{"path", scene.bodies[b].mesh_text}, {"format", file.format}, {"bytes", file.bytes}, {"hash", file.hash}};
   });
-  text += fmt::format(",\"ray_axis\":{},\"scene\":{}", rays.dump(), normalised_text(scene));
+  text += fmt::format(",\"ray_axis\":{},\"scene\":", rays.dump());
+  text += normalised_text(scene, kMostOfScene);
   if (count_thin) text += ",\"lost_gaps\":" + lost_gaps(scene, grid, totals.tallies).dump();
   text += '}';
   return out;

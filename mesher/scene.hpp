@@ -109,7 +109,8 @@ void override_grid(Scene& scene, const GridOptions& options);
 // The scene as normalised: defaults written out, matrices instead of scale/rotate/translate; `stitch`, `kind` and `thin`
 // only where they are not the default. Reads back equal.
 nlohmann::ordered_json normalised(const Scene& scene);
-std::string normalised_text(const Scene& scene);  // the same as text, without a tree of all bodies
+// The same as text, without a tree of all bodies. Those that `most` bytes don't hold are left out and counted.
+std::string normalised_text(const Scene& scene, size_t most);
 
 // The axes (how options become axes). `lo`, `hi` are the box of all bodies' transformed vertices; unused, and free
 // to be anything, where every axis has min and max or planes. With e = hi - lo of an axis and P = pad:

@@ -408,11 +408,12 @@ nlohmann::ordered_json normalised(const Scene& scene) {
   return json;
 }
 
-std::string normalised_text(const Scene& scene) {
+std::string normalised_text(const Scene& scene, size_t most) {
   std::string text = normalised_but_bodies(scene).dump();
   text.back() = ',';
   text += "\"bodies\":";
-  append_list(text, scene.bodies.size(), [&](size_t b) { return normalised_body(scene, scene.bodies[b]); });
+  const size_t left_out = append_list(text, scene.bodies.size(), most, [&](size_t b) { return normalised_body(scene, scene.bodies[b]); });
+  if (left_out > 0) text += fmt::format(",\"bodies_left_out\":{}", left_out);
   return text += '}';
 }
 

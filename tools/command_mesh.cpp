@@ -99,11 +99,19 @@ void summarise(const Options& o, const MeshReport& report) {
   if (report.warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", report.warnings.size() - kShown, o.output));
 }
 
-// The report in the file is kept as the text that it is where it is long.
-std::string report_text(const MeshReport& report) {
+// Laid out for people where that is no matter of memory.
+void write_report(const MeshReport& report, OutputFile& file) {
   constexpr size_t kReadable = size_t{1} << 24;
-  if (report.in_file.size() < kReadable) return report.whole().dump(1) + "\n";
-  return report.in_file.substr(0, report.in_file.size() - 1) + "," + report.of_this_run.substr(1) + "\n";
+  const auto append = [&](std::string_view text) { file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()}); };
+  if (report.in_file.size() < kReadable) {
+    append(report.whole().dump(1));
+  } else {  // two objects as one
+    append(std::string_view(report.in_file).substr(0, report.in_file.size() - 1));
+    append(",");
+    append(std::string_view(report.of_this_run).substr(1));
+  }
+  append("\n");
+  file.commit();
 }
 
 void run(const Options& o) {
@@ -132,9 +140,7 @@ void run(const Options& o) {
     }, interrupted);
   }
   if (report_file) try {
-    const std::string text = report_text(report);
-    report_file->append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-    report_file->commit();
+    write_report(report, *report_file);
   } catch (const IoError& e) {
     throw IoError(fmt::format("{} ({} is complete all the same)", e.what(), o.output));
   }
