@@ -15,9 +15,11 @@ bool has_no_area(const Facet& f) {
 }  // namespace
 
 uint32_t VertexNumbers::operator()(const VertexHash& hash) {
-  Recent& recent = recent_[hash.low >> recent_shift_];
-  if (recent.hash != hash || recent.number == kNone) recent = {hash, find_or_add(hash)};
-  return recent.number;
+  const Recent& recent = recent_[hash.low >> recent_shift_];
+  if (recent.hash == hash && recent.number != kNone) return recent.number;
+  const uint32_t number = find_or_add(hash);  // may give recent_ its full size
+  recent_[hash.low >> recent_shift_] = {hash, number};
+  return number;
 }
 
 uint32_t VertexNumbers::find(const VertexHash& hash) const {
