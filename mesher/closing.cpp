@@ -156,19 +156,14 @@ class BodyCloser {
     out_.flips = group_flips(flips, body_);
   }
 
-  bool parity_of_group(uint32_t group) const {
-    const auto shell = std::ranges::find(stitched_.group, group) - stitched_.group.begin();
-    return by_parity(stitched_.rule[shell]);
-  }
-
   void refuse_what_is_open() const {
     uint64_t count = 0;
     const BoundaryEdge* first = nullptr;
     Vec3 lo{}, hi{};
     bool parity = false;
-    for (uint32_t g = 0; g < stitched_.left.size(); ++g)
-      for (const BoundaryEdge& e : stitched_.left[g]) {
-        if (!first) first = &e, lo = hi = e.from, parity = parity_of_group(g);
+    for (const Stitched::Group& group : stitched_.groups)
+      for (const BoundaryEdge& e : group.left) {
+        if (!first) first = &e, lo = hi = e.from, parity = group.by_parity;
         ++count;
         for (const Vec3* p : {&e.from, &e.to})
           for (int d = 0; d < 3; ++d) lo[d] = std::min(lo[d], (*p)[d]), hi[d] = std::max(hi[d], (*p)[d]);
@@ -184,11 +179,9 @@ class BodyCloser {
   }
 
   void close_what_is_open() {
-    for (uint32_t g = 0; g < stitched_.left.size(); ++g) {
-      if (stitched_.left[g].empty()) continue;
-      const bool parity = parity_of_group(g);
-      const std::vector<Loop> loops = cut_into_loops(stitched_.left[g], parity);
-      stitched_.left[g] = {};
+    for (Stitched::Group& group : stitched_.groups) {
+      const bool parity = group.by_parity;
+      const std::vector<Loop> loops = cut_into_loops(std::exchange(group.left, {}), parity);
       std::vector<bool> extruded(loops.size());
       std::vector<Loop> placed;
       if (body_.closing.way == Closing::Way::kExtrude) {

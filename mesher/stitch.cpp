@@ -272,21 +272,20 @@ class Stitcher {
 
   Stitched result() {
     Stitched out;
-    std::vector<uint32_t> number(rules_.size(), ~0u);
-    uint32_t count = 0;
-    for (uint32_t s = 0; s < rules_.size(); ++s) {
-      uint32_t& n = number[groups_.of(s)];
-      if (n == ~0u) n = count++;
-      out.group.push_back(n);
-    }
-    out.left.resize(count);
+    std::vector<uint32_t> number(rules_.size(), ~0u);  // of the groups with a boundary
     for (const Pair& p : left_) {
       const bool parity = counts_crossings(p.shell);
       const uint32_t from = p.net > 0 ? p.lo : p.hi, to = p.net > 0 ? p.hi : p.lo;
       const auto net = static_cast<uint64_t>(std::abs(p.net));
       const BoundaryEdge edge = {vertices_[from], vertices_[to], net, net};
       if (!p.odd()) out.flips.push_back(edge);
-      if (!parity || p.odd()) out.left[number[p.shell]].push_back(edge);
+      if (parity && !p.odd()) continue;
+      uint32_t& n = number[p.shell];
+      if (n == ~0u) {
+        n = static_cast<uint32_t>(out.groups.size());
+        out.groups.push_back({parity, {}});
+      }
+      out.groups[n].left.push_back(edge);
     }
     out.rule = std::move(rules_);
     out.facets = std::move(facets_);

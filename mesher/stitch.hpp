@@ -32,11 +32,14 @@ struct Seams {
 
 // The shells that stitching has joined count as one: a group.
 struct Stitched {
-  std::vector<uint32_t> group;                  // of each shell
-  std::vector<ShellRule> rule;                  // of each shell: decided
-  std::array<std::vector<Facet>, 2> facets;     // the stitches: of winding shells, of shells that count crossings
-  std::vector<std::vector<BoundaryEdge>> left;  // by group: the boundary that is still there, by the group's rule
-  std::vector<BoundaryEdge> flips;              // left over by winding number, not by parity, whatever the rule
+  std::vector<ShellRule> rule;               // of each shell: decided
+  std::array<std::vector<Facet>, 2> facets;  // the stitches: of winding shells, of shells that count crossings
+  struct Group {
+    bool by_parity;                   // it counts crossings
+    std::vector<BoundaryEdge> left;   // the boundary that is still there, by that rule
+  };
+  std::vector<Group> groups;
+  std::vector<BoundaryEdge> flips;           // left over by winding number, not by parity, whatever the rule
   Seams seams;
 };
 
