@@ -29,9 +29,8 @@ bool is_text(std::string_view head) { return head.substr(0, 1024).find('\0') == 
 // The first word of the first line that is no comment.
 std::string_view first_word(std::string_view head) {
   while (!head.empty()) {
-    const size_t stop = std::min(head.find_first_of("\r\n"), head.size());
-    std::string_view line = head.substr(0, stop);
-    head.remove_prefix(std::min(stop + 1, head.size()));
+    std::string_view line = first_line(head);
+    head.remove_prefix(std::min(line.size() + 1, head.size()));
     const std::string_view word = next_word(line);
     if (!word.empty() && word[0] != '#') return word;
   }

@@ -399,7 +399,7 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
 }
 
 Match recognises(const Head& head) {
-  std::string_view line = head.bytes.substr(0, head.bytes.find_first_of("\r\n"));
+  std::string_view line = first_line(head.bytes);
   return line.size() < head.bytes.size() && next_word(line) == "ply" && trimmed(line).empty() ? Match::kSure : Match::kNo;
 }
 

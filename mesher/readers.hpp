@@ -1,6 +1,7 @@
 // What the surface readers (stl, obj, ply) share: how one is chosen, where facets go, words and numbers of a text.
 // Private to the mesher; users include facets.hpp.
 #pragma once
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -70,6 +71,11 @@ class Fan {
 };
 
 inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+
+// Up to the end of the first line. (find_first_of() makes a call for every character.)
+inline std::string_view first_line(std::string_view text) {
+  return text.substr(0, static_cast<size_t>(std::find_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }) - text.begin()));
+}
 
 // Cuts the next word off the front of `line`; empty when only blanks are left.
 inline std::string_view next_word(std::string_view& line) {

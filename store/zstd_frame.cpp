@@ -1,5 +1,6 @@
 #include "store/zstd_frame.hpp"
 
+#include <memory>
 #include <new>
 
 #include <fmt/format.h>
@@ -22,12 +23,11 @@ ZstdEncoder::ZstdEncoder() : zstd_(made(ZSTD_createCCtx())) {}
 ZstdEncoder::~ZstdEncoder() { ZSTD_freeCCtx(zstd_); }
 
 Bytes ZstdEncoder::encode(std::span<const uint8_t> body, int level) {
-  Bytes frame(ZSTD_compressBound(body.size()));
-  const size_t size = ZSTD_compressCCtx(zstd_, frame.data(), frame.size(), body.data(), body.size(), level);
+  const size_t most = ZSTD_compressBound(body.size());
+  const auto frame = std::make_unique_for_overwrite<uint8_t[]>(most);  // pages that it doesn't reach are never touched
+  const size_t size = ZSTD_compressCCtx(zstd_, frame.get(), most, body.data(), body.size(), level);
   if (ZSTD_isError(size)) throw Error(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
-  frame.resize(size);
-  frame.shrink_to_fit();
-  return frame;
+  return {frame.get(), frame.get() + size};
 }
 
 ZstdDecoder::ZstdDecoder() : zstd_(made(ZSTD_createDCtx())) {}

@@ -81,12 +81,15 @@ Box parse_region(const std::string& text, const Grid& grid, int level) {
   return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
 }
 
-void refuse_overwriting(const std::string& input, const std::string& output) {
+void refuse_overwriting(const std::vector<std::string>& inputs, const std::string& output) {
   if (output.empty()) return;
   std::error_code none;  // a file that is not there is no other file
-  for (const std::string& name : {output, output + ".partial"})
-    if (name == input || std::filesystem::equivalent(name, input, none))
-      throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", output));
+  for (const std::string& name : {output, output + ".partial"}) {
+    const bool exists = std::filesystem::exists(name, none);
+    for (const std::string& input : inputs)
+      if (name == input || (exists && std::filesystem::equivalent(name, input, none)))
+        throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", output));
+  }
 }
 
 void say(const std::string& line) { fmt::print("{}\n", printable(line)); }

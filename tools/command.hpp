@@ -46,8 +46,8 @@ void say(const std::string& line);
 void warn(const std::string& line);
 std::string bytes_text(double bytes);                       // "1.2 kB"
 std::string counted(uint64_t n, const std::string& thing);  // "1 chunk", "2 chunks"
-// Throws UsageError if writing `output`, by way of its temporary, would overwrite `input`; an empty name is none.
-void refuse_overwriting(const std::string& input, const std::string& output);
+// Throws UsageError if writing `output`, by way of its temporary, would overwrite one of `inputs`; empty names are none.
+void refuse_overwriting(const std::vector<std::string>& inputs, const std::string& output);
 // From here on SIGINT and SIGTERM set the flag instead of killing the program, so that its partial file is removed.
 const std::atomic<bool>& watch_interrupts();
 void stop_if(const std::atomic<bool>& stop, const std::string& output);  // throws Interrupted

@@ -45,7 +45,7 @@ void run(const Options& o) {
       throw UsageError(fmt::format("--output: expected a name that ends in .npy or .raw, or --format, found '{}'", o.output));
     format = extension.substr(1);
   }
-  refuse_overwriting(o.grid, o.output);
+  refuse_overwriting({o.grid}, o.output);
   const GridReader reader(o.grid);
   const Metadata& meta = reader.meta();
   check_level(meta.grid, o.level);

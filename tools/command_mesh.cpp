@@ -2,6 +2,8 @@
 #include <strings.h>
 #include <unistd.h>
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -75,11 +77,12 @@ void check_outputs(const Options& o, const Scene& scene) {
     for (const auto& name : caps_names(scene, o.caps)) outputs.push_back(name.string());
   for (size_t i = 2; i < outputs.size(); ++i)
     if (outputs[i] == o.output || outputs[i] == o.report) throw UsageError(fmt::format("--write-caps: expected a name of its own, found {}", outputs[i]));
-  for (const std::string& output : outputs) {
-    for (const std::string& input : o.inputs) refuse_overwriting(input, output);
-    for (const SceneBody& body : scene.bodies) refuse_overwriting(body.mesh.string(), output);
-    for (const SceneAxis& axis : scene.axis) refuse_overwriting(axis.planes_file.string(), output);
-  }
+  std::vector<std::string> inputs = o.inputs;
+  for (const SceneBody& body : scene.bodies) inputs.push_back(body.mesh.string());
+  for (const SceneAxis& axis : scene.axis) inputs.push_back(axis.planes_file.string());
+  std::ranges::sort(inputs);
+  inputs.erase(std::ranges::unique(inputs).begin(), inputs.end());
+  for (const std::string& output : outputs) refuse_overwriting(inputs, output);
 }
 
 uint64_t machine_memory() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }

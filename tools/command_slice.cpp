@@ -70,7 +70,7 @@ void run(const Options& o) {
   const std::string extension = std::filesystem::path(o.output).extension();
   if (extension != ".png" && extension != ".npy")
     throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
-  refuse_overwriting(o.grid, o.output);
+  refuse_overwriting({o.grid}, o.output);
   const GridReader reader(o.grid);
   const SliceView view = view_of(o, reader.meta());
   const std::atomic<bool>& stop = watch_interrupts();
