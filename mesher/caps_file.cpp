@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -17,7 +18,7 @@ void put_text(Bytes& out, std::string_view text) { out.insert(out.end(), text.be
 
 // The first 80 bytes are a comment. Normals are left zero: readers take them from the vertices.
 void put_stl(Bytes& out, const std::array<std::vector<Facet>, 2>& facets, uint64_t count) {
-  put_text(out, fmt::format("{:<80}", "caps by teracell"));
+  put_text(out, fmt::format("{:<80}", "teracell caps"));
   put_fixed(out, static_cast<uint32_t>(count));
   for (const auto& list : facets)
     for (const Facet& f : list) {
@@ -38,7 +39,7 @@ void write_ply(OutputFile& out, uint64_t count, const FacetPass& pass, const std
     out.append(block);
     block.clear();
   };
-  put_text(block, fmt::format("ply\nformat binary_little_endian 1.0\ncomment caps by teracell\nelement vertex {}\nproperty double x\nproperty double y\n"
+  put_text(block, fmt::format("ply\nformat binary_little_endian 1.0\ncomment teracell caps\nelement vertex {}\nproperty double x\nproperty double y\n"
                               "property double z\nelement face {}\nproperty list uchar uint vertex_indices\nend_header\n",
                               3 * count, count));
   pass([&](const Facet& f) {
@@ -61,11 +62,12 @@ std::vector<std::filesystem::path> caps_names(const Scene& scene, const std::fil
   if (ending != ".stl" && ending != ".ply") throw UsageError(fmt::format("--write-caps: expected a name that ends in .stl or .ply, found '{}'", path.string()));
   if (scene.bodies.size() == 1) return {path};
   std::vector<std::filesystem::path> names;
+  std::set<std::filesystem::path> taken;
   for (const SceneBody& body : scene.bodies) {
     std::string stem = path.stem().string() + '-' + body.name;
     std::ranges::replace(stem, '/', '_');
     std::filesystem::path name = path.parent_path() / (stem + ending);
-    for (int n = 2; std::ranges::find(names, name) != names.end(); ++n) name = path.parent_path() / fmt::format("{}-{}{}", stem, n, ending);
+    for (int n = 2; !taken.insert(name).second; ++n) name = path.parent_path() / fmt::format("{}-{}{}", stem, n, ending);
     names.push_back(name);
   }
   return names;

@@ -72,7 +72,9 @@ class BodyCloser {
     choose_rules();
     stitch();
     if (body_.closing.way == Closing::Way::kStrict) refuse_what_is_open();
-    if (out_.was_open && !body_.part.empty()) out_.cut_from_others = touches_other_parts(body_, edges_, budget_);
+    if (out_.was_open && !body_.part.empty() && !counted_once_) out_.cut_from_others = touches_other_parts(body_, edges_, budget_);
+    edges_ = {};
+    taking_part_ = {};
     close_what_is_open();
     describe_rules();
     return std::move(out_);
@@ -119,6 +121,7 @@ class BodyCloser {
     if (automatic())
       for (uint32_t s = 0; s < shells_->count(); ++s)
         if (shells_->is_double(s)) rules_[s] = Fill::kDistinct, repeats = true;
+    counted_once_ = repeats;
     if (repeats)
       edges_ = edges_of([&](const std::function<void(const Facet&)>& f) {
         uint64_t i = 0;
@@ -229,6 +232,7 @@ class BodyCloser {
   std::shared_ptr<Shells> shells_;
   std::vector<BoundaryEdge> edges_, flips_;
   std::vector<ShellRule> rules_;
+  bool counted_once_ = false;  // edges_ lacks facets that repeat others
   std::vector<OpenEdge> taking_part_;
   Stitched stitched_;
 };

@@ -60,6 +60,11 @@ struct ClosedBody {
 
   // The layer of all facets when there are no `rules`.
   uint32_t layer(size_t body) const { return layer_of(body, !fill.empty() && fill[0].rule != Fill::kNonzero); }
+  // When they have gone where facets are cast from; the rest is for the report.
+  void drop_facets() {
+    rules.reset();
+    added = walls = {};
+  }
   bool adds_facets() const { return !added[0].empty() || !added[1].empty() || !walls[0].empty() || !walls[1].empty(); }
 };
 

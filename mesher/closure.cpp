@@ -61,8 +61,9 @@ void OppositeSample::keep(uint64_t facet) {
 }
 
 void OppositeSample::shrink() {
+  std::ranges::sort(facets_);
+  facets_.erase(std::ranges::unique(facets_).begin(), facets_.end());  // else facets given a million times would never give way
   if (facets_.size() <= kFacets) return;
-  std::ranges::nth_element(facets_, facets_.begin() + kFacets);
   most_ = facets_[kFacets] | 1;
   std::erase_if(facets_, [&](uint64_t f) { return f > most_; });
 }

@@ -39,6 +39,7 @@ void Feed::use_memory(const std::vector<bool>& wide) {
   }
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
     for (const bool parity : {false, true}) bodies_.facets->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
+  for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
   tiling_.emplace(bodies_.facets, meta_, wide);
 }
 
@@ -86,6 +87,7 @@ std::unique_ptr<FacetBins> Feed::fill_bins(const std::vector<bool>& wide, const 
   }
   hand_on();
   background.finish();
+  for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
   bins->finish();
   return bins;
 }

@@ -16,7 +16,9 @@ namespace {
 using nlohmann::ordered_json;
 
 // A file holds a report of 2^26 bytes at most (store/FORMAT.md). Very many bodies are counted, no longer listed.
+constexpr size_t kMostText = (size_t{1} << 26) - 1024;
 constexpr size_t kMostOfBodies = size_t{34} << 20, kMostOfInputs = size_t{11} << 20, kMostOfScene = size_t{15} << 20, kMostOfWarnings = size_t{1} << 20;
+constexpr size_t kMostPlaces = 30000;  // holes and flips, of all bodies together
 constexpr size_t kBytesOfABody = 620;  // in all lists, when there is nothing special about it
 
 ordered_json place(const Vec3& p) { return {p[0], p[1], p[2]}; }
@@ -53,8 +55,9 @@ ordered_json hole_report(const Hole& h, const Grid& grid) {
   return out;
 }
 
+// `room`: how many holes and flips may still be listed.
 ordered_json body_report(const SceneBody& body, const BodyFacets& found, const Grid& grid, const SurveyTotals& survey, unsigned __int128 cells,
-                         unsigned __int128 covered) {
+                         unsigned __int128 covered, size_t& room) {
   constexpr const char* kRule[] = {"auto", "nonzero", "evenodd", "distinct"};
   const ClosedBody& closed = found.closed;
   ordered_json out = {{"name", body.name},
@@ -70,10 +73,15 @@ ordered_json body_report(const SceneBody& body, const BodyFacets& found, const G
     out["stitch"] = closed.stitch;
     out["seams"] = {{"number", closed.seams.number}, {"length", closed.seams.length}, {"widest_gap", closed.seams.widest_gap}};
   }
-  out["holes"] = ordered_json::array();
-  for (const Hole& h : closed.holes) out["holes"].push_back(hole_report(h, grid));
-  out["flips"] = ordered_json::array();
-  for (const Flip& f : closed.flips) out["flips"].push_back({{"at", place(f.at)}, {"edges", f.edges}});
+  const auto list = [&](const char* key, const auto& all, auto&& item) {
+    ordered_json& listed = out[key] = ordered_json::array();
+    const size_t count = std::min(all.size(), room);
+    for (size_t i = 0; i < count; ++i) listed.push_back(item(all[i]));
+    if (count < all.size()) out[fmt::format("{}_left_out", key)] = all.size() - count;
+    room -= count;
+  };
+  list("holes", closed.holes, [&](const Hole& h) { return hole_report(h, grid); });
+  list("flips", closed.flips, [&](const Flip& f) { return ordered_json{{"at", place(f.at)}, {"edges", f.edges}}; });
   out["cells"] = static_cast<uint64_t>(cells);
   if (cells >> 53 != 0) out["cells_text"] = fmt::format("{}", cells);
   if (covered != 0) out["covered_cells"] = static_cast<uint64_t>(covered);
@@ -192,8 +200,9 @@ Report make_report(const Scene& scene, const Bodies& bodies, const std::vector<S
   std::string& text = out.text;
   text.reserve(std::min(scene.bodies.size() * kBytesOfABody, kMostOfBodies + kMostOfInputs + kMostOfScene));  // doubling would take twice as much for a moment
   text = "{\"schema\":1,\"bodies\":";
+  size_t room = kMostPlaces;
   const size_t left_out = append_list(text, scene.bodies.size(), kMostOfBodies, [&](size_t b) {
-    ordered_json body = body_report(scene.bodies[b], bodies.bodies[b], grid, surveys[b], totals.cells[b], totals.covered[b]);
+    ordered_json body = body_report(scene.bodies[b], bodies.bodies[b], grid, surveys[b], totals.cells[b], totals.covered[b], room);
     report_lost(scene, b, plan, totals.tallies, count_thin, body);
     return body;
   });
@@ -203,9 +212,14 @@ Report make_report(const Scene& scene, const Bodies& bodies, const std::vector<S
     const SurfaceFile& file = bodies.bodies[b].file;
     return ordered_json{{"path", scene.bodies[b].mesh_text}, {"format", file.format}, {"bytes", file.bytes}, {"hash", file.hash}};
   });
-  text += fmt::format(",\"ray_axis\":{},\"scene\":", rays.dump());
-  text += normalised_text(scene, kMostOfScene);
-  if (count_thin) text += ",\"lost_gaps\":" + lost_gaps(scene, grid, totals.tallies).dump();
+  text += fmt::format(",\"ray_axis\":{}", rays.dump());
+  const std::string scene_text = normalised_text(scene, kMostOfScene);  // materials and planes alone may be long
+  if (text.size() + scene_text.size() < kMostText) text += ",\"scene\":" + scene_text;
+  else text += ",\"scene\":null";
+  if (count_thin) {
+    const std::string gaps = lost_gaps(scene, grid, totals.tallies).dump();
+    text += text.size() + gaps.size() < kMostText ? ",\"lost_gaps\":" + gaps : ",\"lost_gaps\":null";
+  }
   text += '}';
   return out;
 }

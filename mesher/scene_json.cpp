@@ -274,7 +274,7 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   if (const auto n = node.find("closing")) body.closing = closing_of(*n);
   if (const auto n = node.find("stitch")) {
     body.stitch = n->number();
-    if (!(*body.stitch >= 0)) n->fail("a length of 0 or more");
+    if (!(*body.stitch >= 0 && *body.stitch <= 1e75)) n->fail("a length of 0 or more");
   }
   if (const auto n = node.find("kind")) body.kind = static_cast<Kind>(n->choice({"solid", "sheet"}));
   if (const auto n = node.find("thin")) body.thin = static_cast<Thin>(n->choice({"ignore", "keep"}));

@@ -1,7 +1,6 @@
 #include "mesher/shells.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace teracell {
 namespace {
@@ -21,8 +20,7 @@ size_t bucket_of(const Buckets<Record>& buckets, const VertexHash& hash) {
 
 Shells::Shells(uint64_t facets, const Budget& budget, bool bounded)
     : most_(bounded ? std::max<uint64_t>(budget.bytes / 6 / kBytesPerFacet, 4096) : ~uint64_t{0}),
-      memory_(bounded ? std::max<uint64_t>(budget.bytes / 12, uint64_t{1} << 20) : ~uint64_t{0}),
-      budget_(budget) {
+      memory_(bounded ? std::max<uint64_t>(budget.bytes / 12, uint64_t{1} << 20) : ~uint64_t{0}) {
   if (facets > most_) {
     vertices_.emplace(buckets_for(facets / 2), memory_, budget.folder);
     file_ = std::make_unique<SpillFile>(budget.folder, facets * sizeof(uint32_t));
@@ -70,7 +68,6 @@ void Shells::end_batch() {
     group_of_facet_.push_back(g);
     if (f.three_different) by_vertices_->add(bucket_of(*by_vertices_, f.key), {f.key, facets_before_ + i, g, f.odd});
   }
-  ++batches_;
   if (file_) {
     file_->write(facets_before_ * sizeof(uint32_t), {reinterpret_cast<const uint8_t*>(group_of_facet_.data()), group_of_facet_.size() * sizeof(uint32_t)});
     group_of_facet_.clear();

@@ -14,7 +14,7 @@
 
 namespace teracell {
 
-// Memory: a third of the budget, four bytes for every group of a batch (few, but for loose facets), and one bit per facet.
+// Memory: a third of the budget, 24 bytes for every group of a batch (few, but for loose facets), and one bit per facet.
 // Not thread-safe.
 class Shells {
  public:
@@ -64,12 +64,10 @@ class Shells {
 
   const uint64_t most_;  // facets of a batch
   const uint64_t memory_;
-  const Budget budget_;
   VertexNumbers numbers_;  // of the batch: these three; when there is but one batch they stay
   std::vector<uint32_t> parent_;
   std::vector<BatchFacet> batch_;
   uint64_t facets_before_ = 0;  // in earlier batches
-  uint32_t batches_ = 0;
   std::vector<uint32_t> group_parent_, group_shell_, first_group_of_vertex_;
   std::vector<uint64_t> facets_, cancelled_;  // by group while adding, by shell after finish()
   std::vector<bool> repeats_;

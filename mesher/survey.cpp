@@ -67,8 +67,10 @@ void DistinctCount::add(uint64_t hash) {
 }
 
 uint64_t DistinctCount::count() {
-  for (uint64_t& hash : waiting_)
+  for (size_t i = 0; i < kWaiting; ++i) {  // in the order in which they came: of equal ones the first tells which way round
+    uint64_t& hash = waiting_[(turn_ + i) % kWaiting];
     if (hash != 0) count_ += insert(std::exchange(hash, 0));
+  }
   return count_;
 }
 

@@ -127,6 +127,7 @@ void print_report(const ordered_json& report, const std::string& units) {
   title = "gaps";
   for (const auto& gap : report.value("lost_gaps", ordered_json::array()))
     row(std::exchange(title, ""), fmt::format("of {} between two sample points along {}: {}", gap.at("material").get<std::string>(), gap.at("axis").get<std::string>(), lost_text(gap, units)));
+  if (const auto n = report.value("bodies_left_out", uint64_t{0}); n > 0) row("", fmt::format("and {} more bodies, too many for the report", n));
   title = "warnings";
   for (const auto& w : report.value("warnings", ordered_json::array())) row(std::exchange(title, ""), w.get<std::string>());
 }
