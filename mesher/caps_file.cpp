@@ -82,17 +82,17 @@ std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bo
     const BodyFacets& found = bodies.bodies[b];
     const ClosedBody& closed = found.closed;
     if (!closed.adds_facets()) continue;
-    const bool walls = !closed.walls[0].empty() || !closed.walls[1].empty();
-    if (!ply && (walls || !found.file.float32))
+    const bool whole = body.closing.way == Closing::Way::kExtrude;
+    if (!ply && (whole || !found.file.float32))
       throw UsageError(fmt::format("--write-caps: {} of body '{}' are doubles, which STL can't hold: expected a name that ends in .ply, found '{}'",
-                                   walls ? "the extruded walls" : "the vertices", body.name, path.string()));
+                                   whole ? "the walls of extruded loops" : "the vertices", body.name, path.string()));
     files.push_back(std::make_unique<OutputFile>(names[b]));
     const uint64_t count = closed.added[0].size() + closed.added[1].size();
     if (!ply) {
       Bytes bytes;
       put_stl(bytes, closed.added, count);
       files.back()->append(bytes);
-    } else if (walls) {
+    } else if (whole) {
       write_ply(*files.back(), found.file.facets + count + closed.walls[0].size() + closed.walls[1].size(), [&](const auto& f) {
         for_each_facet(body, found, bodies, budget, [&](const Facet& facet) { f(moved(facet, body)); });
         for (const auto& list : closed.added)

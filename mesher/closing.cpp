@@ -150,7 +150,9 @@ class BodyCloser {
     out_.was_open = !taking_part_.empty();
     stitched_ = stitch_boundary(taking_part_, rules_, out_.stitch / scale, body_.mesh.string());
     out_.added = std::move(stitched_.facets);
-    out_.seams = {stitched_.seams.number, stitched_.seams.length * scale, stitched_.seams.widest_gap * scale};
+    out_.seams = stitched_.seams;
+    out_.seams.length *= scale;
+    out_.seams.widest_gap *= scale;
     std::vector<BoundaryEdge> flips;  // those of the file, and those between patches that were stitched
     const auto key = [](const BoundaryEdge& e) { return std::pair(std::min(e.from, e.to), std::max(e.from, e.to)); };
     for (const auto* list : {&flips_, &stitched_.flips}) flips.insert(flips.end(), list->begin(), list->end());
@@ -174,7 +176,7 @@ class BodyCloser {
     if (!first) return;
     throw InputError(fmt::format(
         "{}: body '{}' is not closed: expected every edge to be {}, found {} edge{} that {} not (after stitching over {:.6g}), within the box {} to {}; the first "
-        "runs from {} to {} (coordinates of the mesh). Close the surface, give a longer stitch, or let it be closed with closing cap{}{}",
+        "runs from {} to {} (coordinates of the mesh). Close the surface, give a longer stitch, or let it be closed with closing cap (or extrude, if it is terrain){}{}",
         body_.mesh.string(), body_.name, parity ? "used an even number of times" : "matched by its reverse", count, count == 1 ? "" : "s",
         count == 1 ? "is" : "are", out_.stitch, text(lo), text(hi), text(first->from), text(first->to),
         !parity && !out_.flips.empty() ? "; some facets are oriented the other way round: orient them alike or use fill auto or evenodd" : "",

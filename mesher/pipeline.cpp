@@ -109,7 +109,7 @@ class MeshRun {
     phases_.end("cast");
     finish(report.text);
     const ordered_json run = of_this_run(report.warnings, feed.spilled_bytes());
-    return {std::move(report.text), std::move(report.warnings), run.dump()};
+    return {std::move(report.text), std::move(report.warnings), caps_.size(), run.dump()};
   }
 
  private:

@@ -33,6 +33,7 @@ using Progress = std::function<void(const char* phase, double share, double cell
 struct MeshReport {
   std::string in_file;                // the report in the file, JSON
   std::vector<std::string> warnings;  // those in it, and what was found by sums that round
+  size_t caps_written = 0;            // files
   std::string of_this_run;            // JSON of what only --report shows: times, memory, threads, trust
   nlohmann::ordered_json whole() const;  // all of it, as a tree: large where the bodies are many
 };

@@ -72,6 +72,7 @@ ordered_json body_report(const SceneBody& body, const BodyFacets& found, const G
   if (body.kind == Kind::kSolid) {
     out["stitch"] = closed.stitch;
     out["seams"] = {{"number", closed.seams.number}, {"length", closed.seams.length}, {"widest_gap", closed.seams.widest_gap}};
+    if (closed.seams.collapsed > 0) out["seams"]["collapsed_edges"] = closed.seams.collapsed;
   }
   const auto list = [&](const char* key, const auto& all, auto&& item) {
     ordered_json& listed = out[key] = ordered_json::array();
@@ -108,10 +109,19 @@ std::optional<int> terrain_axis(const Hole& hole, const BodyFacets& found, const
   return axis;
 }
 
-std::string seam_note(const Scene& scene, const ClosedBody& closed) {
-  if (closed.seams.number == 0) return "";
-  return fmt::format("was stitched along {}, {:.4g} {} in all, over gaps of up to {:.3g} {} (the stitch length is {:.3g} {})",
-                     plural(closed.seams.number, "seam"), closed.seams.length, scene.units, closed.seams.widest_gap, scene.units, closed.stitch, scene.units);
+std::string seam_note(const Scene& scene, const ClosedBody& closed, const Grid& grid) {
+  const Seams& seams = closed.seams;
+  if (seams.number == 0 && seams.collapsed == 0) return "";
+  std::string out = "was stitched";
+  if (seams.number > 0) out += fmt::format(" along {}, {:.4g} {} in all", plural(seams.number, "seam"), seams.length, scene.units);
+  if (seams.collapsed > 0)
+    out += fmt::format("{} {} within the stitch length of each other, which closes or narrows what lay between them", seams.number > 0 ? " and at" : " at",
+                       plural(seams.collapsed, "open edge"));
+  out += fmt::format(", over gaps of up to {:.3g} {} (the stitch length is {:.3g} {})", seams.widest_gap, scene.units, closed.stitch, scene.units);
+  double shortest = HUGE_VAL;
+  for (const Axis& a : grid.axis) shortest = std::min(shortest, a.shortest_cell());
+  if (closed.stitch > 2 * shortest) out += ". That is longer than two cells: look whether it closed what should be open";
+  return out;
 }
 
 std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid) {
@@ -133,7 +143,7 @@ std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFa
                                 largest->diameter, scene.units, in_cells(largest->diameter, largest->at, grid), largest->width, scene.units,
                                 in_cells(largest->width, largest->at, grid), text(largest->at), verdict(largest->diameter, most_cells, grid, loose));
   if (closed.cut_from_others) out += fmt::format(". Part '{}' is cut off there from parts that were left out", body.part);
-  if (const auto axis = terrain_axis(*largest, found, grid); axis && body.closing.way == Closing::Way::kCap)
+  if (const auto axis = terrain_axis(*largest, found, grid); axis && !loose && body.closing.way == Closing::Way::kCap)
     out += fmt::format(". If it is terrain, a sheet over the whole domain, give it \"closing\": {{\"extrude\": \"-{0}\"}} or --closing extrude:-{0}: "
                        "then all that is below it is inside", axis_name(*axis));
   return out;
@@ -163,7 +173,7 @@ std::string double_warning(const ClosedBody& closed) {
 std::vector<std::string> body_warnings(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid,
                                        const SurveyTotals& survey) {
   const ClosedBody& closed = found.closed;
-  std::vector<std::string> out = {seam_note(scene, closed), open_warning(scene, body, found, grid), flip_warning(closed), double_warning(closed)};
+  std::vector<std::string> out = {seam_note(scene, closed, grid), open_warning(scene, body, found, grid), flip_warning(closed), double_warning(closed)};
   const bool evenodd = std::ranges::any_of(closed.fill, [](const FillChoice& f) { return f.rule == Fill::kEvenodd; });
   if (evenodd && survey.duplicates > 0)
     out.push_back(fmt::format("has {}, and shells whose inside is decided by parity: there a facet that is given twice counts as none",

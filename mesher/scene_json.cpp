@@ -252,7 +252,12 @@ Matrix parse_matrix(const Node& body) {
 
 // "cap", "strict" or {"extrude": "-z"}.
 Closing closing_of(const Node& node) {
-  if (!node.is_object()) return {static_cast<Closing::Way>(node.choice({"cap", "strict"}))};
+  if (!node.is_object()) {
+    if (node.is_array()) node.fail("\"cap\", \"strict\" or {\"extrude\": \"-z\"}");
+    if (node.text() == "cap") return {};
+    if (node.text() == "strict") return {Closing::Way::kStrict};
+    node.fail("\"cap\", \"strict\" or {\"extrude\": \"-z\"}");
+  }
   node.check_keys({"extrude"});
   const Node direction = node.require("extrude");
   const auto closing = parse_closing("extrude:" + direction.text());
@@ -274,7 +279,7 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   if (const auto n = node.find("closing")) body.closing = closing_of(*n);
   if (const auto n = node.find("stitch")) {
     body.stitch = n->number();
-    if (!(*body.stitch >= 0 && *body.stitch <= 1e75)) n->fail("a length of 0 or more");
+    if (!(*body.stitch >= 0 && *body.stitch <= 1e75)) n->fail("a length from 0 to 1e75");
   }
   if (const auto n = node.find("kind")) body.kind = static_cast<Kind>(n->choice({"solid", "sheet"}));
   if (const auto n = node.find("thin")) body.thin = static_cast<Thin>(n->choice({"ignore", "keep"}));

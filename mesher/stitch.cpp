@@ -244,7 +244,10 @@ class Stitcher {
     for (const OpenEdge& e : edges_) {
       if (counts_crossings(e.shell) && !e.edge.odd()) continue;
       const uint32_t from = representative_[number(e.edge.from)], to = representative_[number(e.edge.to)];
-      if (from == to) continue;
+      if (from == to) {
+        ++seams_.collapsed;
+        continue;
+      }
       const Pair p = pair_of(from, to, 0, 1);
       uint32_t last = p.lo;
       const auto use = [&](uint32_t next) {
@@ -267,7 +270,7 @@ class Stitcher {
       if (closed > 0) roots.push_back(curves.of(edge.first));
     std::ranges::sort(roots);
     seams_.number = static_cast<uint64_t>(std::unique(roots.begin(), roots.end()) - roots.begin());
-    if (seams_.number > 0) seams_.widest_gap = widest_;
+    if (seams_.number > 0 || seams_.collapsed > 0) seams_.widest_gap = widest_;
   }
 
   Stitched result() {

@@ -28,6 +28,7 @@ struct Seams {
   uint64_t number = 0;
   double length = 0;      // of all, in the file's units
   double widest_gap = 0;  // the largest distance between what was joined
+  uint64_t collapsed = 0;  // open edges whose ends were joined to one point: what lay within the stitch length
 };
 
 // The shells that stitching has joined count as one: a group.

@@ -52,10 +52,13 @@ void print_holes(const ordered_json& holes, const std::string& units) {
 }
 
 void print_seams(const ordered_json& body, const std::string& units) {
-  if (!body.contains("seams") || body.at("seams").at("number") == 0) return;
+  if (!body.contains("seams")) return;
   const ordered_json& seams = body.at("seams");
-  detail("seams", fmt::format("{} stitched, {:.4g} {} in all, over gaps of up to {:.3g} {} (stitch length {:.3g} {})",
+  const uint64_t collapsed = seams.value("collapsed_edges", uint64_t{0});
+  if (seams.at("number") == 0 && collapsed == 0) return;
+  detail("seams", fmt::format("{} stitched, {:.4g} {} in all{}, over gaps of up to {:.3g} {} (stitch length {:.3g} {})",
                               counted(seams.at("number").get<uint64_t>(), "seam"), seams.at("length").get<double>(), units,
+                              collapsed > 0 ? fmt::format(", and {} closed to a point", counted(collapsed, "open edge")) : "",
                               seams.at("widest_gap").get<double>(), units, body.at("stitch").get<double>(), units));
 }
 

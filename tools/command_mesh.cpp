@@ -53,7 +53,7 @@ Scene scene_from(const Options& o) {
   override_grid(scene, grid);
   const std::optional<Closing> closing = parse_closing(o.closing.empty() ? "cap" : o.closing);
   if (!closing) throw UsageError(fmt::format("--closing: expected cap, strict, or extrude: and a direction such as -z, found '{}'", o.closing));
-  if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75)) throw UsageError(fmt::format("--stitch: expected a length of 0 or more, found {}", *o.stitch));
+  if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75)) throw UsageError(fmt::format("--stitch: expected a length from 0 to 1e75, found {}", *o.stitch));
   for (SceneBody& body : scene.bodies) {
     if (body.kind == Kind::kSheet) continue;
     if (!o.fill.empty()) body.fill = static_cast<Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
@@ -98,6 +98,7 @@ void summarise(const Options& o, const MeshReport& report) {
   say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
                   static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, bytes_text(reader.file_bytes()),
                   bytes_text(run.at("peak_memory_bytes").get<double>()), axis_name(reader.meta().ray_axis)));
+  if (!o.caps.empty() && report.caps_written == 0) warn(fmt::format("warning: --write-caps: no surface was open, so {} was not written", o.caps));
   for (size_t i = 0; i < std::min(report.warnings.size(), kShown); ++i) warn("warning: " + report.warnings[i]);
   if (report.warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", report.warnings.size() - kShown, o.output));
 }
