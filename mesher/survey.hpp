@@ -73,7 +73,6 @@ class Survey {
   // Degenerate and duplicate facets are counted only `at_home`: surveys of parts of a surface may see a facet each.
   void add(const Facet& facet, bool at_home = true);
 
-  uint32_t vertices() const { return numbers_.count(); }
   uint64_t degenerate() const { return degenerate_; }                 // facets without area, exactly
   uint64_t duplicates() { return facets_ - distinct_.count(); }       // facets with the three vertices of an earlier one
   uint64_t opposite() { return (distinct_.count(), distinct_.otherwise()); }  // of these, those that run the other way round than the first one

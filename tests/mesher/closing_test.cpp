@@ -176,7 +176,10 @@ TEST_CASE("A box with a missing facet has the cells of the box") {
     REQUIRE(all_cells(GridReader(folder / "g.tcell")) == expected);
     CHECK(report["bodies"][0]["fill"][0]["rule"] == "nonzero");
     CHECK(report["bodies"][0]["holes"].size() >= 1);
-    CHECK(report["warnings"][0].get<std::string>().find("is open") != std::string::npos);
+    REQUIRE(report["warnings"].size() >= 1);
+    CHECK_THAT(report["warnings"][0].get<std::string>(), Catch::Contains("is open"));
+    for (size_t i = 1; i < report["warnings"].size(); ++i)  // half of a side missing: the winding number may doubt the cap, nothing else is wrong
+      CHECK_THAT(report["warnings"][i].get<std::string>(), Catch::Contains("look at its caps"));
   }
 }
 
