@@ -74,15 +74,6 @@ class Study {
   std::vector<Found> bodies_;
 };
 
-// What is spilled is read again, so it must be there again.
-void expect_files(const Scene& scene, size_t last) {
-  for (size_t b = 0; b <= last; ++b)
-    if (std::filesystem::is_other(scene.bodies[b].mesh))
-      throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
-                                   "save it as a file, or allow more with --memory",
-                                   scene.bodies[b].mesh.string()));
-}
-
 // Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time: a
 // job for each of 100,000 bodies would take longer than what is done in it.
 class BodyReader {
@@ -101,6 +92,8 @@ class BodyReader {
         take(b, layer, facets);
         tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
       }, budget_, out_.helper.get());
+      if (!found.file.regular && !once_) once_ = b;
+      if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true});
       if (batch_.pieces.size() >= kPieces) hand_on();
       out_.bodies.push_back(std::move(found));
@@ -126,7 +119,7 @@ class BodyReader {
   };
 
   void take(size_t b, uint32_t layer, std::span<const Facet> facets) {
-    if (out_.in_memory && out_.facets->size() + facets.size() > most_) spill(b);
+    if (out_.in_memory && out_.facets->size() + facets.size() > most_) spill();
     batch_.facets += facets.size();
     if (!out_.in_memory) {
       batch_.pieces.push_back({b, {}, facets.size(), false});
@@ -141,13 +134,21 @@ class BodyReader {
   }
 
   // What was kept is dropped, and no longer surveyed.
-  void spill(size_t b) {
-    expect_files(scene_, b);
+  void spill() {
+    expect_files();
     hand_on();
     out_.helper->finish();
     out_.helper->drop_later();
     out_.in_memory = false;
     out_.facets = std::make_shared<FacetStore>();
+  }
+
+  // What is spilled is read again, so it must be there again.
+  void expect_files() const {
+    if (once_)
+      throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
+                                   "save it as a file, or allow more with --memory",
+                                   scene_.bodies[*once_].mesh.string()));
   }
 
   void hand_on() {
@@ -177,6 +178,7 @@ class BodyReader {
   const Scene& scene_;
   const Budget& budget_;
   const uint64_t most_;
+  std::optional<size_t> once_;  // the first body whose mesh can't be read again
   Bodies& out_;
   // Jobs may outlive the reading, when it throws.
   const std::shared_ptr<Study> study_ = std::make_shared<Study>();

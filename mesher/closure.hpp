@@ -33,8 +33,8 @@ class BoundaryProof {
 class OppositeSample {
  public:
   void add(const std::array<VertexHash, 3>& facet) {
-    const FacetKey f(facet);
-    if (f.key.low <= most_ && three_different(facet)) keep((f.key.low & ~uint64_t{1}) | f.odd);
+    const uint64_t low = FacetKey::low_of(facet);
+    if (low <= most_ && three_different(facet)) keep((low & ~uint64_t{1}) | FacetKey::is_odd(facet));
   }
   // Then it is empty again.
   bool take_answer();

@@ -181,6 +181,7 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
   out.finish(input.name(), file);
   file.bytes = input.bytes_on_disk();
   file.hash = input.hash();
+  file.regular = input.regular();
   return file;
 }
 

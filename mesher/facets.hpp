@@ -30,6 +30,7 @@ struct SurfaceFile {
   std::string hash;                 // XXH3-128 of those bytes, 32 hex digits
   uint64_t facets = 0;              // given to the sink
   bool float32 = true;              // every vertex given to the sink was declared as float32
+  bool regular = true;              // a file that can be read again: no pipe, no device
   std::vector<std::string> parts;   // named STL solids, OBJ groups and objects, in the file's order; all, not only matches, up to some MB of names
   std::vector<std::string> warnings;  // what was skipped or put up with: a sentence for each kind of it, without the file's name
 };

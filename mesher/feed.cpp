@@ -52,22 +52,30 @@ std::unique_ptr<FacetBins> Feed::fill_bins(const std::vector<bool>& wide, const 
   const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved(f, scene.bodies[layer / 2]) : f; };
   const bool walls = std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
   auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, wide);
-  struct Binned {
-    Facet facet;
+  struct Stretch {  // of facets that are alike
+    size_t facets;
     uint32_t layer;
     FacetBins::Origin origin;
   };
+  struct Batch {
+    std::vector<Facet> facets;
+    std::vector<Stretch> stretches;
+  };
   constexpr size_t kBatch = 4096;
-  std::vector<Binned> batch;
+  Batch batch;
   Background background(threads > 1);
   const auto hand_on = [&] {
-    background.run([&bins, facets = std::exchange(batch, {})] {
-      for (const Binned& f : facets) bins->add(f.facet, f.layer, f.origin);
+    background.run([&bins, batch = std::exchange(batch, {})] {
+      const Facet* f = batch.facets.data();
+      for (const Stretch& s : batch.stretches)
+        for (size_t i = 0; i < s.facets; ++i) bins->add(*f++, s.layer, s.origin);
     });
+    batch.facets.reserve(kBatch);
   };
-  const auto add = [&](const Facet& f, uint32_t layer, FacetBins::Origin origin) {
-    batch.push_back({f, layer, origin});
-    if (batch.size() >= kBatch) hand_on();
+  const auto add = [&](std::span<const Facet> facets, uint32_t layer, FacetBins::Origin origin) {
+    if (!batch.facets.empty() && batch.facets.size() + facets.size() > kBatch) hand_on();
+    batch.facets.insert(batch.facets.end(), facets.begin(), facets.end());
+    batch.stretches.push_back({facets.size(), layer, origin});
   };
   const double all = static_cast<double>(bodies_.facet_count());
   uint64_t done = 0;
@@ -76,13 +84,14 @@ std::unique_ptr<FacetBins> Feed::fill_bins(const std::vector<bool>& wide, const 
     const ClosedBody& closed = found.closed;
     uint64_t number = 0;
     read_again(scene_.bodies[b], found, budget, [&](std::span<const Facet> facets) {
-      for (const Facet& f : facets) add(f, closed.rules ? closed.rules->layer(b, number++) : closed.layer(b), FacetBins::kOfFile);
+      if (!closed.rules) add(facets, closed.layer(b), FacetBins::kOfFile);
+      else for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile);
       done += facets.size();
       tick(static_cast<double>(done) / all);
     });
     for (const bool parity : {false, true}) {
-      for (const Facet& f : closed.added[parity]) add(f, layer_of(b, parity), FacetBins::kAdded);
-      for (const Facet& f : closed.walls[parity]) add(f, layer_of(b, parity), FacetBins::kPlaced);
+      add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded);
+      add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced);
     }
   }
   hand_on();

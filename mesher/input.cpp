@@ -28,9 +28,10 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
   if (descriptor_ < 0) throw IoError(fmt::format("{}: can't be opened: {}", name_, std::strerror(errno)));
   try {
     struct stat status {};
-    if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode)) size_ = status.st_size;
+    regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+    if (regular_) size_ = status.st_size;
     if (S_ISDIR(status.st_mode)) throw IoError(fmt::format("{}: expected a surface file, found a folder", name_));
-    posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint: its failure costs speed only
+    if (!size_ || *size_ > kWindow) posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint: its failure costs speed only
     begin();
   } catch (...) {
     close(descriptor_);
@@ -184,7 +185,8 @@ std::string Input::hash() const {
   XXH128_canonical_t canonical;
   XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash_.get()));
   std::string hex;
-  for (const unsigned char byte : canonical.digest) hex += fmt::format("{:02x}", byte);
+  for (const unsigned char byte : canonical.digest)
+    for (const int digit : {byte >> 4, byte & 15}) hex += "0123456789abcdef"[digit];
   return hex;
 }
 

@@ -31,6 +31,7 @@ class Input {
   bool compressed() const { return inflate_ != nullptr; }
   // Of the contents; unknown when they are compressed or come through a pipe.
   std::optional<uint64_t> size() const { return size_; }
+  bool regular() const { return regular_; }  // it can be read again: no pipe, no device
   // Bytes of the contents taken so far.
   uint64_t offset() const { return offset_ + begin_; }
 
@@ -81,6 +82,7 @@ class Input {
   std::string name_;
   int descriptor_ = -1;      // or
   std::string_view memory_;  // what is left of the bytes in memory
+  bool regular_ = true;
   std::optional<uint64_t> size_;
   uint64_t disk_bytes_ = 0;
   std::unique_ptr<XXH3_state_s, Release> hash_;

@@ -12,12 +12,12 @@
 #include "mesher/checkpoint.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/feed.hpp"
-#include "mesher/json_lists.hpp"
 #include "mesher/placement.hpp"
 #include "mesher/report.hpp"
 #include "mesher/trust.hpp"
 #include "mesher/unit.hpp"
 #include "store/in_order.hpp"
+#include "store/json_writer.hpp"
 
 namespace teracell {
 namespace {
@@ -151,9 +151,9 @@ class MeshRun {
       return text.size() <= kLongest ? text : fmt::format("\"{} bytes with checksum {:016x}\"", text.size(), checksum({reinterpret_cast<const uint8_t*>(text.data()), text.size()}));
     };
     std::string inputs;
-    append_list(inputs, scene_.bodies.size(), ~size_t{0}, [&](size_t b) {
+    write_list(inputs, scene_.bodies.size(), ~size_t{0}, [&](JsonWriter& writer, size_t b) {
       const SurfaceFile& file = bodies_.bodies[b].file;
-      return ordered_json{{"path", scene_.bodies[b].mesh_text}, {"bytes", file.bytes}, {"hash", file.hash}};
+      writer.begin_object().field("path", scene_.bodies[b].mesh_text).field("bytes", file.bytes).field("hash", file.hash).end_object();
     });
     const ordered_json rest = {{"axis", axis_name(plan_.meta.ray_axis)},
                                {"axis_asked_for", plan_.rays.asked_for},
@@ -161,15 +161,14 @@ class MeshRun {
                                {"thin", options_.thin},
                                {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
                                {"zstd", compressor_version()}};
-    return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised_text(scene_, ~size_t{0})), rest.dump().substr(1));
+    return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised(scene_)), rest.dump().substr(1));
   }
 
   void open_output() {
     totals_.cells.resize(scene_.bodies.size());
     totals_.covered.resize(scene_.bodies.size());
-    identity_ = identity();
     std::optional<Checkpoint> before;
-    if (options_.resume) before = load_checkpoint(output_, identity_);
+    if (options_.resume) before = load_checkpoint(output_, identity());
     if (!before) {
       writer_.emplace(output_, plan_.meta);
       remove_checkpoint(output_);  // of an earlier run; only now that the lock is ours
@@ -244,6 +243,7 @@ class MeshRun {
   }
 
   void save() {
+    if (identity_.empty()) identity_ = identity();
     Checkpoint c{identity_, units_, totals_, {}};
     writer_->save(c.writers);
     pyramid_->save(c.writers);
@@ -293,7 +293,7 @@ class MeshRun {
   Plan plan_;
   std::optional<GridWriter> writer_;
   std::optional<PyramidWriter> pyramid_;
-  std::string identity_;
+  std::string identity_;  // from the first save() on
   CastTotals totals_;
   uint64_t units_ = 0;  // stored
   uint64_t resumed_chunks_ = 0;

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "mesher/json_lists.hpp"
 #include "mesher/report_lost.hpp"
+#include "store/json_writer.hpp"
 
 namespace teracell {
 namespace {
@@ -21,7 +21,6 @@ constexpr size_t kMostOfBodies = size_t{34} << 20, kMostOfInputs = size_t{11} <<
 constexpr size_t kMostPlaces = 30000;  // holes and flips, of all bodies together
 constexpr size_t kBytesOfABody = 620;  // in all lists, when there is nothing special about it
 
-ordered_json place(const Vec3& p) { return {p[0], p[1], p[2]}; }
 std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 
 std::string plural(uint64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
@@ -43,50 +42,45 @@ double longest_side(const Grid& grid) {
   return longest;
 }
 
-ordered_json hole_report(const Hole& h, const Grid& grid) {
-  ordered_json out = {{"at", place(h.at)},
-                      {"edges", h.edges},
-                      {"diameter", h.diameter},
-                      {"diameter_cells", in_cells(h.diameter, h.at, grid)},
-                      {"width", h.width},
-                      {"width_cells", in_cells(h.width, h.at, grid)},
-                      {"cap_area", h.cap_area}};
-  if (h.extruded) out["extruded"] = true;
-  return out;
+void write_hole(JsonWriter& out, const Hole& h, const Grid& grid) {
+  out.begin_object().field("at", h.at).field("edges", h.edges);
+  out.field("diameter", h.diameter).field("diameter_cells", in_cells(h.diameter, h.at, grid));
+  out.field("width", h.width).field("width_cells", in_cells(h.width, h.at, grid)).field("cap_area", h.cap_area);
+  if (h.extruded) out.key("extruded").raw("true");
+  out.end_object();
 }
 
-// `room`: how many holes and flips may still be listed.
-ordered_json body_report(const SceneBody& body, const BodyFacets& found, const Grid& grid, const SurveyTotals& survey, unsigned __int128 cells,
-                         unsigned __int128 covered, size_t& room) {
+// What is written of a body, but for what is lost between sample points. `room`: how many holes and flips may still be listed.
+void write_body(JsonWriter& out, const SceneBody& body, const BodyFacets& found, const Grid& grid, const SurveyTotals& survey, unsigned __int128 cells,
+                unsigned __int128 covered, size_t& room) {
   constexpr const char* kRule[] = {"auto", "nonzero", "evenodd", "distinct"};
   const ClosedBody& closed = found.closed;
-  ordered_json out = {{"name", body.name},
-                      {"facets", found.file.facets},
-                      {"degenerate", survey.degenerate},
-                      {"duplicates", survey.duplicates},
-                      {"opposite", survey.opposite},
-                      {"shells", survey.shells}};
-  out["fill"] = ordered_json::array();
+  out.field("name", body.name).field("facets", found.file.facets);
+  out.field("degenerate", survey.degenerate).field("duplicates", survey.duplicates).field("opposite", survey.opposite).field("shells", survey.shells);
+  out.key("fill").begin_array();
   for (const FillChoice& f : closed.fill)
-    out["fill"].push_back({{"rule", kRule[static_cast<size_t>(f.rule)]}, {"shells", f.shells.value_or(survey.shells)}, {"why", f.why}});
+    out.begin_object().field("rule", kRule[static_cast<size_t>(f.rule)]).field("shells", f.shells.value_or(survey.shells)).field("why", f.why).end_object();
+  out.end_array();
   if (body.kind == Kind::kSolid) {
-    out["stitch"] = closed.stitch;
-    out["seams"] = {{"number", closed.seams.number}, {"length", closed.seams.length}, {"widest_gap", closed.seams.widest_gap}};
-    if (closed.seams.collapsed > 0) out["seams"]["collapsed_edges"] = closed.seams.collapsed;
+    const Seams& seams = closed.seams;
+    out.field("stitch", closed.stitch);
+    out.key("seams").begin_object().field("number", seams.number).field("length", seams.length).field("widest_gap", seams.widest_gap);
+    if (seams.collapsed > 0) out.field("collapsed_edges", seams.collapsed);
+    out.end_object();
   }
-  const auto list = [&](const char* key, const auto& all, auto&& item) {
-    ordered_json& listed = out[key] = ordered_json::array();
+  const auto list = [&](const char* key, const auto& all, auto&& write) {
     const size_t count = std::min(all.size(), room);
-    for (size_t i = 0; i < count; ++i) listed.push_back(item(all[i]));
-    if (count < all.size()) out[fmt::format("{}_left_out", key)] = all.size() - count;
     room -= count;
+    out.key(key).begin_array();
+    for (size_t i = 0; i < count; ++i) write(all[i]);
+    out.end_array();
+    if (count < all.size()) out.field(fmt::format("{}_left_out", key), all.size() - count);
   };
-  list("holes", closed.holes, [&](const Hole& h) { return hole_report(h, grid); });
-  list("flips", closed.flips, [&](const Flip& f) { return ordered_json{{"at", place(f.at)}, {"edges", f.edges}}; });
-  out["cells"] = static_cast<uint64_t>(cells);
-  if (cells >> 53 != 0) out["cells_text"] = fmt::format("{}", cells);
-  if (covered != 0) out["covered_cells"] = static_cast<uint64_t>(covered);
-  return out;
+  list("holes", closed.holes, [&](const Hole& h) { write_hole(out, h, grid); });
+  list("flips", closed.flips, [&](const Flip& f) { out.begin_object().field("at", f.at).field("edges", f.edges).end_object(); });
+  out.field("cells", static_cast<uint64_t>(cells));
+  if (cells >> 53 != 0) out.field("cells_text", fmt::format("{}", cells));
+  if (covered != 0) out.field("covered_cells", static_cast<uint64_t>(covered));
 }
 
 // Whether to care about holes, the widest of which is so wide.
@@ -211,23 +205,24 @@ Report make_report(const Scene& scene, const Bodies& bodies, const std::vector<S
   text.reserve(std::min(scene.bodies.size() * kBytesOfABody, kMostOfBodies + kMostOfInputs + kMostOfScene));  // doubling would take twice as much for a moment
   text = "{\"schema\":1,\"bodies\":";
   size_t room = kMostPlaces;
-  const size_t left_out = append_list(text, scene.bodies.size(), kMostOfBodies, [&](size_t b) {
-    ordered_json body = body_report(scene.bodies[b], bodies.bodies[b], grid, surveys[b], totals.cells[b], totals.covered[b], room);
-    report_lost(scene, b, plan, totals.tallies, count_thin, body);
-    return body;
+  const size_t left_out = write_list(text, scene.bodies.size(), kMostOfBodies, [&](JsonWriter& writer, size_t b) {
+    writer.begin_object();
+    write_body(writer, scene.bodies[b], bodies.bodies[b], grid, surveys[b], totals.cells[b], totals.covered[b], room);
+    write_lost(writer, scene, b, plan, totals.tallies, count_thin);
+    writer.end_object();
   });
   if (left_out > 0) text += fmt::format(",\"bodies_left_out\":{}", left_out);
   text += fmt::format(",\"crossings\":{},\"warnings\":{},\"inputs\":", totals.crossings, ordered_json(out.warnings).dump());
-  append_list(text, scene.bodies.size(), kMostOfInputs, [&](size_t b) {
+  write_list(text, scene.bodies.size(), kMostOfInputs, [&](JsonWriter& writer, size_t b) {
     const SurfaceFile& file = bodies.bodies[b].file;
-    return ordered_json{{"path", scene.bodies[b].mesh_text}, {"format", file.format}, {"bytes", file.bytes}, {"hash", file.hash}};
+    writer.begin_object().field("path", scene.bodies[b].mesh_text).field("format", file.format).field("bytes", file.bytes).field("hash", file.hash).end_object();
   });
   text += fmt::format(",\"ray_axis\":{}", rays.dump());
-  const std::string scene_text = normalised_text(scene, kMostOfScene);  // materials and planes alone may be long
+  const std::string scene_text = normalised(scene, kMostOfScene);  // materials and planes alone may be long
   if (text.size() + scene_text.size() < kMostText) text += ",\"scene\":" + scene_text;
   else text += ",\"scene\":null";
   if (count_thin) {
-    const std::string gaps = lost_gaps(scene, grid, totals.tallies).dump();
+    const std::string gaps = lost_gaps(scene, grid, totals.tallies);
     text += text.size() + gaps.size() < kMostText ? ",\"lost_gaps\":" + gaps : ",\"lost_gaps\":null";
   }
   text += '}';

@@ -107,10 +107,8 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes);
 void override_grid(Scene& scene, const GridOptions& options);
 
 // The scene as normalised: defaults written out, matrices instead of scale/rotate/translate; `stitch`, `kind` and `thin`
-// only where they are not the default. Reads back equal.
-nlohmann::ordered_json normalised(const Scene& scene);
-// The same as text, without a tree of all bodies. Those that `most` bytes don't hold are left out and counted.
-std::string normalised_text(const Scene& scene, size_t most);
+// only where they are not the default. Reads back equal. Bodies that `most` bytes don't hold are left out and counted.
+std::string normalised(const Scene& scene, size_t most = ~size_t{0});
 
 // The axes (how options become axes). `lo`, `hi` are the box of all bodies' transformed vertices; unused, and free
 // to be anything, where every axis has min and max or planes. With e = hi - lo of an axis and P = pad:

@@ -10,12 +10,12 @@
 
 #include <fmt/format.h>
 
-#include "mesher/json_lists.hpp"
 #include "mesher/scene.hpp"
 #include "mesher/scene_names.hpp"
 #include "mesher/scene_node.hpp"
 #include "store/color.hpp"
 #include "store/error.hpp"
+#include "store/json_writer.hpp"
 
 namespace teracell {
 namespace {
@@ -344,20 +344,17 @@ nlohmann::ordered_json normalised_but_bodies(const Scene& scene) {
   return json;
 }
 
-nlohmann::ordered_json normalised_body(const Scene& scene, const SceneBody& b) {
+void write_body(JsonWriter& out, const Scene& scene, const SceneBody& b) {
   constexpr const char* kFill[] = {"auto", "nonzero", "evenodd", "distinct"};
-  nlohmann::ordered_json body = {{"name", b.name}, {"mesh", b.mesh_text}};
-  if (!b.part.empty()) body["part"] = b.part;
-  body["material"] = scene.materials[b.material].name;
-  body["priority"] = b.priority;
-  body["fill"] = kFill[static_cast<int>(b.fill)];
-  if (b.closing.way == Closing::Way::kExtrude) body["closing"] = {{"extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)}};
-  else body["closing"] = b.closing.way == Closing::Way::kStrict ? "strict" : "cap";
-  if (b.stitch) body["stitch"] = *b.stitch;
-  if (b.kind == Kind::kSheet) body["kind"] = "sheet";
-  if (b.thin == Thin::kKeep) body["thin"] = "keep";
-  body["matrix"] = b.matrix;
-  return body;
+  out.begin_object().field("name", b.name).field("mesh", b.mesh_text);
+  if (!b.part.empty()) out.field("part", b.part);
+  out.field("material", scene.materials[b.material].name).field("priority", b.priority).field("fill", kFill[static_cast<int>(b.fill)]);
+  if (b.closing.way == Closing::Way::kExtrude) out.key("closing").begin_object().field("extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)).end_object();
+  else out.field("closing", b.closing.way == Closing::Way::kStrict ? "strict" : "cap");
+  if (b.stitch) out.field("stitch", *b.stitch);
+  if (b.kind == Kind::kSheet) out.field("kind", "sheet");
+  if (b.thin == Thin::kKeep) out.field("thin", "keep");
+  out.field("matrix", b.matrix).end_object();
 }
 
 }  // namespace
@@ -406,18 +403,11 @@ Scene read_scene(const fs::path& path) {
   }
 }
 
-nlohmann::ordered_json normalised(const Scene& scene) {
-  nlohmann::ordered_json json = normalised_but_bodies(scene);
-  json["bodies"] = nlohmann::ordered_json::array();
-  for (const SceneBody& b : scene.bodies) json["bodies"].push_back(normalised_body(scene, b));
-  return json;
-}
-
-std::string normalised_text(const Scene& scene, size_t most) {
+std::string normalised(const Scene& scene, size_t most) {
   std::string text = normalised_but_bodies(scene).dump();
   text.back() = ',';
   text += "\"bodies\":";
-  const size_t left_out = append_list(text, scene.bodies.size(), most, [&](size_t b) { return normalised_body(scene, scene.bodies[b]); });
+  const size_t left_out = write_list(text, scene.bodies.size(), most, [&](JsonWriter& writer, size_t b) { write_body(writer, scene, scene.bodies[b]); });
   if (left_out > 0) text += fmt::format(",\"bodies_left_out\":{}", left_out);
   return text += '}';
 }

@@ -53,6 +53,7 @@ std::string mesh_stem(const std::filesystem::path& mesh) {
 }
 
 std::string printable(std::string_view text) {
+  if (std::ranges::all_of(text, [](char c) { return c >= ' ' && c < '\x7f'; })) return std::string(text);  // nearly all
   const std::string utf8 = utf8_of(text);
   std::string out;
   for (size_t i = 0; i < utf8.size(); ++i) {

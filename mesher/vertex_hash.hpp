@@ -38,8 +38,9 @@ struct FacetKey {
   bool odd;  // the facet runs the other way round than one with the same key that is not odd
 
   explicit FacetKey(const std::array<VertexHash, 3>& v)
-      : key{fold((v[0].low + v[1].low + v[2].low) ^ kHashKeys[1], kHashKeys[0]), fold((v[0].high + v[1].high + v[2].high) ^ kHashKeys[3], kHashKeys[2])},
-        odd(((v[0].low > v[1].low) ^ (v[1].low > v[2].low) ^ (v[0].low > v[2].low)) != 0) {}
+      : key{low_of(v), fold((v[0].high + v[1].high + v[2].high) ^ kHashKeys[3], kHashKeys[2])}, odd(is_odd(v)) {}
+  static uint64_t low_of(const std::array<VertexHash, 3>& v) { return fold((v[0].low + v[1].low + v[2].low) ^ kHashKeys[1], kHashKeys[0]); }
+  static bool is_odd(const std::array<VertexHash, 3>& v) { return ((v[0].low > v[1].low) ^ (v[1].low > v[2].low) ^ (v[0].low > v[2].low)) != 0; }
 };
 
 inline std::array<VertexHash, 3> vertex_hashes(const Facet& facet) {

@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   } catch (const Error&) {
     return 0;
   }
-  const std::string normal = normalised(scene).dump();
+  const std::string normal = normalised(scene);
   if (!(parse_scene(normal, "/nonexistent") == scene)) std::abort();
   try {
     resolve_grid(scene, {-1, 0, 2}, {1, 3, 2});

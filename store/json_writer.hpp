@@ -1,0 +1,66 @@
+// JSON as text, written value by value: as a document, a list of 100,000 bodies takes hundreds of megabytes, and writing it
+// takes longer than casting the rays. The text is what nlohmann::ordered_json::dump() gives.
+#pragma once
+#include <concepts>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace teracell {
+
+// Appends to a text that it doesn't own. It holds no state: a comma is written where the text's last character asks for one.
+class JsonWriter {
+ public:
+  explicit JsonWriter(std::string& text) : text_(text) {}
+
+  JsonWriter& begin_object() { return begin('{'); }
+  JsonWriter& end_object() { return end('}'); }
+  JsonWriter& begin_array() { return begin('['); }
+  JsonWriter& end_array() { return end(']'); }
+  JsonWriter& key(std::string_view name);
+
+  JsonWriter& value(std::string_view text);
+  JsonWriter& value(const char* text) { return value(std::string_view(text)); }
+  JsonWriter& value(double number);
+  template <std::integral T>
+  JsonWriter& value(T number) {
+    return raw(std::to_string(number));
+  }
+  JsonWriter& value(std::nullptr_t) { return raw("null"); }
+  JsonWriter& value(std::span<const double> numbers);
+
+  template <class T>
+  JsonWriter& field(std::string_view name, const T& what) {
+    key(name);
+    return value(what);
+  }
+  // What is JSON already.
+  JsonWriter& raw(std::string_view json);
+
+ private:
+  JsonWriter& begin(char bracket);
+  JsonWriter& end(char bracket);
+  void separate();
+  std::string& text_;
+};
+
+// Appends the list of the `count` items that `item(writer, i)` writes, as far as `most` bytes hold them; returns how many they
+// don't.
+template <class F>
+size_t write_list(std::string& text, size_t count, size_t most, F&& item) {
+  JsonWriter writer(text);
+  const size_t begin = text.size();
+  writer.begin_array();
+  for (size_t i = 0; i < count; ++i) {
+    const size_t before = text.size();
+    item(writer, i);
+    if (text.size() - begin + 1 <= most) continue;
+    text.resize(before);
+    writer.end_array();
+    return count - i;
+  }
+  writer.end_array();
+  return 0;
+}
+
+}  // namespace teracell
