@@ -1,0 +1,16 @@
+// The assembler takes the file as it is, like those of the page. CMakeLists.txt says where it is, and that this source depends on it.
+#include "tools/notice.hpp"
+
+asm(".pushsection .rodata\n"
+    "teracell_notice:\n"
+    ".incbin \"" TERACELL_NOTICE "\"\n"
+    "teracell_notice_end:\n"
+    ".popsection");
+extern "C" const char teracell_notice[] asm("teracell_notice");
+extern "C" const char teracell_notice_end[] asm("teracell_notice_end");
+
+namespace teracell {
+
+std::string_view notice() { return {teracell_notice, teracell_notice_end}; }
+
+}  // namespace teracell
