@@ -1,4 +1,5 @@
-// The assembler takes the file as it is, like those of the page. CMakeLists.txt says where it is, and that this source depends on it.
+// The assembler takes the file as it is, like the files of the page. CMakeLists.txt says where the file is, and that this
+// source depends on it.
 #include "tools/notice.hpp"
 
 asm(".pushsection .rodata\n"

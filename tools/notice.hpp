@@ -1,4 +1,4 @@
-// NOTICE, as `teracell --licenses` prints it and the server answers it: what others have written that is in the program.
+// The file NOTICE: which software of others is in the program. `teracell --licenses` prints it, and the server answers it.
 #pragma once
 #include <string_view>
 

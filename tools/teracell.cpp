@@ -107,9 +107,11 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // so is a file that may not grow
   CLI::App app("Trillion-cell Cartesian grids from CAD surfaces: meshed, stored, looked at.", "teracell");
   app.set_version_flag("--version", TERACELL_VERSION);
-  app.add_flag_callback(
-      "--licenses", [] { throw CLI::CallForVersion(std::string(notice().substr(0, notice().size() - 1)), 0); },  // CLI11 adds the last newline
-      "Print what is embedded and linked, with its licences, and exit");
+  const auto print_notice = [] {
+    const std::string_view text = notice();
+    throw CLI::CallForVersion(std::string(text.substr(0, text.size() - 1)), 0);  // CLI11 adds the last newline
+  };
+  app.add_flag_callback("--licenses", print_notice, "Print what is embedded and linked, with its licences, and exit");
   app.require_subcommand(1);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.footer("teracell COMMAND --help explains a command. Start with:\n"

@@ -173,7 +173,8 @@ TEST_CASE("In front of other handlers the page answers its own paths, and says t
 
 TEST_CASE("A text in front of other handlers has one path, and anybody may have it", "[server][web]") {
   const Page page = embedded();
-  const Handler inner{[](const Request&) { return std::optional<Response>(); }, [](const Request&) { return Response{.status = 418}; }};
+  const Handler inner{[](const Request&) { return std::optional<Response>(); },
+                      [](const Request&) { return Response{.status = 418}; }};
   const Handler with = with_page(with_text(inner, "/NOTICE", body_of("what others wrote\n")), page);
   const Response r = *with.at_once(request("/NOTICE?x=1"));
   CHECK(r.status == 200);
