@@ -134,7 +134,31 @@ Handler with_page(Handler inner, const Page& page) {
             std::optional<Response> r = page.answer(request);
             return r ? *r : handle(request);
           },
-          [&page](std::string_view path) { return page.has(path); }};
+          [&page, is_open = std::move(inner.is_open)](std::string_view path) {
+            return page.has(path) || (is_open && is_open(path));
+          }};
+}
+
+Handler with_text(Handler inner, std::string path, Body text) {
+  const Response whole{.content_type = "text/plain; charset=utf-8",
+                       .etag = fmt::format("\"{}\"", hash_of(*text)),
+                       .cache_control = "no-cache",
+                       .route = "page"};
+  const auto answer = [=](const Request& request) -> std::optional<Response> {
+    if (path_of(request.target) != path) return std::nullopt;
+    return with_body(whole, request, text);
+  };
+  return {[answer, at_once = std::move(inner.at_once)](const Request& request) {
+            std::optional<Response> r = answer(request);
+            return r ? r : at_once(request);
+          },
+          [answer, handle = std::move(inner.handle)](const Request& request) {
+            std::optional<Response> r = answer(request);
+            return r ? *r : handle(request);
+          },
+          [path, is_open = std::move(inner.is_open)](std::string_view asked) {
+            return asked == path || (is_open && is_open(asked));
+          }};
 }
 
 }  // namespace teracell

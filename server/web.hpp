@@ -47,4 +47,7 @@ class Page {
 // `inner`, with the page in front. REQUIRES: the page outlives it.
 Handler with_page(Handler inner, const Page& page);
 
+// `inner`, with a plain text at one path in front. It is for everybody, like the page.
+Handler with_text(Handler inner, std::string path, Body text);
+
 }  // namespace teracell

@@ -20,6 +20,7 @@
 #include "server/wire.hpp"
 #include "store/error.hpp"
 #include "tools/command.hpp"
+#include "tools/notice.hpp"
 
 namespace teracell {
 namespace {
@@ -132,7 +133,8 @@ void run(const Options& o) {
   Metrics metrics;
   const Page page = page_of(o.web);
   const Handler routes = with_operations(handler_of(service, prefetch), metrics, [&] { return state_of(service, log); });
-  Listener listener(listen, with_page(routes, page), metrics, log);
+  const Body licences = body_of(std::string(notice()));
+  Listener listener(listen, with_page(with_text(routes, "/NOTICE", licences), page), metrics, log);
   if (!listener.loopback() && listen.token.empty())
     note(fmt::format("warning: anybody who reaches {} can read these grids: give a --token-file, or put a server that asks in front", o.host));
   say(fmt::format("teracell: serving {} at {}", counted(service.grids().all().size(), "grid"), listener.url()));

@@ -12,6 +12,7 @@
 #include "mesher/scene_names.hpp"
 #include "store/error.hpp"
 #include "tools/command.hpp"
+#include "tools/notice.hpp"
 
 namespace {
 
@@ -106,6 +107,11 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // so is a file that may not grow
   CLI::App app("Trillion-cell Cartesian grids from CAD surfaces: meshed, stored, looked at.", "teracell");
   app.set_version_flag("--version", TERACELL_VERSION);
+  const auto print_notice = [] {
+    const std::string_view text = notice();
+    throw CLI::CallForVersion(std::string(text.substr(0, text.size() - 1)), 0);  // CLI11 adds the last newline
+  };
+  app.add_flag_callback("--licenses", print_notice, "Print what is embedded and linked, with its licences, and exit");
   app.require_subcommand(1);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
   app.footer("teracell COMMAND --help explains a command. Start with:\n"
@@ -135,7 +141,7 @@ int main(int argc, char** argv) {
     run();
     return done();
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) {  // --help, --version
+    if (e.get_exit_code() == 0) {  // --help, --version, --licenses
       app.exit(e);
       return done();
     }

@@ -104,6 +104,7 @@ class Serving(ServeCase):
             self.assertEqual(server.get("/api/v1/grids", Authorization=wrong).status, 401)
         self.assertEqual(server.get("/api/v1/grids", Authorization="Bearer s3cret").status, 200)
         self.assertEqual(server.get("/healthz").status, 200)
+        self.assertIn(b"three.js", server.get("/NOTICE").body)
         self.assertEqual(server.get("/metrics").status, 401)
         self.stop(server)
         self.assertNotIn("s3cret", "".join(server.lines))

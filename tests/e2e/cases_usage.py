@@ -26,6 +26,13 @@ class Usage(Case):
         self.assertEqual(self.run_ok("help", "mesh").out, self.run_ok("mesh", "--help").out)
         self.refused(2, ["no command 'mehs'"], "help", "mehs")
 
+    def test_licenses(self):
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "NOTICE")) as f:
+            notice = f.read()
+        self.assertEqual(self.run_ok("--licenses").out, notice)
+        for name in ("three.js", "Preact", "Boost.Asio", "CLI11", "Zstandard", "xxHash", "zlib"):
+            self.assertIn(name, notice)
+
     def test_tables_count_in_words(self):
         told = self.run_ok("info", "g.tcell").out
         for phrase in ("1 chunk ", "0 chunks", "12 facets in 1 shell,", " B\n"):

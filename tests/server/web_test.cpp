@@ -171,5 +171,25 @@ TEST_CASE("In front of other handlers the page answers its own paths, and says t
   CHECK_FALSE(without.is_open("/"));
 }
 
+TEST_CASE("A text in front of other handlers has one path, and anybody may have it", "[server][web]") {
+  const Page page = embedded();
+  const Handler inner{[](const Request&) { return std::optional<Response>(); },
+                      [](const Request&) { return Response{.status = 418}; }};
+  const Handler with = with_page(with_text(inner, "/NOTICE", body_of("what others wrote\n")), page);
+  const Response r = *with.at_once(request("/NOTICE?x=1"));
+  CHECK(r.status == 200);
+  CHECK(r.content_type == "text/plain; charset=utf-8");
+  CHECK(*r.body == "what others wrote\n");
+  CHECK(with.handle(request("/NOTICE", false, r.etag)).status == 304);
+  CHECK(with.is_open("/NOTICE"));
+  CHECK(with.is_open("/"));
+  for (const char* other : {"/NOTICE/", "/NOTICES", "/notice", "NOTICE", "/api/v1/grids"}) {
+    INFO(other);
+    CHECK_FALSE(with.at_once(request(other)));
+    CHECK(with.handle(request(other)).status == 418);
+    CHECK_FALSE(with.is_open(other));
+  }
+}
+
 }  // namespace
 }  // namespace teracell

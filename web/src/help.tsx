@@ -32,6 +32,11 @@ export function Help() {
             </div>
           ))}
         </dl>
+        <p>
+          <a href="NOTICE" target="_blank" rel="noreferrer">
+            What others have written that is part of this page and its server, with the licences
+          </a>
+        </p>
       </div>
     </dialog>
   );
