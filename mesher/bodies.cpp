@@ -6,8 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "mesher/extrude.hpp"
-#include "mesher/placement.hpp"
+#include "mesher/closing/extrude.hpp"
+#include "mesher/scene/placement.hpp"
+#include "mesher/surface/facets.hpp"
 #include "store/error.hpp"
 
 namespace teracell {

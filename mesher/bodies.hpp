@@ -3,11 +3,11 @@
 #include <functional>
 #include <memory>
 
-#include "mesher/closing.hpp"
+#include "mesher/closing/closing.hpp"
 #include "mesher/compose.hpp"
-#include "mesher/facet_store.hpp"
-#include "mesher/spill.hpp"
-#include "mesher/survey.hpp"
+#include "mesher/tiles/facet_store.hpp"
+#include "mesher/surface/spill.hpp"
+#include "mesher/closing/surface_counts.hpp"
 #include "store/background.hpp"
 
 namespace teracell {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "mesher/placement.hpp"
+#include "mesher/scene/placement.hpp"
 #include "store/bytes.hpp"
 #include "store/error.hpp"
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "mesher/unit.hpp"
+#include "mesher/tile_group.hpp"
 #include "store/bytes.hpp"
 
 namespace teracell {

@@ -4,7 +4,7 @@
 // its own (a winding number or a parity) that the crossings of its facets step. Of the bodies that hold a sample
 // point the strongest gives the label. What a ray costs depends on the bodies that it meets, whatever their number in all.
 #pragma once
-#include "mesher/engine.hpp"
+#include "mesher/engines/engine.hpp"
 #include "store/run.hpp"
 
 namespace teracell {

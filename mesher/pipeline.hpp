@@ -10,7 +10,7 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 
-#include "mesher/scene.hpp"
+#include "mesher/scene/scene.hpp"
 
 namespace teracell {
 

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "mesher/bodies.hpp"
-#include "mesher/labels.hpp"
+#include "mesher/scene/labels.hpp"
 
 namespace teracell {
 

@@ -9,6 +9,7 @@
 
 #include "mesher/report_lost.hpp"
 #include "store/json_writer.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 namespace {
@@ -22,8 +23,6 @@ constexpr size_t kMostPlaces = 30000;  // holes and flips, of all bodies togethe
 constexpr size_t kBytesOfABody = 620;  // in all lists, when there is nothing special about it
 
 std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
-
-std::string plural(uint64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
 // A length in cells where they are narrowest, near `at`.
 double in_cells(double length, const Vec3& at, const Grid& grid) {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "mesher/binned_survey.hpp"
+#include "mesher/tiles/binned_counts.hpp"
 #include "mesher/plan.hpp"
-#include "mesher/unit.hpp"
+#include "mesher/tile_group.hpp"
 
 namespace teracell {
 

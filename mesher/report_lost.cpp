@@ -1,4 +1,5 @@
 #include "mesher/report_lost.hpp"
+#include "store/text.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +13,6 @@ namespace {
 using What = TallyKey::What;
 
 std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
-std::string plural(uint64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
-
 TallyKey key_of(What what, size_t of, int axis) { return {what, static_cast<uint32_t>(of), static_cast<uint8_t>(axis)}; }
 
 void write_place(JsonWriter& out, const TallyKey& key, const Tally* found, const Grid& grid) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mesher/plan.hpp"
-#include "mesher/unit.hpp"
+#include "mesher/tile_group.hpp"
 #include "store/json_writer.hpp"
 
 namespace teracell {

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "server/picture.hpp"
-#include "server/tile_png.hpp"
+#include "server/picture/picture.hpp"
+#include "server/picture/tile_png.hpp"
 #include "store/error.hpp"
 
 namespace teracell {

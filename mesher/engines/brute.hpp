@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 
-#include "mesher/engine.hpp"
+#include "mesher/engines/engine.hpp"
 
 namespace teracell {
 

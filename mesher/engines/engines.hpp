@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "mesher/engine.hpp"
+#include "mesher/engines/engine.hpp"
 
 namespace teracell {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesher/predicates.hpp"
+#include "mesher/engines/predicates.hpp"
 
 namespace teracell {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "mesher/engine.hpp"
+#include "mesher/engines/engine.hpp"
 
 namespace teracell {
 

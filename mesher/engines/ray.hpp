@@ -1,8 +1,8 @@
 // One ray against one facet: the step that the engines `brute` and `tree` share.
 #pragma once
-#include "mesher/engine.hpp"
+#include "mesher/engines/engine.hpp"
 #include "mesher/engines/height.hpp"
-#include "mesher/predicates.hpp"
+#include "mesher/engines/predicates.hpp"
 
 namespace teracell {
 

@@ -8,8 +8,8 @@
 #include <cmath>
 #include <utility>
 
-#include "mesher/engine.hpp"
-#include "mesher/predicates.hpp"
+#include "mesher/engines/engine.hpp"
+#include "mesher/engines/predicates.hpp"
 
 namespace teracell {
 

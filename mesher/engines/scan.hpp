@@ -1,6 +1,6 @@
 // Scan conversion: the default engine. See scan.cpp.
 #pragma once
-#include "mesher/engine.hpp"
+#include "mesher/engines/engine.hpp"
 
 namespace teracell {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <optional>
 
-#include "mesher/engine.hpp"
+#include "mesher/engines/engine.hpp"
 #include "mesher/engines/height.hpp"
 #include "mesher/engines/rows.hpp"
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <memory>
 
-#include "mesher/engine.hpp"
+#include "mesher/engines/engine.hpp"
 
 namespace teracell {
 

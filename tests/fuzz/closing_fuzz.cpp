@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "mesher/caps.hpp"
+#include "mesher/closing/caps.hpp"
 
 using namespace teracell;
 

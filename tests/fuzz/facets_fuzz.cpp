@@ -2,9 +2,9 @@
 // nothing else.
 #include <cstdlib>
 
-#include "mesher/readers.hpp"
-#include "mesher/scene_names.hpp"
+#include "mesher/surface/reader.hpp"
 #include "store/error.hpp"
+#include "store/text.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace teracell;

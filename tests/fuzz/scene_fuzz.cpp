@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "mesher/scene.hpp"
+#include "mesher/scene/scene.hpp"
 #include "store/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {

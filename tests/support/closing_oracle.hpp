@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mesher/facets.hpp"
-#include "mesher/scene.hpp"
+#include "mesher/surface/facet.hpp"
+#include "mesher/scene/scene.hpp"
 
 namespace teracell::oracle {
 

@@ -7,7 +7,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "server/picture.hpp"
+#include "server/picture/picture.hpp"
 
 namespace teracell::testing {
 

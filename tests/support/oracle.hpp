@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/facets.hpp"
+#include "mesher/surface/facet.hpp"
 #include "store/grid.hpp"
 
 namespace teracell::oracle {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "mesher/facets.hpp"
+#include "mesher/surface/facet.hpp"
 
 namespace teracell::shapes {
 

@@ -13,8 +13,8 @@
 #include <limits>
 #include <sstream>
 
-#include "mesher/facets.hpp"
-#include "mesher/readers.hpp"
+#include "mesher/surface/facets.hpp"
+#include "mesher/surface/reader.hpp"
 #include "store/error.hpp"
 #include "tests/support/descriptors.hpp"
 

@@ -12,7 +12,7 @@
 #include <functional>
 #include <span>
 
-#include "server/tile_png.hpp"
+#include "server/picture/tile_png.hpp"
 #include "tools/peers/peer.hpp"
 
 namespace {

@@ -1,0 +1,128 @@
+#include "mesher/closing/boundary.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
+namespace teracell {
+namespace {
+
+// Calls f(hash, forward, i) for the edges from vertex i to the next: the same hash both ways, `forward` in one of them.
+template <class F>
+void for_each_edge(const std::array<VertexHash, 3>& h, F&& f) {
+  for (int i = 0; i < 3; ++i) {
+    VertexHash a = h[i], b = h[(i + 1) % 3];
+    if (a == b) continue;  // no length, no edge
+    const bool forward = a < b;
+    if (!forward) std::swap(a, b);
+    f(std::array{fold(a.low ^ kHashKeys[0], b.low ^ kHashKeys[1]), fold(a.high ^ kHashKeys[2], b.high ^ kHashKeys[3])}, forward, i);
+  }
+}
+
+struct Bucket {
+  uint64_t sum = 0, parity = 0, uses = 0;
+};
+constexpr int kBucketBits = 16;
+
+// One use of an edge, lo < hi lexicographically.
+struct Use {
+  Vec3 lo, hi;
+  bool forward;
+};
+
+void append_boundary(std::vector<Use>& uses, std::vector<BoundaryEdge>& out) {
+  std::ranges::sort(uses, [](const Use& a, const Use& b) { return std::tie(a.lo, a.hi) < std::tie(b.lo, b.hi); });
+  for (size_t i = 0; i < uses.size();) {
+    const Use& edge = uses[i];
+    int64_t net = 0;
+    const size_t first = i;
+    for (; i < uses.size() && uses[i].lo == edge.lo && uses[i].hi == edge.hi; ++i) net += uses[i].forward ? 1 : -1;
+    if (net > 0) out.push_back({edge.lo, edge.hi, static_cast<uint64_t>(net), i - first});
+    if (net < 0) out.push_back({edge.hi, edge.lo, static_cast<uint64_t>(-net), i - first});
+  }
+}
+
+}  // namespace
+
+void BoundaryProof::add(const std::array<VertexHash, 3>& facet) {
+  for_each_edge(facet, [&](const std::array<uint64_t, 2>& edge, bool forward, int) {
+    for (int lane = 0; lane < 2; ++lane) {
+      sum_[lane] += forward ? edge[lane] : -edge[lane];
+      parity_[lane] ^= edge[lane];
+    }
+  });
+}
+
+void OppositeSample::keep(uint64_t facet) {
+  facets_.push_back(facet);
+  if (facets_.size() >= 2 * kFacets) shrink();
+}
+
+void OppositeSample::shrink() {
+  std::ranges::sort(facets_);
+  facets_.erase(std::ranges::unique(facets_).begin(), facets_.end());  // else facets given a million times would never give way
+  if (facets_.size() <= kFacets) return;
+  most_ = facets_[kFacets] | 1;
+  std::erase_if(facets_, [&](uint64_t f) { return f > most_; });
+}
+
+bool OppositeSample::take_answer() {
+  shrink();
+  std::vector<uint64_t> slots(std::bit_ceil(2 * facets_.size() + 1));
+  bool found = false;
+  for (const uint64_t f : facets_) {
+    size_t i = f >> 1 & (slots.size() - 1);
+    while (slots[i] != 0 && (slots[i] ^ f) > 1) i = (i + 1) & (slots.size() - 1);
+    found |= slots[i] != 0 && slots[i] != f;
+    slots[i] = f;
+  }
+  facets_.clear();
+  most_ = ~uint64_t{0};
+  return found;
+}
+
+std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memory, const std::string& name) {
+  std::vector<Bucket> buckets(size_t{1} << kBucketBits);
+  const auto bucket_of = [](const std::array<uint64_t, 2>& edge) { return edge[1] >> (64 - kBucketBits); };
+  facets([&](const Facet& facet) {
+    for_each_edge(vertex_hashes(facet), [&](const std::array<uint64_t, 2>& edge, bool forward, int) {
+      Bucket& b = buckets[bucket_of(edge)];
+      b.sum += forward ? edge[0] : -edge[0];
+      b.parity ^= edge[0];
+      ++b.uses;
+    });
+  });
+
+  std::vector<BoundaryEdge> out;
+  std::vector<Use> uses;
+  std::vector<bool> wanted(buckets.size());
+  for (size_t next = 0; next < buckets.size();) {
+    uint64_t bytes = 0;
+    std::fill(wanted.begin(), wanted.end(), false);
+    for (; next < buckets.size() && bytes <= memory; ++next) {
+      if (buckets[next].sum == 0 && buckets[next].parity == 0) continue;
+      wanted[next] = true;
+      bytes += buckets[next].uses * sizeof(Use);
+    }
+    if (bytes == 0) break;
+    uses.clear();
+    uses.reserve(bytes / sizeof(Use));
+    facets([&](const Facet& facet) {
+      for_each_edge(vertex_hashes(facet), [&](const std::array<uint64_t, 2>& edge, bool, int i) {
+        if (!wanted[bucket_of(edge)]) return;
+        const Vec3 &a = facet.vertex[i], &b = facet.vertex[(i + 1) % 3];
+        uses.push_back(a < b ? Use{a, b, true} : Use{b, a, false});
+      });
+    });
+    append_boundary(uses, out);
+    if (out.size() * sizeof(BoundaryEdge) > memory)
+      throw InputError(fmt::format("{}: its boundary has more than {} edges, too many for the memory given: a surface of loose facets? Weld equal vertices, or allow more memory",
+                                   name, out.size()));
+  }
+  std::ranges::sort(out, {}, [](const BoundaryEdge& e) { return std::pair(std::min(e.from, e.to), std::max(e.from, e.to)); });
+  return out;
+}
+
+}  // namespace teracell

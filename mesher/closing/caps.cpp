@@ -1,0 +1,143 @@
+#include "mesher/closing/caps.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace teracell {
+namespace {
+
+// The boundary as a graph over its vertices in lexicographic order.
+class Graph {
+ public:
+  Graph(const std::vector<BoundaryEdge>& edges, bool evenodd) {
+    for (const BoundaryEdge& e : edges) vertices_.push_back(e.from), vertices_.push_back(e.to);
+    std::ranges::sort(vertices_);
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    leaving_.resize(vertices_.size());
+    next_.resize(vertices_.size());
+    uint32_t id = 0;
+    for (const BoundaryEdge& e : edges) {
+      const uint32_t from = number(e.from), to = number(e.to);
+      for (uint64_t k = 0; k < (evenodd ? 1 : e.net); ++k, ++id) {
+        leaving_[from].push_back({to, id});
+        if (evenodd) leaving_[to].push_back({from, id});
+      }
+    }
+    used_.resize(id);
+    for (auto& list : leaving_) std::ranges::sort(list);
+  }
+
+  const std::vector<Vec3>& vertices() const { return vertices_; }
+  bool has_unused(uint32_t v) {
+    while (next_[v] < leaving_[v].size() && used_[leaving_[v][next_[v]].second]) ++next_[v];
+    return next_[v] < leaving_[v].size();
+  }
+  // REQUIRES: has_unused(v).
+  uint32_t take_smallest(uint32_t v) {
+    const auto [to, id] = leaving_[v][next_[v]++];
+    used_[id] = true;
+    return to;
+  }
+
+ private:
+  uint32_t number(const Vec3& v) const { return static_cast<uint32_t>(std::ranges::lower_bound(vertices_, v) - vertices_.begin()); }
+  std::vector<Vec3> vertices_;
+  std::vector<std::vector<std::pair<uint32_t, uint32_t>>> leaving_;  // of each vertex: where to, and the edge
+  std::vector<size_t> next_;                                         // in leaving_
+  std::vector<bool> used_;
+};
+
+// Calls f(loop) with the vertices of each simple loop. At every vertex as many edges enter as leave (or an even number
+// meets, for the parity), so a walk never gets stuck.
+template <class F>
+void for_each_loop(Graph& graph, F&& f) {
+  const auto count = static_cast<uint32_t>(graph.vertices().size());
+  constexpr uint32_t kOffPath = ~uint32_t{0};
+  std::vector<uint32_t> path, place(count, kOffPath);
+  for (uint32_t start = 0; start < count; ++start) {
+    if (!graph.has_unused(start)) continue;
+    path = {start};
+    place[start] = 0;
+    while (graph.has_unused(path.back())) {
+      const uint32_t to = graph.take_smallest(path.back());
+      if (place[to] == kOffPath) {
+        place[to] = static_cast<uint32_t>(path.size());
+        path.push_back(to);
+        continue;
+      }
+      f(std::span<const uint32_t>(path).subspan(place[to]));
+      while (path.back() != to) {
+        place[path.back()] = kOffPath;
+        path.pop_back();
+      }
+    }
+    place[start] = kOffPath;
+  }
+}
+
+double length(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }  // unlike hypot the same on every machine
+double distance(const Vec3& a, const Vec3& b) { return length(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
+
+double area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 p = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, q = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+  return length(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]) / 2;
+}
+
+}  // namespace
+
+std::vector<Loop> cut_into_loops(const std::vector<BoundaryEdge>& edges, bool evenodd) {
+  std::vector<Loop> out;
+  Graph graph(edges, evenodd);
+  for_each_loop(graph, [&](std::span<const uint32_t> loop) {
+    Loop& vertices = out.emplace_back();
+    for (const uint32_t v : loop) vertices.push_back(graph.vertices()[v]);
+  });
+  return out;
+}
+
+Vec3 apex_of(const Loop& loop, bool float32) {
+  Loop ascending = loop;
+  std::ranges::sort(ascending);
+  Vec3 sum{}, lo = ascending[0], hi = lo, apex;
+  for (const Vec3& v : ascending)
+    for (int d = 0; d < 3; ++d) {
+      sum[d] += v[d];
+      lo[d] = std::min(lo[d], v[d]);
+      hi[d] = std::max(hi[d], v[d]);
+    }
+  for (int d = 0; d < 3; ++d) {
+    apex[d] = std::clamp(sum[d] / static_cast<double>(loop.size()), lo[d], hi[d]);
+    if (float32) apex[d] = static_cast<float>(apex[d]);
+    if (std::abs(apex[d]) < 1e-75) apex[d] = 0;  // what is left where vertices cancel; no coordinate may be smaller
+  }
+  return apex;
+}
+
+Hole measure_hole(const Loop& loop, const Vec3& apex) {
+  Hole hole{apex, loop[0], loop[0], loop.size(), 0, 0, 0};
+  double around = 0;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const Vec3 &a = loop[i], &b = loop[(i + 1) % loop.size()];
+    for (int d = 0; d < 3; ++d) {
+      hole.lo[d] = std::min(hole.lo[d], a[d]);
+      hole.hi[d] = std::max(hole.hi[d], a[d]);
+    }
+    hole.diameter = std::max(hole.diameter, 2 * distance(a, apex));
+    hole.cap_area += area(a, b, apex);
+    around += distance(a, b);
+  }
+  hole.width = around > 0 ? std::min(4 * hole.cap_area / around, hole.diameter) : 0;
+  return hole;
+}
+
+void cap_loop(const Loop& loop, bool float32, const Matrix& matrix, Caps& out) {
+  const Vec3 apex = apex_of(loop, float32);
+  Loop moved;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    out.facets.push_back({{loop[(i + 1) % loop.size()], loop[i], apex}});
+    moved.push_back(transform(matrix, loop[i]));
+  }
+  out.holes.push_back(measure_hole(moved, transform(matrix, apex)));
+}
+
+}  // namespace teracell

@@ -1,0 +1,131 @@
+#include "mesher/closing/surface_counts.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mesher/engines/predicates.hpp"
+
+namespace teracell {
+namespace {
+
+bool has_no_area(const Facet& f) {
+  return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0;
+}
+
+}  // namespace
+
+uint32_t VertexNumbers::operator()(const VertexHash& hash) {
+  const Recent& recent = recent_[hash.low >> recent_shift_];
+  if (recent.hash == hash && recent.number != kNone) return recent.number;
+  const uint32_t number = find_or_add(hash);  // may give recent_ its full size
+  recent_[hash.low >> recent_shift_] = {hash, number};
+  return number;
+}
+
+uint32_t VertexNumbers::find(const VertexHash& hash) const {
+  const size_t mask = slots_.size() - 1;
+  size_t i = hash.low & mask;
+  while (hashes_[slots_[i] - 1] != hash) i = (i + 1) & mask;
+  return slots_[i] - 1;
+}
+
+uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
+  if (2 * hashes_.size() >= slots_.size()) grow();
+  const size_t mask = slots_.size() - 1;
+  size_t i = hash.low & mask;
+  for (; slots_[i] != 0; i = (i + 1) & mask)
+    if (hashes_[slots_[i] - 1] == hash) return slots_[i] - 1;
+  hashes_.push_back(hash);
+  slots_[i] = count();
+  return count() - 1;
+}
+
+void VertexNumbers::grow() { rehash(std::max<size_t>(kFewSlots, 4 * slots_.size())); }
+
+void VertexNumbers::rehash(size_t slots) {
+  if (slots >= kManySlots && recent_.size() < 512) {
+    recent_.assign(512, {});
+    recent_shift_ = 55;
+  }
+  slots_.assign(slots, 0);
+  const size_t mask = slots_.size() - 1;
+  for (uint32_t number = 0; number < count(); ++number) {
+    size_t i = hashes_[number].low & mask;
+    while (slots_[i] != 0) i = (i + 1) & mask;
+    slots_[i] = number + 1;
+  }
+}
+
+// A hash waits a moment for its place to reach the cache: on a large mesh nearly every look-up misses it, and waiting
+// for memory was most of the survey.
+void DistinctCount::add(uint64_t hash) {
+  hash |= uint64_t{hash < 2} << 1;  // 0 is free
+  if (2 * (count_ + kWaiting) >= slots_.size()) grow();
+  __builtin_prefetch(&slots_[hash >> 1 & (slots_.size() - 1)]);
+  std::swap(hash, waiting_[turn_++ % kWaiting]);
+  if (hash != 0) count_ += insert(hash);
+}
+
+uint64_t DistinctCount::count() {
+  for (size_t i = 0; i < kWaiting; ++i) {  // in the order in which they came: of equal ones the first tells which way round
+    uint64_t& hash = waiting_[(turn_ + i) % kWaiting];
+    if (hash != 0) count_ += insert(std::exchange(hash, 0));
+  }
+  return count_;
+}
+
+bool DistinctCount::insert(uint64_t hash) {
+  const size_t mask = slots_.size() - 1;
+  size_t i = hash >> 1 & mask;
+  while (slots_[i] != 0 && (slots_[i] ^ hash) > 1) i = (i + 1) & mask;
+  if (slots_[i] != 0) {
+    otherwise_ += slots_[i] != hash;
+    return false;
+  }
+  slots_[i] = hash;
+  return true;
+}
+
+void DistinctCount::grow() { rehash(std::max<size_t>(64, 4 * slots_.size())); }
+
+void DistinctCount::rehash(size_t slots) {
+  decltype(slots_) old(slots);
+  old.swap(slots_);
+  for (const uint64_t hash : old)
+    if (hash != 0) insert(hash);
+}
+
+// Of a closed surface with twice as many facets as vertices.
+void Survey::expect(uint64_t facets) {
+  numbers_.expect(facets / 2);
+  distinct_.expect(facets);
+}
+
+uint32_t Survey::root(uint32_t v) {
+  while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
+  return v;
+}
+
+void Survey::add(const Facet& facet, bool at_home) {
+  std::array<uint32_t, 3> v;
+  for (int i = 0; i < 3; ++i) {
+    v[i] = numbers_(facet.vertex[i]);
+    if (v[i] == parent_.size()) parent_.push_back(v[i]);
+  }
+  for (int i = 1; i < 3; ++i) parent_[root(v[i])] = root(v[0]);
+  if (!at_home) return;
+  ++facets_;
+  degenerate_ += has_no_area(facet);
+  const bool odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);  // with three different ones: whether sorting turns it over
+  std::ranges::sort(v);  // the same facet, whatever the order of its vertices
+  const bool turns = odd && v[0] != v[1] && v[1] != v[2];
+  distinct_.add((fold(fold(v[0] ^ kHashKeys[0], v[1] ^ kHashKeys[1]) ^ kHashKeys[2], v[2] ^ kHashKeys[3]) & ~uint64_t{1}) | turns);
+}
+
+uint64_t Survey::shells() const {
+  uint64_t roots = 0;
+  for (uint32_t v = 0; v < parent_.size(); ++v) roots += parent_[v] == v;
+  return roots;
+}
+
+}  // namespace teracell

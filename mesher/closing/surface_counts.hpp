@@ -1,0 +1,92 @@
+// What a surface is made of: shells, degenerate and duplicate facets.
+#pragma once
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "mesher/surface/facet.hpp"
+#include "mesher/surface/populate.hpp"
+#include "mesher/closing/vertex_hash.hpp"
+
+namespace teracell {
+
+// Numbers for vertices, in the order of first appearance. Vertices are equal when their coordinates are: told by a
+// 128-bit hash of them. Open addressing, no erasure; grows with what it holds: a table for the worst case would be cold
+// memory for the usual one.
+class VertexNumbers {
+ public:
+  uint32_t operator()(const Vec3& vertex) { return (*this)(vertex_hash(vertex)); }
+  uint32_t operator()(const VertexHash& hash);
+  // REQUIRES: a vertex with that hash has a number.
+  uint32_t find(const VertexHash& hash) const;
+  const VertexHash& hash(uint32_t number) const { return hashes_[number]; }
+  void expect(uint64_t vertices) { rehash(std::bit_ceil(2 * vertices + 1024)); }
+  uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
+
+ private:
+  // Neighbouring facets come one after another and share vertices: a small cache in front spares two of three look-ups. It
+  // has its full size once there are some hundred vertices: of 100,000 bodies most have few.
+  static constexpr size_t kFewSlots = 64, kManySlots = 1024;
+  static constexpr uint32_t kNone = ~uint32_t{0};
+  struct Recent {
+    VertexHash hash;
+    uint32_t number = kNone;
+  };
+  uint32_t find_or_add(const VertexHash& hash);
+  void grow();
+  void rehash(size_t slots);
+  std::vector<Recent> recent_ = std::vector<Recent>(8);
+  int recent_shift_ = 61;  // 2^(64 - shift) of them
+  std::vector<VertexHash> hashes_;     // by number
+  std::vector<uint32_t, Populated<uint32_t>> slots_;  // number + 1; 0 is free
+};
+
+// Counts distinct hashes, of which the lowest bit says nothing but how each came first: of those that come again it counts
+// which come in the other way.
+class DistinctCount {
+ public:
+  void add(uint64_t hash);
+  uint64_t count();
+  uint64_t otherwise() const { return otherwise_; }  // as of the last count()
+  void expect(uint64_t hashes) { rehash(std::bit_ceil(2 * hashes + 1024)); }
+
+ private:
+  static constexpr size_t kWaiting = 16;
+  bool insert(uint64_t hash);
+  void grow();
+  void rehash(size_t slots);
+  std::vector<uint64_t, Populated<uint64_t>> slots_;
+  std::array<uint64_t, kWaiting> waiting_{};
+  uint64_t count_ = 0, turn_ = 0, otherwise_ = 0;
+};
+
+struct SurveyTotals {
+  uint64_t degenerate = 0, duplicates = 0, opposite = 0, shells = 0;  // as of Survey
+};
+
+// Takes facets one by one, in any order. Memory: some 35 bytes a facet. Not thread-safe.
+class Survey {
+ public:
+  // Makes room, so that tables need not grow.
+  void expect(uint64_t facets);
+  // Degenerate and duplicate facets are counted only `at_home`: surveys of parts of a surface may see a facet each.
+  void add(const Facet& facet, bool at_home = true);
+
+  uint64_t degenerate() const { return degenerate_; }                 // facets without area, exactly
+  uint64_t duplicates() { return facets_ - distinct_.count(); }       // facets with the three vertices of an earlier one
+  uint64_t opposite() { return (distinct_.count(), distinct_.otherwise()); }  // of these, those that run the other way round than the first one
+  uint64_t shells() const;                                            // groups of facets connected by equal vertices
+  SurveyTotals totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
+  // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
+  uint32_t shell_of(const Vec3& vertex) { return root(numbers_(vertex)); }
+
+ private:
+  uint32_t root(uint32_t vertex);
+  VertexNumbers numbers_;
+  DistinctCount distinct_;
+  std::vector<uint32_t> parent_;  // union-find over vertices
+  uint64_t facets_ = 0, degenerate_ = 0;
+};
+
+}  // namespace teracell

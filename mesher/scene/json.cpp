@@ -1,0 +1,416 @@
+// The scene file, in and out. Reading is two steps: the text becomes Nodes that know their place (scene_node), then
+// each part of the scene is taken from its Node here.
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <unordered_map>
+
+#include <fmt/format.h>
+
+#include "mesher/scene/scene.hpp"
+#include "mesher/scene/names.hpp"
+#include "mesher/scene/node.hpp"
+#include "store/color.hpp"
+#include "store/error.hpp"
+#include "store/json_writer.hpp"
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr size_t kMostText = 64'000'000;  // planes in such a text just fit into a .tcell file; a device never ends
+
+std::string read_text(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::is_directory(path, ignored)) throw IoError(fmt::format("{}: expected a file, found a folder", path.string()));
+  errno = 0;
+  std::ifstream in(path, std::ios::binary);
+  if (!in.is_open()) throw IoError(fmt::format("{}: can't be opened: {}", path.string(), std::strerror(errno)));
+  std::string text;
+  for (char block[1 << 16]; in.read(block, sizeof block), in.gcount() > 0;) {
+    text.append(block, static_cast<size_t>(in.gcount()));
+    if (text.size() > kMostText)
+      throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostText));
+  }
+  if (in.bad()) throw IoError(fmt::format("{}: can't be read", path.string()));
+  return text;
+}
+
+void check_planes(const std::vector<double>& planes, const std::string& where) {
+  if (planes.size() < 2)
+    throw UsageError(fmt::format("{}: expected at least 2 planes, found {}", where, planes.size()));
+  for (size_t i = 1; i < planes.size(); ++i)
+    if (!(planes[i - 1] < planes[i]))
+      throw UsageError(fmt::format("{}: expected planes that ascend strictly, found {} as plane {} after {}", where,
+                                   planes[i], i, planes[i - 1]));
+}
+
+// Numbers separated by white space or commas; # starts a comment that lasts to the end of the line.
+std::vector<double> read_planes(const fs::path& path) {
+  const std::string text = read_text(path);
+  const auto separates = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ','; };
+  std::vector<double> planes;
+  int64_t line = 1;
+  for (const char *p = text.data(), *end = p + text.size(); p < end;) {
+    if (*p == '#') {
+      p = std::find(p, end, '\n');
+    } else if (separates(*p)) {
+      line += *p++ == '\n';
+    } else {
+      const char* stop = std::find_if(p, end, [&](char c) { return separates(c) || c == '#'; });
+      const bool plus = *p == '+' && stop - p > 1 && p[1] != '-';  // which from_chars leaves to its caller
+      double plane = 0;
+      const auto [read, error] = std::from_chars(p + plus, stop, plane);
+      if (error != std::errc{} || read != stop || !std::isfinite(plane))
+        throw InputError(fmt::format("{}:{}: expected a number, found \"{}\"", path.string(), line,
+                                     printable({p, std::min<size_t>(stop - p, 60)})));
+      planes.push_back(plane + 0.0);  // -0 is 0
+      p = stop;
+    }
+  }
+  check_planes(planes, path.string());
+  return planes;
+}
+
+// ---- grid
+
+constexpr std::pair<const char*, std::optional<double> SceneAxis::*> kAxisNumbers[] = {
+    {"min", &SceneAxis::min}, {"max", &SceneAxis::max}, {"step", &SceneAxis::step}};
+
+void refuse_cells_and_step(const Node& node) {
+  if (node.find("cells") && node.find("step"))
+    throw UsageError(fmt::format("{}: cells and step exclude each other: give one of them", node.where()));
+}
+
+void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
+  node.check_keys({"planes", "planes_file", "min", "max", "cells", "step"});
+  const std::optional<Node> planes = node.find("planes"), file = node.find("planes_file");
+  if (planes || file) {
+    for (const char* key : {"min", "max", "cells", "step", planes ? "planes_file" : "planes"})
+      if (node.find(key))
+        throw UsageError(
+            fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
+    axis = {};
+    if (file) {
+      axis.planes_file = folder / file->text();
+      axis.planes = read_planes(axis.planes_file);
+      return;
+    }
+    for (const Node& plane : planes->items()) axis.planes.push_back(plane.number());
+    check_planes(axis.planes, planes->where());
+    return;
+  }
+  refuse_cells_and_step(node);
+  if (const auto n = node.find("min")) axis.min = n->number();
+  if (const auto n = node.find("max")) axis.max = n->number();
+  if (const auto n = node.find("cells")) axis.cells = n->integer(1, Axis::kMaxCells), axis.step.reset();
+  if (const auto n = node.find("step")) axis.step = n->positive(), axis.cells.reset();
+}
+
+void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
+  grid.check_keys({"min", "max", "cells", "step", "pad", "x", "y", "z"});
+  refuse_cells_and_step(grid);
+  if (const auto pad = grid.find("pad")) scene.pad = pad->integer(0, kMaxPad);
+  for (const auto& [key, member] : kAxisNumbers) {
+    const auto node = grid.find(key);
+    if (!node) continue;
+    const bool is_step = member == &SceneAxis::step, scalar = is_step && !node->is_array();  // one step serves all axes
+    const std::vector<Node> items = scalar ? std::vector<Node>(3, *node) : node->items(3);
+    for (int a = 0; a < 3; ++a) scene.axis[a].*member = is_step ? items[a].positive() : items[a].number();
+  }
+  if (const auto cells = grid.find("cells")) {
+    if (!cells->is_array())
+      scene.longest_cells = cells->integer(1, Axis::kMaxCells);
+    else
+      for (int a = 0; a < 3; ++a) scene.axis[a].cells = cells->items(3)[a].integer(1, Axis::kMaxCells);
+  }
+
+  bool longest_used = false;
+  for (int a = 0; a < 3; ++a) {
+    SceneAxis& axis = scene.axis[a];
+    const auto node = grid.find(axis_name(a));
+    if (node) parse_axis(*node, folder, axis);
+    const std::string where = node ? node->where() : fmt::format("{} (axis {})", grid.where(), axis_name(a));
+    if (axis.min.has_value() != axis.max.has_value())
+      throw UsageError(
+          fmt::format("{}: expected min and max or neither, found only {}", where, axis.min ? "min" : "max"));
+    if (axis.min && !(*axis.min < *axis.max))
+      throw UsageError(fmt::format("{}: expected min < max, found {} and {}", where, *axis.min, *axis.max));
+    longest_used |= axis.planes.empty() && !axis.cells && !axis.step;
+  }
+  if (!longest_used) scene.longest_cells.reset();
+}
+
+// ---- materials and bodies
+
+std::string color_text(const Node& node) {
+  std::string color = node.text();
+  if (!parse_color(color)) node.fail("a color \"#rrggbb\" or \"#rrggbbaa\"");
+  for (char& c : color)
+    if (c >= 'A' && c <= 'F') c = static_cast<char>(c - 'A' + 'a');
+  return color;
+}
+
+// Material names to numbers: the background is 0, the others count from 1 in the scene's order.
+using MaterialIds = std::unordered_map<std::string, uint32_t>;
+
+uint32_t material_id(const Node& node, const MaterialIds& ids) {
+  const auto it = ids.find(node.text());
+  if (it != ids.end()) return it->second;
+  std::vector<std::string_view> known;
+  for (const auto& [name, id] : ids) known.push_back(name);
+  std::sort(known.begin(), known.end());
+  node.fail(fmt::format("a material that \"materials\" declares{}",
+                        known.empty() ? "" : fmt::format(" (the nearest is \"{}\")", nearest(node.text(), known))));
+}
+
+MaterialIds parse_materials(const Node& root, const std::vector<std::string>& order, Scene& scene) {
+  const std::optional<Node> materials = root.find("materials"), background = root.find("background");
+  if (materials && !materials->is_object()) materials->fail("an object of materials");
+  const auto color_of = [&](const std::string& name, const std::string& otherwise) {
+    const std::optional<Node> node = materials ? materials->find(name) : std::nullopt;
+    if (!node) return otherwise;
+    node->check_keys({"color"});
+    const auto color = node->find("color");
+    return color ? color_text(*color) : otherwise;
+  };
+
+  const std::string back = background ? background->text() : "air";
+  MaterialIds ids = {{back, 0}};
+  scene.materials.push_back({back, color_of(back, kBackgroundColor)});
+  for (const std::string& name : order) {
+    if (name.empty() || printable(name) != name)
+      throw UsageError(fmt::format("{}: expected a name that is not empty and without control characters",
+                                   child_path(materials->where(), name)));
+    if (name == back) continue;
+    const auto id = static_cast<uint32_t>(scene.materials.size());
+    if (id > kMaxMaterials)
+      throw UsageError(
+          fmt::format("materials: expected at most {} besides the background, found {}", kMaxMaterials, order.size()));
+    scene.materials.push_back({name, color_of(name, palette_color(id))});
+    ids.emplace(name, id);
+  }
+  if (back != "air" && !(materials && materials->find(back))) {  // "air" alone needs no entry
+    ids.erase(back);
+    material_id(*background, ids);
+  }
+  return ids;
+}
+
+// A matrix whose columns, made unit vectors, span less than rounding leaves: it would flatten the body.
+bool is_singular(const Matrix& m) {
+  std::array<Vec3, 3> column;
+  for (int c = 0; c < 3; ++c) {
+    const double length = std::hypot(m[c], m[4 + c], m[8 + c]);
+    if (!(length > 0) || !std::isfinite(length)) return true;
+    for (int r = 0; r < 3; ++r) column[c][r] = m[4 * r + c] / length;
+  }
+  const auto& [a, b, c] = column;
+  const double det =
+      a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  return !(std::abs(det) > 1e-15);
+}
+
+Matrix parse_rotate(const Node& node) {
+  node.check_keys({"axis", "degrees"});
+  const Vec3 axis = node.require("axis").vec3();
+  if (axis == Vec3{0, 0, 0}) node.require("axis").fail("an axis that is not zero");
+  return rotation(axis, node.require("degrees").number());
+}
+
+Matrix parse_matrix(const Node& body) {
+  const auto matrix = body.find("matrix"), scale = body.find("scale"), rotate = body.find("rotate"),
+             translate = body.find("translate");
+  Matrix m = kIdentity;
+  if (matrix) {
+    if (scale || rotate || translate)
+      throw UsageError(
+          fmt::format("{}: matrix excludes scale, rotate and translate: give the one or the others", body.where()));
+    const std::vector<Node> items = matrix->items(12);
+    for (size_t i = 0; i < 12; ++i) m[i] = items[i].number();
+    if (is_singular(m)) matrix->fail("a matrix that is not singular");
+    return m;
+  }
+  if (rotate) m = parse_rotate(*rotate);
+  if (scale) {
+    const Vec3 s = scale->is_array() ? scale->vec3() : Vec3{scale->number(), scale->number(), scale->number()};
+    if (s[0] == 0 || s[1] == 0 || s[2] == 0) scale->fail("a scale that is not 0");
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) m[4 * r + c] = m[4 * r + c] * s[c] + 0.0;
+    if (is_singular(m)) scale->fail("a scale within the range of doubles");
+  }
+  if (translate) {
+    const Vec3 t = translate->vec3();
+    for (int r = 0; r < 3; ++r) m[4 * r + 3] = t[r];
+  }
+  return m;
+}
+
+// "cap", "strict" or {"extrude": "-z"}.
+Closing closing_of(const Node& node) {
+  if (!node.is_object()) {
+    if (node.is_array()) node.fail("\"cap\", \"strict\" or {\"extrude\": \"-z\"}");
+    if (node.text() == "cap") return {};
+    if (node.text() == "strict") return {Closing::Way::kStrict};
+    node.fail("\"cap\", \"strict\" or {\"extrude\": \"-z\"}");
+  }
+  node.check_keys({"extrude"});
+  const Node direction = node.require("extrude");
+  const auto closing = parse_closing("extrude:" + direction.text());
+  if (!closing) direction.fail("a direction along the grid: \"+x\", \"-x\", \"+y\", \"-y\", \"+z\" or \"-z\"");
+  return *closing;
+}
+
+SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& folder) {
+  node.check_keys(
+      {"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "matrix", "scale", "rotate", "translate"});
+  SceneBody body;
+  body.mesh_text = node.require("mesh").text();
+  body.mesh = folder / body.mesh_text;
+  body.material = material_id(node.require("material"), ids);
+  if (const auto n = node.find("name")) body.name = n->text();
+  if (const auto n = node.find("part")) body.part = n->text();
+  if (const auto n = node.find("priority")) body.priority = n->integer(INT64_MIN, INT64_MAX);
+  if (const auto n = node.find("fill")) body.fill = static_cast<Fill>(n->choice({"auto", "nonzero", "evenodd", "distinct"}));
+  if (const auto n = node.find("closing")) body.closing = closing_of(*n);
+  if (const auto n = node.find("stitch")) {
+    body.stitch = n->number();
+    if (!(*body.stitch >= 0 && *body.stitch <= 1e75)) n->fail("a length from 0 to 1e75");
+  }
+  if (const auto n = node.find("kind")) body.kind = static_cast<Kind>(n->choice({"solid", "sheet"}));
+  if (const auto n = node.find("thin")) body.thin = static_cast<Thin>(n->choice({"ignore", "keep"}));
+  if (body.kind == Kind::kSheet && (body.fill != Fill::kAuto || body.closing != Closing{} || body.thin != Thin::kIgnore))
+    throw UsageError(fmt::format("{}: fill, closing and thin are for solids: a sheet is neither filled nor closed, and no part of it gets lost", node.where()));
+  body.matrix = parse_matrix(node);
+  return body;
+}
+
+// Bodies without a name take that of their mesh, numbered where it is taken.
+void name_bodies(std::vector<SceneBody>& bodies) {
+  NameBook names;
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    const std::string& name = bodies[i].name;
+    if (name.empty() || names.take(name)) continue;
+    const auto first = std::find_if(bodies.begin(), bodies.end(), [&](const SceneBody& b) { return b.name == name; });
+    throw UsageError(fmt::format("bodies[{}].name: expected a name of its own, found \"{}\" as in bodies[{}]", i, name,
+                                 first - bodies.begin()));
+  }
+  for (SceneBody& body : bodies)
+    if (body.name.empty()) body.name = names.numbered(mesh_stem(body.mesh_text));
+}
+
+// ---- out
+
+template <typename T, typename Member>
+void put_axes(nlohmann::ordered_json& grid, const Scene& scene, const char* key, Member member, bool may_be_array) {
+  const auto& axis = scene.axis;
+  if (may_be_array && axis[0].*member && axis[1].*member && axis[2].*member) {
+    grid[key] = {*(axis[0].*member), *(axis[1].*member), *(axis[2].*member)};
+    return;
+  }
+  for (int a = 0; a < 3; ++a)
+    if (axis[a].*member) grid[axis_name(a)][key] = T{*(axis[a].*member)};
+}
+
+nlohmann::ordered_json normalised_grid(const Scene& scene) {
+  nlohmann::ordered_json grid = nlohmann::ordered_json::object();
+  const bool counts_may_be_arrays = !scene.longest_cells;  // else "cells" is that number
+  if (scene.longest_cells) grid["cells"] = *scene.longest_cells;
+  for (const auto& [key, member] : kAxisNumbers)
+    put_axes<double>(grid, scene, key, member, member != &SceneAxis::step || counts_may_be_arrays);
+  put_axes<int64_t>(grid, scene, "cells", &SceneAxis::cells, counts_may_be_arrays);
+  for (int a = 0; a < 3; ++a)
+    if (!scene.axis[a].planes.empty()) grid[axis_name(a)]["planes"] = scene.axis[a].planes;
+  grid["pad"] = scene.pad;
+  return grid;
+}
+
+nlohmann::ordered_json normalised_but_bodies(const Scene& scene) {
+  nlohmann::ordered_json json;
+  json["units"] = scene.units;
+  json["grid"] = normalised_grid(scene);
+  json["sample"] = scene.sample;
+  json["background"] = scene.materials.front().name;
+  // Not through operator[], which looks through all keys each time: 65,535 of them would take seconds.
+  nlohmann::ordered_json::object_t materials;
+  materials.reserve(scene.materials.size());
+  for (const SceneMaterial& m : scene.materials) materials.push_back({m.name, {{"color", m.color}}});
+  json["materials"] = std::move(materials);
+  json["label_by"] = scene.label_by_body ? "body" : "material";
+  return json;
+}
+
+void write_body(JsonWriter& out, const Scene& scene, const SceneBody& b) {
+  constexpr const char* kFill[] = {"auto", "nonzero", "evenodd", "distinct"};
+  out.begin_object().field("name", b.name).field("mesh", b.mesh_text);
+  if (!b.part.empty()) out.field("part", b.part);
+  out.field("material", scene.materials[b.material].name).field("priority", b.priority).field("fill", kFill[static_cast<int>(b.fill)]);
+  if (b.closing.way == Closing::Way::kExtrude) out.key("closing").begin_object().field("extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)).end_object();
+  else out.field("closing", b.closing.way == Closing::Way::kStrict ? "strict" : "cap");
+  if (b.stitch) out.field("stitch", *b.stitch);
+  if (b.kind == Kind::kSheet) out.field("kind", "sheet");
+  if (b.thin == Thin::kKeep) out.field("thin", "keep");
+  out.field("matrix", b.matrix).end_object();
+}
+
+}  // namespace
+
+std::optional<Closing> parse_closing(std::string_view text) {
+  using enum Closing::Way;
+  if (text == "cap") return Closing{kCap};
+  if (text == "strict") return Closing{kStrict};
+  constexpr std::string_view kPrefix = "extrude:";
+  if (!text.starts_with(kPrefix) || text.size() != kPrefix.size() + 2) return std::nullopt;
+  const char sign = text[kPrefix.size()];
+  const auto axis = axis_named(text.substr(kPrefix.size() + 1));
+  if (!axis || (sign != '+' && sign != '-')) return std::nullopt;
+  return Closing{kExtrude, *axis, sign == '+'};
+}
+
+Scene parse_scene(const std::string& json_text, const fs::path& folder) {
+  const SceneText text = read_json(json_text);
+  const Node root(text.root, "");
+  root.check_keys({"units", "grid", "sample", "background", "materials", "bodies", "label_by"});
+
+  Scene scene;
+  if (const auto units = root.find("units")) {
+    units->choice({"m", "cm", "mm", "um", "nm", "in", "ft"});
+    scene.units = units->text();
+  }
+  if (const auto grid = root.find("grid")) parse_grid(*grid, folder, scene);
+  if (const auto sample = root.find("sample")) {
+    scene.sample = sample->vec3();
+    for (const Node& s : sample->items())
+      if (!(s.number() >= 0 && s.number() < 1)) s.fail("a number from 0 to below 1");
+  }
+  if (const auto label = root.find("label_by")) scene.label_by_body = label->choice({"material", "body"}) == 1;
+  const MaterialIds ids = parse_materials(root, text.material_order, scene);
+  for (const Node& body : root.require("bodies").items()) scene.bodies.push_back(parse_body(body, ids, folder));
+  name_bodies(scene.bodies);
+  return scene;
+}
+
+Scene read_scene(const fs::path& path) {
+  const std::string text = read_text(path);
+  try {
+    return parse_scene(text, path.parent_path());
+  } catch (const UsageError& e) {
+    throw UsageError(fmt::format("{}: {}", path.string(), e.what()));
+  }
+}
+
+std::string normalised(const Scene& scene, size_t most) {
+  std::string text = normalised_but_bodies(scene).dump();
+  text.back() = ',';
+  text += "\"bodies\":";
+  const size_t left_out = write_list(text, scene.bodies.size(), most, [&](JsonWriter& writer, size_t b) { write_body(writer, scene, scene.bodies[b]); });
+  if (left_out > 0) text += fmt::format(",\"bodies_left_out\":{}", left_out);
+  return text += '}';
+}
+
+}  // namespace teracell

@@ -1,0 +1,54 @@
+#include "mesher/scene/labels.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace teracell {
+namespace {
+
+std::vector<uint32_t> strengths(const Scene& scene) {
+  std::vector<uint32_t> order(scene.bodies.size()), strength(scene.bodies.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, [&](uint32_t a, uint32_t b) {
+    const int64_t pa = scene.bodies[a].priority, pb = scene.bodies[b].priority;
+    return pa != pb ? pa > pb : a > b;
+  });
+  for (uint32_t s = 0; s < order.size(); ++s) strength[order[s]] = s;
+  return strength;
+}
+
+std::vector<MaterialInfo> ranked_materials(const Scene& scene, const std::vector<uint32_t>& strength) {
+  std::vector<uint64_t> key(scene.materials.size());
+  for (size_t m = 0; m < key.size(); ++m) key[m] = (uint64_t{1} << 32) + m;
+  for (size_t b = 0; b < scene.bodies.size(); ++b)
+    key[scene.bodies[b].material] = std::min<uint64_t>(key[scene.bodies[b].material], strength[b]);
+  key[0] = ~uint64_t{0};
+  std::vector<uint32_t> order(key.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::sort(order, {}, [&](uint32_t m) { return key[m]; });
+  std::vector<MaterialInfo> out;
+  for (const SceneMaterial& m : scene.materials) out.push_back({m.name, m.color, 0});
+  for (uint32_t rank = 0; rank < order.size(); ++rank) out[order[rank]].rank = rank;
+  return out;
+}
+
+}  // namespace
+
+Labels make_labels(const Scene& scene) {
+  Labels out;
+  out.strength = strengths(scene);
+  out.materials = ranked_materials(scene, out.strength);
+  if (!scene.label_by_body) {
+    for (uint32_t m = 0; m < scene.materials.size(); ++m) out.labels.push_back({m, ""});
+    for (const SceneBody& body : scene.bodies) out.of_body.push_back(body.material);
+    return out;
+  }
+  out.labels.push_back({0, ""});
+  for (const SceneBody& body : scene.bodies) {
+    out.of_body.push_back(static_cast<Label>(out.labels.size()));
+    out.labels.push_back({body.material, body.name});
+  }
+  return out;
+}
+
+}  // namespace teracell

@@ -1,0 +1,75 @@
+#include "mesher/scene/names.hpp"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+size_t edit_distance(std::string_view a, std::string_view b) {
+  constexpr size_t kLongest = 64;  // bounds the work on absurd keys; real ones differ long before
+  a = a.substr(0, kLongest), b = b.substr(0, kLongest);
+  std::vector<size_t> row(b.size() + 1);  // distances of a's prefix so far to every prefix of b
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 0; i < a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i + 1);
+    for (size_t j = 0; j < b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string palette_color(uint32_t id) {
+  // M. Okabe, K. Ito: Color Universal Design, 2008; its black is left out.
+  constexpr std::array<std::array<int, 3>, 7> kColors = {{{0x56, 0xb4, 0xe9},
+                                                          {0xe6, 0x9f, 0x00},
+                                                          {0x00, 0x9e, 0x73},
+                                                          {0xd5, 0x5e, 0x00},
+                                                          {0xcc, 0x79, 0xa7},
+                                                          {0xf0, 0xe4, 0x42},
+                                                          {0x00, 0x72, 0xb2}}};
+  constexpr std::array<int, 3> kPercent = {100, 65, 40};
+  const auto& c = kColors[(id - 1) % kColors.size()];
+  const int shade = kPercent[(id - 1) / kColors.size() % kPercent.size()];
+  return fmt::format("#{:02x}{:02x}{:02x}", c[0] * shade / 100, c[1] * shade / 100, c[2] * shade / 100);
+}
+
+std::string mesh_stem(const std::filesystem::path& mesh) {
+  std::filesystem::path file = mesh.filename();
+  if (file.extension() == ".gz") file = file.stem();
+  const std::string stem = printable(file.stem().string());
+  return stem.empty() ? "body" : stem;
+}
+
+std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates) {
+  const auto closer = [&](std::string_view a, std::string_view b) {
+    return edit_distance(word, a) < edit_distance(word, b);
+  };
+  const auto best = std::min_element(candidates.begin(), candidates.end(), closer);
+  return best == candidates.end() ? std::string_view{} : *best;
+}
+
+bool resembles(std::string_view word, std::string_view other) { return 2 * edit_distance(word, other) <= std::max(word.size(), other.size()); }
+
+std::string NameBook::numbered(const std::string& stem) {
+  uint64_t& last = last_[stem];
+  std::string name;
+  do {
+    ++last;
+    name = last == 1 ? stem : fmt::format("{}-{}", stem, last);
+  } while (!taken_.insert(name).second);
+  return name;
+}
+
+}  // namespace teracell

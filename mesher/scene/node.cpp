@@ -1,0 +1,208 @@
+#include "mesher/scene/node.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "mesher/scene/names.hpp"
+#include "store/error.hpp"
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+using Json = nlohmann::json;
+
+// Walks along with the parser ahead of the tree.
+class KeyWatch final : public nlohmann::json_sax<Json> {
+ public:
+  explicit KeyWatch(const std::string& text) : text_(text) {}
+  std::vector<std::string> material_order;
+
+  bool key(string_t& name) override {
+    Level& object = levels_.back();
+    if (!object.keys.insert(name).second)
+      throw UsageError(
+          fmt::format("{}: this key is given twice; keep one", child_path(path(levels_.size() - 1), name)));
+    object.key = name;
+    if (levels_.size() == 2 && levels_[0].key == "materials") material_order.push_back(name);
+    return true;
+  }
+  bool start_object(size_t) override { return levels_.emplace_back(), true; }
+  bool start_array(size_t) override { return levels_.emplace_back().array = true; }
+  bool end_object() override { return levels_.pop_back(), value(); }
+  bool end_array() override { return levels_.pop_back(), value(); }
+  bool null() override { return value(); }
+  bool boolean(bool) override { return value(); }
+  bool number_integer(number_integer_t) override { return value(); }
+  bool number_unsigned(number_unsigned_t) override { return value(); }
+  bool number_float(number_float_t, const string_t&) override { return value(); }
+  bool string(string_t&) override { return value(); }
+  bool binary(binary_t&) override { return value(); }
+
+  bool parse_error(size_t position, const std::string&, const Json::exception& e) override {
+    // The parser's own words, "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error ...".
+    std::string what = e.what();
+    what.erase(0, what.find("] ") + 2);
+    if (what.rfind("parse error at ", 0) == 0) what.erase(0, what.find(": ") + 2);
+    const std::string_view read = std::string_view(text_).substr(0, std::max(position, size_t{1}) - 1);
+    const auto line = std::count(read.begin(), read.end(), '\n') + 1;
+    const size_t line_start = read.rfind('\n') + 1;  // npos + 1 is 0
+    throw UsageError(fmt::format("line {}, column {}: {}", line, read.size() - line_start + 1, printable(what)));
+  }
+
+ private:
+  struct Level {
+    bool array = false;
+    size_t index = 0;
+    std::string key;
+    std::set<std::string> keys;
+  };
+
+  bool value() {
+    if (!levels_.empty()) ++levels_.back().index;
+    return true;
+  }
+  std::string path(size_t depth) const {
+    std::string where;
+    for (size_t i = 0; i < depth; ++i)
+      where = levels_[i].array ? fmt::format("{}[{}]", where, levels_[i].index) : child_path(where, levels_[i].key);
+    return where;
+  }
+
+  const std::string& text_;
+  std::vector<Level> levels_;
+};
+
+bool plain(const std::string& key) {
+  return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
+    return std::isalnum(c) || c == '_' || c == '-' || c == '*';
+  });
+}
+
+std::string quoted(const std::string& key) { return printable(Json(key).dump()); }
+
+}  // namespace
+
+SceneText read_json(const std::string& text) {
+  KeyWatch watch(text);
+  Json::sax_parse(text, &watch);
+  return {Json::parse(text), std::move(watch.material_order)};
+}
+
+std::string child_path(const std::string& parent, const std::string& key) {
+  if (!plain(key)) return fmt::format("{}[{}]", parent, quoted(key));
+  return parent.empty() ? key : parent + '.' + key;
+}
+
+void Node::fail(const std::string& expected) const {
+  throw UsageError(fmt::format("{}: expected {}, found {}", where_.empty() ? "the scene" : where_, expected, found()));
+}
+
+std::string Node::found() const {
+  if (value_->is_object()) return "an object";
+  if (value_->is_array()) return fmt::format("an array of {}", value_->size());
+  constexpr size_t kLongest = 60;
+  std::string text = printable(value_->dump());
+  if (text.size() > kLongest) {
+    size_t end = kLongest;
+    while ((static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // never inside a UTF-8 sequence
+    text = text.substr(0, end) + "...";
+  }
+  return text;
+}
+
+void Node::check_keys(std::initializer_list<std::string_view> known) const {
+  if (!value_->is_object()) fail("an object");
+  for (const auto& [key, value] : value_->items()) {
+    if (std::find(known.begin(), known.end(), key) != known.end()) continue;
+    throw UsageError(fmt::format("{}: unknown key {}; the nearest known one is \"{}\" (known here: {})",
+                                 where_.empty() ? "the scene" : where_, quoted(key), nearest(key, known),
+                                 fmt::join(known, ", ")));
+  }
+}
+
+std::optional<Node> Node::find(const std::string& key) const {
+  const auto it = value_->find(key);
+  if (it == value_->end()) return std::nullopt;
+  return Node(*it, child_path(where_, key));
+}
+
+Node Node::require(const std::string& key) const {
+  std::optional<Node> node = find(key);
+  if (!node) throw UsageError(fmt::format("{}: the key \"{}\" is missing", where_.empty() ? "the scene" : where_, key));
+  return *node;
+}
+
+std::vector<Node> Node::items() const {
+  if (!value_->is_array()) fail("an array");
+  std::vector<Node> nodes;
+  nodes.reserve(value_->size());
+  for (const Json& item : *value_) nodes.emplace_back(item, fmt::format("{}[{}]", where_, nodes.size()));
+  return nodes;
+}
+
+std::vector<Node> Node::items(size_t count) const {
+  if (!value_->is_array() || value_->size() != count) fail(fmt::format("an array of {}", count));
+  return items();
+}
+
+double Node::number() const {
+  if (!value_->is_number()) fail("a number");
+  return value_->get<double>() + 0.0;  // -0 is 0
+}
+
+double Node::positive() const {
+  const double x = number();
+  if (!(x > 0)) fail("a number above 0");
+  return x;
+}
+
+int64_t Node::integer(int64_t lo, int64_t hi) const {
+  const std::string expected = fmt::format("an integer from {} to {}", lo, hi);
+  int64_t n = 0;
+  if (value_->is_number_unsigned()) {
+    if (value_->get<uint64_t>() > static_cast<uint64_t>(INT64_MAX)) fail(expected);
+    n = value_->get<int64_t>();
+  } else if (value_->is_number_integer()) {
+    n = value_->get<int64_t>();
+  } else if (value_->is_number_float()) {  // 1e3 and 1000.0 are integers too
+    const double x = value_->get<double>();
+    if (!(std::abs(x) <= 0x1p53) || x != std::trunc(x)) fail(expected);
+    n = static_cast<int64_t>(x);
+  } else {
+    fail(expected);
+  }
+  if (n < lo || n > hi) fail(expected);
+  return n;
+}
+
+const std::string& Node::text() const {
+  if (!value_->is_string()) fail("a text");
+  const auto& text = value_->get_ref<const std::string&>();
+  if (text.empty()) fail("a text that is not empty");
+  if (printable(text) != text) fail("a text without control characters");
+  return text;
+}
+
+size_t Node::choice(std::initializer_list<std::string_view> words) const {
+  const auto it =
+      value_->is_string() ? std::find(words.begin(), words.end(), value_->get_ref<const std::string&>()) : words.end();
+  if (it == words.end()) {
+    const std::string hint =
+        value_->is_string() ? fmt::format(" (\"{}\"?)", nearest(value_->get_ref<const std::string&>(), words)) : "";
+    fail(fmt::format("one of {}{}", fmt::join(words, ", "), hint));
+  }
+  return static_cast<size_t>(it - words.begin());
+}
+
+Vec3 Node::vec3() const {
+  const std::vector<Node> xyz = items(3);
+  return {xyz[0].number(), xyz[1].number(), xyz[2].number()};
+}
+
+}  // namespace teracell

@@ -1,0 +1,234 @@
+#include "mesher/scene/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "mesher/scene/names.hpp"
+#include "store/error.hpp"
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+// {sine, cosine} by Taylor series on [-45, 45] degrees, where the first term left out is below 1e-19.
+std::array<double, 2> sine_cosine(double degrees) {
+  const double turn = std::fmod(degrees, 360);   // exact
+  const double rest = std::remainder(turn, 90);  // exact
+  const auto quarter = std::lround((turn - rest) / 90) & 3;
+  const double x = rest * 0.017453292519943295, xx = x * x;
+  double s = 1, c = 1;
+  for (int k = 18; k >= 2; k -= 2) {
+    s = 1 - xx / (k * (k + 1)) * s;
+    c = 1 - xx / (k * (k - 1)) * c;
+  }
+  s *= x;
+  switch (quarter) {
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
+  }
+}
+
+int64_t checked_count(double cells) {
+  if (!(cells <= static_cast<double>(Axis::kMaxCells)))
+    throw UsageError(fmt::format("an axis has at most {} cells, found {}: take a larger step or fewer cells",
+                                 Axis::kMaxCells, cells));
+  return static_cast<int64_t>(cells);
+}
+
+// ceil(extent / step - slack), at least one layer.
+int64_t layers(double extent, double step, double slack) {
+  return checked_count(std::max(1.0, std::ceil(extent / step - slack)));
+}
+
+// The cells of an axis without those of the pad.
+int64_t without_pad(int64_t cells, int64_t pad) {
+  if (cells <= 2 * pad)
+    throw UsageError(fmt::format(
+        "{} cells leave none between the pads of {} on either side: give at least {} cells or a smaller pad", cells,
+        pad, 2 * pad + 1));
+  return cells - 2 * pad;
+}
+
+// What an axis has to fill: its own min and max, or the bodies' box, which gets the pad around it.
+struct Span {
+  double min = 0, extent = 0;
+  int64_t pad = 0;
+  bool slack = false;  // between a given min and max, n forgives the rounding of a step that divides them
+};
+
+Span span_of(const SceneAxis& axis, int64_t pad, double lo, double hi) {
+  if (axis.min) return {*axis.min, *axis.max - *axis.min, 0, true};
+  if (!(lo <= hi)) throw InputError("the grid has no min and max, and there are no facets whose box it could be: give it \"min\" and \"max\", or bodies");
+  return {lo, hi - lo, pad, false};
+}
+
+// Cubic cells: the step that puts `cells` on the longest span. Spans of equal step and extent share that number.
+struct Cubic {
+  double step = 0, extent = 0;
+  bool longest(double a_step, double an_extent) const { return a_step == step && an_extent == extent; }
+};
+
+bool is_cubic(const SceneAxis& axis) { return axis.planes.empty() && !axis.cells && !axis.step; }
+
+Cubic cubic_cells(const Scene& scene, const Vec3& lo, const Vec3& hi) {
+  Cubic best;
+  for (int a = 0; a < 3; ++a) {
+    if (!is_cubic(scene.axis[a])) continue;
+    const Span span = span_of(scene.axis[a], scene.pad, lo[a], hi[a]);
+    const double step = span.extent / static_cast<double>(without_pad(*scene.longest_cells, span.pad));
+    if (std::tie(step, span.extent) > std::tie(best.step, best.extent)) best = {step, span.extent};
+  }
+  if (!(best.step > 0))
+    throw UsageError(
+        "the bodies' box has no extent, so a number of cells gives no step: give --step or the grid's min and max");
+  return best;
+}
+
+Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& cubic) {
+  const SceneAxis& axis = scene.axis[a];
+  if (!axis.planes.empty()) return Axis::graded(axis.planes, scene.sample[a]);
+  if (!axis.cells && !axis.step && !scene.longest_cells)
+    throw UsageError(
+        "neither cells nor step is given: give --cells N, --cells NX,NY,NZ or --step H, or \"cells\" or \"step\" in "
+        "the scene's grid");
+
+  const Span span = span_of(axis, scene.pad, lo, hi);
+  const double slack = span.slack ? 1e-9 : 0;
+  double step = 0;
+  int64_t cells = 0;
+  if (axis.cells) {
+    cells = *axis.cells;
+    step = span.extent / static_cast<double>(without_pad(cells, span.pad));
+    if (span.extent == 0)
+      throw UsageError(
+          "the bodies' box has no extent here, so a number of cells gives no step: give a step, or min and max");
+  } else if (axis.step) {
+    step = *axis.step;
+    cells = checked_count(static_cast<double>(layers(span.extent, step, 1e-9)) + 2 * static_cast<double>(span.pad));
+  } else {
+    step = cubic.step;
+    const double own = span.extent / static_cast<double>(without_pad(*scene.longest_cells, span.pad));
+    cells =
+        cubic.longest(own, span.extent)
+            ? *scene.longest_cells
+            : checked_count(static_cast<double>(layers(span.extent, step, slack)) + 2 * static_cast<double>(span.pad));
+  }
+  return Axis::uniform(span.min - static_cast<double>(span.pad) * step, step, 0, cells, scene.sample[a]);
+}
+
+void check_options(const GridOptions& o) {
+  const int ways = o.longest_cells.has_value() + o.cells.has_value() + o.step.has_value();
+  if (ways > 1) throw UsageError("--cells and --step exclude each other: give one of them");
+  auto check_cells = [](int64_t n) {
+    if (n < 1 || n > Axis::kMaxCells)
+      throw UsageError(fmt::format("--cells: expected 1 to {}, found {}", Axis::kMaxCells, n));
+  };
+  if (o.longest_cells) check_cells(*o.longest_cells);
+  if (o.cells) std::for_each(o.cells->begin(), o.cells->end(), check_cells);
+  if (o.step && !(*o.step > 0 && std::isfinite(*o.step)))
+    throw UsageError(fmt::format("--step: expected a number above 0, found {}", *o.step));
+  if (o.pad && (*o.pad < 0 || *o.pad > kMaxPad))
+    throw UsageError(fmt::format("--pad: expected 0 to {}, found {}", kMaxPad, *o.pad));
+}
+
+}  // namespace
+
+Vec3 transform(const Matrix& m, const Vec3& p) {
+  Vec3 q;
+  for (int r = 0; r < 3; ++r) q[r] = ((m[4 * r] * p[0] + m[4 * r + 1] * p[1]) + m[4 * r + 2] * p[2]) + m[4 * r + 3];
+  return q;
+}
+
+Matrix rotation(const Vec3& axis, double degrees) {
+  // k, the unit vector; dividing by the largest component first makes it exact along a grid axis and safe from
+  // overflow.
+  const double largest = std::max({std::abs(axis[0]), std::abs(axis[1]), std::abs(axis[2])});
+  Vec3 k = {axis[0] / largest, axis[1] / largest, axis[2] / largest};
+  const double length = std::sqrt(k[0] * k[0] + k[1] * k[1] + k[2] * k[2]);
+  for (double& x : k) x /= length;
+  const auto [s, c] = sine_cosine(degrees);
+  // Rodrigues: R = k k' + c (I - k k') + s [k]x, so that k exactly along a grid axis leaves that axis exactly alone.
+  const Vec3 cross[3] = {{0, -k[2], k[1]}, {k[2], 0, -k[0]}, {-k[1], k[0], 0}};
+  Matrix m = kIdentity;
+  for (int row = 0; row < 3; ++row)
+    for (int col = 0; col < 3; ++col) {
+      const double kk = k[row] * k[col], along = row == col ? 1 - kk : -kk;
+      m[4 * row + col] = (kk + c * along) + s * cross[row][col] + 0.0;  // -0 becomes 0
+    }
+  return m;
+}
+
+Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
+  if (meshes.size() > kMaxMaterials)
+    throw UsageError(fmt::format("at most {} materials, and each of the {} meshes is one: write a scene file",
+                                 kMaxMaterials, meshes.size()));
+  Scene scene;
+  scene.materials.push_back({"air", kBackgroundColor});
+  NameBook names;
+  names.take("air");
+  for (const std::filesystem::path& path : meshes) {
+    const auto id = static_cast<uint32_t>(scene.materials.size());
+    SceneBody body;
+    body.name = names.numbered(mesh_stem(path));
+    body.mesh = path;
+    body.mesh_text = printable(path.string());
+    body.material = id;
+    scene.materials.push_back({body.name, palette_color(id)});
+    scene.bodies.push_back(std::move(body));
+  }
+  return scene;
+}
+
+void override_grid(Scene& scene, const GridOptions& options) {
+  check_options(options);
+  if (options.pad) {
+    const auto fixed = [](const SceneAxis& axis) { return axis.min || !axis.planes.empty(); };
+    if (std::all_of(scene.axis.begin(), scene.axis.end(), fixed))
+      throw UsageError("--pad: the scene fixes where every axis begins and ends, there is no bodies' box to pad: leave it out");
+    scene.pad = *options.pad;
+  }
+  if (!options.longest_cells && !options.cells && !options.step) return;
+
+  scene.longest_cells = options.longest_cells;
+  int graded = 0;
+  for (int a = 0; a < 3; ++a) {
+    SceneAxis& axis = scene.axis[a];
+    if (axis.planes.empty()) {
+      axis.cells = options.cells ? std::optional((*options.cells)[a]) : std::nullopt;
+      axis.step = options.step;
+      continue;
+    }
+    ++graded;
+    const auto cells = static_cast<int64_t>(axis.planes.size()) - 1;
+    if (options.cells && (*options.cells)[a] != cells)
+      throw UsageError(fmt::format("--cells: axis {} has {} cells between the planes of the scene, found {}",
+                                   axis_name(a), cells, (*options.cells)[a]));
+  }
+  if (graded == 3 && !options.cells)
+    throw UsageError("--cells and --step: the scene gives planes for all three axes, there is nothing to override");
+}
+
+Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi) {
+  const bool cubic_wanted = scene.longest_cells && std::any_of(scene.axis.begin(), scene.axis.end(), is_cubic);
+  const Cubic cubic = cubic_wanted ? cubic_cells(scene, lo, hi) : Cubic{};
+  Grid grid;
+  for (int a = 0; a < 3; ++a) {
+    try {
+      grid.axis[a] = resolve_axis(scene, a, lo[a], hi[a], cubic);
+    } catch (const UsageError& e) {
+      throw UsageError(fmt::format("axis {} of the grid: {}", axis_name(a), e.what()));
+    }
+  }
+  return grid;
+}
+
+}  // namespace teracell

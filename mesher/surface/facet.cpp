@@ -1,0 +1,16 @@
+#include "mesher/surface/facet.hpp"
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
+namespace teracell {
+
+double checked_coordinate(double v, const std::string& where) {
+  if (is_coordinate(v)) return v + 0.0;
+  throw InputError(!std::isfinite(v)
+                       ? fmt::format("{}: expected a finite coordinate, found {}", where, v)
+                       : fmt::format("{}: expected a coordinate of 0 or of size 1e-75 to 1e75, found {}", where, v));
+}
+
+}  // namespace teracell

@@ -1,0 +1,80 @@
+// Tells a surface file's format by its first bytes and calls its reader.
+#include "mesher/surface/facets.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "mesher/surface/readers.hpp"
+#include "store/error.hpp"
+
+namespace teracell {
+namespace {
+
+constexpr size_t kPeek = size_t{1} << 16;
+
+// Every binary STL has a zero byte in front: the count's highest one, the attributes, a 0.0 or 1.0. No text has one.
+bool is_text(std::string_view head) { return head.substr(0, 1024).find('\0') == std::string_view::npos; }
+
+// The first word of the first line that is no comment.
+std::string_view first_word(std::string_view head) {
+  while (!head.empty()) {
+    std::string_view line = first_line(head);
+    head.remove_prefix(std::min(line.size() + 1, head.size()));
+    const std::string_view word = next_word(line);
+    if (!word.empty() && word[0] != '#') return word;
+  }
+  return {};
+}
+
+// Leaves `input` behind the byte order mark.
+Head head_of(Input& input) {
+  const size_t mark = input.window(kPeek).starts_with("\xef\xbb\xbf") ? 3 : 0;
+  Head head{.bytes = input.window(0), .size = input.size(), .text = false, .word = {}};
+  if (!head.size && head.bytes.size() < kPeek) head.size = head.bytes.size();
+  head.text = is_text(head.bytes);
+  if (head.text) {
+    input.consume(mark);
+    head.bytes.remove_prefix(mark);
+    if (head.bytes.find('\n') == std::string_view::npos && head.bytes.find('\r') != std::string_view::npos) input.set_newline('\r');
+  }
+  head.word = first_word(head.bytes);
+  return head;
+}
+
+const SurfaceReader& reader_of(Input& input) {
+  if (input.window(1).empty()) throw InputError(fmt::format("{}: the file is empty: expected STL, OBJ or PLY", input.name()));
+  const Head head = head_of(input);
+  const SurfaceReader* perhaps = nullptr;
+  for (const SurfaceReader* reader : kReaders) {
+    const Match match = reader->recognises(head);
+    if (match == Match::kSure) return *reader;
+    if (match == Match::kPerhaps && !perhaps) perhaps = reader;
+  }
+  if (const auto other = other_kind(head))
+    throw InputError(fmt::format("{}: this is {}{}: expected STL, OBJ or PLY{}{}", input.name(), other->what, input.compressed() ? ", compressed by gzip" : "",
+                                 other->advice.empty() ? "" : "; ", other->advice));
+  if (perhaps) return *perhaps;
+  throw InputError(fmt::format("{}: not a surface file: expected STL, OBJ or PLY, found {}", input.name(),
+                               shown(head.bytes.substr(0, 64))));
+}
+
+}  // namespace
+
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget, Background* helper) {
+  SurfaceFile file;
+  FacetStream out(part, sink);
+  reader_of(input).read(input, out, file, budget, helper);
+  out.finish(input.name(), file);
+  file.bytes = input.bytes_on_disk();
+  file.hash = input.hash();
+  file.regular = input.regular();
+  return file;
+}
+
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget, Background* helper) {
+  Input input(path);
+  return read_facets(input, part, sink, budget, helper);
+}
+
+}  // namespace teracell

@@ -1,0 +1,236 @@
+// Wavefront OBJ: `v` and `f` lines, with the groups and objects that name parts. Everything else is decoration and
+// skipped, with a warning that counts polylines, points, free-form curves and surfaces: who drew them may miss them.
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "mesher/surface/readers.hpp"
+#include "mesher/surface/vertex_table.hpp"
+#include "store/background.hpp"
+#include "store/error.hpp"
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+// Appends the vertices of the lines at the beginning of `text` that are "v x y z" and nothing else; returns their bytes.
+size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
+  const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
+  const char *line = text.data(), *const end = line + text.size();
+  for (;;) {
+    const char* p = line;
+    if (end - p < 2 || *p++ != 'v') break;
+    Vec3 v;
+    bool plain = true;
+    for (double& x : v) {
+      const char* const blank = p;
+      while (p != end && is_space(*p)) ++p;
+      const auto [stop, error] = std::from_chars(p, end, x);
+      plain = p != blank && error == std::errc{} && is_coordinate(x);
+      if (!plain) break;
+      x += 0.0;  // -0 is +0
+      p = stop;
+    }
+    while (p != end && is_space(*p)) ++p;
+    if (!plain || p == end || *p != '\n') break;
+    out.push_back(v);
+    line = p + 1;
+  }
+  return static_cast<size_t>(line - text.data());
+}
+
+class ObjReader {
+ public:
+  ObjReader(Input& input, FacetStream& out, const Budget& budget, Background* helper)
+      : input_(input), out_(out), helper_(helper), vertices_(budget), wanted_(out.wants("")) {}
+
+  void read() {
+    for (std::string_view line; next_statement(line);) {
+      const std::string_view keyword = next_word(line);
+      if (keyword == "v") {
+        read_vertex(line);
+        read_plain_vertices();
+      } else if (keyword == "f" || keyword == "fo")
+        read_face(line);
+      else if (keyword == "g")
+        enter_groups(line);
+      else if (keyword == "o")
+        enter_object(line);
+      else
+        count_skipped(keyword, line);
+    }
+    warn_of_skipped();
+  }
+
+ private:
+  // One line, with those that a backslash at its end joins to it. Comments are never continued: they may end in a path.
+  bool next_statement(std::string_view& line) {
+    if (!input_.next_line(line)) return false;
+    if (!line.ends_with('\\') || trimmed(line).starts_with('#')) return true;
+    joined_.clear();
+    bool more = true;
+    while (more && line.ends_with('\\')) {
+      joined_.append(line.substr(0, line.size() - 1)) += ' ';
+      if (joined_.size() > Input::kLongestLine)
+        throw InputError(
+            fmt::format("{}: expected at most {} bytes in lines joined by backslashes, found more", input_.at_line(), Input::kLongestLine));
+      more = input_.next_line(line);
+    }
+    if (more) joined_.append(line);
+    line = joined_;
+    return true;
+  }
+
+  // x y z; a weight or colours may follow.
+  void read_vertex(std::string_view line) {
+    Vec3 v;
+    for (double& x : v) x = next_coordinate<double>(line, input_);
+    vertices_.push_back(v);
+  }
+
+  // Most files begin with all their vertices, and as long as there is no facet the helper has nothing else to do: it parses
+  // half of every window of plain ones. On two cores a small grid is meshed a twentieth faster.
+  void read_plain_vertices() {
+    constexpr size_t kBlock = Input::kWindow / 2, kLine = 8;  // at least: "v 0 0 0\n"
+    while (helper_ && input_.offset() >= next_plain_) {
+      const std::string_view text = input_.window(kBlock).substr(0, Input::kWindow);
+      const size_t half = text.find('\n', text.size() / 2) + 1;
+      if (text.size() < kBlock || half == 0) helper_ = nullptr;  // the rest is short
+      if (!helper_) return;
+      for (auto& list : plain_) list.clear(), list.reserve(text.size() / kLine);  // so nothing throws while the helper works
+      size_t taken_there = 0;
+      helper_->run([&] { taken_there = plain_vertices(text.substr(half), plain_[1]); });
+      const size_t taken_here = plain_vertices(text.substr(0, half), plain_[0]);
+      helper_->finish();
+      if (taken_here < half) taken_there = 0, plain_[1].clear();
+      for (const auto& list : plain_)
+        for (const Vec3& v : list) vertices_.push_back(v);
+      input_.consume_lines(taken_here + taken_there, plain_[0].size() + plain_[1].size());
+      if (taken_here + taken_there < text.size() / 4 * 3) next_plain_ = input_.offset() + kBlock;  // something else comes first
+    }
+  }
+
+  void read_face(std::string_view line) {
+    Fan fan(out_, wanted_);
+    for (;;) {
+      if (const Vec3* v = plain_vertex(line)) {
+        fan.add(*v);
+        continue;
+      }
+      const std::string_view word = next_word(line);
+      if (word.empty() || word[0] == '#') break;
+      fan.add(vertex(word));
+    }
+    if (fan.vertices() < 3)
+      throw InputError(
+          fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
+  }
+
+  // The vertex whose number is the next word of `line`, if that is a few digits: nearly all are, and the general way takes
+  // three times as long. Else null, and `line` is as it was.
+  const Vec3* plain_vertex(std::string_view& line) {
+    const char* p = line.data();
+    const char* const end = p + line.size();
+    while (p != end && is_blank(*p)) ++p;
+    uint64_t number = 0;
+    for (int digits = 0; p != end && *p >= '0' && *p <= '9' && digits < 10; ++p, ++digits) number = 10 * number + static_cast<uint64_t>(*p - '0');
+    if ((p != end && !is_blank(*p)) || number == 0 || number > vertices_.size()) return nullptr;
+    line = {p, static_cast<size_t>(end - p)};
+    return &vertices_[number - 1];
+  }
+
+  // v, v/t, v//n or v/t/n; a negative number counts back from the vertex declared last.
+  const Vec3& vertex(std::string_view word) {
+    const size_t slash = std::min(word.find('/'), word.size());
+    if (slash == 0 || word.find_first_not_of("0123456789+-/", slash) != std::string_view::npos)
+      refuse_number(word, "a vertex v, v/t, v//n or v/t/n", input_);
+    const int64_t number = text_integer(word.substr(0, slash), "a vertex number", input_);
+    const int64_t declared = static_cast<int64_t>(vertices_.size());
+    const int64_t index = number < 0 ? declared + number : number - 1;
+    if (index < 0 || index >= declared)
+      throw InputError(
+          fmt::format("{}: vertex {} of a face: expected one of the {} declared so far (1 is the first, -1 the last)",
+                      input_.at_line(), number, declared));
+    return vertices_[index];
+  }
+
+  // A line may name several groups; the facets that follow are part of each.
+  void enter_groups(std::string_view line) {
+    grouped_ = group_wanted_ = false;
+    for (std::string_view name = next_word(line); !name.empty() && name[0] != '#'; name = next_word(line)) {
+      grouped_ = true;
+      group_wanted_ |= out_.wants(name);
+    }
+    choose();
+  }
+
+  void enter_object(std::string_view line) {
+    const std::string_view name = trimmed(line);
+    in_object_ = !name.empty();
+    object_wanted_ = in_object_ && out_.wants(name);
+    choose();
+  }
+
+  void count_skipped(std::string_view keyword, std::string_view line) {
+    if (keyword == "l")
+      ++polylines_;
+    else if (keyword == "p")
+      for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) ++points_;
+    else if (keyword == "curv" || keyword == "curv2" || keyword == "cdc")
+      ++curves_;
+    else if (keyword == "surf" || keyword == "bsp" || keyword == "bzp" || keyword == "cdp")
+      ++surfaces_;
+  }
+  void warn_of_skipped() {
+    const std::pair<uint64_t, const char*> counts[] = {
+        {polylines_, "polyline"}, {points_, "point"}, {curves_, "free-form curve"}, {surfaces_, "free-form surface"}};
+    std::string list, last;
+    uint64_t sum = 0;
+    for (const auto& [n, what] : counts) {
+      if (n == 0) continue;
+      if (!last.empty()) list += (list.empty() ? "" : ", ") + last;
+      last = plural(n, what);
+      sum += n;
+    }
+    if (sum > 0)
+      out_.warn(fmt::format("{}{}{} {} skipped{}", list, list.empty() ? "" : " and ", last, sum == 1 ? "was" : "were",
+                            surfaces_ > 0 ? ": convert surfaces to polygons where the body needs them" : ""));
+  }
+
+  void choose() { wanted_ = grouped_ || in_object_ ? group_wanted_ || object_wanted_ : out_.wants(""); }
+
+  Input& input_;
+  FacetStream& out_;
+  Background* helper_;  // null: none, or no longer asked
+  VertexTable vertices_;
+  std::array<std::vector<Vec3>, 2> plain_;  // parsed here, by the helper
+  uint64_t next_plain_ = 0;                 // where in the file to look for plain vertices again
+  std::string joined_;
+  bool grouped_ = false, group_wanted_ = false, in_object_ = false, object_wanted_ = false;
+  bool wanted_;  // the facets of the current part go to the sink
+  uint64_t polylines_ = 0, points_ = 0, curves_ = 0, surfaces_ = 0;  // skipped
+};
+
+Match recognises(const Head& head) {
+  if (!head.text) return Match::kNo;
+  if (head.word.empty()) return head.bytes.find('#') != std::string_view::npos ? Match::kPerhaps : Match::kNo;  // comments only, so far
+  for (const char* known : {"v",      "vt",   "vn",    "vp",     "f",      "fo",    "g",        "o",        "s",
+                            "l",      "p",    "mtllib", "usemtl", "mg",     "lod",   "cstype",   "deg",      "surf",
+                            "maplib", "curv", "curv2", "usemap", "bevel",  "c_interp", "d_interp", "shadow_obj"})
+    if (head.word == known) return Match::kPerhaps;
+  return Match::kNo;
+}
+
+void read(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background* helper) {
+  file.format = "OBJ";
+  file.float32 = false;
+  ObjReader(input, out, budget, helper).read();
+}
+
+}  // namespace
+
+const SurfaceReader kObjReader = {recognises, read};
+
+}  // namespace teracell

@@ -1,0 +1,114 @@
+#include "mesher/surface/reader.hpp"
+
+#include <fnmatch.h>
+#include <locale.h>
+#include <stdlib.h>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "store/error.hpp"
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+// The C locale whatever the program has set: a decimal point is a point.
+locale_t c_locale() {
+  static const locale_t locale = newlocale(LC_ALL_MASK, "C", nullptr);
+  return locale;
+}
+
+}  // namespace
+
+FacetStream::FacetStream(const std::string& glob, const FacetSink& sink)
+    : glob_(glob), sink_(sink), batch_(std::make_unique_for_overwrite<Facet[]>(kFirst)) {}
+
+bool FacetStream::wants(std::string_view part) {
+  const std::string name(part);
+  if (!name.empty() && !known_parts_.contains(name)) note(name);
+  const bool wanted = glob_.empty() || fnmatch(glob_.c_str(), name.c_str(), 0) == 0;
+  matched_ |= wanted;
+  return wanted;
+}
+
+// The names are for messages only: those of a file that has millions are not worth the memory.
+void FacetStream::note(const std::string& name) {
+  constexpr uint64_t kMostBytes = uint64_t{1} << 23;
+  const uint64_t bytes = 2 * (name.size() + 64);
+  more_parts_ |= names_ + bytes > kMostBytes;
+  if (more_parts_) return;
+  names_ += bytes;
+  known_parts_.insert(name);
+  parts_.push_back(name);
+}
+
+void FacetStream::flush() {
+  if (used_ == 0) return;
+  sink_({batch_.get(), used_});
+  facets_ += used_;
+  used_ = 0;
+}
+
+void FacetStream::make_room() {
+  flush();
+  if (capacity_ == kBatch) return;
+  batch_ = std::make_unique_for_overwrite<Facet[]>(kBatch);
+  capacity_ = kBatch;
+}
+
+void FacetStream::finish(const std::string& name, SurfaceFile& file) {
+  flush();
+  if (!matched_ && parts_.empty() && !more_parts_)
+    throw InputError(fmt::format("{}: no part matches {}: the file names no parts", name, shown(glob_)));
+  if (!matched_) {
+    std::vector<std::string> some;
+    for (size_t i = 0; i < std::min<size_t>(parts_.size(), 8); ++i) some.push_back(shown(parts_[i]));
+    throw InputError(fmt::format("{}: no part matches {}: the file has {}{} parts: {}{}", name, shown(glob_),
+                                 more_parts_ ? "more than " : "", parts_.size(), fmt::join(some, ", "),
+                                 more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
+  }
+  if (facets_ == 0)
+    throw InputError(fmt::format("{}: {}{}{}", name, glob_.empty() ? "holds no facet" : fmt::format("the parts that match {} hold no facet", shown(glob_)),
+                                 warnings_.empty() ? "" : ": ", fmt::join(warnings_, ". ")));
+  file.facets = facets_;
+  file.parts = std::move(parts_);
+  file.warnings = std::move(warnings_);
+}
+
+std::string_view trimmed(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+std::string shown(std::string_view text) {
+  constexpr size_t kLongest = 48;
+  return fmt::format("'{}{}'", printable(text.substr(0, kLongest)), text.size() > kLongest ? "..." : "");
+}
+
+float round_extreme(std::string_view word, float) { return strtof_l(std::string(word).c_str(), nullptr, c_locale()); }
+double round_extreme(std::string_view word, double) { return strtod_l(std::string(word).c_str(), nullptr, c_locale()); }
+
+void refuse_number(std::string_view word, const char* expected, const Input& input) {
+  throw InputError(fmt::format("{}: expected {}, found {}", input.at_line(), expected,
+                               word.empty() ? "the end of the line" : shown(word)));
+}
+
+void refuse_too_large(std::string_view word, float, const Input& input) {
+  throw InputError(fmt::format("{}: {}: expected a coordinate, found a number too large for float32 (at most 3.4e38)", input.at_line(), shown(word)));
+}
+
+void refuse_too_large(std::string_view word, double, const Input& input) {
+  throw InputError(fmt::format("{}: {}: expected a coordinate of 0 or of size 1e-75 to 1e75, found a number too large for float64 (at most 1.8e308)",
+                               input.at_line(), shown(word)));
+}
+
+void refuse_coordinate(std::string_view word, double v, const Input& input) {
+  checked_coordinate(v, fmt::format("{}: {}", input.at_line(), shown(word)));
+  throw std::logic_error("refuse_coordinate: nothing to refuse");
+}
+
+}  // namespace teracell

@@ -1,0 +1,245 @@
+// STL, binary and ASCII. Normals are ignored: the order of the vertices says which side is out.
+//
+// Binary: 80 bytes of anything, a 32-bit count, then 50 bytes a facet: normal and three vertices as 12 little-endian
+// float32, and two bytes of attributes. A file shorter than the count says is no surface; what lies behind is skipped.
+//
+// ASCII: words, whatever the lines. A line that begins with none of STL's words, such as `color 1 0 0`, is skipped, and a
+// solid may lack its `endsolid`; a facet must be whole.
+#include <algorithm>
+#include <bit>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "mesher/surface/readers.hpp"
+#include "store/error.hpp"
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace std::string_view_literals;
+
+constexpr uint64_t kHeader = 84, kRecord = 50;
+
+uint32_t load32(const char* p) {
+  const auto* b = reinterpret_cast<const unsigned char*>(p);
+  return uint32_t{b[0]} | uint32_t{b[1]} << 8 | uint32_t{b[2]} << 16 | uint32_t{b[3]} << 24;
+}
+
+uint64_t counted_facets(std::string_view head) { return load32(head.data() + 80); }
+
+[[noreturn]] void cut_short(const Input& input, uint64_t facets, uint64_t found) {
+  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}: cut short, or no STL", input.at_byte(80), facets,
+                               kHeader + kRecord * facets, found));
+}
+
+// One record -> one facet. A float32 that is finite is always within the limits of a coordinate.
+void decode(const char* record, uint64_t number, uint64_t offset, const Input& input, Facet& facet) {
+  bool finite = true;
+  for (int i = 0; i < 9; ++i) {
+    const uint32_t bits = load32(record + 12 + 4 * i);
+    finite &= (bits & 0x7f800000) != 0x7f800000;
+    facet.vertex[i / 3][i % 3] = std::bit_cast<float>(bits) + 0.0;
+  }
+  if (finite) return;
+  for (const Vec3& v : facet.vertex)
+    for (const double x : v) checked_coordinate(x, fmt::format("{}: facet {}", input.at_byte(offset), number));
+}
+
+// The words of a text one after the other, whatever the lines.
+class Words {
+ public:
+  explicit Words(Input& input) : input_(input) {}
+
+  // Empty at the end of the text.
+  std::string_view next() {
+    for (;;) {
+      const std::string_view word = next_word(line_);
+      if (!word.empty() || !input_.next_line(line_)) return word;
+      begin_ = line_.data();
+    }
+  }
+
+  void expect(std::string_view keyword) {
+    const std::string_view word = next();
+    if (!is_keyword(word, keyword)) [[unlikely]] skip_lines(word, keyword);
+  }
+  [[gnu::cold]] void skip_lines(std::string_view word, std::string_view expected) {
+    for (; !is_keyword(word, expected); word = next()) skip_line(word, expected);
+  }
+  // `word`, the last one taken, is not what was expected: skips its line if it begins there and is none of STL's, else refuses.
+  [[gnu::cold]] void skip_line(std::string_view word, std::string_view expected) {
+    if (word.empty() || is_of_stl(word) || !trimmed({begin_, static_cast<size_t>(word.data() - begin_)}).empty()) refuse(word, expected);
+    const std::string_view line = trimmed({word.data(), word.size() + line_.size()});
+    if (skipped_++ == 0) first_skipped_ = fmt::format("line {}, {}", input_.line(), shown(line));
+    if (since_facet_.empty()) since_facet_ = fmt::format("line {}, {}", input_.line(), shown(line));
+    line_ = {};
+  }
+  [[noreturn]] void refuse(std::string_view word, std::string_view keyword) const {
+    const std::string skipped = since_facet_.empty() ? "" : fmt::format(" ({}, was skipped)", since_facet_);
+    throw InputError(
+        word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file{}", input_.at_line(), keyword, skipped)
+                     : fmt::format("{}: expected '{}', found {}{}", input_.at_line(), keyword, shown(word), skipped));
+  }
+  void facet_is_whole() { since_facet_.clear(); }
+
+  // Behind `solid`: the rest of the line, or of it what stands before a facet.
+  std::string_view solid_name() {
+    const std::string_view name = line_.substr(0, next_facet());
+    line_.remove_prefix(name.size());
+    return trimmed(name);
+  }
+  // Behind `endsolid`: its name once more. The next solid may follow on the same line.
+  void skip_name(std::string_view name) {
+    line_ = trimmed(line_);
+    const size_t facet = next_facet();
+    if (facet == line_.size()) {
+      line_ = {};
+      return;
+    }
+    if (line_.substr(0, facet).starts_with(name)) line_.remove_prefix(name.size());
+    for (std::string_view rest = line_; !rest.empty(); line_ = rest)
+      if (const std::string_view word = next_word(rest); is_keyword(word, "solid") || is_keyword(word, "facet")) return;
+  }
+  double coordinate() {
+    line_ = trimmed(line_);
+    if (!line_.empty()) return next_coordinate<float>(line_, input_);
+    const std::string_view word = next();
+    if (word.empty()) refuse(word, "a number");
+    return text_coordinate<float>(word, input_);
+  }
+
+  void warn(FacetStream& out) const {
+    if (skipped_ == 1) out.warn(fmt::format("a line that is no part of an STL was skipped: {}", first_skipped_));
+    if (skipped_ > 1) out.warn(fmt::format("{} lines that are no part of an STL were skipped, the first is {}", skipped_, first_skipped_));
+  }
+
+ private:
+  static bool is_of_stl(std::string_view word) {
+    for (const char* known : {"solid", "facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"})
+      if (is_keyword(word, known)) return true;
+    const bool cut_off = word.size() < 5 && is_keyword(word, "facet"sv.substr(0, word.size()));  // no decoration, but the end of a file cut short
+    const size_t digit = word.find_first_not_of("+-.");
+    return cut_off || (digit != std::string_view::npos && word[digit] >= '0' && word[digit] <= '9');
+  }
+  static bool is_number(std::string_view word) {
+    float v = 0;
+    word = without_plus(word);
+    return std::from_chars(word.data(), word.data() + word.size(), v).ec != std::errc::invalid_argument;
+  }
+  // Where on the line a facet begins: `facet normal` and a number. The line's length when none does, or only behind a
+  // name of unheard length.
+  size_t next_facet() const {
+    constexpr size_t kLongestName = 4096;
+    std::string_view rest = line_.substr(0, kLongestName);
+    while (!rest.empty()) {
+      const std::string_view word = next_word(rest);
+      std::string_view ahead = rest;
+      if (is_keyword(word, "facet") && is_keyword(next_word(ahead), "normal") && is_number(next_word(ahead)))
+        return static_cast<size_t>(word.data() - line_.data());
+    }
+    return line_.size();
+  }
+
+  Input& input_;
+  std::string_view line_;
+  const char* begin_ = nullptr;  // of the whole line
+  uint64_t skipped_ = 0;         // lines
+  std::string first_skipped_, since_facet_;  // the first of them, and of those since the last whole facet
+};
+
+// After the word `facet`, up to its `endfacet`.
+void read_ascii_facet(Words& words, Facet& facet) {
+  words.expect("normal");
+  for (int i = 0; i < 3; ++i)
+    if (words.next().empty()) words.refuse({}, "a number");
+  words.expect("outer");
+  words.expect("loop");
+  for (Vec3& v : facet.vertex) {
+    words.expect("vertex");
+    for (double& x : v) x = words.coordinate();
+  }
+  words.expect("endloop");
+  words.expect("endfacet");
+  words.facet_is_whole();
+}
+
+// The size decides: many begin with "solid" too.
+Match recognises_binary(const Head& head) {
+  if (head.bytes.size() < kHeader) return Match::kNo;
+  if (head.size == kHeader + kRecord * counted_facets(head.bytes)) return Match::kSure;
+  return head.text ? Match::kNo : Match::kPerhaps;
+}
+
+void skip_behind(Input& input, FacetStream& out, uint64_t facets) {
+  uint64_t bytes = 0;
+  for (size_t some; (some = input.window(1).size()) > 0; bytes += some) input.consume(some);
+  if (bytes > 0 && facets == 0)
+    throw InputError(fmt::format("{}: the header counts 0 facets, and {} bytes follow: a wrong count, or no STL", input.at_byte(80), bytes));
+  if (bytes > 0)
+    out.warn(fmt::format("{} behind the last facet {} skipped{}", plural(bytes, "byte"), bytes == 1 ? "was" : "were",
+                         bytes % kRecord == 0 ? fmt::format(", as many as {} take{}: the header's count of {} may be wrong", plural(bytes / kRecord, "facet"),
+                                                            bytes == kRecord ? "s" : "", facets)
+                                              : ""));
+}
+
+void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const Budget&, Background*) {
+  file.format = "STL (binary)";
+  const bool wanted = out.wants("");
+  const uint64_t facets = counted_facets(input.window(kHeader));
+  if (input.size() && *input.size() < kHeader + kRecord * facets) cut_short(input, facets, *input.size());
+  input.consume(kHeader);
+  for (uint64_t done = 0; done < facets;) {
+    const std::string_view records = input.window(kRecord);
+    const uint64_t whole = std::min(records.size() / kRecord, facets - done);
+    if (whole == 0) cut_short(input, facets, input.offset() + records.size());
+    Facet unwanted;
+    for (uint64_t i = 0; i < whole; ++i)
+      decode(records.data() + kRecord * i, done + i, input.offset() + kRecord * i, input,
+             wanted ? out.next() : unwanted);
+    input.consume(kRecord * whole);
+    done += whole;
+  }
+  skip_behind(input, out, facets);
+}
+
+Match recognises_ascii(const Head& head) { return head.text && is_keyword(head.word, "solid") ? Match::kPerhaps : Match::kNo; }
+
+void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const Budget&, Background*) {
+  file.format = "STL (ASCII)";
+  Words words(input);
+  std::string name;
+  uint64_t unended = 0;                                    // solids that another one follows without an `endsolid`
+  bool inside = false, has_facet = false, wanted = false;  // of the current solid
+  Facet facet;
+  for (;;) {
+    const std::string_view word = words.next();
+    if (inside && is_keyword(word, "facet")) {
+      read_ascii_facet(words, facet);
+      if (wanted) out.next() = facet;
+      has_facet = true;
+    } else if (is_keyword(word, "solid")) {
+      unended += inside;
+      name = words.solid_name();
+      wanted = out.wants(name);
+      inside = true, has_facet = false;
+    } else if (inside && is_keyword(word, "endsolid")) {
+      words.skip_name(name);
+      inside = false;
+    } else if (word.empty() && (!inside || has_facet))
+      break;
+    else
+      words.skip_line(word, inside ? "facet" : "solid");
+  }
+  words.warn(out);
+  if (unended > 0) out.warn(fmt::format("{} 'endsolid' before the next", unended == 1 ? "1 solid lacks its" : fmt::format("{} solids lack their", unended)));
+  if (inside) out.warn("the file ends without 'endsolid': it may be cut short");
+}
+
+}  // namespace
+
+const SurfaceReader kBinaryStlReader = {recognises_binary, read_binary};
+const SurfaceReader kAsciiStlReader = {recognises_ascii, read_ascii};
+
+}  // namespace teracell

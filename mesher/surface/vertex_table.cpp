@@ -1,0 +1,48 @@
+#include "mesher/surface/vertex_table.hpp"
+
+#include <algorithm>
+#include <bit>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "store/format.hpp"
+
+namespace teracell {
+namespace {
+
+template <class T>
+std::span<uint8_t> bytes_of(T& value) {
+  return {reinterpret_cast<uint8_t*>(&value), sizeof value};
+}
+
+}  // namespace
+
+VertexTable::VertexTable(const Budget& budget)
+    : folder_(budget.folder), last_place_(std::bit_floor(std::max(budget.bytes / 8, kLeastBytes) / sizeof(Piece)) - 1) {}
+
+void VertexTable::begin_piece() {
+  const uint64_t number = size_ / kPiece;
+  if (number <= last_place_) places_.push_back(std::make_unique_for_overwrite<Piece>());
+  Piece& place = *places_[number & last_place_];
+  make_room(place);
+  place.number = number;
+}
+
+void VertexTable::load(uint64_t number, Piece& place) {
+  make_room(place);
+  file_->read(number * sizeof(Piece), bytes_of(place));
+  if (place.number != number || place.checksum != checksum(bytes_of(place.vertices)))
+    throw IoError(fmt::format("{}: a temporary file: its {} bytes at {} are not those that were written", folder_.string(),
+                              sizeof(Piece), number * sizeof(Piece)));
+}
+
+void VertexTable::make_room(Piece& place) {
+  if (!place.changed) return;
+  if (!file_) file_.emplace(folder_, sizeof(Piece));
+  place.changed = false;
+  place.checksum = checksum(bytes_of(place.vertices));
+  file_->write(place.number * sizeof(Piece), bytes_of(place));
+}
+
+}  // namespace teracell

@@ -1,0 +1,13 @@
+#include "mesher/thin/lines.hpp"
+
+namespace teracell {
+
+Axis plane_axis(const Axis& axis) {
+  if (!axis.is_graded()) return Axis::uniform(axis.origin(), axis.step(), axis.first(), axis.cells() + 1, 0);
+  std::vector<double> planes = axis.planes();
+  const size_t last = planes.size() - 1;
+  planes.push_back(planes[last] + (planes[last] - planes[last - 1]));  // no sample point: the last cell's is its lower plane
+  return Axis::graded(std::move(planes), 0);
+}
+
+}  // namespace teracell

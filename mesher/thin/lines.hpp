@@ -1,0 +1,75 @@
+// Lines through the sample points of a box of cells along any axis, whatever that of the rays, and where facets cross them:
+// with the exact answers of rows.hpp and height.hpp, so the crossings along the axis of the rays are those of the engines.
+#pragma once
+#include <optional>
+
+#include "mesher/engines/height.hpp"
+#include "mesher/engines/rows.hpp"
+#include "mesher/tiles/rays.hpp"
+
+namespace teracell {
+
+// Not thread-safe.
+class FacetLines {
+ public:
+  // Crossings are told by `levels`: the grid's own axis, or its planes (plane_axis). Keeps references to both.
+  FacetLines(const Grid& grid, int axis, const Axis& levels)
+      : frame_(Frame::along(axis)), grid_(grid), levels_(levels), find_u_(grid.axis[frame_.u]), find_v_(grid.axis[frame_.v]) {}
+
+  // Calls f(cell, levels, up) for the lines through `cells` (of any extent along the axis) that cross the facet, in rows: the line
+  // of `cell` and those after it along frame().u, for each the first level above the facet; `up` as in rows.hpp. Adds to `exact`
+  // as FacetHeight does.
+  template <class F>
+  void cross(const Facet& facet, const Box& cells, uint64_t& exact, F&& f) {
+    const auto [u0, u1] = range(facet, frame_.u, find_u_, cells);
+    const auto [v0, v1] = range(facet, frame_.v, find_v_, cells);
+    if (u0 >= u1) return;
+    std::optional<FacetHeight> height;
+    Index3 cell = cells.lo;
+    for (int64_t first_v = v0; first_v < v1; first_v += kBlock) {
+      fill(v_, grid_.axis[frame_.v], first_v, v1);
+      const FacetRows rows(facet, frame_, RayFinder(v_));
+      if (rows.begin() == rows.end()) continue;
+      for (int64_t first_u = u0; first_u < u1; first_u += kBlock) {
+        fill(u_, grid_.axis[frame_.u], first_u, u1);
+        const RayFinder lines(u_);
+        for (uint32_t row = rows.begin(); row < rows.end(); ++row) {
+          const FacetRows::Rays met = rows.at(row, v_[row], lines, exact);
+          if (met.from == met.to) continue;
+          if (!height) height.emplace(facet, frame_, levels_);
+          const std::span<const double> u(u_.data() + met.from, met.to - met.from);
+          height->first_cells(u, v_[row], first_levels_.data(), exact);
+          cell[frame_.u] = first_u + met.from;
+          cell[frame_.v] = first_v + row;
+          f(cell, std::span<const uint32_t>(first_levels_.data(), u.size()), met.up);
+        }
+      }
+    }
+  }
+  const Frame& frame() const { return frame_; }
+
+ private:
+  // A facet may be as long as the grid.
+  static constexpr int64_t kBlock = 4096;
+  static void fill(std::vector<double>& out, const Axis& axis, int64_t from, int64_t to) {
+    out.clear();
+    for (int64_t i = from; i < std::min(to, from + kBlock); ++i) out.push_back(axis.centre(i));
+  }
+  static std::pair<int64_t, int64_t> range(const Facet& facet, int d, const RayBounds& rays, const Box& cells) {
+    const auto& [a, b, c] = facet.vertex;
+    return {std::max<int64_t>(cells.lo[d], rays.first(std::min(std::min(a[d], b[d]), c[d]))),
+            std::min<int64_t>(cells.hi[d], rays.last(std::max(std::max(a[d], b[d]), c[d])))};
+  }
+
+  const Frame frame_;
+  const Grid& grid_;
+  const Axis& levels_;
+  const RayBounds find_u_, find_v_;
+  std::vector<double> u_, v_;
+  std::vector<uint32_t> first_levels_ = std::vector<uint32_t>(kBlock);
+};
+
+// An axis whose sample points are the planes of another, bit by bit.
+Axis plane_axis(const Axis& axis);
+
+}  // namespace teracell

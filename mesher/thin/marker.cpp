@@ -1,0 +1,34 @@
+#include "mesher/thin/marker.hpp"
+
+#include <algorithm>
+
+namespace teracell {
+
+std::vector<bool> wide_bodies(const Scene& scene, bool count_thin) {
+  std::vector<bool> wide;
+  for (const SceneBody& body : scene.bodies) wide.push_back(body.kind == Kind::kSheet || ThinParts::wanted(body, count_thin));
+  return std::ranges::count(wide, true) > 0 ? wide : std::vector<bool>{};
+}
+
+Marker::Marker(const Scene& scene, const Metadata& meta, const Labels& labels, bool count_thin) : scene_(scene) {
+  const auto any = [&](auto&& is) { return std::ranges::any_of(scene.bodies, is); };
+  if (any([](const SceneBody& body) { return body.kind == Kind::kSheet; })) sheets_.emplace(meta.grid, meta.ray_axis);
+  if (any([&](const SceneBody& body) { return ThinParts::wanted(body, count_thin); })) thin_.emplace(scene, labels, meta.grid, meta.ray_axis, count_thin);
+}
+
+std::span<const SceneFacet* const> Marker::solids(std::span<const SceneFacet* const> facets) {
+  of_solids_.clear(), of_sheets_.clear();
+  if (!sheets_) return solids_ = facets;
+  for (const SceneFacet* facet : facets) (scene_.bodies[facet->layer / 2].kind == Kind::kSheet ? of_sheets_ : of_solids_).push_back(facet);
+  return solids_ = of_solids_;
+}
+
+void Marker::mark(const Tile& tile, const Box& cells, Crossings& crossings) {
+  if (!thin_ && of_sheets_.empty()) return;
+  marks_.reset(tile.rays());
+  if (thin_) thin_->find(cells, solids_, crossings, marks_, tallies_);
+  if (!of_sheets_.empty()) sheets_->mark(cells, of_sheets_, marks_, tallies_);
+  marks_.join(tile, crossings);
+}
+
+}  // namespace teracell

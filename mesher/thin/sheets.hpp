@@ -1,0 +1,36 @@
+// Sheets: surfaces that own the cells that they pass through. A sheet owns a cell when the line through the cell's sample point
+// along x, y or z crosses it between the cell's planes on that axis. So between two neighbouring cells on different sides of a
+// sheet, one at least is the sheet's: no flood through faces passes a closed one.
+//
+// The planes of an axis are the sample points of another axis (plane_axis), so each of the three questions is the one that the
+// engines answer: which is the first of them above the facet? All ties are those of the cell rule.
+#pragma once
+#include "mesher/thin/lines.hpp"
+#include "mesher/thin/marks.hpp"
+#include "mesher/thin/tally.hpp"
+
+namespace teracell {
+
+// Not thread-safe.
+class Sheets {
+ public:
+  // Keeps a reference to the grid.
+  Sheets(const Grid& grid, int ray_axis);
+  Sheets(const Sheets&) = delete;
+  // Marks the cells of a tile, which is as long as the grid along the rays. `facets` are those of sheets that may lie in it or
+  // beside it. Tallies the lines that cross a sheet on the domain's lower side: these cells lie beyond it.
+  void mark(const Box& tile, std::span<const SceneFacet* const> facets, Marks& marks, Tallies& tallies);
+  uint64_t exact_decisions() const { return exact_decisions_; }
+
+ private:
+  void mark_along(int axis, const Box& tile, const SceneFacet& facet, Marks& marks, Tallies& tallies);
+  void tally_lower_side(int axis, const Index3& cell, const SceneFacet& facet, Tallies& tallies) const;
+
+  const Grid& grid_;
+  const Frame rays_;
+  const std::array<Axis, 3> planes_;
+  std::array<FacetLines, 3> lines_;
+  uint64_t exact_decisions_ = 0;
+};
+
+}  // namespace teracell

@@ -1,0 +1,218 @@
+#include "mesher/thin/thin.hpp"
+
+#include <algorithm>
+
+#include "mesher/bodies.hpp"
+
+namespace teracell {
+namespace {
+
+// Slots of a block: their bits stay in a core's cache.
+constexpr int64_t kBlockSlots = int64_t{1} << 20;
+
+// By which a step up along an axis changes the winding number is the frame's handedness: it differs along y.
+int handedness(int axis) { return axis == 1 ? -1 : 1; }
+
+}  // namespace
+
+ThinParts::ThinParts(const Scene& scene, const Labels& labels, const Grid& grid, int ray_axis, bool count_all)
+    : scene_(scene),
+      labels_(labels),
+      grid_(grid),
+      rays_(Frame::along(ray_axis)),
+      count_all_(count_all),
+      lines_{FacetLines{grid, 0, grid.axis[0]}, FacetLines{grid, 1, grid.axis[1]}, FacetLines{grid, 2, grid.axis[2]}} {}
+
+void ThinParts::find(const Box& tile, std::span<const SceneFacet* const> facets, const Crossings& crossings, Marks& marks, Tallies& tallies) {
+  tile_ = tile;
+  crossings_ = &crossings, marks_ = &marks, tallies_ = &tallies;
+  const int w = rays_.w;
+  const RayBounds cells(grid_.axis[w]);
+  reaches_.clear(), active_.clear();
+  for (const SceneFacet* facet : facets) {
+    if (!wanted(scene_.bodies[facet->layer / 2], count_all_)) continue;
+    const auto& [a, b, c] = facet->facet.vertex;
+    reaches_.push_back({cells.first(std::min(std::min(a[w], b[w]), c[w])), int64_t{cells.last(std::max(std::max(a[w], b[w]), c[w]))} + 1, facet});
+  }
+  std::ranges::stable_sort(reaches_, {}, &Reach::first);
+  const int64_t length = grid_.axis[w].cells(), rays = (tile.hi[rays_.u] - tile.lo[rays_.u]) * (tile.hi[rays_.v] - tile.lo[rays_.v]);
+  const int64_t block = std::max<int64_t>(kBlockSlots / rays, 1);
+  auto next = reaches_.begin();
+  for (int64_t from = 0; from < length; from += block) {
+    std::erase_if(active_, [&](const Reach& r) { return r.end <= from; });
+    if (active_.empty()) {
+      if (next == reaches_.end()) return;
+      from = std::max(from, next->first / block * block);
+    }
+    for (; next != reaches_.end() && next->first < from + block; ++next) active_.push_back(*next);
+    Box cells_of_block = tile;
+    cells_of_block.lo[w] = from, cells_of_block.hi[w] = std::min(from + block, length);
+    if (!cells_of_block.empty()) find_in_block(cells_of_block);
+  }
+}
+
+void ThinParts::find_in_block(const Box& cells) {
+  for (int axis = 0; axis < 3; ++axis) find_along(axis, cells);
+}
+
+// A slot has the number of its upper cell, the first one whose sample point is above a facet there.
+void ThinParts::find_along(int axis, const Box& cells) {
+  Box slots = cells;
+  slots.lo[axis] = std::max<int64_t>(slots.lo[axis], 1);
+  if (axis != rays_.w) slots.hi[axis] = std::min(slots.hi[axis] + 1, grid_.axis[axis].cells());
+  if (slots.empty()) return;
+  const Index3 n = {slots.hi[0] - slots.lo[0], slots.hi[1] - slots.lo[1], slots.hi[2] - slots.lo[2]};
+  const Index3 stride = {1, n[0], n[0] * n[1]};
+  const auto words = static_cast<size_t>((n[0] * n[1] * n[2] + 63) / 64);
+  once_.assign(words, 0), twice_.assign(words, 0);
+  crossers_.clear();
+  const int along = lines_[axis].frame().u;
+  for (uint32_t f = 0; f < active_.size(); ++f)
+    lines_[axis].cross(active_[f].facet->facet, cells, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> levels, bool up) {
+      cell[axis] = slots.lo[axis];
+      auto line = static_cast<uint32_t>((cell[0] - slots.lo[0]) * stride[0] + (cell[1] - slots.lo[1]) * stride[1] + (cell[2] - slots.lo[2]) * stride[2]);
+      for (const uint32_t level : levels) {
+        if (level >= slots.lo[axis] && level < slots.hi[axis]) {
+          const uint32_t slot = line + static_cast<uint32_t>((level - slots.lo[axis]) * stride[axis]);
+          const uint64_t bit = uint64_t{1} << (slot % 64);
+          twice_[slot / 64] |= once_[slot / 64] & bit;
+          once_[slot / 64] |= bit;
+          crossers_.push_back({slot, f, up});
+        }
+        line += static_cast<uint32_t>(stride[along]);
+      }
+    });
+  std::erase_if(crossers_, [&](const Crosser& c) { return (twice_[c.slot / 64] >> (c.slot % 64) & 1) == 0; });
+  std::ranges::sort(crossers_);
+  for (size_t i = 0; i < crossers_.size();) {
+    const size_t first = i;
+    const int64_t slot = crossers_[i].slot;
+    while (i < crossers_.size() && crossers_[i].slot == slot) ++i;
+    look_at(axis, {slots.lo[0] + slot % n[0], slots.lo[1] + slot / n[0] % n[1], slots.lo[2] + slot / stride[2]}, {crossers_.data() + first, i - first});
+  }
+}
+
+void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> crossers) {
+  bodies_.clear();  // those that two of the facets belong to
+  for (size_t i = 0; i < crossers.size(); ++i) {
+    const uint32_t body = active_[crossers[i].facet].facet->layer / 2;
+    const auto is_same = [&](const Crosser& c) { return active_[c.facet].facet->layer / 2 == body; };
+    if (std::ranges::count_if(crossers.first(i), is_same) == 1) bodies_.push_back(body);
+  }
+  if (bodies_.empty() && !count_all_) return;
+
+  Index3 lower = upper;
+  --lower[axis];
+  const bool owns_lower = lower[axis] >= tile_.lo[axis];
+  sum_crossings(owns_lower ? lower : upper);
+  lower_ = upper_ = sums_;
+  for (const Crosser& c : crossers) {
+    const int step = (c.up ? 1 : -1) * handedness(axis) * handedness(rays_.w);
+    const uint32_t layer = active_[c.facet].facet->layer;
+    owns_lower ? add_step(upper_, layer, step) : add_step(lower_, layer, -step);
+  }
+  std::erase_if(bodies_, [&](uint32_t body) { return inside(body, lower_) || inside(body, upper_); });
+  const uint32_t around = count_all_ ? material(lower_) : 0;
+  const bool may_have_gap = around != 0 && around == material(upper_);
+  if (bodies_.empty() && !may_have_gap) return;
+
+  find_sub_positions(axis, lower, crossers);
+  const auto tally = [&](TallyKey::What what, uint32_t of, const Stretches& s) {
+    if (owns_lower && s.widest > 0) tallies_->add({what, of, static_cast<uint8_t>(axis)}, {1, s.widest, s.from, lower});
+  };
+  for (const uint32_t body : bodies_) {
+    const Stretches lost = stretches([&] { return inside(body, sums_); });
+    tally(TallyKey::What::kStretches, body, lost);
+    if (lost.widest > 0 && scene_.bodies[body].thin == Thin::kKeep) keep(axis, lower, lost.first, body);
+  }
+  if (may_have_gap) tally(TallyKey::What::kGaps, around, stretches([&] { return material(sums_) == 0; }));
+}
+
+uint32_t ThinParts::ray_of(const Index3& cell) const {
+  return static_cast<uint32_t>((cell[rays_.v] - tile_.lo[rays_.v]) * (tile_.hi[rays_.u] - tile_.lo[rays_.u]) + cell[rays_.u] - tile_.lo[rays_.u]);
+}
+
+// At the sample point of a cell of the tile.
+void ThinParts::sum_crossings(const Index3& cell) {
+  const uint32_t ray = ray_of(cell);
+  sums_.clear();
+  for (uint32_t i = crossings_->begin[ray]; i < crossings_->begin[ray + 1]; ++i) {
+    const uint64_t c = crossings_->all[i];
+    if (Crossing::cell(c) <= cell[rays_.w]) add_step(sums_, Crossing::layer(c), Crossing::step(c));
+  }
+}
+
+void ThinParts::add_step(std::vector<Sum>& sums, uint32_t layer, int step) const {
+  for (Sum& s : sums)
+    if (s.layer == layer) {
+      s.sum += step;
+      return;
+    }
+  sums.push_back({layer, step});
+}
+
+bool ThinParts::inside(uint32_t body, const std::vector<Sum>& sums) const {
+  for (const Sum& s : sums)
+    if (s.layer == layer_of(body, false) ? s.sum != 0 : s.layer == layer_of(body, true) && s.sum % 2 != 0) return true;
+  return false;
+}
+
+// Of the strongest body that is inside; the background's where none is.
+uint32_t ThinParts::material(const std::vector<Sum>& sums) const {
+  uint32_t strongest = ~uint32_t{0}, found = 0;
+  for (const Sum& s : sums) {
+    const uint32_t body = s.layer / 2;
+    if (!(s.layer % 2 == 0 ? s.sum != 0 : s.sum % 2 != 0) || labels_.strength[body] >= strongest) continue;
+    strongest = labels_.strength[body];
+    found = scene_.bodies[body].material;
+  }
+  return found;
+}
+
+void ThinParts::find_sub_positions(int axis, const Index3& lower, std::span<const Crosser> crossers) {
+  steps_.clear();
+  Vec3 p;
+  for (int d = 0; d < 3; ++d) p[d] = grid_.axis[d].centre(lower[d]);
+  for (const Crosser& c : crossers) {
+    const SceneFacet& facet = *active_[c.facet].facet;
+    uint32_t below = 0, above = kSubPositions;
+    while (above - below > 1) {
+      const uint32_t middle = (below + above) / 2;
+      p[axis] = sub_position(grid_.axis[axis], lower[axis], middle);
+      (is_above(facet.facet, axis, p) ? above : below) = middle;
+    }
+    steps_.push_back({above, facet.layer, (c.up ? 1 : -1) * handedness(axis) * handedness(rays_.w)});
+  }
+  std::ranges::sort(steps_, {}, &Step::k);
+}
+
+// Of the sub-positions whose sums make is() true. Neither end does.
+template <class Is>
+ThinParts::Stretches ThinParts::stretches(Is&& is) {
+  Stretches out;
+  uint32_t since = 0;  // 0: not since
+  sums_ = lower_;
+  for (size_t i = 0; i < steps_.size();) {
+    const uint32_t k = steps_[i].k;
+    for (; i < steps_.size() && steps_[i].k == k; ++i) add_step(sums_, steps_[i].layer, steps_[i].step);
+    const bool begins = k < kSubPositions && is();
+    if (begins && since == 0) since = k;
+    if (begins || since == 0) continue;
+    if (out.first == 0) out.first = since;
+    if (k - since > out.widest) out.from = since, out.widest = k - since;
+    since = 0;
+  }
+  return out;
+}
+
+// The cell whose planes hold sub-position k becomes the body's, if the tile has it.
+void ThinParts::keep(int axis, const Index3& lower, uint32_t k, uint32_t body) {
+  Index3 cell = lower;
+  const Axis& a = grid_.axis[axis];
+  if (sub_position(a, lower[axis], k) >= a.plane(lower[axis] + 1)) ++cell[axis];
+  if (cell[axis] < tile_.lo[axis] || cell[axis] >= tile_.hi[axis]) return;
+  const auto w = static_cast<uint32_t>(cell[rays_.w]);
+  marks_->add(ray_of(cell), layer_of(body, false), w, w + 1);
+}
+
+}  // namespace teracell

@@ -1,0 +1,92 @@
+// What gets lost between sample points: on a line through sample points, a *slot* lies between two neighbouring ones. A stretch
+// of a body is lost in it when some sub-position (tally.hpp) is inside the body and neither end is; a gap of a material when both
+// ends have the material and some sub-position is in no body. Only slots that facets cross at least twice can lose anything.
+// These are found by casting the facets along all three axes; at an end of the slot the crossings of the tile's own rays say what
+// is inside, and the slot's crossings say what is at the other end: no tile looks at another.
+//
+// A body that is to keep its thin parts gets the cell that holds the first sub-position of a lost stretch. So a plate thinner
+// than a cell has no hole where it crosses the lines; what crosses no line at all stays lost.
+#pragma once
+#include "mesher/scene/labels.hpp"
+#include "mesher/thin/lines.hpp"
+#include "mesher/thin/marks.hpp"
+#include "mesher/thin/tally.hpp"
+
+namespace teracell {
+
+// Not thread-safe.
+class ThinParts {
+ public:
+  // Keeps references. Bodies with thin keep are looked at; with `count_all` all solids, and gaps.
+  ThinParts(const Scene& scene, const Labels& labels, const Grid& grid, int ray_axis, bool count_all);
+  ThinParts(const ThinParts&) = delete;
+  static bool wanted(const SceneBody& body, bool count_all) { return body.kind == Kind::kSolid && (count_all || body.thin == Thin::kKeep); }
+  // In and beside a tile, which is as long as the grid along the rays; a slot is tallied by the tile of its lower cell. `facets` are
+  // those of solids that may lie there, `crossings` those of the tile's rays.
+  void find(const Box& tile, std::span<const SceneFacet* const> facets, const Crossings& crossings, Marks& marks, Tallies& tallies);
+  uint64_t exact_decisions() const { return exact_decisions_; }
+
+ private:
+  // A facet, and the cells along the rays whose slots or lines it may cross: [first, end).
+  struct Reach {
+    int64_t first, end;
+    const SceneFacet* facet;
+  };
+  // A facet crosses a slot of the block.
+  struct Crosser {
+    uint32_t slot, facet;
+    bool up;
+    friend auto operator<=>(const Crosser&, const Crosser&) = default;
+  };
+  // What the crossings below a point sum to, of the layers that they belong to.
+  struct Sum {
+    uint32_t layer;
+    int sum;
+  };
+  // Of the slot looked at: from sub-position k on the sums are others.
+  struct Step {
+    uint32_t k, layer;
+    int step;
+  };
+  // The first stretch of sub-positions, and the longest.
+  struct Stretches {
+    uint32_t first = 0, from = 0, widest = 0;
+  };
+
+  void find_in_block(const Box& cells);
+  void find_along(int axis, const Box& cells);
+  void look_at(int axis, const Index3& upper, std::span<const Crosser> crossers);
+  void sum_crossings(const Index3& cell);
+  void add_step(std::vector<Sum>& sums, uint32_t layer, int step) const;
+  bool inside(uint32_t body, const std::vector<Sum>& sums) const;
+  uint32_t material(const std::vector<Sum>& sums) const;
+  void find_sub_positions(int axis, const Index3& lower, std::span<const Crosser> crossers);
+  template <class Is>
+  Stretches stretches(Is&& is);
+  void keep(int axis, const Index3& lower, uint32_t k, uint32_t body);
+  uint32_t ray_of(const Index3& cell) const;
+
+  const Scene& scene_;
+  const Labels& labels_;
+  const Grid& grid_;
+  const Frame rays_;
+  const bool count_all_;
+  std::array<FacetLines, 3> lines_;
+  uint64_t exact_decisions_ = 0;
+
+  // Of the tile.
+  Box tile_;
+  const Crossings* crossings_ = nullptr;
+  Marks* marks_ = nullptr;
+  Tallies* tallies_ = nullptr;
+  std::vector<Reach> reaches_, active_;
+  // Of a block, along an axis.
+  std::vector<uint64_t> once_, twice_;  // bit: the slot is crossed
+  std::vector<Crosser> crossers_;
+  // Of a slot.
+  std::vector<Sum> lower_, upper_, sums_;
+  std::vector<Step> steps_;
+  std::vector<uint32_t> bodies_;
+};
+
+}  // namespace teracell

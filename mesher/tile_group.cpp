@@ -1,0 +1,74 @@
+#include "mesher/tile_group.hpp"
+
+#include "store/pyramid.hpp"
+
+namespace teracell {
+
+void CastTotals::add(const RowTotals& row) {
+  crossings += row.crossings;
+  exact_decisions += row.exact_decisions;
+  for (const BodyCells& b : row.cells) cells[b.body] += b.owned, covered[b.body] += b.covered;
+  tallies.add(row.tallies);
+}
+
+UnitWork::UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta)
+    : unit_(std::move(unit)), tiling_(tiling), meta_(meta), shape_(meta, 0), chunks_(17) {}
+
+void UnitWork::make_row(uint32_t row, Worker& worker) {
+  const auto facets = tiling_.split(unit_, row);
+  const uint64_t exact_before = worker.exact_decisions();
+  for (uint32_t u = 0; u < 4; ++u)
+    if (unit_.cu * 4 + u < shape_.chunks_u && unit_.cv * 4 + row < shape_.chunks_v) make_chunk(row * 4 + u, facets[u], worker);
+  totals_[row].exact_decisions = worker.exact_decisions() - exact_before;
+  totals_[row].cells = worker.composer.take_cells();
+  totals_[row].tallies.add(worker.marker.take_tallies());
+  if (--rows_left_ == 0 && meta_.grid.levels() > 2) make_level2(worker);
+}
+
+void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker) {
+  const uint32_t cu = unit_.cu * 4 + i % 4, cv = unit_.cv * 4 + i / 4, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
+  Chunk fine{{}, SetTable(static_cast<uint32_t>(meta_.labels.size()))};
+  if (facets.empty() && !worker.engine->searches_scene()) {  // most tiles of a large grid
+    fine.rays.fill(nu, nv, shape_.nw, 0);
+  } else {
+    const Frame f = meta_.frame();
+    Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
+    Box cells;
+    cells.lo[f.u] = int64_t{cu} * shape_.chunk_rays, cells.hi[f.u] = cells.lo[f.u] + nu;
+    cells.lo[f.v] = int64_t{cv} * shape_.chunk_rays, cells.hi[f.v] = cells.lo[f.v] + nv;
+    cells.hi[f.w] = shape_.nw;
+    for (int64_t u = cells.lo[f.u]; u < cells.hi[f.u]; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(u));
+    for (int64_t v = cells.lo[f.v]; v < cells.hi[f.v]; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(v));
+    worker.engine->cast(tile, worker.marker.solids(facets), worker.crossings);
+    totals_[i / 4].crossings += worker.crossings.all.size();
+    worker.marker.mark(tile, cells, worker.crossings);
+    worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
+    tally_close(worker.composer.close_crossings(), cells, totals_[i / 4].tallies);
+  }
+  pieces_[i] = coarsen(fine, 2);
+  chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
+}
+
+void UnitWork::tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const {
+  const Frame f = meta_.frame();
+  const int64_t nu = cells.hi[f.u] - cells.lo[f.u];
+  for (size_t i = 0; i < all.size();) {
+    const TallyKey key{TallyKey::What::kPairs, all[i].body, static_cast<uint8_t>(f.w)};
+    Tally sum;
+    for (; i < all.size() && all[i].body == key.of; ++i) {
+      Index3 lower;
+      lower[f.u] = cells.lo[f.u] + all[i].ray % nu, lower[f.v] = cells.lo[f.v] + all[i].ray / nu, lower[f.w] = int64_t{all[i].cell} - 1;
+      sum.add({all[i].pairs, kSubPositions, 0, lower});
+    }
+    tallies.add(key, sum);
+  }
+}
+
+void UnitWork::make_level2(Worker& worker) {
+  const Chunk level2 = join_pieces(pieces_.data(), 4, 4, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
+  pieces_ = {};
+  chunks_[16] = encode_level(worker.encoder, meta_, 2, unit_.cu, unit_.cv, level2);
+  coarse_ = coarsen(level2, 1);
+}
+
+}  // namespace teracell

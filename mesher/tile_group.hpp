@@ -1,0 +1,75 @@
+// One unit of rays: cast, compose, encode, coarsen. Its four rows of chunks are jobs for any threads; the thread that
+// ends the last of them makes the unit's chunk of level 2. (Whole units as jobs leave threads idle at the end of a
+// small grid: 1000 x 1000 rays are 16 units.)
+#pragma once
+#include <atomic>
+
+#include "mesher/compose.hpp"
+#include "mesher/scene/labels.hpp"
+#include "mesher/thin/marker.hpp"
+#include "mesher/tiles/tiling.hpp"
+#include "store/chunk_codec.hpp"
+#include "store/pyramid_writer.hpp"
+
+namespace teracell {
+
+// What one thread keeps between jobs.
+struct Worker {
+  Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels, const Scene& scene, const Metadata& meta, bool count_thin)
+      : engine(std::move(by)), marker(scene, meta, labels, count_thin), composer(layers, labels.strength, labels.of_body) {}
+  uint64_t exact_decisions() const { return engine->exact_decisions() + marker.exact_decisions(); }
+  std::unique_ptr<Engine> engine;
+  Marker marker;
+  Composer composer;
+  ChunkEncoder encoder;
+  Crossings crossings;
+};
+
+// What casting a row of chunks counted.
+struct RowTotals {
+  uint64_t crossings = 0, exact_decisions = 0;
+  std::vector<BodyCells> cells;
+  Tallies tallies;
+};
+
+// What casting counted.
+struct CastTotals {
+  uint64_t crossings = 0, exact_decisions = 0;
+  std::vector<unsigned __int128> cells, covered;  // of each body: that it owns; that lie in it and a stronger one owns
+  Tallies tallies;
+  void add(const RowTotals& row);
+};
+
+class UnitWork {
+ public:
+  static constexpr uint32_t kRows = 4;
+  // Keeps references to tiling and meta.
+  UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta);
+
+  // Makes the chunks of level 0 of a row, [0, kRows), and with the last row the unit's chunk of level 2.
+  // Different rows may be made by different threads at once.
+  void make_row(uint32_t row, Worker& worker);
+
+  // When all rows are made: the unit's chunks, and its rays on level 3.
+  const Unit& unit() const { return unit_; }
+  const std::vector<LevelChunk>& chunks() const { return chunks_; }
+  Chunk& coarse() { return coarse_; }
+  const std::array<RowTotals, kRows>& totals() const { return totals_; }
+
+ private:
+  void make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker);
+  void tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const;
+  void make_level2(Worker& worker);
+
+  const Unit unit_;
+  const Tiling& tiling_;
+  const Metadata& meta_;
+  const LevelShape shape_;
+  std::atomic<uint32_t> rows_left_ = kRows;
+  std::vector<LevelChunk> chunks_;    // 16 of level 0, some of them beyond the grid and empty, and one of level 2
+  std::array<Chunk, 16> pieces_;      // those of level 0, on level 2
+  Chunk coarse_;
+  std::array<RowTotals, kRows> totals_;
+};
+
+}  // namespace teracell

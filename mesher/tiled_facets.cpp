@@ -1,0 +1,104 @@
+#include "mesher/tiled_facets.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mesher/scene/placement.hpp"
+
+namespace teracell {
+namespace {
+
+std::vector<bool> which_move(const Scene& scene) {
+  std::vector<bool> out;
+  for (const SceneBody& body : scene.bodies) out.push_back(body.matrix != kIdentity);
+  return out;
+}
+
+uint32_t body_of(uint32_t layer) { return (layer & ~kIgnored) / 2; }
+
+}  // namespace
+
+Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
+           const std::function<void(double)>& tick)
+    : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()) {
+  if (bodies.in_memory) {
+    use_memory(wide);
+    return;
+  }
+  auto bins = fill_bins(wide, budget, threads, tick);
+  spilled_ = bins->bytes();
+  tiling_.emplace(std::move(bins), binned_, threads > 1 ? threads : 0, meta);
+}
+
+void Feed::use_memory(const std::vector<bool>& wide) {
+  if (const auto moves = which_move(scene_); std::ranges::count(moves, true) > 0) {
+    bodies_.helper->finish_all();  // the survey takes the files' coordinates
+    bodies_.facets->for_each(0, bodies_.facets->size(), [&](SceneFacet& f) {
+      if (const uint32_t b = body_of(f.layer); moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
+    });
+  }
+  for (size_t b = 0; b < scene_.bodies.size(); ++b)
+    for (const bool parity : {false, true}) bodies_.facets->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
+  for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
+  tiling_.emplace(bodies_.facets, meta_, wide);
+}
+
+std::vector<SurveyTotals> Feed::surveys() {
+  return bodies_.in_memory ? bodies_.survey_totals() : binned_.totals();
+}
+
+// They are read once more, from their files.
+std::unique_ptr<FacetBins> Feed::fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads, const std::function<void(double)>& tick) {
+  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved(f, scene.bodies[layer / 2]) : f; };
+  const bool walls = std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, wide);
+  struct Stretch {  // of facets that are alike
+    size_t facets;
+    uint32_t layer;
+    FacetBins::Origin origin;
+  };
+  struct Batch {
+    std::vector<Facet> facets;
+    std::vector<Stretch> stretches;
+  };
+  constexpr size_t kBatch = 4096;
+  Batch batch;
+  Background background(threads > 1);
+  const auto hand_on = [&] {
+    background.run([&bins, batch = std::exchange(batch, {})] {
+      const Facet* f = batch.facets.data();
+      for (const Stretch& s : batch.stretches)
+        for (size_t i = 0; i < s.facets; ++i) bins->add(*f++, s.layer, s.origin);
+    });
+    batch.facets.reserve(kBatch);
+  };
+  const auto add = [&](std::span<const Facet> facets, uint32_t layer, FacetBins::Origin origin) {
+    if (!batch.facets.empty() && batch.facets.size() + facets.size() > kBatch) hand_on();
+    batch.facets.insert(batch.facets.end(), facets.begin(), facets.end());
+    batch.stretches.push_back({facets.size(), layer, origin});
+  };
+  const double all = static_cast<double>(bodies_.facet_count());
+  uint64_t done = 0;
+  for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const BodyFacets& found = bodies_.bodies[b];
+    const ClosedBody& closed = found.closed;
+    uint64_t number = 0;
+    read_again(scene_.bodies[b], found, budget, [&](std::span<const Facet> facets) {
+      if (!closed.rules) add(facets, closed.layer(b), FacetBins::kOfFile);
+      else for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile);
+      done += facets.size();
+      tick(static_cast<double>(done) / all);
+    });
+    for (const bool parity : {false, true}) {
+      add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded);
+      add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced);
+    }
+  }
+  hand_on();
+  background.finish();
+  for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
+  bins->finish();
+  return bins;
+}
+
+}  // namespace teracell

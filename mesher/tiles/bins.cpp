@@ -1,0 +1,195 @@
+#include "mesher/tiles/bins.hpp"
+
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
+namespace teracell {
+namespace {
+
+// A surface whose facets are small next to a bin lies in little more than one each.
+constexpr double kBinsOfAFacet = 1.2;
+constexpr size_t kPage = 4096;
+// Loaded, a facet takes what it takes on disk, in the store, and in its survey.
+constexpr uint64_t kLoadedBytes = 200;
+
+}  // namespace
+
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> wide)
+    : rays_(meta, std::move(wide)),
+      float32_(float32),
+      record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + sizeof(uint32_t)),
+      most_facets_(std::max<uint64_t>(budget.bytes / 16 / kLoadedBytes, 1024)),
+      move_(std::move(move)),
+      file_(budget.folder, static_cast<uint64_t>(kBinsOfAFacet * static_cast<double>(facets * record_bytes_))),
+      root_{rays_.root(), 0, {}, {}, {}},
+      writer_(own_writer) {
+  // As many bins from the start as are likely to be needed, if their buffers fit: what must be split later is written again.
+  constexpr uint64_t kLeastBuffer = 4096;
+  uint64_t bins = 1;
+  for (int depth = root_.place.depth; depth > 0 && bins * most_facets_ < facets * 3 / 2 && bins_at(depth - 1) <= budget.bytes / 8 / kLeastBuffer; --depth) {
+    open_leaves(root_);
+    bins = bins_at(depth - 1);
+  }
+  buffer_bytes_ = std::clamp<uint64_t>(budget.bytes / 16 / bins, kLeastBuffer, 1 << 20) / record_bytes_ * record_bytes_;
+}
+
+uint64_t FacetBins::bins_at(int depth) const {
+  const uint64_t size = rays_.size(depth);
+  return ((rays_.shape.nu + size - 1) / size) * ((rays_.shape.nv + size - 1) / size);
+}
+
+void FacetBins::open_leaves(Bin& bin) const {
+  if (bin.children.empty()) open_children(bin);
+  else for (Bin& child : bin.children) open_leaves(child);
+}
+
+void FacetBins::open_children(Bin& bin) const {
+  for (uint32_t k = 0; k < 16; ++k) bin.children.push_back({{bin.place.depth - 1, bin.place.cu * 4 + k % 4, bin.place.cv * 4 + k / 4}, 0, {}, {}, {}});
+}
+
+FacetBins::Places FacetBins::places_of(const RayRange& r) const {
+  const auto unit = static_cast<uint32_t>(rays_.size(0));
+  const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
+  return {std::min(r.u0, u) / unit, std::min(r.u1, u) / unit, std::min(r.v0, v) / unit, std::min(r.v1, v) / unit};
+}
+
+void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin) {
+  const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
+  std::array<uint8_t, 9 * sizeof(double) + sizeof(uint32_t)> record;
+  encode(facet, tag, {record.data(), record_bytes_});
+  put(root_, places_of(rays_.range_of(placed(facet, tag), layer_in(tag))), {record.data(), record_bytes_});
+}
+
+void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> record) {
+  if (bin.children.empty()) {
+    ++bin.facets;
+    if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_ + kPage);
+    bin.buffer.insert(bin.buffer.end(), record.begin(), record.end());
+    if (bin.buffer.size() >= buffer_bytes_) flush(bin);
+    return;
+  }
+  const int shift = 2 * (bin.place.depth - 1);
+  const uint32_t u = bin.place.cu * 4, v = bin.place.cv * 4;
+  const uint32_t u0 = std::max(places.u0 >> shift, u), u1 = std::min(places.u1 >> shift, u + 3);
+  const uint32_t v0 = std::max(places.v0 >> shift, v), v1 = std::min(places.v1 >> shift, v + 3);
+  for (uint32_t cv = v0; cv <= v1; ++cv)
+    for (uint32_t cu = u0; cu <= u1; ++cu) put(bin.children[(cv - v) * 4 + cu - u], places, record);
+}
+
+void FacetBins::flush(Bin& bin) {
+  if (bin.buffer.empty()) return;
+  bin.extents.push_back({end_, bin.buffer.size(), checksum(bin.buffer)});
+  bin.buffer.resize((bin.buffer.size() + kPage - 1) / kPage * kPage);  // whole pages: the system fills up others, which costs a fifth of writing
+  end_ += bin.buffer.size();
+  writer_.run([this, offset = bin.extents.back().offset, bytes = std::move(bin.buffer)] { file_.write(offset, bytes); });
+  bin.buffer = {};
+}
+
+void FacetBins::finish() {
+  split_large(root_);
+  writer_.finish();
+}
+
+void FacetBins::split_large(Bin& bin) {
+  if (bin.children.empty()) {
+    flush(bin);
+    if (bin.facets <= most_facets_ || bin.place.depth == 0) return;
+    Bin whole = std::move(bin);
+    bin = {whole.place, 0, {}, {}, {}};
+    open_children(bin);
+    writer_.finish();
+    take_records(whole, [&](std::span<const uint8_t> record) {
+      uint32_t tag;
+      const Facet facet = decode(record, tag);
+      put(bin, places_of(rays_.range_of(placed(facet, tag), layer_in(tag))), record);
+    });
+  }
+  for (Bin& child : bin.children) split_large(child);
+}
+
+const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
+  const Bin* bin = &root_;
+  while (bin->place.depth > place.depth && !bin->children.empty()) {
+    const int up = 2 * (bin->place.depth - 1 - place.depth);
+    bin = &bin->children[(place.cv >> up) % 4 * 4 + (place.cu >> up) % 4];
+  }
+  return *bin;
+}
+
+void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet&, const RayRange&)>& f) {
+  Bin& bin = const_cast<Bin&>(bin_at(place));
+  const int shift = 2 * place.depth;
+  const auto inside = [&](uint32_t u, uint32_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
+  take_records(bin, [&](std::span<const uint8_t> record) {
+    BinnedFacet out;
+    uint32_t tag;
+    out.facet = decode(record, tag);
+    out.layer = layer_in(tag);
+    out.ignored = (tag & kIgnored) != 0;
+    out.added = (tag & kNotOfFile) != 0;
+    const Facet moved = placed(out.facet, tag);
+    const RayRange range = rays_.range_of(moved, out.layer);
+    const Places places = places_of(range);
+    out.shared = !inside(places.u0, places.v0) || !inside(places.u1, places.v1);
+    out.at_home = true;
+    if (out.shared) {
+      // At home where its least vertex is: facets with the same vertices have the same home.
+      const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
+      const Places home = places_of(rays_.range_of({{p, p, p}}, out.layer));
+      out.at_home = inside(home.u0, home.v0);
+    }
+    f(out, moved, out.ignored ? RayRange{} : range);
+  });
+}
+
+template <class F>
+void FacetBins::take_records(Bin& bin, F&& f) {
+  std::vector<uint8_t> bytes;
+  for (const Extent& e : bin.extents) {
+    bytes.resize(e.bytes);
+    file_.read(e.offset, bytes);
+    if (checksum(bytes) != e.checksum) throw IoError(fmt::format("a temporary file: its {} bytes at {} are not those that were written", e.bytes, e.offset));
+    for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(std::span<const uint8_t>(bytes.data() + at, record_bytes_));
+  }
+  bin.extents = {};
+}
+
+void FacetBins::encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const {
+  uint8_t* to = record.data();
+  for (const Vec3& p : facet.vertex)
+    for (const double x : p) {
+      if (float32_) {
+        const auto single = static_cast<float>(x);
+        std::memcpy(to, &single, sizeof single);
+        to += sizeof single;
+      } else {
+        std::memcpy(to, &x, sizeof x);
+        to += sizeof x;
+      }
+    }
+  std::memcpy(to, &tag, sizeof tag);
+}
+
+Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& tag) const {
+  Facet facet;
+  const uint8_t* from = record.data();
+  for (Vec3& p : facet.vertex)
+    for (double& x : p) {
+      if (float32_) {
+        float single;
+        std::memcpy(&single, from, sizeof single);
+        x = single;
+        from += sizeof single;
+      } else {
+        std::memcpy(&x, from, sizeof x);
+        from += sizeof x;
+      }
+    }
+  std::memcpy(&tag, from, sizeof tag);
+  return facet;
+}
+
+}  // namespace teracell

@@ -1,0 +1,22 @@
+#include "mesher/tiles/facet_store.hpp"
+
+#include <algorithm>
+
+#include "mesher/surface/populate.hpp"
+
+namespace teracell {
+
+std::span<SceneFacet> FacetStore::append(std::span<const Facet> facets, uint32_t layer) {
+  const uint64_t used = size_ % kPiece;
+  if (used == 0) {
+    pieces_.push_back(std::make_unique_for_overwrite<SceneFacet[]>(kPiece));
+    if (size_ != 0) populate(pieces_.back().get(), kPiece * sizeof(SceneFacet));  // small scenes don't fill their first one
+  }
+  SceneFacet* const first = pieces_.back().get() + used;
+  const size_t count = std::min<size_t>(facets.size(), kPiece - used);
+  for (size_t i = 0; i < count; ++i) first[i] = {facets[i], layer};
+  size_ += count;
+  return {first, count};
+}
+
+}  // namespace teracell

@@ -1,0 +1,93 @@
+// Where the rays of a grid are, as a tree of 4 x 4 children a node (tiling.hpp).
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "mesher/engines/engine.hpp"
+#include "store/format.hpp"
+
+namespace teracell {
+
+// Finds rays by coordinate with a multiplication and a margin for its roundings: never too few, seldom one too many.
+class RayBounds {
+ public:
+  explicit RayBounds(const Axis& axis) : axis_(axis) {
+    if (axis.is_graded()) return;
+    per_ray_ = 1 / axis.step();
+    const double offset = static_cast<double>(axis.first()) + axis.sample(), n = static_cast<double>(axis.cells());
+    const double margin = 0x1p-48 * (std::abs(axis.origin()) * per_ray_ + offset + n + 1);
+    from_ = offset + margin;
+    to_ = offset - margin;
+  }
+  uint32_t first(double lo) const { return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(lo)) : ceil((lo - axis_.origin()) * per_ray_ - from_); }
+  uint32_t last(double hi) const { return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(hi)) : ceil((hi - axis_.origin()) * per_ray_ - to_); }
+
+ private:
+  uint32_t ceil(double t) const {
+    t = std::clamp(t, 0.0, static_cast<double>(axis_.cells()));
+    const auto whole = static_cast<int32_t>(t);
+    return static_cast<uint32_t>(whole) + (t > whole);
+  }
+  const Axis& axis_;
+  double per_ray_ = 0, from_ = 0, to_ = 0;
+};
+
+// The rays that a facet may meet: [u0, u1) x [v0, v1). Empty when it slips between the rays.
+struct RayRange {
+  uint32_t u0, u1, v0, v1;
+  bool empty() const { return u0 >= u1 || v0 >= v1; }
+};
+
+// The chunks of level 0 that a facet may have rays in: [u0, u1] x [v0, v1].
+struct ChunkRange {
+  uint32_t u0, u1, v0, v1;
+};
+
+// A node of the tree: `depth` 0 is a unit, 4 x 4 chunks. (cu, cv) counts nodes of this depth.
+struct TreePlace {
+  int depth = 0;
+  uint32_t cu = 0, cv = 0;
+};
+
+struct RayFrame {
+  Frame frame;
+  const Axis& w;
+  RayBounds u, v;
+  LevelShape shape;
+  std::vector<bool> wide;  // of each body, or empty: none
+
+  // Keeps references to the axes. The facets of `wide` bodies reach a ray further on each side: they may own cells that they
+  // meet beside the rays (marker.hpp).
+  explicit RayFrame(const Metadata& meta, std::vector<bool> wide_bodies = {})
+      : frame(meta.frame()),
+        w(meta.grid.axis[frame.w]),
+        u(meta.grid.axis[frame.u]),
+        v(meta.grid.axis[frame.v]),
+        shape(meta, 0),
+        wide(std::move(wide_bodies)) {}
+
+  RayRange range_of(const Facet& facet, uint32_t layer) const {
+    const auto& [a, b, c] = facet.vertex;
+    // Of two at a time: for lists the library branches, and every other branch is mispredicted.
+    const auto least = [&](int d) { return std::min(std::min(a[d], b[d]), c[d]); };
+    const auto most = [&](int d) { return std::max(std::max(a[d], b[d]), c[d]); };
+    const RayRange r = {u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))};
+    if (wide.empty() || !wide[layer / 2]) return r;
+    return {r.u0 - (r.u0 > 0), std::min(r.u1 + 1, shape.nu), r.v0 - (r.v0 > 0), std::min(r.v1 + 1, shape.nv)};
+  }
+  // REQUIRES: !range.empty().
+  ChunkRange chunks_of(const RayRange& r) const {
+    const uint32_t size = shape.chunk_rays;
+    return {r.u0 / size, (r.u1 - 1) / size, r.v0 / size, (r.v1 - 1) / size};
+  }
+  // A side of a node of that depth, in rays.
+  uint64_t size(int depth) const { return uint64_t{4} * shape.chunk_rays << (2 * depth); }
+  TreePlace root() const {
+    TreePlace root;
+    while (size(root.depth) < std::max(shape.nu, shape.nv)) ++root.depth;
+    return root;
+  }
+};
+
+}  // namespace teracell

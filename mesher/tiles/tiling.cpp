@@ -1,0 +1,147 @@
+#include "mesher/tiles/tiling.hpp"
+
+#include <numeric>
+
+namespace teracell {
+namespace {
+
+// Calls f(child) for all of a place's 4 x 4 children, of 2^shift x 2^shift chunks, that a facet with chunks `r` may meet.
+template <class F>
+void for_each_child(const ChunkRange& r, uint32_t cu, uint32_t cv, int shift, F&& f) {
+  const uint32_t first_u = cu * 4, first_v = cv * 4;
+  const uint32_t u0 = std::max(r.u0 >> shift, first_u), u1 = std::min(r.u1 >> shift, first_u + 3);
+  const uint32_t v0 = std::max(r.v0 >> shift, first_v), v1 = std::min(r.v1 >> shift, first_v + 3);
+  for (uint32_t v = v0; v <= v1; ++v)
+    for (uint32_t u = u0; u <= u1; ++u) f((v - first_v) * 4 + u - first_u);
+}
+
+ListedFacet listed(uint32_t number, const ChunkRange& r, uint32_t cu, uint32_t cv) {
+  const auto within = [](uint32_t chunk, uint32_t first) { return static_cast<uint8_t>(std::clamp(chunk, first, first + 4) - first); };
+  return {number, within(r.u0, cu * 4), within(r.u1 + 1, cu * 4), within(r.v0, cv * 4), within(r.v1 + 1, cv * 4)};
+}
+
+}  // namespace
+
+Tiling::Tiling(const Metadata& meta, std::vector<bool> wide) : rays_(meta, std::move(wide)) {
+  units_u_ = (rays_.shape.chunks_u + 3) / 4;
+  units_v_ = (rays_.shape.chunks_v + 3) / 4;
+  units_ = uint64_t{units_u_} * units_v_;
+}
+
+// Makes a node of facets in memory. It lists them from the lowest to the highest along the rays, to a 4096th of the grid,
+// and every list made from it does so too: the crossings of a ray then come out nearly sorted, which makes sorting them
+// four times cheaper.
+class Tiling::NodeBuilder {
+ public:
+  explicit NodeBuilder(const RayFrame& rays) : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {}
+  void expect(uint64_t facets) {
+    block_->chunks.reserve(facets);
+    heights_.reserve(facets);
+  }
+  // The facets of the store, one after another.
+  void add(const Facet& facet, const RayRange& r) {
+    const auto& [a, b, c] = facet.vertex;
+    const double height = (std::min(std::min(a[w_], b[w_]), c[w_]) - lowest_) * per_height_;
+    const uint16_t h = r.empty() ? kNone : static_cast<uint16_t>(std::clamp(height, 0.0, kHeights - 1.0));
+    block_->chunks.push_back(h == kNone ? ChunkRange{} : rays_.chunks_of(r));
+    heights_.push_back(h);
+    ++order_[h + 1];
+  }
+  Node finish(const TreePlace& place, std::shared_ptr<const FacetStore> facets) {
+    std::partial_sum(order_.begin(), order_.end(), order_.begin());
+    std::vector<ListedFacet> list(order_[kNone]);
+    for (uint32_t i = 0; i < heights_.size(); ++i)
+      if (heights_[i] != kNone) list[order_[heights_[i]]++] = place.depth == 0 ? listed(i, block_->chunks[i], place.cu, place.cv) : ListedFacet{i};
+    block_->facets = std::move(facets);
+    return {place, std::move(block_), std::move(list)};
+  }
+
+ private:
+  static constexpr uint32_t kHeights = 4096;
+  static constexpr uint16_t kNone = kHeights;  // slips between the rays
+  const RayFrame& rays_;
+  const int w_;
+  const double lowest_, per_height_;
+  std::shared_ptr<FacetBlock> block_ = std::make_shared<FacetBlock>();
+  std::vector<uint16_t> heights_;
+  std::vector<uint32_t> order_ = std::vector<uint32_t>(kHeights + 2);
+};
+
+Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta, std::vector<bool> wide) : Tiling(meta, std::move(wide)) {
+  NodeBuilder root(rays_);
+  root.expect(facets->size());
+  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_.range_of(f.facet, f.layer)); });
+  path_.push_back(root.finish(rays_.root(), std::move(facets)));
+}
+
+Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, int ahead, const Metadata& meta) : Tiling(meta) {
+  bins_ = std::move(bins);
+  survey_ = &survey;
+  ahead_ = static_cast<size_t>(ahead);
+  path_.push_back({rays_.root(), nullptr, {}});
+}
+
+Tiling::Node Tiling::load(const TreePlace& place) const {
+  const auto store = std::make_shared<FacetStore>();
+  NodeBuilder node(rays_);
+  BinnedSurvey::Bin survey(*survey_, bins_->facets(place));
+  bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
+    survey.add(f);
+    if (range.empty()) return;
+    store->append({&moved, 1}, f.layer);
+    node.add(moved, range);
+  });
+  survey.finish();
+  return node.finish(place, store);
+}
+
+Tiling::Node Tiling::take_bin(const TreePlace& place) {
+  std::future<Node> loading;
+  if (!next_bins_.empty()) {
+    loading = std::move(next_bins_.front());
+    next_bins_.pop_front();
+  }
+  size_t bins = 0;  // on the path, before one that is split
+  for (auto n = path_.rbegin(); n != path_.rend() && next_bins_.size() < ahead_ && (n->block || !bins_->is_split(n->place)); ++n)
+    if (!n->block && ++bins > next_bins_.size()) next_bins_.push_back(std::async(std::launch::async, [this, at = n->place] { return load(at); }));
+  return loading.valid() ? loading.get() : load(place);
+}
+
+std::optional<Unit> Tiling::next() {
+  while (!path_.empty()) {
+    Node node = std::move(path_.back());
+    path_.pop_back();
+    if (!node.block && !bins_->is_split(node.place)) node = take_bin(node.place);
+    if (node.place.depth == 0) return Unit{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
+    push_children(std::move(node));
+  }
+  return std::nullopt;
+}
+
+void Tiling::push_children(Node node) {
+  const TreePlace& at = node.place;
+  const int depth = at.depth - 1;
+  std::array<std::vector<ListedFacet>, 16> lists;
+  for (auto& list : lists) list.reserve(node.facets.size() / 8);  // what isn't used is never touched; growing would touch all twice
+  for (const ListedFacet& f : node.facets) {
+    const ChunkRange& chunks = node.block->chunks[f.number];
+    for_each_child(chunks, at.cu, at.cv, 2 * depth + 2, [&](uint32_t child) {
+      lists[child].push_back(depth == 0 ? listed(f.number, chunks, at.cu * 4 + child % 4, at.cv * 4 + child / 4) : f);
+    });
+  }
+  for (uint32_t k = 16; k-- > 0;) {  // the last one first: it is a stack
+    const TreePlace child{depth, at.cu * 4 + k % 4, at.cv * 4 + k / 4};
+    if (uint64_t{child.cu} << (2 * depth) < units_u_ && uint64_t{child.cv} << (2 * depth) < units_v_) path_.push_back({child, node.block, std::move(lists[k])});
+  }
+}
+
+std::array<std::vector<const SceneFacet*>, 4> Tiling::split(const Unit& unit, uint32_t row) const {
+  std::array<std::vector<const SceneFacet*>, 4> lists;
+  for (const ListedFacet& f : unit.facets) {
+    if (row < f.v0 || row >= f.v1) continue;
+    for (uint32_t u = f.u0; u < f.u1; ++u) lists[u].push_back(&(*unit.block->facets)[f.number]);
+  }
+  return lists;
+}
+
+}  // namespace teracell

@@ -1,0 +1,235 @@
+#include "server/http/connection.hpp"
+
+#include <sys/socket.h>
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+namespace teracell {
+namespace {
+
+constexpr auto kLinger = std::chrono::seconds(2);  // for a client to see why it was refused
+constexpr size_t kMostLingering = size_t{1} << 20;
+constexpr size_t kFirstBuffer = size_t{2} << 10;   // of an idle connection; grows to what a head may have
+
+// What is being thrown, as an answer.
+Response failure() {
+  try {
+    throw;
+  } catch (const HttpError& e) {
+    return error_response(e.status, e.code, e.what());
+  } catch (const std::bad_alloc&) {
+    return error_response(503, "out_of_memory", "the server is out of memory: ask again later");
+  } catch (const std::exception& e) {
+    return error_response(500, "internal", e.what());
+  } catch (...) {
+    return error_response(500, "internal", "unknown");
+  }
+}
+
+}  // namespace
+
+Connection::Connection(Loop& loop, Socket socket, Counted open)
+    : open_(std::move(open)), loop_(loop), shared_(loop.shared), socket_(std::move(socket)), buffer_(kFirstBuffer) {
+  error_code ignored;
+  socket_.set_option(tcp::no_delay(true), ignored);
+  socket_.non_blocking(true, ignored);
+  client_ = socket_.remote_endpoint(ignored).address().to_string(ignored);
+  local_ = authority(socket_.local_endpoint(ignored));
+  deadline_ = Clock::now() + shared_.options.request_timeout;
+  place_ = loop.connections.insert(loop.connections.end(), this);
+  if (loop.stopping) finish();
+}
+
+Connection::~Connection() {
+  loop_.connections.erase(place_);
+  if (loop_.stopping && loop_.connections.empty()) loop_.timer.cancel();
+}
+
+Awaitable<void> Connection::serve() {
+  error_code error;
+  while (keep_) {
+    parser_.emplace(head_);
+    HeadParser::Progress progress;
+    while ((progress = parse()) == HeadParser::kMore) {
+      if (state_ == kIdle && (parser_->begun() || begin_ < end_)) {
+        state_ = kReading;
+        deadline_ = Clock::now() + shared_.options.request_timeout;
+      }
+      end_ += co_await socket_.async_read_some(space(), asio::redirect_error(kAwait, error));
+      if (error) co_return;
+    }
+    const auto start = Clock::now();
+    deadline_ = Clock::time_point::max();
+    if (progress == HeadParser::kWhole) {
+      keep_ = parser_->keep_alive() && !loop_.stopping;
+      co_await make();
+    } else {
+      keep_ = false;
+      response_ = std::move(parser_->refusal());
+    }
+    const bool taken = co_await send();
+    const auto now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - start).count();
+    shared_.metrics.request(response_.route, response_.status, seconds);
+    shared_.log.write({client_, head_.method, head_.target, response_.status, body_sent_, seconds * 1e3, response_.route});
+    if (!taken) co_return;
+    response_ = {};  // its body is the cache's
+    held_ = {};
+    state_ = kIdle;
+    deadline_ = now + shared_.options.idle_timeout;
+  }
+  co_await linger();
+}
+
+HeadParser::Progress Connection::parse() {
+  std::string_view bytes(buffer_.data() + begin_, end_ - begin_);
+  const HeadParser::Progress progress = parser_->put(bytes);
+  begin_ = end_ - bytes.size();
+  return progress;
+}
+
+asio::mutable_buffer Connection::space() {
+  if (begin_ == end_) begin_ = end_ = 0;
+  if (end_ == buffer_.size() && begin_ > 0) {
+    std::copy(buffer_.begin() + static_cast<std::ptrdiff_t>(begin_), buffer_.begin() + static_cast<std::ptrdiff_t>(end_), buffer_.begin());
+    end_ -= begin_, begin_ = 0;
+  }
+  if (end_ == buffer_.size()) buffer_.resize(std::min(2 * buffer_.size(), HeadParser::kMaxHead));
+  return asio::buffer(buffer_.data() + end_, buffer_.size() - end_);
+}
+
+Awaitable<void> Connection::make() {
+  state_ = kMaking;
+  const ListenerOptions& o = shared_.options;
+  std::optional<Response> here;
+  try {
+    here = answer_here();
+  } catch (...) {
+    here = failure();
+  }
+  if (here) {
+    response_ = std::move(*here);
+    co_return;
+  }
+  const Counted waiting(shared_.metrics.waiting);
+  if (shared_.metrics.waiting > o.max_waiting)
+    response_ = overloaded(fmt::format("{} requests are being made or wait already", o.max_waiting));
+  else if (holds_too_much())
+    response_ = too_much_held();
+  else
+    co_await asio::co_spawn(shared_.pool.executor(), make_in_pool(), kAwait);
+  if (loop_.stopping) keep_ = false;
+}
+
+// Other methods, other paths, no token, and what the handler has at once. None: it must be made.
+std::optional<Response> Connection::answer_here() {
+  const ListenerOptions& o = shared_.options;
+  if (head_.method == "OPTIONS") return Response{.status = 204, .route = "options"};
+  if (head_.method != "GET" && head_.method != "HEAD") return error_response(405, "method_not_allowed", "expected GET, HEAD or OPTIONS");
+  fill_request(request_, head_, o.base_path, local_);
+  const bool inside = take_off_base(request_.target, o.base_path);
+  const std::string_view path = path_of(request_.target);
+  if (path.empty() || (!inside && path == "/")) return Response{.status = 302, .cache_control = "no-cache", .location = request_.prefix + "/"};
+  if (!inside) return error_response(404, "not_found", fmt::format("expected a path below {}/", o.base_path));
+  const auto open = [&] { return path == "/healthz" || (shared_.handler.is_open && shared_.handler.is_open(path)); };
+  if (!o.token.empty() && !bears_token(head_.authorization, o.token) && !open()) {
+    Response r = error_response(401, "unauthorized", "expected the field Authorization: Bearer TOKEN");
+    r.route = "unauthorized";
+    return r;
+  }
+  return shared_.handler.at_once(request_);
+}
+
+// On a thread of the pool. Nobody waits for an answer on a connection that was closed: browsers give up tiles so.
+Awaitable<void> Connection::make_in_pool() {
+  char byte;
+  if (!finishing_ && recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0) {
+    response_ = error_response(499, "gone", "the client closed the connection");
+    keep_ = false;
+    co_return;
+  }
+  if (holds_too_much()) {  // since it began to wait
+    response_ = too_much_held();
+    co_return;
+  }
+  try {
+    response_ = shared_.handler.handle(request_);
+  } catch (...) {
+    response_ = failure();
+  }
+  held_ = Counted(shared_.metrics.held_bytes, response_.body ? response_.body->size() : 0);
+}
+
+bool Connection::holds_too_much() const { return shared_.metrics.held_bytes >= shared_.options.max_held; }
+
+Response Connection::too_much_held() const {
+  return overloaded(fmt::format("answers of {} bytes wait for their clients to take them", shared_.metrics.held_bytes.load()));
+}
+
+Response Connection::overloaded(const std::string& message) const {
+  shared_.metrics.overloaded.fetch_add(1);
+  return error_response(503, "overloaded", message + ": try again in a second");
+}
+
+// False: the client went away, or took too long.
+Awaitable<bool> Connection::send() {
+  static const std::string nothing;
+  const bool with_body = response_.body && head_.method != "HEAD" && response_.status != 204 && response_.status != 304;
+  const std::string& body = with_body ? *response_.body : nothing;
+  out_.clear();
+  append_head(out_, response_, {keep_, head_.http11, loop_.date()});
+  std::array<asio::const_buffer, 2> rest{asio::buffer(out_), asio::buffer(body)};
+  error_code error;
+  size_t sent = socket_.write_some(rest, error);
+  const size_t all = out_.size() + body.size();
+  if (error == asio::error::would_block) error = {};
+  if (sent < all && !error) {
+    state_ = kWriting;
+    deadline_ = Clock::now() + shared_.options.answer_timeout + std::chrono::seconds(all / ListenerOptions::kSlowest);
+    if (!held_) held_ = Counted(shared_.metrics.held_bytes, body.size());
+    while (sent < all && !error) {
+      rest = {asio::buffer(out_) + sent, asio::buffer(body) + (std::max(sent, out_.size()) - out_.size())};
+      sent += co_await socket_.async_write_some(rest, asio::redirect_error(kAwait, error));
+    }
+  }
+  body_sent_ = std::max(sent, out_.size()) - out_.size();
+  co_return !error;
+}
+
+// Closing with unread bytes would throw away what the client has not taken yet, such as the answer that says what was
+// wrong with them.
+Awaitable<void> Connection::linger() {
+  error_code error;
+  socket_.shutdown(tcp::socket::shutdown_send, error);
+  if (loop_.stopping) receive_no_more();
+  state_ = kLingering;
+  deadline_ = Clock::now() + kLinger;
+  for (size_t read = 0; !error && read < kMostLingering;)
+    read += co_await socket_.async_read_some(asio::buffer(buffer_), asio::redirect_error(kAwait, error));
+}
+
+void Connection::finish() {
+  if (state_ != kMaking && state_ != kWriting) receive_no_more();
+}
+
+// What the system has of a request is still read; then comes the end.
+void Connection::receive_no_more() {
+  error_code ignored;
+  finishing_ = true;
+  socket_.shutdown(tcp::socket::shutdown_receive, ignored);
+}
+
+void Connection::drop_if_late(Clock::time_point now) {
+  if (now < deadline_) return;
+  Metrics& m = shared_.metrics;
+  if (state_ == kIdle) m.idle.fetch_add(1);
+  else if (state_ == kReading) m.slow_requests.fetch_add(1);
+  else if (state_ == kWriting) m.slow_answers.fetch_add(1);
+  error_code ignored;
+  socket_.close(ignored);
+}
+
+}  // namespace teracell

@@ -1,0 +1,137 @@
+#include "server/http/listener.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "server/http/loop.hpp"
+
+namespace teracell {
+namespace {
+
+using Acceptor = asio::basic_socket_acceptor<tcp, Executor>;
+
+constexpr auto kPause = std::chrono::milliseconds(250);  // when nothing can be accepted
+
+tcp::endpoint resolved(asio::io_context& io, const std::string& host, uint16_t port) {
+  error_code error;
+  const auto found = tcp::resolver(io).resolve(host, std::to_string(port), tcp::resolver::passive | tcp::resolver::numeric_service, error);
+  if (error || found.empty()) throw IoError(fmt::format("--host {}: expected an address of this machine, found: {}", host, error.message()));
+  return *found.begin();
+}
+
+const char* way_out(const error_code& error) {
+  if (error == asio::error::address_in_use) return ": stop the other server, or choose another --port";
+  if (error == asio::error::access_denied) return ": choose a --port from 1024 on";
+  return error.value() == EADDRNOTAVAIL ? ": --host takes an address of this machine" : "";
+}
+
+}  // namespace
+
+struct Listener::State {
+  State(ListenerOptions options, Handler handler, Metrics& metrics, AccessLog& log) : shared(std::move(options), std::move(handler), metrics, log) {
+    for (int i = 0; i < std::max(1, shared.options.threads); ++i) loops.push_back(std::make_unique<Loop>(shared));
+    acceptor.emplace(loops[0]->io);
+    signals.emplace(loops[0]->io);
+  }
+  // The pool's work uses connections, which belong to the loops.
+  ~State() { shared.pool.join(); }
+
+  void bind();
+  Awaitable<void> accept();
+  Awaitable<void> accept_one(Loop& loop);
+  void stop();
+
+  Shared shared;
+  std::vector<std::unique_ptr<Loop>> loops;
+  std::optional<Acceptor> acceptor;
+  std::optional<asio::signal_set> signals;
+  tcp::endpoint local;
+};
+
+Listener::Listener(ListenerOptions options, Handler handler, Metrics& metrics, AccessLog& log)
+    : state_(std::make_unique<State>(std::move(options), std::move(handler), metrics, log)) {
+  state_->bind();
+  if (state_->shared.options.stop_on_signals) {
+    state_->signals->add(SIGINT);
+    state_->signals->add(SIGTERM);
+    state_->signals->async_wait([s = state_.get()](const error_code& error, int) {
+      if (!error) s->stop();
+    });
+  }
+}
+
+Listener::~Listener() = default;
+
+std::string Listener::url() const { return fmt::format("http://{}{}/", authority(state_->local), state_->shared.options.base_path); }
+
+bool Listener::loopback() const { return state_->local.address().is_loopback(); }
+
+bool Listener::run() {
+  State& s = *state_;
+  asio::co_spawn(s.loops[0]->io, s.accept(), asio::detached);
+  for (const auto& loop : s.loops) asio::co_spawn(loop->io, loop->sweep(), asio::detached);
+  {
+    std::vector<std::jthread> others;
+    try {
+      for (size_t i = 1; i < s.loops.size(); ++i) others.emplace_back([&loop = *s.loops[i]] { run_all(loop.io); });
+    } catch (...) {  // a thread that can't be had: those that are there must not go on
+      for (const auto& loop : s.loops) loop->io.stop();
+      throw;
+    }
+    run_all(s.loops[0]->io);
+  }
+  return std::ranges::all_of(s.loops, [](const auto& loop) { return loop->drained; });
+}
+
+void Listener::stop() { state_->stop(); }
+
+void Listener::State::bind() {
+  const ListenerOptions& o = shared.options;
+  const tcp::endpoint wanted = resolved(loops[0]->io, o.host, o.port);
+  error_code error;
+  acceptor->open(wanted.protocol(), error);
+  if (!error) acceptor->set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor->bind(wanted, error);
+  if (!error) acceptor->listen(asio::socket_base::max_listen_connections, error);
+  if (error)
+    throw IoError(fmt::format("can't listen at {} port {}: {}{}", o.host, o.port, error.message(), way_out(error)));
+  local = acceptor->local_endpoint();
+}
+
+// Deals the connections out to the loops in turn.
+Awaitable<void> Listener::State::accept() {
+  for (size_t turn = 0; acceptor->is_open(); turn = (turn + 1) % loops.size()) try {
+      co_await accept_one(*loops[turn]);
+    } catch (const std::exception&) {  // no memory for this one
+    }
+}
+
+Awaitable<void> Listener::State::accept_one(Loop& loop) {
+  Metrics& m = shared.metrics;
+  Socket socket(loop.io);
+  error_code error;
+  co_await acceptor->async_accept(socket, asio::redirect_error(kAwait, error));
+  if (error == asio::error::operation_aborted) co_return;
+  if (error) {  // no descriptors left, or the client is gone again
+    Timer pause(loops[0]->io, kPause);
+    co_await pause.async_wait(asio::redirect_error(kAwait, error));
+    co_return;
+  }
+  m.accepted.fetch_add(1);
+  if (m.connections < shared.options.max_connections) loop.adopt(std::move(socket), Counted(m.connections));
+  else m.refused.fetch_add(1);
+}
+
+void Listener::State::stop() {
+  asio::post(loops[0]->io, [this] {
+    error_code ignored;
+    acceptor->close(ignored);
+    signals->clear(ignored);  // the next one has its usual effect
+    for (const auto& loop : loops) asio::post(loop->io, [&l = *loop] { l.stop(); });
+  });
+}
+
+}  // namespace teracell

@@ -1,0 +1,130 @@
+#include "server/picture/png_rows.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+namespace teracell {
+namespace {
+
+constexpr int64_t kAdlerBase = 65521;
+
+}  // namespace
+
+void append_changes(std::span<const uint16_t> above, std::span<const uint16_t> row, std::vector<uint32_t>& groups) {
+  const size_t whole = row.size() / 8, all = (row.size() + 7) / 8, before = groups.size();
+  if (!above.empty() && std::memcmp(above.data(), row.data(), row.size_bytes()) == 0) return;
+  groups.resize(before + all);
+  uint32_t* end = groups.data() + before;
+  for (uint32_t g = 0; g < whole; ++g) {
+    *end = g;
+    bool differs = above.empty();
+    if (!differs) {
+      std::array<uint64_t, 2> a, b;
+      std::memcpy(a.data(), &above[8 * size_t{g}], 16);
+      std::memcpy(b.data(), &row[8 * size_t{g}], 16);
+      differs = ((a[0] ^ b[0]) | (a[1] ^ b[1])) != 0;
+    }
+    end += differs;
+  }
+  if (whole < all && (above.empty() || !std::equal(row.begin() + static_cast<ptrdiff_t>(8 * whole), row.end(), above.begin() + static_cast<ptrdiff_t>(8 * whole))))
+    *end++ = static_cast<uint32_t>(whole);
+  groups.resize(static_cast<size_t>(end - groups.data()));
+}
+
+PngRows::PngRows(uint32_t width, uint32_t height, std::span<const Rgba> palette, PngFile::Sink sink)
+    : file_(width, height, palette, std::move(sink)),
+      bits_(file_.bits()),
+      length_((uint64_t{width} * bits_ + 7) / 8 + 1),
+      matches_above_(length_ <= RunDeflate::kFarthest),
+      near_(bits_ == 32 && matches_above_ ? 4 : 1),
+      deflate_(near_, matches_above_ ? static_cast<uint32_t>(length_) : near_ + 1, [this](std::span<const uint8_t> bytes) { file_.data(bytes); }),
+      line_(length_, 0) {}
+
+void PngRows::row(std::span<const uint16_t> numbers, std::span<const uint32_t> changed, const uint32_t* value) {
+  const auto length = static_cast<int64_t>(length_);
+  if (matches_above_) {
+    if (first_) byte(0, 0, 0);
+    else same(0, 1);
+  } else {
+    sum_ = weighted_ = 0;
+    line_[0] = 0;
+    byte(0, 2, length % kAdlerBase);
+  }
+  uint64_t at = 1;  // the bytes of the row that are done
+  for (const uint32_t group : changed) {
+    const uint64_t start = 1 + uint64_t{group} * bits_;
+    if (start > at) same(at, start - at);
+    // The row's last group may be short: its last number fills the last byte.
+    const uint16_t* n = numbers.data() + size_t{group} * 8;
+    std::array<uint16_t, 8> padded;
+    const bool whole = size_t{group} * 8 + 8 <= numbers.size();
+    if (!whole) {
+      padded.fill(numbers.back());
+      std::copy(n, numbers.data() + numbers.size(), padded.begin());
+      n = padded.data();
+    }
+    const auto bytes = file_.pack(n, value);
+    const uint64_t end = std::min(start + bits_, length_);
+    const int64_t weight = (length - static_cast<int64_t>(start)) % kAdlerBase;
+    for (at = start; at < end; ++at) byte(at, bytes[at - start], weight - static_cast<int64_t>(at - start));
+  }
+  if (at < length_) same(at, length_ - at);
+  weighted_ = (weighted_ % kAdlerBase + kAdlerBase) % kAdlerBase;
+  adler_b_ = (adler_b_ + length % kAdlerBase * adler_a_ + weighted_) % kAdlerBase;
+  adler_a_ = (adler_a_ + sum_) % kAdlerBase;
+  first_ = false;
+}
+
+// The bytes [at, at + length) are those of the row above.
+void PngRows::same(uint64_t at, uint64_t length) {
+  if (matches_above_) return extend(RunDeflate::kFar, at, length);
+  if (last_ != 0) {
+    flush(at);
+    deflate_.literal(last_ = 0);
+    if (--length == 0) return;
+  }
+  extend(RunDeflate::kNear, at, length);
+}
+
+// `weight`: how many bytes follow to the row's end, with this one, modulo the base of Adler-32.
+void PngRows::byte(uint64_t at, uint8_t value, int64_t weight) {
+  const int change = value - line_[at];
+  line_[at] = value;
+  if (matches_above_) {
+    sum_ += change;
+    weighted_ += weight * change;
+    if (change == 0 && !first_) return extend(RunDeflate::kFar, at, 1);
+    if (at >= near_ && line_[at - near_] == value) return extend(RunDeflate::kNear, at, 1);
+    flush(at);
+    deflate_.literal(value);
+  } else {
+    const auto difference = static_cast<uint8_t>(change);
+    sum_ += difference;
+    weighted_ += weight * difference;
+    if (at > 0 && difference == last_) return extend(RunDeflate::kNear, at, 1);
+    flush(at);
+    deflate_.literal(last_ = difference);
+  }
+}
+
+void PngRows::extend(RunDeflate::Back back, uint64_t at, uint64_t length) {
+  if (back != back_) flush(at);
+  back_ = back;
+  match_ += length;
+}
+
+void PngRows::flush(uint64_t at) {
+  if (match_ >= RunDeflate::kLeastMatch) deflate_.match(back_, match_);
+  else
+    for (uint64_t i = match_; i > 0; --i) deflate_.literal(!matches_above_ ? last_ : line_[at >= i ? at - i : at + length_ - i]);
+  match_ = 0;
+}
+
+void PngRows::finish() {
+  flush(0);
+  deflate_.finish(static_cast<uint32_t>(adler_b_ << 16 | adler_a_));
+  file_.finish();
+}
+
+}  // namespace teracell

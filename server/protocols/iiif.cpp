@@ -1,0 +1,131 @@
+// IIIF Image API 3.0, level 0: the tiles that info.json speaks of, the whole picture at their scales, and nothing between.
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "server/protocols/protocol.hpp"
+#include "server/routes.hpp"
+#include "server/protocols/scaled_slice.hpp"
+
+namespace teracell {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char* kRoute = "iiif";
+
+// "{id}-{axis}-{index}"; an id may hold '-' itself.
+struct Name {
+  std::string id, axis, index;
+};
+std::optional<Name> parse_name(const std::string& text) {
+  const size_t second = text.rfind('-');
+  if (second == std::string::npos || second == 0) return std::nullopt;
+  const size_t first = text.rfind('-', second - 1);
+  if (first == std::string::npos) return std::nullopt;
+  return Name{text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
+}
+
+// At the last one the picture is a single tile.
+int last_scale(const ScaledSlice& slice) { return slice.scale_within(kTilePixels); }
+
+// A tile is always given, however few pixels a picture may have.
+int64_t most_pixels(const Service& service) { return static_cast<int64_t>(std::max<uint64_t>(service.options().max_pixels, kTilePixels * kTilePixels)); }
+
+ordered_json info(const ScaledSlice& slice, const std::string& address, int64_t most) {
+  ordered_json sizes = ordered_json::array(), factors = ordered_json::array();
+  for (int scale = last_scale(slice); scale >= 0; --scale)
+    if (slice.width(scale) * slice.height(scale) <= most) sizes.push_back({{"width", slice.width(scale)}, {"height", slice.height(scale)}});
+  for (int scale = 0; scale <= last_scale(slice); ++scale) factors.push_back(int64_t{1} << scale);
+  return {{"@context", "http://iiif.io/api/image/3/context.json"},
+          {"id", address},
+          {"type", "ImageService3"},
+          {"protocol", "http://iiif.io/api/image"},
+          {"profile", "level0"},
+          {"width", slice.width()},
+          {"height", slice.height()},
+          {"maxArea", most},
+          {"sizes", sizes},
+          {"tiles", ordered_json::array({{{"width", kTilePixels}, {"height", kTilePixels}, {"scaleFactors", factors}}})},
+          {"preferredFormats", ordered_json::array({"png"})}};
+}
+
+// A part of the picture, in its own pixels.
+struct Region {
+  int64_t x, y, w, h;
+};
+std::optional<Region> parse_region(std::string_view text, const ScaledSlice& slice) {
+  if (text == "full") return Region{0, 0, slice.width(), slice.height()};
+  const auto parts = split(text, ',');
+  if (parts.size() != 4) return std::nullopt;
+  std::array<int64_t, 4> n;
+  for (size_t i = 0; i < 4; ++i) {
+    const auto value = plain_integer(parts[i]);
+    if (!value) return std::nullopt;
+    n[i] = *value;
+  }
+  if (n[0] >= slice.width() || n[1] >= slice.height() || n[2] < 1 || n[3] < 1) return std::nullopt;
+  return Region{n[0], n[1], n[2], n[3]};
+}
+
+// Whether the region is a tile of that scale, or the whole picture.
+bool is_offered(const Region& r, int scale, const ScaledSlice& slice) {
+  if (r.x == 0 && r.y == 0 && r.w == slice.width() && r.h == slice.height()) return true;
+  const int64_t size = kTilePixels << scale;
+  return r.x % size == 0 && r.y % size == 0 && r.w == std::min(size, slice.width() - r.x) && r.h == std::min(size, slice.height() - r.y);
+}
+
+// Whether `text` asks for w x h pixels: "w,h", "w,", ",h"; "max" for what is not scaled.
+bool is_size(std::string_view text, int64_t w, int64_t h, int scale) {
+  if (text == "max") return scale == 0;
+  return text == fmt::format("{},{}", w, h) || text == fmt::format("{},", w) || text == fmt::format(",{}", h);
+}
+
+// {region}/{size}/0/default.png
+std::optional<Service::Recipe> find_picture(const ScaledSlice& slice, std::span<const std::string> path, int64_t most) {
+  if (path.size() != 4 || path[2] != "0" || path[3] != "default.png") return std::nullopt;
+  const auto region = parse_region(path[0], slice);
+  if (!region) return std::nullopt;
+  for (int scale = 0; scale <= last_scale(slice); ++scale) {
+    const int64_t w = ceil_shift(region->w, scale), h = ceil_shift(region->h, scale), x = region->x >> scale, y = region->y >> scale;
+    if (!is_offered(*region, scale, slice) || !is_size(path[1], w, h, scale)) continue;
+    if (w * h > most) throw bad_request(fmt::format("size: expected at most {} pixels, found {} x {}; info.json lists the sizes", most, w, h));
+    return Service::Recipe{.content_type = "image/png", .make = [=] { return slice.png(scale, x, y, x + w, y + h); }};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Response serve_iiif(Service& service, const Request& request, const Target& target) {
+  const auto name = target.path.size() < 2 ? std::nullopt : parse_name(target.path[1]);
+  if (!name) return missing(kRoute);
+  const std::string address = request.origin + request.prefix + "/iiif/" + percent_encoded(target.path[1]);
+  if (target.path.size() == 2) {
+    return or_missing(kRoute, [&] {
+      if (!slice_at(service.grids().find(name->id)->reader(), name->axis, name->index)) return missing(kRoute);
+      Response r;
+      r.status = 303;
+      r.body = body_of("");
+      r.cache_control = "no-cache";
+      r.location = address + "/info.json";
+      r.route = kRoute;
+      return r;
+    });
+  }
+  return serve_found(service, request, target, kRoute, name->id, [&](const ServedGrid& grid, std::span<const std::string> path) -> std::optional<Service::Recipe> {
+    const auto slice = slice_at(grid.reader(), name->axis, name->index);
+    if (!slice) return std::nullopt;
+    const int64_t most = most_pixels(service);
+    if (joined(path) != "info.json") return find_picture(*slice, path, most);
+    auto recipe = json_recipe([slice = *slice, address, most] { return info(slice, address, most); });
+    recipe.content_type = R"(application/ld+json;profile="http://iiif.io/api/image/3/context.json")";
+    recipe.keep = false;
+    recipe.address = fmt::format("{} {}", address, most);
+    return recipe;
+  });
+}
+
+}  // namespace teracell

@@ -1,0 +1,50 @@
+#include "server/protocols/protocol.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "store/json_text.hpp"
+
+namespace teracell {
+
+Response missing(const char* route) {
+  Response r;
+  r.status = 404;
+  r.cache_control = "no-store";  // a cache on the way must not make holes last
+  r.body = body_of("");
+  r.route = route;
+  return r;
+}
+
+Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const Find& find) {
+  return or_missing(route, [&] {
+    const auto grid = service.grids().find(id);
+    auto recipe = find(*grid, std::span(target.path).subspan(2));
+    if (!recipe) return missing(route);
+    recipe->route = route;
+    // An answer is kept by its address: queries that mean nothing here would fill the cache with the same.
+    if (std::ranges::any_of(target.query, [](const auto& q) { return q.first != "v"; })) recipe->keep = false;
+    return service.answer(request, target, *grid, *recipe);
+  });
+}
+
+std::optional<Service::Recipe> find_document(const Documents& documents, std::string_view path) {
+  const auto it = std::ranges::find(documents, path, [](const auto& d) { return std::string_view(d.first); });
+  if (it == documents.end()) return std::nullopt;
+  return json_recipe(it->second);
+}
+
+Service::Recipe json_recipe(std::function<nlohmann::ordered_json()> make) {
+  return {.content_type = "application/json", .compress = true, .make = [make = std::move(make)] { return ascii_json(make()); }};
+}
+
+std::string joined(std::span<const std::string> path) { return fmt::format("{}", fmt::join(path, "/")); }
+
+std::optional<int> find_level(const Metadata& meta, std::string_view text) {
+  const auto level = plain_integer(text);
+  return level && *level < meta.grid.levels() ? std::optional(static_cast<int>(*level)) : std::nullopt;
+}
+
+}  // namespace teracell

@@ -1,0 +1,73 @@
+#include "server/protocols/space.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+namespace teracell {
+namespace {
+
+using nlohmann::ordered_json;
+
+struct Unit {
+  const char *ours, *name;
+  double nanometres;
+};
+constexpr Unit kUnits[] = {{"m", "meter", 1e9},     {"cm", "centimeter", 1e7}, {"mm", "millimeter", 1e6}, {"um", "micrometer", 1e3},
+                           {"nm", "nanometer", 1}, {"in", "inch", 2.54e7},    {"ft", "foot", 3.048e8}};
+
+// Viewers show a coarser level beyond the grid's end by up to one of its cells (Neuroglancer does not clip them): what is
+// listed ends where a level is a single block. The levels above are there all the same.
+int listed_levels(const Grid& grid) {
+  constexpr int64_t kBlock = 64;
+  int level = 0;
+  while (std::ranges::max(grid.cells(level)) > kBlock) ++level;
+  return level + 1;
+}
+
+}  // namespace
+
+Space::Space(const Metadata& meta) : index(true), unit(""), nanometres(1), grid_(meta.grid) {
+  const auto known = std::ranges::find(kUnits, meta.units, [](const Unit& u) { return std::string(u.ours); });
+  if (known == std::end(kUnits) || std::ranges::any_of(meta.grid.axis, &Axis::is_graded)) return;
+  index = false;
+  unit = known->name;
+  nanometres = known->nanometres;
+}
+
+double Space::step(int axis, int level) const { return std::ldexp(index ? 1.0 : grid_.axis[axis].step(), level); }
+
+double Space::first(int axis, int level) const {
+  const double behind = (std::ldexp(1.0, level) - 1) / 2;  // steps of level 0
+  return index ? behind : grid_.axis[axis].centre(0) + behind * grid_.axis[axis].step();
+}
+
+ordered_json space_json(const Metadata& meta) { return {{"units", meta.units}, {"space", Space(meta).index ? "index" : "physical"}}; }
+
+ordered_json multiscale_json(const Metadata& meta, const std::string& name) {
+  const Space space(meta);
+  ordered_json axes = ordered_json::array(), datasets = ordered_json::array();
+  for (const int axis : {2, 1, 0}) {
+    axes.push_back({{"name", axis_name(axis)}, {"type", "space"}});
+    if (!space.index) axes.back()["unit"] = space.unit;
+  }
+  for (int level = 0; level < listed_levels(meta.grid); ++level) {
+    ordered_json scale = ordered_json::array(), translation = ordered_json::array();
+    for (const int axis : {2, 1, 0}) {
+      scale.push_back(space.step(axis, level));
+      translation.push_back(space.first(axis, level));
+    }
+    const ordered_json to_space = {{{"type", "scale"}, {"scale", scale}}, {{"type", "translation"}, {"translation", translation}}};
+    datasets.push_back({{"path", std::to_string(level)}, {"coordinateTransformations", to_space}});
+  }
+  return {{"name", name}, {"axes", axes}, {"datasets", datasets}};
+}
+
+double coordinate(const Axis& axis, int level, int64_t i) {
+  if (level == 0) return axis.centre(i);
+  const int64_t lo = i << level, hi = std::min(axis.cells(), (i + 1) << level);
+  return (axis.plane(lo) + axis.plane(hi)) / 2;
+}
+
+}  // namespace teracell

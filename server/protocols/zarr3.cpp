@@ -1,0 +1,99 @@
+// Zarr v3 with OME-Zarr 0.5: the group of a grid has an array a level, "0" the finest, and the same arrays once more as
+// labels of themselves ("labels/material"), with names and colours, for clients that tell images from labels.
+//
+// Its metadata is consolidated: nothing can be listed over HTTP.
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "server/protocols/blocks.hpp"
+#include "server/protocols/protocol.hpp"
+#include "server/routes.hpp"
+#include "server/protocols/space.hpp"
+#include "store/color.hpp"
+
+namespace teracell {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr const char *kDocument = "zarr.json", *kLabels = "labels", *kMaterial = "labels/material";
+
+ordered_json group(const ordered_json& ome) { return {{"zarr_format", 3}, {"node_type", "group"}, {"attributes", {{"ome", ome}}}}; }
+
+ordered_json array(const Metadata& meta, int level) {
+  const Index3 n = meta.grid.cells(level);
+  ordered_json bytes = {{"name", "bytes"}};
+  if (wide_labels(meta)) bytes["configuration"] = {{"endian", "little"}};
+  return {{"zarr_format", 3},
+          {"node_type", "array"},
+          {"shape", {n[2], n[1], n[0]}},
+          {"data_type", wide_labels(meta) ? "uint16" : "uint8"},
+          {"dimension_names", {"z", "y", "x"}},
+          {"chunk_grid", {{"name", "regular"}, {"configuration", {{"chunk_shape", {kZarrCells, kZarrCells, kZarrCells}}}}}},
+          {"chunk_key_encoding", {{"name", "default"}, {"configuration", {{"separator", "/"}}}}},
+          {"fill_value", 0},
+          {"codecs", {bytes, {{"name", "gzip"}, {"configuration", {{"level", 1}}}}}},
+          {"attributes", ordered_json::object()}};
+}
+
+ordered_json grid_group(const ServedGrid& grid) {
+  ordered_json j = group({{"version", "0.5"}, {"multiscales", ordered_json::array({multiscale_json(grid.meta(), grid.id)})}});
+  j["attributes"]["teracell"] = space_json(grid.meta());
+  return j;
+}
+
+ordered_json label_group(const ServedGrid& grid) {
+  ordered_json colors = ordered_json::array(), properties = ordered_json::array();
+  for (size_t id = 0; id < grid.meta().materials.size(); ++id) {
+    const MaterialInfo& material = grid.meta().materials[id];
+    properties.push_back({{"label-value", id}, {"name", material.name}});
+    if (const auto color = parse_color(material.color)) colors.push_back({{"label-value", id}, {"rgba", *color}});
+  }
+  const ordered_json image_label = {{"colors", colors}, {"properties", properties}, {"source", {{"image", "../../"}}}};
+  ordered_json j = group({{"version", "0.5"}, {"multiscales", ordered_json::array({multiscale_json(grid.meta(), "material")})}, {"image-label", image_label}});
+  j["attributes"]["teracell"] = space_json(grid.meta());
+  return j;
+}
+
+// All nodes but the root, by their paths.
+Documents nodes(const ServedGrid& grid) {
+  Documents out;
+  const auto add_levels = [&](const std::string& prefix) {
+    for (int level = 0; level < grid.reader().levels(); ++level) out.emplace_back(prefix + std::to_string(level), [&grid, level] { return array(grid.meta(), level); });
+  };
+  add_levels("");
+  out.emplace_back(kLabels, [] { return group({{"version", "0.5"}, {"labels", {"material"}}}); });
+  out.emplace_back(kMaterial, [&grid] { return label_group(grid); });
+  add_levels(fmt::format("{}/", kMaterial));
+  return out;
+}
+
+ordered_json root(const ServedGrid& grid) {
+  ordered_json j = grid_group(grid), metadata = ordered_json::object();
+  for (const auto& [path, make] : nodes(grid)) metadata[path] = make();
+  j["consolidated_metadata"] = {{"kind", "inline"}, {"must_understand", false}, {"metadata", metadata}};
+  return j;
+}
+
+std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std::string> path) {
+  if (path.empty()) return std::nullopt;
+  if (path.back() == kDocument) {
+    if (path.size() == 1) return json_recipe([&grid] { return root(grid); });
+    return find_document(nodes(grid), joined(path.first(path.size() - 1)));
+  }
+  if (path.size() > 2 && joined(path.first(2)) == kMaterial) path = path.subspan(2);
+  if (path.size() != 5 || path[1] != "c") return std::nullopt;
+  const auto level = find_level(grid.meta(), path[0]);
+  const auto cube = level ? zarr_cube(grid.meta(), *level, path.subspan(2)) : std::nullopt;
+  if (!cube) return std::nullopt;
+  return cube_recipe(grid, *level, *cube, Wrapping::kGzip);
+}
+
+}  // namespace
+
+Response serve_zarr3(Service& service, const Request& request, const Target& target) {
+  if (target.path.size() < 2) return missing("zarr3");
+  return serve_found(service, request, target, "zarr3", target.path[1], find);
+}
+
+}  // namespace teracell

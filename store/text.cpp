@@ -1,0 +1,26 @@
+#include "store/text.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "store/json_text.hpp"
+
+namespace teracell {
+
+std::string printable(std::string_view text) {
+  if (std::ranges::all_of(text, [](char c) { return c >= ' ' && c < '\x7f'; })) return std::string(text);  // nearly all
+  const std::string utf8 = utf8_of(text);
+  std::string out;
+  for (size_t i = 0; i < utf8.size(); ++i) {
+    const auto byte = [&](size_t at) { return static_cast<unsigned char>(utf8[at]); };
+    const bool c1 = byte(i) == 0xc2 && byte(i + 1) < 0xa0;  // U+0080 to U+009F take two bytes
+    out += byte(i) < 0x20 || byte(i) == 0x7f || c1 ? '?' : utf8[i];
+    i += c1;
+  }
+  return out;
+}
+
+std::string plural(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
+
+}  // namespace teracell

@@ -1,0 +1,128 @@
+#include "tools/cli/command.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <charconv>
+#include <csignal>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+std::atomic<bool> interrupted{false};  // set by the signal handler, which can reach nothing else
+
+}  // namespace
+
+const std::atomic<bool>& watch_interrupts() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = true; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);
+  return interrupted;
+}
+
+void stop_if(const std::atomic<bool>& stop, const std::string& output) {
+  if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output));
+}
+
+std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option) {
+  std::vector<int64_t> out;
+  const char *at = text.data(), *end = at + text.size();
+  bool good = true;
+  while (good) {
+    int64_t value;
+    const auto [rest, error] = std::from_chars(at, end, value);
+    good = error == std::errc() && (rest == end || *rest == ',');
+    if (good) out.push_back(value);
+    if (!good || rest == end) break;
+    at = rest + 1;
+  }
+  if (!good || out.size() != count)
+    throw UsageError(fmt::format("{}: expected {}, found '{}'", option,
+                                 count == 1 ? "a whole number" : fmt::format("{} whole numbers separated by commas", count), text));
+  return out;
+}
+
+uint64_t parse_size(const std::string& text, const std::string& option) {
+  uint64_t value = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view unit(rest, text.data() + text.size() - rest);
+  const size_t power = unit.empty() ? 0 : std::string_view("KMGT").find(unit[0]) + 1;
+  const bool good_unit = unit.empty() || (power != 0 && (unit.size() == 1 || unit.substr(1) == "B" || unit.substr(1) == "iB"));
+  if (error != std::errc() || rest == text.data() || !good_unit || value > (~uint64_t{0} >> (10 * power)))
+    throw UsageError(fmt::format("{}: expected a size like 512M or 8G, found '{}'", option, text));
+  return value << (10 * power);
+}
+
+int parse_axis(const std::string& text) {
+  if (const auto axis = axis_named(text)) return *axis;
+  throw UsageError(fmt::format("--axis: expected x, y or z, found '{}'", text));
+}
+
+void check_level(const Grid& grid, int level) {
+  if (level < 0 || level >= grid.levels()) throw UsageError(fmt::format("--level: expected 0 to {}, found {}", grid.levels() - 1, level));
+}
+
+void check_region(const Grid& grid, int level, int axis, int64_t lo, int64_t hi) {
+  const int64_t cells = grid.cells(level)[axis];
+  if (lo < 0 || hi > cells || lo >= hi)
+    throw UsageError(fmt::format("--region: expected a part of 0 to {} (half open, not empty) along {} on level {}, found {} to {}", cells,
+                                 axis_name(axis), level, lo, hi));
+}
+
+Box parse_region(const std::string& text, const Grid& grid, int level) {
+  const auto n = parse_integers(text, 6, "--region");
+  for (int d = 0; d < 3; ++d) check_region(grid, level, d, n[d], n[d + 3]);
+  return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
+}
+
+void refuse_overwriting(const std::vector<std::string>& inputs, const std::string& output) {
+  if (output.empty()) return;
+  for (const std::string& name : {output, output + ".partial"}) {
+    struct stat a, b;  // equivalent() would look at the output again for each of 100,000 inputs
+    const bool exists = stat(name.c_str(), &a) == 0;
+    for (const std::string& input : inputs)
+      if (name == input || (exists && stat(input.c_str(), &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino))
+        throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", output));
+  }
+}
+
+void say(const std::string& line) { fmt::print("{}\n", printable(line)); }
+
+// Not fmt::print: it throws when nobody listens, and work must not fail for that.
+void warn(const std::string& line) { std::fputs((printable(line) + "\n").c_str(), stderr); }
+
+std::string bytes_text(double bytes) {
+  const char* unit[] = {"B", "kB", "MB", "GB", "TB", "PB"};
+  int i = 0;
+  for (; bytes >= 1000 && i < 5; ++i) bytes /= 1000;
+  return fmt::format("{:.{}f} {}", bytes, i == 0 ? 0 : 1, unit[i]);
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  return CLI::Validator([words = std::move(words)](std::string& found) {
+    return std::ranges::count(words, found) > 0 ? "" : fmt::format("expected {}, found '{}'", fmt::join(words, ", "), found);
+  }, "");
+}
+
+void add_threads(CLI::App& app, int& threads) {
+  app.add_option("--threads", threads, "how many, 1 to 1024 (default: one a core)")->check(CLI::Validator([](std::string& found) {
+    const auto n = parse_integers(found, 1, "--threads")[0];
+    return n >= 1 && n <= 1024 ? "" : fmt::format("expected 1 to 1024, found {}", n);
+  }, ""));
+}
+
+int threads_or_all(int threads) { return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+void add_progress(CLI::App& app, std::string& mode) {
+  app.add_option("--progress", mode, "on stderr: auto (if it is a terminal), plain, none")->check(one_of({"auto", "plain", "none"}));
+}
+
+}  // namespace teracell

@@ -1,0 +1,182 @@
+// teracell mesh: a scene or bare surfaces in, a .tcell file out.
+#include <strings.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "mesher/caps_file.hpp"
+#include "mesher/engines/engines.hpp"
+#include "mesher/pipeline.hpp"
+#include "store/error.hpp"
+#include "store/file.hpp"
+#include "store/reader.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/progress.hpp"
+
+namespace teracell {
+namespace {
+
+const std::vector<std::string> kFills = {"auto", "nonzero", "evenodd", "distinct"};  // in the order of Fill
+
+struct Options {
+  std::vector<std::string> inputs;
+  std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, progress = "auto";
+  std::optional<double> step, stitch;
+  std::optional<int64_t> pad;
+  int threads = 0;
+  bool resume = false, thin = false;
+};
+
+Scene scene_from(const Options& o) {
+  bool json = false;
+  for (const std::string& input : o.inputs) {
+    const std::filesystem::path extension = std::filesystem::path(input).extension();
+    if (extension == ".tcell") throw UsageError(fmt::format("{}: expected a scene or a surface, found a grid that is meshed already", input));
+    json |= extension == ".json";
+  }
+  if (json && o.inputs.size() != 1)
+    throw UsageError(fmt::format("expected one scene or bare meshes, found {} files with a scene among them", o.inputs.size()));
+  Scene scene = json ? read_scene(o.inputs[0]) : bare_scene({o.inputs.begin(), o.inputs.end()});
+  GridOptions grid;
+  if (!o.cells.empty()) {
+    if (o.cells.find(',') == std::string::npos) grid.longest_cells = parse_integers(o.cells, 1, "--cells")[0];
+    else {
+      const auto n = parse_integers(o.cells, 3, "--cells");
+      grid.cells = {n[0], n[1], n[2]};
+    }
+  }
+  grid.step = o.step;
+  grid.pad = o.pad;
+  override_grid(scene, grid);
+  const std::optional<Closing> closing = parse_closing(o.closing.empty() ? "cap" : o.closing);
+  if (!closing) throw UsageError(fmt::format("--closing: expected cap, strict, or extrude: and a direction such as -z, found '{}'", o.closing));
+  if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75)) throw UsageError(fmt::format("--stitch: expected a length from 0 to 1e75, found {}", *o.stitch));
+  for (SceneBody& body : scene.bodies) {
+    if (body.kind == Kind::kSheet) continue;
+    if (!o.fill.empty()) body.fill = static_cast<Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
+    if (!o.closing.empty()) body.closing = *closing;
+    if (o.stitch) body.stitch = o.stitch;
+  }
+  return scene;
+}
+
+// Outputs are checked before hours of work, not after.
+void check_outputs(const Options& o, const Scene& scene) {
+  if (o.output.empty()) throw UsageError("--output: expected a name, found none");
+  for (const char* other : {".json", ".stl", ".obj", ".ply", ".gz", ".png", ".npy"})  // surely a slip
+    if (strcasecmp(std::filesystem::path(o.output).extension().c_str(), other) == 0)
+      throw UsageError(fmt::format("--output: expected a name for a .tcell file, found '{}'", o.output));
+  std::error_code none;
+  if (!o.report.empty() && (o.report == o.output || o.report == o.output + ".partial" || std::filesystem::equivalent(o.report, o.output, none)))
+    throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
+  std::vector<std::string> outputs = {o.output, o.report};
+  if (!o.caps.empty())
+    for (const auto& name : caps_names(scene, o.caps)) outputs.push_back(name.string());
+  for (size_t i = 2; i < outputs.size(); ++i)
+    if (outputs[i] == o.output || outputs[i] == o.report) throw UsageError(fmt::format("--write-caps: expected a name of its own, found {}", outputs[i]));
+  std::vector<std::string> inputs = o.inputs;
+  for (const SceneBody& body : scene.bodies) inputs.push_back(body.mesh.string());
+  for (const SceneAxis& axis : scene.axis) inputs.push_back(axis.planes_file.string());
+  std::ranges::sort(inputs);
+  inputs.erase(std::ranges::unique(inputs).begin(), inputs.end());
+  for (const std::string& output : outputs) refuse_overwriting(inputs, output);
+}
+
+uint64_t machine_memory() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
+
+// A short word on what was done; the report has the rest.
+void summarise(const Options& o, const MeshReport& report) {
+  constexpr size_t kShown = 50;
+  const GridReader reader(o.output);
+  const Index3 n = reader.meta().grid.cells();
+  const auto run = nlohmann::json::parse(report.of_this_run);
+  double seconds = 0;
+  for (const auto& phase : run.at("phases")) seconds += phase.at("seconds").get<double>();
+  say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
+                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, bytes_text(reader.file_bytes()),
+                  bytes_text(run.at("peak_memory_bytes").get<double>()), axis_name(reader.meta().ray_axis)));
+  if (!o.caps.empty() && report.caps_written == 0) warn(fmt::format("warning: --write-caps: no surface was open, so {} was not written", o.caps));
+  for (size_t i = 0; i < std::min(report.warnings.size(), kShown); ++i) warn("warning: " + report.warnings[i]);
+  if (report.warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", report.warnings.size() - kShown, o.output));
+}
+
+// Laid out for people where that is no matter of memory.
+void write_report(const MeshReport& report, OutputFile& file) {
+  constexpr size_t kReadable = size_t{1} << 24;
+  const auto append = [&](std::string_view text) { file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()}); };
+  if (report.in_file.size() < kReadable) {
+    append(report.whole().dump(1));
+  } else {  // two objects as one
+    append(std::string_view(report.in_file).substr(0, report.in_file.size() - 1));
+    append(",");
+    append(std::string_view(report.of_this_run).substr(1));
+  }
+  append("\n");
+  file.commit();
+}
+
+void run(const Options& o) {
+  const Scene scene = scene_from(o);
+  check_outputs(o, scene);
+  MeshOptions options;
+  if (o.axis != "auto") options.axis = parse_axis(o.axis);
+  options.engine = o.engine;
+  options.threads = o.threads;
+  options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
+  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp)) throw IoError(fmt::format("{}: no folder for temporary files: {}: give one with --tmp", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"));
+  if (options.memory == 0) throw UsageError("--memory: expected a size like 512M or 8G, found 0");
+  options.tmp = o.tmp;
+  options.write_caps = o.caps;
+  options.resume = o.resume;
+  options.thin = o.thin;
+  const std::atomic<bool>& interrupted = watch_interrupts();
+  std::optional<OutputFile> report_file;
+  if (!o.report.empty()) report_file.emplace(o.report);
+  MeshReport report;
+  {
+    ProgressLine line(o.progress, "mesh");
+    report = mesh(scene, o.output, options, [&](const char* phase, double share, double cells) {
+      line.set_cells(cells);
+      line(phase, share);
+    }, interrupted);
+  }
+  if (report_file) try {
+    write_report(report, *report_file);
+  } catch (const IoError& e) {
+    throw IoError(fmt::format("{} ({} is complete all the same)", e.what(), o.output));
+  }
+  summarise(o, report);
+}
+
+}  // namespace
+
+Run setup_mesh(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or gzip; each is a body, the later ones stronger")
+      ->required();
+  app.add_option("-o,--output", o->output, "the .tcell file to write")->required();
+  app.add_option("--cells", o->cells, "N: cubic cells, N on the longest axis with its pad; NX,NY,NZ: cells along each axis");
+  app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
+  app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
+  app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
+  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd, distinct")->check(one_of(kFills));
+  app.add_option("--closing", o->closing, "surfaces that are open after stitching: cap closes them, strict refuses them, extrude:-z (or +z, -x ...) extends them beyond the domain");
+  app.add_option("--stitch", o->stitch, "open edges closer than this are joined, in the units of the grid (default: a quarter of the shortest cell edge; 0: none)");
+  app.add_flag("--thin", o->thin, "count along x, y and z what gets lost between sample points, of every solid and of the gaps between them; the cells are the same");
+  app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice, brute; the file is the same")->check(one_of(engine_names()));
+  add_threads(app, o->threads);
+  app.add_option("--memory", o->memory, "how much the run may take, e.g. 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled");
+  app.add_option("--tmp", o->tmp, "folder for what is spilled (default: the output's)");
+  app.add_flag("--resume", o->resume, "go on with what a killed run with the same inputs and options has left; else start from the beginning");
+  app.add_option("--write-caps", o->caps, "write the facets that close open surfaces: .stl, or .ply in doubles; a file each when there are several bodies");
+  app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
+  add_progress(app, o->progress);
+  app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n"
+             "  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell

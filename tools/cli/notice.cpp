@@ -1,0 +1,17 @@
+// The assembler takes the file as it is, like the files of the page. CMakeLists.txt says where the file is, and that this
+// source depends on it.
+#include "tools/cli/notice.hpp"
+
+asm(".pushsection .rodata\n"
+    "teracell_notice:\n"
+    ".incbin \"" TERACELL_NOTICE "\"\n"
+    "teracell_notice_end:\n"
+    ".popsection");
+extern "C" const char teracell_notice[] asm("teracell_notice");
+extern "C" const char teracell_notice_end[] asm("teracell_notice_end");
+
+namespace teracell {
+
+std::string_view notice() { return {teracell_notice, teracell_notice_end}; }
+
+}  // namespace teracell

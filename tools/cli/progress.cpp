@@ -1,0 +1,59 @@
+#include "tools/cli/progress.hpp"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "tools/cli/command.hpp"
+
+namespace teracell {
+namespace {
+
+double resident_bytes() {
+  long pages = 0, ignored = 0;
+  if (FILE* f = std::fopen("/proc/self/statm", "r")) {
+    if (std::fscanf(f, "%ld %ld", &ignored, &pages) != 2) pages = 0;
+    std::fclose(f);
+  }
+  return static_cast<double>(pages) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+std::string duration(double seconds) {
+  if (seconds < 60) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 3600) return fmt::format("{} min {:02} s", static_cast<int>(seconds / 60), static_cast<int>(seconds) % 60);
+  return fmt::format("{} h {:02} min", static_cast<int>(seconds / 3600), static_cast<int>(seconds / 60) % 60);
+}
+
+}  // namespace
+
+ProgressLine::ProgressLine(const std::string& mode, std::string counted_phase) : counted_phase_(std::move(counted_phase)) {
+  mode_ = mode == "plain" ? Mode::kPlain : mode == "auto" && isatty(STDERR_FILENO) ? Mode::kLine : Mode::kNone;
+}
+
+ProgressLine::~ProgressLine() {
+  if (shown_ && mode_ == Mode::kLine) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressLine::operator()(const char* phase, double share) {
+  if (mode_ == Mode::kNone) return;
+  const Clock::time_point now = Clock::now();
+  const bool begins = phase_ != phase;
+  if (begins) phase_ = phase, phase_start_ = now;
+  const auto pause = mode_ == Mode::kLine ? std::chrono::milliseconds(100) : std::chrono::milliseconds(2000);
+  if (!begins && now - last_ < pause) return;
+  last_ = now;
+  const double seconds = std::chrono::duration<double>(now - phase_start_).count();
+  std::string line = fmt::format("{:<6} {:5.1f} %", phase, 100 * share);
+  if (share > 0 && seconds > 0.5) {
+    if (cells_ > 0 && phase_ == counted_phase_) line += fmt::format(", {:.3g} cells/s", cells_ * share / seconds);
+    line += fmt::format(", {} left", duration(seconds * (1 - share) / share));
+  }
+  line += ", " + bytes_text(resident_bytes());
+  // Not fmt::print: it throws when nobody listens, and work must not fail for that.
+  std::fputs((mode_ == Mode::kLine ? "\r\033[K" + line : line + "\n").c_str(), stderr);
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+}  // namespace teracell
