@@ -1,9 +1,9 @@
 // What the whole page should know: the server does not answer; the file behind the grid is another one now.
 import { useEffect, useState } from "preact/hooks";
-import { connection, next_try, try_now } from "./connection";
-import { clock } from "./format";
-import { Icon } from "./icons";
+import { clock } from "./base/format";
 import { reload, stale, unreadable, viewer } from "./page";
+import { connection, next_try, try_now } from "./server/connection";
+import { Icon } from "./widgets/icons";
 
 function Waiting() {
   const [, tick] = useState(0);

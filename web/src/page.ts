@@ -1,10 +1,12 @@
 // Which grids there are, which one is open, and the address that says so: "#g=id..." opens one, an address without a grid gives the
 // list, or the only grid when nothing else is there. Looks now and then whether the open grid's file is still the same.
 import { batch, effect, signal } from "@preact/signals";
-import { type GridSummary, ServerError, type UnreadableFile, grid_info, list_grids, version_gone, words_of } from "./api";
-import { connection, returned } from "./connection";
-import { grid_in_address, keep_address, read_address } from "./permalink";
-import { Viewer } from "./viewer";
+import type { GridSummary, UnreadableFile } from "./base/grid";
+import { words_of } from "./base/messages";
+import { ServerError, grid_info, list_grids, version_gone } from "./server/api";
+import { connection, returned } from "./server/connection";
+import { grid_in_address, keep_address, read_address } from "./state/permalink";
+import { Viewer } from "./state/viewer";
 
 export const grids = signal<readonly GridSummary[] | null>(null); // null: not known yet
 export const unreadable = signal<readonly UnreadableFile[]>([]); // what lies beside them

@@ -1,7 +1,8 @@
 // The picture of a slice on the start page, true to scale: as wide and high as the domain, graded axes stretched cell by cell.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex, type GridSummary, get } from "./api";
-import { type Axis, FRAMES } from "./axis";
+import { type Axis, FRAMES } from "./base/axis";
+import { AXIS_NAMES, type AxisIndex, type GridSummary } from "./base/grid";
+import { get } from "./server/api";
 
 const PICTURE = 360; // cells: a level that is about as fine as the picture on the card
 const MARGIN = 8;

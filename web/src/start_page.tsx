@@ -1,12 +1,12 @@
 // The grids that are served, with pictures; or why there is none to see.
-import type { GridInfo, GridSummary, UnreadableFile } from "./api";
-import { use_answer } from "./answer";
-import { Axis } from "./axis";
-import { CopyButton } from "./copy";
-import { about, bytes_text, grouped, noun, plural, product, significant, sizes, unit_name } from "./format";
-import { Icon } from "./icons";
+import { Axis } from "./base/axis";
+import { about, bytes_text, grouped, noun, plural, product, significant, sizes, unit_name } from "./base/format";
+import type { GridInfo, GridSummary, UnreadableFile } from "./base/grid";
 import { grids, unreadable } from "./page";
 import { Preview } from "./preview";
+import { use_answer } from "./server/answer";
+import { CopyButton } from "./widgets/copy";
+import { Icon } from "./widgets/icons";
 
 function Previews({ grid, info }: { grid: GridSummary; info: GridInfo | null }) {
   const axes = info?.grid.axes.map((axis, d) => new Axis(axis, info.grid.sample[d]!));

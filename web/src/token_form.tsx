@@ -1,7 +1,7 @@
 // Asks for the token of a server that wants one.
 import { useState } from "preact/hooks";
-import { fault_of_token, give_token, has_token } from "./api";
 import { Mark } from "./header";
+import { fault_of_token, give_token, has_token } from "./server/api";
 
 export function TokenForm() {
   const [text, set_text] = useState("");

@@ -1,7 +1,7 @@
 // An axis of the page is the store's: a coordinate belongs to the cell whose planes hold it, the lower plane included.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Axis } from "@page/axis";
+import { Axis } from "@page/base/axis";
 
 const uniform = new Axis({ type: "uniform", min: -0.3, step: 0.1, first: 7, cells: 1000 }, 0.5);
 const graded = new Axis({ type: "graded", planes: [-2, -1.5, 0, 0.1, 0.2, 8, 100] }, 0.25);

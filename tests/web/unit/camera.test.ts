@@ -1,8 +1,9 @@
 // Where cells are on a view.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Axis, FRAMES } from "@page/axis";
-import { Camera, clamped_zoom, fitting_zoom, sample_cells, zoomed_about } from "@page/views/camera";
+import { Axis, FRAMES } from "@page/base/axis";
+import { clamped_zoom, fitting_zoom } from "@page/state/zoom";
+import { Camera, sample_cells, zoomed_about } from "@page/views/camera";
 import { random_of, whole } from "./random";
 
 const random = random_of(5);

@@ -1,7 +1,7 @@
 // The tiles of a view: each cell in sight lies in exactly one, and every tile's level is the right one for its pixels.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Axis, FRAMES } from "@page/axis";
+import { Axis, FRAMES } from "@page/base/axis";
 import { SMALLEST, cover } from "@page/tiles/cover";
 import { type Extent, TILE, cells_of_level, extent_of } from "@page/tiles/place";
 import { random_of, whole } from "./random";

@@ -1,7 +1,7 @@
 // Numbers as the page writes them.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name } from "@page/format";
+import { about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name } from "@page/base/format";
 
 // Narrow spaces as plain ones, to be read here.
 const plain = (text: string) => text.replaceAll("\u202f", " ");

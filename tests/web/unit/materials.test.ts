@@ -1,7 +1,7 @@
 // Colours of the page are those of the server's pictures (server/picture.cpp): the mean of premultiplied colours.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { color_of_set, initial_looks, shown_color } from "@page/materials";
+import { color_of_set, initial_looks, shown_color } from "@page/base/materials";
 
 const looks = initial_looks([
   { id: 0, name: "air", color: "#00000000", rank: 0 },

@@ -1,11 +1,11 @@
 // The numbers of the overview's rulers: short, in the panel, and never over each other.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Axis } from "../../../web/src/axis";
-import { HOME, fitted, projection_of } from "../../../web/src/overview/camera";
-import { labelled_edges } from "../../../web/src/overview/edges";
-import type { Vec3 } from "../../../web/src/overview/level_axis";
-import { type Rect, type Wish, end_text, place_numbers } from "../../../web/src/overview/numbers";
+import { Axis } from "@page/base/axis";
+import { HOME, fitted, projection_of } from "@page/overview/camera";
+import { labelled_edges } from "@page/overview/edges";
+import type { Vec3 } from "@page/overview/level_axis";
+import { type Rect, type Wish, end_text, place_numbers } from "@page/overview/numbers";
 import { random_of } from "./random";
 
 const uniform = (min: number, max: number, cells: number) => new Axis({ type: "uniform", min, step: (max - min) / cells, first: 0, cells }, 0.5);

@@ -1,15 +1,15 @@
 // The overview's space: levels of graded and uneven axes lie true to scale, pictures of slices too, and the camera maps both ways.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Axis } from "../../../web/src/axis";
-import { initial_looks } from "../../../web/src/materials";
-import { HOME, along_axis, between, direction_at, dot, fitted, panned, project, projection_of, straight } from "../../../web/src/overview/camera";
-import { edge_depths, labelled_edges } from "../../../web/src/overview/edges";
-import { type Vec3, cells_of_level, coordinate_at, from_space, level_planes, level_within, space_of, to_space } from "../../../web/src/overview/level_axis";
-import { make_ladder } from "../../../web/src/overview/quality";
-import { decode_slice, slice_picture, slice_place } from "../../../web/src/overview/slice_picture";
-import { clear_order } from "../../../web/src/overview/stage";
-import { CUBE, cubes_of, empty_volume, place_cube } from "../../../web/src/overview/volume";
+import { Axis } from "@page/base/axis";
+import { initial_looks } from "@page/base/materials";
+import { HOME, along_axis, between, direction_at, dot, fitted, panned, project, projection_of, straight } from "@page/overview/camera";
+import { edge_depths, labelled_edges } from "@page/overview/edges";
+import { type Vec3, cells_of_level, coordinate_at, from_space, level_planes, level_within, space_of, to_space } from "@page/overview/level_axis";
+import { make_ladder } from "@page/overview/quality";
+import { decode_slice, slice_picture, slice_place } from "@page/overview/slice_picture";
+import { clear_order } from "@page/overview/stage";
+import { CUBE, cubes_of, empty_volume, place_cube } from "@page/overview/volume";
 
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 4, 8, 16] }, 0.5);
 const uniform = new Axis({ type: "uniform", min: 10, step: 0.5, first: 0, cells: 5 }, 0.5);

@@ -1,8 +1,8 @@
 // Surfaces of the overview: closed for every material, of nearly the right volume, and touching bodies fit together.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Faces, count_quads, faces_of, make_net, relax } from "../../../web/src/overview/surface_nets";
-import type { Volume } from "../../../web/src/overview/volume";
+import { type Faces, count_quads, faces_of, make_net, relax } from "@page/overview/surface_nets";
+import type { Volume } from "@page/overview/volume";
 
 type Size = [number, number, number];
 

@@ -1,8 +1,8 @@
 // The picture against the cells, one by one.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { Index3 } from "@page/api";
-import { Axis } from "@page/axis";
+import type { Index3 } from "@page/base/grid";
+import { Axis } from "@page/base/axis";
 import { cover } from "@page/tiles/cover";
 import { type Place, coarser, place_name, tile_size } from "@page/tiles/place";
 import { regions_of } from "@page/tiles/regions";

@@ -1,12 +1,12 @@
 // Parts of the panels: ends of a box, distinct colours, addresses for other programs.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { GridInfo } from "@page/api";
-import { initial_looks } from "@page/materials";
+import type { GridInfo } from "@page/base/grid";
+import { initial_looks } from "@page/base/materials";
 import { stats_csv, with_end } from "@page/panels/box_cells";
 import { all_distinct, distinct_color, with_colors_of, with_distinct_colors } from "@page/panels/palette";
 import { doors, neuroglancer_link, neuroglancer_state } from "@page/panels/share_links";
-import type { Box } from "@page/viewer";
+import type { Box } from "@page/state/viewer";
 
 const materials = (...colors: string[]) => colors.map((color, id) => ({ id, name: String(id), color, rank: id }));
 

@@ -1,10 +1,10 @@
 // The address holds the whole state: what is written is read back as it was, and nonsense in it does no harm.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { GridInfo } from "@page/api";
-import { address_of, read_address } from "@page/permalink";
-import { places_found } from "@page/panels/report_words";
-import { Viewer } from "@page/viewer";
+import type { GridInfo } from "@page/base/grid";
+import { address_of, read_address } from "@page/state/permalink";
+import { places_found } from "@page/state/places";
+import { Viewer } from "@page/state/viewer";
 
 const info = {
   id: "a grid & more",

@@ -1,7 +1,7 @@
 // Pictures on the start page are true to scale.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Axis } from "@page/axis";
+import { Axis } from "@page/base/axis";
 import { cells_under, fitted } from "@page/preview";
 
 const uniform = (cells: number, step: number) => new Axis({ type: "uniform", min: 0, step, first: 0, cells }, 0.5);

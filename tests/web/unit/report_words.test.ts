@@ -1,8 +1,9 @@
 // The sentence that says whether to care speaks of the worst that was found.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { BodyReport, GridInfo, Hole } from "@page/api";
-import { body_cells, care_of, compression, levels_text, places_found, size_text } from "@page/panels/report_words";
+import type { BodyReport, GridInfo, Hole } from "@page/base/grid";
+import { body_cells, care_of, compression, levels_text, size_text } from "@page/panels/report_words";
+import { places_found } from "@page/state/places";
 
 const hole = (diameter: number, cells: number): Hole => ({ at: [0, 0, 0], edges: 3, diameter, diameter_cells: cells, cap_area: 1 });
 const body = (name: string, more: Partial<BodyReport> = {}): BodyReport => ({

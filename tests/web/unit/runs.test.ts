@@ -1,8 +1,8 @@
 // The column profile: which run holds a cell, where the next change is, ticks, CSV.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { ColumnRun } from "@page/api";
-import { Axis } from "@page/axis";
+import type { ColumnRun } from "@page/base/grid";
+import { Axis } from "@page/base/axis";
 import { next_change, run_at, run_text, runs_csv, ticks } from "@page/dock/runs";
 
 const axis = new Axis({ type: "uniform", min: -1, step: 0.5, first: 0, cells: 20 }, 0.5);

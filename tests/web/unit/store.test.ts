@@ -1,11 +1,12 @@
 // The tile store against a server that answers when it is told to.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { GridAddress, ServerError } from "@page/api";
+import { GridAddress } from "@page/base/grid";
+import { ServerError } from "@page/server/api";
 import type { Place } from "@page/tiles/place";
 import { SetTable } from "@page/tiles/sets";
 import { LIMITS, TileStore } from "@page/tiles/store";
-import { TileCounters } from "@page/viewer";
+import { TileCounters } from "@page/tiles/counters";
 
 const place = (column: number): Place => ({ axis: 2, index: 3, level: 0, column, row: 0 });
 const soon = () => new Promise((done) => setTimeout(done, 0));

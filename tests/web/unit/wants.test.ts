@@ -1,7 +1,7 @@
 // What is asked for first.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { Index3 } from "@page/api";
+import type { Index3 } from "@page/base/grid";
 import { type Place, place_name } from "@page/tiles/place";
 import { type ViewNeeds, wants_of } from "@page/tiles/wants";
 

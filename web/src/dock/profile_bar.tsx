@@ -1,11 +1,11 @@
 // One column as a bar, true to scale, with round coordinates below. A click, a drag or the arrow keys move the slice across its axis.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../api";
-import { coordinate, grouped } from "../format";
-import { color_of_set } from "../materials";
-import { theme } from "../theme";
-import type { Viewer } from "../viewer";
-import { next_change, run_at, ticks, width_at } from "./runs";
+import { coordinate, grouped } from "../base/format";
+import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
+import { color_of_set } from "../base/materials";
+import { theme } from "../state/theme";
+import type { Viewer } from "../state/viewer";
+import { next_change, run_at, ticks } from "./runs";
 
 const BAR = 12; // CSS pixels
 const HEIGHT = 25;
@@ -121,7 +121,7 @@ export function ProfileBar(props: Props) {
     if (column) point_at(run_at(column.runs, viewer.cell.peek()[d]));
   };
   const material = column?.runs[run_at(column.runs, here)]?.name;
-  const value = `cell ${grouped(here)}, ${coordinate(axis.centre(here), width_at(axis, here))} ${viewer.units}${material ? `, ${material}` : ""}`;
+  const value = `cell ${grouped(here)}, ${coordinate(axis.centre(here), axis.width(here))} ${viewer.units}${material ? `, ${material}` : ""}`;
   return (
     <div class="profile-bar">
       <canvas

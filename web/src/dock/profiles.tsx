@@ -1,10 +1,10 @@
 // The three columns through a cell, drawn as bars: asked for when the cell stands still.
 import { useState } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../api";
-import { use_answer, use_settled } from "../answer";
-import { FRAMES } from "../axis";
-import { CopyButton } from "../copy";
-import type { Viewer } from "../viewer";
+import { FRAMES } from "../base/axis";
+import { AXES, AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
+import { use_answer, use_settled } from "../server/answer";
+import type { Viewer } from "../state/viewer";
+import { CopyButton } from "../widgets/copy";
 import { ProfileBar } from "./profile_bar";
 import { run_at, run_text, runs_csv } from "./runs";
 
@@ -15,7 +15,6 @@ export interface ProfilesAnswer {
   error: string | null;
 }
 
-const AXES: readonly AxisIndex[] = [0, 1, 2];
 const SETTLED = 120;
 
 export function use_profiles(viewer: Viewer, cell: Index3): ProfilesAnswer {

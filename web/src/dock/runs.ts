@@ -1,13 +1,7 @@
 // The runs of a column: which one holds a cell, where the next change is, what a line of a table says.
-import type { Column, ColumnRun } from "../api";
-import type { Axis } from "../axis";
-import { coordinate, csv_name, grouped, significant } from "../format";
-
-// The width of a cell; cells outside count as the nearest one.
-export function width_at(axis: Axis, i: number): number {
-  const c = axis.clamp(i);
-  return axis.plane(c + 1) - axis.plane(c);
-}
+import type { Axis } from "../base/axis";
+import { coordinate, csv_name, grouped, significant } from "../base/format";
+import type { Column, ColumnRun } from "../base/grid";
 
 // The run that holds a cell. REQUIRES: runs cover the axis in order.
 export function run_at(runs: readonly ColumnRun[], cell: number): number {
@@ -29,7 +23,7 @@ export function next_change(runs: readonly ColumnRun[], cell: number, up: boolea
 }
 
 export function run_text(run: ColumnRun, axis: Axis, units: string): string {
-  const width = width_at(axis, run.from);
+  const width = axis.width(run.from);
   const cells = run.to - run.from;
   const at = (x: number) => coordinate(x, width);
   const range = cells === 1 ? `cell ${grouped(run.from)}` : `cells ${grouped(run.from)} to ${grouped(run.to - 1)} (${grouped(cells)})`;

@@ -2,8 +2,8 @@
 // where a body is cut, are flat and a little darker. Colours are the materials' own; light is computed on their squares, near enough to linear
 // values and cheap in software.
 import { DoubleSide, FrontSide, GLSL3, RawShaderMaterial, Vector3 } from "three";
-import type { MaterialLook } from "../materials";
-import type { BodyMode } from "../viewer";
+import type { MaterialLook } from "../base/materials";
+import type { BodyMode } from "../state/viewer";
 
 // Shared by all bodies: the crosshair, and on which side of it along each axis the camera is (0: nothing is cut away).
 export interface Cut {

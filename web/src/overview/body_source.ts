@@ -1,7 +1,8 @@
 // Gets the coarse bodies: cubes of a pyramid level from the server, surfaces from the worker. First a level that is a single cube, so
 // that something is there after one request; then finer ones up to MOST_CELLS a side, unless their surface is too large.
-import { type Index3, get } from "../api";
-import type { Viewer } from "../viewer";
+import type { Index3 } from "../base/grid";
+import { get } from "../server/api";
+import type { Viewer } from "../state/viewer";
 import { cells_of_level, level_planes, level_within, type Space, to_space } from "./level_axis";
 import { CUBE, type Cube, cubes_of } from "./volume";
 import type { Surface, SurfaceAnswer, SurfaceJob } from "./worker";

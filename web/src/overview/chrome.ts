@@ -1,5 +1,5 @@
 // What lies around the overview's picture: the canvas, the buttons, and words when something is missing.
-import { BODY_MODES, type BodyMode } from "../viewer";
+import { BODY_MODES, type BodyMode } from "../state/viewer";
 import { element } from "./dom";
 
 const MODES: Record<BodyMode, { text: string; title: string }> = {

@@ -1,7 +1,7 @@
 // Where the cells of a pyramid level lie, in the overview's space: the middle of the domain is the origin and its longest side is 2, so
 // that single precision does for any coordinates. Graded axes are true to scale, and so is a last coarse cell that reaches past the end.
-import type { Index3 } from "../api";
-import type { Axis } from "../axis";
+import type { Axis } from "../base/axis";
+import type { Index3 } from "../base/grid";
 
 export type Axes = readonly [Axis, Axis, Axis];
 export type Vec3 = [number, number, number];

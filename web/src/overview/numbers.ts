@@ -1,6 +1,6 @@
 // The numbers at the ends of the rulers: what they say, and where they find room. Pure.
-import type { Axis } from "../axis";
-import { coordinate, significant } from "../format";
+import type { Axis } from "../base/axis";
+import { coordinate, significant } from "../base/format";
 
 export interface Point {
   readonly x: number;

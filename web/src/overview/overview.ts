@@ -1,16 +1,15 @@
 // The 3D overview: mounts into an element, follows the viewer's signals, and takes itself away again. It is loaded when first shown, with
 // three.js; nothing else of the page may import it but by import().
 import { effect, untracked } from "@preact/signals";
-import { words_of } from "../api";
-import { returned } from "../connection";
-import type { Viewer } from "../viewer";
+import { words_of } from "../base/messages";
+import { returned } from "../server/connection";
+import type { Viewer } from "../state/viewer";
 import { load_bodies } from "./body_source";
 import { HOME, type Orbit, basis, between, fitted, project, straight } from "./camera";
 import { make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { listen_gestures } from "./gestures";
 import { type Vec3, from_space, point_to_space, space_of } from "./level_axis";
-import "./overview.css";
 import { make_pace } from "./pace";
 import { type Rest, make_ladder } from "./quality";
 import { make_rulers } from "./rulers";
@@ -19,6 +18,7 @@ import { type Stage, make_stage } from "./stage";
 import { on_theme, read_theme } from "./theme";
 import { make_triad } from "./triad";
 import { draw_picture } from "./writing";
+import "./overview.css";
 
 const SETTLE = 160; // ms after the last movement until a sharper picture
 const SHARPEST = 800; // and from then to the sharpest, which may take long on a slow machine

@@ -2,8 +2,8 @@
 // they blend rightly. A plane is its picture, over a tint so faint that it says where the plane is and hides nothing. Every quad is drawn
 // twice: first what is nearly opaque in its picture, which hides bodies of glass behind it, then the rest, which hides nothing.
 import { BufferAttribute, BufferGeometry, DataTexture, GLSL3, Group, LinearFilter, LinearMipmapNearestFilter, Mesh, NearestFilter, RawShaderMaterial, Vector4, DoubleSide } from "three";
-import type { AxisIndex } from "../api";
-import { FRAMES } from "../axis";
+import { FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
 import type { Vec3 } from "./level_axis";
 import type { Picture } from "./slice_picture";
 

@@ -1,8 +1,8 @@
 // The domain's edges as rulers: the ends' coordinates, and on each a knob with the axis's name that is dragged, or moved by keys, to move
 // the slice across it.
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { significant } from "../format";
-import type { Viewer } from "../viewer";
+import { significant } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { type Projection, along_axis, project } from "./camera";
 import { element } from "./dom";
 import { labelled_edges } from "./edges";

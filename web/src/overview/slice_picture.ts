@@ -1,13 +1,12 @@
 // The picture of a coarse slice for the overview: one tile of the finest level at which the whole slice fits into it, coloured as the views
 // do. What is transparent stays transparent. Graded axes are drawn true to scale. Pure.
-import type { AxisIndex } from "../api";
-import { type Axis, FRAMES } from "../axis";
-import { type MaterialLook, shown_color } from "../materials";
+import { type Axis, FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
+import { type MaterialLook, shown_color } from "../base/materials";
+import { TILE } from "../tiles/place";
 import { SetTable } from "../tiles/sets";
 import { type Tile, decode_tile } from "../tiles/tile";
 import { type Axes, level_within } from "./level_axis";
-
-const TILE = 512;
 
 export interface SlicePlace {
   readonly axis: AxisIndex;

@@ -1,9 +1,9 @@
 // What the overview draws, as three.js has it: bodies, planes, lines, and a camera. It knows pixels and the overview's space, nothing of
 // signals, requests or the document beyond its canvas. A frame is drawn when draw() is called and not otherwise.
 import { BufferAttribute, BufferGeometry, Group, Mesh, PerspectiveCamera, type RawShaderMaterial, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
-import type { AxisIndex } from "../api";
-import type { MaterialLook } from "../materials";
-import type { BodyMode } from "../viewer";
+import type { AxisIndex } from "../base/grid";
+import type { MaterialLook } from "../base/materials";
+import type { BodyMode } from "../state/viewer";
 import { make_body_material, make_cut, set_look } from "./body_material";
 import { type Orbit, type Projection, basis, direction_at, eye_of, projection_of } from "./camera";
 import type { Vec3 } from "./level_axis";

@@ -1,6 +1,6 @@
 // The triad in the corner: the axes as the camera sees them. Its ends are buttons that look straight from there; the near ones lie over
 // the far ones.
-import { AXIS_NAMES } from "../api";
+import { AXIS_NAMES } from "../base/grid";
 import type { Projection } from "./camera";
 import { element } from "./dom";
 

@@ -1,6 +1,6 @@
 // A block of cells in memory: the material of each, x fastest, put together from the cubes of the virtual Zarr arrays. Pure but for
 // decompressing; it runs in the worker.
-import type { Index3 } from "../api";
+import type { Index3 } from "../base/grid";
 
 export const CUBE = 64; // cells along each side of a cube
 

@@ -1,5 +1,5 @@
 // The overview's worker: cubes of labels in, surfaces of all materials out, ready for the graphics card. It keeps nothing.
-import type { Index3 } from "../api";
+import type { Index3 } from "../base/grid";
 import { coordinate_at } from "./level_axis";
 import { density_of, normals_of, openness } from "./shade";
 import { count_quads, faces_of, make_net, relax } from "./surface_nets";

@@ -1,16 +1,14 @@
 // A box of cells, drawn in a view or typed: what is in it, exactly. And the distance that was measured last.
-import { AXIS_NAMES, type AxisIndex, type Stats } from "../api";
-import { use_answer, use_settled } from "../answer";
-import { CopyButton } from "../copy";
-import { Swatch } from "../dock/material_names";
-import { width_at } from "../dock/runs";
-import { coordinate, grouped, percent, product, significant } from "../format";
-import { Icon } from "../icons";
-import type { Box, Viewer } from "../viewer";
-import { cells_of } from "./materials";
+import { coordinate, grouped, percent, product, significant } from "../base/format";
+import { AXES, AXIS_NAMES, type AxisIndex, type Stats } from "../base/grid";
+import { use_answer, use_settled } from "../server/answer";
+import type { Box, Viewer } from "../state/viewer";
+import { CopyButton } from "../widgets/copy";
+import { Icon } from "../widgets/icons";
+import { Swatch } from "../widgets/swatch";
 import { stats_csv, with_end } from "./box_cells";
+import { cells_of } from "./materials";
 
-const AXES: readonly AxisIndex[] = [0, 1, 2];
 const MOST = 200; // materials listed
 
 // The two numbers of an axis; changed when the field is left or Enter is pressed, so that typing never jumps.
@@ -33,7 +31,7 @@ function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisI
       <td>
         <input class="number-input" type="number" aria-label={`Last cell along ${name}`} min={0} max={axis.cells - 1} value={high - 1} onChange={set("high")} />
       </td>
-      <td class="extent" title={`${coordinate(axis.plane(low), width_at(axis, low))} to ${coordinate(axis.plane(high), width_at(axis, high - 1))} ${viewer.units}`}>
+      <td class="extent" title={`${coordinate(axis.plane(low), axis.width(low))} to ${coordinate(axis.plane(high), axis.width(high - 1))} ${viewer.units}`}>
         {significant(axis.plane(high) - axis.plane(low), 5)} {viewer.units}
       </td>
     </tr>
@@ -65,7 +63,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
           {present.slice(0, MOST).map((m) => (
             <tr key={m.id}>
               <th scope="row">
-                <Swatch viewer={viewer} id={m.id} />
+                <Swatch look={viewer.looks.value[m.id]} />
                 <span title={m.name}>{m.name}</span>
               </th>
               <td>{cells_of(m)}</td>

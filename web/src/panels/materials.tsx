@@ -1,21 +1,17 @@
 // The materials: how they look, and how much of the grid they are, exactly.
 import { useState } from "preact/hooks";
-import type { MaterialStats, Stats } from "../api";
-import { use_answer } from "../answer";
-import { grouped, percent, product, significant } from "../format";
-import { Icon } from "../icons";
-import { type MaterialLook, css_color } from "../materials";
-import type { Viewer } from "../viewer";
+import { grouped, percent, product, significant } from "../base/format";
+import type { MaterialStats, Stats } from "../base/grid";
+import { type MaterialLook, css_color, hex_color, same_look } from "../base/materials";
+import { use_answer } from "../server/answer";
+import type { Viewer } from "../state/viewer";
+import { Icon } from "../widgets/icons";
 import { FirstOf } from "./first_of";
 import { all_distinct, with_colors_of, with_distinct_colors } from "./palette";
 import { BoxText, GoThere } from "./places";
 
 const MANY = 12; // from here on a filter helps, and a line each, opened for more
 const STEP = 100; // shown at once
-
-const hex = (look: MaterialLook) => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
-
-const same_look = (a: MaterialLook, b: MaterialLook) => a === b || (a.visible === b.visible && a.opacity === b.opacity && hex(a) === hex(b));
 
 export const cells_of = (m: MaterialStats): string => grouped(m.cells_text ?? m.cells);
 
@@ -108,7 +104,7 @@ function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
   return (
     <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
       <div class="material-head">
-        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex(look)} style={{ "--opacity": look.opacity }} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
+        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex_color(look)} style={{ "--opacity": look.opacity }} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
         {short ? (
           <button class="material-title" title={name} aria-expanded={opened} onClick={() => set_opened(!opened)}>
             {title}

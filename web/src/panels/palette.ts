@@ -1,6 +1,6 @@
 // Colours that stay apart for colour-blind eyes: those that the mesher gives materials without one (mesher/scene_names.cpp), after
 // M. Okabe, K. Ito: Color Universal Design, 2008, less its black; then darker shades of them. Where the mesher begins anew, others follow.
-import type { MaterialLook } from "../materials";
+import type { MaterialLook } from "../base/materials";
 
 const COLORS: readonly (readonly [number, number, number])[] = [
   [0x56, 0xb4, 0xe9],

@@ -1,13 +1,14 @@
 // What meshing found: whether to care first, then why, body by body, with places to go to.
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { BodyReport } from "../api";
-import { CopyButton } from "../copy";
-import { bytes_text, grouped, plural, product, significant } from "../format";
-import { Icon } from "../icons";
-import type { Viewer } from "../viewer";
+import { bytes_text, grouped, plural, product, significant } from "../base/format";
+import type { BodyReport } from "../base/grid";
+import { places_found } from "../state/places";
+import type { Viewer } from "../state/viewer";
+import { CopyButton } from "../widgets/copy";
+import { Icon } from "../widgets/icons";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
-import { body_cells, care_of, levels_text, places_found, size_text } from "./report_words";
+import { body_cells, care_of, levels_text, size_text } from "./report_words";
 
 const MANY = 100; // of a list shown at once
 const MANY_BODIES = 8; // from here on only those with something to say are unfolded

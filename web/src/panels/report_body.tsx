@@ -1,11 +1,12 @@
 // One body of the report: its facets, how its inside was told, its holes and flips.
 import { batch } from "@preact/signals";
-import type { BodyReport, Hole } from "../api";
-import { grouped, plural, significant } from "../format";
-import type { Viewer } from "../viewer";
+import { grouped, plural, significant } from "../base/format";
+import type { BodyReport, Hole } from "../base/grid";
+import { hole_text } from "../state/places";
+import type { Viewer } from "../state/viewer";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
-import { hole_text, seams_text } from "./report_words";
+import { seams_text } from "./report_words";
 
 const MANY = 30; // places listed at once
 

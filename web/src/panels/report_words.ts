@@ -1,7 +1,7 @@
 // What meshing found, in words: first whether to care.
-import type { BodyReport, GridInfo, Hole } from "../api";
-import { about, bytes_text, grouped, plural, product, significant, unit_name } from "../format";
-import type { Marker } from "../viewer";
+import { about, bytes_text, grouped, plural, product, significant, unit_name } from "../base/format";
+import type { BodyReport, GridInfo, Hole } from "../base/grid";
+import { hole_text } from "../state/places";
 
 export interface Care {
   level: "fine" | "look" | "bad";
@@ -10,8 +10,6 @@ export interface Care {
 
 const HARMLESS = 2; // cells: what is narrower shapes no cell that matters (mesher/report.cpp says the same)
 
-const MOST_MARKERS = 500;
-
 const quoted = (bodies: readonly BodyReport[]) => {
   const names = bodies.slice(0, 3).map((b) => `“${b.name}”`);
   const more = bodies.length - names.length;
@@ -19,14 +17,6 @@ const quoted = (bodies: readonly BodyReport[]) => {
 };
 
 export const widest = (holes: readonly Hole[]): Hole | undefined => holes.reduce<Hole | undefined>((w, h) => (w && w.diameter >= h.diameter ? w : h), undefined);
-
-// "0.047 m wide, 90.5 cells"; of a crack also its gap.
-export function hole_text(hole: Hole, units: string): string {
-  const cells = hole.diameter_cells;
-  const crack = hole.width !== undefined && hole.width_cells !== undefined && hole.width < hole.diameter / 4;
-  const gap = crack ? `, with a gap of ${significant(hole.width!, 3)} ${units}, ${significant(hole.width_cells!, 3)} cells` : "";
-  return `${significant(hole.diameter, 4)} ${units} wide${cells === undefined ? "" : `, ${significant(cells, 3)} cells`}${gap}`;
-}
 
 // "3 seams, 12 m in all, were stitched over gaps of up to 1e-7 m"
 export function seams_text(body: BodyReport, units: string): string {
@@ -79,12 +69,3 @@ export function levels_text(levels: number): string {
 }
 
 export const body_cells = (body: BodyReport): string => plural(body.cells_text ?? body.cells, "cell");
-
-// What can be marked in the views: the widest holes first.
-export function places_found(info: GridInfo): Marker[] {
-  const { bodies } = info.report;
-  const holes = bodies.flatMap((b) => b.holes.map((h) => ({ at: h.at, size: h.diameter, text: `hole in ${b.name}: ${hole_text(h, unit_name(info.units))}` })));
-  holes.sort((a, b) => b.size - a.size);
-  const flips = bodies.flatMap((b) => b.flips.map((f) => ({ at: f.at, text: `${b.name}: facets face the other way along ${plural(f.edges, "edge")}` })));
-  return [...holes.map(({ at, text }) => ({ at, text })), ...flips].slice(0, MOST_MARKERS);
-}

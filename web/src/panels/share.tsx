@@ -1,12 +1,12 @@
 // Ways out: a link to what is seen, a picture of it, and the grid's addresses for other programs.
 import { useState } from "preact/hooks";
-import { has_token } from "../api";
-import { CopyButton } from "../copy";
-import { Icon } from "../icons";
-import { save_picture } from "../picture";
-import { address_of } from "../permalink";
-import { say } from "../toasts";
-import type { Viewer } from "../viewer";
+import { say, words_of } from "../base/messages";
+import { has_token } from "../server/api";
+import { address_of } from "../state/permalink";
+import type { Viewer } from "../state/viewer";
+import { save_picture } from "../views/picture";
+import { CopyButton } from "../widgets/copy";
+import { Icon } from "../widgets/icons";
 import { type Door, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
 
 const root = () => new URL(".", location.href.split("#")[0]).href.replace(/\/$/, "");
@@ -38,7 +38,7 @@ function SavePicture({ viewer }: { viewer: Viewer }) {
     try {
       await save_picture(viewer);
     } catch (error) {
-      say(`The picture could not be made: ${error instanceof Error ? error.message : String(error)}`);
+      say(`The picture could not be made: ${words_of(error)}`);
     }
     set_busy(false);
   };

@@ -1,6 +1,6 @@
 // Addresses of the grid for other programs, with lines that open it there: tests/clients/snippets_test.mjs runs all of them.
-import type { GridInfo, Index3 } from "../api";
-import type { MaterialLook } from "../materials";
+import type { GridInfo, Index3 } from "../base/grid";
+import { type MaterialLook, hex_color } from "../base/materials";
 
 export interface Door {
   name: string; // of the program
@@ -86,7 +86,6 @@ export function neuroglancer_state(info: GridInfo, root: string, cell: Index3, l
   const steps = info.grid.axes.map((axis) => (axis.type === "uniform" ? axis.step : null));
   const index = metres === undefined || steps.some((s) => s === null);
   const scale = (d: number): [number, string] => [index ? 1e-9 : steps[d]! * metres!, "m"];
-  const hex = (look: MaterialLook) => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
   const shown = looks.flatMap((look, id) => (id > 0 && look.visible ? [String(id)] : []));
   // Cells a pixel; Neuroglancer counts in those of the smallest step.
   const smallest = index ? 1 : Math.min(...steps.map((s) => s!));
@@ -103,7 +102,7 @@ export function neuroglancer_state(info: GridInfo, root: string, cell: Index3, l
         selectedAlpha: 1,
         notSelectedAlpha: 0,
         segments: shown,
-        segmentColors: Object.fromEntries(looks.slice(1).map((look, n) => [String(n + 1), hex(look)])),
+        segmentColors: Object.fromEntries(looks.slice(1).map((look, n) => [String(n + 1), hex_color(look)])),
       },
     ],
     layout: "4panel",

@@ -1,6 +1,6 @@
 // The panel at the side (a sheet at the bottom on narrow screens): tabs, one of which is shown.
-import type { Panel, Viewer } from "../viewer";
-import { Icon } from "../icons";
+import type { Panel, Viewer } from "../state/viewer";
+import { Icon } from "../widgets/icons";
 import { BoxPanel } from "./box";
 import { MaterialsPanel } from "./materials";
 import { ReportPanel } from "./report";

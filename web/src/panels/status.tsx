@@ -1,9 +1,10 @@
 // The connection, how long answers take (here and on the server), what is kept in memory. Asked for every two seconds while shown.
 import { useEffect, useState } from "preact/hooks";
-import { get, words_of } from "../api";
-import { connection } from "../connection";
-import { bytes_text, clock, grouped, milliseconds, percent, plural } from "../format";
-import type { Viewer } from "../viewer";
+import { bytes_text, clock, grouped, milliseconds, percent, plural } from "../base/format";
+import { words_of } from "../base/messages";
+import { get } from "../server/api";
+import { connection } from "../server/connection";
+import type { Viewer } from "../state/viewer";
 import { type Bucket, type Sample, buckets, label_values, parse_metrics, quantile, since, total } from "./prometheus";
 import { Sparkline } from "./sparkline";
 

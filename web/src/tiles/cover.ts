@@ -4,8 +4,8 @@
 //
 // Found from the top: a tile is split into four while their cells are large enough. Where planes are graded the levels differ
 // from tile to tile: fine where the cells are large, which no level chosen for the whole view gives.
-import type { AxisIndex } from "../api";
-import { type Axis, FRAMES } from "../axis";
+import { type Axis, FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
 import { type Extent, type Place, TILE, cells_of_level } from "./place";
 
 export interface Sight {

@@ -1,7 +1,7 @@
 // Which tile: 512 x 512 cells of a level of one slice, columns and rows counted from u = 0, v = 0. The slice is counted in cells of
 // the level too, so that 2^level slices share their coarse tiles. A grid has less than 2^31 cells along an axis.
-import type { AxisIndex, Index3 } from "../api";
-import { FRAMES } from "../axis";
+import { FRAMES } from "../base/axis";
+import type { AxisIndex, Index3 } from "../base/grid";
 
 export const TILE = 512;
 

@@ -1,8 +1,8 @@
 // What to draw while tiles are on their way. Every place of the view is drawn once, from the best tile that is there:
 // its own; one a little coarser of the same slice; finer ones of the same slice (after zooming out); for a moment what was shown
 // before (a slice ahead comes within that, and nothing flickers); any coarser one of the same slice; whatever was shown before.
-import type { Index3 } from "../api";
-import { FRAMES } from "../axis";
+import { FRAMES } from "../base/axis";
+import type { Index3 } from "../base/grid";
 import { type Extent, type Place, coarser, extent_of, in_slice } from "./place";
 import type { Tile } from "./tile";
 

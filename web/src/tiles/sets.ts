@@ -1,6 +1,6 @@
 // Numbers for the sets of materials that tiles hold, the same in all tiles of a grid: neighbours can be compared, and one palette
 // colours all of them. The first numbers are no sets.
-import { type MaterialLook, shown_color } from "../materials";
+import { type MaterialLook, shown_color } from "../base/materials";
 
 export const OUTSIDE = 0; // not in the grid
 export const UNKNOWN = 1; // in the grid, nothing has come yet

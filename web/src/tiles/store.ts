@@ -5,8 +5,9 @@
 // Six requests at once is what browsers do to one HTTP/1.1 server; tiles asked for ahead of time leave two to everybody else.
 // A request that nobody wants goes on while there is room: closing its connection costs a new one, and the tile may be wanted back.
 import { batch } from "@preact/signals";
-import { type GridAddress, type Index3, ServerError } from "../api";
-import type { TileCounters } from "../viewer";
+import type { GridAddress, Index3 } from "../base/grid";
+import { ServerError } from "../server/api";
+import type { TileCounters } from "./counters";
 import { type Place, place_name, tile_size } from "./place";
 import type { SetTable } from "./sets";
 import { type Tile, decode_tile } from "./tile";

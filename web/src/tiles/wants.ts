@@ -1,7 +1,7 @@
 // In which order tiles are asked for: where nothing of the slice is there something coarse, for all views; then what is in sight,
 // nearest to the pointer (or the middle) first, the view under the pointer before the others; then the next slices the way that
 // slices went lately, and one the other way.
-import type { Index3 } from "../api";
+import type { Index3 } from "../base/grid";
 import { type Extent, type Place, TILE, coarser, extent_of, in_slice, place_name } from "./place";
 import type { Want } from "./store";
 

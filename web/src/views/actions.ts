@@ -1,7 +1,7 @@
 // What keys and buttons do to the views.
 import { batch } from "@preact/signals";
-import type { AxisIndex } from "../api";
-import type { ViewName, Viewer } from "../viewer";
+import type { AxisIndex } from "../base/grid";
+import type { ViewName, Viewer } from "../state/viewer";
 
 // The view alone, or all four.
 export function toggle_layout(viewer: Viewer, view: ViewName): void {

@@ -1,7 +1,7 @@
 // Where cells are on a view: CSS pixels from its top left corner, x right, y down; u right, v up. All in doubles, from coordinates,
 // so that graded axes are true to scale and 10^9 cells are exact.
-import type { AxisIndex } from "../api";
-import { type Axis, FRAMES } from "../axis";
+import { type Axis, FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
 import type { Extent } from "../tiles/place";
 
 export class Camera {
@@ -68,38 +68,9 @@ export function sample_cells(camera: Camera, each: 1 | 2): SampleCells {
   };
 }
 
-const MARGIN = 44; // CSS pixels around a grid that fits: its title and rulers are there
-const LARGEST_CELL = 160; // CSS pixels
-
-export interface ViewSize {
-  readonly axis: AxisIndex;
-  readonly width: number; // CSS pixels
-  readonly height: number;
-}
-export type Range = Pick<Axis, "min" | "max">;
-
-// The zoom at which the grid, or a box with these ends, fits all views of these sizes.
-export function fitting_zoom(ranges: readonly [Range, Range, Range], views: readonly ViewSize[]): number {
-  const zooms = views.flatMap(({ axis, width, height }) => {
-    const frame = FRAMES[axis];
-    const extent = ({ min, max }: Range) => max - min;
-    const fill = (size: number) => Math.max(size - 2 * MARGIN, size / 2);
-    return [fill(width) / extent(ranges[frame.u]), fill(height) / extent(ranges[frame.v])];
-  });
-  return Math.min(...zooms);
-}
-
-// From a grid that is a tenth of the view to cells as large as a thumb.
-export function clamped_zoom(zoom: number, axes: readonly [Axis, Axis, Axis], fitting: number): number {
-  const finest = Math.min(...axes.map((a) => a.finest));
-  return Math.min(Math.max(zoom, fitting / 10), Math.max(LARGEST_CELL / finest, fitting));
-}
-
 // The middle that keeps the point under (x, y) where it is while the zoom changes; it stays in the grid.
 export function zoomed_about(camera: Camera, x: number, y: number, zoom: number): [number, number] {
   const u = camera.u_at(x) - (x - camera.width / 2) / zoom;
   const v = camera.v_at(y) + (y - camera.height / 2) / zoom;
-  return [inside(camera.across, u), inside(camera.up, v)];
+  return [camera.across.inside(u), camera.up.inside(v)];
 }
-
-export const inside = (axis: Axis, coordinate: number): number => Math.min(Math.max(coordinate, axis.min), axis.max);

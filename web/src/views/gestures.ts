@@ -1,10 +1,10 @@
 // Wheel, mouse, pen and fingers on one view; what they do stands in bindings.ts.
 import { batch } from "@preact/signals";
-import { AXIS_NAMES, type AxisIndex, type Index3 } from "../api";
-import { FRAMES } from "../axis";
+import { FRAMES } from "../base/axis";
+import { AXIS_NAMES, type AxisIndex, type Index3 } from "../base/grid";
+import { toggle_layout } from "./actions";
 import type { Stage } from "./stage";
 import { type Drag, start_tool } from "./tools";
-import { toggle_layout } from "./actions";
 
 const NOTCH = 60; // pixels of scrolling from which on an event is a notch of a wheel, not a trackpad's
 const WHEEL = 120; // pixels a notch, when several come in one event

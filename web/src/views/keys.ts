@@ -1,7 +1,6 @@
 // Keys of the views; they stand in bindings.ts. They mean the view whose panel has the pointer, or the focus.
 import type { Signal } from "@preact/signals";
-import { help_open } from "../help";
-import type { Viewer } from "../viewer";
+import type { Viewer } from "../state/viewer";
 import { escape, fit, toggle_layout, toggle_sweep } from "./actions";
 import type { Stage } from "./stage";
 
@@ -63,7 +62,7 @@ export function attach_keys(stage: Stage): () => void {
     c: () => viewer.go_to_cell(viewer.cell.value),
     m: () => choose(viewer, "measure"),
     x: () => choose(viewer, "box"),
-    h: () => flip(help_open),
+    h: () => flip(viewer.help),
     Escape: () => escape(viewer),
   };
   const on_key = (event: KeyboardEvent) => {

@@ -1,5 +1,5 @@
 // What lies above the cells of one view, on a canvas of its own: moving the crosshair paints no cells.
-import type { Box } from "../viewer";
+import type { Box } from "../state/viewer";
 import { draw_border, draw_cell_lines, draw_crosshair, draw_rulers, draw_scale_bar } from "./overlay_axes";
 import { draw_box, draw_markers, draw_measure, draw_pin } from "./overlay_marks";
 import { Pen } from "./pen";

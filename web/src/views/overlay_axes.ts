@@ -1,7 +1,7 @@
 // The parts of an overlay that tell where one is: lines between cells, the grid's border, rulers, the crosshair, the scale bar.
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import type { Axis } from "../axis";
-import { coordinate } from "../format";
+import type { Axis } from "../base/axis";
+import { coordinate } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { length_text, round_length } from "./lengths";
 import type { Pen } from "./pen";
 

@@ -1,7 +1,7 @@
 // The parts of an overlay that somebody put there: the pinned cell, the box, markers, the measured line.
+import type { Box } from "../state/viewer";
 import { length_text } from "./lengths";
 import type { Pen } from "./pen";
-import type { Box } from "../viewer";
 
 // What is in another slice is dashed.
 const ELSEWHERE = [5, 4];

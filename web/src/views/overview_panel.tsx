@@ -1,7 +1,8 @@
 // The fourth panel: the overview in three dimensions, whose code comes when the panel is in sight and the slices are there.
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import type { Viewer } from "../viewer";
+import { words_of } from "../base/messages";
+import type { Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { MaximiseButton, activating } from "./panel";
 import type { Stage } from "./stage";
@@ -28,7 +29,7 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
         unmount = mount_overview(host.current!, viewer);
         trouble.value = null;
       } catch (error) {
-        trouble.value = error instanceof Error ? error.message : String(error);
+        trouble.value = words_of(error);
       }
       loading.value = false;
     };

@@ -1,9 +1,8 @@
 // One slice view: its title, the picture, the bar below.
 import { useEffect, useRef } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { width_at } from "../dock/runs";
-import { coordinate, grouped } from "../format";
-import type { ViewName, Viewer } from "../viewer";
+import { coordinate, grouped } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import type { ViewName, Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { attach_gestures } from "./gestures";
 import { SliceBar } from "./slice_bar";
@@ -38,7 +37,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         {name}
       </span>
       <span class="view-place">
-        {name} = {coordinate(a.centre(slice), width_at(a, slice))} {viewer.units}
+        {name} = {coordinate(a.centre(slice), a.width(slice))} {viewer.units}
       </span>
       <span class="view-slice">
         slice {grouped(slice)} (0–{grouped(a.cells - 1)})

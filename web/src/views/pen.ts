@@ -1,7 +1,7 @@
 // Strokes of the overlays: each with a halo, so that it is seen on any material.
-import type { AxisIndex } from "../api";
-import { FRAMES, type Frame } from "../axis";
-import type { Viewer } from "../viewer";
+import { FRAMES, type Frame } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import type { Camera } from "./camera";
 import type { Ink } from "./ink";
 

@@ -1,9 +1,8 @@
 // Below each view: play, one slice back and forth, a slider, and the slice as a number of cells and as a coordinate.
 import { useSignal } from "@preact/signals";
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { width_at } from "../dock/runs";
-import { decimals, number_of } from "../format";
-import type { Viewer } from "../viewer";
+import { decimals, number_of } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { toggle_sweep } from "./actions";
 
 interface NumberBoxProps {
@@ -73,7 +72,7 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
     viewer.sweeping.value = null;
     viewer.set_slice(axis, index);
   };
-  const coordinate = (i: number) => a.centre(i).toFixed(decimals(width_at(a, i)));
+  const coordinate = (i: number) => a.centre(i).toFixed(decimals(a.width(i)));
   const widest = Math.max(coordinate(0).length, coordinate(a.cells - 1).length, coordinate(slice).length);
   return (
     <div class="slice-bar">

@@ -1,8 +1,8 @@
 // The views as they are, as one picture. Slices are painted anew: they fill their panels, also where a bar lies on the page, and
 // overlays are as fine as the picture; cells are whole squares.
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { coordinate } from "../format";
-import type { Viewer } from "../viewer";
+import { coordinate } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { draw_marks } from "./overlay";
 import { FONT, Pen } from "./pen";
 import { stage_of } from "./stage";

@@ -1,14 +1,16 @@
 // The three slice views together: one frame at a time, and only when something changed. A frame says what each view shows and lacks,
 // hands what is wanted to the store, paints, and sets what follows from it (the level shown, what is under the pointer).
 import { type Signal, effect, signal } from "@preact/signals";
-import { AXIS_NAMES, type AxisIndex, get } from "../api";
-import { FRAMES } from "../axis";
+import { FRAMES } from "../base/axis";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { get } from "../server/api";
+import { returned } from "../server/connection";
+import type { Box, ViewName, Viewer } from "../state/viewer";
+import { clamped_zoom, fitting_zoom } from "../state/zoom";
 import { Palette, SetTable } from "../tiles/sets";
 import { TileStore } from "../tiles/store";
 import { wants_of } from "../tiles/wants";
-import type { Box, ViewName, Viewer } from "../viewer";
-import { clamped_zoom, fitting_zoom, inside, zoomed_about } from "./camera";
-import { returned } from "../connection";
+import { zoomed_about } from "./camera";
 import { type Ink, read_ink } from "./ink";
 import { draw_overlay } from "./overlay";
 import { type Scene, View } from "./view";
@@ -165,7 +167,7 @@ export class Stage {
     if (this.viewer.zoom.value === 0) return;
     const { u, v } = FRAMES[axis];
     const { axes, centre, zoom } = this.viewer;
-    this.look_at(axis, [inside(axes[u], centre.value[u] - dx / zoom.value), inside(axes[v], centre.value[v] + dy / zoom.value)]);
+    this.look_at(axis, [axes[u].inside(centre.value[u] - dx / zoom.value), axes[v].inside(centre.value[v] + dy / zoom.value)]);
   }
 
   private look_at(axis: AxisIndex, [a, b]: readonly [number, number]): void {

@@ -1,6 +1,6 @@
 // `window.teracell`, for tests in a browser and for the curious: what the page shows, without reading pixels.
-import type { AxisIndex } from "../api";
-import type { Viewer } from "../viewer";
+import type { AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import type { Stage } from "./stage";
 
 export interface Exposed {

@@ -1,7 +1,7 @@
 // What dragging draws: a line that measures, a box whose statistics are asked for.
-import type { AxisIndex, Index3 } from "../api";
-import { FRAMES } from "../axis";
-import type { Box } from "../viewer";
+import { FRAMES } from "../base/axis";
+import type { AxisIndex, Index3 } from "../base/grid";
+import type { Box } from "../state/viewer";
 import type { Stage } from "./stage";
 
 export interface Drag {

@@ -1,7 +1,8 @@
 // One slice view: the canvas of cells and the one of overlays above it, and what was painted there last, so that a frame does
 // only what has changed. Knows no gestures and no requests: stage.ts drives it.
-import type { AxisIndex } from "../api";
-import { FRAMES } from "../axis";
+import { FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { cover } from "../tiles/cover";
 import type { Extent, Place } from "../tiles/place";
 import { type Region, type Shown, regions_of } from "../tiles/regions";
@@ -9,7 +10,6 @@ import { type Palette, UNKNOWN } from "../tiles/sets";
 import type { TileStore } from "../tiles/store";
 import { set_at } from "../tiles/tile";
 import type { ViewNeeds } from "../tiles/wants";
-import type { Viewer } from "../viewer";
 import { Camera, type SampleCells, sample_cells } from "./camera";
 import type { Ink } from "./ink";
 import { number_at, paint, paint_damaged, paint_outline } from "./paint";

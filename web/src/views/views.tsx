@@ -1,8 +1,8 @@
 // The four panels: slices across z, x and y, and the overview. The panels of z and y stand above each other and have x in common,
 // those of x and y stand side by side and have z in common.
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { AxisIndex } from "../api";
-import type { Viewer } from "../viewer";
+import type { AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { attach_keys } from "./keys";
 import { OverviewPanel } from "./overview_panel";
 import { SlicePanel } from "./panel";

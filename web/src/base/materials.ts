@@ -1,6 +1,6 @@
 // How materials look. A coarse cell's set of materials is blended like the server blends it, so that the page and the pictures
 // of the server agree: the mean of the members' colours, weighted by their opacity. Only air weighs less on the page.
-import type { Material } from "./api";
+import type { Material } from "./grid";
 
 export interface MaterialLook {
   color: readonly [number, number, number]; // sRGB, 0 to 255
@@ -20,6 +20,9 @@ export function initial_looks(materials: readonly Material[]): MaterialLook[] {
   });
 }
 
+export const hex_color = (look: MaterialLook): string => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
+export const same_look = (a: MaterialLook, b: MaterialLook): boolean =>
+  a === b || (a.visible === b.visible && a.opacity === b.opacity && hex_color(a) === hex_color(b));
 export const css_color = (look: MaterialLook): string => `rgb(${look.color.join(" ")})`;
 
 // RGBA bytes, not premultiplied, of a set of materials: those that are hidden don't count (server/picture.cpp, blend()).

@@ -1,10 +1,9 @@
 // The views as a picture for a paper or a mail: with a title above and a legend below.
-import { AXIS_NAMES } from "./api";
-import { about, coordinate, product } from "./format";
-import { width_at } from "./dock/runs";
-import { css_color } from "./materials";
-import type { Viewer } from "./viewer";
-import { snapshot } from "./views/snapshot";
+import { about, coordinate, product } from "../base/format";
+import { AXIS_NAMES } from "../base/grid";
+import { css_color } from "../base/materials";
+import type { Viewer } from "../state/viewer";
+import { snapshot } from "./snapshot";
 
 const MARGIN = 16; // in CSS pixels, as are all below
 const LINE = 20;
@@ -39,7 +38,7 @@ function laid_out(viewer: Viewer, width: number, measure: (text: string) => numb
 function place_text(viewer: Viewer): string {
   const where = viewer.cell.value.map((i, d) => {
     const axis = viewer.axes[d as 0 | 1 | 2];
-    return `${AXIS_NAMES[d]} = ${coordinate(axis.centre(i), width_at(axis, i))}`;
+    return `${AXIS_NAMES[d]} = ${coordinate(axis.centre(i), axis.width(i))}`;
   });
   return `${where.join(", ")} ${viewer.units}`;
 }

@@ -1,11 +1,12 @@
 // The state of the page while one grid is open: signals that the views, the panels and the address of the page share. Parts talk
 // to each other through it alone; nothing here touches the document.
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
-import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "./api";
-import { Axis } from "./axis";
-import { unit_name } from "./format";
-import { type MaterialLook, initial_looks } from "./materials";
-import { type ViewSize, fitting_zoom } from "./views/camera";
+import { Axis } from "../base/axis";
+import { unit_name } from "../base/format";
+import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "../base/grid";
+import { type MaterialLook, initial_looks } from "../base/materials";
+import { TileCounters } from "../tiles/counters";
+import { type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
 export type Layout = "four" | ViewName;
@@ -35,17 +36,6 @@ export interface Marker {
   text: string;
 }
 
-// What the tiles of the views cost: for the status panel. Times are of requests that reached the network or the browser's cache.
-export class TileCounters {
-  readonly in_flight = signal(0);
-  readonly waiting = signal(0);
-  readonly bytes = signal(0); // held decoded
-  readonly tiles = signal(0); // held decoded
-  readonly latencies = signal<readonly number[]>([]); // milliseconds, the last 64, oldest first
-  readonly failed = signal(0); // that are tried again after a while
-  readonly damaged = signal(0); // that the server can't read: drawn hatched
-}
-
 export class Viewer {
   readonly address: GridAddress;
   readonly axes: readonly [Axis, Axis, Axis];
@@ -61,6 +51,7 @@ export class Viewer {
   views: readonly ViewSize[] = [];
 
   readonly layout = signal<Layout>("four");
+  readonly help = signal(false); // whether the list of gestures and keys is shown
   readonly panel = signal<Panel | null>("materials");
   readonly looks: Signal<readonly MaterialLook[]>;
   readonly show_axes = signal<boolean>(true);

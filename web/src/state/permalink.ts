@@ -2,10 +2,10 @@
 // Readable: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&layout=z ... Besides where it looks, only what differs from the
 // start is in it. Numbers are written so that they come back as they were.
 import { batch, effect } from "@preact/signals";
-import type { AxisIndex, Index3 } from "./api";
-import { places_found } from "./panels/report_words";
+import type { AxisIndex, Index3 } from "../base/grid";
+import { hex_color, same_look } from "../base/materials";
+import { places_found } from "./places";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
-import { inside } from "./views/camera";
 
 export function grid_in_address(): string | null {
   return new URLSearchParams(location.hash.slice(1)).get("g");
@@ -20,8 +20,6 @@ const LAYOUTS: readonly Layout[] = ["four", "x", "y", "z", "3d"];
 const PANELS: readonly Panel[] = ["materials", "report", "box", "share", "status"];
 const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline" } as const;
 
-const hex = (color: readonly number[]) => color.map((c) => c.toString(16).padStart(2, "0")).join("");
-
 // What stands in the address goes into the viewer; what is missing or makes no sense stays as it is.
 export function read_address(viewer: Viewer): void {
   const query = new URLSearchParams(location.hash.slice(1));
@@ -30,7 +28,7 @@ export function read_address(viewer: Viewer): void {
   batch(() => {
     const at = numbers(query.get("at"), 3);
     if (at) viewer.set_cell(at as Index3);
-    if (look) viewer.centre.value = viewer.axes.map((axis, d) => inside(axis, look[d]!)) as [number, number, number];
+    if (look) viewer.centre.value = viewer.axes.map((axis, d) => axis.inside(look[d]!)) as [number, number, number];
     if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
     const layout = query.get("layout") as Layout | null;
     if (layout && LAYOUTS.includes(layout)) viewer.layout.value = layout;
@@ -85,9 +83,7 @@ export function address_of(viewer: Viewer): string {
   const m = viewer.measure.value;
   if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));
   const changed = viewer.looks.value.flatMap((look, id) => {
-    const before = viewer.standard_looks[id]!;
-    const same = look === before || (look.visible === before.visible && look.opacity === before.opacity && hex(look.color) === hex(before.color));
-    return same ? [] : [`${id}:${hex(look.color)}:${look.opacity}:${look.visible ? 1 : 0}`];
+    return same_look(look, viewer.standard_looks[id]!) ? [] : [`${id}:${hex_color(look).slice(1)}:${look.opacity}:${look.visible ? 1 : 0}`];
   });
   if (changed.length) start.set("material", changed.join(";"));
   return `#${start.toString().replaceAll("%2C", ",").replaceAll("%3A", ":").replaceAll("%3B", ";")}`;

@@ -1,5 +1,5 @@
 // An axis of the grid: between cell indices and coordinates, as the store has them (store/grid.hpp).
-import type { AxisIndex, AxisJson } from "./api";
+import type { AxisIndex, AxisJson } from "./grid";
 
 export class Axis {
   readonly cells: number;
@@ -25,6 +25,12 @@ export class Axis {
   plane(i: number): number {
     if (this.json.type === "graded") return this.planes![i]!;
     return this.json.min + (this.json.first + i) * this.json.step;
+  }
+
+  // The width of cell i; cells outside count as the nearest one.
+  width(i: number): number {
+    const c = this.clamp(i);
+    return this.plane(c + 1) - this.plane(c);
   }
 
   // The point that decides cell i's material.
@@ -64,8 +70,12 @@ export class Axis {
     return (middle === before || middle === after) && after - before >= 2 ? (before + after) >> 1 : middle;
   }
 
+  // The nearest cell, and the nearest coordinate, that the axis has.
   clamp(i: number): number {
     return Math.min(Math.max(Math.round(i), 0), this.cells - 1);
+  }
+  inside(x: number): number {
+    return Math.min(Math.max(x, this.min), this.max);
   }
 }
 

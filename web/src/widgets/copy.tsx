@@ -1,7 +1,7 @@
 // Buttons that copy text, and say that they did.
 import { useState } from "preact/hooks";
+import { say } from "../base/messages";
 import { Icon } from "./icons";
-import { say } from "./toasts";
 
 // The clipboard is closed to pages that came over plain http from another machine: there the old way still works.
 async function copy_text(text: string): Promise<void> {

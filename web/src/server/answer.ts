@@ -1,7 +1,8 @@
 // What an address of the server gives, for a component: fetched when the address changes, the former answer kept until the next one
 // is there (nothing flickers), asked for again when a lost server is back.
 import { useEffect, useState } from "preact/hooks";
-import { get_json, is_version_gone, words_of } from "./api";
+import { words_of } from "../base/messages";
+import { get_json, is_version_gone } from "./api";
 import { returned } from "./connection";
 
 export interface Answer<T> {
