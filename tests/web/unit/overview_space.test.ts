@@ -8,7 +8,7 @@ import { edge_depths, labelled_edges } from "@page/overview/edges";
 import { type Vec3, cells_of_level, coordinate_at, from_space, level_planes, level_within, space_of, to_space } from "@page/overview/level_axis";
 import { make_ladder } from "@page/overview/quality";
 import { decode_slice, slice_picture, slice_place } from "@page/overview/slice_picture";
-import { clear_order } from "@page/overview/stage";
+import { clear_order } from "@page/overview/body_meshes";
 import { CUBE, cubes_of, empty_volume, place_cube } from "@page/overview/volume";
 
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 4, 8, 16] }, 0.5);

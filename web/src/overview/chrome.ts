@@ -9,6 +9,8 @@ const MODES: Record<BodyMode, { text: string; title: string }> = {
 };
 const HELP = "3D overview. Arrow keys turn it, plus and minus move nearer and away, Home shows all. Double-click sets the crosshair.";
 
+export type Chrome = ReturnType<typeof make_chrome>;
+
 export function make_chrome(host: HTMLElement) {
   const canvas = element("canvas", { tabindex: "0", role: "application", "aria-label": HELP });
   const home = element("button", { type: "button", title: "show all (Home)", "aria-label": "show all" });
