@@ -1,4 +1,4 @@
-// The frame of the page: what is open, what is wrong, and what floats above.
+// The frame of the page: what is open, what is wrong, and what floats above the rest.
 import { useEffect } from "preact/hooks";
 import { Banners } from "./banners";
 import { Dock } from "./dock/dock";

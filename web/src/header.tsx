@@ -1,4 +1,4 @@
-// The line at the top: what is open, how the views lie, and the switches of the page.
+// The header of the page: what is open, the layout of the views, and the switches of the page.
 import { about, bytes_text, noun, plural, product, sizes } from "./base/format";
 import { grids, unreadable } from "./page";
 import { switch_theme, theme } from "./state/theme";
@@ -87,7 +87,7 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
             <Icon name="panel" />
           </button>
         )}
-        <button class="icon-button" title={dark ? "Light" : "Dark"} aria-label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme}>
+        <button class="icon-button" title={dark ? "Use light colours" : "Use dark colours"} aria-label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme}>
           <Icon name={dark ? "sun" : "moon"} />
         </button>
         {viewer && (

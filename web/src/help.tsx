@@ -1,4 +1,4 @@
-// Gestures and keys, in a dialog. The table is that of the views, so that it can't say anything else than they do.
+// The dialog with gestures and keys. The list is the views' own, so that it says what they do.
 import { useEffect, useRef } from "preact/hooks";
 import type { Viewer } from "./state/viewer";
 import { bindings } from "./views/bindings";

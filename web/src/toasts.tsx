@@ -1,4 +1,4 @@
-// The messages of the page: read aloud as they come, one above the other.
+// Shows the page's messages. Screen readers read them aloud as they come.
 import { drop, toasts } from "./base/messages";
 import { Icon } from "./widgets/icons";
 

@@ -1,4 +1,4 @@
-// An axis of the page is the store's: a coordinate belongs to the cell whose planes hold it, the lower plane included.
+// Axes of the page follow the rule of the store: a coordinate belongs to the cell whose planes hold it, the lower plane included.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis } from "@page/base/axis";
@@ -16,7 +16,7 @@ for (const [name, axis] of [["uniform", uniform], ["graded", graded]] as const) 
     }
   });
 
-  test(`${name}: what lies outside is told so`, () => {
+  test(`${name}: what lies outside is known to lie outside`, () => {
     assert.equal(axis.cell_at(axis.min - 1), -1);
     assert.equal(axis.cell_at(axis.max), axis.cells);
     assert.equal(axis.cell_at(axis.max + 1), axis.cells);
@@ -26,14 +26,14 @@ for (const [name, axis] of [["uniform", uniform], ["graded", graded]] as const) 
   });
 }
 
-test("planes and centres have the roundings of the cell rule", () => {
+test("planes and centres are rounded as the rule for cells says", () => {
   assert.equal(uniform.plane(3), -0.3 + 10 * 0.1);
   assert.equal(uniform.centre(3), -0.3 + 10.5 * 0.1);
   assert.equal(graded.centre(4), 0.2 + 0.25 * (8 - 0.2));
   assert.ok(graded.graded && !uniform.graded);
 });
 
-test("cells thinner than what is looked at are not passed over, nor is a domain", () => {
+test("neither cells nor a domain that are thinner than a pixel are passed over", () => {
   assert.equal(graded.cell_among(-0.05, 0.31), 3, "0.13 lies in cell 3");
   assert.equal(graded.cell_among(-1.4, 0.3), 2, "the middle lies in a wide cell, two thin ones within");
   assert.equal(graded.cell_among(-1.4, -0.2), 1);

@@ -1,4 +1,5 @@
-// What the server says about grids, typed, and the addresses of one grid. Addresses are relative to the page: it may lie under any base path.
+// The types of what the server says about grids, and the addresses of one grid. Addresses are relative to the page,
+// which may be served below any path.
 export type Index3 = [number, number, number];
 export type AxisIndex = 0 | 1 | 2;
 export const AXES: readonly AxisIndex[] = [0, 1, 2];
@@ -10,7 +11,7 @@ export interface Material {
   id: number;
   name: string;
   color: string; // #rrggbb or #rrggbbaa
-  rank: number; // where one of several materials is needed, the least wins
+  rank: number; // where one of several materials is needed, the lowest rank wins
 }
 
 export interface Hole {
@@ -18,13 +19,13 @@ export interface Hole {
   edges: number;
   diameter: number;
   diameter_cells?: number;
-  width?: number; // across its gap: of a crack much less than the diameter
+  width?: number; // of its gap: much less than the diameter when it is a crack
   width_cells?: number;
   cap_area: number;
-  extruded?: boolean; // closed by walls, not by a cap
+  extruded?: boolean; // closed by walls and a floor, not by a cap
 }
 
-// A curve along which facets face the other way than their neighbours.
+// A curve of edges along which facets face the other way than their neighbours.
 export interface Flip {
   at: [number, number, number];
   edges: number;
@@ -35,7 +36,7 @@ export interface BodyReport {
   facets: number;
   degenerate: number;
   duplicates: number;
-  opposite?: number; // of these, those that face the other way than the first one
+  opposite?: number; // duplicates that face the other way than the first of them
   shells: number;
   stitch?: number; // length
   seams?: { number: number; length: number; widest_gap: number };
@@ -43,8 +44,8 @@ export interface BodyReport {
   holes: Hole[];
   flips: Flip[];
   cells: number;
-  cells_text?: string; // exact, past 2^53
-  covered_cells?: number; // in it, but stronger bodies own them
+  cells_text?: string; // the exact count, when it is above 2^53
+  covered_cells?: number; // inside the body, but owned by stronger bodies
 }
 
 export interface Report {
@@ -77,7 +78,7 @@ export interface GridSummary {
   units: string;
 }
 
-// A file of a folder that is served, and why it is no grid that one can look at.
+// A file in the served folder that cannot be read as a grid, and why.
 export interface UnreadableFile {
   id: string;
   error: string;
@@ -87,7 +88,7 @@ export interface MaterialStats {
   id: number;
   name: string;
   cells: number;
-  cells_text?: string; // exact, past 2^53
+  cells_text?: string; // the exact count, when it is above 2^53
   volume: number;
   box: [number, number, number, number, number, number] | null;
 }
@@ -110,7 +111,7 @@ export interface Column {
   runs: ColumnRun[];
 }
 
-// Addresses of one grid. Those with its version may be kept for ever by the browser.
+// The addresses of one grid. Most of them name the version of the file, so browsers may keep their answers for ever.
 export class GridAddress {
   private readonly base: string;
   constructor(
@@ -119,11 +120,12 @@ export class GridAddress {
   ) {
     this.base = `api/v1/grids/${encodeURIComponent(id)}`;
   }
-  // The sets of a tile of 512 x 512 cells: see tile format in tiles/tile.ts.
+  // The sets of materials in a tile of 512 x 512 cells. tiles/tile.ts describes the format.
   tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
     return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1&v=${this.hash}`;
   }
-  // A cube of 64^3 cells of a level, the strongest material of each: gzip around bytes (two when there are more than 256 materials).
+  // A cube of 64^3 cells of a level, with the strongest material of each cell: gzip around one byte per cell, or two
+  // when there are more than 256 materials.
   cube(level: number, [x, y, z]: Index3): string {
     return `zarr/${encodeURIComponent(this.id)}/${level}/c/${z}/${y}/${x}?v=${this.hash}`;
   }

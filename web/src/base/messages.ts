@@ -1,10 +1,11 @@
-// Short messages for people, from any part of the page (toasts.tsx shows them). The same message is there only once at a time, and is gone
-// after a while. A detail stands below it, cut to a line; messages that differ in it alone are the same.
+// Short messages to people, from any part of the page. toasts.tsx shows them. The same message is there only once at a
+// time and disappears after a while. A detail may stand below it, cut to one line; messages that differ only in their
+// detail count as the same.
 import { signal } from "@preact/signals";
 
 export interface Toast {
   text: string;
-  detail: string | undefined; // of the first
+  detail: string | undefined; // of the first one of them
   times: number;
   timer: number;
 }

@@ -1,5 +1,5 @@
-// Below the views, at a fixed height: what is under the pointer, where the crosshair (or the pinned cell) is, and the materials along
-// the three columns through it.
+// The dock below the views, at a fixed height: what is under the pointer, where the crosshair or the pinned cell is,
+// and the materials along the three columns through it.
 import { coordinate, grouped } from "../base/format";
 import { AXES, AXIS_NAMES, type Index3 } from "../base/grid";
 import type { Viewer } from "../state/viewer";
@@ -8,7 +8,7 @@ import { MaterialNames } from "./material_names";
 import { Profiles, use_profiles } from "./profiles";
 
 
-// A cell's numbers and a point in it, one axis a line.
+// The indices of a cell and the coordinates of a point in it, one line per axis.
 function Place({ viewer, cell, point }: { viewer: Viewer; cell: Index3 | null; point?: readonly number[] }) {
   return (
     <table class="place">
@@ -59,12 +59,12 @@ export function Dock({ viewer }: { viewer: Viewer }) {
                 <button class="icon-button small" title="Look at the pinned cell" aria-label="Look at the pinned cell" onClick={() => viewer.go_to_cell(pinned)}>
                   <Icon name="target" />
                 </button>
-                <button class="icon-button small" title="Let go of the pinned cell" aria-label="Let go of the pinned cell" onClick={() => (viewer.pinned.value = null)}>
+                <button class="icon-button small" title="Unpin the cell" aria-label="Unpin the cell" onClick={() => (viewer.pinned.value = null)}>
                   <Icon name="close" />
                 </button>
               </>
             ) : (
-              <button class="icon-button small" title="Keep this cell here" aria-label="Pin this cell" onClick={() => (viewer.pinned.value = [...cell])}>
+              <button class="icon-button small" title="Pin this cell" aria-label="Pin this cell" onClick={() => (viewer.pinned.value = [...cell])}>
                 <Icon name="pin" />
               </button>
             )}

@@ -1,4 +1,4 @@
-// A cell's material, or the set of them in a coarse cell, with their colours. Not known yet: a dash.
+// The material of a cell, or the set of materials in a coarse cell, with their colours. A dash while it is not known.
 import type { Viewer } from "../state/viewer";
 import { Swatch } from "../widgets/swatch";
 

@@ -1,4 +1,5 @@
-// One column as a bar, true to scale, with round coordinates below. A click, a drag or the arrow keys move the slice across its axis.
+// One column as a bar, true to scale, with round coordinates below it. A click, a drag or the arrow keys move the slice
+// across its axis.
 import { useEffect, useRef, useState } from "preact/hooks";
 import { coordinate, grouped } from "../base/format";
 import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
@@ -18,7 +19,7 @@ interface Props {
   point_at: (run: number | null) => void;
 }
 
-// Runs narrower than a pixel still show: they come after the wide ones, a pixel wide.
+// Runs narrower than a pixel are visible as well: they are drawn after the wide ones, a pixel wide.
 function draw(canvas: HTMLCanvasElement, width: number, { viewer, axis: d, cell, column }: Props): void {
   const ratio = devicePixelRatio;
   canvas.width = Math.max(1, Math.round(width * ratio));
@@ -134,7 +135,7 @@ export function ProfileBar(props: Props) {
         aria-valuemax={axis.cells - 1}
         aria-valuenow={here}
         aria-valuetext={value}
-        title="Click moves the slice there; arrows step, Page up and Page down jump to the next material"
+        title="Click to move the slice there. Arrow keys step; Page Up and Page Down go to the next change of material."
         onPointerDown={on_down}
         onPointerMove={on_move}
         onPointerLeave={() => point_at(null)}

@@ -1,4 +1,4 @@
-// The runs of a column: which one holds a cell, where the next change is, what a line of a table says.
+// The runs of a column: which one holds a cell, where the next change is, and how runs are written.
 import type { Axis } from "../base/axis";
 import { coordinate, csv_name, grouped, significant } from "../base/format";
 import type { Column, ColumnRun } from "../base/grid";
@@ -30,7 +30,7 @@ export function run_text(run: ColumnRun, axis: Axis, units: string): string {
   return `${run.name}: ${range}, ${at(run.min)} to ${at(run.max)} ${units}, ${significant(run.max - run.min, 5)} ${units} long`;
 }
 
-// As a spreadsheet reads it: `to` is the cell after the run's last.
+// The runs as a CSV file. `to` is the cell after the last one of the run.
 export function runs_csv(columns: readonly Column[], units: string): string {
   const lines = [`axis,from,to,min_${units},max_${units},length_${units},id,material`];
   for (const column of columns)
@@ -38,7 +38,7 @@ export function runs_csv(columns: readonly Column[], units: string): string {
   return `${lines.join("\n")}\n`;
 }
 
-// Round places for ticks: steps of 1, 2 or 5 times a power of ten, at most `most` of them.
+// Round coordinates for ticks: steps of 1, 2 or 5 times a power of ten, at most `most` of them.
 export function ticks(low: number, high: number, most: number): number[] {
   if (!(high > low) || most < 1) return [];
   const raw = (high - low) / most;

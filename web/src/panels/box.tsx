@@ -1,4 +1,5 @@
-// A box of cells, drawn in a view or typed: what is in it, exactly. And the distance that was measured last.
+// A box of cells, drawn in a view or typed, and what is in it, counted exactly. Also the distance that was measured
+// last.
 import { coordinate, grouped, percent, product, significant } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex, type Stats } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
@@ -9,9 +10,10 @@ import { Swatch } from "../widgets/swatch";
 import { stats_csv, with_end } from "./box_cells";
 import { cells_of } from "./materials";
 
-const MOST = 200; // materials listed
+const MOST = 200; // materials that are listed
 
-// The two numbers of an axis; changed when the field is left or Enter is pressed, so that typing never jumps.
+// The first and the last cell along an axis. They change when the field is left or Enter is pressed, so that nothing
+// jumps while somebody types.
 function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisIndex }) {
   const axis = viewer.axes[d];
   const [low, high] = [box[d], box[d + 3]!];
@@ -73,7 +75,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
           ))}
           {present.length > MOST && (
             <tr>
-              <td colSpan={4}>{grouped(present.length - MOST)} more, all in the CSV</td>
+              <td colSpan={4}>{grouped(present.length - MOST)} more; all are in the CSV</td>
             </tr>
           )}
         </tbody>
@@ -181,7 +183,7 @@ export function BoxPanel({ viewer }: { viewer: Viewer }) {
             <Content viewer={viewer} box={box} />
           </>
         ) : (
-          <p class="note">Draw a box in a view, or take the whole grid and type its ends: cells and volumes of every material in it are counted exactly.</p>
+          <p class="note">Draw a box in a view, or take the whole grid and type its ends. The cells and the volume of every material in it are counted exactly.</p>
         )}
       </section>
       <Distance viewer={viewer} />

@@ -1,4 +1,4 @@
-// Lists that may be very long: the first of it, and as many again for a click.
+// A list that may be very long: its first items, and as many more for each click.
 import { useState } from "preact/hooks";
 import { grouped } from "../base/format";
 

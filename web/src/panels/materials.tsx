@@ -1,4 +1,4 @@
-// The materials: how they look, and how much of the grid they are, exactly.
+// The materials: how they look, and exactly how much of the grid they fill.
 import { useState } from "preact/hooks";
 import { grouped, percent, product, significant } from "../base/format";
 import type { MaterialStats, Stats } from "../base/grid";
@@ -10,8 +10,8 @@ import { FirstOf } from "./first_of";
 import { all_distinct, with_colors_of, with_distinct_colors } from "./palette";
 import { BoxText, GoThere } from "./places";
 
-const MANY = 12; // from here on a filter helps, and a line each, opened for more
-const STEP = 100; // shown at once
+const MANY = 12; // with more materials there is a filter, and each material is one line, which can be opened
+const STEP = 100; // materials that are shown at once
 
 export const cells_of = (m: MaterialStats): string => grouped(m.cells_text ?? m.cells);
 
@@ -19,7 +19,7 @@ function change(viewer: Viewer, id: number, what: Partial<MaterialLook>): void {
   viewer.looks.value = viewer.looks.value.map((look, n) => (n === id ? { ...look, ...what } : look));
 }
 
-// Shows this one alone; all of them when it already is.
+// Shows this material alone, or all of them when it is alone already.
 function solo(viewer: Viewer, id: number): void {
   const alone = is_solo(viewer, id);
   viewer.looks.value = viewer.looks.value.map((look, n) => ({ ...look, visible: alone || n === id }));
@@ -82,13 +82,13 @@ function Amount({ viewer, id, stats, all }: CardProps) {
           <GoThere what={viewer.info.materials[id]!.name} go={() => viewer.go_to_box(stats.box!)} />
         </details>
       ) : (
-        stats && <p class="note">no cell of it</p>
+        stats && <p class="note">It owns no cell.</p>
       )}
     </>
   );
 }
 
-// `short`: a line, until it is opened.
+// With `short`, it is one line until it is opened.
 function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
   const { viewer, id, stats, all } = props;
   const [opened, set_opened] = useState(false);
@@ -147,7 +147,7 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
           <button
             class="button"
             aria-pressed={distinct}
-            title="Colours that stay apart for colour-blind eyes, instead of the scene's own"
+            title="Colours that colour-blind people can tell apart, instead of the scene's own"
             onClick={() => (viewer.looks.value = distinct ? with_colors_of(looks, viewer.standard_looks) : with_distinct_colors(looks))}
           >
             Distinct colours

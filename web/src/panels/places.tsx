@@ -19,7 +19,7 @@ export function point_text(viewer: Viewer, point: readonly number[]): string {
   return AXES.map((d) => coordinate(point[d]!, viewer.axes[d].width(viewer.axes[d].cell_at(point[d]!)))).join(", ");
 }
 
-// Its first and last cells, and between which coordinates they lie.
+// The first and the last cell of a box along each axis, and the coordinates between which they lie.
 export function BoxText({ viewer, box }: { viewer: Viewer; box: Box }) {
   return (
     <table class="box-text">

@@ -1,10 +1,10 @@
-// What the server says, typed, and the one way to ask for it. Addresses are relative to the page: it may lie under any base path.
+// The one way to ask the server for something, what can go wrong, and the token that it may demand.
 import { signal } from "@preact/signals";
 import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
 import { say } from "../base/messages";
 import { ask_again, doubt, not_reached, reached } from "./connection";
 
-// The server answered, and it was an error; or it did not answer (status 0).
+// The server answered with an error, or it did not answer at all (status 0).
 export class ServerError extends Error {
   constructor(
     readonly status: number,
@@ -24,11 +24,12 @@ async function error_of(response: Response): Promise<ServerError> {
   }
 }
 
-// A server may ask for a token (--token-file). The page itself comes without one, as browsers send none when they open it, and
-// then asks: the field is shown while `token_wanted`, and hands what is typed to give_token(). It is kept for this tab alone, and
-// where storage is forbidden (frames of other sites) for this page.
+// A server may demand a token (--token-file). It gives out the page without one, because browsers send none when they
+// open an address. The page then asks for the token: the form is shown while `token_wanted`, and it passes what was
+// typed to give_token(). The token is kept for this tab alone; where storage is forbidden, as in frames of other sites,
+// only until the page is left.
 export const token_wanted = signal(false);
-const token_key = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may lie under another path
+const token_key = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may be reached under another path
 
 function remembered(): string | null {
   try {
@@ -40,44 +41,44 @@ function remembered(): string | null {
 let token = remembered();
 export const has_token = (): boolean => token !== null;
 
-// Why this can't be a token, if so: a field of HTTP takes visible ASCII characters.
+// Why a text cannot be a token; null when it can. A field of an HTTP header takes visible ASCII characters only.
 export function fault_of_token(text: string): string | null {
   const odd = [...text].find((c) => c < "!" || c > "~");
   if (odd === undefined) return null;
   const code = odd.codePointAt(0)!.toString(16).toUpperCase().padStart(4, "0");
-  return `A token has neither spaces nor letters beyond ASCII; this one has U+${code}.`;
+  return `A token consists of visible ASCII characters. This one contains U+${code}.`;
 }
 
-// Whatever was refused is asked for again.
+// Everything that was refused is asked for again.
 export function give_token(text: string): void {
   token = text;
   try {
     sessionStorage.setItem(token_key(), text);
   } catch {
-    // nothing to remember it with
+    // Storage is forbidden.
   }
   token_wanted.value = false;
   ask_again();
 }
 
-// The file behind a grid was replaced: an address with the old version has nothing any more. Counts up.
+// Counts how often an address had no answer any more because the file that it names was replaced.
 export const version_gone = signal(0);
 
-// Whether that is why an address has nothing: then the page says so as a whole (banners.tsx).
+// Whether an error means that. A banner then says so for the whole page (banners.tsx).
 export const is_version_gone = (error: unknown, path: string): boolean => error instanceof ServerError && error.status === 404 && path.includes("v=");
 
-// What concerns the whole page, whoever asked.
+// Tells the whole page about an error that concerns it, whichever part of the page asked.
 function noted(error: ServerError, path: string): ServerError {
   if (error.status === 401) token_wanted.value = true;
   else if (is_version_gone(error, path)) ++version_gone.value;
-  else if (error.code === "damaged") say("The file is damaged: some of it can't be read", error.message);
+  else if (error.code === "damaged") say("The file is damaged: parts of it can't be read", error.message);
   else if (error.status >= 500) say("The server could not answer", error.message);
   return error;
 }
 
-const SLOW = 10_000; // milliseconds without an answer after which a server may be gone without a word
+const SLOW = 10_000; // milliseconds without an answer, after which the server's health is checked
 
-// Fetches an address below the server's root. Throws ServerError, or AbortError when the signal says so.
+// Fetches an address below the server's root. Throws ServerError, or AbortError when the signal ends it.
 export async function get(path: string, options: { signal?: AbortSignal; priority?: "high" | "low" | "auto" } = {}): Promise<Response> {
   const headers: HeadersInit = token === null ? {} : { authorization: `Bearer ${token}` };
   const timer = setTimeout(() => void doubt(), SLOW);
@@ -91,7 +92,7 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
   } finally {
     clearTimeout(timer);
   }
-  // A server in front answers 502 or 504 for one that is gone.
+  // A proxy answers 502 or 504 in place of a server that is gone.
   if (response.status === 502 || response.status === 504) not_reached();
   else reached();
   if (!response.ok) throw noted(await error_of(response), path);
@@ -101,7 +102,8 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
 const BUSY_FIRST = 1000;
 const BUSY_LONGEST = 15_000;
 
-// With a signal, what a busy server refuses (503) is asked for again, later and later, until nobody wants it any more.
+// With a signal, a request that a busy server refuses (503) is repeated after ever longer waits, until the signal ends
+// it.
 export async function get_json<T>(path: string, signal?: AbortSignal): Promise<T> {
   for (let wait = BUSY_FIRST; ; wait = Math.min(2 * wait, BUSY_LONGEST)) {
     try {

@@ -1,6 +1,7 @@
-// The state of the page in its address, behind '#', so that a link shows what its sender saw and the server never reads it.
-// Readable: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&layout=z ... Besides where it looks, only what differs from the
-// start is in it. Numbers are written so that they come back as they were.
+// The state of the page as its address. It stands behind '#', so that a link shows what its sender saw and the state is
+// never sent to the server. People can read it: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&layout=z ...
+// It holds where the views look and, of everything else, only what differs from the start. Numbers are written such
+// that they are read back unchanged.
 import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "../base/grid";
 import { hex_color, same_look } from "../base/materials";
@@ -20,7 +21,7 @@ const LAYOUTS: readonly Layout[] = ["four", "x", "y", "z", "3d"];
 const PANELS: readonly Panel[] = ["materials", "report", "box", "share", "status"];
 const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline" } as const;
 
-// What stands in the address goes into the viewer; what is missing or makes no sense stays as it is.
+// Puts the state in the address into the viewer. What is missing there, or makes no sense, stays as it is.
 export function read_address(viewer: Viewer): void {
   const query = new URLSearchParams(location.hash.slice(1));
   const look = numbers(query.get("look"), 3);
@@ -89,7 +90,8 @@ export function address_of(viewer: Viewer): string {
   return `#${start.toString().replaceAll("%2C", ",").replaceAll("%3A", ":").replaceAll("%3B", ";")}`;
 }
 
-// Keeps the address up to date, a little later: browsers limit how often it may change.
+// Keeps the address up to date, with a short delay, because browsers limit how often it may change. Returns what ends
+// this.
 export function keep_address(viewer: Viewer): () => void {
   let timer = 0;
   const stop = effect(() => {

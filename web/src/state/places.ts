@@ -5,7 +5,7 @@ import type { Marker } from "./viewer";
 
 const MOST_MARKERS = 500;
 
-// "0.047 m wide, 90.5 cells"; of a crack also its gap.
+// "0.047 m wide, 90.5 cells". For a crack, its gap as well.
 export function hole_text(hole: Hole, units: string): string {
   const cells = hole.diameter_cells;
   const crack = hole.width !== undefined && hole.width_cells !== undefined && hole.width < hole.diameter / 4;
@@ -13,7 +13,7 @@ export function hole_text(hole: Hole, units: string): string {
   return `${significant(hole.diameter, 4)} ${units} wide${cells === undefined ? "" : `, ${significant(cells, 3)} cells`}${gap}`;
 }
 
-// What can be marked in the views: the widest holes first.
+// The places that can be marked in the views, the widest holes first.
 export function places_found(info: GridInfo): Marker[] {
   const { bodies } = info.report;
   const holes = bodies.flatMap((b) => b.holes.map((h) => ({ at: h.at, size: h.diameter, text: `hole in ${b.name}: ${hole_text(h, unit_name(info.units))}` })));

@@ -2,7 +2,7 @@
 import { type Axis, FRAMES } from "../base/axis";
 import type { AxisIndex } from "../base/grid";
 
-const MARGIN = 44; // CSS pixels around a grid that fits: its title and rulers are there
+const MARGIN = 44; // CSS pixels around a grid that fits, for the title and the rulers
 const LARGEST_CELL = 160; // CSS pixels
 
 export interface ViewSize {
@@ -12,7 +12,7 @@ export interface ViewSize {
 }
 export type Range = Pick<Axis, "min" | "max">;
 
-// The zoom at which the grid, or a box with these ends, fits all views of these sizes.
+// The zoom at which the grid, or a box with these ends, fits into all views of these sizes.
 export function fitting_zoom(ranges: readonly [Range, Range, Range], views: readonly ViewSize[]): number {
   const zooms = views.flatMap(({ axis, width, height }) => {
     const frame = FRAMES[axis];
@@ -23,7 +23,7 @@ export function fitting_zoom(ranges: readonly [Range, Range, Range], views: read
   return Math.min(...zooms);
 }
 
-// From a grid that is a tenth of the view to cells as large as a thumb.
+// Keeps a zoom within its limits: from a grid a tenth as large as the view to cells as large as a thumb.
 export function clamped_zoom(zoom: number, axes: readonly [Axis, Axis, Axis], fitting: number): number {
   const finest = Math.min(...axes.map((a) => a.finest));
   return Math.min(Math.max(zoom, fitting / 10), Math.max(LARGEST_CELL / finest, fitting));

@@ -1,11 +1,11 @@
-// The views as a picture for a paper or a mail: with a title above and a legend below.
+// The views as a picture for a paper or a mail, with a title above and a legend below.
 import { about, coordinate, product } from "../base/format";
 import { AXIS_NAMES } from "../base/grid";
 import { css_color } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import { snapshot } from "./snapshot";
 
-const MARGIN = 16; // in CSS pixels, as are all below
+const MARGIN = 16; // CSS pixels, as are all lengths below
 const LINE = 20;
 const FONT = "system-ui, -apple-system, 'Segoe UI', sans-serif";
 
@@ -16,7 +16,7 @@ interface Entry {
   top: number;
 }
 
-// The legend's entries from left to right, as many lines as they need.
+// Places the legend's entries from left to right, in as many lines as they need.
 function laid_out(viewer: Viewer, width: number, measure: (text: string) => number): { entries: Entry[]; height: number } {
   const entries: Entry[] = [];
   let left = MARGIN;

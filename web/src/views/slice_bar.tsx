@@ -1,4 +1,4 @@
-// Below each view: play, one slice back and forth, a slider, and the slice as a number of cells and as a coordinate.
+// The bar below each view: play, one slice back or forth, a slider, and the slice as a number and as a coordinate.
 import { useSignal } from "@preact/signals";
 import { decimals, number_of } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
@@ -14,7 +14,8 @@ interface NumberBoxProps {
   take: (n: number) => void;
 }
 
-// A box for a number: what is typed counts on Enter or when the box is left; nonsense goes back to what it was, with a flash.
+// A field for a number. What is typed takes effect on Enter, or when the field is left. If it is no number, the field
+// flashes and shows the former one again.
 function NumberBox({ text, label, width, suffix, whole = false, take }: NumberBoxProps) {
   const typed = useSignal<string | null>(null);
   const refused = useSignal(false);

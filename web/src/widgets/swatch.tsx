@@ -1,4 +1,4 @@
-// The colour of a material; a checkerboard where nothing of it is seen.
+// The colour of a material, or a checkerboard where nothing of it is seen.
 import { type MaterialLook, css_color } from "../base/materials";
 
 export function Swatch({ look }: { look: MaterialLook | undefined }) {
