@@ -5,7 +5,8 @@ import type { BodyMode } from "../state/viewer";
 import { type Cut, make_body_material, set_look } from "./body_material";
 import type { Surface } from "./worker";
 
-// When a body that is seen through is drawn, by its distance: after the planes (from 10 on) and before the lines (from 30 on).
+// The order in which a transparent body at a distance is drawn: after the planes (from 10 on) and before the lines
+// (from 30 on).
 export const clear_order = (distance: number): number => 20 + 9 / (1 + distance);
 
 type BodyMesh = Mesh<BufferGeometry, RawShaderMaterial>;
@@ -22,7 +23,7 @@ export class BodyMeshes {
     private readonly up: { value: Vector3 },
   ) {}
 
-  // Surfaces of a finer level than those before.
+  // Adds the surfaces of a finer level than those before.
   add(surfaces: readonly Surface[]): void {
     const group = new Group();
     for (const surface of surfaces) {
@@ -50,18 +51,18 @@ export class BodyMeshes {
     this.dress();
   }
 
-  // From far to near: what is seen through does not hide what is drawn later.
+  // Orders transparent bodies from far to near, so that none hides what is drawn later.
   sort(eye: Vector3): void {
     for (const mesh of this.all()) if (mesh.material.transparent) mesh.renderOrder = clear_order(mesh.geometry.boundingSphere!.center.distanceTo(eye));
   }
 
-  // Shows one level: the finest, or one that is coarser by so many.
+  // Shows one level only: the finest, or one that is coarser by this many levels.
   show(coarser: number): void {
     const shown = Math.max(this.root.children.length - 1 - coarser, 0);
     this.root.children.forEach((group, i) => (group.visible = i === shown));
   }
 
-  // What may be seen of the finest level.
+  // The bodies of the finest level that are not hidden.
   visible(): BodyMesh[] {
     return ((this.root.children.at(-1)?.children ?? []) as BodyMesh[]).filter((mesh) => mesh.visible);
   }

@@ -1,5 +1,6 @@
-// The overview in three dimensions: it mounts into an element, follows the viewer's signals, and takes itself away again. It is loaded
-// together with three.js when it is first shown: no other part of the page may import it, except by import().
+// The overview in three dimensions: it mounts into an element, follows the signals of the viewer, and takes itself away
+// again. It is loaded together with three.js when it is first shown, so no other part of the page may import it, except
+// by import().
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
 import { returned } from "../server/connection";
@@ -116,7 +117,7 @@ class Overview {
     canvas.addEventListener("pointermove", (event) => this.name_marker(event), { signal });
     canvas.addEventListener("webglcontextlost", (event) => this.lose(event), { signal });
     canvas.addEventListener("webglcontextrestored", () => this.restore(), { signal });
-    // A picture of the whole page asks for this part of it with an event that says where to draw.
+    // A picture of all views asks for this one with an event that says where to draw it.
     host.addEventListener("draw", (event) => this.draw_into((event as CustomEvent<CanvasRenderingContext2D>).detail), { signal });
   }
 
@@ -179,7 +180,7 @@ class Overview {
     this.chrome.root.dataset.frame = milliseconds.toFixed(1);
   }
 
-  // The browser keeps what WebGL has drawn for the current task alone, so it is drawn anew.
+  // The canvas keeps what WebGL has drawn only for the current task, so it is drawn anew.
   private draw_into(context: CanvasRenderingContext2D): void {
     if (!this.visible || this.lost) return;
     this.settling.rest = 2;
@@ -201,7 +202,8 @@ class Overview {
     this.settling.moved();
   }
 
-  // Along an axis, from one of its ends. Asked for a second time: from the other end, which lies behind the first one.
+  // Looks along an axis from one of its ends, or from the other end if the view is already there: that one lies behind
+  // the first.
   private look_straight(axis: number, above: boolean): void {
     const is_there = basis(this.viewpoint.orbit).back[axis]! * (above ? 1 : -1) > 0.9999;
     const { azimuth, elevation } = straight(axis, above !== is_there);
@@ -248,7 +250,7 @@ class Overview {
   private show_bodies({ level, surfaces }: Bodies): void {
     this.stage.add_bodies(surfaces);
     this.ladder.changed();
-    const { dataset } = this.chrome.root; // for tests
+    const { dataset } = this.chrome.root; // for tests and measurements
     dataset.level = String(level);
     dataset.triangles = String(surfaces.reduce((sum, s) => sum + s.indices.length / 3, 0));
     this.pace.soon();

@@ -81,7 +81,7 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
           seen.push({ e, length, upper, wish: { size: sizes[2 * d + upper]!, end: upper ? edge.to : edge.from, outward: edge.outward, beyond } });
         });
       }
-      // Upper ends say the unit; long edges tell more than short ones.
+      // Upper ends come first, because they name the unit, and then long edges before short ones.
       seen.sort((a, b) => b.upper - a.upper || b.length - a.length);
       const places = place_numbers(seen.map(({ wish }) => wish), to.width, to.height, taken);
       seen.forEach(({ e }, i) => move(e, places[i]!));

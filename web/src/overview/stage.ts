@@ -1,5 +1,6 @@
-// What the overview draws, as three.js has it: bodies, planes, lines, and a camera. It knows pixels and the overview's space, and nothing of
-// signals, requests, or the document beyond its canvas. A frame is drawn when draw() is called, and at no other time.
+// What the overview draws, as three.js has it: bodies, planes, lines, and a camera. It knows pixels and the overview's
+// space, but no signals, no requests, and of the document only its canvas. A frame is drawn when draw() is called, and
+// at no other time.
 import { PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
 import type { AxisIndex } from "../base/grid";
 import type { MaterialLook } from "../base/materials";
@@ -150,7 +151,8 @@ export class Stage {
     });
   }
 
-  // The context goes first: everything in it is free at once, also what an earlier, lost one left.
+  // The context goes first: then everything in it is free at once, including what an earlier context left that was
+  // lost.
   dispose(): void {
     this.renderer.forceContextLoss();
     this.bodies.dispose();

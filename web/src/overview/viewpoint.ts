@@ -1,4 +1,5 @@
-// Where the overview is looked at from: the viewer's orbit, in the overview's space, and flights from one view to another.
+// Where the overview is looked at from: the viewer's orbit, in the overview's space, and flights from one view to
+// another.
 import type { Viewer } from "../state/viewer";
 import { HOME, type Orbit, between, fitted } from "./camera";
 import { type Space, type Vec3, from_space, point_to_space } from "./level_axis";
@@ -31,7 +32,7 @@ export class Viewpoint {
     this.set(to);
   }
 
-  // With `goes_home` the view follows the panel's size once it is there.
+  // With `goes_home`, the view follows the size of the panel once it has arrived.
   fly(to: Orbit, goes_home = false): void {
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) this.set(goes_home ? null : to);
     else this.flight = { from: this.orbit, to, began: performance.now(), goes_home };

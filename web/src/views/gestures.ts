@@ -90,7 +90,7 @@ class Gestures {
     } else viewer.set_slice(this.axis, slice + steps * (event.shiftKey ? 10 : 1));
   }
 
-  // Slices that an event of the wheel or of a trackpad stands for.
+  // By how many slices an event of the wheel or of a trackpad moves.
   private steps_of(event: WheelEvent): number {
     const delta = event.deltaY || (event.shiftKey ? event.deltaX : 0); // shift turns a wheel sideways
     if (event.deltaMode !== 0 || Math.abs(delta) >= NOTCH) {
