@@ -23,6 +23,9 @@ for (const [name, axis] of [["uniform", uniform], ["graded", graded]] as const) 
     assert.equal(axis.clamp(-5), 0);
     assert.equal(axis.clamp(axis.cells + 5), axis.cells - 1);
     assert.equal(axis.clamp(2.4), 2);
+    assert.equal(axis.width(-3), axis.plane(1) - axis.min);
+    assert.equal(axis.width(axis.cells), axis.max - axis.plane(axis.cells - 1));
+    assert.deepEqual([axis.min - 1, axis.plane(1), axis.max + 1].map((x) => axis.inside(x)), [axis.min, axis.plane(1), axis.max]);
   });
 }
 

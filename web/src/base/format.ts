@@ -1,5 +1,5 @@
 // Numbers as people read them: thin spaces between thousands, as many digits as the size of a cell warrants, a true
-// minus sign. And numbers as people type them.
+// minus sign. Also numbers as people type them.
 
 const THIN = "\u202f"; // narrow, and lines do not break at it
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";

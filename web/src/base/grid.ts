@@ -111,7 +111,7 @@ export interface Column {
   runs: ColumnRun[];
 }
 
-// The addresses of one grid. Most of them name the version of the file, so browsers may keep their answers for ever.
+// The addresses of one grid. Each names the version of the file, so browsers may keep the answers for ever.
 export class GridAddress {
   private readonly base: string;
   constructor(

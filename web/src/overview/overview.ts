@@ -266,7 +266,7 @@ class Overview {
   private lose(event: Event): void {
     event.preventDefault(); // otherwise the browser never restores it
     this.lost = true;
-    this.chrome.say("The graphics card took its memory back; the overview waits for it.");
+    this.chrome.say("The browser has lost its memory on the graphics card. The overview waits until it is back.");
   }
 
   private restore(): void {

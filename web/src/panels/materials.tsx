@@ -154,7 +154,7 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
           </button>
         )}
         <span class="spacer" />
-        <button class="button" disabled={looks.every((look, id) => same_look(look, viewer.standard_looks[id]!))} title="Colours, opacity and visibility as they were" onClick={() => (viewer.looks.value = viewer.standard_looks)}>
+        <button class="button" disabled={looks.every((look, id) => same_look(look, viewer.standard_looks[id]!))} title="Put colours, opacity and visibility back to what they were" onClick={() => (viewer.looks.value = viewer.standard_looks)}>
           Reset
         </button>
       </div>

@@ -11,7 +11,7 @@ import { BodyDetails } from "./report_body";
 import { body_cells, care_of, levels_text, size_text } from "./report_words";
 
 const MANY = 100; // items of a list that are shown at once
-const MANY_BODIES = 8; // with as many, only those with something to say are unfolded
+const MANY_BODIES = 8; // with this many or more, only those with something to say are unfolded
 
 const has_something_to_say = (b: BodyReport) => b.holes.length > 0 || b.flips.length > 0 || b.cells === 0;
 
