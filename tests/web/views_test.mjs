@@ -200,6 +200,7 @@ test("the keys", async () => {
   assert.ok(!(await view(page, "z").isVisible()));
   await page.keyboard.press("Space");
   assert.equal(await state(page, "layout"), "four");
+  await settled(page); // the zoom follows the sizes of the views
   const zoom = await state(page, "zoom");
   await page.keyboard.press("+");
   assert.ok((await state(page, "zoom")) > zoom);
