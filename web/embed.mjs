@@ -1,5 +1,5 @@
-// Writes page.cpp: the files of the page, compressed, for the program. Usage: embed.mjs FOLDER, where FOLDER/page is Vite's output.
-// The assembler takes the files as they are: as arrays they would cost the compiler seconds.
+// Writes page.cpp, which puts the compressed files of the page into the program. Usage: embed.mjs FOLDER, where FOLDER/page is
+// Vite's output. The assembler includes the files as they are: as arrays they would cost the compiler seconds.
 import { mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { constants, gzipSync } from "node:zlib";

@@ -1,4 +1,4 @@
-// Bundles the unit tests with the parts of the page that they test, for Node. Usage: bundle.mjs FOLDER
+// Bundles the unit tests, with the parts of the page that they test, for Node. Usage: bundle.mjs FOLDER
 import { readdirSync } from "node:fs";
 import { createRequire } from "node:module";
 import { dirname, join } from "node:path";

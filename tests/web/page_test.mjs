@@ -1,5 +1,5 @@
-// The page as a whole: addresses, several grids and none, other paths, a token, a server that goes and comes back, damage, themes,
-// small windows, the keyboard alone.
+// The page as a whole: addresses, several grids or none, other paths, a token, a server that goes away and comes back, damaged
+// files, themes, small windows, the keyboard alone.
 import assert from "node:assert/strict";
 import { createServer, request as http_request } from "node:http";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
@@ -11,7 +11,7 @@ const { server, browser } = await server_and_browser();
 
 const all_pixels = async (page) => Promise.all(["x", "y", "z"].map((axis) => pixels(page, axis)));
 
-test("a link shows the same picture to whoever opens it", async () => {
+test("a link shows the same picture to everybody who opens it", async () => {
   const page = await open_grid(browser, `${server.url}#g=stadium`);
   await page.mouse.click(...(await point_of(page, "z", 33, -21)));
   await page.mouse.move(...(await point_of(page, "z", -20, 10)));
@@ -22,7 +22,7 @@ test("a link shows the same picture to whoever opens it", async () => {
   await page.getByRole("button", { name: `Show ${info_of("stadium").materials[3].name}` }).click();
   await page.keyboard.press("o");
   await settled(page);
-  await page.waitForFunction(() => location.hash.includes("outline=1")); // the address follows a little later
+  await page.waitForFunction(() => location.hash.includes("outline=1")); // the address follows after a moment
   const address = page.url();
   const names = ["cell", "centre", "zoom", "pinned", "show_outline", "looks"];
   const before = { pixels: await all_pixels(page), state: await Promise.all(names.map((n) => state(page, n))) };
@@ -40,7 +40,7 @@ test("several grids: a start page; each opens, and the browser's back button lea
   for (const name of ["stadium", "graded", "open"]) await page.getByRole("heading", { name, exact: true }).waitFor();
   await page.waitForFunction(() => document.querySelectorAll(".preview canvas:not([hidden])").length === 9);
   await screenshot(page, "start-page");
-  // 100 x 60 mm in 130 x 60 cells; steel are the first 113, which end at 49 mm.
+  // 100 x 60 mm in 130 x 60 cells. The first 113 cells, which end at 49 mm, are steel.
   const graded = page.getByRole("img", { name: "graded: slice across z in the middle" });
   const { width, height, steel } = await graded.evaluate((canvas) => {
     const { width, height } = canvas;
@@ -60,7 +60,7 @@ test("several grids: a start page; each opens, and the browser's back button lea
   await close(page);
 });
 
-test("an address of a grid that is not there says so, and shows what there is", async () => {
+test("the address of a grid that is not there: the page says so, and shows the grids that are", async () => {
   const page = await open_page(browser, `${server.url}#g=nobody`, { expected: (url, status) => status === 404 && url.includes("nobody") });
   await page.getByRole("alert").waitFor();
   assert.match(await page.getByRole("alert").innerText(), /nobody/);
@@ -78,7 +78,7 @@ test("a folder without grids: the page says what to do", async () => {
   assert.deepEqual(await empty.stop(), []);
 });
 
-test("files that can't be read are told on the start page, with what is wrong; a grid beside them doesn't hide them", async () => {
+test("the start page names files that can't be read and says why, even when there is a grid beside them", async () => {
   const broken = join(folder, "broken");
   mkdirSync(broken);
   const whole = readFileSync(grid_file("graded"));
@@ -92,12 +92,12 @@ test("files that can't be read are told on the start page, with what is wrong; a
   assert.equal(await page.getByText("No grid here yet").count(), 0);
   await screenshot(page, "unreadable");
   writeFileSync(join(broken, "whole.tcell"), whole);
-  while ((await listed()).grids.length === 0); // it looks twice a second
+  while ((await listed()).grids.length === 0); // the server looks twice per second
   await page.reload();
   await page.getByRole("heading", { name: "One grid, 1 file that can't be read" }).waitFor();
   await page.getByRole("link", { name: /whole/ }).click();
   await settled(page);
-  // The open one breaks, too: the banner says how, as soon as the page looks again.
+  // The file of the open grid breaks as well. The banner says why as soon as the page looks again.
   writeFileSync(join(broken, "whole.tcell"), whole.subarray(0, whole.length / 2));
   while ((await listed()).grids.length > 0);
   await page.evaluate(() => ["offline", "online"].forEach((what) => dispatchEvent(new Event(what))));
@@ -110,7 +110,7 @@ test("files that can't be read are told on the start page, with what is wrong; a
   assert.deepEqual(told, []);
 });
 
-test("below a path, behind a server that puts another one in front", async () => {
+test("the page works below a path, behind a proxy that puts another path in front", async () => {
   const based = await serve(grids, "--base-path", "/base");
   const proxy = createServer((request, response) => {
     const asked = http_request(
@@ -127,7 +127,7 @@ test("below a path, behind a server that puts another one in front", async () =>
   await new Promise((listening) => proxy.listen(0, "127.0.0.1", listening));
   const root = `http://127.0.0.1:${proxy.address().port}/front/way/base`;
   const asked = [];
-  const page = await open_page(browser, root); // is sent on to root/
+  const page = await open_page(browser, root); // is redirected to root/
   page.on("request", (request) => asked.push(request.url()));
   await page.getByRole("link", { name: /stadium/ }).click();
   await settled(page);
@@ -140,7 +140,7 @@ test("below a path, behind a server that puts another one in front", async () =>
   assert.deepEqual(await based.stop(), []);
 });
 
-test("a server with a token: the page comes, asks for it, and bears it", async () => {
+test("a server with a token gives out the page, which asks for the token and sends it", async () => {
   const file = join(folder, "token");
   writeFileSync(file, "open sesame".replace(" ", "-"));
   const guarded = await serve(grid_file("graded"), "--token-file", file);
@@ -152,18 +152,18 @@ test("a server with a token: the page comes, asks for it, and bears it", async (
   await page.getByRole("button", { name: "Open" }).click();
   await page.getByText("The server refused this token.").waitFor();
   await field.fill("“open-sesame”");
-  await page.getByText("this one has U+201C").waitFor();
+  await page.getByText("This one contains U+201C").waitFor();
   assert.ok(await page.getByRole("button", { name: "Open" }).isDisabled());
   await field.fill(" open-sesame ");
   await page.getByRole("button", { name: "Open" }).click();
   await settled(page);
   await page.reload();
-  await settled(page); // this tab knows it
+  await settled(page); // this tab knows the token
   await page.getByRole("tab", { name: "Status" }).click();
   const other = await open_page(browser, guarded.url, { context: page.context(), expected: (url, status) => status === 401 });
-  await other.getByLabel("Access token").waitFor(); // another doesn't
+  await other.getByLabel("Access token").waitFor(); // another tab does not
   assert.deepEqual(other.errors, []);
-  // Frames of other sites may have no storage: the page knows the token until it is left.
+  // Frames of other sites may have no storage. The page knows the token until it is left.
   const frame = await open_page(browser, "about:blank", { expected: (url, status) => status === 401 });
   await frame.addInitScript(() => Object.defineProperty(window, "sessionStorage", { get: () => { throw new DOMException("denied", "SecurityError"); } }));
   await frame.goto(guarded.url);
@@ -175,7 +175,7 @@ test("a server with a token: the page comes, asks for it, and bears it", async (
   assert.deepEqual(await guarded.stop(), []);
 });
 
-test("the server goes away: what is on screen stays, the page says so, and goes on by itself when it is back", async () => {
+test("when the server goes away, the page says so, keeps what is on screen, and goes on by itself when the server is back", async () => {
   let mortal = await serve(grid_file("stadium"));
   const page = await open_grid(browser, `${mortal.url}#g=stadium`, { expected: (url, status) => status === 0 });
   await page.waitForSelector('.overview[data-state="ready"]');
@@ -184,20 +184,20 @@ test("the server goes away: what is on screen stays, the page says so, and goes 
   await mortal.kill();
   await page.keyboard.press("Shift+>");
   await page.keyboard.press("Shift+>");
-  const banner = page.getByText("The server does not answer");
+  const banner = page.getByText("The server has not answered since");
   await banner.waitFor();
   const overview = page.getByText("The slices could not be loaded");
   await overview.waitFor();
   await screenshot(page, "server-lost");
   const during = shares((await pixels(page, "z")).data);
-  for (const [pixel, share] of before) if (share > 0.02) assert.ok((during.get(pixel) ?? 0) > share / 2, "the picture went away");
+  for (const [pixel, share] of before) if (share > 0.02) assert.ok((during.get(pixel) ?? 0) > share / 2, "the picture disappeared");
   const cell = await state(page, "cell");
   mortal = await serve(grid_file("stadium"), "--port", mortal.port);
   await banner.waitFor({ state: "hidden" });
   await overview.waitFor({ state: "hidden" });
   await settled(page);
   assert.deepEqual(await state(page, "cell"), cell);
-  // The same slice as a page sees that never lost anything.
+  // A page that never lost the server sees the same slice.
   const address = page.url();
   const found = await pixels(page, "z");
   const other = await open_grid(browser, address);
@@ -223,14 +223,14 @@ test("a busy server is asked again", async () => {
   await close(page);
 });
 
-test("a damaged file: what can't be read is hatched and said, the rest is there", async () => {
+test("a damaged file: the parts that can't be read are striped, a message says so, and the rest is there", async () => {
   const damaged = await serve(join(folder, "damaged"));
-  // A window that the whole slice fits at a pixel a cell.
+  // The window is so large that the whole slice fits with one pixel per cell.
   const options = { expected: (url, status) => status === 500, width: 2300, height: 1800 };
   const page = await open_page(browser, `${damaged.url}#g=damaged&layout=z&panel=none`, options);
   await page.waitForFunction(() => window.teracell?.viewer.tiles.damaged.value > 0);
   const toast = page.locator(".toast");
-  await toast.filter({ hasText: /×\d/ }).waitFor(); // one for all of it
+  await toast.filter({ hasText: /×\d/ }).waitFor(); // one message for all of it
   assert.equal(await toast.count(), 1);
   assert.match(await toast.innerText(), /The file is damaged: .*damaged\.tcell: level 0 chunk/s);
   assert.ok((await toast.boundingBox()).height < 70, "a toast is short");
@@ -240,20 +240,20 @@ test("a damaged file: what can't be read is hatched and said, the rest is there"
   assert.equal(level, 0);
   const found = await pixels(page, "z");
   const { healthy, striped } = await page.evaluate(async () => {
-    // The same tiles from the server: those that it gives, and those that it can't.
+    // Asks the server for the same tiles: it can read some of them, and others not.
     const { viewer } = teracell;
     const asked = await Promise.all([0, 1, 2, 3].flatMap((c) => [0, 1, 2].map((r) => fetch(viewer.address.tile(2, viewer.cell.value[2], 0, c, r)).then((answer) => answer.ok))));
     return { healthy: asked.filter((ok) => ok).length, striped: asked.filter((ok) => !ok).length };
   });
   assert.ok(healthy > 0 && striped > 0, `${healthy} whole tiles, ${striped} damaged ones`);
   assert.ok(tiles >= striped);
-  assert.ok(shares(found.data).size >= 4, "stripes have two colours, there must be more");
+  assert.ok(shares(found.data).size >= 4, "stripes have two colours, but the rest must show more");
   await close(page);
   const told = await damaged.stop((line) => line.startsWith("teracell: ") || JSON.parse(line).status === 500);
   assert.deepEqual(told, []);
 });
 
-// The contrast of every text that is shown, by WCAG 2: against the first ground below it that is not clear.
+// Texts with too little contrast by WCAG 2, measured against the first background below them that is not transparent.
 const poor_contrasts = (page) =>
   page.evaluate(() => {
     const parse = (text) => {
@@ -289,7 +289,7 @@ const poor_contrasts = (page) =>
   });
 
 for (const theme of ["light", "dark"])
-  test(`${theme}: as the system says, with readable text everywhere; the switch is remembered`, async () => {
+  test(`the ${theme} theme follows the system, all text is readable, and the switch is remembered`, async () => {
     const page = await open_grid(browser, `${server.url}#g=open`, { colorScheme: theme });
     const luminance = async () => {
       const { data } = await screenshot(page, `${theme}`);
@@ -308,7 +308,7 @@ for (const theme of ["light", "dark"])
     assert.ok(theme === "light" ? other < 0.4 : other > 0.6, `mean brightness ${other}`);
     await page.reload();
     await settled(page);
-    assert.ok(Math.abs((await luminance()) - other) < 0.1, "the switch is forgotten");
+    assert.ok(Math.abs((await luminance()) - other) < 0.1, "the switch was forgotten");
     await close(page);
   });
 
@@ -337,7 +337,7 @@ test("bodies that could not be fetched come when the server is back", async () =
   await close(page);
 });
 
-test("the triad's ends are large enough to be hit, and a marker says what it marks", async () => {
+test("the ends of the triad are large enough to hit, and a marker says what it marks", async () => {
   const page = await open_page(browser, `${server.url}#g=open&layout=3d&panel=report`);
   await page.waitForSelector('.overview[data-state="ready"]');
   const missed = await page.evaluate(() =>
@@ -359,11 +359,11 @@ test("the triad's ends are large enough to be hit, and a marker says what it mar
   await close(page);
 });
 
-test("the swatch of a clear material is a checkerboard", async () => {
+test("the swatch of a transparent material is a checkerboard", async () => {
   const page = await open_grid(browser, `${server.url}#g=open`);
   const colors = async (name) => new Set(decoded_png(await page.getByLabel(`Colour of ${name}`).screenshot()).data);
   const air = await colors("air");
-  assert.ok(!air.has(packed(0, 0, 0)) && air.has(packed(0xda, 0xdf, 0xe6)) && air.has(packed(0xff, 0xff, 0xff)), "air is not clear");
+  assert.ok(!air.has(packed(0, 0, 0)) && air.has(packed(0xda, 0xdf, 0xe6)) && air.has(packed(0xff, 0xff, 0xff)), "air is not transparent");
   assert.ok((await colors("tin")).has(packed(0xcc, 0x66, 0x77)));
   await close(page);
 });
@@ -381,7 +381,7 @@ test("the overview in three dimensions is there, and is not blank", async () => 
   await close(page);
 });
 
-test("with the keyboard alone: every control can be reached, seen and used", async () => {
+test("with the keyboard alone, every control can be reached, seen and used", async () => {
   const page = await open_grid(browser, `${server.url}#g=stadium`);
   const focused = () =>
     page.evaluate(() => {

@@ -1,4 +1,4 @@
-// What the page says in numbers is what `teracell column`, `stats` and `export` say.
+// The page's numbers are those of `teracell column`, `stats` and `export`.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { readFileSync } from "node:fs";
@@ -11,7 +11,7 @@ const open = (grid, rest = "", options = {}) => open_grid(browser, `${server.url
 const digits = (text) => Number(text.replace(/[^\d.−-]/g, "").replace("−", "-"));
 
 for (const grid of ["stadium", "graded"])
-  test(`${grid}: under the pointer are the cell's indices, its coordinates, and the material that is exported`, async () => {
+  test(`${grid}: the read-out under the pointer shows the cell's indices, its coordinates, and the material that \`export\` gives`, async () => {
     const page = await open(grid);
     const { materials, grid: g } = info_of(grid);
     const part = page.getByRole("region", { name: "Under the pointer" });
@@ -23,7 +23,7 @@ for (const grid of ["stadium", "graded"])
         await page.mouse.move(...point);
         await settled(page);
         const hover = await page.evaluate(() => teracell.viewer.hover.value);
-        if (!hover) continue; // beside the grid
+        if (!hover) continue; // outside the grid
         assert.equal(hover.axis, "xyz".indexOf(axis));
         const { zoom, centre, cell } = await page.evaluate(() => ({ zoom: teracell.viewer.zoom.value, centre: teracell.viewer.centre.value, cell: teracell.viewer.cell.value }));
         const [u, v, w] = [[1, 2, 0], [0, 2, 1], [0, 1, 2]][hover.axis];
@@ -35,7 +35,7 @@ for (const grid of ["stadium", "graded"])
           assert.ok(plane(hover.cell[d]) <= hover.point[d] && hover.point[d] < plane(hover.cell[d] + 1));
         }
         const material = exported_cell(grid, hover.cell);
-        // Coarse views know the set; the read-out may not claim a material that is not there.
+        // Coarse views know only the set of materials. It must contain the material of the cell.
         assert.ok(hover.materials.includes(material), `${hover.materials} at ${hover.cell}, expected ${material}`);
         seen.add(material);
         const text = await part.innerText();
@@ -43,12 +43,12 @@ for (const grid of ["stadium", "graded"])
         assert.equal(text.includes("mixed:"), hover.materials.length > 1, text);
         for (const [d, row] of (await part.getByRole("row").all()).entries()) assert.equal(digits(await row.getByRole("cell").first().innerText()), hover.cell[d]);
       }
-    assert.ok(seen.size >= 2, "the pointer met one material only");
+    assert.ok(seen.size >= 2, "the pointer met only one material");
     await close(page);
   });
 
 for (const grid of ["stadium", "graded"])
-  test(`${grid}: a click pins the cell; its three columns, copied as CSV, are those of \`column\``, async () => {
+  test(`${grid}: a click pins the cell, and its three columns, copied as CSV, are those of \`column\``, async () => {
     const page = await open(grid, "", { permissions: ["clipboard-read", "clipboard-write"] });
     await page.mouse.click(...(await point_of(page, "z", 20, 10)));
     const cell = await state(page, "pinned");
@@ -63,16 +63,16 @@ for (const grid of ["stadium", "graded"])
       return column_of(grid, axis, others.map((d) => cell[d])).runs.map((r) => [axis, r.from, r.to, r.min, r.max, r.max - r.min, r.material, r.name].map(String));
     });
     assert.deepEqual(csv, expected);
-    // Moving on leaves the pin; a click on it lets it go.
+    // The pin stays when the pointer and the slice move on. The button removes it.
     await page.mouse.move(...(await point_of(page, "y")));
     await page.keyboard.press(".");
     assert.deepEqual(await state(page, "pinned"), cell);
-    await page.getByRole("button", { name: "Let go of the pinned cell" }).click();
+    await page.getByRole("button", { name: "Unpin the cell" }).click();
     assert.equal(await state(page, "pinned"), null);
     await close(page);
   });
 
-// That every view shows the whole of a box of the stadium's cells, and as large as it can be.
+// Checks that every view shows the whole of a box of the stadium's cells, as large as possible.
 async function expect_all_of(page, box) {
   await settled(page);
   const { axes } = info_of("stadium").grid;
@@ -108,7 +108,7 @@ test("the materials' cells, volumes and boxes are those of `stats`", async () =>
   const cell = await state(page, "cell");
   cell.forEach((i, d) => assert.ok(i >= box[d] && i < box[d + 3], `${cell} is not in ${box}`));
   await expect_all_of(page, box);
-  // One as high as it is wide, in views that are not.
+  // A box as high as it is wide, in views that are wider than high.
   const { cells } = info_of("stadium").grid;
   const square = [0, 0, 0, cells[1], cells[1], cells[2]];
   await page.evaluate((to) => teracell.viewer.go_to_box(to), square);
@@ -116,7 +116,7 @@ test("the materials' cells, volumes and boxes are those of `stats`", async () =>
   await close(page);
 });
 
-test("a box that is drawn: its statistics are exact", async () => {
+test("the statistics of a box that is drawn are exact", async () => {
   const page = await open("stadium");
   await page.mouse.move(...(await point_of(page, "z")));
   await page.keyboard.press("x");
@@ -124,7 +124,7 @@ test("a box that is drawn: its statistics are exact", async () => {
   await page.mouse.down();
   await page.mouse.move(...(await point_of(page, "z", 70, 30)), { steps: 4 });
   await page.mouse.up();
-  assert.equal(await state(page, "tool"), "look", "a tool draws once");
+  assert.equal(await state(page, "tool"), "look", "a tool draws only once");
   const box = await state(page, "box");
   const { cells } = info_of("stadium").grid;
   assert.deepEqual([box[2], box[5]], [0, cells[2]]);
@@ -137,7 +137,7 @@ test("a box that is drawn: its statistics are exact", async () => {
     assert.equal((await row.getByRole("rowheader").innerText()).trim(), expected[n].name);
     assert.equal(digits(await row.getByRole("cell").first().innerText()), expected[n].cells);
   }
-  // Neither a click nor one with the tool takes it away.
+  // The box survives a click, and a click with the tool.
   await page.mouse.click(...(await point_of(page, "z", 100, 60)));
   await page.keyboard.press("x");
   await page.getByText("Drag to draw a box").waitFor();
@@ -163,7 +163,7 @@ test("a distance is measured in units of length", async () => {
   assert.ok(Math.abs(Math.hypot(...from.map((x, d) => to[d] - x)) - 100 / zoom) < 2 / zoom);
   await page.keyboard.press("m");
   await page.mouse.click(...(await point_of(page, "z", 10, 40)));
-  assert.deepEqual(await state(page, "measure"), { axis, from, to }, "a press that does not move draws nothing");
+  assert.deepEqual(await state(page, "measure"), { axis, from, to }, "a press without a movement draws nothing");
   await page.keyboard.press("Escape");
   assert.equal(await state(page, "tool"), "look");
   await page.getByRole("tab", { name: "Box" }).click();
@@ -172,7 +172,7 @@ test("a distance is measured in units of length", async () => {
   await close(page);
 });
 
-test("the report: how many cells of each body stronger ones own", async () => {
+test("the report says how many cells of each body stronger bodies own", async () => {
   const page = await open("stadium", "&panel=report");
   const overlapping = info_of("stadium").report.bodies.filter((b) => b.covered_cells);
   assert.ok(overlapping.length > 2);
@@ -184,7 +184,7 @@ test("the report: how many cells of each body stronger ones own", async () => {
   await close(page);
 });
 
-test("the report: a hole is named, marked and gone to; a body without cells is told", async () => {
+test("the report names a hole, marks it and leads to it, and it names a body without cells", async () => {
   const page = await open("open");
   const report = info_of("open").report;
   await page.getByRole("tab", { name: "Report" }).click();
@@ -204,7 +204,7 @@ test("the report: a hole is named, marked and gone to; a body without cells is t
   await close(page);
 });
 
-// The page with a grid whose info and statistics say something else.
+// Opens the page with changed information and statistics about the stadium.
 async function open_told(t, { info = (j) => j, stats = (j) => j }) {
   const context = await browser.newContext({ viewport: { width: 1400, height: 900 } });
   t.after(async () => {
@@ -220,7 +220,7 @@ async function open_told(t, { info = (j) => j, stats = (j) => j }) {
   return open_grid(browser, `${server.url}#g=stadium&layout=z`, { context });
 }
 
-test("very many materials: a line each, opened for more, the rest for a click or by name", async (t) => {
+test("very many materials have one line each, which can be opened; the rest is found by a click or by name", async (t) => {
   const COUNT = 65535;
   const grown = (list, more) => Array.from({ length: COUNT }, (_, id) => list[id] ?? { ...more, id, name: `m${id}` });
   const page = await open_told(t, {
@@ -249,7 +249,7 @@ test("very many materials: a line each, opened for more, the rest for a click or
   assert.deepEqual(page.errors, []);
 });
 
-test("very many bodies, holes and warnings: the first of each, and more for a click", async (t) => {
+test("of very many bodies, holes and warnings the first are shown, and a click shows more", async (t) => {
   const page = await open_told(t, {
     info: (j) => {
       const body = (n) => ({ ...j.report.bodies[0], name: `body ${n}`, cells: n === 4999 ? 1 : 2, holes: [] });
@@ -265,7 +265,7 @@ test("very many bodies, holes and warnings: the first of each, and more for a cl
   assert.match(await bodies.first().innerText(), /body 7\n10\s000 holes/);
   assert.equal(await bodies.first().locator(".places li:not(.more)").count(), 30);
   assert.equal(await page.locator(".warnings li:not(.more)").count(), 100);
-  assert.equal(await page.locator(".body-details").count(), 1); // of the one that is open
+  assert.equal(await page.locator(".body-details").count(), 1); // those of the body that is open
   await bodies.nth(1).locator("summary").click();
   await bodies.nth(1).getByText("facets").first().waitFor();
   await page.locator(".bodies").getByRole("button", { name: /4\s900 more/ }).click();
@@ -299,7 +299,7 @@ test("the view is saved as a PNG with a legend", async () => {
   await close(page);
 });
 
-test("four views are saved whole: crosshairs from edge to edge, the overview with its ground, rulers and triad", async () => {
+test("four views are saved completely: crosshairs from edge to edge, and the overview with its ground, rulers and triad", async () => {
   const page = await open("stadium");
   await page.waitForSelector('.overview[data-state="ready"]');
   const picture = await saved_picture(page, "saved-four");
@@ -317,7 +317,7 @@ test("four views are saved whole: crosshairs from edge to edge, the overview wit
   const inks = { x: packed(0xc8, 0x10, 0x2e), y: packed(0x0b, 0x7a, 0x34), z: packed(0x1f, 0x4f, 0xe0) }; // base.css
   for (const [axis, vertical] of [["x", "y"], ["y", "x"], ["z", "x"]]) {
     const [, , width, height] = boxes[axis];
-    // At the lower edge it may be under a ruler's number and tick, but not between them.
+    // At the lower edge, the number and the tick of a ruler may cover the line, but not the place between them.
     for (const y of [0, height - 8]) assert.ok(part(axis, 0, y, width, 1).includes(inks[vertical]), `the crosshair ends before ${y} of ${height} in the view across ${axis}`);
   }
   const [, , width, height] = boxes["3d"];

@@ -15,12 +15,12 @@ export const folder = process.env.TERACELL_FOLDER;
 export const grids = join(folder, "grids");
 export const grid_file = (name) => join(grids, `${name}.tcell`);
 
-// What a test that fails leaves running keeps nobody waiting, and ends with the run.
+// A test that fails may leave servers running. They keep nobody waiting, and they end with the run.
 const children = new Set();
 process.on("exit", () => children.forEach((child) => child.kill("SIGKILL")));
 
-// `teracell serve` with these arguments, on a free port unless they say which. stop() returns what was wrong: an exit status,
-// answers 5xx that were not meant to be, lines in the log that are no requests.
+// Starts `teracell serve` with these arguments, on a free port unless they name one. stop() returns what was wrong: an exit status,
+// answers 5xx that were not expected, and lines in the log that are no requests.
 export async function serve(...args) {
   const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${children.size}.log`);
   const child = spawn(program, ["serve", ...args, ...(args.includes("--port") ? [] : ["--port", "0"]), "--log", "json"], { stdio: ["ignore", "pipe", "pipe"] });
@@ -52,7 +52,7 @@ export async function serve(...args) {
   return {
     url,
     port: new URL(url).port,
-    // As when the machine it runs on goes away.
+    // Ends the server as if its machine had gone away.
     async kill() {
       child.kill("SIGKILL");
       await wait();
@@ -66,7 +66,7 @@ export async function serve(...args) {
   };
 }
 
-// For all tests of a file: a server of all grids and a browser, which must end well.
+// A server of all grids and a browser, for all tests of a file. Both must end well.
 export async function server_and_browser() {
   const [server, browser] = await Promise.all([serve(grids), chromium.launch(launch_options)]);
   after(async () => {
@@ -76,7 +76,7 @@ export async function server_and_browser() {
   return { server, browser };
 }
 
-// A page of the dashboard in a window of its own, when everything in sight is sharp. `errors` must be empty at its end.
+// Opens a page of the dashboard in a window of its own. What goes wrong on it is collected in `page.errors`.
 export async function open_page(browser, url, options = {}) {
   const { width = 1400, height = 900, expected, context: given, ...rest } = options;
   const context = given ?? (await browser.newContext({ viewport: { width, height }, ...rest }));
@@ -87,7 +87,7 @@ export async function open_page(browser, url, options = {}) {
   return page;
 }
 
-// When nothing has gone wrong on it.
+// Closes a page, on which nothing may have gone wrong.
 export async function close(page) {
   assert.deepEqual(page.errors, []);
   await page.context().close();
@@ -99,13 +99,13 @@ export async function open_grid(browser, url, options) {
   return page;
 }
 
-// All that is in sight is sharp, painted, and on the screen.
+// Waits until everything in sight is sharp, painted, and on the screen.
 export async function settled(page) {
   await page.waitForFunction(() => window.teracell?.idle() === true, null, { polling: "raf" });
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 
-// A part of the viewer's state by name: cell, centre, zoom, layout ...
+// A part of the viewer's state by its name: cell, centre, zoom, layout ...
 export const state = (page, name) => page.evaluate((n) => teracell.viewer[n].value, name);
 export const set_state = (page, values) =>
   page.evaluate((given) => {
@@ -118,20 +118,20 @@ const middle_of = (page, axis) =>
     const { left, top } = body.getBoundingClientRect();
     return [left + body.clientWidth / 2, top + body.clientHeight / 2];
   });
-// A point of a view, about as far from its middle: whole CSS pixels of the page, as wheel events know no others.
+// A point of a view at about this distance from its middle, in whole CSS pixels of the page: wheel events know no fractions.
 export async function point_of(page, axis, dx = 0, dy = 0) {
   const [x, y] = await middle_of(page, axis);
   return [Math.round(x + dx), Math.round(y + dy)];
 }
-// How far a point of the page is from the view's middle, exactly.
+// The exact distance of a point of the page from the middle of a view.
 export async function offset_in(page, axis, [x, y]) {
   const middle = await middle_of(page, axis);
   return [x - middle[0], y - middle[1]];
 }
-// No request for tiles is under way, or waits.
+// Waits until no request for tiles is under way or waiting.
 export const quiet = (page) => page.waitForFunction(() => teracell.viewer.tiles.in_flight.value + teracell.viewer.tiles.waiting.value === 0);
 
-// The pixels of a view's cells, without what is drawn over them: { width, height, data }, a number a pixel (little endian RGBA).
+// The pixels of a view's cells, without what is drawn over them: { width, height, data }, with a number per pixel (little-endian RGBA).
 export async function pixels(page, axis) {
   const found = await page.evaluate((name) => {
     const canvas = document.querySelector(`[data-view="${name}"] .view-cells`);
@@ -153,12 +153,12 @@ export function shares(data) {
 
 export const packed = (r, g, b) => (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
 
-// Takes a screenshot for the run's artefacts: build/web/NAME.png. Returns its pixels as RGB.
+// Takes a screenshot, which stays as build/web/NAME.png. Returns its pixels as RGB.
 export async function screenshot(page, name) {
   return decoded_png(await page.screenshot({ path: join(folder, `${name}.png`) }));
 }
 
-// Chromium's PNGs: 8 bits a channel, not interlaced.
+// Decodes a PNG of Chromium: 8 bits per channel, not interlaced.
 export function decoded_png(file) {
   const [width, height, depth, color] = [file.readUInt32BE(16), file.readUInt32BE(20), file[24], file[25]];
   const channels = { 2: 3, 6: 4 }[color];
@@ -204,7 +204,7 @@ export function exported_cell(name, [i, j, k]) {
   return read_npy(path).data[0];
 }
 
-// Which material each pixel of a view must show, from the cells and from where the page says that it looks; -1 outside of the grid.
+// The material that each pixel of a view must show, according to the cells and to where the page says that it looks; -1 outside the grid.
 export function expected_labels(name, axis, { cell, centre, zoom }, width, height) {
   const info = info_of(name);
   const w = "xyz".indexOf(axis);

@@ -1,4 +1,4 @@
-// The slice views: what they show is what `teracell slice` gives, whatever gesture or key led there.
+// The slice views: whatever gesture or key led there, they show what `teracell slice` gives.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { close, expected_labels, grids, info_of, offset_in, open_grid, open_page, packed, pixels, point_of, quiet, screenshot, server_and_browser, settled, state, view } from "./support.mjs";
@@ -12,8 +12,8 @@ const color_of = (material) => {
   return packed(channel(1), channel(3), channel(5));
 };
 
-// Holds the pixels of a view against the cells. Each material must have one colour: its own where it is opaque, and `shown` says
-// which materials are; the others have the ground's, as has everything that can't be seen. Returns the share of each material.
+// Compares the pixels of a view with the cells. Each material must have one colour: its own if it is opaque and `shown` says that it
+// is visible, otherwise that of the ground. Returns the share of each material.
 async function expect_cells(page, grid, axis, shown = () => true) {
   await settled(page);
   const where = await page.evaluate(() => ({ cell: teracell.viewer.cell.value, centre: teracell.viewer.centre.value, zoom: teracell.viewer.zoom.value }));
@@ -34,7 +34,7 @@ async function expect_cells(page, grid, axis, shown = () => true) {
   return counts.map((n) => n / labels.length);
 }
 
-// Cells of several pixels, so that each pixel has one; without lines between them.
+// Makes cells several pixels large, so that each pixel shows one cell, without lines between them.
 async function look(page, cell, zoom) {
   await page.evaluate(
     ({ cell, zoom }) => {
@@ -55,7 +55,7 @@ test("every view shows the cells of its slice, pixel by pixel", async () => {
     await look(page, cell, 4 / step);
     const seen = [];
     for (const axis of ["x", "y", "z"]) seen.push(...(await expect_cells(page, "stadium", axis)).filter((share) => share > 0.005));
-    assert.ok(seen.length >= 5, "there is little to see");
+    assert.ok(seen.length >= 5, "there is too little to see");
   }
   await screenshot(page, "stadium-cells");
   await close(page);
@@ -69,7 +69,7 @@ test("graded axes are true to scale", async () => {
     await look(page, cell, zoom);
     for (const axis of ["x", "y", "z"]) await expect_cells(page, "graded", axis);
   }
-  // The whole domain: steel fills half of its width, though it has 113 of 130 cells.
+  // In the whole domain, steel fills half of the width, although it has 113 of 130 cells.
   await page.keyboard.press("0");
   await settled(page);
   const { width, height, data } = await pixels(page, "z");
@@ -78,11 +78,11 @@ test("graded axes are true to scale", async () => {
   const [from, to] = [0, 100].map((x) => Math.round(width / 2 + (x - 50) * zoom));
   const row = data.subarray(Math.floor(height / 2) * width, (Math.floor(height / 2) + 1) * width);
   const share = row.subarray(from, to).filter((pixel) => pixel === steel).length / (to - from);
-  assert.ok(Math.abs(share - 0.48) < 0.02, `steel is ${share} of the width`); // the plate of gold takes 2 of its 50
+  assert.ok(Math.abs(share - 0.48) < 0.02, `steel is ${share} of the width`); // the plate of gold takes 2 of its 50 mm
   await close(page);
 });
 
-test("the wheel scrolls slices: one, with shift ten", async () => {
+test("the wheel scrolls by one slice, or with shift by ten", async () => {
   const page = await open("stadium");
   await page.mouse.move(...(await point_of(page, "z")));
   const [i, j, k] = await state(page, "cell");
@@ -104,7 +104,7 @@ test("the wheel scrolls slices: one, with shift ten", async () => {
   await page.mouse.move(...(await point_of(page, "y")));
   await wheel(-100, "Shift");
   await leads_to(i + 1, j - 10, k - 10);
-  // As fast as it can be turned; and never out of the grid.
+  // The wheel may be turned as fast as possible, and never leads out of the grid.
   for (let n = 0; n < 60; ++n) await page.mouse.wheel(0, -100);
   await leads_to(i + 1, Math.max(0, j - 70), k - 10);
   await look(page, await state(page, "cell"), 4 / info_of("stadium").grid.axes[0].step);
@@ -114,7 +114,7 @@ test("the wheel scrolls slices: one, with shift ten", async () => {
   await close(page);
 });
 
-test("ctrl and wheel zoom at the pointer, dragging moves the picture by as much, a right click recentres", async () => {
+test("ctrl and the wheel zoom at the pointer, a drag moves the picture by its own length, a right click recentres", async () => {
   const page = await open("stadium");
   const at = (centre, zoom, dx, dy) => [centre[0] + dx / zoom, centre[1] - dy / zoom]; // of the view across z
   const [x, y] = await point_of(page, "z", 120, -70);
@@ -148,7 +148,7 @@ test("ctrl and wheel zoom at the pointer, dragging moves the picture by as much,
     assert.ok(Math.abs(centre[d] - expected[d]) <= grid.axes[d].step);
   }
   await expect_cells(page, "stadium", "x").catch(async () => {
-    // At this zoom a pixel may hold several cells: look closer.
+    // At this zoom a pixel may hold several cells, so the test looks closer.
     await look(page, cell, 4 / grid.axes[0].step);
     await expect_cells(page, "stadium", "x");
   });
@@ -200,6 +200,7 @@ test("the keys", async () => {
   assert.ok(!(await view(page, "z").isVisible()));
   await page.keyboard.press("Space");
   assert.equal(await state(page, "layout"), "four");
+  await settled(page); // the zoom follows the sizes of the views
   const zoom = await state(page, "zoom");
   await page.keyboard.press("+");
   assert.ok((await state(page, "zoom")) > zoom);
@@ -216,7 +217,7 @@ test("the keys", async () => {
   await close(page);
 });
 
-// How far the grid reaches, of the way to the nearest edge of a view in sight.
+// How much of the room in the views in sight the grid takes: 1 when it just fits.
 const reach = (page) =>
   page.evaluate(() => {
     const { axes, zoom } = teracell.viewer;
@@ -232,7 +233,7 @@ const expect_fit = async (page, fits = true) => {
   assert.equal(Math.abs(found - 1) < 1e-9, fits, `the grid takes ${found} of the room`);
 };
 
-test("a grid that fits goes on to fit, whatever the layout and the sizes, until somebody zooms or moves it", async () => {
+test("a grid that fits continues to fit, whatever the layout and the sizes are, until somebody zooms or moves it", async () => {
   const page = await open("stadium");
   const layout = (name) => page.evaluate((to) => (teracell.viewer.layout.value = to), name);
   await expect_fit(page);
@@ -244,7 +245,7 @@ test("a grid that fits goes on to fit, whatever the layout and the sizes, until 
   await page.getByRole("button", { name: "Side panel" }).click();
   await page.waitForFunction((was) => document.querySelector('[data-view="x"] .view-body').clientWidth > was, Math.ceil(width));
   await expect_fit(page);
-  // The address of a page that fits opens one that does.
+  // The address of a page whose grid fits opens a page whose grid fits.
   await page.waitForFunction((zoom) => location.hash.includes(`zoom=${zoom}`), await state(page, "zoom"));
   await page.reload();
   await expect_fit(page);
@@ -266,7 +267,7 @@ test("a grid that fits goes on to fit, whatever the layout and the sizes, until 
   await close(page);
 });
 
-test("a zoom in the address is kept to what zooming allows", async () => {
+test("a zoom in the address is kept within the limits of zooming", async () => {
   for (const [asked, expected] of [["1e9", (step) => 160 / step], ["1e-9", (step, fitting) => fitting / 10]]) {
     const page = await open("stadium", `&zoom=${asked}`);
     const zoom = await state(page, "zoom");
@@ -278,7 +279,7 @@ test("a zoom in the address is kept to what zooming allows", async () => {
   }
 });
 
-test("keys mean the view whose panel is used, also its bar and the overview, and controls leave those that they don't use", async () => {
+test("keys act on the view whose panel is in use, including its bar and the overview, and controls let pass the keys that they don't use", async () => {
   const page = await open("stadium");
   const [i, j, k] = await state(page, "cell");
   await page.mouse.move(...(await point_of(page, "z")));
@@ -296,7 +297,7 @@ test("keys mean the view whose panel is used, also its bar and the overview, and
   assert.equal(await state(page, "layout"), "3d");
   await page.keyboard.press("Space");
   assert.equal(await state(page, "layout"), "four");
-  // A checkbox, a colour and a slider keep their own keys alone.
+  // A checkbox, a colour and a slider keep only their own keys.
   await page.evaluate(() => {
     const box = document.querySelector("#side-panel").appendChild(document.createElement("input"));
     box.type = "checkbox";
@@ -318,7 +319,7 @@ test("keys mean the view whose panel is used, also its bar and the overview, and
   await close(page);
 });
 
-test("a double click shows one view alone, and leaves crosshair and pin as they were", async () => {
+test("a double click shows one view alone, and leaves the crosshair and the pin as they were", async () => {
   const page = await open("stadium");
   await page.mouse.click(...(await point_of(page, "z", 40, 30)));
   const [cell, pinned] = [await state(page, "cell"), await state(page, "pinned")];
@@ -329,7 +330,7 @@ test("a double click shows one view alone, and leaves crosshair and pin as they 
   await close(page);
 });
 
-test("fingers: a long press recentres, a moved or a second finger doesn't; buttons step by one slice", async () => {
+test("on a touch screen a long press recentres, unless the finger moves or a second one comes; buttons step by one slice", async () => {
   const page = await open_grid(browser, `${server.url}#g=stadium`, { width: 820, height: 1180, hasTouch: true });
   const session = await page.context().newCDPSession(page);
   const touch = (type, ...points) => session.send("Input.dispatchTouchEvent", { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
@@ -343,7 +344,7 @@ test("fingers: a long press recentres, a moved or a second finger doesn't; butto
   const { step } = info_of("stadium").grid.axes[0];
   assert.ok(Math.abs(there[0] - centre[0] - offset[0] / zoom) <= step && Math.abs(there[1] - centre[1] + offset[1] / zoom) <= step);
   assert.equal(await state(page, "pinned"), null, "a long press is no tap");
-  assert.ok(!(await page.getByRole("region", { name: "Under the pointer" }).isVisible()), "a finger points at nothing before it is down");
+  assert.ok(!(await page.getByRole("region", { name: "Under the pointer" }).isVisible()), "a finger points at nothing while it is not down");
   await touch("touchStart", [x, y]);
   await touch("touchMove", [x + 30, y]);
   await page.waitForTimeout(700); // longer than a long press
@@ -373,7 +374,7 @@ test("a ruler's labels interrupt the crosshair's lines", async () => {
   await close(page);
 });
 
-test("a view alone is the one that keys mean; in three dimensions alone nothing is moved that can't be", async () => {
+test("keys act on a view that is alone; with the overview alone, keys for slices do no harm", async () => {
   const page = await open("stadium", "&layout=x");
   const [i, j, k] = await state(page, "cell");
   await page.keyboard.press(".");
@@ -388,7 +389,7 @@ test("a view alone is the one that keys mean; in three dimensions alone nothing 
   await close(other);
 });
 
-test("slider, number and coordinate say the slice, and play sweeps it", async () => {
+test("the slider, the number and the coordinate set the slice, and play sweeps it", async () => {
   const page = await open("graded");
   const { planes } = info_of("graded").grid.axes[2];
   await page.getByLabel("Slice across z, from 0 to 19").fill("7");
@@ -401,7 +402,7 @@ test("slider, number and coordinate say the slice, and play sweeps it", async ()
   assert.equal((await state(page, "cell"))[2], planes.findIndex((p) => p > 33) - 1);
   await coordinate.fill("nonsense");
   await page.keyboard.press("Enter");
-  assert.equal(await coordinate.getAttribute("aria-invalid"), "true", "it goes back, and is seen to");
+  assert.equal(await coordinate.getAttribute("aria-invalid"), "true", "it shows the former number again, with a flash");
   assert.match(await coordinate.inputValue(), /^3\d/);
   assert.equal((await state(page, "cell"))[2], planes.findIndex((p) => p > 33) - 1);
   await page.getByRole("slider", { name: "Slice across z", exact: true }).fill("2");
@@ -415,7 +416,7 @@ test("slider, number and coordinate say the slice, and play sweeps it", async ()
   await close(page);
 });
 
-test("materials: hidden ones leave the pixels at once, one alone, another colour", async () => {
+test("materials can be hidden, shown alone and given another colour, and the pixels follow at once", async () => {
   const page = await open("stadium");
   await look(page, [300, 60, 30], 4 / info_of("stadium").grid.axes[0].step);
   const whole = await expect_cells(page, "stadium", "z");
@@ -423,7 +424,7 @@ test("materials: hidden ones leave the pixels at once, one alone, another colour
   const { name } = info_of("stadium").materials[id];
   await quiet(page);
   let requests = 0;
-  // Those of level 0: the overview asks for its coarser ones when it has time.
+  // Only requests of level 0 count: the overview asks for its coarser tiles when it has time.
   page.on("request", (request) => (requests += /\/tile\/[xyz]\/\d+\/0\//.test(request.url()) ? 1 : 0));
   const show = page.getByRole("button", { name: `Show ${name}`, exact: true });
   await show.click();
@@ -443,12 +444,12 @@ test("materials: hidden ones leave the pixels at once, one alone, another colour
   assert.ok(Math.abs(share - whole[id]) < 1e-9);
   await page.getByRole("button", { name: "Reset" }).click();
   await expect_cells(page, "stadium", "z");
-  assert.equal(requests, 0, "looks need no tiles");
+  assert.equal(requests, 0, "a change of colours needs no tiles");
   await close(page);
 });
 
-test("coarse cells are the mean of their materials, as in the server's own pictures, but that air counts half", async () => {
-  // The whole grid in a small window: the page's pictures against `slice.png` of the level that it shows, by their mean colour.
+test("coarse cells have the mean colour of their materials, as in the server's own pictures, except that air counts half", async () => {
+  // The whole grid in a small window. Compares the picture with the server's `slice.png` of the same level, by mean colours.
   const page = await open_grid(browser, `${server.url}#g=stadium&layout=z`, { width: 500, height: 500 });
   await page.evaluate(() => (teracell.viewer.show_lines.value = false));
   await settled(page);

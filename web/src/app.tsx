@@ -1,15 +1,15 @@
-// The frame of the page: what is open, what is wrong, and what floats above.
+// The frame of the page: what is open, what is wrong, and what floats above the rest.
 import { useEffect } from "preact/hooks";
-import { token_wanted } from "./api";
 import { Banners } from "./banners";
-import { watch_network } from "./connection";
+import { Dock } from "./dock/dock";
 import { Header } from "./header";
 import { Help } from "./help";
-import { Dock } from "./dock/dock";
 import { opening, start_page, trouble, viewer } from "./page";
 import { SidePanel } from "./panels/side_panel";
+import { token_wanted } from "./server/api";
+import { watch_network } from "./server/connection";
 import { StartPage } from "./start_page";
-import { keep_theme } from "./theme";
+import { keep_theme } from "./state/theme";
 import { Toasts } from "./toasts";
 import { TokenForm } from "./token_form";
 import { Views } from "./views/views";
@@ -41,7 +41,7 @@ export function App() {
         )}
       </div>
       <Banners />
-      {open && <Help />}
+      {open && <Help viewer={open} />}
       <Toasts />
     </>
   );

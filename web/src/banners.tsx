@@ -1,9 +1,9 @@
-// What the whole page should know: the server does not answer; the file behind the grid is another one now.
+// Messages about the page as a whole: the server does not answer, or the file behind the grid has changed.
 import { useEffect, useState } from "preact/hooks";
-import { connection, next_try, try_now } from "./connection";
-import { clock } from "./format";
-import { Icon } from "./icons";
+import { clock } from "./base/format";
 import { reload, stale, unreadable, viewer } from "./page";
+import { connection, next_try, try_now } from "./server/connection";
+import { Icon } from "./widgets/icons";
 
 function Waiting() {
   const [, tick] = useState(0);
@@ -25,7 +25,7 @@ export function Banners() {
         <div class="banner bad">
           <Icon name="warning" />
           <span>
-            The server does not answer since {clock(connection.value.since)};{" "}
+            The server has not answered since {clock(connection.value.since)};{" "}
             <span aria-hidden="true">
               <Waiting />
             </span>
@@ -39,9 +39,9 @@ export function Banners() {
       {!lost && stale.value === "replaced" && (
         <div class="banner">
           <Icon name="reload" />
-          <span>This grid was meshed again: what you see is the former one.</span>
+          <span>This grid was meshed again. You still see the former one.</span>
           <button class="button" onClick={reload}>
-            Reload it
+            Reload
           </button>
         </div>
       )}

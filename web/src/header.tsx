@@ -1,10 +1,9 @@
-// The line at the top: what is open, how the views lie, and the switches of the page.
-import { about, bytes_text, noun, plural, product, sizes } from "./format";
-import { help_open } from "./help";
-import { Icon, type IconName } from "./icons";
+// The header of the page: what is open, the layout of the views, and the switches of the page.
+import { about, bytes_text, noun, plural, product, sizes } from "./base/format";
 import { grids, unreadable } from "./page";
-import { switch_theme, theme } from "./theme";
-import type { Layout, Viewer } from "./viewer";
+import { switch_theme, theme } from "./state/theme";
+import type { Layout, Viewer } from "./state/viewer";
+import { Icon, type IconName } from "./widgets/icons";
 
 // Nested cells, the mark of the page (also in index.html).
 export function Mark() {
@@ -88,11 +87,11 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
             <Icon name="panel" />
           </button>
         )}
-        <button class="icon-button" title={dark ? "Light" : "Dark"} aria-label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme}>
+        <button class="icon-button" title={dark ? "Use light colours" : "Use dark colours"} aria-label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme}>
           <Icon name={dark ? "sun" : "moon"} />
         </button>
         {viewer && (
-          <button class="icon-button" title="Help (h)" aria-label="Help" onClick={() => (help_open.value = true)}>
+          <button class="icon-button" title="Help (h)" aria-label="Help" onClick={() => (viewer.help.value = true)}>
             <Icon name="help" />
           </button>
         )}

@@ -1,19 +1,17 @@
-// Gestures and keys, in a dialog. The table is that of the views, so that it can't say anything else than they do.
-import { signal } from "@preact/signals";
+// The dialog with gestures and keys. The list is the views' own, so that it says what they do.
 import { useEffect, useRef } from "preact/hooks";
-import { Icon } from "./icons";
+import type { Viewer } from "./state/viewer";
 import { bindings } from "./views/bindings";
+import { Icon } from "./widgets/icons";
 
-export const help_open = signal(false);
-
-export function Help() {
+export function Help({ viewer }: { viewer: Viewer }) {
   const dialog = useRef<HTMLDialogElement>(null);
-  const shown = help_open.value;
+  const shown = viewer.help.value;
   useEffect(() => {
     if (shown && !dialog.current!.open) dialog.current!.showModal();
     else if (!shown) dialog.current!.close();
   }, [shown]);
-  const close = () => (help_open.value = false);
+  const close = () => (viewer.help.value = false);
   const on_key = (event: KeyboardEvent) => event.key === "h" && close();
   return (
     <dialog ref={dialog} class="dialog" aria-labelledby="help-title" onClose={close} onKeyDown={on_key} onClick={(e) => e.target === dialog.current && close()}>

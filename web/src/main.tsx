@@ -1,4 +1,4 @@
-// Which page: one grid in the viewer, or the list of grids.
+// Starts the page.
 import { render } from "preact";
 import { App } from "./app";
 

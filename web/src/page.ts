@@ -1,13 +1,16 @@
-// Which grids there are, which one is open, and the address that says so: "#g=id..." opens one, an address without a grid gives the
-// list, or the only grid when nothing else is there. Looks now and then whether the open grid's file is still the same.
+// Which grids there are, and which one is open. The address says so: "#g=id..." opens a grid. Without a grid in the
+// address the page lists the grids, or opens the grid if there is nothing else. From time to time it looks whether the
+// file of the open grid is still the same.
 import { batch, effect, signal } from "@preact/signals";
-import { type GridSummary, ServerError, type UnreadableFile, grid_info, list_grids, version_gone, words_of } from "./api";
-import { connection, returned } from "./connection";
-import { grid_in_address, keep_address, read_address } from "./permalink";
-import { Viewer } from "./viewer";
+import type { GridSummary, UnreadableFile } from "./base/grid";
+import { words_of } from "./base/messages";
+import { ServerError, grid_info, list_grids, version_gone } from "./server/api";
+import { connection, returned } from "./server/connection";
+import { grid_in_address, keep_address, read_address } from "./state/permalink";
+import { Viewer } from "./state/viewer";
 
-export const grids = signal<readonly GridSummary[] | null>(null); // null: not known yet
-export const unreadable = signal<readonly UnreadableFile[]>([]); // what lies beside them
+export const grids = signal<readonly GridSummary[] | null>(null); // null while they are not known
+export const unreadable = signal<readonly UnreadableFile[]>([]); // files beside them that can't be read
 export const viewer = signal<Viewer | null>(null);
 export const opening = signal<string | null>(null); // the grid that is being opened
 export const trouble = signal<string | null>(null); // why nothing could be opened
@@ -60,7 +63,7 @@ async function open(id: string): Promise<void> {
   opening.value = null;
 }
 
-// What the address says now. A changed address of the grid that is open moves the views; nothing is loaded anew.
+// Does what the address says. If it names the grid that is open, the views move, and nothing is loaded again.
 function follow_address(): void {
   const only = grids.value?.length === 1 && unreadable.value.length === 0 ? grids.value[0]!.id : null;
   const id = grid_in_address() ?? only;
@@ -72,12 +75,12 @@ function follow_address(): void {
   } else void open(id);
 }
 
-// The grid as its file is now, looked at from the same place.
+// Opens the grid as its file is now, at the same place.
 export const reload = () => viewer.value && void open(viewer.value.info.id);
 
 export async function start_page(): Promise<void> {
   addEventListener("hashchange", follow_address);
-  // Tells what it finds at once when the address names a grid: the list comes beside.
+  // A grid that the address names is opened at once, without waiting for the list.
   if (grid_in_address()) follow_address();
   await look();
   if (!viewer.value && !opening.value && !trouble.value) follow_address();

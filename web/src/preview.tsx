@@ -1,12 +1,14 @@
-// The picture of a slice on the start page, true to scale: as wide and high as the domain, graded axes stretched cell by cell.
+// The picture of a slice on the start page. It is true to scale: as wide and high as the domain, with graded axes
+// stretched cell by cell.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex, type GridSummary, get } from "./api";
-import { type Axis, FRAMES } from "./axis";
+import { type Axis, FRAMES } from "./base/axis";
+import { AXIS_NAMES, type AxisIndex, type GridSummary } from "./base/grid";
+import { get } from "./server/api";
 
-const PICTURE = 360; // cells: a level that is about as fine as the picture on the card
+const PICTURE = 360; // cells: the level is about as fine as the picture on the card
 const MARGIN = 8;
 
-// Pixels, within so many.
+// The size in pixels of a picture that fits into this width and height.
 export function fitted(u: Axis, v: Axis, width: number, height: number): [number, number] {
   const [along_u, along_v] = [u.max - u.min, v.max - v.min];
   const scale = Math.min(width / along_u, height / along_v);
@@ -51,7 +53,7 @@ function show(canvas: HTMLCanvasElement, picture: ImageBitmap, u: Axis, v: Axis,
   (u.graded || v.graded ? draw_graded : draw_uniform)(canvas.getContext("2d")!, picture, u, v, level);
 }
 
-// Pictures come like everything else, so that a token goes along.
+// Pictures are fetched like everything else, so that the token goes along.
 export function Preview({ grid, axes, axis }: { grid: GridSummary; axes: readonly Axis[]; axis: AxisIndex }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const [state, set_state] = useState<"coming" | "there" | "failed">("coming");

@@ -1,12 +1,12 @@
-// The grids that are served, with pictures; or why there is none to see.
-import type { GridInfo, GridSummary, UnreadableFile } from "./api";
-import { use_answer } from "./answer";
-import { Axis } from "./axis";
-import { CopyButton } from "./copy";
-import { about, bytes_text, grouped, noun, plural, product, significant, sizes, unit_name } from "./format";
-import { Icon } from "./icons";
+// The list of the grids that are served, with pictures, or why there is nothing to show.
+import { Axis } from "./base/axis";
+import { about, bytes_text, grouped, noun, plural, product, significant, sizes, unit_name } from "./base/format";
+import type { GridInfo, GridSummary, UnreadableFile } from "./base/grid";
 import { grids, unreadable } from "./page";
 import { Preview } from "./preview";
+import { use_answer } from "./server/answer";
+import { CopyButton } from "./widgets/copy";
+import { Icon } from "./widgets/icons";
 
 function Previews({ grid, info }: { grid: GridSummary; info: GridInfo | null }) {
   const axes = info?.grid.axes.map((axis, d) => new Axis(axis, info.grid.sample[d]!));
@@ -120,7 +120,7 @@ export function StartPage({ waiting, trouble }: { waiting: string | null; troubl
         <div class="empty">
           <h1>No grid here yet</h1>
           <p>
-            The server runs, but serves no grid. Make one, and put it into the folder that is served: it appears here by itself.
+            The server is running, but it has no grid to serve. Make one and put it into the folder that is served. It will appear here by itself.
           </p>
           <pre>teracell mesh part.stl --cells 2000 -o part.tcell</pre>
         </div>

@@ -1,26 +1,6 @@
-// Short messages that come by themselves: read aloud, the same one only once at a time, gone after a while. A detail stands below, cut to
-// a line; messages that differ in it alone are the same.
-import { signal } from "@preact/signals";
-import { Icon } from "./icons";
-
-interface Toast {
-  text: string;
-  detail: string | undefined; // of the first
-  times: number;
-  timer: number;
-}
-
-const toasts = signal<readonly Toast[]>([]);
-const SECONDS = 10;
-
-const drop = (text: string) => (toasts.value = toasts.value.filter((t) => t.text !== text));
-
-export function say(text: string, detail?: string): void {
-  const before = toasts.value.find((t) => t.text === text);
-  clearTimeout(before?.timer);
-  const toast = { text, detail: before?.detail ?? detail, times: (before?.times ?? 0) + 1, timer: window.setTimeout(() => drop(text), 1000 * SECONDS) };
-  toasts.value = before ? toasts.value.map((t) => (t === before ? toast : t)) : [...toasts.value.slice(-3), toast];
-}
+// Shows the page's messages. Screen readers read them aloud as they come.
+import { drop, toasts } from "./base/messages";
+import { Icon } from "./widgets/icons";
 
 export function Toasts() {
   return (

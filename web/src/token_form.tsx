@@ -1,7 +1,7 @@
-// Asks for the token of a server that wants one.
+// Asks for the token of a server that demands one.
 import { useState } from "preact/hooks";
-import { fault_of_token, give_token, has_token } from "./api";
 import { Mark } from "./header";
+import { fault_of_token, give_token, has_token } from "./server/api";
 
 export function TokenForm() {
   const [text, set_text] = useState("");
@@ -26,7 +26,7 @@ export function TokenForm() {
           Open
         </button>
         {fault && <p role="alert">{fault}</p>}
-        <p class="note">It is kept in this tab only, until the tab is closed.</p>
+        <p class="note">The token is kept in this tab only, until the tab is closed.</p>
       </form>
     </main>
   );

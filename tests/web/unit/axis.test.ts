@@ -1,7 +1,7 @@
-// An axis of the page is the store's: a coordinate belongs to the cell whose planes hold it, the lower plane included.
+// Axes of the page follow the rule of the store: a coordinate belongs to the cell whose planes hold it, the lower plane included.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Axis } from "@page/axis";
+import { Axis } from "@page/base/axis";
 
 const uniform = new Axis({ type: "uniform", min: -0.3, step: 0.1, first: 7, cells: 1000 }, 0.5);
 const graded = new Axis({ type: "graded", planes: [-2, -1.5, 0, 0.1, 0.2, 8, 100] }, 0.25);
@@ -16,24 +16,27 @@ for (const [name, axis] of [["uniform", uniform], ["graded", graded]] as const) 
     }
   });
 
-  test(`${name}: what lies outside is told so`, () => {
+  test(`${name}: what lies outside is known to lie outside`, () => {
     assert.equal(axis.cell_at(axis.min - 1), -1);
     assert.equal(axis.cell_at(axis.max), axis.cells);
     assert.equal(axis.cell_at(axis.max + 1), axis.cells);
     assert.equal(axis.clamp(-5), 0);
     assert.equal(axis.clamp(axis.cells + 5), axis.cells - 1);
     assert.equal(axis.clamp(2.4), 2);
+    assert.equal(axis.width(-3), axis.plane(1) - axis.min);
+    assert.equal(axis.width(axis.cells), axis.max - axis.plane(axis.cells - 1));
+    assert.deepEqual([axis.min - 1, axis.plane(1), axis.max + 1].map((x) => axis.inside(x)), [axis.min, axis.plane(1), axis.max]);
   });
 }
 
-test("planes and centres have the roundings of the cell rule", () => {
+test("planes and centres are rounded as the rule for cells says", () => {
   assert.equal(uniform.plane(3), -0.3 + 10 * 0.1);
   assert.equal(uniform.centre(3), -0.3 + 10.5 * 0.1);
   assert.equal(graded.centre(4), 0.2 + 0.25 * (8 - 0.2));
   assert.ok(graded.graded && !uniform.graded);
 });
 
-test("cells thinner than what is looked at are not passed over, nor is a domain", () => {
+test("neither cells nor a domain that are thinner than a pixel are passed over", () => {
   assert.equal(graded.cell_among(-0.05, 0.31), 3, "0.13 lies in cell 3");
   assert.equal(graded.cell_among(-1.4, 0.3), 2, "the middle lies in a wide cell, two thin ones within");
   assert.equal(graded.cell_among(-1.4, -0.2), 1);

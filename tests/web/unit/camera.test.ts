@@ -1,8 +1,9 @@
 // Where cells are on a view.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Axis, FRAMES } from "@page/axis";
-import { Camera, clamped_zoom, fitting_zoom, sample_cells, zoomed_about } from "@page/views/camera";
+import { Axis, FRAMES } from "@page/base/axis";
+import { clamped_zoom, fitting_zoom } from "@page/state/zoom";
+import { Camera, sample_cells, zoomed_about } from "@page/views/camera";
 import { random_of, whole } from "./random";
 
 const random = random_of(5);
@@ -16,7 +17,7 @@ function random_camera(): Camera {
   return new Camera(whole(random, 0, 2) as 0 | 1 | 2, axes, whole(random, 10, 900), whole(random, 10, 900), 1 + random(), centre, 10 ** (6 * random() - 3));
 }
 
-test("a place on the view and back", () => {
+test("a place on the view is found again from its coordinates", () => {
   for (let i = 0; i < 200; ++i) {
     const camera = random_camera();
     const [x, y] = [random() * camera.width, random() * camera.height];
@@ -25,7 +26,7 @@ test("a place on the view and back", () => {
   }
 });
 
-test("every sample is the cell that holds its middle, or one whole within it, and none outside the grid; those in sight are seen", () => {
+test("every sample in the grid is the cell that holds its middle, or one entirely within it, and its cell counts as seen", () => {
   for (let i = 0; i < 60; ++i) {
     const camera = random_camera();
     for (const each of [1, 2] as const) {
@@ -59,12 +60,12 @@ test("zooming keeps the point under the pointer where it is", () => {
   }
 });
 
-test("zooming in ends at the finest cell as large as a thumb, also where most are larger", () => {
+test("zooming in ends where the finest cell is as large as a thumb, even if most cells are larger", () => {
   const fine = new Axis({ type: "graded", planes: [0, 0.01, 1, 2, 50] }, 0.5);
   assert.equal(clamped_zoom(1e9, [fine, flat, flat], 1), 160 / 0.01);
 });
 
-test("a grid that fits lies within all views, and touches the room of one", () => {
+test("a grid that fits lies within all views, and fills the room in one of them", () => {
   const box = [new Axis({ type: "uniform", min: -5, step: 1, first: 0, cells: 300 }, 0.5), graded, new Axis({ type: "uniform", min: 0, step: 1, first: 0, cells: 20 }, 0.5)] as const;
   const views = ([0, 1, 2] as const).map((axis) => ({ axis, width: 500, height: 300 }));
   const zoom = fitting_zoom(box, views);

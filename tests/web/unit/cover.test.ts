@@ -1,7 +1,7 @@
-// The tiles of a view: each cell in sight lies in exactly one, and every tile's level is the right one for its pixels.
+// The tiles of a view: each cell in sight lies in exactly one tile, and the level of every tile is right for its pixels.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { Axis, FRAMES } from "@page/axis";
+import { Axis, FRAMES } from "@page/base/axis";
 import { SMALLEST, cover } from "@page/tiles/cover";
 import { type Extent, TILE, cells_of_level, extent_of } from "@page/tiles/place";
 import { random_of, whole } from "./random";
@@ -24,7 +24,7 @@ function random_sight() {
   const { u, v } = FRAMES[axis];
   const [u0, v0] = [whole(random, 0, axes[u].cells - 1), whole(random, 0, axes[v].cells - 1)];
   const seen: Extent = { u0, v0, u1: whole(random, u0 + 1, axes[u].cells), v1: whole(random, v0 + 1, axes[v].cells) };
-  // 10 to 2000 pixels for what is seen.
+  // What is seen gets 10 to 2000 pixels.
   const size = Math.max(axes[u].plane(seen.u1) - axes[u].plane(u0), axes[v].plane(seen.v1) - axes[v].plane(v0));
   return { axis, slice: whole(random, 0, axes[axis].cells - 1), axes, levels: level_count(axes), scale: (10 + 1990 * random()) / size, seen };
 }
@@ -41,7 +41,7 @@ test("what is in sight is covered once, by tiles of the slice", () => {
       assert.equal(place.index, sight.slice >> place.level);
       assert.equal(place.axis, sight.axis);
     }
-    // Tiles of a tree overlap only when one lies in the other: then the areas' sum would be too large.
+    // Tiles of a tree overlap only when one lies in the other. Then the sum of the areas would be too large.
     assert.equal(area, (sight.seen.u1 - sight.seen.u0) * (sight.seen.v1 - sight.seen.v0));
     assert.ok(places.length <= 200, `${places.length} tiles for a view`);
   }

@@ -1,12 +1,12 @@
-// Numbers as the page writes them.
+// Numbers as the page writes and reads them.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name } from "@page/format";
+import { about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name } from "@page/base/format";
 
-// Narrow spaces as plain ones, to be read here.
+// Writes narrow spaces as plain ones, so that people can read them here.
 const plain = (text: string) => text.replaceAll("\u202f", " ");
 
-test("thousands are set apart, also those of counts that no double holds", () => {
+test("thousands are set apart, even in counts that no double holds", () => {
   assert.equal(grouped(7), "7");
   assert.equal(plain(grouped(1000)), "1 000");
   assert.equal(plain(grouped(-1234567)), "−1 234 567");
@@ -34,7 +34,7 @@ test("nothing is minus zero", () => {
   assert.equal(coordinate(-0, 1), "0.0");
 });
 
-test("lengths and volumes have significant digits, and powers of ten where zeros would be many", () => {
+test("lengths and volumes have significant digits, and powers of ten instead of many zeros", () => {
   assert.equal(significant(0), "0");
   assert.equal(significant(0.047291, 4), "0.04729");
   assert.equal(plain(significant(3902968.7, 6)), "3 902 969");
@@ -76,15 +76,15 @@ test("cells are multiplied exactly", () => {
   assert.equal(plain(sizes([10000, 20, 3])), "10 000 × 20 × 3");
 });
 
-test("numbers are read as they are written here, or as people type them", () => {
+test("numbers are read as this page writes them, and as people type them", () => {
   for (const n of [0, 7, 5000, 1234567, -1234.5]) assert.equal(number_of(grouped(n)), n);
   const typed = { " 12 ": 12, "1 00": 100, "−3.5": -3.5, "-3,5": -3.5, "0,500": 0.5, "1,234,567": 1234567, "1,234.5": 1234.5, "1e3": 1000 };
   for (const [text, n] of Object.entries(typed)) assert.equal(number_of(text), n, text);
-  assert.equal(number_of("5,000"), null); // five thousand, or five
+  assert.equal(number_of("5,000"), null); // it may mean five thousand, or five
   assert.equal(number_of("5,000", true), 5000);
   for (const text of ["", " ", "many", "1 2 x", "1,2,3", "1.2.3", "Infinity", "--1"]) assert.equal(number_of(text), null, text);
 });
 
-test("names in a CSV are no formulas, and in quotes where they must be", () => {
+test("names in a CSV file are not taken for formulas, and stand in quotes where they must", () => {
   assert.deepEqual(["steel", "a, b", 'say "so"', "=HYPERLINK(1)", "-1,2"].map(csv_name), ["steel", '"a, b"', '"say ""so"""', "'=HYPERLINK(1)", '"\'-1,2"']);
 });

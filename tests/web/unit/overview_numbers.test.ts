@@ -1,16 +1,16 @@
-// The numbers of the overview's rulers: short, in the panel, and never over each other.
+// The numbers of the overview's rulers are short, lie in the panel, and never overlap.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Axis } from "../../../web/src/axis";
-import { HOME, fitted, projection_of } from "../../../web/src/overview/camera";
-import { labelled_edges } from "../../../web/src/overview/edges";
-import type { Vec3 } from "../../../web/src/overview/level_axis";
-import { type Rect, type Wish, end_text, place_numbers } from "../../../web/src/overview/numbers";
+import { Axis } from "@page/base/axis";
+import { HOME, fitted, projection_of } from "@page/overview/camera";
+import { labelled_edges } from "@page/overview/edges";
+import type { Vec3 } from "@page/overview/level_axis";
+import { type Rect, type Wish, end_text, place_numbers } from "@page/overview/numbers";
 import { random_of } from "./random";
 
 const uniform = (min: number, max: number, cells: number) => new Axis({ type: "uniform", min, step: (max - min) / cells, first: 0, cells }, 0.5);
 
-test("numbers have the digits that a thousandth of the axis, or a cell, warrants", () => {
+test("numbers have as many digits as a thousandth of the axis, or a cell, warrants", () => {
   const ends = (axis: Axis) => [end_text(axis, axis.min), end_text(axis, axis.max)];
   assert.deepEqual(ends(uniform(-0.43135, 0.43317, 413)), ["−0.431", "0.433"]);
   assert.deepEqual(ends(uniform(-0.0020933, 0.57565, 276)), ["−0.002", "0.576"]);
@@ -22,7 +22,7 @@ test("numbers have the digits that a thousandth of the axis, or a cell, warrants
 
 const overlap = (a: Rect, b: Rect) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 
-test("whatever the view, numbers lie in the panel and apart from each other and from what is there", () => {
+test("from any view, numbers lie in the panel and overlap neither each other nor what is already there", () => {
   const next = random_of(7);
   let [seen, hidden] = [0, 0];
   for (let n = 0; n < 400; ++n) {
@@ -51,7 +51,7 @@ test("whatever the view, numbers lie in the panel and apart from each other and 
 
 test("a number that has to give way takes nobody's best place", () => {
   const wish = (x: number, y: number): Wish => ({ size: [40, 14], end: { x, y }, outward: { x: -1, y: 0 }, beyond: { x: 0, y: 1 } });
-  // The first one's place is taken; beyond its end is where the second one belongs.
+  // The place of the first number is taken. The place beyond its end is the best one for the second number.
   const [first, second] = [wish(100, 70), wish(130, 95)];
   const [best] = place_numbers([second], 200, 200, []);
   const [, place] = place_numbers([first, second], 200, 200, [{ left: 60, top: 60, right: 70, bottom: 68 }]);

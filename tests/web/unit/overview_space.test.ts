@@ -1,26 +1,26 @@
 // The overview's space: levels of graded and uneven axes lie true to scale, pictures of slices too, and the camera maps both ways.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Axis } from "../../../web/src/axis";
-import { initial_looks } from "../../../web/src/materials";
-import { HOME, along_axis, between, direction_at, dot, fitted, panned, project, projection_of, straight } from "../../../web/src/overview/camera";
-import { edge_depths, labelled_edges } from "../../../web/src/overview/edges";
-import { type Vec3, cells_of_level, coordinate_at, from_space, level_planes, level_within, space_of, to_space } from "../../../web/src/overview/level_axis";
-import { make_ladder } from "../../../web/src/overview/quality";
-import { decode_slice, slice_picture, slice_place } from "../../../web/src/overview/slice_picture";
-import { clear_order } from "../../../web/src/overview/stage";
-import { CUBE, cubes_of, empty_volume, place_cube } from "../../../web/src/overview/volume";
+import { Axis } from "@page/base/axis";
+import { initial_looks } from "@page/base/materials";
+import { HOME, along_axis, between, direction_at, dot, fitted, panned, project, projection_of, straight } from "@page/overview/camera";
+import { edge_depths, labelled_edges } from "@page/overview/edges";
+import { type Vec3, cells_of_level, coordinate_at, from_space, level_planes, level_within, space_of, to_space } from "@page/overview/level_axis";
+import { make_ladder } from "@page/overview/quality";
+import { decode_slice, slice_picture, slice_place } from "@page/overview/slice_picture";
+import { clear_order } from "@page/overview/body_meshes";
+import { CUBE, cubes_of, empty_volume, place_cube } from "@page/overview/volume";
 
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 4, 8, 16] }, 0.5);
 const uniform = new Axis({ type: "uniform", min: 10, step: 0.5, first: 0, cells: 5 }, 0.5);
 
-test("planes of a level skip those of the finer ones, and the last cell ends with the axis", () => {
+test("a level keeps every 2^level-th plane, and its last cell ends with the axis", () => {
   assert.deepEqual([...level_planes(graded, 1)], [0, 2, 8, 16]);
   assert.deepEqual([...level_planes(uniform, 1)], [10, 11, 12, 12.5]);
   assert.deepEqual([...level_planes(uniform, 0)], [10, 10.5, 11, 11.5, 12, 12.5]);
 });
 
-test("places between planes are linear in each cell", () => {
+test("coordinates are linear within each cell", () => {
   const planes = level_planes(graded, 1);
   assert.equal(coordinate_at(planes, 1.5), 5);
   assert.equal(coordinate_at(planes, 0), 0);
@@ -28,7 +28,7 @@ test("places between planes are linear in each cell", () => {
   assert.equal(coordinate_at(planes, 2.25), 10);
 });
 
-test("the longest side of the domain is 2, its middle the origin", () => {
+test("the longest side of the domain is 2, and its middle is the origin", () => {
   const space = space_of([graded, uniform, uniform]);
   assert.deepEqual(space.half, [1, 2.5 / 16, 2.5 / 16]);
   assert.equal(to_space(space, 0, 16), 1);
@@ -42,18 +42,18 @@ test("levels are chosen by their longest side", () => {
   assert.deepEqual(cells_of_level([10000, 5, 1], 6), [157, 1, 1]);
 });
 
-test("cubes are put together, and what is padded is left out", () => {
+test("cubes are put together without their padding", () => {
   const volume = empty_volume([70, 2, 1], false);
   assert.deepEqual(cubes_of(volume.size), [[0, 0, 0], [1, 0, 0]]);
   for (const place of cubes_of(volume.size)) place_cube(volume, place, Uint8Array.from({ length: CUBE ** 3 }, (_, i) => (i % CUBE) + 100 * place[0]!));
   assert.deepEqual([volume.labels[63], volume.labels[64], volume.labels[69], volume.labels[70 + 65]], [63, 100, 105, 101]);
 });
 
-test("a slice's picture shows graded cells true to scale and ends where the grid does", () => {
+test("the picture of a slice shows graded cells true to scale and ends where the grid ends", () => {
   const axes = [graded, uniform, new Axis({ type: "uniform", min: 0, step: 1, first: 0, cells: 1 }, 0.5)] as const;
   const place = slice_place(axes, 2, 0, 4);
   assert.deepEqual(place, { axis: 2, level: 0, index: 0 });
-  // Two sets, {0} and {1}; the last column of cells holds material 1.
+  // There are two sets, {0} and {1}. The last column of cells holds material 1.
   const cells = Array.from({ length: 25 }, (_, i) => Number(i % 5 === 4));
   const bytes = Uint8Array.from([2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, ...cells]);
   const looks = initial_looks([{ id: 0, name: "air", color: "#00000000", rank: 1 }, { id: 1, name: "steel", color: "#ff8000", rank: 0 }]);
@@ -64,7 +64,7 @@ test("a slice's picture shows graded cells true to scale and ends where the grid
   assert.deepEqual([...picture.pixels.subarray(4 * 300, 4 * 300 + 4)], [255, 128, 0, 255]);
 });
 
-test("the camera projects what it casts, and the domain fits into the panel from everywhere", () => {
+test("projecting a point and casting a ray through its pixel agree, and the domain fits into the panel from every direction", () => {
   const half: Vec3 = [1, 0.6, 0.2];
   for (const [azimuth, elevation] of [[HOME.azimuth, HOME.elevation], [10, -40], [123, 90], [0, -90]] as const)
     for (const [width, height] of [[700, 450], [300, 900]] as const) {
@@ -91,7 +91,7 @@ test("a place along an axis is found again under its pixel", () => {
   }
 });
 
-test("straight views look along the axes, with z up", () => {
+test("straight views look along the axes, and z is up", () => {
   for (let axis = 0; axis < 3; ++axis)
     for (const above of [true, false]) {
       const { azimuth, elevation } = straight(axis, above);
@@ -116,7 +116,7 @@ test("panning moves the picture with the pointer", () => {
   assert.ok(Math.abs(after.x - before.x - 60) < 1e-6 && Math.abs(after.y - before.y - 30) < 1e-6);
 });
 
-test("each axis has one numbered edge on the outline; none when it points at the eye", () => {
+test("each axis has one numbered edge on the outline, or none when it points at the eye", () => {
   const half: Vec3 = [1, 1, 1];
   const view = projection_of(fitted(half, HOME.azimuth, HOME.elevation, 1.5), 900, 600);
   assert.deepEqual(edge_depths(view, half).sort(), [0, 0, 0, 1, 1, 1, 1, 1, 1, 2, 2, 2]);
@@ -126,7 +126,7 @@ test("each axis has one numbered edge on the outline; none when it points at the
   assert.equal(seen[0], null);
 });
 
-test("a slow machine gets coarser bodies while they move, a fast one everything", () => {
+test("a slow machine draws coarser bodies while they move, and a fast one draws everything", () => {
   const play = (ms: (pixels: number, coarser: number) => number) => {
     const ladder = make_ladder(1);
     for (let i = 0; i < 40; ++i) for (const rest of [0, 1] as const) ladder.measured(ladder.quality(rest), ms(ladder.quality(rest).ratio ** 2, ladder.quality(rest).coarser));
@@ -146,7 +146,7 @@ test("a single slow frame changes nothing", () => {
   assert.deepEqual(ladder.quality(0), before);
 });
 
-test("bodies of glass are drawn from far to near, after the planes and before the lines", () => {
+test("transparent bodies are drawn from far to near, after the planes and before the lines", () => {
   const orders = [100, 5, 2, 0].map(clear_order);
   assert.deepEqual(orders, [...orders].sort((a, b) => a - b));
   assert.ok(orders.every((order) => order > 16 && order < 30));

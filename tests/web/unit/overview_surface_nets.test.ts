@@ -1,8 +1,8 @@
-// Surfaces of the overview: closed for every material, of nearly the right volume, and touching bodies fit together.
+// Surfaces of the overview are closed for every material and enclose nearly the right volume, and touching bodies fit together.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { type Faces, count_quads, faces_of, make_net, relax } from "../../../web/src/overview/surface_nets";
-import type { Volume } from "../../../web/src/overview/volume";
+import { type Faces, count_quads, faces_of, make_net, relax } from "@page/overview/surface_nets";
+import type { Volume } from "@page/overview/volume";
 
 type Size = [number, number, number];
 
@@ -12,7 +12,7 @@ function volume_of(size: Size, label: (x: number, y: number, z: number) => numbe
   return { size, labels };
 }
 
-// As the pyramid does: a coarse cell has the largest label of the 4 x 4 x 4 below it.
+// As in the pyramid, a coarse cell has the largest label of the 4 x 4 x 4 cells below it.
 function pooled(fine: Volume): Volume {
   const size = fine.size.map((n) => n / 4) as Size;
   return volume_of(size, (x, y, z) => {
@@ -43,7 +43,7 @@ function enclosed(positions: Positions, faces: Faces): number {
   return sum / 6;
 }
 
-// Every directed edge is met by as many triangles as its opposite.
+// Every directed edge belongs to as many triangles as its opposite.
 function assert_closed({ vertices, indices }: Faces): void {
   const edges = new Map<string, number>();
   for (let t = 0; t < indices.length; t += 3)
@@ -73,7 +73,7 @@ test("a sphere's vertices lie near it and its facets are smooth", () => {
   }
 });
 
-test("coarse cells that hold any of a body don't make it thicker", () => {
+test("bodies don't get thicker although every coarse cell that they touch is theirs", () => {
   const coarse = pooled(sphere([160, 160, 160], 66));
   const { net, faces } = surfaces(coarse, (1 - 1 / 4) / 2);
   assert_closed(faces[0]!);
@@ -89,7 +89,7 @@ test("touching bodies share the vertices between them, and each is closed", () =
   for (const f of faces) assert_closed(f);
   const of_second = new Set(faces[1]!.vertices);
   assert.ok(faces[0]!.vertices.filter((v) => of_second.has(v)).length > 100);
-  // What lies between them is met from both sides by the very same triangles: the volumes add up to that of the whole.
+  // The same triangles bound both bodies where they touch, so the volumes of the bodies add up to that of the whole.
   const whole = surfaces({ ...volume, labels: volume.labels.map((l) => Math.min(l, 1)) }, 0, 0);
   const apart = surfaces(volume, 0, 0);
   const total = apart.faces.reduce((sum, f) => sum + enclosed(apart.net.positions, f), 0);
@@ -120,7 +120,7 @@ test("cells that touch along an edge or at a corner alone still make closed surf
   }
 });
 
-test("the quads are counted beforehand, each material's own", () => {
+test("the quads of each material are counted beforehand", () => {
   const counts = count_quads(volume_of([4, 1, 1], (x) => (x < 2 ? 1 : x < 3 ? 2 : 0)));
   assert.deepEqual([...counts], [[1, 10], [2, 6]]);
 });

@@ -1,8 +1,8 @@
-// The picture against the cells, one by one.
+// Compares the picture with the cells, one by one.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { Index3 } from "@page/api";
-import { Axis } from "@page/axis";
+import type { Index3 } from "@page/base/grid";
+import { Axis } from "@page/base/axis";
 import { cover } from "@page/tiles/cover";
 import { type Place, coarser, place_name, tile_size } from "@page/tiles/place";
 import { regions_of } from "@page/tiles/regions";
@@ -32,7 +32,7 @@ function tile_of(place: Place): Tile {
   return { place, name: place_name(place), width, height, sets, labels, bytes: 0 };
 }
 
-// Shades of grey that make means easy.
+// Shades of grey, whose means are easy to compute.
 const colors = Uint32Array.from({ length: 16 }, (_, i) => (0xff000000 | (i * 0x101010)) >>> 0);
 
 function painted(camera: Camera, each: 1 | 2, there: (place: Place) => boolean) {
@@ -48,7 +48,7 @@ function painted(camera: Camera, each: 1 | 2, there: (place: Place) => boolean) 
   const [width, height] = [samples.columns.length / each, samples.rows.length / each];
   const out = new Uint32Array(width * height);
   paint(out, samples, regions, colors);
-  // What should be at each sample.
+  // The number that should be at each sample.
   const expected = (sx: number, sy: number): number => {
     const [u, v] = [samples.columns[sx]!, samples.rows[sy]!];
     if (u < 0 || v < 0) return OUTSIDE;
@@ -62,7 +62,7 @@ const random = random_of(8);
 
 for (const each of [1, 2] as const)
   for (const whole_tiles of [true, false])
-    test(`${each} sample${each === 1 ? "" : "s"} a pixel ${whole_tiles ? "from the right tiles" : "where coarser tiles stand in"}: every pixel is the mean of its cells`, () => {
+    test(`${each} sample${each === 1 ? "" : "s"} per pixel ${whole_tiles ? "from the right tiles" : "where coarser tiles stand in"}: every pixel is the mean of its cells`, () => {
       for (let round = 0; round < 12; ++round) {
         const centre: [number, number, number] = [3 + 750 * random(), 1900 * random(), 0];
         const camera = new Camera(2, axes, whole(random, 20, 160), whole(random, 20, 160), 1 + whole(random, 0, 1) / 2, centre, 10 ** (2.5 * random() - 1));
@@ -79,7 +79,7 @@ for (const each of [1, 2] as const)
       }
     });
 
-test("a sheet one cell thick is in the picture, wherever it lies and however far one is away", () => {
+test("a sheet one cell thick is in the picture, wherever it lies and however far one has zoomed out", () => {
   const long = new Axis({ type: "uniform", min: 0, step: 1, first: 0, cells: 4096 }, 0.5);
   for (let round = 0; round < 200; ++round) {
     const zoom = 0.72 + 0.3 * random();
@@ -90,7 +90,7 @@ test("a sheet one cell thick is in the picture, wherever it lies and however far
   }
 });
 
-test("outlines are where a set differs from that on the left or above", () => {
+test("outlines are on pixels whose set differs from that on the left or above", () => {
   const camera = new Camera(2, axes, 40, 40, 1, [50, 50, 0], 8);
   const { samples, regions, width, height, expected } = painted(camera, 1, () => true);
   const out = new Uint32Array(width * height);

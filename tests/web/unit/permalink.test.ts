@@ -1,10 +1,10 @@
-// The address holds the whole state: what is written is read back as it was, and nonsense in it does no harm.
+// The address holds the whole state: it is read back as it was written, and nonsense in it does no harm.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { GridInfo } from "@page/api";
-import { address_of, read_address } from "@page/permalink";
-import { places_found } from "@page/panels/report_words";
-import { Viewer } from "@page/viewer";
+import type { GridInfo } from "@page/base/grid";
+import { address_of, read_address } from "@page/state/permalink";
+import { places_found } from "@page/state/places";
+import { Viewer } from "@page/state/viewer";
 
 const info = {
   id: "a grid & more",
@@ -60,7 +60,7 @@ function changed(): Viewer {
   return v;
 }
 
-test("a changed state comes back whole, to the last bit of its numbers", () => {
+test("a changed state is read back completely, to the last bit of its numbers", () => {
   const before = changed();
   const after = read(address_of(before));
   for (const name of ["cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "box", "pinned", "measure", "markers", "looks"] as const)
@@ -69,7 +69,7 @@ test("a changed state comes back whole, to the last bit of its numbers", () => {
   assert.equal(new URLSearchParams(address_of(before).slice(1)).get("g"), info.id);
 });
 
-test("what is as at the start is not in the address", () => {
+test("the address does not hold what is as at the start", () => {
   const address = address_of(new Viewer(info));
   assert.deepEqual([...new URLSearchParams(address.slice(1)).keys()], ["g", "at", "look"]);
 });
@@ -100,5 +100,5 @@ test("nonsense is ignored, piece by piece", () => {
   ])
     assert.equal(address_of(read(nonsense)), address_of(start), nonsense);
   assert.deepEqual(read("#at=5,5,5&layout=five").cell.value, [5, 5, 5]);
-  assert.deepEqual(read("#at=500,-5,3").cell.value, [99, 0, 3]); // into the grid
+  assert.deepEqual(read("#at=500,-5,3").cell.value, [99, 0, 3]); // moved into the grid
 });

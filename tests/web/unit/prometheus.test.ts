@@ -1,4 +1,4 @@
-// The status panel reads what GET /metrics says (server/metrics.cpp).
+// The status panel reads what the server writes for GET /metrics.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { buckets, label_values, parse_metrics, quantile, since, total } from "@page/panels/prometheus";
@@ -25,7 +25,7 @@ not a line of it
 `;
 const samples = parse_metrics(text);
 
-test("names, labels and numbers are read, comments and nonsense passed over", () => {
+test("names, labels and numbers are read; comments and nonsense are passed over", () => {
   assert.deepEqual(samples[0], { name: "teracell_build_info", labels: { version: "0.1.0" }, value: 1 });
   assert.deepEqual(samples.at(-1), { name: "process_resident_memory_bytes", labels: {}, value: 44040192 });
   assert.equal(total(samples, "cache_bytes", { cache: "chunks" }), 1.5e6);
@@ -38,11 +38,11 @@ test("samples are summed by name and labels", () => {
   assert.equal(total(samples, "nothing"), 0);
 });
 
-test("buckets hold their own counts, of all routes but those that look after the server", () => {
+test("buckets hold counts of their own, without the routes that only watch the server", () => {
   assert.deepEqual(buckets(samples, "h"), [{ le: 0.001, count: 12 }, { le: 0.003, count: 20 }, { le: Infinity, count: 12 }]);
 });
 
-test("a quantile is known by the bucket that it lies in", () => {
+test("a quantile is given as the bucket that it lies in", () => {
   const all = buckets(samples, "h");
   assert.deepEqual(quantile(all, 0.25), { from: 0, to: 0.001 });
   assert.deepEqual(quantile(all, 0.5), { from: 0.001, to: 0.003 });
@@ -50,7 +50,7 @@ test("a quantile is known by the bucket that it lies in", () => {
   assert.equal(quantile(since(all, all), 0.5), null);
 });
 
-test("what came since is the difference, also after the server began anew", () => {
+test("what came since is the difference, even after the server was restarted", () => {
   const before = [{ le: 0.001, count: 10 }, { le: 0.003, count: 25 }];
   assert.deepEqual(since(buckets(samples, "h"), before), [{ le: 0.001, count: 2 }, { le: 0.003, count: 0 }, { le: Infinity, count: 12 }]);
 });

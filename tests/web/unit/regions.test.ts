@@ -1,4 +1,4 @@
-// What stands in while tiles are on their way: every cell of the view is drawn once, from the best that is there.
+// What stands in while tiles are on their way: every cell of the view is drawn once, from the best tile that is there.
 import assert from "node:assert/strict";
 import test from "node:test";
 import { type Place, coarser, extent_of, place_name } from "@page/tiles/place";
@@ -23,7 +23,7 @@ function holder(tiles: readonly Place[], damaged: readonly Place[] = []) {
   return { find: (place: Place) => held.get(place_name(place)) ?? null, is_damaged: (place: Place) => names.has(place_name(place)) };
 }
 
-test("every cell of the view is drawn once, by a tile that covers it, whatever is there", () => {
+test("whatever tiles are there, every cell of the view is drawn once, from a tile that covers it", () => {
   const random = random_of(5);
   for (let round = 0; round < 60; ++round) {
     const [level, slice, before] = [whole(random, 1, 4), whole(random, 0, 699), whole(random, 0, 699)];
@@ -40,7 +40,7 @@ test("every cell of the view is drawn once, by a tile that covers it, whatever i
       assert.ok(e.u0 <= region.u0 && e.u1 >= region.u1 && e.v0 <= region.v0 && e.v1 >= region.v1);
       const own = region.tile.place.index === slice >> region.tile.place.level;
       assert.ok(own || region.tile.place.index === before >> region.tile.place.level);
-      assert.ok(own || shown.stale, "another slice is shown, and nobody is told");
+      assert.ok(own || shown.stale, "another slice is shown without `stale`");
     }
     assert.deepEqual(
       shown.missing.map(place_name),
@@ -49,14 +49,14 @@ test("every cell of the view is drawn once, by a tile that covers it, whatever i
   }
 });
 
-test("a tile that is there is drawn itself, and nothing is asked for", () => {
+test("a tile that is there is drawn, and nothing is asked for", () => {
   const places = places_of(2, 100);
   const shown = regions_of(places, 100, levels, cells, holder([...places, ...places_of(3, 100), ...places_of(1, 100)]), { slice: 99, patient: true });
   assert.deepEqual(shown.regions.map((r) => r.tile!.name), places.map(place_name));
   assert.deepEqual([shown.missing, shown.blank, shown.stale], [[], [], false]);
 });
 
-test("one level coarser of the same slice comes before what was shown", () => {
+test("a tile one level coarser of the same slice is preferred to what was shown before", () => {
   const places = places_of(2, 100);
   const shown = regions_of(places, 100, levels, cells, holder([...places_of(3, 100), ...places_of(2, 99)]), { slice: 99, patient: true });
   assert.ok(shown.regions.every((r) => r.tile!.place.level === 3 && r.tile!.place.index === 100 >> 3));
@@ -64,7 +64,7 @@ test("one level coarser of the same slice comes before what was shown", () => {
   assert.deepEqual([shown.blank, shown.stale], [[], false]);
 });
 
-test("what was shown stays for a moment rather than something very coarse, then no longer", () => {
+test("for a moment, what was shown before is preferred to a very coarse tile, and then no longer", () => {
   const places = places_of(0, 96);
   const top = coarser(places[0]!, levels - 1);
   const held = holder([...places_of(0, 101), top]);
@@ -75,7 +75,7 @@ test("what was shown stays for a moment rather than something very coarse, then 
   assert.equal(later.blank.length, places.length);
 });
 
-test("a damaged tile is said to be damaged, and not asked for again", () => {
+test("a damaged tile is reported as damaged, and not asked for again", () => {
   const places = places_of(2, 100);
   const shown = regions_of(places, 100, levels, cells, holder(places.slice(1), places.slice(0, 1)), { slice: null, patient: false });
   assert.deepEqual(shown.regions.map((r) => r.damaged), places.map((_, i) => i === 0));

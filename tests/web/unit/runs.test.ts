@@ -1,8 +1,8 @@
 // The column profile: which run holds a cell, where the next change is, ticks, CSV.
 import assert from "node:assert/strict";
 import test from "node:test";
-import type { ColumnRun } from "@page/api";
-import { Axis } from "@page/axis";
+import type { ColumnRun } from "@page/base/grid";
+import { Axis } from "@page/base/axis";
 import { next_change, run_at, run_text, runs_csv, ticks } from "@page/dock/runs";
 
 const axis = new Axis({ type: "uniform", min: -1, step: 0.5, first: 0, cells: 20 }, 0.5);
@@ -16,18 +16,18 @@ test("every cell is in the run that holds it", () => {
   }
 });
 
-test("the next change up is the first cell of another material, down the last one", () => {
+test("the next change is the first cell of another material upwards, or the last one downwards", () => {
   assert.deepEqual([0, 3, 4, 5, 16].map((i) => next_change(runs, i, true)), [4, 4, 5, 17, 17]);
   assert.deepEqual([19, 17, 16, 4, 3].map((i) => next_change(runs, i, false)), [16, 16, 4, 3, 0]);
-  assert.equal(next_change(runs, 18, true), 19); // no change beyond: the end
+  assert.equal(next_change(runs, 18, true), 19); // no change follows, so it is the end
 });
 
-test("a run in words: its cells, where it lies, how long it is", () => {
+test("a run in words: its cells, where it lies, and how long it is", () => {
   assert.equal(run_text(runs[1]!, axis, "mm"), "steel: cell 4, 1.00 to 1.50 mm, 0.50000 mm long");
   assert.equal(run_text(runs[2]!, axis, "mm"), "air: cells 5 to 16 (12), 1.50 to 7.50 mm, 6.0000 mm long");
 });
 
-test("a table for other programs has plain numbers, and names in quotes where they must be", () => {
+test("a table for other programs has plain numbers, and names in quotes where necessary", () => {
   const csv = runs_csv([{ axis: "x", at: [0, 0], runs }], "mm").split("\n");
   assert.equal(csv[0], "axis,from,to,min_mm,max_mm,length_mm,id,material");
   assert.equal(csv[2], "x,4,5,1,1.5,0.5,1,steel");

@@ -1,16 +1,17 @@
-// The tile store against a server that answers when it is told to.
+// The tile store with a server that answers when the test says so.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { GridAddress, ServerError } from "@page/api";
+import { GridAddress } from "@page/base/grid";
+import { ServerError } from "@page/server/api";
 import type { Place } from "@page/tiles/place";
 import { SetTable } from "@page/tiles/sets";
 import { LIMITS, TileStore } from "@page/tiles/store";
-import { TileCounters } from "@page/viewer";
+import { TileCounters } from "@page/tiles/counters";
 
 const place = (column: number): Place => ({ axis: 2, index: 3, level: 0, column, row: 0 });
 const soon = () => new Promise((done) => setTimeout(done, 0));
 
-// Tiles of 512 x 512 cells and two sets, which are kept as they come: 262,144 bytes and a little.
+// Tiles of 512 x 512 cells and two sets. They are kept as they come: 262,144 bytes and a little more.
 const body = () => new Uint8Array([2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, ...new Uint8Array(512 * 512)]).buffer;
 
 class Server {
@@ -46,7 +47,7 @@ class Server {
   names = () => [...this.open.keys()].map(Number);
 }
 
-test("most urgent first, no more at once than browsers open connections", async () => {
+test("the most urgent tiles come first, with no more requests than browsers open connections", async () => {
   const s = new Server();
   s.want([4, 3, 2, 1, 0, 5, 6, 7]);
   assert.deepEqual(s.names(), [4, 3, 2, 1, 0, 5]);
@@ -57,7 +58,7 @@ test("most urgent first, no more at once than browsers open connections", async 
   s.store.close();
 });
 
-test("what is asked for ahead of time leaves room, and gives way", async () => {
+test("requests ahead of time leave room for others, and give way to them", async () => {
   const s = new Server();
   s.want([], [1, 2, 3, 4, 5, 6]);
   assert.equal(s.names().length, LIMITS.ahead);
@@ -66,7 +67,7 @@ test("what is asked for ahead of time leaves room, and gives way", async () => {
   s.store.close();
 });
 
-test("what nobody wants any more is given up as soon as its place is needed", async () => {
+test("a request that nobody wants any more is given up as soon as its place is needed", async () => {
   const s = new Server();
   s.want([1, 2, 3, 4, 5, 6]);
   const given_up = s.open.get("1")!.signal;
@@ -90,13 +91,13 @@ test("no tile is asked for twice", async () => {
   s.store.close();
 });
 
-test("it holds a number of bytes: what was not used for longest goes first", async () => {
+test("the store holds a number of bytes, and the least recently used tile goes first", async () => {
   const s = new Server({ bytes: 4 * 263_000 });
   for (const c of [1, 2, 3, 4]) {
     s.want([c]);
     await s.open.get(String(c))!.answer();
   }
-  assert.ok(s.has(1)); // used: 2 is the oldest now
+  assert.ok(s.has(1)); // this uses tile 1, so 2 is the oldest now
   s.want([5]);
   await s.open.get("5")!.answer();
   assert.deepEqual([1, 2, 3, 4, 5].filter(s.has), [1, 3, 4, 5]);
@@ -104,7 +105,7 @@ test("it holds a number of bytes: what was not used for longest goes first", asy
   s.store.close();
 });
 
-test("what failed is tried again after a while, or when the server is back; what is damaged is told so", async () => {
+test("a tile that failed is tried again after a while, or when the server is back; a damaged tile is reported", async () => {
   const s = new Server({ retry_ms: 20, retry_most_ms: 1_000_000 });
   s.want([1, 2]);
   await s.open.get("1")!.answer(new TypeError("the connection ended within the answer"));
@@ -112,7 +113,7 @@ test("what failed is tried again after a while, or when the server is back; what
   assert.deepEqual([s.store.is_damaged(place(1)), s.store.is_damaged(place(2))], [false, true]);
   assert.deepEqual([s.counters.failed.value, s.counters.damaged.value], [1, 1]);
   while (!s.open.has("1")) await new Promise((done) => setTimeout(done, 10));
-  assert.deepEqual(s.names(), [1]); // the damaged one not so soon
+  assert.deepEqual(s.names(), [1]); // the damaged one is not tried so soon
   await s.open.get("1")!.answer(new ServerError(0, "unreachable", "the server can't be reached"));
   s.store.retry();
   assert.deepEqual(s.names(), [1, 2]);

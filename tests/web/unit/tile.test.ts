@@ -1,4 +1,4 @@
-// A tile's bytes as the server writes them (server/tiles.cpp, raw_sets), read back; and cut at every byte.
+// Reads a tile's bytes as the server writes them, and as they are when they are cut at any byte.
 import assert from "node:assert/strict";
 import test from "node:test";
 import type { Place } from "@page/tiles/place";
@@ -18,7 +18,7 @@ function encoded(sets: readonly (readonly number[])[], labels: readonly number[]
 }
 
 for (const count of [1, 2, 256, 257, 1000])
-  test(`the sets of all cells, ${count} of them in the tile`, () => {
+  test(`the sets of all cells are read, with ${count} of them in the tile`, () => {
     const table = new SetTable();
     table.number_of([7]); // known from another tile
     const sets = Array.from({ length: count }, (_, i) => (i === 0 ? [] : i % 3 ? [i] : [i, i + 1, 65535]));
@@ -27,13 +27,13 @@ for (const count of [1, 2, 256, 257, 1000])
     const tile = decode_tile(place, [width, height], encoded(sets, labels), table);
     for (let v = 0; v < height; ++v)
       for (let u = 0; u < width; ++u) {
-        // Any cell of level 0 below it.
+        // Any cell of level 0 below the cell.
         const number = set_at(tile, (512 * place.column + u) * 8 + (u % 8), (512 * place.row + v) * 8 + (v % 8));
         assert.deepEqual(table.members(number), sets[labels[v * width + u]!]);
       }
   });
 
-test("bytes that are no tile are refused, whatever is missing or too much", () => {
+test("bytes that do not form a tile are refused, whatever is missing or too much", () => {
   const whole = new Uint8Array(encoded([[0], [1, 2]], Array.from({ length: 12 }, (_, i) => i % 2)));
   const decode = (bytes: Uint8Array) => decode_tile(place, [4, 3], bytes.slice().buffer, new SetTable());
   decode(whole);

@@ -1,16 +1,14 @@
-// Below the views, at a fixed height: what is under the pointer, where the crosshair (or the pinned cell) is, and the materials along
-// the three columns through it.
-import { AXIS_NAMES, type AxisIndex, type Index3 } from "../api";
-import { coordinate, grouped } from "../format";
-import { Icon } from "../icons";
-import type { Viewer } from "../viewer";
-import { Profiles, use_profiles } from "./profiles";
+// The dock below the views, at a fixed height: what is under the pointer, where the crosshair or the pinned cell is,
+// and the materials along the three columns through it.
+import { coordinate, grouped } from "../base/format";
+import { AXES, AXIS_NAMES, type Index3 } from "../base/grid";
+import type { Viewer } from "../state/viewer";
+import { Icon } from "../widgets/icons";
 import { MaterialNames } from "./material_names";
-import { width_at } from "./runs";
+import { Profiles, use_profiles } from "./profiles";
 
-const AXES: readonly AxisIndex[] = [0, 1, 2];
 
-// A cell's numbers and a point in it, one axis a line.
+// The indices of a cell and the coordinates of a point in it, one line per axis.
 function Place({ viewer, cell, point }: { viewer: Viewer; cell: Index3 | null; point?: readonly number[] }) {
   return (
     <table class="place">
@@ -22,7 +20,7 @@ function Place({ viewer, cell, point }: { viewer: Viewer; cell: Index3 | null; p
             <tr key={d} class={`axis-${AXIS_NAMES[d]}`}>
               <th scope="row">{AXIS_NAMES[d]}</th>
               <td class="index">{i === undefined ? "–" : grouped(i)}</td>
-              <td class="coordinate">{i === undefined ? "" : coordinate(point?.[d] ?? axis.centre(i), width_at(axis, i))}</td>
+              <td class="coordinate">{i === undefined ? "" : coordinate(point?.[d] ?? axis.centre(i), axis.width(i))}</td>
               <td class="unit">{i === undefined ? "" : viewer.units}</td>
             </tr>
           );
@@ -61,12 +59,12 @@ export function Dock({ viewer }: { viewer: Viewer }) {
                 <button class="icon-button small" title="Look at the pinned cell" aria-label="Look at the pinned cell" onClick={() => viewer.go_to_cell(pinned)}>
                   <Icon name="target" />
                 </button>
-                <button class="icon-button small" title="Let go of the pinned cell" aria-label="Let go of the pinned cell" onClick={() => (viewer.pinned.value = null)}>
+                <button class="icon-button small" title="Unpin the cell" aria-label="Unpin the cell" onClick={() => (viewer.pinned.value = null)}>
                   <Icon name="close" />
                 </button>
               </>
             ) : (
-              <button class="icon-button small" title="Keep this cell here" aria-label="Pin this cell" onClick={() => (viewer.pinned.value = [...cell])}>
+              <button class="icon-button small" title="Pin this cell" aria-label="Pin this cell" onClick={() => (viewer.pinned.value = [...cell])}>
                 <Icon name="pin" />
               </button>
             )}

@@ -1,12 +1,6 @@
-// A cell's material, or the set of them in a coarse cell, with their colours. Not known yet: a dash.
-import { css_color } from "../materials";
-import type { Viewer } from "../viewer";
-
-export function Swatch({ viewer, id }: { viewer: Viewer; id: number }) {
-  const look = viewer.looks.value[id];
-  const clear = !look || look.opacity === 0 || !look.visible;
-  return <span class={`swatch ${clear ? "clear" : ""}`} style={look && !clear ? { background: css_color(look) } : {}} />;
-}
+// The material of a cell, or the set of materials in a coarse cell, with their colours. A dash while it is not known.
+import type { Viewer } from "../state/viewer";
+import { Swatch } from "../widgets/swatch";
 
 export function MaterialNames({ viewer, ids }: { viewer: Viewer; ids: readonly number[] | null }) {
   if (!ids) return <span class="faint">–</span>;
@@ -16,7 +10,7 @@ export function MaterialNames({ viewer, ids }: { viewer: Viewer; ids: readonly n
       {ids.length > 1 && <span class="faint">mixed:</span>}
       {ids.map((id, n) => (
         <span key={id} class="material-name">
-          <Swatch viewer={viewer} id={id} />
+          <Swatch look={viewer.looks.value[id]} />
           {names[n]}
         </span>
       ))}

@@ -1,11 +1,12 @@
-// One column as a bar, true to scale, with round coordinates below. A click, a drag or the arrow keys move the slice across its axis.
+// One column as a bar, true to scale, with round coordinates below it. A click, a drag or the arrow keys move the slice
+// across its axis.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../api";
-import { coordinate, grouped } from "../format";
-import { color_of_set } from "../materials";
-import { theme } from "../theme";
-import type { Viewer } from "../viewer";
-import { next_change, run_at, ticks, width_at } from "./runs";
+import { coordinate, grouped } from "../base/format";
+import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
+import { color_of_set } from "../base/materials";
+import { theme } from "../state/theme";
+import type { Viewer } from "../state/viewer";
+import { next_change, run_at, ticks } from "./runs";
 
 const BAR = 12; // CSS pixels
 const HEIGHT = 25;
@@ -18,7 +19,7 @@ interface Props {
   point_at: (run: number | null) => void;
 }
 
-// Runs narrower than a pixel still show: they come after the wide ones, a pixel wide.
+// Runs narrower than a pixel are visible as well: they are drawn after the wide ones, a pixel wide.
 function draw(canvas: HTMLCanvasElement, width: number, { viewer, axis: d, cell, column }: Props): void {
   const ratio = devicePixelRatio;
   canvas.width = Math.max(1, Math.round(width * ratio));
@@ -121,7 +122,7 @@ export function ProfileBar(props: Props) {
     if (column) point_at(run_at(column.runs, viewer.cell.peek()[d]));
   };
   const material = column?.runs[run_at(column.runs, here)]?.name;
-  const value = `cell ${grouped(here)}, ${coordinate(axis.centre(here), width_at(axis, here))} ${viewer.units}${material ? `, ${material}` : ""}`;
+  const value = `cell ${grouped(here)}, ${coordinate(axis.centre(here), axis.width(here))} ${viewer.units}${material ? `, ${material}` : ""}`;
   return (
     <div class="profile-bar">
       <canvas
@@ -134,7 +135,7 @@ export function ProfileBar(props: Props) {
         aria-valuemax={axis.cells - 1}
         aria-valuenow={here}
         aria-valuetext={value}
-        title="Click moves the slice there; arrows step, Page up and Page down jump to the next material"
+        title="Click to move the slice there. Arrow keys step; Page Up and Page Down go to the next change of material."
         onPointerDown={on_down}
         onPointerMove={on_move}
         onPointerLeave={() => point_at(null)}

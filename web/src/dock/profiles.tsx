@@ -1,21 +1,20 @@
-// The three columns through a cell, drawn as bars: asked for when the cell stands still.
+// The three columns through a cell as bars. They are fetched when the cell stands still.
 import { useState } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../api";
-import { use_answer, use_settled } from "../answer";
-import { FRAMES } from "../axis";
-import { CopyButton } from "../copy";
-import type { Viewer } from "../viewer";
+import { FRAMES } from "../base/axis";
+import { AXES, AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
+import { use_answer, use_settled } from "../server/answer";
+import type { Viewer } from "../state/viewer";
+import { CopyButton } from "../widgets/copy";
 import { ProfileBar } from "./profile_bar";
 import { run_at, run_text, runs_csv } from "./runs";
 
 export interface ProfilesAnswer {
   columns: readonly (Column | null)[];
   material: number | null; // of the cell
-  complete: boolean; // whether all are those of the cell: while it moves, some stay from before
+  complete: boolean; // whether all columns are those of the cell; while it moves, earlier ones stay
   error: string | null;
 }
 
-const AXES: readonly AxisIndex[] = [0, 1, 2];
 const SETTLED = 120;
 
 export function use_profiles(viewer: Viewer, cell: Index3): ProfilesAnswer {
@@ -23,7 +22,7 @@ export function use_profiles(viewer: Viewer, cell: Index3): ProfilesAnswer {
   const wanted: [string, string, string] = [path(0), path(1), path(2)];
   const settled = use_settled(wanted.join("\n"), SETTLED).split("\n");
   const answers = [use_answer<Column>(settled[0]!), use_answer<Column>(settled[1]!), use_answer<Column>(settled[2]!)];
-  // A column along d is that of the cell wherever the cell moves along d.
+  // A column along d stays the same while the cell moves along d.
   const fresh = AXES.find((d) => answers[d]!.path === wanted[d] && answers[d]!.value);
   const runs = fresh === undefined ? null : answers[fresh]!.value!.runs;
   return {

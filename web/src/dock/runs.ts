@@ -1,13 +1,7 @@
-// The runs of a column: which one holds a cell, where the next change is, what a line of a table says.
-import type { Column, ColumnRun } from "../api";
-import type { Axis } from "../axis";
-import { coordinate, csv_name, grouped, significant } from "../format";
-
-// The width of a cell; cells outside count as the nearest one.
-export function width_at(axis: Axis, i: number): number {
-  const c = axis.clamp(i);
-  return axis.plane(c + 1) - axis.plane(c);
-}
+// The runs of a column: which one holds a cell, where the next change is, and how runs are written.
+import type { Axis } from "../base/axis";
+import { coordinate, csv_name, grouped, significant } from "../base/format";
+import type { Column, ColumnRun } from "../base/grid";
 
 // The run that holds a cell. REQUIRES: runs cover the axis in order.
 export function run_at(runs: readonly ColumnRun[], cell: number): number {
@@ -29,14 +23,14 @@ export function next_change(runs: readonly ColumnRun[], cell: number, up: boolea
 }
 
 export function run_text(run: ColumnRun, axis: Axis, units: string): string {
-  const width = width_at(axis, run.from);
+  const width = axis.width(run.from);
   const cells = run.to - run.from;
   const at = (x: number) => coordinate(x, width);
   const range = cells === 1 ? `cell ${grouped(run.from)}` : `cells ${grouped(run.from)} to ${grouped(run.to - 1)} (${grouped(cells)})`;
   return `${run.name}: ${range}, ${at(run.min)} to ${at(run.max)} ${units}, ${significant(run.max - run.min, 5)} ${units} long`;
 }
 
-// As a spreadsheet reads it: `to` is the cell after the run's last.
+// The runs as a CSV file. `to` is the cell after the last one of the run.
 export function runs_csv(columns: readonly Column[], units: string): string {
   const lines = [`axis,from,to,min_${units},max_${units},length_${units},id,material`];
   for (const column of columns)
@@ -44,7 +38,7 @@ export function runs_csv(columns: readonly Column[], units: string): string {
   return `${lines.join("\n")}\n`;
 }
 
-// Round places for ticks: steps of 1, 2 or 5 times a power of ten, at most `most` of them.
+// Round coordinates for ticks: steps of 1, 2 or 5 times a power of ten, at most `most` of them.
 export function ticks(low: number, high: number, most: number): number[] {
   if (!(high > low) || most < 1) return [];
   const raw = (high - low) / most;

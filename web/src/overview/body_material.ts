@@ -1,11 +1,13 @@
-// How bodies are shaded: a soft key light that moves with the camera, sky and ground, and the baked openness. Inner sides, which show
-// where a body is cut, are flat and a little darker. Colours are the materials' own; light is computed on their squares, near enough to linear
-// values and cheap in software.
+// How bodies are shaded: by a soft key light that moves with the camera, by light from sky and ground, and by the
+// openness that the worker has computed. Inner sides, which show where a body is cut, are flat and a little darker.
+// Colours are the materials' own. Light is computed on their squares, which are near enough to linear values and cheap
+// in software.
 import { DoubleSide, FrontSide, GLSL3, RawShaderMaterial, Vector3 } from "three";
-import type { MaterialLook } from "../materials";
-import type { BodyMode } from "../viewer";
+import type { MaterialLook } from "../base/materials";
+import type { BodyMode } from "../state/viewer";
 
-// Shared by all bodies: the crosshair, and on which side of it along each axis the camera is (0: nothing is cut away).
+// Shared by all bodies: the crosshair, and for each axis the side of it on which the camera is (0: nothing is cut
+// away).
 export interface Cut {
   readonly at: { value: Vector3 };
   readonly toward: { value: Vector3 };
@@ -65,7 +67,7 @@ export function make_body_material(cut: Cut, up: { value: Vector3 }): RawShaderM
   });
 }
 
-// Takes over colour and opacity. Whether the body is seen at all is the caller's.
+// Takes over colour and opacity. The caller decides whether the body is shown at all.
 export function set_look(material: RawShaderMaterial, look: MaterialLook, mode: BodyMode): void {
   const { color, opacity, glass } = material.uniforms as { color: { value: Vector3 }; opacity: { value: number }; glass: { value: number } };
   const [r, g, b] = look.color;

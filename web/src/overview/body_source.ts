@@ -1,14 +1,16 @@
-// Gets the coarse bodies: cubes of a pyramid level from the server, surfaces from the worker. First a level that is a single cube, so
-// that something is there after one request; then finer ones up to MOST_CELLS a side, unless their surface is too large.
-import { type Index3, get } from "../api";
-import type { Viewer } from "../viewer";
+// Gets the coarse bodies: cubes of a pyramid level from the server, and their surfaces from the worker. The first level
+// is one that fits into a single cube, so that something is there after one request. Finer levels follow, with up to
+// MOST_CELLS per side, unless their surfaces are too large.
+import type { Index3 } from "../base/grid";
+import { get } from "../server/api";
+import type { Viewer } from "../state/viewer";
 import { cells_of_level, level_planes, level_within, type Space, to_space } from "./level_axis";
 import { CUBE, type Cube, cubes_of } from "./volume";
 import type { Surface, SurfaceAnswer, SurfaceJob } from "./worker";
 
 const MOST_CELLS = 160;
 const MOST_TRIANGLES = 2_000_000;
-const AT_ONCE = 3; // browsers open six connections, and the slices come first
+const AT_ONCE = 3; // requests: browsers open six connections, and the slices come first
 
 export interface Bodies {
   readonly level: number;
@@ -43,7 +45,7 @@ function ask(worker: Worker, job: SurfaceJob, signal: AbortSignal): Promise<Surf
   });
 }
 
-// Calls `show` with ever finer bodies. Throws what went wrong; AbortError when the signal says so.
+// Calls `show` with ever finer bodies. Throws what went wrong, or AbortError when the signal ends it.
 export async function load_bodies(viewer: Viewer, space: Space, signal: AbortSignal, show: (bodies: Bodies) => void): Promise<void> {
   const worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module", name: "surfaces" });
   try {
@@ -55,7 +57,7 @@ export async function load_bodies(viewer: Viewer, space: Space, signal: AbortSig
       const ranks = materials.map((material) => material.rank);
       const answer = await ask(worker, { size: cells, level, ranks, wide: materials.length > 256, planes, cubes, most_triangles: MOST_TRIANGLES }, signal);
       if ("failed" in answer) throw new Error(answer.failed);
-      if ("too_many" in answer) return; // the coarser one stays
+      if ("too_many" in answer) return; // the coarser bodies stay
       show({ level, surfaces: answer.surfaces });
     }
   } finally {

@@ -1,5 +1,5 @@
-// The overview's camera: it looks at a target from a direction and a distance. Angles are in degrees; z is up, and straight views from
-// above and below are as good as any. Pure.
+// The overview's camera: it looks at a target from a direction and a distance. Angles are in degrees. z is up, and
+// views straight from above or below work like any other. Pure.
 import type { Vec3 } from "./level_axis";
 
 export interface Orbit {
@@ -9,7 +9,7 @@ export interface Orbit {
   readonly target: Vec3;
 }
 
-export const FIELD = 26; // degrees, of the shorter side of the panel
+export const FIELD = 26; // degrees: the field of view along the shorter side of the panel
 const rad = (degrees: number) => (degrees * Math.PI) / 180;
 export const dot = (a: Readonly<Vec3>, b: Readonly<Vec3>) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 export const add = (a: Readonly<Vec3>, b: Readonly<Vec3>, times = 1): Vec3 => [a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]];
@@ -26,7 +26,7 @@ export function basis(orbit: Orbit): { right: Vec3; up: Vec3; back: Vec3 } {
 
 export const eye_of = (orbit: Orbit): Vec3 => add(orbit.target, basis(orbit).back, orbit.distance);
 
-// Half the view's height and width at distance 1.
+// Half the width and half the height of the view at distance 1.
 export function reach(aspect: number): { x: number; y: number } {
   const t = Math.tan(rad(FIELD / 2));
   return aspect >= 1 ? { x: t * aspect, y: t } : { x: t, y: t / aspect };
@@ -38,7 +38,7 @@ export const turned = (orbit: Orbit, azimuth: number, elevation: number): Orbit 
   elevation: Math.min(Math.max(orbit.elevation + elevation, -90), 90),
 });
 
-// Moves the target in the plane of the picture, by shares of its height.
+// Moves the target in the plane of the picture, by shares of the height of the picture.
 export function panned(orbit: Orbit, right: number, up: number, aspect: number): Orbit {
   const b = basis(orbit);
   const height = 2 * orbit.distance * reach(aspect).y;
@@ -47,7 +47,7 @@ export function panned(orbit: Orbit, right: number, up: number, aspect: number):
 
 export const dollied = (orbit: Orbit, factor: number): Orbit => ({ ...orbit, distance: Math.min(Math.max(orbit.distance * factor, 0.02), 60) });
 
-// The box -half to half as large as it fits into `share` of the view, seen from a direction.
+// The view from a direction in which the box from -half to half fills this share of the panel.
 export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number, aspect: number, share = 0.8): Orbit {
   const orbit: Orbit = { azimuth, elevation, distance: 1, target: [0, 0, 0] };
   const b = basis(orbit);
@@ -62,11 +62,11 @@ export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number,
 }
 
 export const HOME = { azimuth: -122, elevation: 24 };
-// From the upper and from the lower end of each axis.
+// The direction from the upper or the lower end of an axis.
 export const straight = (axis: number, from_above: boolean): { azimuth: number; elevation: number } =>
   axis === 2 ? { azimuth: -90, elevation: from_above ? 90 : -90 } : { azimuth: axis * 90 + (from_above ? 0 : 180), elevation: 0 };
 
-// On the way from one view to another; the azimuth goes the shorter way round.
+// A view on the way from one view to another. The azimuth turns the shorter way round.
 export function between(a: Orbit, b: Orbit, t: number): Orbit {
   const turn = ((((b.azimuth - a.azimuth) % 360) + 540) % 360) - 180;
   const mix = (x: number, y: number) => x + (y - x) * t;
@@ -96,7 +96,8 @@ export const projection_of = (orbit: Orbit, width: number, height: number): Proj
   reach: reach(width / height),
 });
 
-// CSS pixels from the panel's upper left corner, and the distance along the view; at or behind the camera that is not positive.
+// Where a point appears: in CSS pixels from the upper left corner of the panel, and how far away along the line of
+// sight, which is not positive at or behind the camera.
 export function project(view: Projection, p: Readonly<Vec3>): { x: number; y: number; far: number } {
   const from_eye = add(p, view.eye, -1);
   const far = -dot(from_eye, view.back);
@@ -105,19 +106,20 @@ export function project(view: Projection, p: Readonly<Vec3>): { x: number; y: nu
   return { x: ((1 + x) / 2) * view.width, y: ((1 - y) / 2) * view.height, far };
 }
 
-// The direction in which the pixel lies, as seen from the eye; not of unit length.
+// The direction from the eye to a pixel; not of unit length.
 export function direction_at(view: Projection, x: number, y: number): Vec3 {
   const right = ((2 * x) / view.width - 1) * view.reach.x;
   const up = (1 - (2 * y) / view.height) * view.reach.y;
   return add(add([-view.back[0], -view.back[1], -view.back[2]], view.right, right), view.up, up);
 }
 
-// Where along axis d, on the line through p parallel to it, the line is nearest to what lies under a pixel.
+// Takes the line through p that is parallel to axis d. Returns the coordinate along d at which this line comes nearest
+// to the ray through a pixel; null when the axis points at the eye.
 export function along_axis(view: Projection, p: Readonly<Vec3>, d: number, x: number, y: number): number | null {
   const ray = direction_at(view, x, y);
   const w = add(p, view.eye, -1);
   const [rr, r] = [dot(ray, ray), ray[d]!];
   const below = rr - r * r; // of the unit axis and the ray: |ray|^2 - (ray . axis)^2
-  if (below < 1e-4 * rr) return null; // the axis points at the eye
+  if (below < 1e-4 * rr) return null;
   return p[d]! + (r * dot(ray, w) - rr * w[d]!) / below;
 }

@@ -1,5 +1,5 @@
-// Which of a box's edges carry the numbers: for each axis one on the outline as the camera sees it, the lowest (the leftmost for z).
-// Also which edges lie behind and before the box. Pure.
+// Which edges of a box carry the numbers. There is one per axis: of its edges on the outline, as the camera sees it,
+// the lowest, or for z the leftmost. Also which edges lie behind the box, and which in front of it. Pure.
 import { type Projection, project } from "./camera";
 import type { Vec3 } from "./level_axis";
 import { box_edges } from "./lines";
@@ -12,13 +12,14 @@ export interface LabelledEdge {
   readonly outward: { x: number; y: number }; // a unit vector away from the box's middle, across the edge
 }
 
-// For each of the twelve edges of box_edges(): 0 behind the box, 1 on its outline, 2 before it. Seen from inside, all are behind.
+// For each of the twelve edges of box_edges(): 0 behind the box, 1 on its outline, 2 in front of it. Seen from inside
+// the box, all edges are behind it.
 export function edge_depths(view: Projection, half: Readonly<Vec3>): number[] {
   const faces_eye = (d: number, upper: boolean) => (upper ? view.eye[d]! > half[d]! : view.eye[d]! < -half[d]!);
   return box_edges([0, 0, 0], [1, 1, 1]).map(({ axis, place }) => Number(faces_eye((axis + 1) % 3, (place & 1) !== 0)) + Number(faces_eye((axis + 2) % 3, (place & 2) !== 0)));
 }
 
-const SHORTEST = 36; // pixels; an edge seen from its end has no room for numbers
+const SHORTEST = 36; // pixels: an edge that is seen end-on has no room for numbers
 
 export function labelled_edges(view: Projection, half: Readonly<Vec3>): (LabelledEdge | null)[] {
   const low = half.map((h) => -h) as Vec3;

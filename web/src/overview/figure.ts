@@ -1,5 +1,6 @@
-// The lines and dots of the overview: the domain, the frames of the planes, the crosshair, the selected box, markers, a measured distance.
-// Those `under` are hidden by what is before them; those `over` are seen through everything, faintly where both are drawn. Pure.
+// The lines and dots of the overview: the domain, the frames of the planes, the crosshair, the selected box, markers,
+// and the measured distance. What is in front hides the lines `under`. The lines `over` show through everything; where
+// a line is drawn both ways, the one over is faint. Pure.
 import type { Projection } from "./camera";
 import { edge_depths } from "./edges";
 import { type Axes, type Space, type Vec3, point_to_space, to_space } from "./level_axis";
@@ -7,7 +8,7 @@ import { type Rgba, type Segment, box_edges } from "./lines";
 import type { Theme } from "./theme";
 
 export interface Scenery {
-  readonly at: Vec3; // the crosshair, in the overview's space, as all
+  readonly at: Vec3; // the crosshair; all points are in the overview's space
   readonly box: { low: Vec3; high: Vec3 } | null;
   readonly markers: readonly Vec3[];
   readonly measure: { from: Vec3; to: Vec3 } | null;

@@ -1,15 +1,16 @@
-// Pointer, wheel and keys on the overview's canvas: left drag orbits, right or middle drag (or with shift) pans, the wheel and pinching
-// dolly, a double click picks; arrows orbit, + and - dolly, Home shows all.
+// Pointer, wheel and keys on the overview's canvas. A left drag orbits. A right or middle drag, or one with shift,
+// pans. The wheel and pinching dolly, and a double click picks. The arrow keys orbit, + and - dolly, and Home shows
+// everything.
 import { type Orbit, dollied, panned, turned } from "./camera";
 
 export interface GestureTarget {
   orbit(): Orbit;
-  move(to: Orbit): void; // and draws soon
+  move(to: Orbit): void; // and draws it soon
   home(): void;
   pick(x: number, y: number): void;
 }
 
-const TURN = 0.4; // degrees a pixel
+const TURN = 0.4; // degrees per pixel
 const KEYS: Record<string, readonly [number, number]> = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
 
 export function listen_gestures(canvas: HTMLCanvasElement, target: GestureTarget): () => void {

@@ -1,7 +1,8 @@
-// Where the cells of a pyramid level lie, in the overview's space: the middle of the domain is the origin and its longest side is 2, so
-// that single precision does for any coordinates. Graded axes are true to scale, and so is a last coarse cell that reaches past the end.
-import type { Index3 } from "../api";
-import type { Axis } from "../axis";
+// Where the cells of a pyramid level lie in the overview's space. Its origin is the middle of the domain, and the
+// domain's longest side is 2, so that single precision suffices for any coordinates. Graded axes are true to scale. The
+// last cell of a coarse level ends with its axis.
+import type { Axis } from "../base/axis";
+import type { Index3 } from "../base/grid";
 
 export type Axes = readonly [Axis, Axis, Axis];
 export type Vec3 = [number, number, number];
@@ -34,7 +35,7 @@ export function level_planes(axis: Axis, level: number): Float64Array {
   return planes;
 }
 
-// The coordinate of a place between cells: 2.5 is the middle of cell 2.
+// The coordinate of a place that is counted in cells: 2.5 is the middle of cell 2.
 export function coordinate_at(planes: Float64Array, t: number): number {
   const i = Math.min(Math.max(Math.floor(t), 0), planes.length - 2);
   return planes[i]! + (t - i) * (planes[i + 1]! - planes[i]!);
@@ -42,7 +43,7 @@ export function coordinate_at(planes: Float64Array, t: number): number {
 
 export const cells_of_level = (cells: Index3, level: number): Index3 => cells.map((n) => Math.ceil(n / 2 ** level)) as Index3;
 
-// The finest level of which no side has more cells than this.
+// The finest level with at most this many cells along each side.
 export function level_within(cells: readonly number[], most: number, levels: number): number {
   let level = 0;
   while (level + 1 < levels && cells.some((n) => Math.ceil(n / 2 ** level) > most)) ++level;

@@ -1,5 +1,5 @@
-// Lines of a width in pixels, which WebGL itself does not draw: each segment is a quad that the shader widens on the screen. Points are
-// segments without length: they become round dots.
+// Lines with a width in pixels, which WebGL does not draw by itself: each segment is a quad that the shader widens on
+// the screen. A segment without length becomes a round dot.
 import { BufferAttribute, DynamicDrawUsage, GLSL3, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, RawShaderMaterial, Vector2 } from "three";
 import type { Vec3 } from "./level_axis";
 
@@ -62,7 +62,8 @@ export interface Lines {
   dispose(): void;
 }
 
-// `panel` is the size in CSS pixels, shared by all. Lines over everything else are seen through bodies.
+// `panel` is the panel's size in CSS pixels, which all lines share. Lines that are `over` everything else show through
+// bodies.
 export function make_lines(panel: { value: Vector2 }, options: { over?: boolean; nearer?: number } = {}): Lines {
   const material = new RawShaderMaterial({
     glslVersion: GLSL3,
@@ -117,8 +118,8 @@ export function make_lines(panel: { value: Vector2 }, options: { over?: boolean;
   };
 }
 
-// The edges of a box, each with the axis that it runs along and its place among the four of that axis: bit 0 the upper end of the next
-// axis, bit 1 of the one after.
+// The edges of a box. Each has the axis that it runs along, and its place among the four edges of that axis: bit 0 is
+// set at the upper end of the next axis, and bit 1 at the upper end of the one after that.
 export function box_edges(low: Readonly<Vec3>, high: Readonly<Vec3>): { axis: number; place: number; a: Vec3; b: Vec3 }[] {
   const edges = [];
   for (let axis = 0; axis < 3; ++axis)

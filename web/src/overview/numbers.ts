@@ -1,13 +1,13 @@
 // The numbers at the ends of the rulers: what they say, and where they find room. Pure.
-import type { Axis } from "../axis";
-import { coordinate, significant } from "../format";
+import type { Axis } from "../base/axis";
+import { coordinate, significant } from "../base/format";
 
 export interface Point {
   readonly x: number;
   readonly y: number;
 }
 
-// In CSS pixels from the panel's upper left corner.
+// In CSS pixels from the upper left corner of the panel.
 export interface Rect {
   readonly left: number;
   readonly top: number;
@@ -15,19 +15,20 @@ export interface Rect {
   readonly bottom: number;
 }
 
-// A number wishes to lie outside its edge, and from the edge's end towards its middle: so those of two edges at a corner keep apart.
+// Where a number would like to be: outside its edge, shifted from the edge's end towards the edge's middle. So the
+// numbers of two edges that meet in a corner keep apart.
 export interface Wish {
   readonly size: readonly [number, number];
   readonly end: Point;
-  readonly outward: Point; // unit vectors: across the edge, and along it away from its middle
-  readonly beyond: Point;
+  readonly outward: Point; // a unit vector across the edge, away from the box
+  readonly beyond: Point; // a unit vector along the edge, away from its middle
 }
 
-const GAP = 10; // pixels between an edge and its numbers: a knob has room
-const MARGIN = 3; // between numbers, and to the panel's border
-const SHARE = 0.001; // of an axis that its numbers tell apart, or a cell where that is larger
+const GAP = 10; // pixels between an edge and its numbers, enough for a knob
+const MARGIN = 3; // pixels between numbers, and to the border of the panel
+const SHARE = 0.001; // numbers tell apart this share of their axis, or a cell where that is larger
 
-// Of a coordinate at an end of an axis.
+// The coordinate at an end of an axis, as text.
 export function end_text(axis: Axis, x: number): string {
   const extent = axis.max - axis.min;
   const step = Math.min(Math.max(extent / axis.cells, extent * SHARE), 10 * extent * SHARE);
@@ -39,7 +40,8 @@ const around = ({ x, y }: Point, [w, h]: readonly [number, number]): Rect => ({ 
 const clamp = (x: number, low: number, high: number) => Math.min(Math.max(x, low), Math.max(low, high));
 const apart = (a: Rect, b: Rect) => a.left >= b.right + MARGIN || b.left >= a.right + MARGIN || a.top >= b.bottom + MARGIN || b.top >= a.bottom + MARGIN;
 
-// Where a number may lie, the best place first: beside its end, beyond it, or there but pushed into the panel.
+// The places where a number may be, the best one first: beside its end, beyond it, or one of the two pushed into the
+// panel.
 function places({ size: [w, h], end, outward, beyond }: Wish, width: number, height: number): Point[] {
   const away = (d: Point, gap: number) => gap + (w * Math.abs(d.x) + h * Math.abs(d.y)) / 2;
   const along = 0.4 * (w * Math.abs(outward.y) + h * Math.abs(outward.x));
@@ -49,8 +51,8 @@ function places({ size: [w, h], end, outward, beyond }: Wish, width: number, hei
   return [...[beside, after].filter((p) => kept(p).x === p.x && kept(p).y === p.y), kept(beside), kept(after)];
 }
 
-// The middle of each number, the most important first; null where there is no room, or its end is not in sight. Those that can have their
-// best place get it before others look for another.
+// The middle of each number, the most important number first; null where there is no room, or where the end is not in
+// sight. All numbers that can have their best place get it before others look for another one.
 export function place_numbers(wishes: readonly Wish[], width: number, height: number, taken: readonly Rect[]): (Point | null)[] {
   const used = [...taken];
   const choices = wishes.map((wish) => (wish.end.x < 0 || wish.end.y < 0 || wish.end.x > width || wish.end.y > height ? [] : places(wish, width, height)));

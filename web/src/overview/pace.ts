@@ -1,23 +1,24 @@
-// When the overview draws. What the user does in it is drawn with the next frame. What happens elsewhere (slices swept by wheel, looks)
-// waits until the page has a quiet moment, and the more a frame costs the rarer it gets: never more than about a tenth of the time, and
-// at most ten times a second. Nothing runs while nothing changes.
+// When the overview draws. What people do in the overview is drawn with the next frame. What happens elsewhere on the
+// page (another slice, another colour) waits for a quiet moment. The more such a frame costs, the rarer it is: together
+// they take at most about a tenth of the time, and there are at most ten per second. Nothing runs while nothing
+// changes.
 export interface Pace {
-  soon(): void;
-  later(): void;
+  soon(): void; // draws with the next frame
+  later(): void; // draws in a quiet moment
   // What a frame has cost, in milliseconds.
   cost(ms: number): void;
   stop(): void;
 }
 
-const QUIET = 80; // ms without a change
-const SHARE = 10; // a frame of 20 ms at most every 200 ms
+const QUIET = 80; // milliseconds without a change
+const SHARE = 10; // a frame that takes 20 ms is drawn at most every 200 ms
 
 export function make_pace(draw: (calm: boolean) => void): Pace {
   let frame = 0;
   let idle = 0;
   let timer = 0;
-  let last = -Infinity; // end of the last drawing
-  let first_change = 0; // that waits
+  let last = -Infinity; // when the last drawing ended
+  let first_change = 0; // when the first change happened that is not drawn yet
   let price = 8;
   const idle_callback = window.requestIdleCallback ?? ((call: () => void) => window.setTimeout(call, 16));
   const cancel_idle = window.cancelIdleCallback ?? window.clearTimeout;
@@ -43,7 +44,7 @@ export function make_pace(draw: (calm: boolean) => void): Pace {
       const time = performance.now();
       if (!first_change) first_change = time;
       const rarest = Math.max(100, SHARE * price);
-      // A quiet moment, but a sweep that never pauses is followed too.
+      // It waits for a quiet moment, but follows a sweep that never pauses as well.
       const due = Math.max(Math.min(time + QUIET, first_change + rarest), last + rarest);
       clearTimeout(timer);
       cancel_idle(idle);

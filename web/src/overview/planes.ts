@@ -1,9 +1,10 @@
-// The three slice planes in place. Each is four quads, cut along the crosshair: no two of the twelve intersect, so drawn from far to near
-// they blend rightly. A plane is its picture, over a tint so faint that it says where the plane is and hides nothing. Every quad is drawn
-// twice: first what is nearly opaque in its picture, which hides bodies of glass behind it, then the rest, which hides nothing.
+// The three slice planes. Each consists of four quads, cut along the crosshair. No two of the twelve quads intersect,
+// so they blend correctly when they are drawn from far to near. A plane shows its picture over a tint so faint that it
+// marks the plane and hides nothing. Every quad is drawn twice: first the nearly opaque parts of its picture, which
+// hide bodies of glass behind them, and then the rest, which hides nothing.
 import { BufferAttribute, BufferGeometry, DataTexture, GLSL3, Group, LinearFilter, LinearMipmapNearestFilter, Mesh, NearestFilter, RawShaderMaterial, Vector4, DoubleSide } from "three";
-import type { AxisIndex } from "../api";
-import { FRAMES } from "../axis";
+import { FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
 import type { Vec3 } from "./level_axis";
 import type { Picture } from "./slice_picture";
 
@@ -50,16 +51,16 @@ function blank(): DataTexture {
 
 interface Plane {
   readonly uniforms: { picture: { value: DataTexture }; tint: { value: Vector4 } };
-  readonly materials: RawShaderMaterial[]; // of what is solid, and of the rest
+  readonly materials: RawShaderMaterial[]; // for the solid parts, and for the rest
   readonly quads: { geometry: BufferGeometry; meshes: Mesh[] }[];
   used: readonly [number, number];
 }
 
 export interface Planes {
   readonly group: Group;
-  // The planes go through a point of the overview's space.
+  // Moves the planes through a point of the overview's space.
   move(at: Vec3): void;
-  // From far to near, for a camera on these sides of the point (1 or -1).
+  // Orders the quads from far to near, for a camera on these sides of the point (1 or -1).
   sort(toward: Vec3): void;
   set_picture(axis: AxisIndex, picture: Picture | null): void;
   set_tint(axis: AxisIndex, premultiplied: readonly [number, number, number, number]): void;

@@ -1,26 +1,27 @@
-// How sharp a frame may be so that moving stays smooth and the other views aren't held up: two pixels a CSS pixel where the machine has
-// the time (that smooths edges, too), fewer while something moves on a slow one, and coarser bodies there. Found by measuring, since
-// nothing else tells; software rendering pays by the triangle. Pure.
+// How sharp a frame may be, so that movement stays smooth and the other views are not held up. A machine that has the
+// time draws two pixels per CSS pixel, which smooths edges as well. A slow one draws fewer while something moves, and
+// coarser bodies, because rendering in software pays per triangle. This is found out by measuring: nothing else tells
+// how fast a machine is. Pure.
 export interface Quality {
-  readonly ratio: number; // pixels a CSS pixel
+  readonly ratio: number; // pixels per CSS pixel
   readonly coarser: number; // by how many levels the bodies are coarser than the finest there is
 }
 
-// Of what is drawn: while it moves, when it has come to rest, and when nothing has happened for longer.
+// The state of what is drawn: 0 while it moves, 1 when it has come to rest, 2 when nothing has happened for longer.
 export type Rest = 0 | 1 | 2;
 
 export interface Ladder {
   quality(rest: Rest): Quality;
   measured(quality: Quality, ms: number): void;
-  // Whether a measured frame would tell something new.
+  // Whether measuring a frame would tell something new.
   curious(): boolean;
-  // Other bodies or another size: what was measured says little.
+  // The bodies or the size have changed, so what was measured before says little.
   changed(): void;
 }
 
-const BUDGETS = [30, 110, 350] as const; // ms a frame, by its Rest
-const KEPT = 5; // frames, of which the middle one counts: other programs make single ones slow
-const RETRY = 90; // frames until what was too slow may be tried again
+const BUDGETS = [30, 110, 350] as const; // milliseconds per frame, by its Rest
+const KEPT = 5; // frames, whose median counts: other programs make single frames slow
+const RETRY = 90; // frames after which a quality that was too slow is tried again
 
 export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): Ladder {
   const best = Math.min(Math.max(screen_ratio, 2), 3);
@@ -36,7 +37,7 @@ export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): La
   let times: number[][] = steps.map(() => []);
   let frames = 0;
 
-  const price = (step: number) => [...times[step]!].sort((a, b) => a - b)[times[step]!.length >> 1]; // undefined: not known
+  const price = (step: number) => [...times[step]!].sort((a, b) => a - b)[times[step]!.length >> 1]; // undefined: not measured
   const choose = (rest: Rest) => {
     const step = at[rest];
     const now = price(step);
@@ -47,7 +48,7 @@ export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): La
   return {
     quality: (rest) => steps[at[rest]]!,
     measured(quality, ms) {
-      if (++frames === 1) return; // it also compiles and uploads
+      if (++frames === 1) return; // the first frame also compiles and uploads
       const step = steps.indexOf(quality);
       times[step] = [...times[step]!.slice(1 - KEPT), ms];
       for (const rest of [0, 1, 2] as const) choose(rest);

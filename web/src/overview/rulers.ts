@@ -1,8 +1,8 @@
-// The domain's edges as rulers: the ends' coordinates, and on each a knob with the axis's name that is dragged, or moved by keys, to move
-// the slice across it.
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { significant } from "../format";
-import type { Viewer } from "../viewer";
+// The domain's edges as rulers. They show the coordinates of their ends. Each has a knob with the name of its axis:
+// dragging the knob, or moving it by keys, moves the slice across the axis.
+import { significant } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { type Projection, along_axis, project } from "./camera";
 import { element } from "./dom";
 import { labelled_edges } from "./edges";
@@ -16,11 +16,11 @@ export interface Rulers {
 
 const KNOB = 9; // pixels, half its size
 
-// What the panel's corners are for: its title, the buttons, the triad.
+// The corners of the panel, which belong to its title, the buttons and the triad.
 const corners = (width: number, height: number): Rect[] => [
   { left: 0, top: 0, right: 60, bottom: 40 },
   { left: width - 230, top: 0, right: width, bottom: 40 },
-  { left: 10, top: height - 76, right: 86, bottom: height - 20 }, // a disc, nearly
+  { left: 10, top: height - 76, right: 86, bottom: height - 20 }, // nearly a disc, together with the next one
   { left: 20, top: height - 86, right: 76, bottom: height - 10 },
 ];
 
@@ -32,7 +32,7 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
     const name = AXIS_NAMES[d];
     const low = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, end_text(axis, axis.min));
     const high = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, `${end_text(axis, axis.max)} ${units}`);
-    const knob = element("div", { class: `overview-knob ${name}`, role: "slider", tabindex: "0", "aria-label": `slice across ${name}`, "aria-valuemin": "0", "aria-valuemax": String(axis.cells - 1) }, name);
+    const knob = element("div", { class: `overview-knob ${name}`, role: "slider", tabindex: "0", "aria-label": `Slice across ${name}, in the overview`, "aria-valuemin": "0", "aria-valuemax": String(axis.cells - 1) }, name);
     listen_knob(knob, viewer, d, slid, (x, y) => {
       const edge = view && labelled_edges(view, space.half)[d];
       const p = edge && along_axis(view!, edge.a, d, x, y);
@@ -41,7 +41,7 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
     return { d, low, high, knob };
   });
 
-  let sizes: (readonly [number, number])[] = []; // of the numbers, in pixels: they never change
+  let sizes: (readonly [number, number])[] = []; // of the numbers, in pixels; they never change
   const measure = () => {
     if (rulers[0]!.low.offsetWidth > 0) sizes = rulers.flatMap(({ low, high }) => [low, high].map((e) => [e.offsetWidth, e.offsetHeight] as const));
   };
@@ -81,7 +81,7 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
           seen.push({ e, length, upper, wish: { size: sizes[2 * d + upper]!, end: upper ? edge.to : edge.from, outward: edge.outward, beyond } });
         });
       }
-      // Upper ends say the unit; long edges tell more than short ones.
+      // Upper ends come first, because they name the unit, and then long edges before short ones.
       seen.sort((a, b) => b.upper - a.upper || b.length - a.length);
       const places = place_numbers(seen.map(({ wish }) => wish), to.width, to.height, taken);
       seen.forEach(({ e }, i) => move(e, places[i]!));
@@ -89,7 +89,7 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
   };
 }
 
-// `cell_at` takes a place in the panel.
+// `cell_at` takes a place in the panel and returns the cell along the axis; null when there is none.
 function listen_knob(knob: HTMLElement, viewer: Viewer, d: AxisIndex, slid: () => void, cell_at: (x: number, y: number) => number | null): void {
   const go = (cell: number) => {
     viewer.set_slice(d, cell);

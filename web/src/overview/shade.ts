@@ -1,7 +1,9 @@
-// What makes a surface look smooth and solid: a normal for each vertex, and how much of the sky it sees, baked in once by the worker.
+// What makes a surface look smooth and solid: a normal per vertex, and how much of the sky the vertex sees. The worker
+// computes both once.
 import type { Volume } from "./volume";
 
-// The mean of the normals of the triangles around each vertex, weighted by their area. Vertices without area keep (0, 0, 0).
+// The mean of the normals of the triangles around each vertex, weighted by their areas. A vertex whose triangles have
+// no area keeps (0, 0, 0).
 export function normals_of(positions: Float32Array, indices: Uint32Array): Float32Array {
   const normals = new Float32Array(positions.length);
   for (let t = 0; t < indices.length; t += 3) {
@@ -23,7 +25,7 @@ export function normals_of(positions: Float32Array, indices: Uint32Array): Float
   return normals;
 }
 
-// A coarse picture of where a material is: the share that it takes of the blocks of `block` cells, twice blurred.
+// A coarse picture of where a material is: its share of each block of `block`^3 cells, blurred along each axis.
 export interface Density {
   readonly block: number;
   readonly size: readonly [number, number, number];
@@ -32,7 +34,7 @@ export interface Density {
 
 export function density_of(volume: Volume, material: number, block: number): Density {
   const [nx, ny, nz] = volume.size;
-  // An empty block all around: what lies outside is open sky.
+  // An empty block lies all around: what is outside is open sky.
   const size = [Math.ceil(nx / block) + 2, Math.ceil(ny / block) + 2, Math.ceil(nz / block) + 2] as [number, number, number];
   let share = new Float32Array(size[0] * size[1] * size[2]);
   const one = 1 / block ** 3;
@@ -77,7 +79,8 @@ function share_at({ block, size, share }: Density, p: readonly [number, number, 
   return sum;
 }
 
-// How open the place before a vertex is, 0 to 1: on a plane about 0.8, on edges more, in grooves less. Both in cells.
+// How open the space in front of a vertex is, from 0 to 1: about 0.8 on a plane, more on edges, less in grooves. The
+// vertex is in cells.
 export function openness(density: Density, x: number, y: number, z: number, nx: number, ny: number, nz: number): number {
   let shut = 0;
   for (const reach of [0.7, 1.8]) {

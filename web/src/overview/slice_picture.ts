@@ -1,17 +1,16 @@
-// The picture of a coarse slice for the overview: one tile of the finest level at which the whole slice fits into it, coloured as the views
-// do. What is transparent stays transparent. Graded axes are drawn true to scale. Pure.
-import type { AxisIndex } from "../api";
-import { type Axis, FRAMES } from "../axis";
-import { type MaterialLook, shown_color } from "../materials";
+// The picture of a coarse slice for the overview: one tile, of the finest level at which the whole slice fits into a
+// tile. It is coloured as in the views. What is transparent stays transparent. Graded axes are true to scale. Pure.
+import { type Axis, FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
+import { type MaterialLook, shown_color } from "../base/materials";
+import { TILE } from "../tiles/place";
 import { SetTable } from "../tiles/sets";
 import { type Tile, decode_tile } from "../tiles/tile";
 import { type Axes, level_within } from "./level_axis";
 
-const TILE = 512;
-
 export interface SlicePlace {
   readonly axis: AxisIndex;
-  readonly index: number; // of the level
+  readonly index: number; // in cells of the level
   readonly level: number;
 }
 
@@ -24,7 +23,7 @@ export interface Picture {
   readonly width: number;
   readonly height: number;
   readonly pixels: Uint8Array; // RGBA, premultiplied, row v = 0 first
-  readonly used: readonly [number, number]; // the part of its width and height that lies in the grid
+  readonly used: readonly [number, number]; // the shares of its width and height that lie in the grid
 }
 
 export function slice_place(axes: Axes, axis: AxisIndex, cell: number, levels: number): SlicePlace {
@@ -41,7 +40,7 @@ export function decode_slice(axes: Axes, place: SlicePlace, bytes: ArrayBuffer):
   return { tile, sets: Array.from(tile.sets, (number) => table.members(number) ?? []) };
 }
 
-// The cell of the level for each pixel across an axis, or null when they are the same.
+// The cell of the level for each pixel across an axis; null when pixels and cells are the same.
 function cells_across(axis: Axis, level: number, pixels: number): Uint16Array | null {
   if (!axis.graded) return null;
   const step = (axis.max - axis.min) / pixels;
@@ -71,7 +70,7 @@ export function slice_picture(axes: Axes, slice: Slice, looks: readonly Material
       if (columns) for (let x = 0; x < width; ++x, ++at) pixels[at] = colors[labels[row + columns[x]!]!]!;
       else for (let x = 0; x < width; ++x, ++at) pixels[at] = colors[labels[row + x]!]!;
     }
-  // The last cell of a level may reach past the end of an axis of equal cells.
+  // The last cell of a level may reach past the end of a uniform axis.
   const used = (a: Axis, cells: number) => (a.graded ? 1 : a.cells / (cells * 2 ** level));
   return { width, height, pixels: new Uint8Array(pixels.buffer), used: [used(u, tile.width), used(v, tile.height)] };
 }

@@ -1,7 +1,9 @@
-// Keeps the three coarse slices up to date: asks for a slice when the crosshair has moved to another one of its level, and colours what
-// came. At most one request an axis; when it ends, the newest wish is next.
-import { type AxisIndex, get } from "../api";
-import type { Viewer } from "../viewer";
+// Keeps the three coarse slices up to date. It asks for a slice when the crosshair has moved to another one of its
+// level, and colours it when it comes. There is at most one request per axis. When it ends, the slice that is wanted by
+// then comes next.
+import type { AxisIndex } from "../base/grid";
+import { get } from "../server/api";
+import type { Viewer } from "../state/viewer";
 import { type Picture, type Slice, decode_slice, slice_picture, slice_place } from "./slice_picture";
 
 export interface SliceSource {

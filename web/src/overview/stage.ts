@@ -1,190 +1,164 @@
-// What the overview draws, as three.js has it: bodies, planes, lines, and a camera. It knows pixels and the overview's space, nothing of
-// signals, requests or the document beyond its canvas. A frame is drawn when draw() is called and not otherwise.
-import { BufferAttribute, BufferGeometry, Group, Mesh, PerspectiveCamera, type RawShaderMaterial, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
-import type { AxisIndex } from "../api";
-import type { MaterialLook } from "../materials";
-import type { BodyMode } from "../viewer";
-import { make_body_material, make_cut, set_look } from "./body_material";
+// What the overview draws, as three.js has it: bodies, planes, lines, and a camera. It knows pixels and the overview's
+// space, but no signals, no requests, and of the document only its canvas. A frame is drawn when draw() is called, and
+// at no other time.
+import { PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer } from "three";
+import type { AxisIndex } from "../base/grid";
+import type { MaterialLook } from "../base/materials";
+import type { BodyMode } from "../state/viewer";
+import { make_cut } from "./body_material";
+import { BodyMeshes } from "./body_meshes";
 import { type Orbit, type Projection, basis, direction_at, eye_of, projection_of } from "./camera";
 import type { Vec3 } from "./level_axis";
 import { type Segment, make_lines } from "./lines";
-import { make_planes } from "./planes";
+import { type Planes, make_planes } from "./planes";
 import type { Quality } from "./quality";
 import type { Surface } from "./worker";
 
-// Of a body that is seen through, by its distance: after the planes (from 10 on) and before the lines (from 30 on).
-export const clear_order = (distance: number): number => 20 + 9 / (1 + distance);
+interface Hit {
+  readonly far: number;
+  readonly p: Vector3;
+}
 
-export type Stage = ReturnType<typeof make_stage>;
+const nearest = (hits: readonly Hit[]): Hit | undefined => hits.reduce<Hit | undefined>((best, hit) => (best && best.far <= hit.far ? best : hit), undefined);
 
-// Throws when there is no WebGL 2.
-export function make_stage(canvas: HTMLCanvasElement, half: Readonly<Vec3>) {
-  const renderer = new WebGLRenderer({ canvas, alpha: true, antialias: false, powerPreference: "low-power", failIfMajorPerformanceCaveat: false });
-  renderer.setClearColor(0, 0);
-  renderer.info.autoReset = true;
-  const scene = new Scene();
-  scene.matrixWorldAutoUpdate = false;
-  const camera = new PerspectiveCamera();
-  camera.matrixAutoUpdate = false;
-  camera.matrixWorldAutoUpdate = false;
+export class Stage {
+  readonly planes: Planes;
+  private readonly renderer: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera();
+  private readonly panel = { value: new Vector2(1, 1) }; // its size in CSS pixels
+  private readonly cut = make_cut();
+  private readonly sky = { value: new Vector3(0, 1, 0) };
+  private readonly bodies = new BodyMeshes(this.cut, this.sky);
+  private readonly frames = make_lines(this.panel);
+  private readonly marks = make_lines(this.panel, { over: true });
+  private at: Vec3 = [0, 0, 0]; // the crosshair
+  private mode: BodyMode = "cut";
+  private ratio = 0; // device pixels per CSS pixel; 0: to be set
 
-  const panel = { value: new Vector2(1, 1) };
-  const cut = make_cut();
-  const sky = { value: new Vector3(0, 1, 0) };
-  const planes = make_planes(half);
-  const frames = make_lines(panel);
-  const marks = make_lines(panel, { over: true });
-  const bodies = new Group(); // a group for each level that has come, coarse to fine
-  scene.add(bodies, planes.group, frames.mesh, marks.mesh);
+  // The domain is -half to half. Throws when there is no WebGL 2.
+  constructor(
+    canvas: HTMLCanvasElement,
+    private readonly half: Readonly<Vec3>,
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: false, powerPreference: "low-power", failIfMajorPerformanceCaveat: false });
+    this.renderer.setClearColor(0, 0);
+    this.renderer.info.autoReset = true;
+    this.scene.matrixWorldAutoUpdate = false;
+    this.camera.matrixAutoUpdate = false;
+    this.camera.matrixWorldAutoUpdate = false;
+    this.planes = make_planes(half);
+    this.scene.add(this.bodies.root, this.planes.group, this.frames.mesh, this.marks.mesh);
+  }
 
-  const materials = new Map<number, RawShaderMaterial>();
-  const radius = Math.hypot(...half);
-  let at: Vec3 = [0, 0, 0];
-  let mode: BodyMode = "cut";
-  let looks: readonly MaterialLook[] = [];
-  let width = 1;
-  let height = 1;
-  let ratio = 0;
+  set_size(width: number, height: number): void {
+    this.panel.value.set(Math.max(width, 1), Math.max(height, 1));
+    this.ratio = 0;
+  }
 
-  const groups = () => bodies.children as Group[];
-  const meshes = (group: Group | undefined) => (group?.children ?? []) as Mesh<BufferGeometry, RawShaderMaterial>[];
-  const number_of = (mesh: Mesh) => mesh.userData.material as number;
-  const material_of = (id: number) => {
-    let material = materials.get(id);
-    if (!material) materials.set(id, (material = make_body_material(cut, sky)));
-    return material;
-  };
-  const dress = () => {
-    for (const [id, material] of materials) if (looks[id]) set_look(material, looks[id], mode);
-    for (const group of groups())
-      for (const mesh of meshes(group)) {
-        const look = looks[number_of(mesh)];
-        mesh.visible = look !== undefined && look.visible && look.opacity > 0;
-        if (!mesh.material.transparent) mesh.renderOrder = 0; // they hide each other, so they come first
-      }
-  };
-  // From far to near: what is seen through doesn't hide what is drawn later.
-  const sort_clear = (eye: Vector3) => {
-    for (const group of groups())
-      for (const mesh of meshes(group)) if (mesh.material.transparent) mesh.renderOrder = clear_order(mesh.geometry.boundingSphere!.center.distanceTo(eye));
-  };
-  const clear_bodies = () => {
-    for (const group of groups()) for (const mesh of meshes(group)) mesh.geometry.dispose();
-    bodies.clear();
-  };
+  projection(orbit: Orbit): Projection {
+    return projection_of(orbit, this.panel.value.x, this.panel.value.y);
+  }
 
-  const aim = (orbit: Orbit) => {
+  clear_bodies(): void {
+    this.bodies.clear();
+  }
+
+  add_bodies(surfaces: readonly Surface[]): void {
+    this.bodies.add(surfaces);
+  }
+
+  set_looks(looks: readonly MaterialLook[], mode: BodyMode): void {
+    this.mode = mode;
+    this.bodies.set_looks(looks, mode);
+  }
+
+  set_point(p: Vec3): void {
+    this.at = p;
+    this.planes.move(p);
+  }
+
+  set_lines(under: readonly Segment[], over: readonly Segment[]): void {
+    this.frames.set(under);
+    this.marks.set(over);
+  }
+
+  // With `wait` it waits until the picture is done and returns the milliseconds that it took; otherwise it returns 0.
+  draw(orbit: Orbit, quality: Quality, wait: boolean): number {
+    const { renderer } = this;
+    const began = performance.now();
+    if (this.ratio !== quality.ratio) {
+      this.ratio = quality.ratio;
+      renderer.setPixelRatio(this.ratio);
+      renderer.setSize(this.panel.value.x, this.panel.value.y, false);
+    }
+    this.aim(orbit);
+    this.bodies.show(quality.coarser);
+    renderer.render(this.scene, this.camera);
+    if (!wait) return 0;
+    const gl = renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    return performance.now() - began;
+  }
+
+  private aim(orbit: Orbit): void {
+    const { camera, renderer } = this;
     const { right, up, back } = basis(orbit);
     const eye = eye_of(orbit);
     camera.matrixWorld.makeBasis(new Vector3(...right), new Vector3(...up), new Vector3(...back)).setPosition(...eye);
     camera.matrixWorldInverse.copy(camera.matrixWorld).invert();
-    const { x, y } = projection_of(orbit, width, height).reach;
+    const { x, y } = this.projection(orbit).reach;
     const away = Math.hypot(...eye);
+    const radius = Math.hypot(...this.half);
     const near = Math.max(away - 1.2 * radius, 0.004);
     camera.projectionMatrix.makePerspective(-x * near, x * near, y * near, -y * near, near, Math.max(away + 1.2 * radius, 2 * near), renderer.coordinateSystem);
     camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
-    sky.value.set(right[2], up[2], back[2]);
-    const toward = at.map((x, d) => (eye[d]! >= x ? 1 : -1)) as Vec3;
-    planes.sort(toward);
-    sort_clear(new Vector3(...eye));
-    cut.at.value.set(...at);
-    cut.toward.value.set(...(mode === "cut" ? toward : ([0, 0, 0] as Vec3)));
-  };
+    this.sky.value.set(right[2], up[2], back[2]);
+    const toward = this.at.map((x, d) => (eye[d]! >= x ? 1 : -1)) as Vec3;
+    this.planes.sort(toward);
+    this.bodies.sort(new Vector3(...eye));
+    this.cut.at.value.set(...this.at);
+    this.cut.toward.value.set(...(this.mode === "cut" ? toward : ([0, 0, 0] as Vec3)));
+  }
 
-  return {
-    canvas,
-    planes,
-    set_size(w: number, h: number) {
-      width = Math.max(w, 1);
-      height = Math.max(h, 1);
-      panel.value.set(width, height);
-      ratio = 0;
-    },
-    projection: (orbit: Orbit): Projection => projection_of(orbit, width, height),
+  // The nearest thing that is seen at a pixel: a body, or a plane where it shows one; if there is neither, any plane.
+  pick(orbit: Orbit, x: number, y: number): Vec3 | null {
+    const view = this.projection(orbit);
+    const direction = new Vector3(...direction_at(view, x, y)).normalize();
+    const eye = new Vector3(...view.eye);
+    const planes = this.planes_on(eye, direction);
+    const seen = planes.filter(({ p, d }) => this.planes.opacity_at(d, [p.x, p.y, p.z]) > 0.1);
+    const p = (nearest([...this.bodies_on(eye, direction), ...seen]) ?? nearest(planes))?.p;
+    return p ? [p.x, p.y, p.z] : null;
+  }
 
-    clear_bodies,
-    // Finer surfaces than those before.
-    add_bodies(surfaces: readonly Surface[]) {
-      const group = new Group();
-      bodies.add(group);
-      for (const surface of surfaces) {
-        const geometry = new BufferGeometry();
-        geometry.setAttribute("position", new BufferAttribute(surface.positions, 3));
-        geometry.setAttribute("shade", new BufferAttribute(surface.shades, 4, true));
-        geometry.setIndex(new BufferAttribute(surface.indices, 1));
-        geometry.computeBoundingSphere();
-        const mesh = new Mesh(geometry, material_of(surface.material));
-        mesh.userData.material = surface.material;
-        group.add(mesh);
-      }
-      dress();
-    },
-    set_looks(to: readonly MaterialLook[], to_mode: BodyMode) {
-      looks = to;
-      mode = to_mode;
-      dress();
-    },
-    set_point(p: Vec3) {
-      at = p;
-      planes.move(p);
-    },
-    set_lines(under: readonly Segment[], over: readonly Segment[]) {
-      frames.set(under);
-      marks.set(over);
-    },
+  // Where a ray meets bodies that are not cut away there.
+  private bodies_on(eye: Vector3, direction: Vector3): Hit[] {
+    const { at, toward } = this.cut;
+    const is_cut = (p: Vector3) => toward.value.x !== 0 && [0, 1, 2].every((d) => (p.getComponent(d) - at.value.getComponent(d)) * toward.value.getComponent(d) > 0);
+    const hits = new Raycaster(eye, direction).intersectObjects(this.bodies.visible(), false);
+    return hits.filter(({ point }) => !is_cut(point)).map(({ distance, point }) => ({ far: distance, p: point }));
+  }
 
-    // Draws, and when asked waits until the picture is done: then returns the milliseconds that it took.
-    draw(orbit: Orbit, quality: Quality, wait: boolean): number {
-      const began = performance.now();
-      if (ratio !== quality.ratio) {
-        ratio = quality.ratio;
-        renderer.setPixelRatio(ratio);
-        renderer.setSize(width, height, false);
-      }
-      aim(orbit);
-      const shown = Math.max(groups().length - 1 - quality.coarser, 0);
-      groups().forEach((group, i) => (group.visible = i === shown));
-      renderer.render(scene, camera);
-      if (!wait) return 0;
-      const gl = renderer.getContext();
-      gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-      return performance.now() - began;
-    },
+  // Where a ray meets the planes within the domain.
+  private planes_on(eye: Vector3, direction: Vector3): (Hit & { d: AxisIndex })[] {
+    return ([0, 1, 2] as const).flatMap((d) => {
+      const far = (this.at[d] - eye.getComponent(d)) / direction.getComponent(d);
+      if (!(far > 0) || !Number.isFinite(far)) return [];
+      const p = eye.clone().addScaledVector(direction, far).setComponent(d, this.at[d]);
+      const is_outside = this.half.some((half, k) => k !== d && Math.abs(p.getComponent(k)) > half);
+      return is_outside ? [] : [{ far, p, d }];
+    });
+  }
 
-    // The nearest thing that is seen at a pixel: a body, a plane where it shows a body; else a plane at all.
-    pick(orbit: Orbit, x: number, y: number): Vec3 | null {
-      const view = projection_of(orbit, width, height);
-      const direction = new Vector3(...direction_at(view, x, y)).normalize();
-      const eye = new Vector3(...view.eye);
-      const caster = new Raycaster(eye, direction);
-      const removed = (p: Vector3) => cut.toward.value.x !== 0 && [p.x, p.y, p.z].every((c, d) => (c - at[d]!) * cut.toward.value.getComponent(d) > 0);
-      let best: { far: number; p: Vector3 } | null = null;
-      for (const hit of caster.intersectObjects(meshes(groups().at(-1)).filter((mesh) => mesh.visible), false))
-        if (!removed(hit.point) && (!best || hit.distance < best.far)) best = { far: hit.distance, p: hit.point };
-      let fallback: { far: number; p: Vector3 } | null = null;
-      for (const d of [0, 1, 2] as AxisIndex[]) {
-        const far = (at[d] - eye.getComponent(d)) / direction.getComponent(d);
-        if (!(far > 0) || !Number.isFinite(far)) continue;
-        const p = eye.clone().addScaledVector(direction, far);
-        if ([p.x, p.y, p.z].some((c, k) => k !== d && Math.abs(c) > half[k]!)) continue;
-        const found = { far, p: p.setComponent(d, at[d]) };
-        if (planes.opacity_at(d, [p.x, p.y, p.z]) > 0.1) {
-          if (!best || far < best.far) best = found;
-        } else if (!fallback || far < fallback.far) fallback = found;
-      }
-      const p = (best ?? fallback)?.p;
-      return p ? [p.x, p.y, p.z] : null;
-    },
-
-    // The context goes first: everything in it is free at once, also what an earlier, lost one left.
-    dispose() {
-      renderer.forceContextLoss();
-      clear_bodies();
-      for (const material of materials.values()) material.dispose();
-      planes.dispose();
-      frames.dispose();
-      marks.dispose();
-      renderer.dispose();
-    },
-  };
+  // The context goes first: then everything in it is free at once, including what an earlier context left that was
+  // lost.
+  dispose(): void {
+    this.renderer.forceContextLoss();
+    this.bodies.dispose();
+    this.planes.dispose();
+    this.frames.dispose();
+    this.marks.dispose();
+    this.renderer.dispose();
+  }
 }

@@ -1,21 +1,22 @@
-// Labels of cells -> a closed surface for each material: surface nets (S. Gibson, "Constrained elastic surface nets", 1998; without an
-// isovalue as in M. Lysenko, "Smooth voxel terrain", 2012).
+// Makes a closed surface for each material from the labels of cells, by surface nets (S. Gibson, "Constrained elastic
+// surface nets", 1998; without an isovalue as in M. Lysenko, "Smooth voxel terrain", 2012).
 //
-// The net's vertices are the corners of cells at which labels meet, and its faces are the faces between cells of different labels.
-// Relaxing pulls each vertex to the mean of its neighbours, but never far from its anchor: the net becomes smooth, and keeps its topology.
-// All materials share the vertices, so touching bodies fit together exactly. Cells outside count as label 0, which gets no surface;
-// vertices on the border stay in its plane. Everything is in cells: a vertex at 2.5 lies in the middle of cell 2.
+// The net's vertices are the corners of cells at which labels meet, and its faces are the faces between cells of
+// different labels. Relaxing pulls each vertex to the mean of its neighbours, but never far from its anchor: the net
+// becomes smooth and keeps its topology. All materials share the vertices, so touching bodies fit together exactly.
+// Cells outside count as label 0, which gets no surface; vertices on the border stay in its plane. All lengths are in
+// cells: a vertex at 2.5 lies in the middle of cell 2.
 //
-// A coarse cell has the strongest label that occurs anywhere in it, so on the whole the surface runs through the middle of the
-// outermost cells of the stronger material. Anchors are moved there from the corners, less where that material is one cell thick: sheets
-// and wires must not vanish.
+// A coarse cell has the strongest label that occurs anywhere in it. So on average the surface runs through the middle
+// of the outermost cells of the stronger material. Anchors are moved there from the corners, but less where that
+// material is one cell thick, because sheets and wires must not vanish.
 import type { Volume } from "./volume";
 
 export interface Net {
-  readonly corners: Uint32Array; // three a vertex
+  readonly corners: Uint32Array; // three per vertex
   readonly anchors: Float32Array;
   readonly bounds: Float32Array; // how far a vertex may go from its anchor along each axis; 0 on the border
-  readonly links: Int32Array; // six a vertex: the neighbours along -x, x, -y, y, -z, z; -1 for none
+  readonly links: Int32Array; // six per vertex: the neighbours along -x, x, -y, y, -z, z; -1 for none
   readonly positions: Float32Array;
 }
 
@@ -25,14 +26,15 @@ export interface Faces {
   readonly indices: Uint32Array; // triangles, of `vertices`, anticlockwise seen from outside
 }
 
-// The quads of each material, by its number: a cheap way to know beforehand what a surface will cost.
+// The number of quads of each material, by its number: a cheap way to know beforehand what a surface will cost.
 export function count_quads(volume: Volume): Map<number, number> {
   const counts = new Map<number, number>();
   for_each_face(volume, (inside) => counts.set(inside, (counts.get(inside) ?? 0) + 1));
   return counts;
 }
 
-// Calls with the material, the axis, the direction outward (1 or -1), and the lowest corner of every face of a material.
+// Calls `face` for every face of a material, with the material, the axis, the direction outward (1 or -1), and the
+// lowest corner.
 function for_each_face(volume: Volume, face: (material: number, axis: number, outward: number, x: number, y: number, z: number) => void): void {
   const { labels, size } = volume;
   const [nx, ny, nz] = size;
@@ -56,11 +58,11 @@ function for_each_face(volume: Volume, face: (material: number, axis: number, ou
 }
 
 export interface NetOptions {
-  readonly strength: (label: number) => number; // the larger wins in a coarse cell
-  readonly inward: number; // cells from the corner to the expected surface: 0 at level 0, towards 1/2 above
+  readonly strength: (label: number) => number; // the label with the larger strength wins in a coarse cell
+  readonly inward: number; // cells from the corner to the expected surface: 0 at level 0, nearly 1/2 on the coarsest levels
 }
 
-// Cells of the block and a border of label 0 around it: every corner has eight cells.
+// The cells of the block with a border of label 0 around them, so that every corner has eight cells.
 function bordered({ labels, size }: Volume): { labels: Uint16Array; stride: readonly [number, number, number] } {
   const [nx, ny, nz] = size;
   const stride = [1, nx + 2, (nx + 2) * (ny + 2)] as const;
@@ -69,7 +71,7 @@ function bordered({ labels, size }: Volume): { labels: Uint16Array; stride: read
   return { labels: out, stride };
 }
 
-// The vertices and their neighbours; positions are the anchors.
+// The vertices and their neighbours. Positions are the anchors at first.
 export function make_net(volume: Volume, { strength, inward }: NetOptions): { net: Net; vertex_at: Int32Array } {
   const { size } = volume;
   const [cx, cy, cz] = [size[0] + 1, size[1] + 1, size[2] + 1];
@@ -89,9 +91,10 @@ export function make_net(volume: Volume, { strength, inward }: NetOptions): { ne
       for (let x = 0, c = y * stride[1] + z * stride[2]; x < cx; ++x, ++at, ++c) {
         // The cells around the corner, the last of which begins at it.
         const cell = labels[c + around[7]!]!;
-        const [yz, xz, xy] = [labels[c + around[1]!]!, labels[c + around[2]!]!, labels[c + around[4]!]!]; // before it along two axes
-        const [zm, ym, xm] = [labels[c + around[3]!]!, labels[c + around[5]!]!, labels[c + around[6]!]!]; // along one
-        // An edge of the lattice belongs to the surface when the four cells around it differ; then so do its ends.
+        const [yz, xz, xy] = [labels[c + around[1]!]!, labels[c + around[2]!]!, labels[c + around[4]!]!]; // the cells before it along two axes
+        const [zm, ym, xm] = [labels[c + around[3]!]!, labels[c + around[5]!]!, labels[c + around[6]!]!]; // and those along one
+        // An edge of the lattice belongs to the surface when the four cells around it are not all alike. Then its ends
+        // belong to it as well.
         if (x + 1 < cx && (cell !== ym || cell !== zm || cell !== yz)) {
           edges.push(3 * at);
           add(at, x, y, z);
@@ -153,7 +156,7 @@ export function make_net(volume: Volume, { strength, inward }: NetOptions): { ne
   return { net: { corners: Uint32Array.from(corners), anchors, bounds, links, positions: anchors.slice() }, vertex_at };
 }
 
-// `rounds` times: every vertex goes to the mean of its neighbours, within its bounds.
+// Moves every vertex to the mean of its neighbours, within its bounds, `rounds` times.
 export function relax(net: Net, rounds: number): void {
   const { anchors, bounds, links, positions } = net;
   const vertices = anchors.length / 3;

@@ -1,4 +1,4 @@
-// The overview's colours from the page's style: custom properties, so that light and dark are the style sheet's business alone.
+// The overview's colours, from custom properties of the page: the style sheet alone decides about light and dark.
 import type { Rgba } from "./lines";
 
 export interface Theme {
@@ -11,7 +11,7 @@ export interface Theme {
   readonly measure: Rgba;
 }
 
-// Any CSS colour, also one that a custom property computes, as four numbers.
+// Any CSS colour as four numbers, including one that a custom property computes.
 function color_of(context: CanvasRenderingContext2D, text: string): Rgba {
   context.clearRect(0, 0, 1, 1);
   context.fillStyle = "#888";
@@ -28,7 +28,7 @@ export function read_theme(element: HTMLElement): Theme {
   return { ground: [color("inner"), color("middle"), color("outer")], edge: color("edge"), axes: [color("x"), color("y"), color("z")], crosshair: color("crosshair"), box: color("box"), marker: color("marker"), measure: color("measure") };
 }
 
-// Calls when the page's colours may have changed.
+// Calls when the page's colours may have changed. Returns what ends this.
 export function on_theme(call: () => void): () => void {
   const observer = new MutationObserver(call);
   observer.observe(document.documentElement, { attributes: true, attributeFilter: ["class", "data-theme", "style"] });

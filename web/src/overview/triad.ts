@@ -1,6 +1,6 @@
-// The triad in the corner: the axes as the camera sees them. Its ends are buttons that look straight from there; the near ones lie over
-// the far ones.
-import { AXIS_NAMES } from "../api";
+// The triad in the corner: the axes as the camera sees them. Its ends are buttons that look along the axis from there.
+// Near ends lie over far ones.
+import { AXIS_NAMES } from "../base/grid";
 import type { Projection } from "./camera";
 import { element } from "./dom";
 
@@ -12,11 +12,11 @@ export interface Triad {
 }
 
 export function make_triad(look_from: (axis: number, from_above: boolean) => void): Triad {
-  const root = element("div", { class: "overview-triad", role: "group", "aria-label": "views along the axes" });
+  const root = element("div", { class: "overview-triad", role: "group", "aria-label": "Views along the axes" });
   const ends = ([0, 1, 2] as const).flatMap((axis) =>
     [true, false].map((upper) => {
       const name = AXIS_NAMES[axis];
-      const label = `look along ${upper ? "−" : "+"}${name}, from the ${upper ? "upper" : "lower"} end of ${name}`;
+      const label = `Look along ${upper ? "−" : "+"}${name}, from the ${upper ? "upper" : "lower"} end of ${name}`;
       const button = element("button", { type: "button", class: `overview-end ${name} ${upper ? "upper" : "lower"}`, "aria-label": label, title: label }, upper ? name : "");
       button.addEventListener("click", () => look_from(axis, upper));
       const arm = upper ? element("div", { class: `overview-arm ${name}` }) : null;

@@ -1,6 +1,6 @@
-// A block of cells in memory: the material of each, x fastest, put together from the cubes of the virtual Zarr arrays. Pure but for
-// decompressing; it runs in the worker.
-import type { Index3 } from "../api";
+// A block of cells in memory: the material of each cell, x fastest. It is put together from cubes of the virtual Zarr
+// arrays. It runs in the worker, and all of it but decompressing is pure.
+import type { Index3 } from "../base/grid";
 
 export const CUBE = 64; // cells along each side of a cube
 
@@ -9,7 +9,7 @@ export interface Volume {
   readonly labels: Uint8Array | Uint16Array;
 }
 
-// One cube as fetched: gzip around labels in C order [z][y][x], padded to full size at the upper ends.
+// A cube as it is fetched: gzip around labels in C order [z][y][x], padded to full size at the upper ends.
 export interface Cube {
   readonly place: Index3;
   readonly bytes: ArrayBuffer;
@@ -44,5 +44,5 @@ export async function decompress(gzip: ArrayBuffer, wide: boolean): Promise<Uint
   const bytes = await new Response(stream).arrayBuffer();
   const expected = CUBE ** 3 * (wide ? 2 : 1);
   if (bytes.byteLength !== expected) throw new Error(`a cube of cells has ${bytes.byteLength} bytes, expected ${expected}`);
-  return wide ? new Uint16Array(bytes) : new Uint8Array(bytes); // little endian, as every machine that runs a browser
+  return wide ? new Uint16Array(bytes) : new Uint8Array(bytes); // little-endian, like every machine that runs a browser
 }

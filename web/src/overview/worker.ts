@@ -1,5 +1,6 @@
-// The overview's worker: cubes of labels in, surfaces of all materials out, ready for the graphics card. It keeps nothing.
-import type { Index3 } from "../api";
+// The overview's worker. It takes cubes of labels and returns the surfaces of all materials, ready for the graphics
+// card. It keeps nothing between two jobs.
+import type { Index3 } from "../base/grid";
 import { coordinate_at } from "./level_axis";
 import { density_of, normals_of, openness } from "./shade";
 import { count_quads, faces_of, make_net, relax } from "./surface_nets";
@@ -8,7 +9,7 @@ import { type Cube, decompress, empty_volume, place_cube } from "./volume";
 export interface SurfaceJob {
   readonly size: Index3; // cells of the level
   readonly level: number;
-  readonly ranks: readonly number[]; // of the materials: the strongest has the least
+  readonly ranks: readonly number[]; // of the materials: the strongest one has the lowest
   readonly wide: boolean; // labels of two bytes
   readonly planes: readonly Float64Array[]; // between the cells of each axis, in the overview's space
   readonly cubes: readonly Cube[];
@@ -18,15 +19,16 @@ export interface SurfaceJob {
 export interface Surface {
   readonly material: number;
   readonly positions: Float32Array; // in the overview's space
-  readonly shades: Int16Array; // four a vertex: the normal, and how open the place is; 32767 is 1
+  readonly shades: Int16Array; // four per vertex: the normal, and how open the place is; 32767 stands for 1
   readonly indices: Uint32Array;
 }
 
 export type SurfaceAnswer = { surfaces: Surface[] } | { too_many: number } | { failed: string };
 
-// More make slight slopes smoother, and small balls smaller: after these a sphere of 20 cells' radius has normals right to 2 degrees.
+// More rounds make gentle slopes smoother, and small balls smaller. After these, the normals of a sphere with a radius
+// of 20 cells are right to 2 degrees.
 const ROUNDS = 8;
-const MOST_DENSITIES = 24; // beyond that many materials the others look equally open everywhere
+const MOST_DENSITIES = 24; // with more materials, the smallest ones look equally open everywhere
 
 async function surfaces_of(job: SurfaceJob): Promise<SurfaceAnswer> {
   const volume = empty_volume(job.size, job.wide);

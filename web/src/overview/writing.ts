@@ -1,4 +1,5 @@
-// The overview as part of a saved picture: its ground, what WebGL has drawn, and the words, knobs and triad that are elements of the page.
+// The overview as part of a saved picture: its ground, what WebGL has drawn, and the numbers, knobs and triad, which
+// are elements of the page.
 import type { Rgba } from "./lines";
 
 const css = ([r, g, b, a]: Rgba) => `rgb(${255 * r} ${255 * g} ${255 * b} / ${a})`;
@@ -45,7 +46,7 @@ function draw_arm(context: CanvasRenderingContext2D, frame: DOMRect, arm: HTMLEl
   context.stroke();
 }
 
-// In CSS pixels, from the overview's upper left corner. The canvas must have been drawn in the same task.
+// Draws in CSS pixels from the upper left corner of the overview. REQUIRES: the canvas was drawn in the same task.
 export function draw_picture(context: CanvasRenderingContext2D, root: HTMLElement, canvas: HTMLCanvasElement, ground: readonly Rgba[]): void {
   const frame = root.getBoundingClientRect();
   draw_ground(context, frame, ground);

@@ -1,19 +1,19 @@
-// A box of cells, drawn in a view or typed: what is in it, exactly. And the distance that was measured last.
-import { AXIS_NAMES, type AxisIndex, type Stats } from "../api";
-import { use_answer, use_settled } from "../answer";
-import { CopyButton } from "../copy";
-import { Swatch } from "../dock/material_names";
-import { width_at } from "../dock/runs";
-import { coordinate, grouped, percent, product, significant } from "../format";
-import { Icon } from "../icons";
-import type { Box, Viewer } from "../viewer";
-import { cells_of } from "./materials";
+// A box of cells, drawn in a view or typed, and what is in it, counted exactly. Also the distance that was measured
+// last.
+import { coordinate, grouped, percent, product, significant } from "../base/format";
+import { AXES, AXIS_NAMES, type AxisIndex, type Stats } from "../base/grid";
+import { use_answer, use_settled } from "../server/answer";
+import type { Box, Viewer } from "../state/viewer";
+import { CopyButton } from "../widgets/copy";
+import { Icon } from "../widgets/icons";
+import { Swatch } from "../widgets/swatch";
 import { stats_csv, with_end } from "./box_cells";
+import { cells_of } from "./materials";
 
-const AXES: readonly AxisIndex[] = [0, 1, 2];
-const MOST = 200; // materials listed
+const MOST = 200; // materials that are listed
 
-// The two numbers of an axis; changed when the field is left or Enter is pressed, so that typing never jumps.
+// The first and the last cell along an axis. They change when the field is left or Enter is pressed, so that nothing
+// jumps while somebody types.
 function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisIndex }) {
   const axis = viewer.axes[d];
   const [low, high] = [box[d], box[d + 3]!];
@@ -33,7 +33,7 @@ function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisI
       <td>
         <input class="number-input" type="number" aria-label={`Last cell along ${name}`} min={0} max={axis.cells - 1} value={high - 1} onChange={set("high")} />
       </td>
-      <td class="extent" title={`${coordinate(axis.plane(low), width_at(axis, low))} to ${coordinate(axis.plane(high), width_at(axis, high - 1))} ${viewer.units}`}>
+      <td class="extent" title={`${coordinate(axis.plane(low), axis.width(low))} to ${coordinate(axis.plane(high), axis.width(high - 1))} ${viewer.units}`}>
         {significant(axis.plane(high) - axis.plane(low), 5)} {viewer.units}
       </td>
     </tr>
@@ -65,7 +65,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
           {present.slice(0, MOST).map((m) => (
             <tr key={m.id}>
               <th scope="row">
-                <Swatch viewer={viewer} id={m.id} />
+                <Swatch look={viewer.looks.value[m.id]} />
                 <span title={m.name}>{m.name}</span>
               </th>
               <td>{cells_of(m)}</td>
@@ -75,7 +75,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
           ))}
           {present.length > MOST && (
             <tr>
-              <td colSpan={4}>{grouped(present.length - MOST)} more, all in the CSV</td>
+              <td colSpan={4}>{grouped(present.length - MOST)} more; all are in the CSV</td>
             </tr>
           )}
         </tbody>
@@ -183,7 +183,7 @@ export function BoxPanel({ viewer }: { viewer: Viewer }) {
             <Content viewer={viewer} box={box} />
           </>
         ) : (
-          <p class="note">Draw a box in a view, or take the whole grid and type its ends: cells and volumes of every material in it are counted exactly.</p>
+          <p class="note">Draw a box in a view, or take the whole grid and type its ends. The cells and the volume of every material in it are counted exactly.</p>
         )}
       </section>
       <Distance viewer={viewer} />

@@ -1,9 +1,9 @@
 // Boxes of cells, half open, and their statistics as a table for other programs.
-import type { AxisIndex, Stats } from "../api";
-import { csv_name } from "../format";
-import type { Box } from "../viewer";
+import { csv_name } from "../base/format";
+import type { AxisIndex, Stats } from "../base/grid";
+import type { Box } from "../state/viewer";
 
-// A box with one of its ends moved. It stays in the axis and holds at least a cell: the other end makes way.
+// A box with one of its ends moved. It stays within the axis and keeps at least one cell: the other end makes way.
 export function with_end(box: Box, axis: AxisIndex, end: "low" | "high", to: number, cells: number): Box {
   const out: Box = [...box];
   if (end === "low") {

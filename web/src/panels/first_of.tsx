@@ -1,6 +1,6 @@
-// Lists that may be very long: the first of it, and as many again for a click.
+// A list that may be very long: its first items, and as many more for each click.
 import { useState } from "preact/hooks";
-import { grouped } from "../format";
+import { grouped } from "../base/format";
 
 export function FirstOf<T>({ list, step, children }: { list: readonly T[]; step: number; children: (item: T, n: number) => preact.ComponentChildren }) {
   const [most, set_most] = useState(step);

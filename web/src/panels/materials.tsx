@@ -1,21 +1,17 @@
-// The materials: how they look, and how much of the grid they are, exactly.
+// The materials: how they look, and exactly how much of the grid they fill.
 import { useState } from "preact/hooks";
-import type { MaterialStats, Stats } from "../api";
-import { use_answer } from "../answer";
-import { grouped, percent, product, significant } from "../format";
-import { Icon } from "../icons";
-import { type MaterialLook, css_color } from "../materials";
-import type { Viewer } from "../viewer";
+import { grouped, percent, product, significant } from "../base/format";
+import type { MaterialStats, Stats } from "../base/grid";
+import { type MaterialLook, css_color, hex_color, same_look } from "../base/materials";
+import { use_answer } from "../server/answer";
+import type { Viewer } from "../state/viewer";
+import { Icon } from "../widgets/icons";
 import { FirstOf } from "./first_of";
 import { all_distinct, with_colors_of, with_distinct_colors } from "./palette";
 import { BoxText, GoThere } from "./places";
 
-const MANY = 12; // from here on a filter helps, and a line each, opened for more
-const STEP = 100; // shown at once
-
-const hex = (look: MaterialLook) => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
-
-const same_look = (a: MaterialLook, b: MaterialLook) => a === b || (a.visible === b.visible && a.opacity === b.opacity && hex(a) === hex(b));
+const MANY = 12; // with more materials there is a filter, and each material is one line, which can be opened
+const STEP = 100; // materials that are shown at once
 
 export const cells_of = (m: MaterialStats): string => grouped(m.cells_text ?? m.cells);
 
@@ -23,7 +19,7 @@ function change(viewer: Viewer, id: number, what: Partial<MaterialLook>): void {
   viewer.looks.value = viewer.looks.value.map((look, n) => (n === id ? { ...look, ...what } : look));
 }
 
-// Shows this one alone; all of them when it already is.
+// Shows this material alone, or all of them when it is alone already.
 function solo(viewer: Viewer, id: number): void {
   const alone = is_solo(viewer, id);
   viewer.looks.value = viewer.looks.value.map((look, n) => ({ ...look, visible: alone || n === id }));
@@ -86,13 +82,13 @@ function Amount({ viewer, id, stats, all }: CardProps) {
           <GoThere what={viewer.info.materials[id]!.name} go={() => viewer.go_to_box(stats.box!)} />
         </details>
       ) : (
-        stats && <p class="note">no cell of it</p>
+        stats && <p class="note">It owns no cell.</p>
       )}
     </>
   );
 }
 
-// `short`: a line, until it is opened.
+// With `short`, it is one line until it is opened.
 function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
   const { viewer, id, stats, all } = props;
   const [opened, set_opened] = useState(false);
@@ -108,7 +104,7 @@ function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
   return (
     <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
       <div class="material-head">
-        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex(look)} style={{ "--opacity": look.opacity }} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
+        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex_color(look)} style={{ "--opacity": look.opacity }} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
         {short ? (
           <button class="material-title" title={name} aria-expanded={opened} onClick={() => set_opened(!opened)}>
             {title}
@@ -151,14 +147,14 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
           <button
             class="button"
             aria-pressed={distinct}
-            title="Colours that stay apart for colour-blind eyes, instead of the scene's own"
+            title="Colours that colour-blind people can tell apart, instead of the scene's own"
             onClick={() => (viewer.looks.value = distinct ? with_colors_of(looks, viewer.standard_looks) : with_distinct_colors(looks))}
           >
             Distinct colours
           </button>
         )}
         <span class="spacer" />
-        <button class="button" disabled={looks.every((look, id) => same_look(look, viewer.standard_looks[id]!))} title="Colours, opacity and visibility as they were" onClick={() => (viewer.looks.value = viewer.standard_looks)}>
+        <button class="button" disabled={looks.every((look, id) => same_look(look, viewer.standard_looks[id]!))} title="Put colours, opacity and visibility back to what they were" onClick={() => (viewer.looks.value = viewer.standard_looks)}>
           Reset
         </button>
       </div>

@@ -1,6 +1,7 @@
-// Colours that stay apart for colour-blind eyes: those that the mesher gives materials without one (mesher/scene_names.cpp), after
-// M. Okabe, K. Ito: Color Universal Design, 2008, less its black; then darker shades of them. Where the mesher begins anew, others follow.
-import type { MaterialLook } from "../materials";
+// Colours that colour-blind people can tell apart. They are those that the mesher gives to materials without a colour:
+// the colours of M. Okabe, K. Ito, "Color Universal Design", 2008, without black, and then darker shades of them. Where
+// the mesher starts over, further shades follow here.
+import type { MaterialLook } from "../base/materials";
 
 const COLORS: readonly (readonly [number, number, number])[] = [
   [0x56, 0xb4, 0xe9],
@@ -13,7 +14,7 @@ const COLORS: readonly (readonly [number, number, number])[] = [
 ];
 const SHADES = [[100, 0], [65, 0], [40, 0], [55, 45], [82, 0], [30, 70], [52, 0]] as const; // percent of the colour, and of white
 
-// Of material 1, 2, ...; the background, 0, has none of its own.
+// The colour of material 1, 2, ...; the background, 0, has none.
 export function distinct_color(id: number): [number, number, number] {
   const color = COLORS[(id - 1) % COLORS.length]!;
   const [own, white] = SHADES[Math.floor((id - 1) / COLORS.length) % SHADES.length]!;

@@ -1,11 +1,9 @@
 // What several panels show: boxes of cells, and buttons that look at places.
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { coordinate, grouped } from "../format";
-import { width_at } from "../dock/runs";
-import { Icon } from "../icons";
-import type { Box, Viewer } from "../viewer";
+import { coordinate, grouped } from "../base/format";
+import { AXES, AXIS_NAMES } from "../base/grid";
+import type { Box, Viewer } from "../state/viewer";
+import { Icon } from "../widgets/icons";
 
-const AXES: readonly AxisIndex[] = [0, 1, 2];
 
 export function GoThere({ what, go }: { what: string; go: () => void }) {
   return (
@@ -18,10 +16,10 @@ export function GoThere({ what, go }: { what: string; go: () => void }) {
 
 // A point's coordinates, as fine as the cells there.
 export function point_text(viewer: Viewer, point: readonly number[]): string {
-  return AXES.map((d) => coordinate(point[d]!, width_at(viewer.axes[d], viewer.axes[d].cell_at(point[d]!)))).join(", ");
+  return AXES.map((d) => coordinate(point[d]!, viewer.axes[d].width(viewer.axes[d].cell_at(point[d]!)))).join(", ");
 }
 
-// Its first and last cells, and between which coordinates they lie.
+// The first and the last cell of a box along each axis, and the coordinates between which they lie.
 export function BoxText({ viewer, box }: { viewer: Viewer; box: Box }) {
   return (
     <table class="box-text">
@@ -36,7 +34,7 @@ export function BoxText({ viewer, box }: { viewer: Viewer; box: Box }) {
                 {grouped(low)} – {grouped(high - 1)}
               </td>
               <td>
-                {coordinate(axis.plane(low), width_at(axis, low))} … {coordinate(axis.plane(high), width_at(axis, high - 1))} {viewer.units}
+                {coordinate(axis.plane(low), axis.width(low))} … {coordinate(axis.plane(high), axis.width(high - 1))} {viewer.units}
               </td>
             </tr>
           );

@@ -1,4 +1,4 @@
-// The text of /metrics, and what can be told from two of them: rates, shares, and how long answers took in between.
+// Reads the text of /metrics, and compares two of them: rates, shares, and how long the answers in between took.
 
 export interface Sample {
   name: string;
@@ -23,7 +23,7 @@ export function parse_metrics(text: string): Sample[] {
   return samples;
 }
 
-// The sum of all samples of a name that have these labels; none: 0.
+// The sum of all samples of a name that have these labels; 0 when there are none.
 export function total(samples: readonly Sample[], name: string, labels: Readonly<Record<string, string>> = {}): number {
   let sum = 0;
   for (const s of samples) if (s.name === name && Object.entries(labels).every(([k, v]) => s.labels[k] === v)) sum += s.value;
@@ -34,7 +34,7 @@ export const label_values = (samples: readonly Sample[], name: string, label: st
   ...new Set(samples.filter((s) => s.name === name).map((s) => s.labels[label] ?? "")),
 ];
 
-// Counts of a histogram, not summed up, of all its routes but those that are asked for to look after the server.
+// A bucket of a histogram with the count of its own. Requests that only watch the server (NOT_WORK) are left out.
 export interface Bucket {
   le: number;
   count: number;
@@ -57,7 +57,7 @@ export function since(now: readonly Bucket[], before: readonly Bucket[]): Bucket
   return now.map((b) => ({ le: b.le, count: Math.max(0, b.count - (old.get(b.le) ?? 0)) }));
 }
 
-// The bounds between which the q-th part of the answers lies: a histogram knows no more.
+// The bounds of the bucket in which the quantile lies: a histogram knows no more.
 export function quantile(list: readonly Bucket[], q: number): { from: number; to: number } | null {
   const count = list.reduce((n, b) => n + b.count, 0);
   if (count === 0) return null;

@@ -1,21 +1,22 @@
-// What meshing found: whether to care first, then why, body by body, with places to go to.
+// What meshing found: first whether it matters, then why, body by body, with places to look at.
 import { useEffect, useMemo, useState } from "preact/hooks";
-import type { BodyReport } from "../api";
-import { CopyButton } from "../copy";
-import { bytes_text, grouped, plural, product, significant } from "../format";
-import { Icon } from "../icons";
-import type { Viewer } from "../viewer";
+import { bytes_text, grouped, plural, product, significant } from "../base/format";
+import type { BodyReport } from "../base/grid";
+import { places_found } from "../state/places";
+import type { Viewer } from "../state/viewer";
+import { CopyButton } from "../widgets/copy";
+import { Icon } from "../widgets/icons";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
-import { body_cells, care_of, levels_text, places_found, size_text } from "./report_words";
+import { body_cells, care_of, levels_text, size_text } from "./report_words";
 
-const MANY = 100; // of a list shown at once
-const MANY_BODIES = 8; // from here on only those with something to say are unfolded
+const MANY = 100; // items of a list that are shown at once
+const MANY_BODIES = 8; // with this many or more, only those with something to say are unfolded
 
 const has_something_to_say = (b: BodyReport) => b.holes.length > 0 || b.flips.length > 0 || b.cells === 0;
 
 function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: boolean }) {
-  const [opened, set_opened] = useState(open); // what was never open costs nothing
+  const [opened, set_opened] = useState(open); // the details of a body that was never opened are not made
   const problem = has_something_to_say(body);
   return (
     <li class="body">
@@ -68,7 +69,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
       )}
       <section>
         <h3>Bodies</h3>
-        {bodies.length === 0 && <p class="note">There are none: the whole grid is background.</p>}
+        {bodies.length === 0 && <p class="note">There is no body: the whole grid is background.</p>}
         <ul class="bodies">
           <FirstOf list={bodies} step={MANY}>
             {(body, n) => <Body key={body.name} viewer={viewer} body={body} open={bodies.length === 1 || (has_something_to_say(body) && (few || n < 3))} />}
@@ -83,7 +84,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
             <dd title={`${grouped(info.file.bytes)} bytes`}>{bytes_text(info.file.bytes)}</dd>
           </div>
           <div>
-            <dt>one byte a cell</dt>
+            <dt>one byte per cell</dt>
             <dd title={`${grouped(product(info.grid.cells))} bytes`}>{size_text(info)}</dd>
           </div>
           <div>
@@ -91,7 +92,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
             <dd>{grouped(info.crossings)}</dd>
           </div>
           <div>
-            <dt>bits a crossing</dt>
+            <dt>bits per crossing</dt>
             <dd>{significant(info.bits_per_crossing, 3)}</dd>
           </div>
           <div>
@@ -106,10 +107,10 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
             <dd>{levels_text(info.levels.length)}</dd>
           </div>
           <div>
-            <dt>content</dt>
+            <dt>content hash</dt>
             <dd class="hash">
               <code title={info.file.hash}>{info.file.hash}</code>
-              <CopyButton text={info.file.hash} what="the content's hash" />
+              <CopyButton text={info.file.hash} what="the content hash" />
             </dd>
           </div>
         </dl>

@@ -1,15 +1,16 @@
-// One body of the report: its facets, how its inside was told, its holes and flips.
+// One body of the report: its facets, how its inside was decided, its holes, and where its facets are flipped.
 import { batch } from "@preact/signals";
-import type { BodyReport, Hole } from "../api";
-import { grouped, plural, significant } from "../format";
-import type { Viewer } from "../viewer";
+import { grouped, plural, significant } from "../base/format";
+import type { BodyReport, Hole } from "../base/grid";
+import { hole_text } from "../state/places";
+import type { Viewer } from "../state/viewer";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
-import { hole_text, seams_text } from "./report_words";
+import { seams_text } from "./report_words";
 
 const MANY = 30; // places listed at once
 
-// As large as a third of a small view.
+// Makes the hole as large as a third of a small view.
 function look_at(viewer: Viewer, hole: Hole): void {
   batch(() => {
     viewer.go_to(hole.at);
@@ -26,7 +27,7 @@ function HoleLine({ viewer, hole }: { viewer: Viewer; hole: Hole }) {
         <b>{hole_text(hole, units)}</b>
         <br />
         <span class="faint">
-          {plural(hole.edges, "edge")}, {hole.extruded ? "extruded to a floor" : "cap"} of {significant(hole.cap_area, 4)} {units}², at {at}
+          {plural(hole.edges, "edge")}, closed by {hole.extruded ? "walls and a floor" : "a cap"} of {significant(hole.cap_area, 4)} {units}², at {at}
         </span>
       </span>
       <GoThere what={`the hole at ${at}`} go={() => look_at(viewer, hole)} />
@@ -54,7 +55,7 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
         {body.degenerate > 0 && (
           <div>
             <dt>without area</dt>
-            <dd>{grouped(body.degenerate)}: never matter</dd>
+            <dd>{grouped(body.degenerate)}; they change no cell of a closed surface</dd>
           </div>
         )}
         {body.duplicates > 0 && (
@@ -82,7 +83,7 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
           Inside of {plural(fill.shells, "shell")}: <b>{fill.rule}</b>, {fill.why}
         </p>
       ))}
-      {body.cells === 0 && <p class="problem">Owns no cell: it encloses none, lies outside the grid, between the sample points, or under stronger bodies.</p>}
+      {body.cells === 0 && <p class="problem">It owns no cell: it encloses nothing, lies outside the grid or between the sample points, or stronger bodies own all of its cells.</p>}
       {holes.length > 0 && (
         <ul class="places">
           <FirstOf list={holes} step={MANY}>
@@ -92,7 +93,7 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
       )}
       {body.flips.length > 0 && (
         <>
-          <p class="note">Facets face the other way than their neighbours along {plural(body.flips.length, "curve")}:</p>
+          <p class="note">Along {plural(body.flips.length, "curve")}, facets face the other way than their neighbours:</p>
           <ul class="places">
             <FirstOf list={body.flips} step={MANY}>
               {(flip, n) => {

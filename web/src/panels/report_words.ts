@@ -1,16 +1,14 @@
-// What meshing found, in words: first whether to care.
-import type { BodyReport, GridInfo, Hole } from "../api";
-import { about, bytes_text, grouped, plural, product, significant, unit_name } from "../format";
-import type { Marker } from "../viewer";
+// What meshing found, in words.
+import { about, bytes_text, grouped, plural, product, significant, unit_name } from "../base/format";
+import type { BodyReport, GridInfo, Hole } from "../base/grid";
+import { hole_text } from "../state/places";
 
 export interface Care {
   level: "fine" | "look" | "bad";
   text: string;
 }
 
-const HARMLESS = 2; // cells: what is narrower shapes no cell that matters (mesher/report.cpp says the same)
-
-const MOST_MARKERS = 500;
+const HARMLESS = 2; // cells: a narrower hole does no harm, as in the warnings of the mesher
 
 const quoted = (bodies: readonly BodyReport[]) => {
   const names = bodies.slice(0, 3).map((b) => `“${b.name}”`);
@@ -20,22 +18,14 @@ const quoted = (bodies: readonly BodyReport[]) => {
 
 export const widest = (holes: readonly Hole[]): Hole | undefined => holes.reduce<Hole | undefined>((w, h) => (w && w.diameter >= h.diameter ? w : h), undefined);
 
-// "0.047 m wide, 90.5 cells"; of a crack also its gap.
-export function hole_text(hole: Hole, units: string): string {
-  const cells = hole.diameter_cells;
-  const crack = hole.width !== undefined && hole.width_cells !== undefined && hole.width < hole.diameter / 4;
-  const gap = crack ? `, with a gap of ${significant(hole.width!, 3)} ${units}, ${significant(hole.width_cells!, 3)} cells` : "";
-  return `${significant(hole.diameter, 4)} ${units} wide${cells === undefined ? "" : `, ${significant(cells, 3)} cells`}${gap}`;
-}
-
-// "3 seams, 12 m in all, were stitched over gaps of up to 1e-7 m"
+// "3 seams, 12 m in all, stitched over gaps of up to 1e-7 m"
 export function seams_text(body: BodyReport, units: string): string {
   const { seams } = body;
   if (!seams?.number) return "";
   return `${plural(seams.number, "seam")}, ${significant(seams.length, 4)} ${units} in all, stitched over gaps of up to ${significant(seams.widest_gap, 3)} ${units}`;
 }
 
-// One sentence that says whether to care, of the worst that was found.
+// Whether to care: a sentence about the worst that was found.
 export function care_of(info: GridInfo): Care {
   const { bodies } = info.report;
   const empty = bodies.filter((b) => b.cells === 0);
@@ -44,25 +34,26 @@ export function care_of(info: GridInfo): Care {
   const large = holes.filter((h) => (h.diameter_cells ?? Infinity) >= HARMLESS);
   const flipped = bodies.filter((b) => b.flips.length > 0);
   if (empty.length) {
-    const owns = empty.length === 1 ? "owns no cell at all: is it" : "own no cell at all: are they";
+    const owns = empty.length === 1 ? "owns no cell. Is it" : "own no cell. Are they";
     return { level: "bad", text: `Look here: ${quoted(empty)} ${owns} in the right place, and wider than a cell?` };
   }
   if (large.length) {
     const is = open.length === 1 ? "is" : "are";
-    const many = large.length === 1 ? "a hole" : `holes, the widest`;
-    return { level: "bad", text: `Look here: ${quoted(open)} ${is} open, with ${many} ${hole_text(widest(large)!, unit_name(info.units))}. Caps close them, and a cap is a guess.` };
+    const hole = hole_text(widest(large)!, unit_name(info.units));
+    const worst = large.length === 1 ? `It has a hole ${hole}. A cap closes it` : `The widest hole is ${hole}. Caps close all of them`;
+    return { level: "bad", text: `Look here: ${quoted(open)} ${is} open. ${worst}, and a cap is a guess.` };
   }
-  if (holes.length === 1) return { level: "look", text: `Harmless: ${quoted(open)} had a hole, not as wide as ${HARMLESS} cells; a cap closes it.` };
-  if (holes.length) return { level: "look", text: `Harmless: ${quoted(open)} had ${plural(holes.length, "hole")}, none as wide as ${HARMLESS} cells; caps close them.` };
+  if (holes.length === 1) return { level: "look", text: `Harmless: ${quoted(open)} had a hole narrower than ${HARMLESS} cells, which a cap closes.` };
+  if (holes.length) return { level: "look", text: `Harmless: ${quoted(open)} had ${plural(holes.length, "hole")} narrower than ${HARMLESS} cells, which caps close.` };
   if (flipped.length)
-    return { level: "look", text: `Probably fine: ${quoted(flipped)} ${flipped.length === 1 ? "has" : "have"} facets that face the wrong way; inside was decided by parity.` };
-  if (info.report.warnings.length) return { level: "look", text: `Closed, with ${plural(info.report.warnings.length, "warning")} below.` };
+    return { level: "look", text: `Probably fine: ${quoted(flipped)} ${flipped.length === 1 ? "has" : "have"} facets that face the wrong way, so the inside was decided by parity.` };
+  if (info.report.warnings.length) return { level: "look", text: `All surfaces are closed, but read the ${plural(info.report.warnings.length, "warning")} below.` };
   if (bodies.length === 0) return { level: "fine", text: "There is no body in this grid." };
   const closed = bodies.length === 1 ? `the surface of ${quoted(bodies)} is closed` : `all ${grouped(bodies.length)} bodies are closed and have cells`;
   return { level: "fine", text: `Nothing to worry about: ${closed}.` };
 }
 
-// How many times as large a byte a cell would be.
+// The size with one byte per cell, and how many times as large as the file that is.
 export function compression(info: GridInfo): { dense: number; times: number } {
   const dense = Number(product(info.grid.cells));
   return { dense, times: dense / info.file.bytes };
@@ -71,20 +62,11 @@ export function compression(info: GridInfo): { dense: number; times: number } {
 export function size_text(info: GridInfo): string {
   const { dense, times } = compression(info);
   if (times < 1) return `${bytes_text(dense)}, less than this file`;
-  return `${bytes_text(dense)}: ${times >= 1000 ? about(Math.round(times)) : significant(times, 3)} times as much`;
+  return `${bytes_text(dense)}, ${times >= 1000 ? about(Math.round(times)) : significant(times, 3)} times as much`;
 }
 
 export function levels_text(levels: number): string {
-  return levels === 1 ? "the cells alone" : `${grouped(levels)}, of cells up to ${grouped(2 ** (levels - 1))} times as wide`;
+  return levels === 1 ? "only the cells themselves" : `${grouped(levels)}, with cells up to ${grouped(2 ** (levels - 1))} times as wide`;
 }
 
 export const body_cells = (body: BodyReport): string => plural(body.cells_text ?? body.cells, "cell");
-
-// What can be marked in the views: the widest holes first.
-export function places_found(info: GridInfo): Marker[] {
-  const { bodies } = info.report;
-  const holes = bodies.flatMap((b) => b.holes.map((h) => ({ at: h.at, size: h.diameter, text: `hole in ${b.name}: ${hole_text(h, unit_name(info.units))}` })));
-  holes.sort((a, b) => b.size - a.size);
-  const flips = bodies.flatMap((b) => b.flips.map((f) => ({ at: f.at, text: `${b.name}: facets face the other way along ${plural(f.edges, "edge")}` })));
-  return [...holes.map(({ at, text }) => ({ at, text })), ...flips].slice(0, MOST_MARKERS);
-}

@@ -1,12 +1,12 @@
-// Ways out: a link to what is seen, a picture of it, and the grid's addresses for other programs.
+// Ways to share: a link to what is shown, a picture of it, and the addresses of the grid for other programs.
 import { useState } from "preact/hooks";
-import { has_token } from "../api";
-import { CopyButton } from "../copy";
-import { Icon } from "../icons";
-import { save_picture } from "../picture";
-import { address_of } from "../permalink";
-import { say } from "../toasts";
-import type { Viewer } from "../viewer";
+import { say, words_of } from "../base/messages";
+import { has_token } from "../server/api";
+import { address_of } from "../state/permalink";
+import type { Viewer } from "../state/viewer";
+import { save_picture } from "../views/picture";
+import { CopyButton } from "../widgets/copy";
+import { Icon } from "../widgets/icons";
 import { type Door, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
 
 const root = () => new URL(".", location.href.split("#")[0]).href.replace(/\/$/, "");
@@ -38,7 +38,7 @@ function SavePicture({ viewer }: { viewer: Viewer }) {
     try {
       await save_picture(viewer);
     } catch (error) {
-      say(`The picture could not be made: ${error instanceof Error ? error.message : String(error)}`);
+      say(`The picture could not be made: ${words_of(error)}`);
     }
     set_busy(false);
   };
@@ -62,7 +62,7 @@ export function SharePanel({ viewer }: { viewer: Viewer }) {
           <CopyButton label="Copy link" what="a link to what you see" text={() => link(viewer)} />
           <SavePicture viewer={viewer} />
         </div>
-        <p class="note">The link holds all that you see, except light or dark. The picture has a scale bar and a legend.</p>
+        <p class="note">The link holds everything that you see, except the choice of light or dark. The picture has a scale bar and a legend.</p>
       </section>
       <section>
         <h3>Neuroglancer</h3>
@@ -71,17 +71,17 @@ export function SharePanel({ viewer }: { viewer: Viewer }) {
         </a>
         <p class="note">
           {has_token()
-            ? "It can't send this server's token, so it will be refused."
+            ? "Neuroglancer can't send this server's token, so the server will refuse it."
             : here
-              ? "It runs in your browser and fetches the cells from this server, which works on this machine; the browser may ask whether it may."
+              ? "Neuroglancer runs in your browser and fetches the cells from this server. That works on this machine; the browser may ask for your permission."
               : location.protocol === "https:"
-                ? "It runs in your browser and fetches the cells from this server, so your browser must reach it."
-                : "It runs in your browser under https, and browsers don't let such a page fetch from a server under plain http: put one with https in front."}
+                ? "Neuroglancer runs in your browser and fetches the cells from this server, so your browser must be able to reach the server."
+                : "Neuroglancer runs in your browser under https, and browsers don't let such a page fetch from a server under plain http. Put a server with https in front of this one."}
         </p>
       </section>
       <section>
         <h3>Other programs</h3>
-        {has_token() && <p class="note">Each must send the token: Authorization: Bearer …</p>}
+        {has_token() && <p class="note">Each program must send the token in a header: “Authorization: Bearer …”</p>}
         {doors(info, root(), cell).map((door) => (
           <DoorCard key={door.name} door={door} />
         ))}

@@ -1,6 +1,7 @@
-// Addresses of the grid for other programs, with lines that open it there: tests/clients/snippets_test.mjs runs all of them.
-import type { GridInfo, Index3 } from "../api";
-import type { MaterialLook } from "../materials";
+// The grid's addresses for other programs, with the lines that open it there. tests/clients/snippets_test.mjs runs all
+// of these lines.
+import type { GridInfo, Index3 } from "../base/grid";
+import { type MaterialLook, hex_color } from "../base/materials";
 
 export interface Door {
   name: string; // of the program
@@ -10,12 +11,12 @@ export interface Door {
   note?: string;
 }
 
-const FITTED = 480; // pixels that the longest side gets when no zoom is known: in the layout of the overview alone
-const MOST_CELLS = 256 ** 3; // of the level that lines ask for: it comes at once
+const FITTED = 480; // pixels for the longest side when no zoom is known, as in the layout with the overview alone
+const MOST_CELLS = 256 ** 3; // of the level that the lines ask for, so that it comes at once
 
 const METRES: Readonly<Record<string, number>> = { m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, ft: 0.3048 };
 
-// `root` is the server's address with its base path, and no '/' at its end; `cell` is of level 0.
+// `root` is the server's address with its base path and without a '/' at its end. `cell` is of level 0.
 export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
   const id = encodeURIComponent(info.id);
   const level = info.levels.find((l) => l.cells.reduce((a, b) => a * b, 1) <= MOST_CELLS)?.level ?? info.levels.length - 1;
@@ -40,7 +41,7 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       name: "Python: xarray",
       address: xarray,
       lines: `import xarray\nlabel = xarray.open_zarr("${xarray}").label`,
-      note: `with coordinates, also of graded grids; level ${level}`,
+      note: `with coordinates, for graded grids as well; level ${level}`,
     },
     {
       ...python,
@@ -80,15 +81,14 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
   ];
 }
 
-// Where cells are for Neuroglancer: precomputed volumes begin at 0; graded grids are shown cell by cell.
+// The state that Neuroglancer opens. There, precomputed volumes begin at 0, and graded grids are shown cell by cell.
 export function neuroglancer_state(info: GridInfo, root: string, cell: Index3, looks: readonly MaterialLook[], pixels_a_unit: number): object {
   const metres = METRES[info.units];
   const steps = info.grid.axes.map((axis) => (axis.type === "uniform" ? axis.step : null));
   const index = metres === undefined || steps.some((s) => s === null);
   const scale = (d: number): [number, string] => [index ? 1e-9 : steps[d]! * metres!, "m"];
-  const hex = (look: MaterialLook) => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
   const shown = looks.flatMap((look, id) => (id > 0 && look.visible ? [String(id)] : []));
-  // Cells a pixel; Neuroglancer counts in those of the smallest step.
+  // Cells per pixel. Neuroglancer counts in cells of the smallest step.
   const smallest = index ? 1 : Math.min(...steps.map((s) => s!));
   const fitted = Math.max(...info.grid.cells.map((n, d) => (index ? n : (n * steps[d]!) / smallest))) / FITTED;
   return {
@@ -103,7 +103,7 @@ export function neuroglancer_state(info: GridInfo, root: string, cell: Index3, l
         selectedAlpha: 1,
         notSelectedAlpha: 0,
         segments: shown,
-        segmentColors: Object.fromEntries(looks.slice(1).map((look, n) => [String(n + 1), hex(look)])),
+        segmentColors: Object.fromEntries(looks.slice(1).map((look, n) => [String(n + 1), hex_color(look)])),
       },
     ],
     layout: "4panel",

@@ -1,6 +1,6 @@
 // The panel at the side (a sheet at the bottom on narrow screens): tabs, one of which is shown.
-import type { Panel, Viewer } from "../viewer";
-import { Icon } from "../icons";
+import type { Panel, Viewer } from "../state/viewer";
+import { Icon } from "../widgets/icons";
 import { BoxPanel } from "./box";
 import { MaterialsPanel } from "./materials";
 import { ReportPanel } from "./report";
@@ -20,7 +20,7 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
   const shown = viewer.panel.value;
   const tab = TABS.find((t) => t.panel === shown);
   const care = care_of(viewer.info);
-  // As tabs should: one stop for the tab key, arrows go from one to the next.
+  // As usual for tabs, the tab key stops once, and the arrow keys go from one tab to the next.
   const on_key = (event: KeyboardEvent) => {
     const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!step) return;

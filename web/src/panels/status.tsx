@@ -1,9 +1,11 @@
-// The connection, how long answers take (here and on the server), what is kept in memory. Asked for every two seconds while shown.
+// The connection, how long answers take (here and on the server), and what is kept in memory. The figures are fetched
+// every two seconds while the panel is shown.
 import { useEffect, useState } from "preact/hooks";
-import { get, words_of } from "../api";
-import { connection } from "../connection";
-import { bytes_text, clock, grouped, milliseconds, percent, plural } from "../format";
-import type { Viewer } from "../viewer";
+import { bytes_text, clock, grouped, milliseconds, percent, plural } from "../base/format";
+import { words_of } from "../base/messages";
+import { get } from "../server/api";
+import { connection } from "../server/connection";
+import type { Viewer } from "../state/viewer";
 import { type Bucket, type Sample, buckets, label_values, parse_metrics, quantile, since, total } from "./prometheus";
 import { Sparkline } from "./sparkline";
 
@@ -78,11 +80,11 @@ function Server({ moments }: { moments: readonly Moment[] }) {
     <>
       <section>
         <h3>Server</h3>
-        <Curve label="answers a second" value={grouped((rates.at(-1) ?? 0).toFixed(0))} values={rates} />
+        <Curve label="answers per second" value={grouped((rates.at(-1) ?? 0).toFixed(0))} values={rates} />
         <Curve label="memory" value={bytes_text(memory.at(-1)!)} values={memory} title="Resident memory of the server" />
         <dl class="numbers">
           <div>
-            <dt>time of an answer, median</dt>
+            <dt>time per answer, median</dt>
             <dd>{range(quantile(times, 0.5))}</dd>
           </div>
           <div>
@@ -96,7 +98,7 @@ function Server({ moments }: { moments: readonly Moment[] }) {
           <div>
             <dt>connections</dt>
             <dd>
-              {grouped(one("teracell_connections"))}, {plural(one("teracell_waiting_requests"), "request")} in work
+              {grouped(one("teracell_connections"))}, {plural(one("teracell_waiting_requests"), "request")} in progress
             </dd>
           </div>
           <div>
@@ -107,27 +109,27 @@ function Server({ moments }: { moments: readonly Moment[] }) {
           </div>
           {one("teracell_overloaded_total") > 0 && (
             <div>
-              <dt>refused, too busy</dt>
+              <dt>refused because busy</dt>
               <dd>{grouped(one("teracell_overloaded_total"))}</dd>
             </div>
           )}
           {one("teracell_damaged_total") > 0 && (
             <div class="problem">
-              <dt>met damaged data</dt>
+              <dt>damaged data found</dt>
               <dd>{grouped(one("teracell_damaged_total"))}</dd>
             </div>
           )}
         </dl>
       </section>
       <section>
-        <h3>Its caches</h3>
+        <h3>Caches of the server</h3>
         {caches.map((cache) => {
           const value = (name: string) => total(now.samples, `teracell_cache_${name}`, { cache });
           const [held, limit, hits, misses] = [value("bytes"), value("limit_bytes"), value("hits_total"), value("misses_total")];
           return (
             <div class="cache" key={cache}>
               <span class="cache-name">{cache}</span>
-              <span>{hits + misses > 0 ? `${percent(hits / (hits + misses))} found` : "not asked yet"}</span>
+              <span>{hits + misses > 0 ? `${percent(hits / (hits + misses))} hits` : "not used yet"}</span>
               <span class="faint">
                 {bytes_text(held)} of {bytes_text(limit)}
               </span>
@@ -151,14 +153,14 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
       <p class={`care ${state === "there" ? "fine" : "bad"}`}>
         <span class={`lamp ${state}`} />
         <span>
-          {state === "there" ? "The server answers" : `The server does not answer since ${clock(time)}`}
-          {version && state === "there" ? `; it is teracell ${version}` : ""}.
+          {state === "there" ? "The server answers" : `The server has not answered since ${clock(time)}`}
+          {version && state === "there" ? `. It runs teracell ${version}` : ""}.
         </span>
       </p>
       <section>
         <h3>This page</h3>
-        <Curve label="a tile" value={latencies.length ? milliseconds(latencies.at(-1)!) : "–"} values={latencies.slice(-KEPT)} title="From asking for a tile to its last byte" />
-        <Curve label="a small request" value={moments.length ? milliseconds(moments.at(-1)!.answer) : "–"} values={moments.map((m) => m.answer)} title="A small request, as seen from here" />
+        <Curve label="a tile" value={latencies.length ? milliseconds(latencies.at(-1)!) : "–"} values={latencies.slice(-KEPT)} title="From the request for a tile to its last byte" />
+        <Curve label="a small request" value={moments.length ? milliseconds(moments.at(-1)!.answer) : "–"} values={moments.map((m) => m.answer)} title="The time of a small request, as seen from here" />
         <dl class="numbers">
           <div>
             <dt>median, 95th percentile</dt>
@@ -180,7 +182,7 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
           </div>
           {tiles.failed.value > 0 && (
             <div>
-              <dt>failed, tried again</dt>
+              <dt>failed, to be tried again</dt>
               <dd>{grouped(tiles.failed.value)}</dd>
             </div>
           )}

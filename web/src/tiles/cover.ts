@@ -1,11 +1,13 @@
-// Which tiles a view needs: those of the finest level whose cells are at least 0.7 pixels wide and high. With samples at half
-// pixels (views/paint.ts) no cell is left out, not even a sheet one cell thick; finer ones would be, and their tiles cost more.
-// So a cell is at most 1.4 pixels large unless it is of level 0.
+// Which tiles a view needs: those of the finest level whose cells are at least 0.7 device pixels wide and high. The
+// views take two samples per pixel along each axis, so at this size no cell is left out, not even a sheet one cell
+// thick. Cells of finer levels would be left out, and their tiles cost more. It follows that a cell is at most 1.4
+// pixels large, unless it is of level 0.
 //
-// Found from the top: a tile is split into four while their cells are large enough. Where planes are graded the levels differ
-// from tile to tile: fine where the cells are large, which no level chosen for the whole view gives.
-import type { AxisIndex } from "../api";
-import { type Axis, FRAMES } from "../axis";
+// The tiles are found from the top of the pyramid: a tile is split into four as long as the cells of the four are large
+// enough. On graded axes the levels differ from tile to tile, finer where cells are large and coarser where they are
+// small. No single level for the whole view could do that.
+import { type Axis, FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
 import { type Extent, type Place, TILE, cells_of_level } from "./place";
 
 export interface Sight {
@@ -13,14 +15,14 @@ export interface Sight {
   readonly slice: number; // a cell of level 0
   readonly axes: readonly [Axis, Axis, Axis];
   readonly levels: number;
-  readonly scale: number; // device pixels a unit of length
+  readonly scale: number; // device pixels per unit of length
   readonly seen: Extent; // cells in the view, half open; empty when the grid is out of sight
 }
 
 export const SMALLEST = Math.SQRT1_2; // device pixels
 
-// The mean size in pixels of the cells of a level that lie in [from, to); infinite when the axis has one cell there, which no
-// coarser level makes larger.
+// The mean size in pixels of a level's cells in [from, to). It is infinite when the axis has a single cell on that
+// level, because no coarser level would make it larger.
 function cell_pixels(axis: Axis, from: number, to: number, level: number, scale: number): number {
   if (cells_of_level(axis.cells, level) === 1) return Number.POSITIVE_INFINITY;
   return ((axis.plane(to) - axis.plane(from)) * scale) / Math.ceil((to - from) / 2 ** level);

@@ -1,7 +1,8 @@
-// Which tile: 512 x 512 cells of a level of one slice, columns and rows counted from u = 0, v = 0. The slice is counted in cells of
-// the level too, so that 2^level slices share their coarse tiles. A grid has less than 2^31 cells along an axis.
-import type { AxisIndex, Index3 } from "../api";
-import { FRAMES } from "../axis";
+// The place of a tile: 512 x 512 cells of one level in one slice. Columns and rows are counted from u = 0 and v = 0.
+// The slice is counted in cells of the level as well, so that 2^level slices share their coarse tiles. A grid has fewer
+// than 2^31 cells along each axis.
+import { FRAMES } from "../base/axis";
+import type { AxisIndex, Index3 } from "../base/grid";
 
 export const TILE = 512;
 
@@ -17,7 +18,7 @@ export const place_name = (p: Place): string => `${p.axis}/${p.index}/${p.level}
 
 export const cells_of_level = (cells: number, level: number): number => Math.ceil(cells / 2 ** level);
 
-// Cells of the level that a tile has: it is cut at the grid's edges.
+// How many cells of its level a tile has along u and v. Tiles at the grid's edges are cut.
 export function tile_size(place: Place, cells: Index3): [number, number] {
   const { u, v } = FRAMES[place.axis];
   const along = (n: number, at: number) => Math.min(TILE, cells_of_level(n, place.level) - at * TILE);
@@ -44,5 +45,5 @@ export function coarser(p: Place, levels: number): Place {
   return { axis: p.axis, index: p.index >> levels, level: p.level + levels, column: p.column >> levels, row: p.row >> levels };
 }
 
-// The same part of another slice, which is counted in cells of level 0.
+// The same tile in another slice, which is given as a cell of level 0.
 export const in_slice = (p: Place, slice: number): Place => ({ ...p, index: slice >> p.level });

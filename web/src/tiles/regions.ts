@@ -1,8 +1,12 @@
 // What to draw while tiles are on their way. Every place of the view is drawn once, from the best tile that is there:
-// its own; one a little coarser of the same slice; finer ones of the same slice (after zooming out); for a moment what was shown
-// before (a slice ahead comes within that, and nothing flickers); any coarser one of the same slice; whatever was shown before.
-import type { Index3 } from "../api";
-import { FRAMES } from "../axis";
+// 1. its own tile;
+// 2. a slightly coarser tile of the same slice;
+// 3. finer tiles of the same slice, which are there after zooming out;
+// 4. for a moment, what was shown before: the next slice usually comes within that time, so nothing flickers;
+// 5. any coarser tile of the same slice;
+// 6. whatever was shown before.
+import { FRAMES } from "../base/axis";
+import type { Index3 } from "../base/grid";
 import { type Extent, type Place, coarser, extent_of, in_slice } from "./place";
 import type { Tile } from "./tile";
 
@@ -19,17 +23,17 @@ export interface Held {
 export interface Shown {
   readonly regions: Region[];
   readonly missing: Place[]; // wanted and not there
-  readonly blank: Place[]; // the part of them for which nothing of this slice stands in, or only something very coarse
-  readonly stale: boolean; // some of it shows another slice
+  readonly blank: Place[]; // those of them for which no tile of this slice stands in, or only a very coarse one
+  readonly stale: boolean; // whether some of it shows another slice
 }
 
 export interface Before {
-  readonly slice: number | null; // that was shown last
-  readonly patient: boolean; // whether it may stay although something coarse of the right slice is there
+  readonly slice: number | null; // the one that was shown last
+  readonly patient: boolean; // whether it may stay although a coarse tile of the right slice is there
 }
 
-const NEAR = 2; // levels coarser that look like the same picture, a little blurred
-const DEEP = 2; // levels finer to look for
+const NEAR = 2; // levels: a tile that is coarser by at most this many looks like the same picture, a little blurred
+const DEEP = 2; // levels: finer tiles are looked for this deep
 
 // REQUIRES: places of one slice (a cell of level 0), as cover() gives them.
 export function regions_of(places: readonly Place[], slice: number, levels: number, cells: Index3, held: Held, before: Before): Shown {

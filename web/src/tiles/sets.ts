@@ -1,9 +1,9 @@
-// Numbers for the sets of materials that tiles hold, the same in all tiles of a grid: neighbours can be compared, and one palette
-// colours all of them. The first numbers are no sets.
-import { type MaterialLook, shown_color } from "../materials";
+// A number for each set of materials that occurs in tiles. The numbers are the same in all tiles of a grid, so that
+// neighbours can be compared and one palette colours all tiles. The first two numbers stand for no set.
+import { type MaterialLook, shown_color } from "../base/materials";
 
-export const OUTSIDE = 0; // not in the grid
-export const UNKNOWN = 1; // in the grid, nothing has come yet
+export const OUTSIDE = 0; // outside the grid
+export const UNKNOWN = 1; // in the grid, where no tile has come yet
 const FIRST = 2;
 
 export class SetTable {
@@ -25,7 +25,7 @@ export class SetTable {
     return number;
   }
 
-  // Material ids, ascending; null for what is no set.
+  // Material ids in ascending order; null for a number that stands for no set.
   members(number: number): readonly number[] | null {
     return number < FIRST ? null : this.sets[number]!;
   }
@@ -33,11 +33,11 @@ export class SetTable {
 
 export type Rgb = readonly [number, number, number];
 
-// As a little endian machine writes it into a picture.
+// A colour as one number, in the order in which a little-endian machine writes its bytes into a picture.
 export const packed = ([r, g, b]: Rgb): number => (0xff000000 | (b << 16) | (g << 8) | r) >>> 0;
 
-// Opaque colours of all sets, on the colour of the grid's ground. Kept between frames: only new sets are worked out, unless
-// the looks or the theme have changed; then the version tells.
+// The opaque colours of all sets, laid over the colour of the grid's ground. They are kept between frames: only new
+// sets are computed, unless the looks or the theme have changed. Then all of them are, and `version` counts up.
 export class Palette {
   colors = new Uint32Array(256);
   version = 0;

@@ -1,12 +1,17 @@
-// The tiles that the page holds, and the requests for those it wants. The views say before each frame what they want, most urgent
-// first; the store keeps a few requests going, gives up those that nobody wants any more when their place is needed, keeps what
-// came within a number of bytes (least recently used first out), and tries again after a while what failed. Nothing polls.
+// The tiles that the page holds, and the requests for those that it wants. Before each frame the views say what they
+// want, most urgent first. The store
+// - keeps a few requests going,
+// - gives up requests that nobody wants any more when it needs their place,
+// - keeps tiles within a number of bytes, and drops the least recently used ones first,
+// - tries requests that failed again after a while. Nothing polls.
 //
-// Six requests at once is what browsers do to one HTTP/1.1 server; tiles asked for ahead of time leave two to everybody else.
-// A request that nobody wants goes on while there is room: closing its connection costs a new one, and the tile may be wanted back.
+// Browsers send at most six requests at a time to one server over HTTP/1.1. Requests for tiles ahead of time leave two
+// of them to the rest of the page. A request that nobody wants goes on while there is room: closing its connection
+// would cost a new one, and the tile may be wanted again.
 import { batch } from "@preact/signals";
-import { type GridAddress, type Index3, ServerError } from "../api";
-import type { TileCounters } from "../viewer";
+import type { GridAddress, Index3 } from "../base/grid";
+import { ServerError } from "../server/api";
+import type { TileCounters } from "./counters";
 import { type Place, place_name, tile_size } from "./place";
 import type { SetTable } from "./sets";
 import { type Tile, decode_tile } from "./tile";
@@ -25,14 +30,14 @@ interface Flight {
 
 interface Failure {
   readonly count: number;
-  readonly until: number; // milliseconds, of performance.now()
+  readonly until: number; // milliseconds, as performance.now()
   readonly damaged: boolean;
 }
 
 export const LIMITS = { bytes: 96 * 2 ** 20, requests: 6, ahead: 4, retry_ms: 1000, retry_most_ms: 30_000, latencies: 64 };
 
 export class TileStore {
-  // Called when something came or failed.
+  // Called when a tile came or failed.
   on_change: () => void = () => {};
   private readonly tiles = new Map<string, Tile>(); // least recently used first
   private readonly flights = new Map<string, Flight>();
@@ -64,13 +69,13 @@ export class TileStore {
     return this.failures.get(place_name(place))?.damaged ?? false;
   }
 
-  // Replaces what was wanted before. Most urgent first.
+  // Replaces what was wanted before. The most urgent tiles come first.
   want(wants: readonly Want[]): void {
     this.wants = wants;
     this.pump();
   }
 
-  // Tries at once what failed, and what may never come: the server is back.
+  // The server is back: asks at once for the tiles that failed, and again for those on their way, which may never come.
   retry(): void {
     for (const { abort } of this.flights.values()) abort.abort();
     this.flights.clear();
@@ -165,7 +170,8 @@ export class TileStore {
 
   private fail(name: string, error: unknown): void {
     const count = (this.failures.get(name)?.count ?? 0) + 1;
-    // Bytes that are no tile are as bad as an answer that says so; a connection that ends within them (TypeError) is not.
+    // Bytes that do not form a tile mean damage, just like an answer that says so. A connection that ends too early
+    // (TypeError) does not.
     const damaged = error instanceof ServerError ? error.status === 500 : !(error instanceof TypeError);
     const wait = damaged ? this.limits.retry_most_ms : Math.min(this.limits.retry_ms * 2 ** (count - 1), this.limits.retry_most_ms);
     this.failures.set(name, { count, until: performance.now() + wait, damaged });

@@ -1,6 +1,8 @@
-// A tile as the server sends it (`.bin?sets=1`), little endian: u16 number of sets, u16 0, then for each set u16 n and n u16
-// material ids, then for each cell, row v = 0 first, the number of its set: a byte when there are at most 256 sets, else two.
-// The cells are not copied: reading a tile costs the work of its sets, a few.
+// A tile as the server sends it (`.bin?sets=1`), little-endian:
+// - u16: the number of sets; u16: 0;
+// - for each set, u16: the number of its materials, then their ids as u16;
+// - for each cell, row v = 0 first, the number of its set: u8 when there are at most 256 sets, otherwise u16.
+// The cells are not copied: reading a tile only costs the work for its few sets.
 import { type Place, TILE, place_name } from "./place";
 import type { SetTable } from "./sets";
 
@@ -10,11 +12,11 @@ export interface Tile {
   readonly width: number;
   readonly height: number;
   readonly sets: Uint32Array; // numbers in the SetTable
-  readonly labels: Uint8Array | Uint16Array | null; // places in `sets`; null: sets[0] throughout
-  readonly bytes: number; // what it keeps in memory
+  readonly labels: Uint8Array | Uint16Array | null; // places in `sets`; null when sets[0] is everywhere
+  readonly bytes: number; // that it holds in memory
 }
 
-const OVERHEAD = 256; // of the objects around the cells
+const OVERHEAD = 256; // bytes of the objects around the cells
 
 export function decode_tile(place: Place, size: readonly [number, number], buffer: ArrayBuffer, table: SetTable): Tile {
   const name = place_name(place);
@@ -42,7 +44,7 @@ export function decode_tile(place: Place, size: readonly [number, number], buffe
   return { place, name, width, height, sets, labels, bytes: OVERHEAD + length };
 }
 
-// The number of the set of a cell of level 0, which lies in the tile.
+// The number of the set at a cell of level 0. REQUIRES: the cell lies in the tile.
 export function set_at(tile: Tile, u: number, v: number): number {
   const { level, column, row } = tile.place;
   const at = ((v >> level) - row * TILE) * tile.width + (u >> level) - column * TILE;

@@ -1,7 +1,8 @@
-// In which order tiles are asked for: where nothing of the slice is there something coarse, for all views; then what is in sight,
-// nearest to the pointer (or the middle) first, the view under the pointer before the others; then the next slices the way that
-// slices went lately, and one the other way.
-import type { Index3 } from "../api";
+// In which order tiles are asked for:
+// 1. where a view shows nothing of its slice, a coarse tile, for all views;
+// 2. what is in sight: the view in use before the others, and tiles nearest to the pointer (or to the middle) first;
+// 3. the next slices, in the direction in which slices moved last, and one slice in the other direction.
+import type { Index3 } from "../base/grid";
 import { type Extent, type Place, TILE, coarser, extent_of, in_slice, place_name } from "./place";
 import type { Want } from "./store";
 
@@ -10,16 +11,16 @@ export interface ViewNeeds {
   readonly missing: readonly Place[];
   readonly blank: readonly Place[];
   readonly slice: number;
-  readonly stride: number; // what the slice last moved by; 0: not yet
-  readonly first: boolean; // the view that is used
-  readonly focus: readonly [number, number]; // cells of level 0: under the pointer, or the middle
+  readonly stride: number; // by how much the slice moved last; 0: not yet
+  readonly first: boolean; // whether it is the view in use
+  readonly focus: readonly [number, number]; // the cell of level 0 under the pointer, or in the middle
 }
 
-const STAND_IN = 3; // levels coarser: one tile for 64
-const AHEAD = 4; // slices, of the view that is used
+const STAND_IN = 3; // levels coarser: one tile instead of 64
+const AHEAD = 4; // slices ahead in the view in use
 const MOST_AHEAD = 40; // tiles
 
-// In tiles of the place's own level.
+// Counted in tiles of the level of the place.
 function distance(place: Place, [u, v]: readonly [number, number], cells: Index3): number {
   const e: Extent = extent_of(place, cells);
   const size = TILE * 2 ** place.level;
@@ -29,7 +30,7 @@ function distance(place: Place, [u, v]: readonly [number, number], cells: Index3
 // Steps to the slices that are likely to come next, soonest first.
 const next_steps = (first: boolean): number[] => (first ? [...Array.from({ length: AHEAD }, (_, i) => i + 1), -1] : [1, -1]);
 
-// At least to the next slice of the level.
+// A step leads at least to the next slice of the level.
 const step_of = (stride: number, level: number): number => (Math.sign(stride) || 1) * Math.max(Math.abs(stride), 2 ** level);
 
 export function wants_of(views: readonly ViewNeeds[], levels: number, cells: Index3): Want[] {
@@ -42,7 +43,7 @@ export function wants_of(views: readonly ViewNeeds[], levels: number, cells: Ind
     wants.push({ place, ahead });
   };
   const ordered = [...views].sort((a, b) => Number(b.first) - Number(a.first));
-  // A view that lacks a few tiles gets them as soon as a coarse one.
+  // A view that lacks only a few tiles gets them as soon as it would get a coarse one.
   for (const { blank } of ordered)
     if (blank.length > 2) for (const place of blank) add(coarser(place, Math.min(STAND_IN, levels - 1 - place.level)), false);
   for (const { missing, focus } of ordered)

@@ -1,9 +1,9 @@
 // What keys and buttons do to the views.
 import { batch } from "@preact/signals";
-import type { AxisIndex } from "../api";
-import type { ViewName, Viewer } from "../viewer";
+import type { AxisIndex } from "../base/grid";
+import type { ViewName, Viewer } from "../state/viewer";
 
-// The view alone, or all four.
+// Shows one view alone, or all four again.
 export function toggle_layout(viewer: Viewer, view: ViewName): void {
   viewer.layout.value = viewer.layout.value === "four" ? view : "four";
 }
@@ -12,7 +12,7 @@ export function toggle_sweep(viewer: Viewer, axis: AxisIndex): void {
   viewer.sweeping.value = viewer.sweeping.value === axis ? null : axis;
 }
 
-// The whole grid in its views.
+// Shows the whole grid in all views.
 export function fit(viewer: Viewer): void {
   batch(() => {
     viewer.centre.value = viewer.middle();
@@ -20,7 +20,7 @@ export function fit(viewer: Viewer): void {
   });
 }
 
-// One step back: out of a tool, else what was put into the views goes.
+// Takes one step back: puts the tool away, or else removes the measured line, the box or the pin.
 export function escape(viewer: Viewer): void {
   batch(() => {
     viewer.sweeping.value = null;

@@ -1,7 +1,8 @@
-// Where cells are on a view: CSS pixels from its top left corner, x right, y down; u right, v up. All in doubles, from coordinates,
-// so that graded axes are true to scale and 10^9 cells are exact.
-import type { AxisIndex } from "../api";
-import { type Axis, FRAMES } from "../axis";
+// Where cells are on a view. x and y are CSS pixels from the view's top left corner, x to the right and y down; u
+// points right and v points up. Everything is computed in doubles from coordinates, so graded axes are true to scale
+// and 10^9 cells are placed exactly.
+import { type Axis, FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
 import type { Extent } from "../tiles/place";
 
 export class Camera {
@@ -16,9 +17,9 @@ export class Camera {
     axes: readonly [Axis, Axis, Axis],
     readonly width: number, // CSS pixels
     readonly height: number,
-    readonly ratio: number, // device pixels a CSS pixel
+    readonly ratio: number, // device pixels per CSS pixel
     centre: readonly [number, number, number],
-    readonly zoom: number, // CSS pixels a unit of length
+    readonly zoom: number, // CSS pixels per unit of length
   ) {
     const frame = FRAMES[axis];
     this.across = axes[frame.u];
@@ -51,7 +52,8 @@ export class Camera {
   }
 }
 
-// For each column and row of samples the cell of level 0 there; -1 outside the grid. `each` samples a device pixel both ways.
+// The cell of level 0 at each column and row of samples; -1 outside the grid. A device pixel has `each` x `each`
+// samples.
 export interface SampleCells {
   readonly columns: Int32Array; // ascending where not -1
   readonly rows: Int32Array; // descending where not -1
@@ -59,7 +61,7 @@ export interface SampleCells {
 }
 
 export function sample_cells(camera: Camera, each: 1 | 2): SampleCells {
-  const samples = each * camera.ratio; // a CSS pixel
+  const samples = each * camera.ratio; // per CSS pixel
   const [width, height] = [Math.round(camera.width * camera.ratio) * each, Math.round(camera.height * camera.ratio) * each];
   return {
     columns: Int32Array.from({ length: width }, (_, i) => camera.across.cell_among(camera.u_at(i / samples), camera.u_at((i + 1) / samples))),
@@ -68,38 +70,10 @@ export function sample_cells(camera: Camera, each: 1 | 2): SampleCells {
   };
 }
 
-const MARGIN = 44; // CSS pixels around a grid that fits: its title and rulers are there
-const LARGEST_CELL = 160; // CSS pixels
-
-export interface ViewSize {
-  readonly axis: AxisIndex;
-  readonly width: number; // CSS pixels
-  readonly height: number;
-}
-export type Range = Pick<Axis, "min" | "max">;
-
-// The zoom at which the grid, or a box with these ends, fits all views of these sizes.
-export function fitting_zoom(ranges: readonly [Range, Range, Range], views: readonly ViewSize[]): number {
-  const zooms = views.flatMap(({ axis, width, height }) => {
-    const frame = FRAMES[axis];
-    const extent = ({ min, max }: Range) => max - min;
-    const fill = (size: number) => Math.max(size - 2 * MARGIN, size / 2);
-    return [fill(width) / extent(ranges[frame.u]), fill(height) / extent(ranges[frame.v])];
-  });
-  return Math.min(...zooms);
-}
-
-// From a grid that is a tenth of the view to cells as large as a thumb.
-export function clamped_zoom(zoom: number, axes: readonly [Axis, Axis, Axis], fitting: number): number {
-  const finest = Math.min(...axes.map((a) => a.finest));
-  return Math.min(Math.max(zoom, fitting / 10), Math.max(LARGEST_CELL / finest, fitting));
-}
-
-// The middle that keeps the point under (x, y) where it is while the zoom changes; it stays in the grid.
+// The new middle of a view when the zoom changes and the point under (x, y) stays where it is. The middle stays in the
+// grid.
 export function zoomed_about(camera: Camera, x: number, y: number, zoom: number): [number, number] {
   const u = camera.u_at(x) - (x - camera.width / 2) / zoom;
   const v = camera.v_at(y) + (y - camera.height / 2) / zoom;
-  return [inside(camera.across, u), inside(camera.up, v)];
+  return [camera.across.inside(u), camera.up.inside(v)];
 }
-
-export const inside = (axis: Axis, coordinate: number): number => Math.min(Math.max(coordinate, axis.min), axis.max);

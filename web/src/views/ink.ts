@@ -1,8 +1,9 @@
-// Colours of the style sheet for what is painted by hand. They are resolved by the browser, so any notation and either theme works.
+// The colours of the style sheet, for what is painted on canvases. The browser resolves them, so any CSS notation
+// works, and so does either theme.
 import { type Rgb, packed } from "../tiles/sets";
 
 export interface Ink {
-  readonly ground: Rgb; // of the grid, under materials that are seen through
+  readonly ground: Rgb; // of the grid, below materials that are transparent
   readonly outside: Rgb;
   readonly outline: number; // packed
   readonly stripes: readonly [number, number];

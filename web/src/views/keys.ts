@@ -1,7 +1,6 @@
-// Keys of the views; they stand in bindings.ts. They mean the view whose panel has the pointer, or the focus.
+// The keys of the views, which bindings.ts lists. They act on the view whose panel has the pointer or the focus.
 import type { Signal } from "@preact/signals";
-import { help_open } from "../help";
-import type { Viewer } from "../viewer";
+import type { Viewer } from "../state/viewer";
 import { escape, fit, toggle_layout, toggle_sweep } from "./actions";
 import type { Stage } from "./stage";
 
@@ -12,7 +11,7 @@ const flip = (switched: Signal<boolean>) => (switched.value = !switched.value);
 const choose = (viewer: Viewer, tool: "measure" | "box") => (viewer.tool.value = viewer.tool.value === tool ? "look" : tool);
 
 const is_arrow = (key: string) => key.startsWith("Arrow");
-// Keys that inputs have a use for; those not named here are for text, and take all.
+// The keys that each type of input uses itself. Types that are not named here hold text and use all keys.
 const INPUTS: Record<string, (key: string) => boolean> = {
   range: (key) => key === " " || is_arrow(key),
   radio: (key) => key === " " || key === "Enter" || is_arrow(key),
@@ -20,7 +19,7 @@ const INPUTS: Record<string, (key: string) => boolean> = {
   color: (key) => key === " " || key === "Enter",
 };
 
-// Elements that have a use of their own for the key.
+// Whether the element that has the focus uses the key itself.
 function is_taken({ target, key }: KeyboardEvent): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.closest("dialog, textarea, select, [contenteditable], [role=menu], [role=listbox]")) return true;
@@ -44,7 +43,7 @@ export function attach_keys(stage: Stage): () => void {
     ".": () => step(1),
     "<": () => step(-10),
     ">": () => step(10),
-    ";": () => step(-10), // shift and ',' on other keyboards
+    ";": () => step(-10), // shift and ',' on some keyboards
     ":": () => step(10),
     " ": () => toggle_layout(viewer, stage.active_view),
     ArrowLeft: () => stage.pan(stage.active, PAN, 0),
@@ -63,7 +62,7 @@ export function attach_keys(stage: Stage): () => void {
     c: () => viewer.go_to_cell(viewer.cell.value),
     m: () => choose(viewer, "measure"),
     x: () => choose(viewer, "box"),
-    h: () => flip(help_open),
+    h: () => flip(viewer.help),
     Escape: () => escape(viewer),
   };
   const on_key = (event: KeyboardEvent) => {

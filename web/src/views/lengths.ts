@@ -1,5 +1,5 @@
 // Lengths for scale bars and measured lines, in the grid's units.
-import { significant, unit_name } from "../format";
+import { significant, unit_name } from "../base/format";
 
 // The largest 1, 2 or 5 times a power of ten that is not above `most`.
 export function round_length(most: number): number {
@@ -8,7 +8,7 @@ export function round_length(most: number): number {
   return (digit >= 5 ? 5 : digit >= 2 ? 2 : 1) * power;
 }
 
-// 0.05 mm reads worse than 50 µm; metric units only.
+// Metric lengths get another unit where that reads better: 50 µm instead of 0.05 mm.
 const METRES: Record<string, number> = { m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, nm: 1e-9 };
 const NAMES: readonly [string, number][] = [
   ["km", 1e3],

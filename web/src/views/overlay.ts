@@ -1,11 +1,12 @@
-// What lies above the cells of one view, on a canvas of its own: moving the crosshair paints no cells.
-import type { Box } from "../viewer";
+// What is drawn above the cells of one view. It has a canvas of its own, so that no cells are painted when the
+// crosshair moves.
+import type { Box } from "../state/viewer";
 import { draw_border, draw_cell_lines, draw_crosshair, draw_rulers, draw_scale_bar } from "./overlay_axes";
 import { draw_box, draw_markers, draw_measure, draw_pin } from "./overlay_marks";
 import { Pen } from "./pen";
 import type { Scene, View } from "./view";
 
-// All that an overlay depends on; compared by identity.
+// Everything that an overlay depends on. It is compared by identity.
 function inputs_of({ viewer, ink, ratio }: Scene, view: View, draft: Box | null): unknown[] {
   const v = viewer;
   const signals = [v.cell, v.show_axes, v.show_scale, v.show_lines, v.box, v.measure, v.markers, v.pinned];
@@ -14,7 +15,7 @@ function inputs_of({ viewer, ink, ratio }: Scene, view: View, draft: Box | null)
 
 const last_inputs = new WeakMap<View, unknown[]>();
 
-// Draws it if anything has changed. `draft`: a box that is being drawn.
+// Draws the overlay if anything has changed, and says whether it did. `draft` is a box that is being drawn.
 export function draw_overlay(scene: Scene, view: View, draft: Box | null): boolean {
   const inputs = inputs_of(scene, view, draft);
   const last = last_inputs.get(view);
@@ -34,7 +35,7 @@ export function draw_overlay(scene: Scene, view: View, draft: Box | null): boole
   return true;
 }
 
-// In CSS pixels, whatever the context's scale: pictures that are saved are finer than the screen.
+// Draws in CSS pixels, whatever the context's scale is: saved pictures are finer than the screen.
 export function draw_marks(pen: Pen, level: number, draft: Box | null = null): void {
   const { viewer } = pen;
   if (viewer.show_lines.value) draw_cell_lines(pen);
@@ -42,7 +43,7 @@ export function draw_marks(pen: Pen, level: number, draft: Box | null = null): v
   draw_box(pen, draft ?? viewer.box.value);
   if (viewer.show_axes.value) {
     draw_crosshair(pen);
-    draw_rulers(pen); // whose labels interrupt the lines
+    draw_rulers(pen); // their labels interrupt the lines
   }
   draw_pin(pen);
   draw_markers(pen, level);

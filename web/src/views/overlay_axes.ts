@@ -1,16 +1,18 @@
-// The parts of an overlay that tell where one is: lines between cells, the grid's border, rulers, the crosshair, the scale bar.
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import type { Axis } from "../axis";
-import { coordinate } from "../format";
+// The parts of an overlay that show the place: lines between cells, the border of the grid, rulers, the crosshair, the
+// scale bar.
+import type { Axis } from "../base/axis";
+import { coordinate } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { length_text, round_length } from "./lengths";
 import type { Pen } from "./pen";
 
-const LINES_FROM = 7; // CSS pixels: smaller cells get no lines; they are fully there at
-const LINES_FULL = 20;
-const BAR = 130; // the longest scale bar
-const RULER_STEP = 90; // the smallest distance of coordinates on a ruler
+const LINES_FROM = 7; // CSS pixels: smaller cells get no lines
+const LINES_FULL = 20; // CSS pixels: lines of cells this large have their full strength
+const BAR = 130; // CSS pixels of the longest scale bar
+const RULER_STEP = 90; // CSS pixels: the smallest distance between coordinates on a ruler
 
-// Lines at the planes in sight whose cells are large enough, which graded axes may have in one place and not in another.
+// Draws the planes in sight whose cells are large enough. On a graded axis that may be so in one place and not in
+// another.
 export function draw_cell_lines(pen: Pen): void {
   const { camera, context, ink } = pen;
   const seen = camera.seen();
@@ -51,7 +53,7 @@ export function draw_rulers(pen: Pen): void {
     context.fillStyle = ink.text;
     context.fillRect(x, y, width, height);
   };
-  // Their corner is left to the axes' names.
+  // The corner is left to the names of the axes.
   marks(camera.across, camera.u_at(0), camera.u_at(camera.width), (u, text) => {
     const x = camera.x_of(u);
     tick(pen.crisp(x) - 0.5, low - 5, 1, 6);
@@ -66,7 +68,7 @@ export function draw_rulers(pen: Pen): void {
   draw_name(pen, `${AXIS_NAMES[frame.v]} ↑`, low - 37, ink.axes[frame.v]);
 }
 
-// On a plate: colours of axes can't be read on every material.
+// It is drawn on a plate, because the colours of axes cannot be read on every material.
 function draw_name({ context, ink }: Pen, text: string, y: number, color: string): void {
   const plain = context.font;
   context.font = `600 ${plain}`;
@@ -81,9 +83,9 @@ function draw_name({ context, ink }: Pen, text: string, y: number, color: string
   context.font = plain;
 }
 
-const GAP = 7; // around the cell, which stays to be seen
+const GAP = 7; // CSS pixels around the cell, so that it stays visible
 
-// Each line is where another view cuts, in that view's colour.
+// Each line shows where another view cuts, in the colour of that view.
 export function draw_crosshair(pen: Pen): void {
   const { camera, frame, ink, viewer } = pen;
   const cell = viewer.cell.value;

@@ -1,9 +1,9 @@
-// The parts of an overlay that somebody put there: the pinned cell, the box, markers, the measured line.
+// The parts of an overlay that people put there: the pinned cell, the box, markers, the measured line.
+import type { Box } from "../state/viewer";
 import { length_text } from "./lengths";
 import type { Pen } from "./pen";
-import type { Box } from "../viewer";
 
-// What is in another slice is dashed.
+// Lines that lie in another slice are dashed.
 const ELSEWHERE = [5, 4];
 
 export function draw_pin(pen: Pen): void {
@@ -18,7 +18,7 @@ export function draw_pin(pen: Pen): void {
     pen.cells(u, u + 1, v, v + 1, ink.accent, { width: 2, dash });
     return;
   }
-  // A cell too small to be seen: a square around it.
+  // The cell is too small to be seen, so a square surrounds it.
   const [x, y] = [pen.crisp((left + right) / 2), pen.crisp((top + bottom) / 2)];
   pen.path([[x - 6, y - 6], [x + 6, y - 6], [x + 6, y + 6], [x - 6, y + 6]], ink.accent, { width: 2, dash, close: true });
 }
@@ -31,7 +31,7 @@ export function draw_box(pen: Pen, box: Box | null): void {
   pen.cells(box[frame.u], box[frame.u + 3]!, box[frame.v], box[frame.v + 3]!, pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
 }
 
-const NEAR = 40; // CSS pixels across the slice within which a marker is shown, ever fainter
+const NEAR = 40; // CSS pixels from the slice up to which a marker is shown, the fainter the farther away
 
 export function draw_markers(pen: Pen, level: number): void {
   const { camera, viewer, frame, axis, ink, context } = pen;

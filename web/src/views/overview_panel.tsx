@@ -1,12 +1,13 @@
-// The fourth panel: the overview in three dimensions, whose code comes when the panel is in sight and the slices are there.
+// The fourth panel: the overview in three dimensions. Its code is loaded once the panel is in sight, after the slices.
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import type { Viewer } from "../viewer";
+import { words_of } from "../base/messages";
+import type { Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { MaximiseButton, activating } from "./panel";
 import type { Stage } from "./stage";
 
-const QUIET = 300; // milliseconds that the slices get first
+const QUIET = 300; // milliseconds that the slices have for themselves
 
 export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
@@ -16,7 +17,7 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
   const layout = viewer.layout.value;
   const shown = layout === "four" || layout === "3d";
   const wanted = useSignal(shown);
-  if (shown) wanted.value = true; // once there it stays, hidden
+  if (shown) wanted.value = true; // once loaded it stays, even while it is hidden
   useEffect(() => {
     if (!wanted.value) return;
     let gone = false;
@@ -28,7 +29,7 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
         unmount = mount_overview(host.current!, viewer);
         trouble.value = null;
       } catch (error) {
-        trouble.value = error instanceof Error ? error.message : String(error);
+        trouble.value = words_of(error);
       }
       loading.value = false;
     };

@@ -1,19 +1,21 @@
-// Labels to pixels, on the processor, row by row of samples: from the tiles of the regions to colours.
+// Turns labels into pixels, on the processor, one row of samples after another.
 //
-// Cells of about a pixel get 2 x 2 samples a pixel, whose colours are averaged, first along the row, then with the row below: samples
-// are closer than cells are large, so that none is left out, and edges are smooth. Cells of several pixels get one sample: they
-// have sharp edges. A row of samples in the same cells as the one above is not made again.
+// Where cells are about as large as a pixel, each pixel has 2 x 2 samples. Their colours are averaged, first along the
+// row and then with the row below. Samples are then closer together than cells are large, so no cell is left out, and
+// edges are smooth. Where cells are several pixels large, each pixel has one sample, and edges are sharp. A row of
+// samples that lies in the same cells as the row above is not computed again.
 //
-// Not WebGL: a view has about a million pixels, each needs a few look-ups. That takes as long without a graphics card (in the
-// tests, over a remote desktop) as with one; there is no context to lose and nothing to upload, and a test in Node can hold the
-// picture against the cells one by one.
+// Why not WebGL: a view has about a million pixels, each of which needs a few look-ups. On the processor that takes as
+// long without a graphics card (in the tests, over a remote desktop) as with one. There is no context to lose and
+// nothing to upload, and a test in Node can compare the picture with the cells one by one.
 import { TILE } from "../tiles/place";
 import type { Region } from "../tiles/regions";
 import { OUTSIDE, UNKNOWN } from "../tiles/sets";
 import { set_at } from "../tiles/tile";
 import type { SampleCells } from "./camera";
 
-// Half open range of the places whose value is in [from, to), of values in order, -1 only at the ends.
+// The half-open range of the places whose value lies in [from, to). REQUIRES: the values are sorted, and -1 occurs only
+// at the ends.
 function range_of(cells: Int32Array, from: number, to: number): [number, number] {
   let low = 0;
   while (low < cells.length && (cells[low]! < from || cells[low]! >= to)) ++low;
@@ -28,8 +30,8 @@ interface Patch {
   readonly x1: number;
   readonly y0: number;
   readonly y1: number;
-  readonly columns: Int32Array; // of the tile, for each sample from x0 on
-  readonly colors: Uint32Array; // of the tile's own numbers
+  readonly columns: Int32Array; // in the tile, for each sample from x0 on
+  readonly colors: Uint32Array; // by the tile's own numbers of sets
 }
 
 function patches_of(samples: SampleCells, regions: readonly Region[], colors: Uint32Array): Patch[] {
@@ -53,10 +55,10 @@ export function number_at(samples: SampleCells, regions: readonly Region[], x: n
   return region.tile ? set_at(region.tile, u, v) : UNKNOWN;
 }
 
-// Of each channel, half up.
+// The mean of two packed colours, channel by channel, rounded up.
 const mean = (a: number, b: number): number => ((a | b) - (((a ^ b) & 0xfefefefe) >>> 1)) >>> 0;
 
-// The colours of one row of samples, those of a pixel averaged.
+// The colours of one row of samples. Samples of the same pixel are averaged.
 function fill_line(line: Uint32Array, y: number, samples: SampleCells, regions: readonly Region[], patches: readonly Patch[], colors: Uint32Array): void {
   const { each } = samples;
   line.fill(colors[OUTSIDE]!);
@@ -94,7 +96,7 @@ function equals_above(rows: Int32Array, y: number, patches: readonly Patch[]): b
   });
 }
 
-// `out`: packed colours, a pixel for every `each` x `each` samples.
+// Fills `out` with packed colours, one per pixel of `each` x `each` samples.
 export function paint(out: Uint32Array, samples: SampleCells, regions: readonly Region[], colors: Uint32Array): void {
   const { each, rows } = samples;
   const width = samples.columns.length / each;
@@ -121,11 +123,11 @@ export function paint(out: Uint32Array, samples: SampleCells, regions: readonly 
   }
 }
 
-// A packed colour on pixels whose set differs from that on the left or above.
+// Puts a packed colour on each pixel whose set differs from that of the pixel on its left or above it.
 export function paint_outline(out: Uint32Array, samples: SampleCells, regions: readonly Region[], color: number): void {
   const { each, rows } = samples;
   const width = samples.columns.length / each;
-  // As colours the numbers themselves, of the first sample of each pixel.
+  // Paints the numbers of the sets as if they were colours, from the first sample of each pixel.
   const firsts: SampleCells = { columns: samples.columns.filter((_, i) => i % each === 0), rows: rows.filter((_, i) => i % each === 0), each: 1 };
   const most = regions.reduce((n, { tile }) => tile?.sets.reduce((m, set) => Math.max(m, set), n) ?? n, UNKNOWN);
   const numbers = new Uint32Array(out.length);
@@ -136,7 +138,7 @@ export function paint_outline(out: Uint32Array, samples: SampleCells, regions: r
   }
 }
 
-// Stripes where the server can't read the file: not air, and not a material.
+// Draws stripes where the server cannot read the file, so that nobody takes it for air or for a material.
 export function paint_damaged(out: Uint32Array, samples: SampleCells, regions: readonly Region[], dark: number, light: number): void {
   const { each } = samples;
   const width = samples.columns.length / each;

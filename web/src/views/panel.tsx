@@ -1,15 +1,14 @@
 // One slice view: its title, the picture, the bar below.
 import { useEffect, useRef } from "preact/hooks";
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { width_at } from "../dock/runs";
-import { coordinate, grouped } from "../format";
-import type { ViewName, Viewer } from "../viewer";
+import { coordinate, grouped } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import type { ViewName, Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
 import { attach_gestures } from "./gestures";
 import { SliceBar } from "./slice_bar";
 import type { Stage } from "./stage";
 
-// For a whole panel, its bar included: keys mean the one that is used.
+// Handlers for a whole panel, including its bar: keys act on the panel that is in use.
 export function activating(stage: Stage, view: ViewName) {
   const activate = () => stage.activate(view);
   return { onPointerEnter: activate, onPointerMove: activate, onFocusIn: activate };
@@ -38,19 +37,19 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         {name}
       </span>
       <span class="view-place">
-        {name} = {coordinate(a.centre(slice), width_at(a, slice))} {viewer.units}
+        {name} = {coordinate(a.centre(slice), a.width(slice))} {viewer.units}
       </span>
       <span class="view-slice">
         slice {grouped(slice)} (0–{grouped(a.cells - 1)})
       </span>
       {level > 0 && (
-        <span class="view-level" title={`At this zoom a square shows all materials of ${together} × ${together} × ${together} cells: level ${level}. Zoom in to see single cells.`}>
+        <span class="view-level" title={`At this zoom each square shows the materials of ${together} × ${together} × ${together} cells (level ${level}). Zoom in to see single cells.`}>
           level {level}
         </span>
       )}
       {stage.damaged[axis].value && (
-        <span class="view-damaged" role="status" title="The server can't read the file there: see its message, and teracell verify.">
-          striped: not readable
+        <span class="view-damaged" role="status" title="The server can't read this part of the file. “teracell verify” says what is damaged.">
+          striped: unreadable
         </span>
       )}
       <span class={waiting ? "view-waiting" : "view-waiting view-still"} role="status" aria-label={waiting ? "Loading" : undefined} />
@@ -73,7 +72,7 @@ export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: View
   }, [stage, axis]);
   return (
     <section class="view-panel" data-view={name} hidden={layout !== "four" && layout !== name} aria-label={`Slices across ${name}`} {...activating(stage, name)}>
-      <div class={`view-body view-tool-${viewer.tool.value}`} ref={body} tabIndex={0} role="application" aria-roledescription="slice view" aria-label={`Slice ${viewer.slice[axis].value} across ${name}; keys: press h`} />
+      <div class={`view-body view-tool-${viewer.tool.value}`} ref={body} tabIndex={0} role="application" aria-roledescription="slice view" aria-label={`Slice ${viewer.slice[axis].value} across ${name}; press h for its keys`} />
       <header class="view-head">
         <Title stage={stage} viewer={viewer} axis={axis} />
         <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, name)} />

@@ -1,7 +1,7 @@
-// Strokes of the overlays: each with a halo, so that it is seen on any material.
-import type { AxisIndex } from "../api";
-import { FRAMES, type Frame } from "../axis";
-import type { Viewer } from "../viewer";
+// The pen of the overlays. Each stroke has a halo, so that it is seen on any material.
+import { FRAMES, type Frame } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import type { Camera } from "./camera";
 import type { Ink } from "./ink";
 
@@ -25,7 +25,7 @@ export class Pen {
     return this.camera.axis;
   }
 
-  // The middle of the device pixel there: lines of one pixel stay sharp.
+  // The middle of the device pixel at x, where lines of one pixel are sharp.
   crisp(x: number): number {
     return (Math.floor(x * this.camera.ratio) + 0.5) / this.camera.ratio;
   }
@@ -51,7 +51,7 @@ export class Pen {
     const { across, up } = this.camera;
     const [left, right] = [this.crisp(this.camera.x_of(across.plane(u0))), this.crisp(this.camera.x_of(across.plane(u1)))];
     const [top, bottom] = [this.crisp(this.camera.y_of(up.plane(v1))), this.crisp(this.camera.y_of(up.plane(v0)))];
-    // Clipped by hand: far outside a dashed line costs time.
+    // Clipped here, because a dashed line that reaches far outside the canvas costs time.
     const clip = (x: number, most: number) => Math.min(Math.max(x, -16), most + 16);
     const [l, r, t, b] = [clip(left, this.camera.width), clip(right, this.camera.width), clip(top, this.camera.height), clip(bottom, this.camera.height)];
     this.path([[l, t], [r, t], [r, b], [l, b]], color, { ...options, close: true });

@@ -1,9 +1,8 @@
-// Below each view: play, one slice back and forth, a slider, and the slice as a number of cells and as a coordinate.
+// The bar below each view: play, one slice back or forth, a slider, and the slice as a number and as a coordinate.
 import { useSignal } from "@preact/signals";
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { width_at } from "../dock/runs";
-import { decimals, number_of } from "../format";
-import type { Viewer } from "../viewer";
+import { decimals, number_of } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { toggle_sweep } from "./actions";
 
 interface NumberBoxProps {
@@ -15,7 +14,8 @@ interface NumberBoxProps {
   take: (n: number) => void;
 }
 
-// A box for a number: what is typed counts on Enter or when the box is left; nonsense goes back to what it was, with a flash.
+// A field for a number. What is typed takes effect on Enter, or when the field is left. If it is no number, the field
+// flashes and shows the former one again.
 function NumberBox({ text, label, width, suffix, whole = false, take }: NumberBoxProps) {
   const typed = useSignal<string | null>(null);
   const refused = useSignal(false);
@@ -73,7 +73,7 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
     viewer.sweeping.value = null;
     viewer.set_slice(axis, index);
   };
-  const coordinate = (i: number) => a.centre(i).toFixed(decimals(width_at(a, i)));
+  const coordinate = (i: number) => a.centre(i).toFixed(decimals(a.width(i)));
   const widest = Math.max(coordinate(0).length, coordinate(a.cells - 1).length, coordinate(slice).length);
   return (
     <div class="slice-bar">

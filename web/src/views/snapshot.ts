@@ -1,15 +1,15 @@
-// The views as they are, as one picture. Slices are painted anew: they fill their panels, also where a bar lies on the page, and
-// overlays are as fine as the picture; cells are whole squares.
-import { AXIS_NAMES, type AxisIndex } from "../api";
-import { coordinate } from "../format";
-import type { Viewer } from "../viewer";
+// The views as one picture. Slices are painted anew for it: they fill their panels, even where a bar covers them on the
+// page, and their overlays are as fine as the picture. Cells keep sharp edges.
+import { coordinate } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { draw_marks } from "./overlay";
 import { FONT, Pen } from "./pen";
 import { stage_of } from "./stage";
 import { type Scene, View } from "./view";
 
 export interface SnapshotOptions {
-  readonly ratio?: number; // pixels of the picture a CSS pixel; the screen's when left out
+  readonly ratio?: number; // pixels of the picture per CSS pixel; if absent, as on the screen
 }
 
 export async function snapshot(viewer: Viewer, options: SnapshotOptions = {}): Promise<HTMLCanvasElement> {
@@ -58,7 +58,7 @@ function draw_slice(context: CanvasRenderingContext2D, scene: Scene, axis: AxisI
   return view;
 }
 
-// What stands at the top left of its panel.
+// The title at the top left of a view.
 function draw_title(context: CanvasRenderingContext2D, viewer: Viewer, { axis, level }: View, style: CSSStyleDeclaration): void {
   const a = viewer.axes[axis];
   const i = viewer.cell.value[axis];

@@ -1,14 +1,17 @@
-// The three slice views together: one frame at a time, and only when something changed. A frame says what each view shows and lacks,
-// hands what is wanted to the store, paints, and sets what follows from it (the level shown, what is under the pointer).
+// The three slice views together. A frame is drawn only when something has changed. It finds out what each view shows
+// and what it lacks, tells the store which tiles are wanted, paints, and sets the signals that follow from it: the
+// level shown and the cell under the pointer.
 import { type Signal, effect, signal } from "@preact/signals";
-import { AXIS_NAMES, type AxisIndex, get } from "../api";
-import { FRAMES } from "../axis";
+import { FRAMES } from "../base/axis";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { get } from "../server/api";
+import { returned } from "../server/connection";
+import type { Box, ViewName, Viewer } from "../state/viewer";
+import { clamped_zoom, fitting_zoom } from "../state/zoom";
 import { Palette, SetTable } from "../tiles/sets";
 import { TileStore } from "../tiles/store";
 import { wants_of } from "../tiles/wants";
-import type { Box, ViewName, Viewer } from "../viewer";
-import { clamped_zoom, fitting_zoom, inside, zoomed_about } from "./camera";
-import { returned } from "../connection";
+import { zoomed_about } from "./camera";
 import { type Ink, read_ink } from "./ink";
 import { draw_overlay } from "./overlay";
 import { type Scene, View } from "./view";
@@ -16,9 +19,9 @@ import { type Scene, View } from "./view";
 const stages = new WeakMap<Viewer, Stage>();
 export const stage_of = (viewer: Viewer): Stage | undefined => stages.get(viewer);
 
-const SLOW = 24; // milliseconds of painting, on average, from which on fine screens get one pixel a CSS pixel
-const FINEST = 2; // device pixels a CSS pixel
-const REST = 500; // milliseconds without a change after which they are all used again
+const SLOW = 24; // milliseconds: if painting takes longer on average, fine screens get one pixel per CSS pixel
+const FINEST = 2; // device pixels per CSS pixel
+const REST = 500; // milliseconds without a change, after which all device pixels are used again
 const KEPT_TIMES = 4096;
 
 export class Stage {
@@ -33,7 +36,8 @@ export class Stage {
   readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // Whether the server could not read something that a view shows.
   readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
-  // The view that keys mean: its panel has the pointer, or the focus. For keys that move slices: the last such that shows some.
+  // The view that keys act on: its panel has the pointer or the focus. `active` is the last such view that shows
+  // slices.
   active_view: ViewName = "z";
   active: AxisIndex = 2;
 
@@ -56,7 +60,7 @@ export class Stage {
     this.store.on_change = () => this.invalidate();
   }
 
-  // `host` has the colours of the style sheet.
+  // Starts to draw, with the colours that the style sheet gives to `host`. Returns what ends it.
   start(host: HTMLElement): () => void {
     this.host = host;
     stages.set(this.viewer, this);
@@ -69,7 +73,7 @@ export class Stage {
         this.invalidate();
       }),
     );
-    // A view alone is the one that keys mean, before any pointer is there.
+    // Keys act on a view that is shown alone, even before the pointer is over it.
     this.stops.push(effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))));
     let returns = returned.peek();
     this.stops.push(
@@ -120,17 +124,17 @@ export class Stage {
     return this.views.filter((view) => view.visible);
   }
 
-  // Whether what is on the screen is not yet what the signals say.
+  // Whether the screen does not yet show what the signals say.
   get changing(): boolean {
     return this.dirty;
   }
 
-  // True when all that is in sight is sharp and on the screen.
+  // Whether everything in sight is sharp and on the screen.
   idle(): boolean {
     return !this.dirty && this.laid_out() && this.viewer.zoom.value > 0 && this.views.every((view) => view.sharp);
   }
 
-  // Whether the views' sizes are those of the layout: they follow it a little later.
+  // Whether the views have the sizes of the layout, which they get shortly after it changes.
   private laid_out(): boolean {
     const layout = this.viewer.layout.value;
     return this.views.every(({ axis, width }) => width > 0 === (layout === "four" || layout === AXIS_NAMES[axis]));
@@ -141,8 +145,8 @@ export class Stage {
     return visible.length ? fitting_zoom(this.viewer.axes, visible) : 0;
   }
 
-  // A grid that fits goes on to fit when the sizes change, until somebody zooms or moves it. What came from elsewhere, as an address,
-  // is kept to what zooming allows.
+  // A grid that fits its views continues to fit when their sizes change, until somebody zooms or moves it. A zoom that
+  // comes from elsewhere, such as an address, is kept within the limits of zooming.
   private settle_zoom(): void {
     const { axes, centre, zoom } = this.viewer;
     const [fitting, middle] = [this.fitting(), this.viewer.middle()];
@@ -152,7 +156,7 @@ export class Stage {
     this.viewer.views = this.visible.map(({ axis, width, height }) => ({ axis, width, height }));
   }
 
-  // Zooms by a factor; the point under (x, y), CSS pixels of the view, stays where it is.
+  // Zooms by a factor. The point under (x, y), in CSS pixels of the view, stays where it is.
   zoom_by(axis: AxisIndex, factor: number, x: number, y: number): void {
     if (this.viewer.zoom.value === 0) return;
     const camera = this.views[axis].camera_of(this.viewer, 1);
@@ -165,7 +169,7 @@ export class Stage {
     if (this.viewer.zoom.value === 0) return;
     const { u, v } = FRAMES[axis];
     const { axes, centre, zoom } = this.viewer;
-    this.look_at(axis, [inside(axes[u], centre.value[u] - dx / zoom.value), inside(axes[v], centre.value[v] + dy / zoom.value)]);
+    this.look_at(axis, [axes[u].inside(centre.value[u] - dx / zoom.value), axes[v].inside(centre.value[v] + dy / zoom.value)]);
   }
 
   private look_at(axis: AxisIndex, [a, b]: readonly [number, number]): void {
@@ -175,7 +179,7 @@ export class Stage {
     this.viewer.centre.value = centre;
   }
 
-  // What overlays are drawn with, also elsewhere than on the screen.
+  // What views and overlays are drawn with, on the screen and in saved pictures.
   scene(ratio: number): Scene | null {
     if (!this.host) return null;
     const { viewer, store, palette } = this;
@@ -199,7 +203,7 @@ export class Stage {
       this.drew = this.draw();
     }
     this.last_start = start;
-    // One frame more tells how long this one took.
+    // One more frame tells how long this one took.
     if (this.drew && !this.request) this.request = requestAnimationFrame(this.frame);
   };
 
@@ -210,7 +214,7 @@ export class Stage {
     if (!scene || views.length === 0) return false;
     const began = performance.now();
     if (this.laid_out()) this.settle_zoom();
-    if (viewer.zoom.value === 0) return false; // comes again with the sizes
+    if (viewer.zoom.value === 0) return false; // it is drawn when the sizes are known
     for (const view of views) view.look(scene, began);
     store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
     palette.update(viewer.looks.value, scene.ink.ground, scene.ink.outside);

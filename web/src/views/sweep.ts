@@ -1,11 +1,11 @@
-// Plays the slices of a view: one that looks different every tenth of a second, but never faster than they come. Ends where it began
-// only when somebody stops it: after the last slice comes the first.
+// Plays the slices of a view. Every tenth of a second comes a slice that looks different, unless tiles take longer to
+// come. After the last slice comes the first one, until somebody stops it.
 import { effect } from "@preact/signals";
 import type { Stage } from "./stage";
 
 const EVERY = 100; // milliseconds
-const LONGEST = 1000; // that a slice is waited for
-const LOOK = 30;
+const LONGEST = 1000; // milliseconds for which a slice is waited for
+const LOOK = 30; // milliseconds until it is looked again whether the slice is there
 
 export function attach_sweep(stage: Stage): () => void {
   const { viewer } = stage;

@@ -1,13 +1,13 @@
 // `window.teracell`, for tests in a browser and for the curious: what the page shows, without reading pixels.
-import type { AxisIndex } from "../api";
-import type { Viewer } from "../viewer";
+import type { AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import type { Stage } from "./stage";
 
 export interface Exposed {
   readonly viewer: Viewer;
   // Whether all that is in sight is of the finest level that the zoom asks for, of the right slice, and painted.
   idle(): boolean;
-  // The same of one view; and whether some of it still shows another slice.
+  // The same for one view, and whether part of it still shows another slice.
   shown(axis: AxisIndex): { readonly sharp: boolean; readonly stale: boolean };
   // Material ids painted at a point of the page in CSS pixels (as a mouse event's clientX and clientY); null: nothing, or outside.
   label_at(axis: AxisIndex, x: number, y: number): readonly number[] | null;

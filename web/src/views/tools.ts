@@ -1,15 +1,16 @@
-// What dragging draws: a line that measures, a box whose statistics are asked for.
-import type { AxisIndex, Index3 } from "../api";
-import { FRAMES } from "../axis";
-import type { Box } from "../viewer";
+// What dragging draws: a line that measures a distance, or a box for statistics.
+import { FRAMES } from "../base/axis";
+import type { AxisIndex, Index3 } from "../base/grid";
+import type { Box } from "../state/viewer";
 import type { Stage } from "./stage";
 
 export interface Drag {
   move(x: number, y: number): void;
-  end(drawn: boolean): void; // otherwise all is as it was
+  end(drawn: boolean): void; // if it was not drawn, everything is as before
 }
 
-// CSS pixels of the view. A tool draws once: the next drag moves the picture again.
+// Starts the chosen tool at (x, y), in CSS pixels of the view. A tool draws once: the next drag moves the picture
+// again.
 export function start_tool(stage: Stage, axis: AxisIndex, x: number, y: number): Drag | null {
   const { tool } = stage.viewer;
   if (tool.value === "look") return null;
@@ -44,7 +45,8 @@ function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   };
 }
 
-// Across the view the box keeps what it had; a new one goes through the whole grid, until it is cut in another view.
+// Across the view the box keeps its extent. A new box goes through the whole grid, until a drag in another view cuts
+// it.
 function box(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   const { viewer } = stage;
   const { u, v } = FRAMES[axis];

@@ -1,7 +1,8 @@
-// One slice view: the canvas of cells and the one of overlays above it, and what was painted there last, so that a frame does
-// only what has changed. Knows no gestures and no requests: stage.ts drives it.
-import type { AxisIndex } from "../api";
-import { FRAMES } from "../axis";
+// One slice view: the canvas of its cells, the canvas of overlays above it, and what was painted last, so that a frame
+// does only what has changed. It knows neither gestures nor requests; stage.ts drives it.
+import { FRAMES } from "../base/axis";
+import type { AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { cover } from "../tiles/cover";
 import type { Extent, Place } from "../tiles/place";
 import { type Region, type Shown, regions_of } from "../tiles/regions";
@@ -9,12 +10,11 @@ import { type Palette, UNKNOWN } from "../tiles/sets";
 import type { TileStore } from "../tiles/store";
 import { set_at } from "../tiles/tile";
 import type { ViewNeeds } from "../tiles/wants";
-import type { Viewer } from "../viewer";
 import { Camera, type SampleCells, sample_cells } from "./camera";
 import type { Ink } from "./ink";
 import { number_at, paint, paint_damaged, paint_outline } from "./paint";
 
-// Milliseconds that an earlier slice may stay although something coarse of the right one is there.
+// Milliseconds for which an earlier slice may stay although a coarse tile of the right slice is there.
 const PATIENCE = 150;
 const SHARP_FROM = 3; // device pixels: cells this large have sharp edges
 
@@ -23,7 +23,7 @@ export interface Scene {
   readonly store: TileStore;
   readonly palette: Palette;
   readonly ink: Ink;
-  readonly ratio: number; // device pixels a CSS pixel
+  readonly ratio: number; // device pixels per CSS pixel
 }
 
 export class View {
@@ -57,17 +57,17 @@ export class View {
     return this.width >= 8 && this.height >= 8;
   }
 
-  // True when everything in sight is of the finest level and the right slice.
+  // Whether everything in sight is of the finest level and the right slice.
   get sharp(): boolean {
     return !this.visible || (this.camera !== null && this.shown.missing.length === 0);
   }
 
-  // As the signals say now; what is on the screen follows with the next frame.
+  // The camera as the signals say now. The screen follows with the next frame.
   camera_of(viewer: Viewer, ratio: number): Camera {
     return new Camera(this.axis, viewer.axes, this.width, this.height, ratio, viewer.centre.value, viewer.zoom.value);
   }
 
-  // The first half of a frame: what is wanted. `now` in milliseconds.
+  // The first half of a frame: finds out which tiles are wanted. `now` is in milliseconds.
   look({ viewer, store, ratio }: Scene, now: number): void {
     const slice = viewer.slice[this.axis].value;
     if (this.last_slice !== null && slice !== this.last_slice) this.stride = slice - this.last_slice;
@@ -91,7 +91,7 @@ export class View {
     }
   }
 
-  // When the picture may change although nothing comes: what is shown from before has been shown long enough.
+  // When the picture changes even if no tile comes, because an earlier slice has stayed long enough; null: it does not.
   get impatient_at(): number | null {
     return this.behind_since === null ? null : this.behind_since + PATIENCE;
   }
@@ -142,7 +142,7 @@ export class View {
     return number > UNKNOWN ? number : null;
   }
 
-  // The number of the set of a cell of the slice shown, from the finest tile there is; null: none.
+  // The number of the set at a cell of the slice, from the finest tile that is there; null when there is none.
   finest_at(store: TileStore, slice: number, u: number, v: number, levels: number): number | null {
     for (let level = 0; level < levels; ++level) {
       const tile = store.find({ axis: this.axis, index: slice >> level, level, column: (u >> level) >> 9, row: (v >> level) >> 9 });
@@ -152,7 +152,7 @@ export class View {
   }
 }
 
-// Device pixels, on average over the grid: of level 0, which is all that can be large.
+// The mean size of a cell of level 0 in device pixels. Cells of coarser levels are never large.
 function smallest_cell({ across, up, zoom, ratio }: Camera): number {
   return Math.min((across.max - across.min) / across.cells, (up.max - up.min) / up.cells) * zoom * ratio;
 }

@@ -1,8 +1,8 @@
-// The four panels: slices across z, x and y, and the overview. The panels of z and y stand above each other and have x in common,
-// those of x and y stand side by side and have z in common.
+// The four panels: the slices across z, x and y, and the overview. The panels of z and y stand one above the other and
+// have x in common; those of x and y stand side by side and have z in common.
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import type { AxisIndex } from "../api";
-import type { Viewer } from "../viewer";
+import type { AxisIndex } from "../base/grid";
+import type { Viewer } from "../state/viewer";
 import { attach_keys } from "./keys";
 import { OverviewPanel } from "./overview_panel";
 import { SlicePanel } from "./panel";
@@ -13,12 +13,12 @@ import "./views.css";
 
 const ORDER: readonly AxisIndex[] = [2, 0, 1];
 
-// The pointer's shape alone would not say that the next drag draws, and on touch there is none.
+// Says that the next drag draws. The shape of the pointer would not be enough, and there is none on touch screens.
 function ToolNote({ viewer }: { viewer: Viewer }) {
   const tool = viewer.tool.value;
   return (
     <p class="tool-note" role="status" hidden={tool === "look"}>
-      {tool === "measure" ? "Drag to measure a distance" : "Drag to draw a box"}; Escape ends
+      {tool === "measure" ? "Drag to measure a distance" : "Drag to draw a box"}; press Escape to stop
     </p>
   );
 }

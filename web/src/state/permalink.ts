@@ -1,11 +1,12 @@
-// The state of the page in its address, behind '#', so that a link shows what its sender saw and the server never reads it.
-// Readable: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&layout=z ... Besides where it looks, only what differs from the
-// start is in it. Numbers are written so that they come back as they were.
+// The state of the page as its address. It stands behind '#', so that a link shows what its sender saw and the state is
+// never sent to the server. People can read it: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&layout=z ...
+// It holds where the views look and, of everything else, only what differs from the start. Numbers are written such
+// that they are read back unchanged.
 import { batch, effect } from "@preact/signals";
-import type { AxisIndex, Index3 } from "./api";
-import { places_found } from "./panels/report_words";
+import type { AxisIndex, Index3 } from "../base/grid";
+import { hex_color, same_look } from "../base/materials";
+import { places_found } from "./places";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
-import { inside } from "./views/camera";
 
 export function grid_in_address(): string | null {
   return new URLSearchParams(location.hash.slice(1)).get("g");
@@ -20,9 +21,7 @@ const LAYOUTS: readonly Layout[] = ["four", "x", "y", "z", "3d"];
 const PANELS: readonly Panel[] = ["materials", "report", "box", "share", "status"];
 const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline" } as const;
 
-const hex = (color: readonly number[]) => color.map((c) => c.toString(16).padStart(2, "0")).join("");
-
-// What stands in the address goes into the viewer; what is missing or makes no sense stays as it is.
+// Puts the state in the address into the viewer. What is missing there, or makes no sense, stays as it is.
 export function read_address(viewer: Viewer): void {
   const query = new URLSearchParams(location.hash.slice(1));
   const look = numbers(query.get("look"), 3);
@@ -30,7 +29,7 @@ export function read_address(viewer: Viewer): void {
   batch(() => {
     const at = numbers(query.get("at"), 3);
     if (at) viewer.set_cell(at as Index3);
-    if (look) viewer.centre.value = viewer.axes.map((axis, d) => inside(axis, look[d]!)) as [number, number, number];
+    if (look) viewer.centre.value = viewer.axes.map((axis, d) => axis.inside(look[d]!)) as [number, number, number];
     if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
     const layout = query.get("layout") as Layout | null;
     if (layout && LAYOUTS.includes(layout)) viewer.layout.value = layout;
@@ -85,15 +84,14 @@ export function address_of(viewer: Viewer): string {
   const m = viewer.measure.value;
   if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));
   const changed = viewer.looks.value.flatMap((look, id) => {
-    const before = viewer.standard_looks[id]!;
-    const same = look === before || (look.visible === before.visible && look.opacity === before.opacity && hex(look.color) === hex(before.color));
-    return same ? [] : [`${id}:${hex(look.color)}:${look.opacity}:${look.visible ? 1 : 0}`];
+    return same_look(look, viewer.standard_looks[id]!) ? [] : [`${id}:${hex_color(look).slice(1)}:${look.opacity}:${look.visible ? 1 : 0}`];
   });
   if (changed.length) start.set("material", changed.join(";"));
   return `#${start.toString().replaceAll("%2C", ",").replaceAll("%3A", ":").replaceAll("%3B", ";")}`;
 }
 
-// Keeps the address up to date, a little later: browsers limit how often it may change.
+// Keeps the address up to date, with a short delay, because browsers limit how often it may change. Returns what ends
+// this.
 export function keep_address(viewer: Viewer): () => void {
   let timer = 0;
   const stop = effect(() => {

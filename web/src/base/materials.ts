@@ -1,6 +1,6 @@
-// How materials look. A coarse cell's set of materials is blended like the server blends it, so that the page and the pictures
-// of the server agree: the mean of the members' colours, weighted by their opacity. Only air weighs less on the page.
-import type { Material } from "./api";
+// How materials look. A coarse cell holds a set of materials. Its colour is the mean of their colours, weighted by
+// their opacity, as in the pictures that the server makes. Only on the page, air weighs less.
+import type { Material } from "./grid";
 
 export interface MaterialLook {
   color: readonly [number, number, number]; // sRGB, 0 to 255
@@ -20,9 +20,12 @@ export function initial_looks(materials: readonly Material[]): MaterialLook[] {
   });
 }
 
+export const hex_color = (look: MaterialLook): string => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
+export const same_look = (a: MaterialLook, b: MaterialLook): boolean =>
+  a === b || (a.visible === b.visible && a.opacity === b.opacity && hex_color(a) === hex_color(b));
 export const css_color = (look: MaterialLook): string => `rgb(${look.color.join(" ")})`;
 
-// RGBA bytes, not premultiplied, of a set of materials: those that are hidden don't count (server/picture.cpp, blend()).
+// The colour of a set of materials as RGBA bytes, not premultiplied. Hidden materials do not count.
 export function color_of_set(set: readonly number[], looks: readonly MaterialLook[]): [number, number, number, number] {
   let [r, g, b, a, n] = [0, 0, 0, 0, 0];
   for (const id of set) {
@@ -38,8 +41,8 @@ export function color_of_set(set: readonly number[], looks: readonly MaterialLoo
   return [Math.round(r / a), Math.round(g / a), Math.round(b / a), Math.round((255 * a) / n)];
 }
 
-// As the page shows a set: beside something else, what is clear counts half. A sheet one cell thick is mostly air on coarse levels,
-// and must still be seen.
+// The colour of a set as the page shows it: clear materials count half when the set holds others. On coarse levels a
+// sheet one cell thick is mostly air, and it must still be seen.
 export function shown_color(set: readonly number[], looks: readonly MaterialLook[]): [number, number, number, number] {
   const [r, g, b, a] = color_of_set(set, looks);
   return [r, g, b, set.length > 1 ? Math.round((510 * a) / (255 + a)) : a];

@@ -1,9 +1,9 @@
-// Buttons that copy text, and say that they did.
+// A button that copies text, and says that it did.
 import { useState } from "preact/hooks";
+import { say } from "../base/messages";
 import { Icon } from "./icons";
-import { say } from "./toasts";
 
-// The clipboard is closed to pages that came over plain http from another machine: there the old way still works.
+// Pages that came over plain http from another machine may not use the clipboard. There the old way still works.
 async function copy_text(text: string): Promise<void> {
   if (navigator.clipboard && isSecureContext) return navigator.clipboard.writeText(text);
   const area = document.createElement("textarea");
@@ -24,7 +24,7 @@ export function CopyButton({ text, what, label, disabled = false }: { text: stri
       set_copied(true);
       setTimeout(() => set_copied(false), 1500);
     } catch {
-      say("The browser did not allow copying: select the text instead");
+      say("The browser did not allow copying. Select the text instead.");
     }
   };
   return (

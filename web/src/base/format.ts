@@ -1,19 +1,20 @@
-// Numbers as people read them: thin spaces between thousands, digits that a cell's size warrants, a true minus sign. And as they type them.
+// Numbers as people read them: thin spaces between thousands, as many digits as the size of a cell warrants, a true
+// minus sign. Also numbers as people type them.
 
-const THIN = "\u202f"; // narrow, and no line breaks at it
+const THIN = "\u202f"; // narrow, and lines do not break at it
 const SUPERSCRIPTS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
 const with_minus = (text: string) => text.replace("-", "−");
 const superscript = (n: number) => [...String(n)].map((c) => (c === "-" ? "⁻" : SUPERSCRIPTS[Number(c)]!)).join("");
 
-// 1234567 -> 1 234 567; takes text too, for counts that no double holds.
+// 1234567 becomes 1 234 567. Text is taken as well, for counts that no double holds.
 export function grouped(n: number | bigint | string): string {
   const [whole, fraction] = String(n).split(".");
   const spaced = whole!.replace(/\B(?=(\d{3})+$)/g, THIN);
   return with_minus(fraction === undefined ? spaced : `${spaced}.${fraction}`);
 }
 
-// Three digits of a count that is too long to be read: 1.50 × 10⁹.
+// A count that is too long to be read, with three digits: 1.5 × 10⁹.
 export function about(n: number | bigint): string {
   const x = Number(n);
   if (Math.abs(x) < 1e6) return grouped(Math.round(x));
@@ -22,7 +23,7 @@ export function about(n: number | bigint): string {
   return digits === "1.00" ? power : `${digits.replace(/\.?0+$/, "")} × ${power}`;
 }
 
-// So many digits that a tenth of a cell shows.
+// How many decimals a coordinate needs to show a tenth of a cell of this size.
 export function decimals(step: number): number {
   if (!(step > 0)) return 3;
   return Math.min(Math.max(Math.ceil(-Math.log10(step) - 1e-9) + 1, 0), 12);
@@ -33,7 +34,7 @@ export function coordinate(x: number, step: number): string {
   return grouped(Number(text) === 0 ? text.replace("-", "") : text);
 }
 
-// A length, an area or a volume with so many significant digits; very large and small ones with a power of ten.
+// A length, an area or a volume with this many significant digits. Very large and very small ones get a power of ten.
 export function significant(x: number, digits = 5): string {
   if (x === 0 || !Number.isFinite(x)) return String(x);
   const size = Math.floor(Math.log10(Math.abs(x)));
@@ -44,7 +45,7 @@ export function significant(x: number, digits = 5): string {
   return grouped(x.toFixed(Math.min(Math.max(digits - 1 - size, 0), 100)));
 }
 
-// As people write it; everything for machines keeps the scene's own.
+// The unit as people write it. Output for other programs keeps the spelling of the scene.
 export const unit_name = (units: string): string => (units === "um" ? "µm" : units);
 
 export function bytes_text(n: number): string {
@@ -58,7 +59,7 @@ export function bytes_text(n: number): string {
   return `${at === 0 ? x : x.toPrecision(3)} ${units[at]}`;
 }
 
-// A part of the whole: 12.3 %; what is tiny but there is never 0.
+// A share as a percentage: 12.3 %. A share that is tiny, but not zero, never shows as 0 %.
 export function percent(part: number): string {
   if (part === 0) return "0 %";
   if (part === 1) return "100 %";
@@ -82,16 +83,18 @@ export const plural = (n: number | bigint | string, one: string, many?: string):
 export const product = (cells: readonly number[]): bigint => cells.reduce((n, c) => n * BigInt(c), 1n);
 export const sizes = (cells: readonly number[]): string => cells.map((c) => grouped(c)).join(" × ");
 
-// What was typed or copied from here: with spaces between digits, a true minus sign, commas where they can mean but one thing. null: none.
+// The number that somebody typed or copied from this page: with spaces between digits, a true minus sign, and commas
+// where they can have only one meaning. null when it is no number.
 export function number_of(text: string, whole = false): number | null {
   const plain = text.trim().replace("−", "-").replace(/(\d)\s+(?=\d)/g, "$1");
   const thousands = /^-?[1-9]\d{0,2}(,\d{3})+(\.\d*)?$/.test(plain);
-  if (thousands && !whole && /^[^,]*,\d*$/.test(plain)) return null; // 5,000: five thousand, or five
+  if (thousands && !whole && /^[^,]*,\d*$/.test(plain)) return null; // 5,000 may mean five thousand, or five
   const n = Number(thousands ? plain.replaceAll(",", "") : plain.replace(",", "."));
   return plain !== "" && Number.isFinite(n) ? n : null;
 }
 
-// A name in a CSV. Spreadsheets take some beginnings for formulas, and anybody may have named it: an apostrophe says that it is text.
+// A name for a CSV file. Spreadsheets take some first characters for the start of a formula, and anybody may have
+// chosen the name: an apostrophe marks it as text.
 export function csv_name(name: string): string {
   const text = /^[=+\-@\t\r]/.test(name) ? `'${name}` : name;
   return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;

@@ -1,4 +1,4 @@
-// The page's icons: drawn on a square of 16, in the colour of the text.
+// The page's icons: drawn on a square of 16 x 16, in the colour of the text.
 
 const PATHS = {
   close: "M4 4l8 8M12 4l-8 8",

@@ -1,18 +1,20 @@
-// The state of the page while one grid is open: signals that the views, the panels and the address of the page share. Parts talk
-// to each other through it alone; nothing here touches the document.
+// The state of the page while one grid is open: signals that the views, the panels and the page's address share. These
+// parts talk to each other through them alone. Nothing here touches the document.
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
-import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "./api";
-import { Axis } from "./axis";
-import { unit_name } from "./format";
-import { type MaterialLook, initial_looks } from "./materials";
-import { type ViewSize, fitting_zoom } from "./views/camera";
+import { Axis } from "../base/axis";
+import { unit_name } from "../base/format";
+import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "../base/grid";
+import { type MaterialLook, initial_looks } from "../base/materials";
+import { TileCounters } from "../tiles/counters";
+import { type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
 export type Layout = "four" | ViewName;
 export type Panel = "materials" | "report" | "box" | "share" | "status";
 export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
 
-// Where the overview's camera is: degrees around and above, half longest sides of the domain away from a point in coordinates.
+// Where the overview's camera is. Angles are in degrees. The distance to the target is counted in halves of the
+// domain's longest side, and the target is a point in coordinates.
 export interface OrbitState {
   azimuth: number;
   elevation: number;
@@ -20,7 +22,7 @@ export interface OrbitState {
   target: [number, number, number];
 }
 export const BODY_MODES = ["cut", "whole", "glass"] as const;
-// The bodies in the overview: without the octant before the crosshair, whole, or as if of glass.
+// How the overview shows bodies: cut open at the crosshair, whole, or like glass.
 export type BodyMode = (typeof BODY_MODES)[number];
 
 export interface Measure {
@@ -29,21 +31,10 @@ export interface Measure {
   to: [number, number, number];
 }
 
-// A place that something else points at, such as a hole of the surface.
+// A place to be marked in the views, such as a hole in a surface.
 export interface Marker {
   at: [number, number, number]; // coordinates
   text: string;
-}
-
-// What the tiles of the views cost: for the status panel. Times are of requests that reached the network or the browser's cache.
-export class TileCounters {
-  readonly in_flight = signal(0);
-  readonly waiting = signal(0);
-  readonly bytes = signal(0); // held decoded
-  readonly tiles = signal(0); // held decoded
-  readonly latencies = signal<readonly number[]>([]); // milliseconds, the last 64, oldest first
-  readonly failed = signal(0); // that are tried again after a while
-  readonly damaged = signal(0); // that the server can't read: drawn hatched
 }
 
 export class Viewer {
@@ -52,39 +43,40 @@ export class Viewer {
 
   // The crosshair: a cell of level 0. Each view shows the slice through it.
   readonly cell: Signal<Index3>;
-  // What the views look at: the coordinates in their middle, one point for all three, and CSS pixels a unit of length; 0: as
-  // large as fits, which the views replace as soon as they know their size.
+  // What the views look at: the point in the middle of all three, and CSS pixels per unit of length. A zoom of 0 means
+  // as large as fits; the views replace it as soon as they know their sizes.
   readonly centre: Signal<[number, number, number]>;
   readonly zoom: Signal<number>;
 
-  // The slice views that were in sight last.
+  // The sizes of the slice views that were in sight last.
   views: readonly ViewSize[] = [];
 
   readonly layout = signal<Layout>("four");
+  readonly help = signal(false); // whether the list of gestures and keys is shown
   readonly panel = signal<Panel | null>("materials");
   readonly looks: Signal<readonly MaterialLook[]>;
   readonly show_axes = signal<boolean>(true);
   readonly show_scale = signal(true);
   readonly show_lines = signal(true); // between cells, when they are large enough
   readonly show_outline = signal(false); // between materials
-  readonly sweeping = signal<AxisIndex | null>(null); // the view that plays
+  readonly sweeping = signal<AxisIndex | null>(null); // the view whose slices are played
   readonly box = signal<Box | null>(null);
   readonly measure = signal<Measure | null>(null);
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly markers = signal<readonly Marker[]>([]);
   readonly tiles = new TileCounters();
-  // The level that each view shows now (the finest, where a graded grid shows several), for those who word what a slice is.
+  // The level that each view shows now. A view of a graded grid may show several levels; then it is the finest.
   readonly level: readonly [Signal<number>, Signal<number>, Signal<number>] = [signal(0), signal(0), signal(0)];
 
-  readonly orbit = signal<OrbitState | null>(null); // null: the view that shows all
+  readonly orbit = signal<OrbitState | null>(null); // null: the whole domain is in view
   readonly bodies = signal<BodyMode>("cut");
 
-  // The cell under the pointer, and the view it is in. Outside the grid: null.
+  // The cell under the pointer, and the view that it is in; null outside the grid.
   readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; materials: readonly number[] | null } | null>(null);
   // A cell that a click keeps in the read-out.
   readonly pinned = signal<Index3 | null>(null);
 
-  // As it was at the start: the page's address holds what differs.
+  // The state at the start. The page's address holds only what differs from it.
   readonly standard_looks: readonly MaterialLook[];
   readonly standard_switches = { show_axes: true, show_scale: true, show_lines: true, show_outline: false } as const;
 
@@ -112,7 +104,7 @@ export class Viewer {
     return [m(0), m(1), m(2)];
   }
 
-  // Everything but the place as it was at the start: an address says only what differs from that.
+  // Puts everything but the place back to the start, because an address says only what differs from that.
   reset(): void {
     batch(() => {
       this.layout.value = "four";
@@ -143,7 +135,7 @@ export class Viewer {
     if (to.some((x, d) => x !== this.cell.value[d])) this.cell.value = to;
   }
 
-  // The same, and every view looks at it.
+  // Puts the crosshair on a cell, and that cell into the middle of every view.
   go_to_cell(cell: Index3): void {
     batch(() => {
       this.set_cell(cell);

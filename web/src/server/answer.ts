@@ -1,12 +1,13 @@
-// What an address of the server gives, for a component: fetched when the address changes, the former answer kept until the next one
-// is there (nothing flickers), asked for again when a lost server is back.
+// The answer of the server at an address, for a component. It is fetched when the address changes. Until it comes the
+// former answer stays, so that nothing flickers. When a lost server is back, it is fetched again.
 import { useEffect, useState } from "preact/hooks";
-import { get_json, is_version_gone, words_of } from "./api";
+import { words_of } from "../base/messages";
+import { get_json, is_version_gone } from "./api";
 import { returned } from "./connection";
 
 export interface Answer<T> {
   value: T | null;
-  path: string | null; // of the value
+  path: string | null; // the address that gave the value
   error: string | null;
 }
 
@@ -27,7 +28,7 @@ export function use_answer<T>(path: string | null): Answer<T> {
   return answer;
 }
 
-// A value that has stood still for a while: what is dragged is not asked for at every step.
+// The value once it has stood still for a while, so that a drag does not send a request at every step.
 export function use_settled<T>(value: T, milliseconds: number): T {
   const [settled, set_settled] = useState(value);
   useEffect(() => {

@@ -1,5 +1,6 @@
-// Whether the server is there. Every request says how it went (api.ts); when one can't reach the server, its health is asked for
-// at growing intervals until it answers, and `returned` counts up: whoever waits for data asks again then.
+// Whether the server can be reached. Every request reports how it went (api.ts). When one cannot reach the server, the
+// page asks for its health at growing intervals until it answers. Then `returned` counts up, and everything that waits
+// for data asks again.
 import { signal } from "@preact/signals";
 
 export interface Connection {
@@ -9,7 +10,7 @@ export interface Connection {
 
 export const connection = signal<Connection>({ state: "there", since: Date.now() });
 export const returned = signal(0);
-export const next_try = signal<number | null>(null); // when health is asked for again
+export const next_try = signal<number | null>(null); // when the server's health is asked for again, as Date.now()
 
 const FIRST_WAIT = 1000;
 const LONGEST_WAIT = 15000;
@@ -37,7 +38,7 @@ function schedule(): void {
   wait = Math.min(2 * wait, LONGEST_WAIT);
 }
 
-// A server in front may answer for one that is gone: only a healthy answer counts.
+// A proxy may answer in place of a server that is gone, so only an answer of success counts.
 async function is_healthy(): Promise<boolean> {
   try {
     return (await fetch("healthz", { cache: "no-store", signal: AbortSignal.timeout(10000) })).ok;
@@ -53,15 +54,15 @@ export async function try_now(): Promise<void> {
   if (connection.value.state === "lost") schedule();
 }
 
-// An answer takes very long: it may be large, or the server gone without a word.
+// An answer takes very long. It may be large, or the server may be gone without having said so.
 export async function doubt(): Promise<void> {
   if (connection.value.state === "there" && !(await is_healthy())) not_reached();
 }
 
-// Whoever waits for data asks again.
+// Everything that waits for data asks again.
 export const ask_again = () => void ++returned.value;
 
-// The browser knows before any request does.
+// The browser knows that the network is gone before any request fails.
 export function watch_network(): void {
   addEventListener("offline", not_reached);
   addEventListener("online", () => connection.value.state === "lost" && void try_now());

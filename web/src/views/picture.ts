@@ -1,12 +1,11 @@
-// The views as a picture for a paper or a mail: with a title above and a legend below.
-import { AXIS_NAMES } from "./api";
-import { about, coordinate, product } from "./format";
-import { width_at } from "./dock/runs";
-import { css_color } from "./materials";
-import type { Viewer } from "./viewer";
-import { snapshot } from "./views/snapshot";
+// The views as a picture for a paper or a mail, with a title above and a legend below.
+import { about, coordinate, product } from "../base/format";
+import { AXIS_NAMES } from "../base/grid";
+import { css_color } from "../base/materials";
+import type { Viewer } from "../state/viewer";
+import { snapshot } from "./snapshot";
 
-const MARGIN = 16; // in CSS pixels, as are all below
+const MARGIN = 16; // CSS pixels, as are all lengths below
 const LINE = 20;
 const FONT = "system-ui, -apple-system, 'Segoe UI', sans-serif";
 
@@ -17,7 +16,7 @@ interface Entry {
   top: number;
 }
 
-// The legend's entries from left to right, as many lines as they need.
+// Places the legend's entries from left to right, in as many lines as they need.
 function laid_out(viewer: Viewer, width: number, measure: (text: string) => number): { entries: Entry[]; height: number } {
   const entries: Entry[] = [];
   let left = MARGIN;
@@ -39,7 +38,7 @@ function laid_out(viewer: Viewer, width: number, measure: (text: string) => numb
 function place_text(viewer: Viewer): string {
   const where = viewer.cell.value.map((i, d) => {
     const axis = viewer.axes[d as 0 | 1 | 2];
-    return `${AXIS_NAMES[d]} = ${coordinate(axis.centre(i), width_at(axis, i))}`;
+    return `${AXIS_NAMES[d]} = ${coordinate(axis.centre(i), axis.width(i))}`;
   });
   return `${where.join(", ")} ${viewer.units}`;
 }

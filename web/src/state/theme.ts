@@ -1,10 +1,10 @@
-// Light or dark: as the system says until the switch is used; then as this browser remembers.
+// Light or dark. The system decides until somebody uses the switch. From then on this browser remembers the choice.
 import { computed, effect, signal } from "@preact/signals";
 
 type Theme = "light" | "dark";
 const KEY = "teracell-theme";
 
-// Storage may be forbidden: then the choice lasts as long as the page.
+// Storage may be forbidden. Then the choice lasts as long as the page.
 function remembered(): Theme | null {
   try {
     const text = localStorage.getItem(KEY);
@@ -25,7 +25,7 @@ export function switch_theme(): void {
   try {
     localStorage.setItem(KEY, chosen.value);
   } catch {
-    // nothing to remember it with
+    // Storage is forbidden.
   }
 }
 

@@ -1,5 +1,5 @@
-// An axis of the grid: between cell indices and coordinates, as the store has them (store/grid.hpp).
-import type { AxisIndex, AxisJson } from "./api";
+// An axis of the grid. It maps cell indices to coordinates and back, by the same rule as the store.
+import type { AxisIndex, AxisJson } from "./grid";
 
 export class Axis {
   readonly cells: number;
@@ -27,13 +27,19 @@ export class Axis {
     return this.json.min + (this.json.first + i) * this.json.step;
   }
 
-  // The point that decides cell i's material.
+  // The width of cell i, or of the nearest cell when i lies outside.
+  width(i: number): number {
+    const c = this.clamp(i);
+    return this.plane(c + 1) - this.plane(c);
+  }
+
+  // The coordinate of cell i's sample point, which decides its material.
   centre(i: number): number {
     if (this.json.type === "graded") return this.planes![i]! + this.sample * (this.planes![i + 1]! - this.planes![i]!);
     return this.json.min + (this.json.first + i + this.sample) * this.json.step;
   }
 
-  // The cell that holds a coordinate; below 0 or from `cells` on when it lies outside.
+  // The cell that holds a coordinate: -1 below the axis, `cells` above it.
   cell_at(x: number): number {
     if (x < this.min) return -1;
     if (x >= this.max) return this.cells;
@@ -53,8 +59,10 @@ export class Axis {
     return low;
   }
 
-  // The cell that stands for all of [low, high), -1 when none does: the one in the middle, unless it is wider than that while others
-  // lie whole within. Then the middle one of those: thin cells are not passed over, nor is a domain thinner than a pixel.
+  // The cell that is drawn for an interval [low, high); -1 for none. Usually it is the cell that holds the middle of
+  // the interval. When that cell reaches beyond the interval while thinner cells lie entirely within it, it is the
+  // middle one of those, so that thin cells are not passed over. When the whole axis lies within the interval, it is
+  // the middle cell of the axis, so that a domain thinner than a pixel is still drawn.
   cell_among(low: number, high: number): number {
     const middle = this.cell_at((low + high) / 2);
     const inside = middle >= 0 && middle < this.cells;
@@ -64,12 +72,17 @@ export class Axis {
     return (middle === before || middle === after) && after - before >= 2 ? (before + after) >> 1 : middle;
   }
 
+  // The nearest cell, and the nearest coordinate, of the axis.
   clamp(i: number): number {
     return Math.min(Math.max(Math.round(i), 0), this.cells - 1);
   }
+  inside(x: number): number {
+    return Math.min(Math.max(x, this.min), this.max);
+  }
 }
 
-// The axes of a picture across `w`: z -> (x, y), y -> (x, z), x -> (y, z); u points right, v up.
+// The axes of a slice across `w`: u points right and v points up. Across z they are (x, y), across y (x, z), across x
+// (y, z).
 export interface Frame {
   readonly u: AxisIndex;
   readonly v: AxisIndex;

@@ -1,0 +1,138 @@
+// The types of what the server says about grids, and the addresses of one grid. Addresses are relative to the page,
+// which may be served below any path.
+export type Index3 = [number, number, number];
+export type AxisIndex = 0 | 1 | 2;
+export const AXES: readonly AxisIndex[] = [0, 1, 2];
+export const AXIS_NAMES = ["x", "y", "z"] as const;
+
+export type AxisJson = { type: "uniform"; min: number; step: number; first: number; cells: number } | { type: "graded"; planes: number[] };
+
+export interface Material {
+  id: number;
+  name: string;
+  color: string; // #rrggbb or #rrggbbaa
+  rank: number; // where one of several materials is needed, the lowest rank wins
+}
+
+export interface Hole {
+  at: [number, number, number];
+  edges: number;
+  diameter: number;
+  diameter_cells?: number;
+  width?: number; // of its gap: much less than the diameter when it is a crack
+  width_cells?: number;
+  cap_area: number;
+  extruded?: boolean; // closed by walls and a floor, not by a cap
+}
+
+// A curve of edges along which facets face the other way than their neighbours.
+export interface Flip {
+  at: [number, number, number];
+  edges: number;
+}
+
+export interface BodyReport {
+  name: string;
+  facets: number;
+  degenerate: number;
+  duplicates: number;
+  opposite?: number; // duplicates that face the other way than the first of them
+  shells: number;
+  stitch?: number; // length
+  seams?: { number: number; length: number; widest_gap: number };
+  fill: { rule: string; shells: number; why: string }[];
+  holes: Hole[];
+  flips: Flip[];
+  cells: number;
+  cells_text?: string; // the exact count, when it is above 2^53
+  covered_cells?: number; // inside the body, but owned by stronger bodies
+}
+
+export interface Report {
+  bodies: BodyReport[];
+  crossings: number;
+  warnings: string[];
+  inputs: { path: string; format: string; bytes: number; hash: string }[];
+  ray_axis?: { axis: string; why: string; crossings_expected?: number[] };
+}
+
+export interface GridInfo {
+  id: string;
+  units: string;
+  ray_axis: string;
+  grid: { min: number[]; max: number[]; cells: Index3; sample: number[]; axes: AxisJson[]; cells_text: string };
+  materials: Material[];
+  levels: { level: number; cells: Index3; stored: boolean; chunks: number; bytes: number }[];
+  file: { bytes: number; version: string; hash: string };
+  crossings: number;
+  bits_per_crossing: number;
+  report: Report;
+}
+
+export interface GridSummary {
+  id: string;
+  name: string;
+  cells: Index3;
+  bytes: number;
+  hash: string;
+  units: string;
+}
+
+// A file in the served folder that cannot be read as a grid, and why.
+export interface UnreadableFile {
+  id: string;
+  error: string;
+}
+
+export interface MaterialStats {
+  id: number;
+  name: string;
+  cells: number;
+  cells_text?: string; // the exact count, when it is above 2^53
+  volume: number;
+  box: [number, number, number, number, number, number] | null;
+}
+export interface Stats {
+  region: [number, number, number, number, number, number];
+  materials: MaterialStats[];
+}
+
+export interface ColumnRun {
+  from: number;
+  to: number;
+  min: number;
+  max: number;
+  material: number;
+  name: string;
+}
+export interface Column {
+  axis: string;
+  at: [number, number];
+  runs: ColumnRun[];
+}
+
+// The addresses of one grid. Each names the version of the file, so browsers may keep the answers for ever.
+export class GridAddress {
+  private readonly base: string;
+  constructor(
+    readonly id: string,
+    readonly hash: string,
+  ) {
+    this.base = `api/v1/grids/${encodeURIComponent(id)}`;
+  }
+  // The sets of materials in a tile of 512 x 512 cells. tiles/tile.ts describes the format.
+  tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
+    return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1&v=${this.hash}`;
+  }
+  // A cube of 64^3 cells of a level, with the strongest material of each cell: gzip around one byte per cell, or two
+  // when there are more than 256 materials.
+  cube(level: number, [x, y, z]: Index3): string {
+    return `zarr/${encodeURIComponent(this.id)}/${level}/c/${z}/${y}/${x}?v=${this.hash}`;
+  }
+  column(axis: AxisIndex, a: number, b: number): string {
+    return `${this.base}/column/${AXIS_NAMES[axis]}/${a}_${b}?v=${this.hash}`;
+  }
+  stats(region?: readonly number[]): string {
+    return `${this.base}/stats?${region ? `region=${region.join(",")}&` : ""}v=${this.hash}`;
+  }
+}

@@ -1,0 +1,120 @@
+// The one way to ask the server for something, what can go wrong, and the token that it may demand.
+import { signal } from "@preact/signals";
+import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
+import { say } from "../base/messages";
+import { ask_again, doubt, not_reached, reached } from "./connection";
+
+// The server answered with an error, or it did not answer at all (status 0).
+export class ServerError extends Error {
+  constructor(
+    readonly status: number,
+    readonly code: string,
+    message: string,
+  ) {
+    super(message);
+  }
+}
+
+async function error_of(response: Response): Promise<ServerError> {
+  try {
+    const { error } = (await response.json()) as { error: { code: string; message: string } };
+    return new ServerError(response.status, error.code, error.message);
+  } catch {
+    return new ServerError(response.status, "http", `the server answered ${response.status} ${response.statusText}`);
+  }
+}
+
+// A server may demand a token (--token-file). It gives out the page without one, because browsers send none when they
+// open an address. The page then asks for the token: the form is shown while `token_wanted`, and it passes what was
+// typed to give_token(). The token is kept for this tab alone; where storage is forbidden, as in frames of other sites,
+// only until the page is left.
+export const token_wanted = signal(false);
+const token_key = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may be reached under another path
+
+function remembered(): string | null {
+  try {
+    return sessionStorage.getItem(token_key());
+  } catch {
+    return null;
+  }
+}
+let token = remembered();
+export const has_token = (): boolean => token !== null;
+
+// Why a text cannot be a token; null when it can. A field of an HTTP header takes visible ASCII characters only.
+export function fault_of_token(text: string): string | null {
+  const odd = [...text].find((c) => c < "!" || c > "~");
+  if (odd === undefined) return null;
+  const code = odd.codePointAt(0)!.toString(16).toUpperCase().padStart(4, "0");
+  return `A token consists of visible ASCII characters. This one contains U+${code}.`;
+}
+
+// Everything that was refused is asked for again.
+export function give_token(text: string): void {
+  token = text;
+  try {
+    sessionStorage.setItem(token_key(), text);
+  } catch {
+    // Storage is forbidden.
+  }
+  token_wanted.value = false;
+  ask_again();
+}
+
+// Counts how often an address had no answer any more because the file that it names was replaced.
+export const version_gone = signal(0);
+
+// Whether an error means that. A banner then says so for the whole page (banners.tsx).
+export const is_version_gone = (error: unknown, path: string): boolean => error instanceof ServerError && error.status === 404 && path.includes("v=");
+
+// Tells the whole page about an error that concerns it, whichever part of the page asked.
+function noted(error: ServerError, path: string): ServerError {
+  if (error.status === 401) token_wanted.value = true;
+  else if (is_version_gone(error, path)) ++version_gone.value;
+  else if (error.code === "damaged") say("The file is damaged: parts of it can't be read", error.message);
+  else if (error.status >= 500) say("The server could not answer", error.message);
+  return error;
+}
+
+const SLOW = 10_000; // milliseconds without an answer, after which the server's health is checked
+
+// Fetches an address below the server's root. Throws ServerError, or AbortError when the signal ends it.
+export async function get(path: string, options: { signal?: AbortSignal; priority?: "high" | "low" | "auto" } = {}): Promise<Response> {
+  const headers: HeadersInit = token === null ? {} : { authorization: `Bearer ${token}` };
+  const timer = setTimeout(() => void doubt(), SLOW);
+  let response: Response;
+  try {
+    response = await fetch(path, { ...options, headers });
+  } catch (error) {
+    if (options.signal?.aborted) throw error;
+    not_reached();
+    throw new ServerError(0, "unreachable", "the server can't be reached");
+  } finally {
+    clearTimeout(timer);
+  }
+  // A proxy answers 502 or 504 in place of a server that is gone.
+  if (response.status === 502 || response.status === 504) not_reached();
+  else reached();
+  if (!response.ok) throw noted(await error_of(response), path);
+  return response;
+}
+
+const BUSY_FIRST = 1000;
+const BUSY_LONGEST = 15_000;
+
+// With a signal, a request that a busy server refuses (503) is repeated after ever longer waits, until the signal ends
+// it.
+export async function get_json<T>(path: string, signal?: AbortSignal): Promise<T> {
+  for (let wait = BUSY_FIRST; ; wait = Math.min(2 * wait, BUSY_LONGEST)) {
+    try {
+      return (await (await get(path, signal ? { signal } : {})).json()) as T;
+    } catch (error) {
+      if (!signal || !(error instanceof ServerError && error.status === 503)) throw error;
+    }
+    await new Promise((done) => setTimeout(done, wait));
+    signal.throwIfAborted();
+  }
+}
+
+export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[]; unreadable: UnreadableFile[] }>("api/v1/grids", signal);
+export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);
