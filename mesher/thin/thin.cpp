@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mesher/bodies.hpp"
+#include "mesher/closing/closing.hpp"
 
 namespace teracell {
 namespace {
