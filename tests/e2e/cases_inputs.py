@@ -148,7 +148,7 @@ class Inputs(Case):
         scene = {"grid": {"cells": 9}, "materials": {"a": {}}, "bodies": [{"mesh": "box.stl", "material": "a"}]}
         for change, phrase in (({"materials": {"a": {}, "\x1b[2J": {}}}, 'materials["\\u001b[2J"]'),
                                ({"units": "\x9b"}, 'found "?"'), ({"\x1b]0;x\x07": 1}, "unknown key"),
-                               ({"bodies": [{**scene["bodies"][0], "name": "a\rb"}]}, "bodies[0].name: expected a text without control characters")):
+                               ({"bodies": [{**scene["bodies"][0], "name": "a\rb"}]}, "bodies[0].name: expected a string without control characters")):
             self.write("s.json", {**scene, **change})
             self.refused(2, ["s.json: ", phrase], "mesh", "s.json", "-o", "x.tcell")
         self.write("s.json", b'{"units": "\xff"}')

@@ -19,7 +19,7 @@
 namespace teracell {
 namespace {
 
-const std::vector<std::string> kFills = {"auto", "nonzero", "evenodd", "distinct"};  // in the order of Fill
+const std::vector<std::string> kFills(kFillNames.begin(), kFillNames.end());
 
 struct Options {
   std::vector<std::string> inputs;
@@ -54,6 +54,9 @@ Scene scene_from(const Options& o) {
   const std::optional<Closing> closing = parse_closing(o.closing.empty() ? "cap" : o.closing);
   if (!closing) throw UsageError(fmt::format("--closing: expected cap, strict, or extrude: and a direction such as -z, found '{}'", o.closing));
   if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75)) throw UsageError(fmt::format("--stitch: expected a length from 0 to 1e75, found {}", *o.stitch));
+  const char* const for_solids = !o.fill.empty() ? "--fill" : !o.closing.empty() ? "--closing" : o.stitch ? "--stitch" : nullptr;
+  if (for_solids && !scene.bodies.empty() && std::ranges::all_of(scene.bodies, [](const SceneBody& body) { return body.kind == Kind::kSheet; }))
+    throw UsageError(fmt::format("{}: expected a scene with solids, found sheets only, which are not filled, closed or stitched: leave it out", for_solids));
   for (SceneBody& body : scene.bodies) {
     if (body.kind == Kind::kSheet) continue;
     if (!o.fill.empty()) body.fill = static_cast<Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
@@ -162,9 +165,9 @@ Run setup_mesh(CLI::App& app) {
   app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
   app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
   app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
-  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd, distinct")->check(one_of(kFills));
-  app.add_option("--closing", o->closing, "surfaces that are open after stitching: cap closes them, strict refuses them, extrude:-z (or +z, -x ...) extends them beyond the domain");
-  app.add_option("--stitch", o->stitch, "open edges closer than this are joined, in the units of the grid (default: a quarter of the shortest cell edge; 0: none)");
+  app.add_option("--fill", o->fill, "what inside means, for all solids: auto, nonzero, evenodd, distinct")->check(one_of(kFills));
+  app.add_option("--closing", o->closing, "surfaces of solids that are open after stitching: cap closes them, strict refuses them, extrude:-z (or +z, -x ...) extends them beyond the domain");
+  app.add_option("--stitch", o->stitch, "open edges of solids that are closer than this are joined, in the units of the grid (default: a quarter of the shortest cell edge; 0: none)");
   app.add_flag("--thin", o->thin, "count along x, y and z what gets lost between sample points, of every solid and of the gaps between them; the cells are the same");
   app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice, brute; the file is the same")->check(one_of(engine_names()));
   add_threads(app, o->threads);
