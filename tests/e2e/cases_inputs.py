@@ -74,9 +74,9 @@ class Inputs(Case):
         cells = self.json_of("stats", "box.tcell")["materials"][1]["cells"]
         text = solids.ascii_stl(BOX)
         obj = "".join(f"v {x} {y} {z}\n" for facet in BOX for x, y, z in facet) + "".join(f"f {i} {i + 1} {i + 2}\n" for i in range(1, 3 * len(BOX), 3))
-        for name, contents, warnings in (("behind.stl", solids.binary_stl(BOX) + bytes(120), ["120 bytes behind the last facet were skipped"]),
+        for name, contents, warnings in (("behind.stl", solids.binary_stl(BOX) + bytes(120), ["120 bytes after the last facet were skipped"]),
                                          ("open.stl", text[: text.rindex("endsolid")], ["the file ends without 'endsolid': it may be cut short"]),
-                                         ("color.stl", text.replace("outer", "color 1 0 0\nouter"), ["12 lines that are no part of an STL were skipped, the first is line 3, 'color 1 0 0'"]),
+                                         ("color.stl", text.replace("outer", "color 1 0 0\nouter"), ["12 lines that are not STL were skipped, the first is line 3, 'color 1 0 0'"]),
                                          ("line.stl", text.replace("\n", " "), []),
                                          ("lines.obj", obj + "l 1 2\np 3\n", ["1 polyline and 1 point were skipped"]),
                                          ("surface.obj", obj + "surf 0 1 0 1 1 2 3 4\n", ["1 free-form surface was skipped: convert surfaces to polygons where the body needs them"])):
