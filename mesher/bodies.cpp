@@ -14,7 +14,7 @@
 namespace teracell {
 namespace {
 
-// What a facet in memory costs: itself, its place among the rays, its numbers in the lists of the tiling, its survey.
+// What a facet in memory costs: itself, its place among the rays, its numbers in the lists of the tiling, its part of what counts it.
 constexpr uint64_t kBytesPerFacet = 160;
 
 // The one pass over the bodies' facets: is one closed, has it opposite facets, and what box and projections have all where
@@ -80,7 +80,7 @@ class Study {
 class BodyReader {
  public:
   BodyReader(const Scene& scene, const Budget& budget, Bodies& out)
-      : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), out_(out), surveys_(out.surveys) {}
+      : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), out_(out), counts_(out.counts) {}
 
   void read(const std::function<void(double)>& tick) {
     out_.bodies.reserve(scene_.bodies.size());
@@ -88,7 +88,7 @@ class BodyReader {
       const SceneBody& body = scene_.bodies[b];
       const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change it
       BodyFacets found;
-      found.first = out_.facets->size();
+      found.first = out_.in_memory ? out_.facets->size() : 0;
       found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
         take(b, layer, facets);
         tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
@@ -134,14 +134,14 @@ class BodyReader {
     if (batch_.facets >= kFacets) hand_on();
   }
 
-  // What was kept is dropped, and no longer surveyed.
+  // What was kept is dropped, and no longer counted.
   void spill() {
     expect_files();
     hand_on();
     out_.helper->finish();
     out_.helper->drop_later();
     out_.in_memory = false;
-    out_.facets = std::make_shared<FacetStore>();
+    out_.facets.reset();
   }
 
   // What is spilled is read again, so it must be there again.
@@ -166,12 +166,12 @@ class BodyReader {
       }
     });
     if (!out_.in_memory) return;
-    out_.helper->run_later([survey = survey_, surveys = surveys_, batch] {
+    out_.helper->run_later([counter = counter_, counts = counts_, batch] {
       for (const Piece& p : batch->pieces) {
-        for (const SceneFacet& f : p.stored) survey->add(f.facet);
+        for (const SceneFacet& f : p.stored) counter->add(f.facet);
         if (!p.ends) continue;
-        surveys->push_back(survey->totals());
-        *survey = {};
+        counts->push_back(counter->totals());
+        *counter = {};
       }
     });
   }
@@ -183,8 +183,8 @@ class BodyReader {
   Bodies& out_;
   // Jobs may outlive the reading, when it throws.
   const std::shared_ptr<Study> study_ = std::make_shared<Study>();
-  const std::shared_ptr<Survey> survey_ = std::make_shared<Survey>();
-  const std::shared_ptr<std::vector<SurveyTotals>> surveys_;
+  const std::shared_ptr<SurfaceCounter> counter_ = std::make_shared<SurfaceCounter>();
+  const std::shared_ptr<std::vector<SurfaceCounts>> counts_;
   Batch batch_;
 };
 
@@ -200,9 +200,9 @@ bool Bodies::float32() const {
   return std::ranges::all_of(bodies, [](const BodyFacets& b) { return b.file.float32; });
 }
 
-std::vector<SurveyTotals> Bodies::survey_totals() {
+std::vector<SurfaceCounts> Bodies::wait_for_counts() {
   helper->finish_all();
-  return *surveys;
+  return *counts;
 }
 
 Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick) {
@@ -237,6 +237,7 @@ void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bo
 
 void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
                     const std::function<void(const Facet&)>& f) {
+  if (bodies.in_memory && !bodies.facets) throw std::logic_error("for_each_facet: the facets were handed on");
   if (bodies.in_memory) return bodies.facets->for_each(found.first, found.first + found.file.facets, [&](const SceneFacet& s) { f(s.facet); });
   read_again(body, found, budget, [&](std::span<const Facet> facets) {
     for (const Facet& facet : facets) f(facet);

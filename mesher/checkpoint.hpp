@@ -1,6 +1,6 @@
 // What a killed run leaves behind so that another can go on: "<output>.resume" beside "<output>.partial".
 //
-// The state of the writers after some unit, and what the run depends on: inputs, scene, options, versions. It is
+// The state of the writers after some tile group, and what the run depends on: inputs, scene, options, versions. It is
 // replaced now and then, each time after the partial file's bytes up to there are durable; so whenever the process or
 // the machine stops, the two fit together. (Rejected: journal frames inside the file. They would stay in it for good,
 // and a resumed run would not end with the bytes of an undisturbed one.)
@@ -16,7 +16,7 @@ namespace teracell {
 
 struct Checkpoint {
   std::string identity;  // JSON: what the file's bytes depend on
-  uint64_t units = 0;    // finished, in the order of the tree
+  uint64_t groups = 0;    // finished, in the order of the tree
   CastTotals totals;
   Bytes writers;         // GridWriter's state, then PyramidWriter's
 };

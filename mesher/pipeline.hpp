@@ -1,6 +1,6 @@
 // The main job: a scene in, a .tcell file out.
 //
-//   scene -> facets -> (closed? box? cost?) -> grid -> units of rays, several threads:
+//   scene -> facets -> (closed? box? cost?) -> grid -> groups of tiles, several threads:
 //   tiles -> crossings -> runs -> chunks of level 0 and 2 -> in order: pyramid above, file
 //
 // The file depends on the scene alone: neither on the number of threads nor on timing.
@@ -8,8 +8,8 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
-#include <nlohmann/json_fwd.hpp>
 
+#include "mesher/report.hpp"
 #include "mesher/scene/scene.hpp"
 
 namespace teracell {
@@ -31,11 +31,11 @@ struct MeshOptions {
 using Progress = std::function<void(const char* phase, double share, double cells)>;
 
 struct MeshReport {
-  std::string in_file;                // the report in the file, JSON
-  std::vector<std::string> warnings;  // those in it, and what was found by sums that round
-  size_t caps_written = 0;            // files
-  std::string of_this_run;            // JSON of what only --report shows: times, memory, threads, trust
-  nlohmann::ordered_json whole() const;  // all of it, as a tree: large where the bodies are many
+  Report report;            // what the file holds
+  std::string json;         // the same, as the file holds it
+  RunReport run;
+  size_t caps_written = 0;  // files
+  std::vector<std::string> warnings() const;  // those of the report, and what was found by sums that round
 };
 
 // Writes `output` and returns the report. Stops soon after `stop` is set, with Interrupted. Whatever is thrown, nothing

@@ -1,6 +1,6 @@
-// One unit of rays: cast, compose, encode, coarsen. Its four rows of chunks are jobs for any threads; the thread that
-// ends the last of them makes the unit's chunk of level 2. (Whole units as jobs leave threads idle at the end of a
-// small grid: 1000 x 1000 rays are 16 units.)
+// The work on a tile group: cast its rays, compose, encode, coarsen. Its four rows of tiles are jobs for any threads; the
+// thread that ends the last of them makes the group's chunk of level 2. (Whole groups as jobs leave threads idle at the end
+// of a small grid: 1000 x 1000 rays are 16 groups.)
 #pragma once
 #include <atomic>
 
@@ -40,18 +40,18 @@ struct CastTotals {
   void add(const RowTotals& row);
 };
 
-class UnitWork {
+class TileGroupWork {
  public:
   static constexpr uint32_t kRows = 4;
   // Keeps references to tiling and meta.
-  UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta);
+  TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta);
 
-  // Makes the chunks of level 0 of a row, [0, kRows), and with the last row the unit's chunk of level 2.
+  // Makes the chunks of level 0 of a row, [0, kRows), and with the last row the group's chunk of level 2.
   // Different rows may be made by different threads at once.
   void make_row(uint32_t row, Worker& worker);
 
-  // When all rows are made: the unit's chunks, and its rays on level 3.
-  const Unit& unit() const { return unit_; }
+  // When all rows are made: the group's chunks, and its rays on level 3.
+  const TileGroup& group() const { return group_; }
   const std::vector<LevelChunk>& chunks() const { return chunks_; }
   Chunk& coarse() { return coarse_; }
   const std::array<RowTotals, kRows>& totals() const { return totals_; }
@@ -61,7 +61,7 @@ class UnitWork {
   void tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const;
   void make_level2(Worker& worker);
 
-  const Unit unit_;
+  const TileGroup group_;
   const Tiling& tiling_;
   const Metadata& meta_;
   const LevelShape shape_;
