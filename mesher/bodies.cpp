@@ -14,11 +14,12 @@
 namespace teracell {
 namespace {
 
-// What a facet in memory costs: itself, its place among the rays, its numbers in the lists of the tiling, its part of what counts it.
+// What a facet in memory takes: the facet, its place among the rays, its numbers in the lists of the tiling, and its part of the
+// tables that count what its surface is made of.
 constexpr uint64_t kBytesPerFacet = 160;
 
-// The one pass over the bodies' facets: is one closed, has it opposite facets, and what box and projections have all where
-// their matrices put them?
+// The one pass over all facets. Of each body it finds whether its surface is closed and whether it has opposite facets; of all of
+// them, where their matrices put them, the box and the areas of their projections.
 class Study {
  public:
   Study() { begin(); }
@@ -39,7 +40,7 @@ class Study {
       area_[w] += std::abs((p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u])) / 2;
     }
   }
-  // When all facets of a body were taken.
+  // REQUIRES: all facets of the body were taken.
   void end_body() {
     bodies_.push_back({lo_, hi_, boundary_, opposites_.take_answer()});
     begin();
@@ -75,8 +76,8 @@ class Study {
   std::vector<Found> bodies_;
 };
 
-// Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time: a
-// job for each of 100,000 bodies would take longer than what is done in it.
+// Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time. (With one
+// job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
 class BodyReader {
  public:
   BodyReader(const Scene& scene, const Budget& budget, Bodies& out)
@@ -86,7 +87,7 @@ class BodyReader {
     out_.bodies.reserve(scene_.bodies.size());
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
       const SceneBody& body = scene_.bodies[b];
-      const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change it
+      const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change the layer
       BodyFacets found;
       found.first = out_.in_memory ? out_.facets->size() : 0;
       found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
@@ -106,7 +107,7 @@ class BodyReader {
 
  private:
   static constexpr size_t kFacets = 4096, kPieces = 1024;
-  // Facets of a body that came together: in the store, or as many of Batch::copies. Or the body's end.
+  // Facets of a body that arrived together: they lie in the store, or are the next ones of Batch::copies. Or the end of the body.
   struct Piece {
     size_t body;
     std::span<const SceneFacet> stored;
@@ -134,7 +135,7 @@ class BodyReader {
     if (batch_.facets >= kFacets) hand_on();
   }
 
-  // What was kept is dropped, and no longer counted.
+  // Drops the facets that were kept, and no longer counts them.
   void spill() {
     expect_files();
     hand_on();
@@ -144,7 +145,7 @@ class BodyReader {
     out_.facets.reset();
   }
 
-  // What is spilled is read again, so it must be there again.
+  // Surfaces that are spilled are read again, so none of them may be a pipe.
   void expect_files() const {
     if (once_)
       throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
@@ -181,7 +182,7 @@ class BodyReader {
   const uint64_t most_;
   std::optional<size_t> once_;  // the first body whose mesh can't be read again
   Bodies& out_;
-  // Jobs may outlive the reading, when it throws.
+  // Shared, because jobs may outlive the reading when it throws.
   const std::shared_ptr<Study> study_ = std::make_shared<Study>();
   const std::shared_ptr<SurfaceCounter> counter_ = std::make_shared<SurfaceCounter>();
   const std::shared_ptr<std::vector<SurfaceCounts>> counts_;

@@ -27,7 +27,7 @@ using nlohmann::ordered_json;
 
 std::filesystem::path folder_of(const std::filesystem::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-// Of this process: getrusage() would tell the launching one's, if that was larger before exec.
+// From /proc, because getrusage() has the peak of the program that launched this one, if that was larger.
 uint64_t peak_memory_bytes() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;)
@@ -35,15 +35,15 @@ uint64_t peak_memory_bytes() {
   return 0;
 }
 
-// What was freed stays with the process unless it is asked for: the tree of a large scene's JSON, facets that were dropped.
+// Gives freed memory back to the system, which the allocator would keep: that of a large scene's JSON, and of facets that were dropped.
 void give_back_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);
 #endif
 }
 
-// How often a long run makes what it has durable: rarely enough for that to take no more than a twentieth of the time;
-// with 0 seconds whenever it can.
+// When a long run makes durable what it has: so rarely that this takes no more than a twentieth of the time, and with 0 seconds
+// at every occasion.
 class Checkpoints {
  public:
   explicit Checkpoints(double seconds) : least_(seconds), next_(Clock::now() + least_) {}
@@ -63,7 +63,7 @@ class Checkpoints {
   std::chrono::time_point<Clock, Seconds> next_;
 };
 
-// One run, step by step in the order of run().
+// One run. The steps stand in the order of run().
 class MeshRun {
  public:
   MeshRun(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress, const std::atomic<bool>& stop)
@@ -116,7 +116,7 @@ class MeshRun {
     progress_(phase, share, cells);
   }
 
-  // Holds bodies that were open against the winding number of their surface. It rounds, so it stays out of the file.
+  // Compares bodies that were open with the winding number of their surface. This rounds, so it stays out of the file.
   void check_caps() {
     std::vector<size_t> doubtful;
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
@@ -131,7 +131,7 @@ class MeshRun {
       tick("check", static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
       const std::vector<Vec3> points = draw_trust_points(found.lo, found.hi, plan_.meta.grid, trust_points(found.file.facets, doubtful.size()));
       if (points.empty()) continue;
-      // Each thread goes through all facets: where that means to read the file, one does.
+      // Each thread goes through all facets. Where that means reading the file, there is one thread.
       const Trust trust = try_points(points, found.lo, found.hi, bodies_.in_memory ? threads_ : 1, [&](TrustCheck& check) {
         for_each_facet(body, found, bodies_, budget_, [&](const Facet& f) { check.add_surface(moved(f, body)); });
         for (const Facet& f : closed.added[0]) check.add_closing(moved(f, body));
@@ -140,7 +140,7 @@ class MeshRun {
     }
   }
 
-  // What the file's bytes depend on. Long parts stand by their checksum: a checkpoint has it all.
+  // What the file's bytes depend on. A long part is represented by its checksum, because every checkpoint holds all of this.
   std::string identity() const {
     const auto brief = [](std::string text) {
       constexpr size_t kLongest = size_t{1} << 20;
@@ -167,7 +167,7 @@ class MeshRun {
     if (options_.resume) before = load_checkpoint(output_, identity());
     if (!before) {
       writer_.emplace(output_, plan_.meta);
-      remove_checkpoint(output_);  // of an earlier run; only now that the lock is ours
+      remove_checkpoint(output_);  // of an earlier run; removed only now that the lock is ours
       pyramid_.emplace(*writer_);
       return;
     }
@@ -222,7 +222,7 @@ class MeshRun {
           return job;
         },
         [&](Job job) {
-          if (job.row + 1 < TileGroupWork::kRows) return;  // taken in order: with the last row all are made
+          if (job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
           store(*job.work);
           checkpoints.maybe([&] { save(); });
           tick("mesh", static_cast<double>(groups_) / static_cast<double>(tiling.groups()));
@@ -277,9 +277,9 @@ class MeshRun {
   Plan plan_;
   std::optional<GridWriter> writer_;
   std::optional<PyramidWriter> pyramid_;
-  std::string identity_;  // from the first save() on
+  std::string identity_;  // made by the first save()
   CastTotals totals_;
-  uint64_t groups_ = 0;  // stored
+  uint64_t groups_ = 0;  // that are stored
   uint64_t resumed_chunks_ = 0;
 };
 
@@ -297,7 +297,7 @@ MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const M
   try {
     return MeshRun(scene, output, options, progress, stop).run();
   } catch (...) {
-    // The partial file goes with the run; so does what belongs to it. Not so when a run can't even begin to resume.
+    // A run that fails removes its partial file, so the checkpoint goes as well. A run that can't begin to resume leaves both.
     if (!std::filesystem::exists(output.string() + ".partial")) remove_checkpoint(output);
     throw;
   }

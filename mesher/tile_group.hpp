@@ -13,7 +13,7 @@
 
 namespace teracell {
 
-// What one thread keeps between jobs.
+// What a thread keeps from one job to the next.
 struct Worker {
   Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels, const Scene& scene, const Metadata& meta, bool count_thin)
       : engine(std::move(by)), marker(scene, meta, labels, count_thin), composer(layers, labels.strength, labels.of_body) {}
@@ -25,17 +25,17 @@ struct Worker {
   Crossings crossings;
 };
 
-// What casting a row of chunks counted.
+// What casting a row of tiles has counted.
 struct RowTotals {
   uint64_t crossings = 0, exact_decisions = 0;
   std::vector<BodyCells> cells;
   Tallies tallies;
 };
 
-// What casting counted.
+// What all casting has counted.
 struct CastTotals {
   uint64_t crossings = 0, exact_decisions = 0;
-  std::vector<unsigned __int128> cells, covered;  // of each body: that it owns; that lie in it and a stronger one owns
+  std::vector<unsigned __int128> cells, covered;  // one per body: cells that it owns, and cells in it that a stronger body owns
   Tallies tallies;
   void add(const RowTotals& row);
 };
@@ -66,8 +66,8 @@ class TileGroupWork {
   const Metadata& meta_;
   const LevelShape shape_;
   std::atomic<uint32_t> rows_left_ = kRows;
-  std::vector<LevelChunk> chunks_;    // 16 of level 0, some of them beyond the grid and empty, and one of level 2
-  std::array<Chunk, 16> pieces_;      // those of level 0, on level 2
+  std::vector<LevelChunk> chunks_;    // 16 of level 0, empty where they lie beyond the grid, and one of level 2
+  std::array<Chunk, 16> pieces_;      // the chunks of level 0, coarsened to level 2
   Chunk coarse_;
   std::array<RowTotals, kRows> totals_;
 };
