@@ -12,7 +12,6 @@ namespace {
 
 using What = TallyKey::What;
 
-std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 TallyKey key_of(What what, size_t of, int axis) { return {what, static_cast<uint32_t>(of), static_cast<uint8_t>(axis)}; }
 
 std::string lower_side_warning(size_t b, int axis, const Grid& grid, const Tallies& tallies) {

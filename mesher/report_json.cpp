@@ -20,8 +20,6 @@ constexpr size_t kMostOfBodies = size_t{34} << 20, kMostOfInputs = size_t{11} <<
 constexpr size_t kMostPlaces = 30000;  // holes and flips, of all bodies together
 constexpr size_t kBytesOfABody = 620;  // in all lists, when there is nothing special about it
 
-constexpr const char* kRules[] = {"auto", "nonzero", "evenodd", "distinct"};  // in the order of Fill
-
 // ---- out
 
 void write_place(JsonWriter& out, const std::optional<Vec3>& at) {
@@ -53,7 +51,7 @@ void write_body(JsonWriter& out, const BodyReport& body, size_t& room) {
   out.field("degenerate", counts.degenerate).field("duplicates", counts.duplicates).field("opposite", counts.opposite).field("shells", counts.shells);
   out.key("fill").begin_array();
   for (const FillChoice& f : body.fill)
-    out.begin_object().field("rule", kRules[static_cast<size_t>(f.rule)]).field("shells", f.shells.value_or(counts.shells)).field("why", f.why).end_object();
+    out.begin_object().field("rule", fill_name(f.rule)).field("shells", f.shells.value_or(counts.shells)).field("why", f.why).end_object();
   out.end_array();
   if (!body.sheet) {
     out.field("stitch", body.stitch);
@@ -143,9 +141,9 @@ HoleReport hole_in(const ordered_json& j) {
 }
 
 FillChoice fill_in(const ordered_json& j) {
-  const auto rule = std::ranges::find(kRules, j.at("rule").get<std::string>());
-  if (rule == std::end(kRules)) throw FormatError("the report: expected a fill rule, found something else");
-  return {static_cast<Fill>(rule - std::begin(kRules)), j.at("shells").get<uint64_t>(), j.at("why").get<std::string>()};
+  const auto rule = std::ranges::find(kFillNames, j.at("rule").get<std::string>());
+  if (rule == kFillNames.end()) throw FormatError("the report: expected a fill rule, found something else");
+  return {static_cast<Fill>(rule - kFillNames.begin()), j.at("shells").get<uint64_t>(), j.at("why").get<std::string>()};
 }
 
 BodyReport body_in(const ordered_json& j) {

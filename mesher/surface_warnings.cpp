@@ -9,8 +9,6 @@
 namespace teracell {
 namespace {
 
-std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
-
 double longest_side(const Grid& grid) {
   double longest = 0;
   for (const Axis& a : grid.axis) longest = std::max(longest, a.max() - a.min());
@@ -110,6 +108,8 @@ std::vector<std::string> surface_warnings(const Scene& scene, const SceneBody& b
   std::erase(out, "");
   return out;
 }
+
+std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 
 double in_cells(double length, const Vec3& at, const Grid& grid) {
   double narrowest = HUGE_VAL;

@@ -10,6 +10,8 @@ namespace teracell {
 
 // A length in cells where they are narrowest, near `at`.
 double in_cells(double length, const Vec3& at, const Grid& grid);
+// "(1, 2.5, 0)", to six digits.
+std::string text(const Vec3& p);
 
 // Of a body's surface: each begins behind "body NAME".
 std::vector<std::string> surface_warnings(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid, const SurfaceCounts& counts);

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostText = 64'000'000;  // more planes would not fit into a .tcell file; and reading a device ends
+constexpr size_t kMostText = 64'000'000;  // as many planes as fit into a .tcell file; a device would never end
 
 std::string read_text(const fs::path& path) {
   std::error_code ignored;

@@ -62,7 +62,7 @@ int64_t without_pad(int64_t cells, int64_t pad) {
 struct Span {
   double min = 0, extent = 0;
   int64_t pad = 0;
-  bool slack = false;  // the rounding of a step that divides max - min adds no cell
+  bool slack = false;  // a step that divides max - min, but for rounding, adds no cell
 };
 
 Span span_of(const SceneAxis& axis, int64_t pad, double lo, double hi) {

@@ -102,7 +102,7 @@ void refuse_too_large(std::string_view word, float, const Input& input) {
 }
 
 void refuse_too_large(std::string_view word, double, const Input& input) {
-  throw InputError(fmt::format("{}: {}: expected a coordinate of 0 or of size 1e-75 to 1e75, found a number too large for float64 (at most 1.8e308)",
+  throw InputError(fmt::format("{}: {}: expected a coordinate that is 0 or has a magnitude from 1e-75 to 1e75, found a number too large for float64 (at most 1.8e308)",
                                input.at_line(), shown(word)));
 }
 

@@ -31,7 +31,7 @@ uint32_t load32(const char* p) {
 uint64_t counted_facets(std::string_view head) { return load32(head.data() + 80); }
 
 [[noreturn]] void cut_short(const Input& input, uint64_t facets, uint64_t found) {
-  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}: it is cut short, or not an STL file", input.at_byte(80), facets,
+  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}: cut short, or not an STL file", input.at_byte(80), facets,
                                kHeader + kRecord * facets, found));
 }
 

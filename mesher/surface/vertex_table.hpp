@@ -18,7 +18,7 @@ namespace teracell {
 
 class VertexTable {
  public:
-  // Takes at most an eighth of the budget, but may take kLeastBytes. Throws IoError when a temporary file is needed and the
+  // Takes at most an eighth of the budget, or kLeastBytes if that is more. Throws IoError when a temporary file is needed and the
   // folder can't hold it.
   static constexpr uint64_t kLeastBytes = uint64_t{1} << 22;
   explicit VertexTable(const Budget& budget);
