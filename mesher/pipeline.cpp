@@ -237,7 +237,7 @@ class MeshRun {
 
   void store(UnitWork& work) {
     for (const LevelChunk& chunk : work.chunks()) pyramid_->put(chunk);
-    pyramid_->rise(2, work.unit().cu, work.unit().cv, std::move(work.coarse()));
+    pyramid_->add_to_level_above(2, work.unit().cu, work.unit().cv, std::move(work.coarse()));
     for (const RowTotals& row : work.totals()) totals_.add(row);
     ++units_;
   }

@@ -1,7 +1,7 @@
 // Which body wins where several are, and what its cells are called.
 #pragma once
 #include "mesher/scene/scene.hpp"
-#include "store/format.hpp"
+#include "store/metadata.hpp"
 
 namespace teracell {
 
