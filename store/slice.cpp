@@ -128,7 +128,7 @@ struct Picture {
     int64_t stride;  // from row to row
   };
 
-  // Makes the picture from chunks of `level` that the rays cross it in, each `side` pixels wide. Calls paint(chunk, patch) for
+  // Makes a picture that the rays lie across from chunks of `level`, each `side` pixels wide. Calls paint(chunk, patch) for
   // those that are not uniform.
   template <class Paint>
   void by_chunks(int level, int64_t side, uint32_t segment, Paint paint) const {
@@ -194,8 +194,8 @@ struct Picture {
     });
   }
 
-  // The rays of the picture: one of frame.u, frame.v is the slice's own axis, fixed; the other counts rays.
-  // Calls f(ray number, from, to, value) for the runs, in cells of the level, of rays [lo, hi) in one segment.
+  // Where the rays lie in the picture, one of rays.u and rays.v is the slice's own axis, which is fixed, and the other one
+  // counts rays. Calls f(ray, from, to, value) for the runs, in cells of the level, of the rays [lo, hi) in one segment.
   template <class F>
   void runs(int64_t lo, int64_t hi, uint32_t segment, F&& f) const {
     const bool fixed_u = rays.u == view.axis;

@@ -1,6 +1,7 @@
 // Which body wins where several are, and what its cells are called.
 #pragma once
 #include "mesher/scene/scene.hpp"
+#include "store/label.hpp"
 #include "store/metadata.hpp"
 
 namespace teracell {
