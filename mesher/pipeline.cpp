@@ -232,7 +232,7 @@ class MeshRun {
 
   void store(TileGroupWork& work) {
     for (const LevelChunk& chunk : work.chunks()) pyramid_->put(chunk);
-    pyramid_->rise(2, work.group().cu, work.group().cv, std::move(work.coarse()));
+    pyramid_->add_to_level_above(2, work.group().cu, work.group().cv, std::move(work.coarse()));
     for (const RowTotals& row : work.totals()) totals_.add(row);
     ++groups_;
   }

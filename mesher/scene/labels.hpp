@@ -1,7 +1,8 @@
 // Which body wins where bodies overlap, and which label its cells get.
 #pragma once
 #include "mesher/scene/scene.hpp"
-#include "store/format.hpp"
+#include "store/label.hpp"
+#include "store/metadata.hpp"
 
 namespace teracell {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesher/engines/engine.hpp"
-#include "store/format.hpp"
+#include "store/metadata.hpp"
 
 namespace teracell {
 

@@ -7,7 +7,7 @@
 
 #include "server/deflate.hpp"
 #include "server/service.hpp"
-#include "store/slice.hpp"
+#include "store/query.hpp"
 
 namespace teracell {
 

@@ -11,6 +11,7 @@
 #include "server/protocols/protocol.hpp"
 #include "server/routes.hpp"
 #include "server/protocols/space.hpp"
+#include "store/stats.hpp"
 
 namespace teracell {
 namespace {

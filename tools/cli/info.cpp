@@ -143,7 +143,7 @@ void print(const GridReader& reader) {
   for (int level = 0; level < reader.levels(); ++level) {
     const Index3 c = meta.grid.cells(level);
     std::string how = "derived when read";
-    for (const LevelInfo& l : meta.levels)
+    for (const LevelInfo& l : meta.levels())
       if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", l.chunks, l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
   }
