@@ -3,7 +3,9 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <map>
+#include <optional>
 
 #include "store/error.hpp"
 #include "tests/support/random.hpp"
