@@ -76,7 +76,7 @@ void for_many_cases(uint64_t seed, size_t count, F&& f) {
 
 TEST_CASE("Three points turn as integer arithmetic says, on a line and a rounding beside it, up to the limits") {
   std::array<int, 3> seen{};
-  for_many_cases(1, 600, [&](const Case& c) {
+  for_many_cases(1, 400, [&](const Case& c) {
     const auto& [a, b, unused] = c.facet.vertex;
     const Vec3& p = c.point;
     const Point ia = exactly(a), ib = exactly(b), ip = exactly(p);
@@ -91,7 +91,7 @@ TEST_CASE("Three points turn as integer arithmetic says, on a line and a roundin
 
 TEST_CASE("A point lies on the side of a facet that integer arithmetic says, on its plane and a rounding beside it, up to the limits") {
   std::array<int, 3> seen{};
-  for_many_cases(2, 600, [&](const Case& c) {
+  for_many_cases(2, 400, [&](const Case& c) {
     const int expected = ExactPlane(c.facet).side(exactly(c.point));
     ++seen[expected + 1];
     const auto& [v0, v1, v2] = c.facet.vertex;
@@ -105,7 +105,7 @@ TEST_CASE("A point lies on the side of a facet that integer arithmetic says, on 
 
 TEST_CASE("A facet's normal has the signs that integer arithmetic says, 0 among them") {
   std::array<int, 3> seen{};
-  for_many_cases(3, 300, [&](const Case& c) {
+  for_many_cases(3, 200, [&](const Case& c) {
     const ExactPlane plane(c.facet);
     for (int d = 0; d < 3; ++d) {
       const int expected = sign_of(plane.normal[d]);
@@ -118,7 +118,7 @@ TEST_CASE("A facet's normal has the signs that integer arithmetic says, 0 among 
 
 TEST_CASE("A point is above a facet when it is after a shift by (e, e^2, e^3), along every axis") {
   int ties = 0;
-  for_many_cases(4, 300, [&](const Case& c) {
+  for_many_cases(4, 200, [&](const Case& c) {
     const ExactPlane plane(c.facet);
     const Point p = shifted(c.point);
     ties += plane.side(exactly(c.point)) == 0;
@@ -135,7 +135,7 @@ TEST_CASE("A point is above a facet when it is after a shift by (e, e^2, e^3), a
 
 TEST_CASE("A ray on an edge passes right of it, as the shifted ray does, along every axis") {
   int ties = 0;
-  for_many_cases(5, 400, [&](const Case& c) {
+  for_many_cases(5, 200, [&](const Case& c) {
     const Point ip = shifted(c.point);
     for (int axis = 0; axis < 3; ++axis) {
       const Frame f = Frame::along(axis);
@@ -165,7 +165,7 @@ TEST_CASE("A facet winds around a ray when the shifted ray passes through its pr
       REQUIRE(turn_around_ray(facet, f, p[f.u], p[f.v]) == (inside ? s : 0));
     }
   };
-  for_many_cases(6, 200, [&](const Case& c) {
+  for_many_cases(6, 120, [&](const Case& c) {
     check(c.facet, c.point);
     check(c.facet, c.facet.vertex[0]);
     const Frame z = Frame::along(2);

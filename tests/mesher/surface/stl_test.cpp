@@ -43,7 +43,7 @@ TEST_CASE("Binary STL: bytes after the last facet are skipped and counted") {
             "50 bytes after the last facet were skipped, as many as 1 facet takes: the header's count of " + count + " may be wrong");
       CHECK_THAT(result(std::string(100, 'x')).file.warnings[0], Contains("as many as 2 facets take: "));
     }
-  CHECK_THAT(refusal(binary_stl({}) + std::string(100, 'x')), Contains("byte 80: the header counts 0 facets, and 100 bytes follow"));
+  CHECK_THAT(refusal(binary_stl({}) + std::string(100, 'x')), Contains("byte 80: the header counts 0 facets, but 100 bytes follow"));
 }
 
 TEST_CASE("ASCII STL: keywords in any case, any layout, several solids") {
