@@ -86,7 +86,7 @@ class BodyReader {
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
       const SceneBody& body = scene_.bodies[b];
       const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change it
-      BodyFacets found;
+      BodyFacets& found = out_.bodies.emplace_back();
       found.first = out_.facets->size();
       found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
         take(b, layer, facets);
@@ -96,7 +96,6 @@ class BodyReader {
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true});
       if (batch_.pieces.size() >= kPieces) hand_on();
-      out_.bodies.push_back(std::move(found));
     }
     hand_on();
     out_.helper->finish();

@@ -19,7 +19,7 @@ namespace teracell {
 namespace {
 
 // The sure ones need no order: no file is two of them.
-constexpr const SurfaceReader* kReaders[] = {&kPlyReader, &kBinaryStlReader, &kAsciiStlReader, &kObjReader};
+constexpr const SurfaceReader* kReaders[] = {&kBinaryStlReader, &kPlyReader, &kAsciiStlReader, &kObjReader};
 
 constexpr size_t kPeek = size_t{1} << 16;
 
@@ -47,8 +47,8 @@ Head head_of(Input& input) {
     input.consume(mark);
     head.bytes.remove_prefix(mark);
     if (head.bytes.find('\n') == std::string_view::npos && head.bytes.find('\r') != std::string_view::npos) input.set_newline('\r');
+    head.word = first_word(head.bytes);
   }
-  head.word = first_word(head.bytes);
   return head;
 }
 
@@ -78,7 +78,7 @@ locale_t c_locale() {
 }  // namespace
 
 FacetStream::FacetStream(const std::string& glob, const FacetSink& sink)
-    : glob_(glob), sink_(sink), batch_(std::make_unique_for_overwrite<Facet[]>(kFirst)) {}
+    : glob_(glob), sink_(sink) {}
 
 bool FacetStream::wants(std::string_view part) {
   const std::string name(part);
@@ -101,16 +101,17 @@ void FacetStream::note(const std::string& name) {
 
 void FacetStream::flush() {
   if (used_ == 0) return;
-  sink_({batch_.get(), used_});
+  sink_({batch_, used_});
   facets_ += used_;
   used_ = 0;
 }
 
 void FacetStream::make_room() {
   flush();
-  if (capacity_ == kBatch) return;
-  batch_ = std::make_unique_for_overwrite<Facet[]>(kBatch);
-  capacity_ = kBatch;
+  if (capacity_ == kMany) return;
+  many_ = std::make_unique_for_overwrite<Facet[]>(kMany);
+  batch_ = many_.get();
+  capacity_ = kMany;
 }
 
 void FacetStream::finish(const std::string& name, SurfaceFile& file) {

@@ -19,6 +19,7 @@ class FacetStream {
  public:
   // Both must outlive it.
   FacetStream(const std::string& glob, const FacetSink& sink);
+  FacetStream(const FacetStream&) = delete;
 
   // Notes a part of the file ("" is the unnamed one): are its facets wanted?
   bool wants(std::string_view part);
@@ -34,15 +35,17 @@ class FacetStream {
   void finish(const std::string& name, SurfaceFile& file);
 
  private:
-  static constexpr size_t kFirst = 32, kBatch = 4096;  // most files of an assembly are small
+  static constexpr size_t kFew = 32, kMany = 4096;
   void note(const std::string& name);
   void flush();
   void make_room();
 
   const std::string& glob_;
   const FacetSink& sink_;
-  std::unique_ptr<Facet[]> batch_;
-  size_t used_ = 0, capacity_ = kFirst;
+  Facet few_[kFew];  // most files of an assembly are small
+  std::unique_ptr<Facet[]> many_;
+  Facet* batch_ = few_;
+  size_t used_ = 0, capacity_ = kFew;
   uint64_t facets_ = 0;
   bool matched_ = false;  // some part is wanted
   std::vector<std::string> parts_;
@@ -168,7 +171,7 @@ struct Head {
   std::string_view bytes;        // up to 64 KiB; a byte order mark of UTF-8 is left out
   std::optional<uint64_t> size;  // of all the contents, where it is known
   bool text;                     // no byte of the first 1024 is zero: so it is no binary STL (see facets.cpp)
-  std::string_view word;         // the first word that is not in a line of comment ("#")
+  std::string_view word;         // of a text: the first word that is not in a line of comment ("#")
 };
 
 // Of a reader that looks at a head. kPerhaps: unless the file proves to be of a kind that nobody here reads.
