@@ -74,7 +74,7 @@ void Input::fill(size_t want) {
   end_ -= begin_;
   begin_ = 0;
   while (end_ < want) {
-    if (end_ == buffer_.size()) buffer_.resize(std::min(2 * end_, kWindow));  // the file has grown since
+    if (end_ == buffer_.size()) buffer_.resize(std::min(2 * end_, kWindow));  // of files that the system makes up the size is 0
     char* to = buffer_.data() + end_;
     const size_t room = buffer_.size() - end_;
     const size_t got = inflate_ ? read_inflated(to, room) : read_disk(to, room);
