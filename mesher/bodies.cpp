@@ -92,7 +92,7 @@ class BodyReader {
         take(b, layer, facets);
         tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
       }, budget_, out_.helper.get());
-      if (!found.file.regular && !once_) once_ = b;
+      if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true});
       if (batch_.pieces.size() >= kPieces) hand_on();
@@ -144,10 +144,11 @@ class BodyReader {
 
   // What is spilled is read again, so it must be there again.
   void expect_files() const {
-    if (once_)
-      throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
-                                   "save it as a file, or allow more with --memory",
-                                   scene_.bodies[*once_].mesh.string()));
+    for (const size_t b : once_)
+      if (std::filesystem::is_other(scene_.bodies[b].mesh))
+        throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
+                                     "save it as a file, or allow more with --memory",
+                                     scene_.bodies[b].mesh.string()));
   }
 
   void hand_on() {
@@ -177,7 +178,7 @@ class BodyReader {
   const Scene& scene_;
   const Budget& budget_;
   const uint64_t most_;
-  std::optional<size_t> once_;  // the first body whose mesh can't be read again
+  std::vector<size_t> once_;  // bodies whose mesh was no regular file
   Bodies& out_;
   // Jobs may outlive the reading, when it throws.
   const std::shared_ptr<Study> study_ = std::make_shared<Study>();
