@@ -88,17 +88,16 @@ class BodyReader {
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
       const SceneBody& body = scene_.bodies[b];
       const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change the layer
-      BodyFacets found;
+      BodyFacets& found = out_.bodies.emplace_back();
       found.first = out_.in_memory ? out_.facets->size() : 0;
       found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
         take(b, layer, facets);
         tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
       }, budget_, out_.helper.get());
-      if (!found.file.regular && !once_) once_ = b;
+      if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true});
       if (batch_.pieces.size() >= kPieces) hand_on();
-      out_.bodies.push_back(std::move(found));
     }
     hand_on();
     out_.helper->finish();
@@ -147,10 +146,11 @@ class BodyReader {
 
   // Surfaces that are spilled are read again, so none of them may be a pipe.
   void expect_files() const {
-    if (once_)
-      throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
-                                   "save it as a file, or allow more with --memory",
-                                   scene_.bodies[*once_].mesh.string()));
+    for (const size_t b : once_)
+      if (std::filesystem::is_other(scene_.bodies[b].mesh))
+        throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
+                                     "save it as a file, or allow more with --memory",
+                                     scene_.bodies[b].mesh.string()));
   }
 
   void hand_on() {
@@ -180,7 +180,7 @@ class BodyReader {
   const Scene& scene_;
   const Budget& budget_;
   const uint64_t most_;
-  std::optional<size_t> once_;  // the first body whose mesh can't be read again
+  std::vector<size_t> once_;  // bodies whose mesh was no regular file
   Bodies& out_;
   // Shared, because jobs may outlive the reading when it throws.
   const std::shared_ptr<Study> study_ = std::make_shared<Study>();

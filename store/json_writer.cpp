@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 namespace teracell {
 
 void JsonWriter::separate() {
-  constexpr std::string_view kBefore = "{[:,";
-  if (!text_.empty() && kBefore.find(text_.back()) == kBefore.npos) text_ += ',';
+  const char last = text_.empty() ? ',' : text_.back();
+  if (last != '{' && last != '[' && last != ':' && last != ',') text_ += ',';
 }
 
 JsonWriter& JsonWriter::begin(char bracket) {
@@ -30,25 +29,23 @@ JsonWriter& JsonWriter::raw(std::string_view json) {
   return *this;
 }
 
-JsonWriter& JsonWriter::key(std::string_view name) {
-  value(name);
-  text_ += ':';
+JsonWriter& JsonWriter::quoted(std::string_view plain, std::string_view end) {
+  separate();
+  text_ += '"';
+  text_ += plain;
+  text_ += end;
   return *this;
 }
 
 JsonWriter& JsonWriter::value(std::string_view text) {
   const bool plain = std::ranges::all_of(text, [](char c) { return c >= ' ' && c < '\x7f' && c != '"' && c != '\\'; });
-  if (!plain) return raw(nlohmann::ordered_json(text).dump());
-  separate();
-  text_ += '"';
-  text_ += text;
-  text_ += '"';
-  return *this;
+  return plain ? quoted(text, "\"") : raw(nlohmann::ordered_json(text).dump());
 }
 
 JsonWriter& JsonWriter::value(double number) {
-  const bool whole = number == std::trunc(number) && std::abs(number) < 1e15 && (number != 0 || !std::signbit(number));
-  return raw(whole ? fmt::format("{}.0", static_cast<int64_t>(number)) : nlohmann::ordered_json(number).dump());
+  if (!std::isfinite(number)) return value(nullptr);
+  char digits[64];
+  return raw({digits, nlohmann::detail::to_chars(digits, std::end(digits), number)});
 }
 
 JsonWriter& JsonWriter::value(std::span<const double> numbers) {

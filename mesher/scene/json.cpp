@@ -373,7 +373,7 @@ std::optional<Closing> parse_closing(std::string_view text) {
 
 Scene parse_scene(const std::string& json_text, const fs::path& folder) {
   const SceneText text = read_json(json_text);
-  const Node root(text.root, "");
+  const Node root(text.root);
   root.check_keys({"units", "grid", "sample", "background", "materials", "bodies", "label_by"});
 
   Scene scene;
@@ -389,7 +389,10 @@ Scene parse_scene(const std::string& json_text, const fs::path& folder) {
   }
   if (const auto label = root.find("label_by")) scene.label_by_body = label->choice({"material", "body"}) == 1;
   const MaterialIds ids = parse_materials(root, text.material_order, scene);
-  for (const Node& body : root.require("bodies").items()) scene.bodies.push_back(parse_body(body, ids, folder));
+  const Node bodies = root.require("bodies");
+  const std::vector<Node> items = bodies.items();
+  scene.bodies.reserve(items.size());
+  for (const Node& body : items) scene.bodies.push_back(parse_body(body, ids, folder));
   name_bodies(scene.bodies);
   return scene;
 }

@@ -63,12 +63,11 @@ std::string_view nearest(std::string_view word, const std::vector<std::string_vi
 bool resembles(std::string_view word, std::string_view other) { return 2 * edit_distance(word, other) <= std::max(word.size(), other.size()); }
 
 std::string NameBook::numbered(const std::string& stem) {
-  uint64_t& last = last_[stem];
+  if (take(stem)) return stem;
+  uint64_t& last = last_.at(stem);  // stays where it is while names are added
   std::string name;
-  do {
-    ++last;
-    name = last == 1 ? stem : fmt::format("{}-{}", stem, last);
-  } while (!taken_.insert(name).second);
+  do name = fmt::format("{}-{}", stem, ++last);
+  while (!take(name));
   return name;
 }
 

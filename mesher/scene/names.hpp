@@ -2,7 +2,6 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <set>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -30,12 +29,11 @@ bool resembles(std::string_view word, std::string_view other);
 // Gives out distinct names: "hull", "hull-2", "hull-3".
 class NameBook {
  public:
-  bool take(const std::string& name) { return taken_.insert(name).second; }  // false when the name is taken already
+  bool take(const std::string& name) { return last_.try_emplace(name, 1).second; }  // false when the name is taken already
   std::string numbered(const std::string& stem);
 
  private:
-  std::set<std::string> taken_;
-  std::unordered_map<std::string, uint64_t> last_;
+  std::unordered_map<std::string, uint64_t> last_;  // of each name that is taken, the last number given to it as a stem
 };
 
 }  // namespace teracell

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <set>
+#include <span>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,32 +17,30 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Checks the keys in a first pass of the parser, which runs before the document tree is built.
-class KeyWatch final : public nlohmann::json_sax<Json> {
+// Builds the tree as the text is read, and throws where a key is given twice.
+class TreeBuilder final : public nlohmann::json_sax<Json> {
  public:
-  explicit KeyWatch(const std::string& text) : text_(text) {}
-  std::vector<std::string> material_order;
+  TreeBuilder(const std::string& text, SceneText& out) : text_(text), out_(out) {}
 
   bool key(string_t& name) override {
     Level& object = levels_.back();
-    if (!object.keys.insert(name).second)
-      throw UsageError(
-          fmt::format("{}: this key is given twice: keep one of them", child_path(path(levels_.size() - 1), name)));
-    object.key = name;
-    if (levels_.size() == 2 && levels_[0].key == "materials") material_order.push_back(name);
+    const auto [member, fresh] = object.value->get_ref<Json::object_t&>().try_emplace(std::move(name));
+    if (!fresh) throw UsageError(fmt::format("{}: this key is given twice: keep one of them", child_path(path(levels_.size() - 1), member->first)));
+    object.member = &*member;
+    if (levels_.size() == 2 && levels_[0].member->first == "materials") out_.material_order.push_back(member->first);
     return true;
   }
-  bool start_object(size_t) override { return levels_.emplace_back(), true; }
-  bool start_array(size_t) override { return levels_.emplace_back().array = true; }
-  bool end_object() override { return levels_.pop_back(), value(); }
-  bool end_array() override { return levels_.pop_back(), value(); }
-  bool null() override { return value(); }
-  bool boolean(bool) override { return value(); }
-  bool number_integer(number_integer_t) override { return value(); }
-  bool number_unsigned(number_unsigned_t) override { return value(); }
-  bool number_float(number_float_t, const string_t&) override { return value(); }
-  bool string(string_t&) override { return value(); }
-  bool binary(binary_t&) override { return value(); }
+  bool start_object(size_t) override { return open(Json::object()); }
+  bool start_array(size_t) override { return open(Json::array()); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool null() override { return put(nullptr); }
+  bool boolean(bool value) override { return put(value); }
+  bool number_integer(number_integer_t value) override { return put(value); }
+  bool number_unsigned(number_unsigned_t value) override { return put(value); }
+  bool number_float(number_float_t value, const string_t&) override { return put(value); }
+  bool string(string_t& value) override { return put(std::move(value)); }
+  bool binary(binary_t&) override { return false; }  // text has none
 
   bool parse_error(size_t position, const std::string&, const Json::exception& e) override {
     // The parser's message is "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error ...";
@@ -57,25 +55,39 @@ class KeyWatch final : public nlohmann::json_sax<Json> {
   }
 
  private:
+  // What is being filled: only the innermost grows, so the others stay where they are.
   struct Level {
-    bool array = false;
-    size_t index = 0;
-    std::string key;
-    std::set<std::string> keys;
+    Json* value;
+    Json::object_t::value_type* member = nullptr;  // of an object: the one read last
   };
 
-  bool value() {
-    if (!levels_.empty()) ++levels_.back().index;
+  Json& add(Json value) {
+    if (levels_.empty()) return out_.root = std::move(value);
+    const Level& parent = levels_.back();
+    if (parent.value->is_array()) return parent.value->get_ref<Json::array_t&>().emplace_back(std::move(value));
+    return parent.member->second = std::move(value);
+  }
+  bool put(Json value) {
+    add(std::move(value));
+    return true;
+  }
+  bool open(Json value) {
+    levels_.push_back({&add(std::move(value))});
+    return true;
+  }
+  bool close() {
+    levels_.pop_back();
     return true;
   }
   std::string path(size_t depth) const {
     std::string where;
-    for (size_t i = 0; i < depth; ++i)
-      where = levels_[i].array ? fmt::format("{}[{}]", where, levels_[i].index) : child_path(where, levels_[i].key);
+    for (const Level& level : std::span(levels_).first(depth))
+      where = level.value->is_array() ? fmt::format("{}[{}]", where, level.value->size() - 1) : child_path(where, level.member->first);
     return where;
   }
 
   const std::string& text_;
+  SceneText& out_;
   std::vector<Level> levels_;
 };
 
@@ -90,9 +102,10 @@ std::string quoted(const std::string& key) { return printable(Json(key).dump());
 }  // namespace
 
 SceneText read_json(const std::string& text) {
-  KeyWatch watch(text);
-  Json::sax_parse(text, &watch);
-  return {Json::parse(text), std::move(watch.material_order)};
+  SceneText out;
+  TreeBuilder builder(text, out);
+  Json::sax_parse(text, &builder);
+  return out;
 }
 
 std::string child_path(const std::string& parent, const std::string& key) {
@@ -100,8 +113,15 @@ std::string child_path(const std::string& parent, const std::string& key) {
   return parent.empty() ? key : parent + '.' + key;
 }
 
+std::string Node::path() const {
+  if (!parent_) return "";
+  return parent_->is_array() ? fmt::format("{}[{}]", parent_->path(), index_) : child_path(parent_->path(), *key_);
+}
+
+std::string Node::where() const { return parent_ ? path() : "the scene"; }
+
 void Node::fail(const std::string& expected) const {
-  throw UsageError(fmt::format("{}: expected {}, found {}", where_.empty() ? "the scene" : where_, expected, found()));
+  throw UsageError(fmt::format("{}: expected {}, found {}", where(), expected, found()));
 }
 
 std::string Node::found() const {
@@ -119,35 +139,34 @@ std::string Node::found() const {
 
 void Node::check_keys(std::initializer_list<std::string_view> known) const {
   if (!value_->is_object()) fail("an object");
-  for (const auto& [key, value] : value_->items()) {
+  for (const auto& [key, value] : value_->get_ref<const Json::object_t&>()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw UsageError(fmt::format("{}: unknown key {}: the nearest known one is \"{}\" (known here: {})",
-                                 where_.empty() ? "the scene" : where_, quoted(key), nearest(key, known),
+    throw UsageError(fmt::format("{}: unknown key {}: the nearest known one is \"{}\" (known here: {})", where(), quoted(key), nearest(key, known),
                                  fmt::join(known, ", ")));
   }
 }
 
-std::optional<Node> Node::find(const std::string& key) const {
+std::optional<Node> Node::find(std::string_view key) const& {
   const auto it = value_->find(key);
   if (it == value_->end()) return std::nullopt;
-  return Node(*it, child_path(where_, key));
+  return Node(*it, *this, &it.key(), 0);
 }
 
-Node Node::require(const std::string& key) const {
-  std::optional<Node> node = find(key);
-  if (!node) throw UsageError(fmt::format("{}: the key \"{}\" is missing", where_.empty() ? "the scene" : where_, key));
+Node Node::require(std::string_view key) const& {
+  const std::optional<Node> node = find(key);
+  if (!node) throw UsageError(fmt::format("{}: the key \"{}\" is missing", where(), key));
   return *node;
 }
 
-std::vector<Node> Node::items() const {
+std::vector<Node> Node::items() const& {
   if (!value_->is_array()) fail("an array");
   std::vector<Node> nodes;
   nodes.reserve(value_->size());
-  for (const Json& item : *value_) nodes.emplace_back(item, fmt::format("{}[{}]", where_, nodes.size()));
+  for (const Json& item : *value_) nodes.push_back(Node(item, *this, nullptr, nodes.size()));
   return nodes;
 }
 
-std::vector<Node> Node::items(size_t count) const {
+std::vector<Node> Node::items(size_t count) const& {
   if (!value_->is_array() || value_->size() != count) fail(fmt::format("an array of {}", count));
   return items();
 }

@@ -26,23 +26,28 @@ SceneText read_json(const std::string& text);
 // "bodies[2].scale", "materials[\"odd name\"].color".
 std::string child_path(const std::string& parent, const std::string& key);
 
-// Borrows the value. Every accessor throws UsageError when it finds something other than its name says.
+// Borrows the value, and the Node that it was found in, because its place is put into words only for an error. Every accessor
+// throws UsageError when it finds something other than its name says.
 class Node {
  public:
-  Node(const nlohmann::json& value, std::string where) : value_(&value), where_(std::move(where)) {}
+  explicit Node(const nlohmann::json& root) : value_(&root) {}
 
-  const std::string& where() const { return where_; }
+  std::string where() const;
   [[noreturn]] void fail(const std::string& expected) const;
 
   // Refuses anything but an object, and keys other than these.
   void check_keys(std::initializer_list<std::string_view> known) const;
-  std::optional<Node> find(const std::string& key) const;
-  Node require(const std::string& key) const;
+  std::optional<Node> find(std::string_view key) const&;
+  Node require(std::string_view key) const&;
+  std::optional<Node> find(std::string_view key) const&& = delete;  // what is found may not outlive this Node
+  Node require(std::string_view key) const&& = delete;
 
   bool is_object() const { return value_->is_object(); }
   bool is_array() const { return value_->is_array(); }
-  std::vector<Node> items() const;              // of an array
-  std::vector<Node> items(size_t count) const;  // of an array with exactly `count` elements
+  std::vector<Node> items() const&;              // of an array
+  std::vector<Node> items(size_t count) const&;  // of an array with exactly `count` elements
+  std::vector<Node> items() const&& = delete;
+  std::vector<Node> items(size_t count) const&& = delete;
 
   double number() const;
   double positive() const;
@@ -53,9 +58,13 @@ class Node {
   Vec3 vec3() const;
 
  private:
+  Node(const nlohmann::json& value, const Node& parent, const std::string* key, size_t index) : value_(&value), parent_(&parent), key_(key), index_(index) {}
+  std::string path() const;
   std::string found() const;
   const nlohmann::json* value_;
-  std::string where_;
+  const Node* parent_ = nullptr;      // null for the root
+  const std::string* key_ = nullptr;  // in an object
+  size_t index_ = 0;                  // in an array
 };
 
 }  // namespace teracell

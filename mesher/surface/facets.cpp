@@ -38,8 +38,8 @@ Head head_of(Input& input) {
     input.consume(mark);
     head.bytes.remove_prefix(mark);
     if (head.bytes.find('\n') == std::string_view::npos && head.bytes.find('\r') != std::string_view::npos) input.set_newline('\r');
+    head.word = first_word(head.bytes);
   }
-  head.word = first_word(head.bytes);
   return head;
 }
 

@@ -75,7 +75,7 @@ void Input::fill(size_t want) {
   end_ -= begin_;
   begin_ = 0;
   while (end_ < want) {
-    if (end_ == buffer_.size()) buffer_.resize(std::min(2 * end_, kWindow));  // the file has grown since it was opened
+    if (end_ == buffer_.size()) buffer_.resize(std::min(2 * end_, kWindow));  // files that the system makes up have size 0
     char* to = buffer_.data() + end_;
     const size_t room = buffer_.size() - end_;
     const size_t got = inflate_ ? read_inflated(to, room) : read_disk(to, room);
@@ -89,6 +89,8 @@ size_t Input::read_disk(char* to, size_t room) {
   if (descriptor_ < 0) {
     got = memory_.copy(to, room);
     memory_.remove_prefix(got);
+  } else if (disk_bytes_ > 0 && disk_bytes_ == size_) {
+    got = 0;  // known without asking: of a small file that would be every second call of the system
   } else {
     ssize_t n;
     do n = read(descriptor_, to, room);
@@ -186,6 +188,7 @@ std::string Input::hash() const {
   XXH128_canonical_t canonical;
   XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(hash_.get()));
   std::string hex;
+  hex.reserve(32);
   for (const unsigned char byte : canonical.digest)
     for (const int digit : {byte >> 4, byte & 15}) hex += "0123456789abcdef"[digit];
   return hex;

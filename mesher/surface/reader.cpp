@@ -23,8 +23,7 @@ locale_t c_locale() {
 
 }  // namespace
 
-FacetStream::FacetStream(const std::string& glob, const FacetSink& sink)
-    : glob_(glob), sink_(sink), batch_(std::make_unique_for_overwrite<Facet[]>(kFirst)) {}
+FacetStream::FacetStream(const std::string& glob, const FacetSink& sink) : glob_(glob), sink_(sink) {}
 
 bool FacetStream::wants(std::string_view part) {
   const std::string name(part);
@@ -47,16 +46,17 @@ void FacetStream::note(const std::string& name) {
 
 void FacetStream::flush() {
   if (used_ == 0) return;
-  sink_({batch_.get(), used_});
+  sink_({batch_, used_});
   facets_ += used_;
   used_ = 0;
 }
 
 void FacetStream::make_room() {
   flush();
-  if (capacity_ == kBatch) return;
-  batch_ = std::make_unique_for_overwrite<Facet[]>(kBatch);
-  capacity_ = kBatch;
+  if (capacity_ == kMany) return;
+  many_ = std::make_unique_for_overwrite<Facet[]>(kMany);
+  batch_ = many_.get();
+  capacity_ = kMany;
 }
 
 void FacetStream::finish(const std::string& name, SurfaceFile& file) {

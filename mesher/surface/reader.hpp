@@ -22,6 +22,7 @@ class FacetStream {
  public:
   // Both must outlive it.
   FacetStream(const std::string& glob, const FacetSink& sink);
+  FacetStream(const FacetStream&) = delete;
 
   // Records that the file has this part ("": the unnamed one). Returns whether its facets are wanted.
   bool wants(std::string_view part);
@@ -38,15 +39,17 @@ class FacetStream {
   void finish(const std::string& name, SurfaceFile& file);
 
  private:
-  static constexpr size_t kFirst = 32, kBatch = 4096;  // most files of an assembly are small
+  static constexpr size_t kFew = 32, kMany = 4096;
   void note(const std::string& name);
   void flush();
   void make_room();
 
   const std::string& glob_;
   const FacetSink& sink_;
-  std::unique_ptr<Facet[]> batch_;
-  size_t used_ = 0, capacity_ = kFirst;
+  Facet few_[kFew];  // most files of an assembly are small
+  std::unique_ptr<Facet[]> many_;
+  Facet* batch_ = few_;
+  size_t used_ = 0, capacity_ = kFew;
   uint64_t facets_ = 0;
   bool matched_ = false;  // some part is wanted
   std::vector<std::string> parts_;
@@ -163,7 +166,7 @@ struct Head {
   std::string_view bytes;        // up to 64 KiB; a byte order mark of UTF-8 is left out
   std::optional<uint64_t> size;  // of the whole contents, where it is known
   bool text;                     // no byte of the first 1024 is zero, so it is no binary STL (see facets.cpp)
-  std::string_view word;         // the first word that is not in a comment ("#")
+  std::string_view word;         // of a text: the first word that is not in a comment ("#")
 };
 
 // A reader's verdict on a head. kPerhaps: the reader takes the file unless other_kind() recognises it.

@@ -4,16 +4,16 @@
 
 namespace teracell {
 
-extern const SurfaceReader kPlyReader;
 extern const SurfaceReader kBinaryStlReader;
+extern const SurfaceReader kPlyReader;
 extern const SurfaceReader kAsciiStlReader;
 extern const SurfaceReader kObjReader;
 
 // A reader that is sure takes the file, wherever it stands in the table: no file is of two formats. Of several that may read a
 // file, the first one does.
 inline constexpr const SurfaceReader* kReaders[] = {
-    &kPlyReader,
     &kBinaryStlReader,
+    &kPlyReader,
     &kAsciiStlReader,
     &kObjReader,
 };

@@ -84,8 +84,6 @@ void check_outputs(const Options& o, const Scene& scene) {
   std::vector<std::string> inputs = o.inputs;
   for (const SceneBody& body : scene.bodies) inputs.push_back(body.mesh.string());
   for (const SceneAxis& axis : scene.axis) inputs.push_back(axis.planes_file.string());
-  std::ranges::sort(inputs);
-  inputs.erase(std::ranges::unique(inputs).begin(), inputs.end());
   for (const std::string& output : outputs) refuse_overwriting(inputs, output);
 }
 

@@ -14,8 +14,8 @@ namespace {
 
 using namespace testing;
 
-std::shared_ptr<FacetStore> stored(const std::vector<Facet>& facets) {
-  auto out = std::make_shared<FacetStore>();
+std::shared_ptr<GridFacets> stored(const std::vector<Facet>& facets) {
+  auto out = std::make_shared<GridFacets>();
   for (uint32_t i = 0; i < facets.size(); ++i) out->append({&facets[i], 1}, i);  // its layer is its number
   return out;
 }
@@ -107,7 +107,7 @@ TEST_CASE("A facet between two rays, or beside the grid, is handed to no tile") 
 TEST_CASE("A facet that is to be ignored is handed to no tile") {
   const Axis axis = Axis::uniform(0, 1, 0, 32, 0.5);
   const Metadata meta = tile_grid(2, axis, axis, axis, 4);
-  auto store = std::make_shared<FacetStore>();
+  auto store = std::make_shared<GridFacets>();
   const Facet f = facet_between(0, 9, 0, 9);
   store->append({&f, 1}, 0 | kIgnored);
   store->append({&f, 1}, 3);
