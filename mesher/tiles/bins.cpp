@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "store/error.hpp"
+#include "store/format.hpp"
 
 namespace teracell {
 namespace {
