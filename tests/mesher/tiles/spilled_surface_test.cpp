@@ -74,7 +74,7 @@ TEST_CASE("The cells do not depend on the size of the chunks") {
   }
 }
 
-TEST_CASE("A single unit of rays takes all facets, however many there are") {
+TEST_CASE("A single group of tiles takes all facets, however many there are") {
   const TempFolder folder;
   const Grid grid{{Axis::uniform(-5, 1, 0, 10, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5)}};
   const Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 4, 6)}}, grid);
