@@ -1,7 +1,5 @@
 #include "mesher/tile_group.hpp"
 
-#include "store/pyramid.hpp"
-
 namespace teracell {
 
 void CastTotals::add(const RowTotals& row) {
@@ -12,13 +10,13 @@ void CastTotals::add(const RowTotals& row) {
 }
 
 TileGroupWork::TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta)
-    : group_(std::move(group)), tiling_(tiling), meta_(meta), shape_(meta, 0), chunks_(17) {}
+    : group_(std::move(group)), tiling_(tiling), meta_(meta), shape_(meta, 0), chunks_(kChildren + 1) {}
 
 void TileGroupWork::make_row(uint32_t row, Worker& worker) {
   const auto facets = tiling_.split(group_, row);
   const uint64_t exact_before = worker.exact_decisions();
-  for (uint32_t u = 0; u < 4; ++u)
-    if (group_.cu * 4 + u < shape_.chunks_u && group_.cv * 4 + row < shape_.chunks_v) make_chunk(row * 4 + u, facets[u], worker);
+  for (uint32_t u = 0; u < kFanOut; ++u)
+    if (group_.cu * kFanOut + u < shape_.chunks_u && group_.cv * kFanOut + row < shape_.chunks_v) make_chunk(row * kFanOut + u, facets[u], worker);
   totals_[row].exact_decisions = worker.exact_decisions() - exact_before;
   totals_[row].cells = worker.composer.take_cells();
   totals_[row].tallies.add(worker.marker.take_tallies());
@@ -26,7 +24,7 @@ void TileGroupWork::make_row(uint32_t row, Worker& worker) {
 }
 
 void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker) {
-  const uint32_t cu = group_.cu * 4 + i % 4, cv = group_.cv * 4 + i / 4, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
+  const uint32_t cu = group_.cu * kFanOut + i % kFanOut, cv = group_.cv * kFanOut + i / kFanOut, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
   Chunk fine{{}, SetTable(static_cast<uint32_t>(meta_.labels.size()))};
   if (facets.empty() && !worker.engine->searches_scene()) {  // most tiles of a large grid
     fine.rays.fill(nu, nv, shape_.nw, 0);
@@ -40,10 +38,10 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
     for (int64_t u = cells.lo[f.u]; u < cells.hi[f.u]; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(u));
     for (int64_t v = cells.lo[f.v]; v < cells.hi[f.v]; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(v));
     worker.engine->cast(tile, worker.marker.solids(facets), worker.crossings);
-    totals_[i / 4].crossings += worker.crossings.all.size();
+    totals_[i / kFanOut].crossings += worker.crossings.all.size();
     worker.marker.mark(tile, cells, worker.crossings);
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
-    tally_close(worker.composer.close_crossings(), cells, totals_[i / 4].tallies);
+    tally_close(worker.composer.close_crossings(), cells, totals_[i / kFanOut].tallies);
   }
   pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
@@ -65,9 +63,9 @@ void TileGroupWork::tally_close(const std::vector<CloseCrossings>& all, const Bo
 }
 
 void TileGroupWork::make_level2(Worker& worker) {
-  const Chunk level2 = join_pieces(pieces_.data(), 4, 4, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
+  const Chunk level2 = join_pieces(pieces_.data(), kFanOut, kFanOut, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
   pieces_ = {};
-  chunks_[16] = encode_level(worker.encoder, meta_, 2, group_.cu, group_.cv, level2);
+  chunks_[kChildren] = encode_level(worker.encoder, meta_, 2, group_.cu, group_.cv, level2);
   coarse_ = coarsen(level2, 1);
 }
 

@@ -42,7 +42,7 @@ struct CastTotals {
 
 class TileGroupWork {
  public:
-  static constexpr uint32_t kRows = 4;
+  static constexpr uint32_t kRows = kFanOut;
   // Keeps references to tiling and meta.
   TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta);
 
@@ -66,8 +66,8 @@ class TileGroupWork {
   const Metadata& meta_;
   const LevelShape shape_;
   std::atomic<uint32_t> rows_left_ = kRows;
-  std::vector<LevelChunk> chunks_;    // 16 of level 0, empty where they lie beyond the grid, and one of level 2
-  std::array<Chunk, 16> pieces_;      // the chunks of level 0, coarsened to level 2
+  std::vector<LevelChunk> chunks_;    // kChildren of level 0, empty where they lie beyond the grid, and one of level 2
+  std::array<Chunk, kChildren> pieces_;    // the chunks of level 0, coarsened to level 2
   Chunk coarse_;
   std::array<RowTotals, kRows> totals_;
 };

@@ -48,7 +48,7 @@ void FacetBins::open_leaves(Bin& bin) const {
 }
 
 void FacetBins::open_children(Bin& bin) const {
-  for (uint32_t k = 0; k < 16; ++k) bin.children.push_back({{bin.place.depth - 1, bin.place.cu * 4 + k % 4, bin.place.cv * 4 + k / 4}, 0, {}, {}, {}});
+  for (uint32_t k = 0; k < kChildren; ++k) bin.children.push_back({{bin.place.depth - 1, bin.place.cu * kFanOut + k % kFanOut, bin.place.cv * kFanOut + k / kFanOut}, 0, {}, {}, {}});
 }
 
 FacetBins::Places FacetBins::places_of(const RayRange& r) const {
@@ -73,11 +73,11 @@ void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> rec
     return;
   }
   const int shift = 2 * (bin.place.depth - 1);
-  const uint32_t u = bin.place.cu * 4, v = bin.place.cv * 4;
-  const uint32_t u0 = std::max(places.u0 >> shift, u), u1 = std::min(places.u1 >> shift, u + 3);
-  const uint32_t v0 = std::max(places.v0 >> shift, v), v1 = std::min(places.v1 >> shift, v + 3);
+  const uint32_t u = bin.place.cu * kFanOut, v = bin.place.cv * kFanOut;
+  const uint32_t u0 = std::max(places.u0 >> shift, u), u1 = std::min(places.u1 >> shift, u + kFanOut - 1);
+  const uint32_t v0 = std::max(places.v0 >> shift, v), v1 = std::min(places.v1 >> shift, v + kFanOut - 1);
   for (uint32_t cv = v0; cv <= v1; ++cv)
-    for (uint32_t cu = u0; cu <= u1; ++cu) put(bin.children[(cv - v) * 4 + cu - u], places, record);
+    for (uint32_t cu = u0; cu <= u1; ++cu) put(bin.children[(cv - v) * kFanOut + cu - u], places, record);
 }
 
 void FacetBins::flush(Bin& bin) {
@@ -115,7 +115,7 @@ const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
   const Bin* bin = &root_;
   while (bin->place.depth > place.depth && !bin->children.empty()) {
     const int up = 2 * (bin->place.depth - 1 - place.depth);
-    bin = &bin->children[(place.cv >> up) % 4 * 4 + (place.cu >> up) % 4];
+    bin = &bin->children[(place.cv >> up) % kFanOut * kFanOut + (place.cu >> up) % kFanOut];
   }
   return *bin;
 }

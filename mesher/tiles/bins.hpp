@@ -53,7 +53,7 @@ class FacetBins {
     uint64_t facets = 0;
     std::vector<uint8_t> buffer;
     std::vector<Extent> extents;
-    std::vector<Bin> children;  // none or 16
+    std::vector<Bin> children;  // none or kChildren
   };
   const Bin& bin_at(const TreePlace& place) const;
   uint64_t bins_at(int depth) const;

@@ -6,6 +6,7 @@
 
 #include "mesher/engines/engine.hpp"
 #include "store/metadata.hpp"
+#include "store/pyramid.hpp"
 
 namespace teracell {
 
@@ -82,7 +83,7 @@ struct RayFrame {
     return {r.u0 / size, (r.u1 - 1) / size, r.v0 / size, (r.v1 - 1) / size};
   }
   // A side of a node of that depth, in rays.
-  uint64_t size(int depth) const { return uint64_t{4} * shape.chunk_rays << (2 * depth); }
+  uint64_t size(int depth) const { return uint64_t{kFanOut} * shape.chunk_rays << (2 * depth); }
   TreePlace root() const {
     TreePlace root;
     while (size(root.depth) < std::max(shape.nu, shape.nv)) ++root.depth;

@@ -54,7 +54,7 @@ class Tiling {
   // The groups in the order of the tree; those of rays without facets included.
   std::optional<TileGroup> next();
   // The facets of the group that may meet each chunk of a row of its 4 x 4; the lowest along the rays come first, roughly.
-  std::array<std::vector<const SceneFacet*>, 4> split(const TileGroup& group, uint32_t row) const;
+  std::array<std::vector<const SceneFacet*>, kFanOut> split(const TileGroup& group, uint32_t row) const;
 
  private:
   struct Node {

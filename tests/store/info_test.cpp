@@ -17,7 +17,7 @@ TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
   Metadata meta = with_tiny_chunks(metadata_of({{Axis::uniform(-1, 0.5, 2, 9, 0.25), Axis::graded({0, 1, 3}, 0.5), Axis::uniform(0, 1, 0, 3, 0.5)}}, 0, 2));
   meta.units = "mm";
   std::vector<Label> cells(54, 0);
-  cells[7] = 1;
+  cells[6] = 1;
   store_cells(folder / "g.tcell", meta, cells);
   const GridReader reader(folder / "g.tcell");
   const ordered_json j = info_json(reader);

@@ -6,6 +6,7 @@
 
 #include "store/format.hpp"
 #include "tests/support/sanitized.hpp"
+#include "tests/support/stored.hpp"
 
 namespace teracell {
 namespace {
