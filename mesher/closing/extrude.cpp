@@ -13,7 +13,7 @@ double signed_area(const Loop& loop, const Frame& f) {
   return sum / 2;
 }
 
-// Whether a loop winds around p in projection, by the parity of its edges right of p.
+// Whether the loop surrounds p as seen along the axis, by the parity of its edges to the right of p.
 bool surrounds(const Loop& loop, const Frame& f, const Vec3& p) {
   bool inside = false;
   for (size_t i = 0; i < loop.size(); ++i) {
