@@ -30,7 +30,7 @@ void ThinParts::find(const Box& tile, std::span<const SceneFacet* const> facets,
   const RayBounds cells(grid_.axis[w]);
   reaches_.clear(), active_.clear();
   for (const SceneFacet* facet : facets) {
-    if (!wanted(scene_.bodies[facet->layer / 2], count_all_)) continue;
+    if (!wanted(scene_.bodies[body_of_layer(facet->layer)], count_all_)) continue;
     const auto& [a, b, c] = facet->facet.vertex;
     reaches_.push_back({cells.first(std::min(std::min(a[w], b[w]), c[w])), int64_t{cells.last(std::max(std::max(a[w], b[w]), c[w]))} + 1, facet});
   }
@@ -95,8 +95,8 @@ void ThinParts::find_along(int axis, const Box& cells) {
 void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> crossers) {
   bodies_.clear();  // those that two of the facets belong to
   for (size_t i = 0; i < crossers.size(); ++i) {
-    const uint32_t body = active_[crossers[i].facet].facet->layer / 2;
-    const auto is_same = [&](const Crosser& c) { return active_[c.facet].facet->layer / 2 == body; };
+    const uint32_t body = body_of_layer(active_[crossers[i].facet].facet->layer);
+    const auto is_same = [&](const Crosser& c) { return body_of_layer(active_[c.facet].facet->layer) == body; };
     if (std::ranges::count_if(crossers.first(i), is_same) == 1) bodies_.push_back(body);
   }
   if (bodies_.empty() && !count_all_) return;
@@ -161,8 +161,8 @@ bool ThinParts::inside(uint32_t body, const std::vector<Sum>& sums) const {
 uint32_t ThinParts::material(const std::vector<Sum>& sums) const {
   uint32_t strongest = ~uint32_t{0}, found = 0;
   for (const Sum& s : sums) {
-    const uint32_t body = s.layer / 2;
-    if (!(s.layer % 2 == 0 ? s.sum != 0 : s.sum % 2 != 0) || labels_.strength[body] >= strongest) continue;
+    const uint32_t body = body_of_layer(s.layer);
+    if (!(is_parity_layer(s.layer) ? s.sum % 2 != 0 : s.sum != 0) || labels_.strength[body] >= strongest) continue;
     strongest = labels_.strength[body];
     found = scene_.bodies[body].material;
   }
