@@ -14,7 +14,6 @@ std::vector<bool> which_move(const Scene& scene) {
   return out;
 }
 
-
 }  // namespace
 
 TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,

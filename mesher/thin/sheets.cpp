@@ -24,7 +24,7 @@ void Sheets::mark_along(int axis, const Box& tile, const SceneFacet& facet, Mark
   const auto nu = static_cast<uint32_t>(tile.hi[rays_.u] - tile.lo[rays_.u]);
   lines_[axis].cross(facet.facet, tile, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> above, bool) {
     for (size_t i = 0; i < above.size();) {
-      // The cell below the first plane above the facet holds the crossing; of as many lines as possible at once.
+      // The cell below the first plane above the facet holds the crossing. Handles as many lines at once as possible.
       const uint32_t plane = above[i];
       const size_t first = i;
       while (i < above.size() && above[i] == plane && (i == first || along == rays_.w)) ++i;
