@@ -186,7 +186,7 @@ class MeshRun {
                                    options_.engine));
     std::vector<const SceneFacet*> all;
     facets->for_each(0, facets->size(), [&](const SceneFacet& f) {
-      if (!(f.layer & kIgnored) && scene_.bodies[f.layer / 2].kind == Kind::kSolid) all.push_back(&f);
+      if (!(f.layer & kIgnored) && scene_.bodies[body_of_layer(f.layer)].kind == Kind::kSolid) all.push_back(&f);
     });
     return all;
   }

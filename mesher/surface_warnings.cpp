@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "mesher/closing/numbers.hpp"
 #include "mesher/warnings.hpp"
 #include "store/text.hpp"
 
@@ -15,16 +16,18 @@ double longest_side(const Grid& grid) {
   return longest;
 }
 
-// Whether to care about holes, the widest of which is so wide.
+// Whether to care about holes and what to do. `width` is that of the widest hole, `cells` the widest gap.
 std::string verdict(double width, double cells, const Grid& grid, bool loose) {
-  if (loose) return "No two facets share an edge, so they enclose nothing: are vertices that should be one further apart than the stitch length?";
-  if (cells < 2) return "That is below 2 cells: harmless on this grid";
-  if (width * 10 < longest_side(grid)) return "Inside ends at the caps: look there if those few cells matter";
-  return "Inside ends at the caps, so they shape the body: look whether it should be open there";
+  if (loose)
+    return "No two facets share an edge, so they enclose nothing. If vertices that should be equal lie further apart than the stitch length, weld them, "
+           "or set a longer \"stitch\"";
+  if (cells < 2) return "Every gap is narrower than 2 cells, so the caps are harmless on this grid";
+  if (width * 10 < longest_side(grid)) return "The caps decide which of the few cells there are inside: check the place if they matter";
+  return "The caps are large enough to shape the body. Check whether it should be open there; if not, close the surface";
 }
 
-// The axis along which terrain would be extruded, if a hole looks like the edge of one: it spans the domain along the two
-// others, and goes up and down with the surface, which the missing side of a box does not.
+// The axis along which terrain would be extruded, if the hole looks like the edge of terrain: it spans the domain along the two
+// other axes, and rises and falls with the surface. (The missing side of a box does not.)
 std::optional<int> terrain_axis(const Hole& hole, const BodyFacets& found, const Grid& grid) {
   std::vector<int> narrow;
   for (int d = 0; d < 3; ++d)
@@ -35,19 +38,26 @@ std::optional<int> terrain_axis(const Hole& hole, const BodyFacets& found, const
   return axis;
 }
 
+double shortest_cell(const Grid& grid) {
+  double shortest = HUGE_VAL;
+  for (const Axis& a : grid.axis) shortest = std::min(shortest, a.shortest_cell());
+  return shortest;
+}
+
 std::string seam_note(const Scene& scene, const ClosedBody& closed, const Grid& grid) {
   const Seams& seams = closed.seams;
   if (seams.number == 0 && seams.collapsed == 0) return "";
   std::string out = "was stitched";
-  if (seams.number > 0) out += fmt::format(" along {}, {:.4g} {} in all", plural(seams.number, "seam"), seams.length, scene.units);
+  if (seams.number > 0) out += fmt::format(" along {}, {} {} in all", plural(seams.number, "seam"), number_text(seams.length, 4), scene.units);
   if (seams.collapsed > 0)
-    out += fmt::format("{} {} within the stitch length of each other, which closes or narrows what lay between them", seams.number > 0 ? " and at" : " at",
+    out += fmt::format("{} {} with both ends within the stitch length of each other, which closes or narrows the holes there", seams.number > 0 ? ", and at" : " at",
                        plural(seams.collapsed, "open edge"));
-  out += fmt::format(", over gaps of up to {:.3g} {} (the stitch length is {:.3g} {})", seams.widest_gap, scene.units, closed.stitch, scene.units);
-  double shortest = HUGE_VAL;
-  for (const Axis& a : grid.axis) shortest = std::min(shortest, a.shortest_cell());
-  if (closed.stitch > 2 * shortest) out += ". That is longer than two cells: look whether it closed what should be open";
-  return out;
+  out += fmt::format(". The widest gap that was stitched is {} {}; the stitch length is {} {}. ", number_text(seams.widest_gap, 3), scene.units,
+                     number_text(closed.stitch, 3), scene.units);
+  const double cell = shortest_cell(grid);
+  if (closed.stitch > 2 * cell) return out + "This is longer than two cells: check that nothing was closed that should be open, or set a shorter \"stitch\"";
+  if (seams.widest_gap < cell) return out + "Gaps narrower than a cell are harmless on this grid";
+  return out + "Some gaps are wider than a cell: check the cells along them if they matter";
 }
 
 std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid) {
@@ -60,18 +70,22 @@ std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFa
     ++capped;
     edges += h.edges, area += h.cap_area;
     most_cells = std::max(most_cells, in_cells(h.width, h.at, grid));
-    if (!largest) largest = &h;  // they come in this order
+    if (!largest) largest = &h;  // the largest is the first
   }
   if (!largest) return "";
   const bool one = capped == 1, loose = capped == found.file.facets && edges == 3 * capped;
-  std::string out = fmt::format("is open: {} ({}), closed by {} of {:.4g} {}^2 in all; the {} is {:.4g} {} across, {:.3g} cells, with a gap of {:.3g} {}, {:.3g} cells, at {}. {}",
-                                plural(capped, "hole"), plural(edges, "edge"), one ? "a cap" : "caps", area, scene.units, one ? "hole" : "largest",
-                                largest->diameter, scene.units, in_cells(largest->diameter, largest->at, grid), largest->width, scene.units,
-                                in_cells(largest->width, largest->at, grid), text(largest->at), verdict(largest->diameter, most_cells, grid, loose));
-  if (closed.cut_from_others) out += fmt::format(". Part '{}' is cut off there from parts that were left out", body.part);
+  const auto length = [&](double x, int digits) {
+    return fmt::format("{} {} ({} cells)", number_text(x, digits), scene.units, number_text(in_cells(x, largest->at, grid), 3));
+  };
+  std::string out = fmt::format("is open: it has {} ({}), closed by {} of {} {}²{}. The {} is {} across, with a gap of {}, at {}. {}", plural(capped, "hole"),
+                                plural(edges, "edge"), one ? "a cap" : "caps", number_text(area, 4), scene.units, one ? "" : " in all", one ? "hole" : "largest hole",
+                                length(largest->diameter, 4), length(largest->width, 3), place_text(largest->at),
+                                verdict(largest->diameter, most_cells, grid, loose));
+  if (closed.cut_from_others)
+    out += fmt::format(". Part '{}' is cut off from parts of the file that the scene leaves out: make bodies of these too if they belong to it", body.part);
   if (const auto axis = terrain_axis(*largest, found, grid); axis && !loose && body.closing.way == Closing::Way::kCap)
-    out += fmt::format(". If it is terrain, a sheet over the whole domain, give it \"closing\": {{\"extrude\": \"-{0}\"}} or --closing extrude:-{0}: "
-                       "then all that is below it is inside", axis_name(*axis));
+    out += fmt::format(". If it is terrain, a sheet over the whole domain, set \"closing\": {{\"extrude\": \"-{}\"}}: everything below it is then inside",
+                       axis_name(*axis));
   return out;
 }
 
@@ -83,15 +97,18 @@ std::string flip_warning(const ClosedBody& closed) {
   if (closed.flips.empty()) return "";
   uint64_t edges = 0;
   for (const Flip& f : closed.flips) edges += f.edges;
-  const char* parity = "Inside such a shell is decided by parity, for which orientation does not matter; only where the shell overlaps itself is it hollow";
-  const char* winding = "Fill nonzero was asked for, so each curve is a hole, closed by caps: fill auto would decide by parity instead";
-  return fmt::format("has facets that face the other way than their neighbours: {} along {}, the first at {}. {}", plural(edges, "edge"),
-                     plural(closed.flips.size(), "curve"), text(closed.flips[0].at), uses_parity(closed) ? parity : winding);
+  const char* parity = "The inside of such a shell is decided by parity, so orientation does not matter. Where the shell overlaps itself it comes out hollow: "
+                       "orient its facets alike if that is wrong";
+  const char* winding = "With \"fill\": \"nonzero\" each of these curves is a hole, and was closed by caps. Orient the facets alike, or set \"fill\": \"auto\", which "
+                        "decides by parity";
+  return fmt::format("has facets that face the opposite way from their neighbours, along {} in {}, the first at {}. {}", plural(edges, "edge"),
+                     plural(closed.flips.size(), "curve"), place_text(closed.flips[0].at), uses_parity(closed) ? parity : winding);
 }
 
 std::string double_warning(const ClosedBody& closed) {
   for (const FillChoice& f : closed.fill)
-    if (f.rule == Fill::kDistinct && f.why != "asked for") return "is given twice, or partly: " + f.why;
+    if (f.rule == Fill::kDistinct && f.why != "asked for")
+      return fmt::format("contains its surface or parts of it twice: {}. Remove one copy if that was not intended", f.why);
   return "";
 }
 
@@ -103,7 +120,7 @@ std::vector<std::string> surface_warnings(const Scene& scene, const SceneBody& b
   std::vector<std::string> out = {seam_note(scene, closed, grid), open_warning(scene, body, found, grid), flip_warning(closed), double_warning(closed)};
   const bool evenodd = std::ranges::any_of(closed.fill, [](const FillChoice& f) { return f.rule == Fill::kEvenodd; });
   if (evenodd && counts.duplicates > 0)
-    out.push_back(fmt::format("has {}, and shells whose inside is decided by parity: there a facet that is given twice counts as none",
+    out.push_back(fmt::format("has {}, and shells whose inside is decided by parity. There, two facets with the same vertices count as none: remove the duplicates if they are not intended",
                               plural(counts.duplicates, "duplicate facet")));
   std::erase(out, "");
   return out;

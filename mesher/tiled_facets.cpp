@@ -14,8 +14,6 @@ std::vector<bool> which_move(const Scene& scene) {
   return out;
 }
 
-uint32_t body_of(uint32_t layer) { return (layer & ~kIgnored) / 2; }
-
 }  // namespace
 
 TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
@@ -36,7 +34,7 @@ void TiledFacets::use_memory(const std::vector<bool>& wide) {
   if (any_moves) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
   const std::unique_ptr<FileFacets> facets = std::move(bodies_.facets);
   facets_ = any_moves ? std::make_shared<GridFacets>(std::move(*facets), [&](SceneFacet& f) {
-    if (const uint32_t b = body_of(f.layer); moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
+    if (const uint32_t b = body_of_layer(f.layer); moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
   }) : std::make_shared<GridFacets>(std::move(*facets));
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
     for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
@@ -50,7 +48,10 @@ std::vector<SurfaceCounts> TiledFacets::counts() {
 
 // They are read once more, from their files.
 std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads, const std::function<void(double)>& tick) {
-  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved(f, scene.bodies[layer / 2]) : f; };
+  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
+    const uint32_t body = body_of_layer(layer);
+    return moves[body] ? moved(f, scene.bodies[body]) : f;
+  };
   const bool walls = std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
   auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, wide);
   struct Stretch {  // of facets that are alike

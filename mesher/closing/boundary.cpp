@@ -9,12 +9,13 @@
 namespace teracell {
 namespace {
 
-// Calls f(hash, forward, i) for the edges from vertex i to the next: the same hash both ways, `forward` in one of them.
+// Calls f(hash, forward, i) for the edge from vertex i to the next one. An edge and its reverse have the same hash; `forward`
+// is true for one of the two.
 template <class F>
 void for_each_edge(const std::array<VertexHash, 3>& h, F&& f) {
   for (int i = 0; i < 3; ++i) {
     VertexHash a = h[i], b = h[(i + 1) % 3];
-    if (a == b) continue;  // no length, no edge
+    if (a == b) continue;  // an edge without length is none
     const bool forward = a < b;
     if (!forward) std::swap(a, b);
     f(std::array{fold(a.low ^ kHashKeys[0], b.low ^ kHashKeys[1]), fold(a.high ^ kHashKeys[2], b.high ^ kHashKeys[3])}, forward, i);
@@ -26,7 +27,7 @@ struct Bucket {
 };
 constexpr int kBucketBits = 16;
 
-// One use of an edge, lo < hi lexicographically.
+// One use of an edge by a facet; lo < hi lexicographically.
 struct Use {
   Vec3 lo, hi;
   bool forward;
@@ -62,7 +63,7 @@ void OppositeSample::keep(uint64_t facet) {
 
 void OppositeSample::shrink() {
   std::ranges::sort(facets_);
-  facets_.erase(std::ranges::unique(facets_).begin(), facets_.end());  // else facets given a million times would never give way
+  facets_.erase(std::ranges::unique(facets_).begin(), facets_.end());  // or a facet that is given a million times would fill the sample
   if (facets_.size() <= kFacets) return;
   most_ = facets_[kFacets] | 1;
   std::erase_if(facets_, [&](uint64_t f) { return f > most_; });
@@ -118,7 +119,7 @@ std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memor
     });
     append_boundary(uses, out);
     if (out.size() * sizeof(BoundaryEdge) > memory)
-      throw InputError(fmt::format("{}: its boundary has more than {} edges, too many for the memory given: a surface of loose facets? Weld equal vertices, or allow more memory",
+      throw InputError(fmt::format("{}: the surface has more than {} open edges, too many for the memory given. If its facets are loose, weld equal vertices; if not, allow more memory",
                                    name, out.size()));
   }
   std::ranges::sort(out, {}, [](const BoundaryEdge& e) { return std::pair(std::min(e.from, e.to), std::max(e.from, e.to)); });

@@ -42,13 +42,13 @@ class Graph {
  private:
   uint32_t number(const Vec3& v) const { return static_cast<uint32_t>(std::ranges::lower_bound(vertices_, v) - vertices_.begin()); }
   std::vector<Vec3> vertices_;
-  std::vector<std::vector<std::pair<uint32_t, uint32_t>>> leaving_;  // of each vertex: where to, and the edge
+  std::vector<std::vector<std::pair<uint32_t, uint32_t>>> leaving_;  // of each vertex: the other end and the edge's number
   std::vector<size_t> next_;                                         // in leaving_
   std::vector<bool> used_;
 };
 
-// Calls f(loop) with the vertices of each simple loop. At every vertex as many edges enter as leave (or an even number
-// meets, for the parity), so a walk never gets stuck.
+// Calls f(loop) with the vertices of each simple loop. At every vertex as many edges enter as leave (by parity: an even number
+// of edges meets), so a walk never gets stuck.
 template <class F>
 void for_each_loop(Graph& graph, F&& f) {
   const auto count = static_cast<uint32_t>(graph.vertices().size());
@@ -75,7 +75,7 @@ void for_each_loop(Graph& graph, F&& f) {
   }
 }
 
-double length(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }  // unlike hypot the same on every machine
+double length(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }  // unlike hypot, this is the same on every machine
 double distance(const Vec3& a, const Vec3& b) { return length(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 double area(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -108,7 +108,7 @@ Vec3 apex_of(const Loop& loop, bool float32) {
   for (int d = 0; d < 3; ++d) {
     apex[d] = std::clamp(sum[d] / static_cast<double>(loop.size()), lo[d], hi[d]);
     if (float32) apex[d] = static_cast<float>(apex[d]);
-    if (std::abs(apex[d]) < 1e-75) apex[d] = 0;  // what is left where vertices cancel; no coordinate may be smaller
+    if (std::abs(apex[d]) < 1e-75) apex[d] = 0;  // a remainder of vertices that cancel; smaller coordinates are not allowed
   }
   return apex;
 }

@@ -1,5 +1,5 @@
-// Closing a surface: the loops of its boundary, each joined to one apex. A surface with its caps has no boundary, so
-// the winding number or the parity along every ray is whole, wherever the ray passes; nothing can leak.
+// Caps: each loop of a surface's boundary is joined to an apex. A surface with its caps has no boundary. So the winding
+// number, or the parity, returns to zero along every ray, and nothing can leak.
 #pragma once
 #include <vector>
 
@@ -14,8 +14,8 @@ struct Hole {
   Vec3 lo, hi;        // the box of its vertices
   uint64_t edges;
   double diameter;    // twice the largest distance of its vertices from the apex
-  double width;       // four times its area by its length: the diameter of a round hole, twice the gap of a crack
-  double cap_area;    // where it is extruded that of its floor
+  double width;       // 4 × area / length of the edge: the diameter of a round hole, twice the gap of a crack
+  double cap_area;    // or the area of the floor if the loop is extruded
   bool extruded = false;
 };
 
@@ -24,19 +24,19 @@ struct Caps {
   std::vector<Hole> holes;
 };
 
-// A closed curve through different vertices; the last one is joined to the first.
+// A closed curve through distinct vertices; the last one is joined to the first.
 using Loop = std::vector<Vec3>;
 
-// Cuts the boundary of a shell into simple loops: from the smallest vertex along the smallest unused edge, cut whenever a
-// vertex repeats. With `evenodd` edges count once, whatever their direction; else an edge of net count k lies on k loops.
+// Cuts the boundary of a shell into simple loops. A walk starts at the smallest vertex and takes the smallest unused edge; it is
+// cut whenever a vertex repeats. With `evenodd` each edge counts once, in either direction; else an edge with net k lies on k loops.
 std::vector<Loop> cut_into_loops(const std::vector<BoundaryEdge>& edges, bool evenodd);
 
-// Joins the loop to its apex: the mean of its vertices, summed in lexicographic order, clamped to their box, rounded to
-// float32 if `float32`. The facets run the other way round than the loop.
+// The mean of the vertices, summed in lexicographic order, clamped to their box, and rounded to float32 if `float32`.
 Vec3 apex_of(const Loop& loop, bool float32);
+// Joins the loop to its apex. The facets use its edges in reverse.
 void cap_loop(const Loop& loop, bool float32, const Matrix& matrix, Caps& out);
 
-// What a loop and its apex are to the grid, both given as the grid sees them.
+// Measures the hole that a loop surrounds. REQUIRES: both are as the grid sees them.
 Hole measure_hole(const Loop& loop, const Vec3& apex);
 
 }  // namespace teracell

@@ -11,11 +11,12 @@
 #include "mesher/scene/placement.hpp"
 #include "mesher/surface/facets.hpp"
 #include "store/error.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 namespace {
 
-// What closing a surface may take, however small the budget.
+// The memory that closing a surface may take, however small the budget.
 constexpr uint64_t kLeastMemory = uint64_t{1} << 24;
 
 std::string text(const Vec3& p) { return fmt::format("({}, {}, {})", p[0], p[1], p[2]); }
@@ -28,9 +29,9 @@ double longest_column(const Matrix& m) {
   return longest;
 }
 
-// Edges that run the same way in two facets, grouped where they meet.
+// Groups edges that run the same way in two facets: edges that share a vertex are in one group.
 std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const SceneBody& body) {
-  std::unordered_map<uint32_t, size_t> group_of;  // by shell number of the edges as a graph
+  std::unordered_map<uint32_t, size_t> group_of;  // by the edges' connected component, found as the shell of degenerate facets
   SurfaceCounter graph;
   for (const BoundaryEdge& e : edges) graph.add({{e.from, e.to, e.to}}, false);
   std::vector<Flip> flips;
@@ -42,7 +43,7 @@ std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const Scen
   return flips;
 }
 
-// Of the boundary of the part taken: does any edge belong to other parts of the file?
+// Whether other parts of the file use any boundary edge of this part.
 bool touches_other_parts(const SceneBody& body, const std::vector<BoundaryEdge>& edges, const Budget& budget) {
   const auto key = [](const Vec3& a, const Vec3& b) { return std::pair(std::min(a, b), std::max(a, b)); };
   std::vector<std::pair<std::pair<Vec3, Vec3>, uint64_t>> uses;
@@ -84,7 +85,7 @@ class BodyCloser {
  private:
   bool automatic() const { return body_.fill == Fill::kAuto; }
 
-  // Closed, and no facets to be looked for that lie on each other: nearly all bodies.
+  // Nearly all bodies are closed, and no search for facets that lie on each other is needed.
   bool is_simple() {
     const bool closed = body_.fill == Fill::kEvenodd ? surface_.boundary.undirected_boundary_is_empty() : surface_.boundary.directed_boundary_is_empty();
     if (!closed || body_.fill == Fill::kDistinct || (automatic() && surface_.opposites)) return false;
@@ -96,7 +97,7 @@ class BodyCloser {
     return boundary_edges(facets, std::max(budget_.bytes / 4, kLeastMemory), body_.mesh.string());
   }
 
-  // The boundary, and the shells on the same pass.
+  // Finds the boundary, and the shells in the same pass.
   void find_boundary() {
     shells_ = std::make_shared<Shells>(surface_.count, budget_, !surface_.in_memory);
     if (surface_.boundary.directed_boundary_is_empty()) {
@@ -115,7 +116,7 @@ class BodyCloser {
     shells_->finish();
   }
 
-  // The rules as far as they are known before stitching, and which edges take part in it.
+  // Chooses the rules that are known before stitching, and the edges that take part in it.
   void choose_rules() {
     rules_.assign(shells_->count(), body_.fill);
     bool repeats = body_.fill == Fill::kDistinct;
@@ -140,7 +141,7 @@ class BodyCloser {
       if (edges_[i].odd()) has_odd[shell[i]] = true;
     for (size_t i = 0; i < edges_.size(); ++i) {
       const uint32_t s = shell[i];
-      if (rules_[s] == Fill::kAuto && !has_odd[s]) rules_[s] = Fill::kEvenodd;  // closed where crossings are counted
+      if (rules_[s] == Fill::kAuto && !has_odd[s]) rules_[s] = Fill::kEvenodd;  // closed by parity
       if (!edges_[i].odd() && rules_[s] != Fill::kDistinct) flips_.push_back(edges_[i]);
       if (edges_[i].odd() || !by_parity(rules_[s])) taking_part_.push_back({edges_[i], s});
     }
@@ -154,7 +155,7 @@ class BodyCloser {
     out_.seams = stitched_.seams;
     out_.seams.length *= scale;
     out_.seams.widest_gap *= scale;
-    std::vector<BoundaryEdge> flips;  // those of the file, and those between patches that were stitched
+    std::vector<BoundaryEdge> flips;  // in the file and between stitched patches
     const auto key = [](const BoundaryEdge& e) { return std::pair(std::min(e.from, e.to), std::max(e.from, e.to)); };
     for (const auto* list : {&flips_, &stitched_.flips}) flips.insert(flips.end(), list->begin(), list->end());
     std::ranges::sort(flips, {}, key);
@@ -176,12 +177,13 @@ class BodyCloser {
       }
     if (!first) return;
     throw InputError(fmt::format(
-        "{}: body '{}' is not closed: expected every edge to be {}, found {} edge{} that {} not (after stitching over {:.6g}), within the box {} to {}; the first "
-        "runs from {} to {} (coordinates of the mesh). Close the surface, give a longer stitch, or let it be closed with closing cap (or extrude, if it is terrain){}{}",
-        body_.mesh.string(), body_.name, parity ? "used an even number of times" : "matched by its reverse", count, count == 1 ? "" : "s",
-        count == 1 ? "is" : "are", out_.stitch, text(lo), text(hi), text(first->from), text(first->to),
-        !parity && !out_.flips.empty() ? "; some facets are oriented the other way round: orient them alike or use fill auto or evenodd" : "",
-        body_.part.empty() ? "" : fmt::format("; part '{}' may be cut off from parts that were left out", body_.part)));
+        "{}: body '{}' is not closed: every edge should be {}, but after stitching over {:.6g} there {} that {} not, within the box {} to {}; the first "
+        "runs from {} to {} (coordinates of the mesh). Close the surface, set a longer \"stitch\", or set \"closing\": \"cap\" (for terrain \"closing\": {{\"extrude\": "
+        "\"-z\"}}){}{}",
+        body_.mesh.string(), body_.name, parity ? "used an even number of times" : "matched by its reverse", out_.stitch,
+        (count == 1 ? "is " : "are ") + plural(count, "edge"), count == 1 ? "is" : "are", text(lo), text(hi), text(first->from), text(first->to),
+        !parity && !out_.flips.empty() ? ". Some facets are oriented the other way round: orient them alike, or set \"fill\": \"auto\" or \"evenodd\"" : "",
+        body_.part.empty() ? "" : fmt::format(". Part '{}' may be cut off from parts of the file that the scene leaves out", body_.part)));
   }
 
   void close_what_is_open() {
@@ -220,8 +222,8 @@ class BodyCloser {
       if (const uint64_t n = shells[static_cast<size_t>(rule)]; n > 0) out_.fill.push_back({rule, n, body_.fill == rule ? "asked for" : why});
     };
     describe(Fill::kNonzero, out_.was_open || !flips_.empty() ? "facets are oriented alike" : "closed: every edge is matched by its reverse");
-    describe(Fill::kEvenodd, "some facets are oriented the other way round: so fewer edges stay open than by winding number");
-    describe(Fill::kDistinct, fmt::format("{} of {} facets lie on each other with opposite orientation and would cancel: each place counts once, inside is told by parity",
+    describe(Fill::kEvenodd, "some facets are oriented the other way round, and by parity fewer edges stay open than by winding number");
+    describe(Fill::kDistinct, fmt::format("{} of {} facets lie on others of opposite orientation and would cancel, so each place counts once and parity decides the inside",
                                           gone, doubled));
     const bool uniform = out_.fill.size() == 1 && out_.fill[0].rule != Fill::kDistinct;
     if (!uniform) out_.rules = std::make_shared<FacetRules>(std::move(shells_), std::move(stitched_.rule));
@@ -235,7 +237,7 @@ class BodyCloser {
   std::shared_ptr<Shells> shells_;
   std::vector<BoundaryEdge> edges_, flips_;
   std::vector<ShellRule> rules_;
-  bool counted_once_ = false;  // edges_ lacks facets that repeat others
+  bool counted_once_ = false;  // edges_ is without facets that repeat others
   std::vector<OpenEdge> taking_part_;
   Stitched stitched_;
 };

@@ -1,6 +1,6 @@
-// Closing a body: is its surface closed, which fill rule has each shell, and what closes the rest: stitches, then caps or
-// walls. Surface and what is added have no boundary, by the rule of each shell: so the winding number or the parity along
-// every ray is whole, wherever the ray passes, and nothing can leak.
+// Closes a body: finds out whether its surface is closed, chooses a fill rule for each shell, and closes what is open by
+// stitches, then by caps or walls. Together they have no boundary under the rule of each shell. So the winding number, or
+// the parity, returns to zero along every ray, and nothing can leak.
 #pragma once
 #include <array>
 #include <memory>
@@ -15,26 +15,29 @@
 
 namespace teracell {
 
-// The layer of a body's facets under a rule (compose.hpp): its winding number, or its parity.
+// The layer of a body's facets (compose.hpp): one for facets that count for the winding number, one for the parity.
 inline uint32_t layer_of(size_t body, bool parity) { return static_cast<uint32_t>(2 * body + parity); }
-// Where facets of a shell disagree with their neighbours on which side is out: edges that run the same way in both.
+inline uint32_t body_of_layer(uint32_t layer) { return (layer & ~kIgnored) / 2; }
+inline bool is_parity_layer(uint32_t layer) { return layer % 2 != 0; }
+
+// A curve along which facets of a shell face the opposite way from their neighbours: its edges run the same way in both.
 struct Flip {
   Vec3 at;  // the first vertex of the first of its edges, as the grid sees it
   uint64_t edges;
 };
 
-// Shells of a body that one fill rule serves.
+// A fill rule and the shells of a body that have it.
 struct FillChoice {
   Fill rule;
-  std::optional<uint64_t> shells;  // absent: all
-  std::string why;                 // in words
+  std::optional<uint64_t> shells;  // absent: all shells
+  std::string why;                 // a text for people
 };
 
-// The rule of each facet, where not all have the same. Not thread-safe; fast in ascending order.
+// The rule of each facet, for bodies whose facets have different rules. Not thread-safe; fast in ascending order.
 class FacetRules {
  public:
   FacetRules(std::shared_ptr<const Shells> shells, std::vector<ShellRule> rules) : shells_(std::move(shells)), rules_(std::move(rules)) {}
-  // The layer of facet number `facet` of body `body`, with kIgnored.
+  // The layer of a facet, with kIgnored if the facet is to be ignored.
   uint32_t layer(size_t body, uint64_t facet) const {
     const ShellRule rule = rules_[shells_->of_facet(facet)];
     const bool ignored = rule == ShellRule::kDistinct && shells_->repeats(facet);
@@ -47,11 +50,11 @@ class FacetRules {
 };
 
 struct ClosedBody {
-  std::vector<FillChoice> fill;            // nonzero, evenodd, distinct: those that are used; none for a sheet
-  std::shared_ptr<const FacetRules> rules; // null when fill[0] serves all facets
+  std::vector<FillChoice> fill;            // in the order nonzero, evenodd, distinct; empty for a sheet
+  std::shared_ptr<const FacetRules> rules; // null when fill[0] is the rule of all facets
   bool was_open = false;                   // before stitching
-  std::array<std::vector<Facet>, 2> added; // stitches and caps, in the file's coordinates: to the winding number, to the parity
-  std::array<std::vector<Facet>, 2> walls; // of extruded loops, as the grid sees them
+  std::array<std::vector<Facet>, 2> added; // stitches and caps, in the file's coordinates: for the winding number, for the parity
+  std::array<std::vector<Facet>, 2> walls; // of extruded loops, as the grid sees them; the same two
   std::vector<Hole> holes;                 // the largest first
   std::vector<Flip> flips;
   double stitch = 0;                       // the length, in the grid's units
@@ -60,7 +63,7 @@ struct ClosedBody {
 
   // The layer of all facets when there are no `rules`.
   uint32_t layer(size_t body) const { return layer_of(body, !fill.empty() && fill[0].rule != Fill::kNonzero); }
-  // When they have gone where facets are cast from; the rest is for the report.
+  // Called when the facets are where they are cast from. The rest stays for the report.
   void drop_facets() {
     rules.reset();
     added = walls = {};
@@ -68,23 +71,24 @@ struct ClosedBody {
   bool adds_facets() const { return !added[0].empty() || !added[1].empty() || !walls[0].empty() || !walls[1].empty(); }
 };
 
-// What is known of a surface that was read once.
+// What is known about a surface after it was read once.
 struct Surface {
   FacetPass facets;       // in the file's order
   uint64_t count;
   bool float32;
-  bool in_memory;         // a pass is cheap then
+  bool in_memory;         // so a pass is cheap
   BoundaryProof boundary;
-  bool opposites;         // a sample of the facets holds opposite ones
+  bool opposites;         // a sample of the facets holds facets that lie on each other with opposite orientation
 };
 
-// What closing needs to know of the grid.
+// What closing needs to know about the grid.
 struct ClosingFrame {
-  double shortest_edge;          // of any cell
-  std::array<double, 2> beyond;  // below and above all, along the body's axis of extrusion
+  double shortest_edge;          // of all cells
+  std::array<double, 2> beyond;  // coordinates below and above everything, along the body's axis of extrusion
 };
 
-// Throws InputError: open under `strict`, too large for the memory, a stitch length that is too long.
+// Throws InputError when the body is open and must not be (`strict`), when its boundary does not fit into memory, and when the
+// stitch length is too long.
 ClosedBody close_body(const SceneBody& body, const Surface& surface, const ClosingFrame& frame, const Budget& budget);
 
 }  // namespace teracell

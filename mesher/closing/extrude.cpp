@@ -13,7 +13,7 @@ double signed_area(const Loop& loop, const Frame& f) {
   return sum / 2;
 }
 
-// Whether a loop winds around p in projection, by the parity of its edges right of p.
+// Whether the loop surrounds p as seen along the axis, by the parity of its edges to the right of p.
 bool surrounds(const Loop& loop, const Frame& f, const Vec3& p) {
   bool inside = false;
   for (size_t i = 0; i < loop.size(); ++i) {
@@ -29,17 +29,22 @@ bool surrounds(const Loop& loop, const Frame& f, const Vec3& p) {
 std::vector<bool> outer_loops(const std::vector<Loop>& loops, int axis, bool evenodd) {
   const Frame f = Frame::along(axis);
   std::vector<double> area;
+  std::vector<std::pair<double, double>> extent;  // along v
   std::vector<Vec3> least;
   for (const Loop& loop : loops) {
     area.push_back(signed_area(loop, f));
     least.push_back(*std::ranges::min_element(loop));
+    const auto [lowest, highest] = std::ranges::minmax(loop, {}, [&](const Vec3& p) { return p[f.v]; });
+    extent.emplace_back(lowest[f.v], highest[f.v]);
   }
   std::vector<bool> out(loops.size(), true);
   if (loops.size() < 2) return out;
   if (evenodd) {
-    for (size_t i = 0; i < loops.size(); ++i)
+    for (size_t i = 0; i < loops.size(); ++i) {
+      const double v = least[i][f.v];
       for (size_t k = 0; k < loops.size() && out[i]; ++k)
-        if (k != i && std::abs(area[k]) > std::abs(area[i]) && surrounds(loops[k], f, least[i])) out[i] = false;
+        if (std::abs(area[k]) > std::abs(area[i]) && extent[k].first <= v && v <= extent[k].second && surrounds(loops[k], f, least[i])) out[i] = false;
+    }
     return out;
   }
   size_t largest = 0;

@@ -32,7 +32,7 @@ uint32_t PointTree::build(std::span<const Vec3> points, uint32_t first, uint32_t
   return node;
 }
 
-// By boxes, then by the sphere around the node's box. The margins cover the roundings of whoever asks.
+// Tests boxes, then the sphere around the node's box. The margins cover the caller's rounding errors as well.
 bool PointTree::may_be_near(const Node& node, const Vec3& a, const Vec3& b, double distance) {
   const double reach = distance * 1.0001;
   double radius = 0, along = 0, length = 0;

@@ -1,5 +1,5 @@
-// Points in space, searched by box: a k-d tree (J. L. Bentley, 1975). Cells of a hash would do for points near a point, but
-// not for points near an edge that is a million times as long as the distance asked for.
+// A k-d tree (J. L. Bentley, "Multidimensional Binary Search Trees Used for Associative Searching", 1975) of points. A hash of
+// cells would find points near a point, but not points near an edge that is a million times as long as the distance.
 #pragma once
 #include <algorithm>
 #include <cmath>
@@ -14,10 +14,10 @@ namespace teracell {
 // Immutable; threads may share it.
 class PointTree {
  public:
-  // Keeps the numbers of the points, not the points.
+  // The tree keeps the numbers of the points but not the points.
   explicit PointTree(std::span<const Vec3> points);
 
-  // Calls f(number) for all points at most `distance` from the segment a - b, and for some further ones.
+  // Calls f(number) for all points within `distance` of the segment a - b, and for some others.
   template <class F>
   void near(const Vec3& a, const Vec3& b, double distance, F&& f) const {
     if (!nodes_.empty()) visit(0, a, b, distance, f);
@@ -27,7 +27,7 @@ class PointTree {
   struct Node {
     Vec3 lo, hi;               // the box of its points
     uint32_t first, last;      // in order_
-    uint32_t upper;            // its second child; the first one follows it. 0 for a leaf
+    uint32_t upper;            // the number of its second child (the first one is the next node); 0 for a leaf
   };
   uint32_t build(std::span<const Vec3> points, uint32_t first, uint32_t last);
   static bool may_be_near(const Node& node, const Vec3& a, const Vec3& b, double distance);

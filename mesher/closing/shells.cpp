@@ -5,10 +5,10 @@
 namespace teracell {
 namespace {
 
-// What a facet of a batch takes while it is in memory, at worst: three vertices of its own with their numbers.
+// The memory that a facet of a batch takes at worst: when it shares none of its three vertices.
 constexpr uint64_t kBytesPerFacet = 160;
 
-// So that a bucket is sorted within the processor's cache.
+// So many that each bucket is sorted within the processor's cache.
 size_t buckets_for(uint64_t records) { return static_cast<size_t>(std::bit_ceil(std::clamp<uint64_t>(records >> 14, 1, 4096))); }
 
 template <class Record>
@@ -53,7 +53,7 @@ uint32_t Shells::group_root(uint32_t g) {
 
 void Shells::end_batch() {
   constexpr uint32_t kNone = ~uint32_t{0};
-  std::vector<uint32_t> group(parent_.size(), kNone);  // of a root
+  std::vector<uint32_t> group(parent_.size(), kNone);  // by root
   group_of_facet_.reserve(group_of_facet_.size() + batch_.size());
   for (uint64_t i = 0; i < batch_.size(); ++i) {
     const BatchFacet& f = batch_[i];
@@ -126,7 +126,7 @@ void Shells::number_shells() {
   std::vector<uint64_t> facets, cancelled;
   group_shell_.resize(group_parent_.size());
   for (uint32_t g = 0; g < group_parent_.size(); ++g) {
-    const uint32_t root = group_root(g);  // the least group of the shell: seen first
+    const uint32_t root = group_root(g);  // the least group of the shell, so the loop meets it first
     if (root == g) {
       group_shell_[g] = static_cast<uint32_t>(facets.size());
       facets.push_back(0);

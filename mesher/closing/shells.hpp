@@ -1,9 +1,9 @@
-// Which facets of a surface hang together (its shells: facets connected by equal vertices), and which lie on each other.
+// Finds the shells of a surface (facets connected by equal vertices), and the facets that lie on each other.
 //
-// Needed only for surfaces that are open or hold opposite facets; it decides cells, so it is exact for surfaces that don't
-// fit into memory too. Facets come in the file's order and are joined batch by batch, each batch a union-find over its
-// vertices; what a batch calls a group is joined with the groups of other batches that have the same vertex, which
-// meet in buckets by the vertex's hash. (Rejected: one table over all vertices. It takes 20 bytes per facet.)
+// It is needed only for surfaces that are open or hold opposite facets. It decides cells, so it is exact, also for surfaces that
+// don't fit into memory. Facets come in the file's order, in batches. Within a batch a union-find over vertices makes groups of
+// facets. Groups of different batches that have a vertex in common are then joined: their records meet in a bucket by the
+// vertex's hash. (Rejected: one table of all vertices, which takes 20 bytes per facet.)
 #pragma once
 #include <memory>
 #include <optional>
@@ -14,14 +14,14 @@
 
 namespace teracell {
 
-// Memory: a third of the budget, 24 bytes for every group of a batch (few, but for loose facets), and one bit per facet.
+// Memory: a third of the budget, 24 bytes per group (there are few unless facets are loose), and one bit per facet.
 // Not thread-safe.
 class Shells {
  public:
-  // Of a surface of `facets` facets. With `bounded` the budget holds; else there is one batch and nothing is spilled.
+  // For a surface of `facets` facets. With `bounded` the memory is limited as above; else there is one batch and nothing is spilled.
   Shells(uint64_t facets, const Budget& budget, bool bounded);
 
-  // All facets, in the file's order; then finish().
+  // Add all facets in the file's order, then call finish().
   void add(const Facet& facet);
   void finish();
 
@@ -29,11 +29,11 @@ class Shells {
   uint32_t count() const { return static_cast<uint32_t>(facets_.size()); }
   std::vector<uint32_t> of(const std::vector<Vec3>& vertices) const;  // REQUIRES: each is a vertex of some facet
   uint32_t of_facet(uint64_t facet) const;                            // fast in ascending order
-  uint64_t facets(uint32_t shell) const { return facets_[shell]; }  // with three different vertices
-  // Whether a facet has the vertices of one that comes before it in the file.
+  uint64_t facets(uint32_t shell) const { return facets_[shell]; }  // those with three different vertices
+  // Whether an earlier facet of the file has the same three vertices.
   bool repeats(uint64_t facet) const { return !repeats_.empty() && repeats_[facet]; }
-  // How many facets of a shell cancel: of facets with the same vertices, those that are gone when opposite ones are taken
-  // away in pairs. And whether that is half of the shell or more.
+  // How many facets of a shell cancel: those that vanish when facets with the same vertices and opposite orientation are
+  // removed in pairs. is_double(): whether these are half of the shell or more.
   uint64_t cancelled(uint32_t shell) const { return cancelled_[shell]; }
   bool is_double(uint32_t shell) const { return cancelled_[shell] > 0 && 2 * cancelled_[shell] >= facets_[shell]; }
 
@@ -64,14 +64,14 @@ class Shells {
 
   const uint64_t most_;  // facets of a batch
   const uint64_t memory_;
-  VertexNumbers numbers_;  // of the batch: these three; when there is but one batch they stay
+  VertexNumbers numbers_;  // this and the next two are of the batch; if there is only one batch they stay
   std::vector<uint32_t> parent_;
   std::vector<BatchFacet> batch_;
   uint64_t facets_before_ = 0;  // in earlier batches
   std::vector<uint32_t> group_parent_, group_shell_, first_group_of_vertex_;
   std::vector<uint64_t> facets_, cancelled_;  // by group while adding, by shell after finish()
   std::vector<bool> repeats_;
-  std::vector<uint32_t> group_of_facet_;  // of all facets, or of those that wait to be written
+  std::vector<uint32_t> group_of_facet_;  // of all facets, or of those not written yet
   std::unique_ptr<SpillFile> file_;       // group_of_facet_ when bounded
   mutable std::vector<uint32_t> block_;
   mutable uint64_t block_first_ = 0;

@@ -13,7 +13,7 @@
 namespace teracell {
 namespace {
 
-// One order of operations, here and nowhere else.
+// These fix the order of floating-point operations (ARCHITECTURE.md): nothing else here may compute distances.
 double length(const Vec3& d) { return std::sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]); }
 double dot(const Vec3& a, const Vec3& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
 Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
@@ -35,8 +35,7 @@ class Groups {
   std::vector<uint32_t> parent_;
 };
 
-// The uses of the edge lo - hi by a shell: how many more lead from lo to hi than back. Vertices by number, which ascends
-// as they do.
+// How often a shell uses the edge lo - hi: `net` uses more from lo to hi than back. Vertices are numbered in ascending order.
 struct Pair {
   uint32_t lo, hi, shell;
   int64_t net;
@@ -72,7 +71,7 @@ class Stitcher {
   }
 
  private:
-  // In ascending order each vertex not taken yet takes the later ones near it.
+  // In ascending order, each vertex that is not yet taken becomes the representative of the later vertices near it.
   void choose_representatives() {
     const PointTree tree(vertices_);
     std::vector<bool> taken(vertices_.size());
@@ -88,7 +87,7 @@ class Stitcher {
 
   uint32_t number(const Vec3& v) const { return static_cast<uint32_t>(std::ranges::lower_bound(vertices_, v) - vertices_.begin()); }
   bool counts_crossings(uint32_t shell) const { return rules_[shell] == ShellRule::kEvenodd || rules_[shell] == ShellRule::kDistinct; }
-  // Of a shell that counts crossings an edge counts once.
+  // In a shell that counts crossings, an edge counts once.
   int64_t uses(const OpenEdge& e) const { return counts_crossings(e.shell) ? 1 : static_cast<int64_t>(e.edge.net); }
 
   std::vector<Pair> first_pairs() const {
@@ -100,7 +99,8 @@ class Stitcher {
     return out;
   }
 
-  // What does not cancel, ascending. The keys `shell` are shells, or groups by the shell that stands for them.
+  // Adds up the uses of each edge by each shell and returns those that do not cancel, in ascending order. Pair::shell is a shell,
+  // or the representative of a group of shells.
   std::vector<Pair> sum(std::vector<Pair> pairs, const std::vector<bool>& by_parity) const {
     std::vector<Pair> out;
     std::ranges::sort(pairs, [](const Pair& a, const Pair& b) { return std::tuple(a.lo, a.hi, a.shell) < std::tuple(b.lo, b.hi, b.shell); });
@@ -116,7 +116,7 @@ class Stitcher {
     for (uint32_t s = 0; s < rules_.size(); ++s) by_parity[s] = counts_crossings(s);
     return sum(std::move(pairs), by_parity);
   }
-  // A group in which a shell counts crossings does so as a whole.
+  // If one shell of a group counts crossings, all of the group do.
   std::vector<bool> groups_by_parity() {
     std::vector<bool> out(rules_.size());
     for (uint32_t s = 0; s < rules_.size(); ++s)
@@ -128,7 +128,7 @@ class Stitcher {
     return sum(std::move(pairs), groups_by_parity());
   }
 
-  // Shells that use an edge an odd number of times each. REQUIRES: sums by shell.
+  // Joins shells that each use the same edge an odd number of times. REQUIRES: sums by shell.
   void join_shells(const std::vector<Pair>& pairs) {
     const Pair* last = nullptr;
     for (const Pair& p : pairs) {
@@ -138,7 +138,7 @@ class Stitcher {
     }
   }
 
-  // The representatives that lie along each edge, from its lesser end to its greater one.
+  // Finds the representatives that lie along each edge, in order from its lesser end to its greater one.
   void subdivide(const std::vector<Pair>& pairs) {
     std::vector<uint32_t> numbers;
     std::vector<Vec3> points;
@@ -185,7 +185,7 @@ class Stitcher {
     return it == between_.end() ? std::span<const uint32_t>{} : it->second;
   }
 
-  // By the rule that leaves fewer edges: an edge that is left with an even count is none where crossings are counted.
+  // Chooses the rule that leaves fewer edges open: an edge whose net is even is closed by parity.
   void decide() {
     std::vector<bool> by_parity = groups_by_parity(), undecided(rules_.size());
     for (uint32_t s = 0; s < rules_.size(); ++s)
@@ -199,8 +199,8 @@ class Stitcher {
   void check_count(uint64_t facets) const {
     constexpr uint64_t kMostPerEdge = 64;
     if (facets > kMostPerEdge * edges_.size())
-      throw InputError(fmt::format("{}: expected stitches of at most {} facets per open edge, found more ({} edges are open): the stitch length of {:.6g} (in the mesh's "
-                                   "own units) is too long for so fine a mesh: give a shorter one with stitch, or 0 for none",
+      throw InputError(fmt::format("{}: stitching would take more than {} facets per open edge ({} edges are open), because the stitch length of {:.6g} (in the mesh's "
+                                   "own units) is too long for so fine a mesh. Set a shorter \"stitch\", or 0 for none",
                                    name_, kMostPerEdge, edges_.size(), stitch_));
   }
 
@@ -237,10 +237,10 @@ class Stitcher {
     }
   }
 
-  // Along a seam both sides were open: half of what was open and is no longer is its length. A seam is a connected curve.
+  // A seam is a connected curve. Both its sides were open, so its length is half the length of the edges that are no longer open.
   void measure_seams() {
     if (stitch_ == 0) return;
-    std::map<std::pair<uint32_t, uint32_t>, int64_t> open;  // pieces: how often a side of a seam runs there
+    std::map<std::pair<uint32_t, uint32_t>, int64_t> open;  // for each piece of an edge: how many sides of a seam run along it
     for (const OpenEdge& e : edges_) {
       if (counts_crossings(e.shell) && !e.edge.odd()) continue;
       const uint32_t from = representative_[number(e.edge.from)], to = representative_[number(e.edge.to)];
@@ -275,7 +275,7 @@ class Stitcher {
 
   Stitched result() {
     Stitched out;
-    std::vector<uint32_t> number(rules_.size(), ~0u);  // of the groups with a boundary
+    std::vector<uint32_t> number(rules_.size(), ~0u);  // in out.groups, of each group that has a boundary
     for (const Pair& p : left_) {
       const bool parity = counts_crossings(p.shell);
       const uint32_t from = p.net > 0 ? p.lo : p.hi, to = p.net > 0 ? p.hi : p.lo;

@@ -1,10 +1,10 @@
-// Stitching: where the edges of an open surface lie closer to each other than a stitch length they are joined, before what
-// is still open is capped. Patches that were meshed apart meet in other vertices, or in the same ones but for the last
-// digits; capped one by one they would carve out the solid between them.
+// Stitching joins open edges that lie within the stitch length of each other. Caps then close what is still open. Patches that
+// were meshed separately have different vertices along their seam, or vertices that differ in the last digits. If each patch
+// were capped on its own, the caps would cut away the solid between them.
 //
-// Nothing is moved. Between each open edge and its place on the seam a few facets are added, and what two edges of the
-// seam agree on cancels: surface and stitches have a smaller boundary than the surface, and with the caps none. The work
-// is by the length of the boundary, not by the surface.
+// No vertex is moved. A few facets are added between each open edge and its place on the seam, where the edges of both sides
+// cancel. So the surface with its stitches has a shorter boundary, and with its caps none. The work is proportional to the
+// length of the boundary, not to the size of the surface.
 #pragma once
 #include <array>
 #include <vector>
@@ -14,8 +14,8 @@
 
 namespace teracell {
 
-// How inside is told for a shell: kEvenodd and kDistinct count crossings (kDistinct those of distinct facets only), kNonzero
-// sums windings; kAuto is not decided yet.
+// How the inside of a shell is decided. kEvenodd and kDistinct count crossings (kDistinct only those of distinct facets),
+// kNonzero adds up windings, and kAuto is not decided yet.
 using ShellRule = Fill;
 
 struct OpenEdge {
@@ -23,30 +23,30 @@ struct OpenEdge {
   uint32_t shell;
 };
 
-// What was closed by stitches: curves along which boundary edges met.
+// The curves along which stitches joined boundary edges.
 struct Seams {
   uint64_t number = 0;
   double length = 0;      // of all, in the file's units
   double widest_gap = 0;  // the largest distance between what was joined
-  uint64_t collapsed = 0;  // open edges whose ends were joined to one point: what lay within the stitch length
+  uint64_t collapsed = 0;  // open edges whose two ends were joined to one point
 };
 
 // The shells that stitching has joined count as one: a group.
 struct Stitched {
-  std::vector<ShellRule> rule;               // of each shell: decided
-  std::array<std::vector<Facet>, 2> facets;  // the stitches: of winding shells, of shells that count crossings
+  std::vector<ShellRule> rule;               // of each shell; none is kAuto
+  std::array<std::vector<Facet>, 2> facets;  // the stitches of shells that add up windings, and of shells that count crossings
   struct Group {
-    bool by_parity;                   // it counts crossings
-    std::vector<BoundaryEdge> left;   // the boundary that is still there, by that rule
+    bool by_parity;                   // its shells count crossings
+    std::vector<BoundaryEdge> left;   // its boundary under that rule after stitching
   };
   std::vector<Group> groups;
-  std::vector<BoundaryEdge> flips;           // left over by winding number, not by parity, whatever the rule
+  std::vector<BoundaryEdge> flips;           // still open by winding number but closed by parity, under either rule
   Seams seams;
 };
 
-// `edges` are those of the shells that take part, `rules` those of all shells: of a shell that counts crossings only edges
-// that are odd() may come. `stitch` is the length in the file's units; 0: only the groups and rules are found. Distances
-// are compared in doubles (ARCHITECTURE.md). InputError, with `name` in front, when more than 64 facets per edge would be needed.
+// `edges` are the open edges, `rules` the rules of all shells. REQUIRES: edges of a shell that counts crossings are odd().
+// `stitch` is the stitch length in the file's units; with 0 only groups and rules are found. Distances are compared in doubles
+// (ARCHITECTURE.md). Throws InputError, which begins with `name`, when more than 64 facets per open edge would be needed.
 Stitched stitch_boundary(const std::vector<OpenEdge>& edges, std::vector<ShellRule> rules, double stitch, const std::string& name);
 
 }  // namespace teracell

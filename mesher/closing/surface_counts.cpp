@@ -17,7 +17,7 @@ bool has_no_area(const Facet& f) {
 uint32_t VertexNumbers::operator()(const VertexHash& hash) {
   const Recent& recent = recent_[hash.low >> recent_shift_];
   if (recent.hash == hash && recent.number != kNone) return recent.number;
-  const uint32_t number = find_or_add(hash);  // may give recent_ its full size
+  const uint32_t number = find_or_add(hash);  // may resize recent_
   recent_[hash.low >> recent_shift_] = {hash, number};
   return number;
 }
@@ -56,10 +56,10 @@ void VertexNumbers::rehash(size_t slots) {
   }
 }
 
-// A hash waits a moment for its place to reach the cache: on a large mesh nearly every look-up misses it, and waiting
-// for memory was most of the counting.
+// A hash is inserted a few calls later, when its slot has reached the cache. On a large mesh nearly every look-up misses the
+// cache, and waiting for memory took most of the time.
 void DistinctCount::add(uint64_t hash) {
-  hash |= uint64_t{hash < 2} << 1;  // 0 is free
+  hash |= uint64_t{hash < 2} << 1;  // 0 marks a free slot
   if (2 * (count_ + kWaiting) >= slots_.size()) grow();
   __builtin_prefetch(&slots_[hash >> 1 & (slots_.size() - 1)]);
   std::swap(hash, waiting_[turn_++ % kWaiting]);
@@ -67,7 +67,7 @@ void DistinctCount::add(uint64_t hash) {
 }
 
 uint64_t DistinctCount::count() {
-  for (size_t i = 0; i < kWaiting; ++i) {  // in the order in which they came: of equal ones the first tells which way round
+  for (size_t i = 0; i < kWaiting; ++i) {  // in order of arrival: of equal ones the first determines the orientation
     uint64_t& hash = waiting_[(turn_ + i) % kWaiting];
     if (hash != 0) count_ += insert(std::exchange(hash, 0));
   }
@@ -95,7 +95,7 @@ void DistinctCount::rehash(size_t slots) {
     if (hash != 0) insert(hash);
 }
 
-// Of a closed surface with twice as many facets as vertices.
+// A closed surface has about half as many vertices as facets.
 void SurfaceCounter::expect(uint64_t facets) {
   numbers_.expect(facets / 2);
   distinct_.expect(facets);
@@ -116,8 +116,8 @@ void SurfaceCounter::add(const Facet& facet, bool at_home) {
   if (!at_home) return;
   ++facets_;
   degenerate_ += has_no_area(facet);
-  const bool odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);  // with three different ones: whether sorting turns it over
-  std::ranges::sort(v);  // the same facet, whatever the order of its vertices
+  const bool odd = (v[0] > v[1]) ^ (v[1] > v[2]) ^ (v[0] > v[2]);  // whether sorting three different vertices reverses the facet
+  std::ranges::sort(v);  // so that the order of a facet's vertices does not matter
   const bool turns = odd && v[0] != v[1] && v[1] != v[2];
   distinct_.add((fold(fold(v[0] ^ kHashKeys[0], v[1] ^ kHashKeys[1]) ^ kHashKeys[2], v[2] ^ kHashKeys[3]) & ~uint64_t{1}) | turns);
 }

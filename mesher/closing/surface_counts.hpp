@@ -1,4 +1,4 @@
-// What a surface is made of: shells, degenerate and duplicate facets.
+// Counts the shells of a surface and its degenerate and duplicate facets.
 #pragma once
 #include <array>
 #include <bit>
@@ -11,9 +11,9 @@
 
 namespace teracell {
 
-// Numbers for vertices, in the order of first appearance. Vertices are equal when their coordinates are: told by a
-// 128-bit hash of them. Open addressing, no erasure; grows with what it holds: a table for the worst case would be cold
-// memory for the usual one.
+// Numbers vertices in the order of first appearance. Vertices are equal when their coordinates are, which a 128-bit hash
+// decides. A hash table with open addressing and without erasure. It grows as it fills: a table for the worst case would be
+// slow in the usual case, because most of it would not be in the cache.
 class VertexNumbers {
  public:
   uint32_t operator()(const Vec3& vertex) { return (*this)(vertex_hash(vertex)); }
@@ -25,8 +25,8 @@ class VertexNumbers {
   uint32_t count() const { return static_cast<uint32_t>(hashes_.size()); }
 
  private:
-  // Neighbouring facets come one after another and share vertices: a small cache in front spares two of three look-ups. It
-  // has its full size once there are some hundred vertices: of 100,000 bodies most have few.
+  // Successive facets often share vertices, so a small cache avoids two of three look-ups. It has its full size only after some
+  // hundred vertices, because scenes of 100,000 bodies mostly have bodies with few.
   static constexpr size_t kFewSlots = 64, kManySlots = 1024;
   static constexpr uint32_t kNone = ~uint32_t{0};
   struct Recent {
@@ -37,18 +37,18 @@ class VertexNumbers {
   void grow();
   void rehash(size_t slots);
   std::vector<Recent> recent_ = std::vector<Recent>(8);
-  int recent_shift_ = 61;  // 2^(64 - shift) of them
+  int recent_shift_ = 61;  // recent_ has 2^(64 - shift) entries
   std::vector<VertexHash> hashes_;     // by number
   std::vector<uint32_t, Populated<uint32_t>> slots_;  // number + 1; 0 is free
 };
 
-// Counts distinct hashes, of which the lowest bit says nothing but how each came first: of those that come again it counts
-// which come in the other way.
+// Counts distinct hashes. The lowest bit of a hash is an orientation and does not distinguish it. Of the hashes that come again,
+// those with another orientation than the first are counted too.
 class DistinctCount {
  public:
   void add(uint64_t hash);
   uint64_t count();
-  uint64_t otherwise() const { return otherwise_; }  // as of the last count()
+  uint64_t otherwise() const { return otherwise_; }  // as of the latest call of count()
   void expect(uint64_t hashes) { rehash(std::bit_ceil(2 * hashes + 1024)); }
 
  private:
@@ -65,17 +65,18 @@ struct SurfaceCounts {
   uint64_t degenerate = 0, duplicates = 0, opposite = 0, shells = 0;  // as of SurfaceCounter
 };
 
-// Takes facets one by one, in any order. Memory: some 35 bytes a facet. Not thread-safe.
+// Takes facets one by one in any order. Memory: some 35 bytes per facet. Not thread-safe.
 class SurfaceCounter {
  public:
-  // Makes room, so that tables need not grow.
+  // Reserves memory, so that the tables need not grow.
   void expect(uint64_t facets);
-  // Degenerate and duplicate facets are counted only `at_home`: counters of parts of a surface may each see the same facet.
+  // Degenerate and duplicate facets are counted only if `at_home`, because counters of several parts of a surface may see the same
+  // facet.
   void add(const Facet& facet, bool at_home = true);
 
-  uint64_t degenerate() const { return degenerate_; }                 // facets without area, exactly
+  uint64_t degenerate() const { return degenerate_; }                 // facets without area, decided exactly
   uint64_t duplicates() { return facets_ - distinct_.count(); }       // facets with the three vertices of an earlier one
-  uint64_t opposite() { return (distinct_.count(), distinct_.otherwise()); }  // of these, those that run the other way round than the first one
+  uint64_t opposite() { return (distinct_.count(), distinct_.otherwise()); }  // duplicates whose orientation is opposite to the first one's
   uint64_t shells() const;                                            // groups of facets connected by equal vertices
   SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.

@@ -1,13 +1,13 @@
-// The solid angle of a facet (a, b, c), seen from the origin, is twice the argument of the complex number
+// The solid angle of a facet (a, b, c) as seen from the origin is twice the argument of the complex number
 //
 //     |a| |b| |c| + (a . b) |c| + (b . c) |a| + (c . a) |b|  +  i a . (b x c)
 //
-// (A. Van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle", 1983). Arguments add where numbers are multiplied,
-// so there is one multiplication a facet, a count of how often the product passes the negative real axis, and one atan2
-// a point at the end. With n = (b - a) x (c - a) the imaginary part is a . n, and 2 a . b = |a|^2 + |b|^2 - |a - b|^2.
+// (A. Van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle", 1983). Multiplying complex numbers adds their
+// arguments. So each point takes one multiplication per facet, a count of how often the product passes the negative real
+// axis, and one atan2 at the end. With n = (b - a) x (c - a) the imaginary part is a . n, and 2 a . b = |a|^2 + |b|^2 - |a - b|^2.
 //
-// 2^27 pairs of a point and a facet take 1.2 s of one thread (SSE2, 9 ns a pair; half of that are its three
-// square roots); the exact crossings of 32,768 facets at 4096 points 0.01 s.
+// 2^27 pairs of a point and a facet take 1.2 s on one thread (SSE2, 9 ns per pair, half of it for the three square
+// roots). The exact crossings of 32,768 facets at 4096 points take 0.01 s.
 #include "mesher/closing/trust.hpp"
 
 #include <algorithm>
@@ -17,16 +17,17 @@
 
 #include <fmt/format.h>
 
+#include "mesher/closing/numbers.hpp"
 #include "mesher/engines/ray.hpp"
 #include "store/in_order.hpp"
 
 namespace teracell {
 namespace {
 
-constexpr Frame kFrame = Frame::along(2);  // of the rays that decide inside; every axis gives the same answer
+constexpr Frame kFrame = Frame::along(2);  // of the rays that decide whether a point is inside; every axis gives the same answer
 
-// A sample point on the surface is decided as if it were shifted by (e, e^2, e^3); for the winding number, which jumps
-// there, by this much of the body's box.
+// A sample point on the surface is decided as if it were shifted by (e, e^2, e^3). The winding number jumps at the surface, so
+// there the shift is a number: this fraction of the longest side of the body's box.
 constexpr Vec3 kShift = {0x1p-20, 0x1p-28, 0x1p-36};
 
 }  // namespace
@@ -61,7 +62,7 @@ std::vector<Vec3> draw_trust_points(const Vec3& lo, const Vec3& hi, const Grid& 
   std::vector<Vec3> points(count);
   for (Vec3& p : points)
     for (int d = 0; d < 3; ++d) {
-      const double share = static_cast<double>(random() >> 11) * 0x1p-53;  // the library's distributions differ between machines
+      const double share = static_cast<double>(random() >> 11) * 0x1p-53;  // the distributions of the standard library differ between platforms
       const double x = std::clamp(from[d] + share * (to[d] - from[d]), from[d], to[d]);
       p[d] = grid.axis[d].centre(grid.axis[d].cell_at(x));
     }
@@ -114,7 +115,7 @@ void TrustCheck::flush() {
 }
 
 void TrustCheck::turn(Block& p, std::span<const Scaled> facets) {
-  Block q = p;  // where the compiler sees that nothing else points to it
+  Block q = p;  // a local copy: the compiler sees that nothing else points to it
   for (size_t f = 0; f < facets.size(); ++f) {
     const Scaled s = facets[f];
     for (size_t i = 0; i < kBlock; ++i) {
@@ -123,7 +124,7 @@ void TrustCheck::turn(Block& p, std::span<const Scaled> facets) {
       const double cx = s.c[0] - q.x[i], cy = s.c[1] - q.y[i], cz = s.c[2] - q.z[i];
       const double aa = ax * ax + ay * ay + az * az, bb = bx * bx + by * by + bz * bz, cc = cx * cx + cy * cy + cz * cz;
       const double a = std::sqrt(aa), b = std::sqrt(bb), c = std::sqrt(cc);
-      // The least real part that counts nothing keeps a point on an edge, where the number is 0, from ending the product.
+      // On an edge the number is 0 and would make the whole product 0. A real part too small to matter prevents that.
       const double re = a * b * c + (0.5 * (aa + bb) - s.ab) * c + (0.5 * (bb + cc) - s.bc) * a + (0.5 * (cc + aa) - s.ca) * b + 1e-40;
       const double im = ax * s.n[0] + ay * s.n[1] + az * s.n[2];
       const double before = q.im[i], product = q.re[i] * im + before * re;
@@ -132,7 +133,7 @@ void TrustCheck::turn(Block& p, std::span<const Scaled> facets) {
       const double wraps = before < 0 ? (product < 0 ? 0.0 : -1.0) : (product < 0 ? 1.0 : 0.0);
       q.turns[i] += (before < 0) == (im < 0) ? wraps : 0.0;
     }
-    if (f % 4 == 3 || f + 1 == facets.size())  // four numbers of 1e-40 at least are within range
+    if (f % 4 == 3 || f + 1 == facets.size())  // the product of four numbers of at least 1e-40 does not underflow
       for (size_t i = 0; i < kBlock; ++i) {
         const double size = 1 / (std::abs(q.re[i]) + std::abs(q.im[i]));
         q.re[i] *= size;
@@ -162,7 +163,7 @@ std::vector<TrustPoint> TrustCheck::points() {
   for (size_t i = 0; i < points_.size(); ++i) {
     const Block& block = blocks_[i / kBlock];
     const size_t k = i % kBlock;
-    out.push_back({points_[i], std::atan2(block.im[k] + 0.0, block.re[k]) / (2 * std::numbers::pi) + block.turns[k], winding_[i] != 0});  // -0 is 0: pi
+    out.push_back({points_[i], std::atan2(block.im[k] + 0.0, block.re[k]) / (2 * std::numbers::pi) + block.turns[k], winding_[i] != 0});  // + 0.0: with -0 atan2 would give -pi
   }
   return out;
 }
@@ -201,12 +202,11 @@ Trust try_points(std::span<const Vec3> points, const Vec3& lo, const Vec3& hi, i
 
 std::string trust_warning(const Trust& t, const std::string& body) {
   if (!t.worth_a_warning()) return "";
-  const auto text = [](const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); };
   return fmt::format(
-      "body '{}': look at its caps: of {} points, {} ({:.1f} %) are inside by the cells and outside by the surface without caps (its winding number is "
-      "not above 1/2), or the other way round; most clearly at {}, all within {} to {}. If the cells are wrong there, close the surface, or try another "
-      "'stitch' (longer, if gaps were left open; shorter, if it joined what is apart) or 'fill'",
-      body, t.points, t.disagree, 100.0 * static_cast<double>(t.disagree) / static_cast<double>(t.points), text(t.at), text(t.lo), text(t.hi));
+      "body '{}': look at its caps. Of {} points that were tried, the cells and the surface without its caps disagree at {} ({:.1f} %): the cell is inside although "
+      "the surface's winding number is not above 1/2, or the other way round. The clearest of these points is {}; all lie in the box from {} to {}. If the cells "
+      "are wrong there, close the surface, set another \"stitch\" (a longer one if gaps were left open, a shorter one if it joined separate parts), or set another \"fill\"",
+      body, t.points, t.disagree, 100.0 * static_cast<double>(t.disagree) / static_cast<double>(t.points), place_text(t.at), place_text(t.lo), place_text(t.hi));
 }
 
 }  // namespace teracell

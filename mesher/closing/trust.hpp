@@ -1,13 +1,13 @@
-// Are the caps to be trusted? A cap across a wide hole is a guess. The generalized winding number needs no cap: it is the
-// solid angle of the surface as it is, holes and all, as seen from a point, and where more than half of the whole sphere is
-// covered the point is rather inside than outside (A. Jacobson, L. Kavan, O. Sorkine-Hornung, "Robust Inside-Outside
-// Segmentation using Generalized Winding Numbers", 2013). So it is held against the cells at some points. It decides no
-// cell: it rounds, and in front of a hole it knows no better than the caps do. Where both say the same, that is worth
-// something; where they don't, somebody should look.
+// Can the caps be trusted? A cap across a wide hole is a guess. The generalized winding number needs no caps: it is the
+// solid angle that the surface, with its holes, covers as seen from a point. Where it covers more than half of the sphere the
+// point is more likely inside than outside (A. Jacobson, L. Kavan, O. Sorkine-Hornung, "Robust Inside-Outside Segmentation
+// using Generalized Winding Numbers", 2013). So the cells are compared with it at some points. It decides no cell, because it
+// is subject to rounding, and in front of a hole it knows no better than the caps do. Where both agree, the caps are more
+// credible; where they disagree, the user should look.
 //
-// Facets come one by one, in any way that has them: from memory, or from a file while it is read again for the bins. The
-// answer depends on their order (it rounds), but not on how points are shared out to threads. Only for bodies that go by
-// winding number throughout: facets oriented both ways make the sum of their solid angles mean nothing.
+// Facets come one by one from any source: from memory, or from a file while it is read again for the bins. Because of
+// rounding the answer depends on their order, but not on how points are distributed to threads. This is only for bodies whose
+// shells all go by winding number: if facets are oriented both ways, the sum of their solid angles means nothing.
 #pragma once
 #include <functional>
 #include <span>
@@ -22,34 +22,34 @@ namespace teracell {
 // A point that was tried.
 struct TrustPoint {
   Vec3 at;
-  double winding;  // of the surface as it is
-  bool inside;     // the surface as closed: what the cell is
+  double winding;  // of the surface with its holes
+  bool inside;     // inside the closed surface, as the cell is
 };
 
-// What was found at all of them. Positions are as the grid sees them.
+// The result for all points. Positions are as the grid sees them.
 struct Trust {
   uint64_t points = 0, disagree = 0;
-  double clearest = -1;  // of the points that disagree, how far the winding number is from 1/2 where it is furthest
-  Vec3 at{};             // there; the least of them where equal
+  double clearest = -1;  // the largest distance of the winding number from 1/2 among points that disagree
+  Vec3 at{};             // the point with that distance; of several the lexicographically least
   Vec3 lo{}, hi{};       // the box of those that disagree
 
-  void add(const Trust& other);     // of other points
+  void add(const Trust& other);  // of other points
   bool worth_a_warning() const { return disagree * 500 > points; }  // more than 0.2 %
 };
 
-// How many points a body of so many facets is tried at, one of so many bodies: at most 4096, no more than 2^27 pairs of a
-// point and a facet, and no more than 2^21 points for all bodies, where a scene has very many.
+// The number of points for a body of so many facets in a scene of so many bodies: at most 4096, at most 2^27 pairs of a point
+// and a facet, and at most 2^21 points for all bodies together.
 uint64_t trust_points(uint64_t facets, uint64_t bodies);
 
-// The sample points of `count` cells that hold points drawn, the same on every run, over the box lo .. hi of a body, as
-// far as the grid reaches. None where the box lies outside.
+// Draws `count` points from the part of a body's box lo .. hi that lies in the grid, the same ones on every run, and returns
+// the sample points of their cells. Empty when the box lies outside the grid.
 std::vector<Vec3> draw_trust_points(const Vec3& lo, const Vec3& hi, const Grid& grid, uint64_t count);
 
-// Tries some points. Not thread-safe; threads share out the points, each gives its own the same facets in the same order,
-// and the results are added.
+// Tries some points. Not thread-safe: each thread has a check of its own for a part of the points, gives it all facets in
+// the same order, and the results are added.
 class TrustCheck {
  public:
-  // `lo`, `hi`: the box of the body, that the coordinates are scaled to.
+  // `lo`, `hi`: the box of the body. Coordinates are scaled to it.
   TrustCheck(std::span<const Vec3> points, const Vec3& lo, const Vec3& hi);
   void add_surface(const Facet& facet);               // as the grid sees it
   void add_closing(const Facet& facet) { cross(facet); }  // a stitch, a cap
@@ -58,11 +58,11 @@ class TrustCheck {
 
  private:
   static constexpr size_t kBlock = 8, kBatch = 64;
-  // Points as structures of arrays, scaled, with the product of the facets' complex numbers (trust.cpp).
+  // Scaled points, with the products of the facets' complex numbers (trust.cpp), coordinate by coordinate for SIMD.
   struct Block {
     double x[kBlock], y[kBlock], z[kBlock], re[kBlock], im[kBlock], turns[kBlock];
   };
-  // A facet, scaled: its vertices, its normal (twice the area long), and halves of its edges' squared lengths.
+  // A scaled facet: its vertices, its normal (whose length is twice the area), and half the squared lengths of its edges.
   struct Scaled {
     double a[3], b[3], c[3], n[3], ab, bc, ca;
   };
@@ -70,18 +70,19 @@ class TrustCheck {
   void flush();
   void cross(const Facet& facet);
 
-  std::vector<Vec3> points_;   // ascending by the row of their rays
-  std::vector<int64_t> winding_;  // of the closed surface around them, exactly
+  std::vector<Vec3> points_;   // in ascending order of their rays' rows
+  std::vector<int64_t> winding_;  // the exact winding number of the closed surface around each point
   std::vector<Block> blocks_;  // of points_, in order
   std::vector<Scaled> batch_;
   Vec3 origin_;
   double scale_;
 };
 
-// All of them, shared out to threads. `feed` gives a check every facet; it is called once a thread, from several at a time; for few points there is one.
+// Tries all points, distributed to threads. `feed` gives a check every facet. It is called once per thread, by several threads
+// at the same time; for few points there is one thread.
 Trust try_points(std::span<const Vec3> points, const Vec3& lo, const Vec3& hi, int threads, const std::function<void(TrustCheck&)>& feed);
 
-// For the user; empty when it is not worth one.
+// The warning for the user; empty when worth_a_warning() is false.
 std::string trust_warning(const Trust& trust, const std::string& body);
 
 }  // namespace teracell

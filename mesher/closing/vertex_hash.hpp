@@ -1,7 +1,8 @@
-// A hash of a vertex: vertices are equal when their coordinates are, so edges and shells are told by it, never by index.
+// A hash of a vertex. Vertices are equal when their coordinates are equal, so edges and shells are found by this hash and
+// never by an index.
 //
-// Folded 128-bit products, as in wyhash (Wang Yi): a library's hash for any length took three times as long, and hashing
-// vertices was a twentieth of meshing a small grid.
+// It folds 128-bit products as wyhash (Wang Yi) does. Hashing vertices was a twentieth of the time for a small grid; a
+// library's hash for data of any length took three times as long.
 #pragma once
 #include <bit>
 #include <compare>
@@ -11,7 +12,7 @@
 
 namespace teracell {
 
-// The 128-bit product folded to 64 bits: it mixes well where one argument does, as one that was hashed or keyed before.
+// The 128-bit product folded to 64 bits. It mixes well if one argument is well mixed: a hash, or a value combined with a key.
 inline uint64_t fold(uint64_t a, uint64_t b) {
   const unsigned __int128 p = static_cast<unsigned __int128>(a) * b;
   return static_cast<uint64_t>(p) ^ static_cast<uint64_t>(p >> 64);
@@ -25,17 +26,17 @@ struct VertexHash {
   friend auto operator<=>(const VertexHash&, const VertexHash&) = default;
 };
 
-// Its two halves are independent. Up to 2^-128 equal only for equal vertices, unless these are made to fool it.
+// The two halves are independent. Different vertices have equal hashes with probability 2^-128, unless made to collide.
 inline VertexHash vertex_hash(const Vec3& vertex) {
   const auto x = std::bit_cast<uint64_t>(vertex[0]), y = std::bit_cast<uint64_t>(vertex[1]), z = std::bit_cast<uint64_t>(vertex[2]);
   return {fold(fold(x ^ kHashKeys[0], y ^ kHashKeys[1]) ^ kHashKeys[2], z ^ kHashKeys[3]),
           fold(fold(x ^ kHashKeys[4], y ^ kHashKeys[5]) ^ kHashKeys[6], z ^ kHashKeys[7])};
 }
 
-// The three vertices of a facet as a set, and which way round they run: facets with equal keys lie on each other.
+// The three vertices of a facet as a set, and their orientation. Facets with equal keys lie on each other.
 struct FacetKey {
   VertexHash key;
-  bool odd;  // the facet runs the other way round than one with the same key that is not odd
+  bool odd;  // of two facets with the same key, one odd and one not, the orientations are opposite
 
   explicit FacetKey(const std::array<VertexHash, 3>& v)
       : key{low_of(v), fold((v[0].high + v[1].high + v[2].high) ^ kHashKeys[3], kHashKeys[2])}, odd(is_odd(v)) {}

@@ -1,5 +1,5 @@
-// Lines through the sample points of a box of cells along any axis, whatever that of the rays, and where facets cross them:
-// with the exact answers of rows.hpp and height.hpp, so the crossings along the axis of the rays are those of the engines.
+// Finds where facets cross lines through sample points, along any axis. The answers are the exact ones of rows.hpp and
+// height.hpp, so along the axis of the rays the crossings are those of the engines.
 #pragma once
 #include <optional>
 
@@ -12,7 +12,7 @@ namespace teracell {
 // Not thread-safe.
 class FacetLines {
  public:
-  // Crossings are told by `levels`: the grid's own axis, or its planes (plane_axis). Keeps references to both.
+  // A crossing lies below a sample point of `levels`: the grid's own axis, or its planes (plane_axis). Keeps references to both.
   FacetLines(const Grid& grid, int axis, const Axis& levels)
       : frame_(Frame::along(axis)), grid_(grid), levels_(levels), find_u_(grid.axis[frame_.u]), find_v_(grid.axis[frame_.v]) {}
 
@@ -49,7 +49,7 @@ class FacetLines {
   const Frame& frame() const { return frame_; }
 
  private:
-  // A facet may be as long as the grid.
+  // Lines are handled in blocks, because a facet may be as long as the grid.
   static constexpr int64_t kBlock = 4096;
   static void fill(std::vector<double>& out, const Axis& axis, int64_t from, int64_t to) {
     out.clear();
@@ -69,7 +69,7 @@ class FacetLines {
   std::vector<uint32_t> first_levels_ = std::vector<uint32_t>(kBlock);
 };
 
-// An axis whose sample points are the planes of another, bit by bit.
+// An axis whose sample points are exactly the planes of another axis.
 Axis plane_axis(const Axis& axis);
 
 }  // namespace teracell

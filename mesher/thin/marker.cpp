@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "mesher/closing/closing.hpp"
+
 namespace teracell {
 
 std::vector<bool> wide_bodies(const Scene& scene, bool count_thin) {
@@ -19,7 +21,7 @@ Marker::Marker(const Scene& scene, const Metadata& meta, const Labels& labels, b
 std::span<const SceneFacet* const> Marker::solids(std::span<const SceneFacet* const> facets) {
   of_solids_.clear(), of_sheets_.clear();
   if (!sheets_) return solids_ = facets;
-  for (const SceneFacet* facet : facets) (scene_.bodies[facet->layer / 2].kind == Kind::kSheet ? of_sheets_ : of_solids_).push_back(facet);
+  for (const SceneFacet* facet : facets) (scene_.bodies[body_of_layer(facet->layer)].kind == Kind::kSheet ? of_sheets_ : of_solids_).push_back(facet);
   return solids_ = of_solids_;
 }
 

@@ -1,4 +1,4 @@
-// What becomes of a tile's facets beside crossings at sample points: sheets own the cells that they pass through, thin parts are
+// Gives cells to bodies beyond the crossings at sample points: sheets own the cells that they pass through, and thin parts are
 // found and kept.
 #pragma once
 #include <optional>
@@ -8,7 +8,7 @@
 
 namespace teracell {
 
-// The bodies whose facets matter to rays beside those that they meet (rays.hpp): of each body, or empty when there is none.
+// For each body, whether its facets matter to rays that they do not meet (rays.hpp); empty if this is so for no body.
 // `count_thin` as in ThinParts.
 std::vector<bool> wide_bodies(const Scene& scene, bool count_thin);
 
@@ -17,9 +17,9 @@ class Marker {
  public:
   // Keeps references.
   Marker(const Scene& scene, const Metadata& meta, const Labels& labels, bool count_thin);
-  // Those of the facets that engines are to cast. Valid until it is called again.
+  // Returns the facets that engines should cast. The result is valid until the next call.
   std::span<const SceneFacet* const> solids(std::span<const SceneFacet* const> facets);
-  // Adds marks to the crossings of the solids. `cells` are those of the tile; facets as solids() was given them last.
+  // Adds marks to the crossings of the solids. `cells` are those of the tile. The facets are those of the last call of solids().
   void mark(const Tile& tile, const Box& cells, Crossings& crossings);
 
   Tallies take_tallies() { return std::exchange(tallies_, {}); }
@@ -27,8 +27,8 @@ class Marker {
 
  private:
   const Scene& scene_;
-  std::optional<Sheets> sheets_;    // if there are any
-  std::optional<ThinParts> thin_;   // if they are wanted
+  std::optional<Sheets> sheets_;    // if the scene has sheets
+  std::optional<ThinParts> thin_;   // if any body needs it
   std::vector<const SceneFacet*> of_solids_, of_sheets_;
   std::span<const SceneFacet* const> solids_;
   Marks marks_;

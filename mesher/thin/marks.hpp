@@ -1,5 +1,5 @@
-// Stretches of a tile's rays that are a body's though their sample points are not inside it: cells of sheets, and cells that
-// keep thin parts. They join the crossings as a step up and a step down, so precedence and counting see nothing new.
+// Stretches of a tile's rays that belong to a body although their sample points are not inside it: cells of sheets, and cells
+// that keep thin parts. Each is added to the crossings as a step up and a step down, so precedence and counting need no change.
 #pragma once
 #include <algorithm>
 
@@ -11,8 +11,8 @@ namespace teracell {
 class Marks {
  public:
   void reset(uint32_t rays);
-  // The cells [from, to) of a ray (v * nu + u) become the layer's. Marks that continue one another, in the order in which they
-  // are made, are one: a wall along the rays costs two crossings a ray and not two a cell.
+  // Gives the cells [from, to) of ray v * nu + u to the layer. A mark that continues the ray's latest one is joined to it, so a
+  // wall along the rays costs two crossings per ray and not two per cell.
   void add(uint32_t ray, uint32_t layer, uint32_t from, uint32_t to) {
     uint32_t& last = last_[ray];
     if (last != kNone) {
@@ -25,7 +25,7 @@ class Marks {
     last = static_cast<uint32_t>(all_.size());
     all_.push_back({ray, layer, from, to});
   }
-  // Adds them to the tile's crossings. Throws InputError when these get too many.
+  // Adds the marks to the tile's crossings. Throws InputError when there are too many.
   void join(const Tile& tile, Crossings& crossings);
 
  private:
@@ -34,7 +34,7 @@ class Marks {
   };
   static constexpr uint32_t kNone = ~uint32_t{0};
   std::vector<Stretch> all_;
-  std::vector<uint32_t> last_;  // of each ray
+  std::vector<uint32_t> last_;  // the latest mark of each ray
   std::vector<uint64_t> joined_;
   std::vector<uint32_t> next_;
 };

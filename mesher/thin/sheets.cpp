@@ -1,5 +1,6 @@
 #include "mesher/thin/sheets.hpp"
 
+#include "mesher/closing/closing.hpp"
 #include "mesher/engines/predicates.hpp"
 
 namespace teracell {
@@ -23,7 +24,7 @@ void Sheets::mark_along(int axis, const Box& tile, const SceneFacet& facet, Mark
   const auto nu = static_cast<uint32_t>(tile.hi[rays_.u] - tile.lo[rays_.u]);
   lines_[axis].cross(facet.facet, tile, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> above, bool) {
     for (size_t i = 0; i < above.size();) {
-      // The cell below the first plane above the facet holds the crossing; of as many lines as possible at once.
+      // The cell below the first plane above the facet holds the crossing. Handles as many lines at once as possible.
       const uint32_t plane = above[i];
       const size_t first = i;
       while (i < above.size() && above[i] == plane && (i == first || along == rays_.w)) ++i;
@@ -46,7 +47,7 @@ void Sheets::tally_lower_side(int axis, const Index3& cell, const SceneFacet& fa
   Index3 at = cell;
   at[axis] = 0;
   for (int d = 0; d < 3; ++d) p[d] = d == axis ? grid_.axis[d].min() : grid_.axis[d].centre(cell[d]);
-  if (orient3d(facet.facet, p) == 0) tallies.add({TallyKey::What::kLowerSide, facet.layer / 2, static_cast<uint8_t>(axis)}, {1, 0, 0, at});
+  if (orient3d(facet.facet, p) == 0) tallies.add({TallyKey::What::kLowerSide, body_of_layer(facet.layer), static_cast<uint8_t>(axis)}, {1, 0, 0, at});
 }
 
 }  // namespace teracell

@@ -1,9 +1,9 @@
 // Sheets: surfaces that own the cells that they pass through. A sheet owns a cell when the line through the cell's sample point
-// along x, y or z crosses it between the cell's planes on that axis. So between two neighbouring cells on different sides of a
-// sheet, one at least is the sheet's: no flood through faces passes a closed one.
+// along x, y or z crosses it between the cell's planes on that axis. So of two neighbouring cells on different sides of a sheet,
+// at least one is the sheet's, and no path through faces of cells passes a closed sheet.
 //
-// The planes of an axis are the sample points of another axis (plane_axis), so each of the three questions is the one that the
-// engines answer: which is the first of them above the facet? All ties are those of the cell rule.
+// The planes of an axis are the sample points of another axis (plane_axis). So the question is the one that engines answer:
+// which plane is the first one above the facet? Ties are decided by the same rule as for cells.
 #pragma once
 #include "mesher/thin/lines.hpp"
 #include "mesher/thin/marks.hpp"

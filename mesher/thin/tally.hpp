@@ -1,5 +1,5 @@
-// What lies where no sample point tells of it, counted while rays are cast: how often, how wide, and where. The sums do not
-// depend on the order in which tiles are counted.
+// Counts what lies between sample points while rays are cast: how often, how wide, and where. The result does not depend on the
+// order of the tiles.
 #pragma once
 #include <compare>
 #include <cstdint>
@@ -20,8 +20,8 @@ inline double sub_position(const Axis& axis, int64_t cell, uint32_t k) {
 struct TallyKey {
   enum class What : uint8_t {
     kPairs,      // pairs of crossings of a body along a ray, between the same two sample points
-    kStretches,  // lost ones of a body
-    kGaps,       // lost ones of a material
+    kStretches,  // lost stretches of a body
+    kGaps,       // lost gaps in a material
     kLowerSide,  // lines that cross a sheet exactly on the domain's lower side
   };
   What what;
@@ -32,15 +32,16 @@ struct TallyKey {
 
 struct Tally {
   uint64_t number = 0;
-  // The widest, of equals the first (least z, then y, then x): from q(from) of `cell` along the axis, so many 65536ths.
+  // The widest one; of equal ones the one with the least z, then y, then x. It begins at q(from) of `cell` along the axis and is
+  // `widest` sub-positions wide.
   uint32_t widest = 0, from = 0;
   Index3 cell{};
   void add(const Tally& other);
 };
 
-// Its middle.
+// The middle of the widest one.
 Vec3 place_of(const TallyKey& key, const Tally& tally, const Grid& grid);
-// As a length.
+// The width of the widest one as a length.
 double width_of(const TallyKey& key, const Tally& tally, const Grid& grid);
 
 class Tallies {

@@ -7,10 +7,10 @@
 namespace teracell {
 namespace {
 
-// Slots of a block: their bits stay in a core's cache.
+// The slots of a block. So few that their bits stay in a core's cache.
 constexpr int64_t kBlockSlots = int64_t{1} << 20;
 
-// By which a step up along an axis changes the winding number is the frame's handedness: it differs along y.
+// The change of the winding number at a step up along an axis has the sign of the frame's handedness, which differs for y.
 int handedness(int axis) { return axis == 1 ? -1 : 1; }
 
 }  // namespace
@@ -30,7 +30,7 @@ void ThinParts::find(const Box& tile, std::span<const SceneFacet* const> facets,
   const RayBounds cells(grid_.axis[w]);
   reaches_.clear(), active_.clear();
   for (const SceneFacet* facet : facets) {
-    if (!wanted(scene_.bodies[facet->layer / 2], count_all_)) continue;
+    if (!wanted(scene_.bodies[body_of_layer(facet->layer)], count_all_)) continue;
     const auto& [a, b, c] = facet->facet.vertex;
     reaches_.push_back({cells.first(std::min(std::min(a[w], b[w]), c[w])), int64_t{cells.last(std::max(std::max(a[w], b[w]), c[w]))} + 1, facet});
   }
@@ -93,10 +93,10 @@ void ThinParts::find_along(int axis, const Box& cells) {
 }
 
 void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> crossers) {
-  bodies_.clear();  // those that two of the facets belong to
+  bodies_.clear();  // the bodies with at least two of the facets
   for (size_t i = 0; i < crossers.size(); ++i) {
-    const uint32_t body = active_[crossers[i].facet].facet->layer / 2;
-    const auto is_same = [&](const Crosser& c) { return active_[c.facet].facet->layer / 2 == body; };
+    const uint32_t body = body_of_layer(active_[crossers[i].facet].facet->layer);
+    const auto is_same = [&](const Crosser& c) { return body_of_layer(active_[c.facet].facet->layer) == body; };
     if (std::ranges::count_if(crossers.first(i), is_same) == 1) bodies_.push_back(body);
   }
   if (bodies_.empty() && !count_all_) return;
@@ -132,7 +132,7 @@ uint32_t ThinParts::ray_of(const Index3& cell) const {
   return static_cast<uint32_t>((cell[rays_.v] - tile_.lo[rays_.v]) * (tile_.hi[rays_.u] - tile_.lo[rays_.u]) + cell[rays_.u] - tile_.lo[rays_.u]);
 }
 
-// At the sample point of a cell of the tile.
+// Adds up the crossings below the sample point of a cell of the tile.
 void ThinParts::sum_crossings(const Index3& cell) {
   const uint32_t ray = ray_of(cell);
   sums_.clear();
@@ -157,12 +157,12 @@ bool ThinParts::inside(uint32_t body, const std::vector<Sum>& sums) const {
   return false;
 }
 
-// Of the strongest body that is inside; the background's where none is.
+// The material of the strongest body that the point is inside of, or the background.
 uint32_t ThinParts::material(const std::vector<Sum>& sums) const {
   uint32_t strongest = ~uint32_t{0}, found = 0;
   for (const Sum& s : sums) {
-    const uint32_t body = s.layer / 2;
-    if (!(s.layer % 2 == 0 ? s.sum != 0 : s.sum % 2 != 0) || labels_.rank[body] >= strongest) continue;
+    const uint32_t body = body_of_layer(s.layer);
+    if (!(is_parity_layer(s.layer) ? s.sum % 2 != 0 : s.sum != 0) || labels_.rank[body] >= strongest) continue;
     strongest = labels_.rank[body];
     found = scene_.bodies[body].material;
   }
@@ -186,11 +186,11 @@ void ThinParts::find_sub_positions(int axis, const Index3& lower, std::span<cons
   std::ranges::sort(steps_, {}, &Step::k);
 }
 
-// Of the sub-positions whose sums make is() true. Neither end does.
+// The stretches of sub-positions whose sums make is() true. REQUIRES: it is false at both ends.
 template <class Is>
 ThinParts::Stretches ThinParts::stretches(Is&& is) {
   Stretches out;
-  uint32_t since = 0;  // 0: not since
+  uint32_t since = 0;  // where the current stretch began; 0 if there is none
   sums_ = lower_;
   for (size_t i = 0; i < steps_.size();) {
     const uint32_t k = steps_[i].k;
@@ -205,7 +205,7 @@ ThinParts::Stretches ThinParts::stretches(Is&& is) {
   return out;
 }
 
-// The cell whose planes hold sub-position k becomes the body's, if the tile has it.
+// Gives the body the cell whose planes hold sub-position k, if the cell is in the tile.
 void ThinParts::keep(int axis, const Index3& lower, uint32_t k, uint32_t body) {
   Index3 cell = lower;
   const Axis& a = grid_.axis[axis];

@@ -1,11 +1,11 @@
-// What gets lost between sample points: on a line through sample points, a *slot* lies between two neighbouring ones. A stretch
-// of a body is lost in it when some sub-position (tally.hpp) is inside the body and neither end is; a gap of a material when both
-// ends have the material and some sub-position is in no body. Only slots that facets cross at least twice can lose anything.
-// These are found by casting the facets along all three axes; at an end of the slot the crossings of the tile's own rays say what
-// is inside, and the slot's crossings say what is at the other end: no tile looks at another.
+// Finds what is lost between sample points. On a line through sample points, a *slot* lies between two neighbouring ones. A
+// stretch of a body is lost in a slot when some sub-position (tally.hpp) is inside the body and neither end of the slot is. A gap
+// in a material is lost when both ends have the material and some sub-position is in no body. Only slots that facets cross at
+// least twice can lose anything. They are found by casting the facets along all three axes. The crossings of the tile's own rays
+// tell what is inside at one end of a slot, and the slot's crossings what is inside at the other. So no tile needs another one.
 //
-// A body that is to keep its thin parts gets the cell that holds the first sub-position of a lost stretch. So a plate thinner
-// than a cell has no hole where it crosses the lines; what crosses no line at all stays lost.
+// A body that keeps its thin parts gets the cell that holds the first sub-position of a lost stretch. So a plate thinner than a
+// cell has no hole where it crosses the lines. A part that crosses no line stays lost.
 #pragma once
 #include "mesher/scene/labels.hpp"
 #include "mesher/thin/lines.hpp"
@@ -17,12 +17,12 @@ namespace teracell {
 // Not thread-safe.
 class ThinParts {
  public:
-  // Keeps references. Bodies with thin keep are looked at; with `count_all` all solids, and gaps.
+  // Keeps references. Examines bodies with Thin::kKeep; with `count_all` all solids, and gaps as well.
   ThinParts(const Scene& scene, const Labels& labels, const Grid& grid, int ray_axis, bool count_all);
   ThinParts(const ThinParts&) = delete;
   static bool wanted(const SceneBody& body, bool count_all) { return body.kind == Kind::kSolid && (count_all || body.thin == Thin::kKeep); }
-  // In and beside a tile, which is as long as the grid along the rays; a slot is tallied by the tile of its lower cell. `facets` are
-  // those of solids that may lie there, `crossings` those of the tile's rays.
+  // Examines the slots in and beside a tile, which is as long as the grid along the rays. A slot is tallied by the tile of its
+  // lower cell. `facets` are those of solids that may lie there, `crossings` those of the tile's rays.
   void find(const Box& tile, std::span<const SceneFacet* const> facets, const Crossings& crossings, Marks& marks, Tallies& tallies);
   uint64_t exact_decisions() const { return exact_decisions_; }
 
@@ -38,17 +38,17 @@ class ThinParts {
     bool up;
     friend auto operator<=>(const Crosser&, const Crosser&) = default;
   };
-  // What the crossings below a point sum to, of the layers that they belong to.
+  // The sum of the crossings below a point, for a layer.
   struct Sum {
     uint32_t layer;
     int sum;
   };
-  // Of the slot looked at: from sub-position k on the sums are others.
+  // In a slot: at sub-position k the layer's sum changes by `step`.
   struct Step {
     uint32_t k, layer;
     int step;
   };
-  // The first stretch of sub-positions, and the longest.
+  // Where the first stretch of sub-positions begins, and where the widest one begins and how wide it is.
   struct Stretches {
     uint32_t first = 0, from = 0, widest = 0;
   };

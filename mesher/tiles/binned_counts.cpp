@@ -1,5 +1,7 @@
 #include "mesher/tiles/binned_counts.hpp"
 
+#include "mesher/closing/closing.hpp"
+
 namespace teracell {
 namespace {
 
@@ -15,8 +17,8 @@ BinnedCounter::Bin::Bin(BinnedCounter& all, uint64_t facets) : all_(all) {
 }
 
 void BinnedCounter::Bin::add(const BinnedFacet& f) {
-  if (f.added) return;  // the file doesn't have it
-  const uint32_t body = f.layer / 2;
+  if (f.added) return;  // not in the file
+  const uint32_t body = body_of_layer(f.layer);
   counters_[body].add(f.facet, f.at_home);
   if (f.shared) shared_.emplace_back(body, f.facet.vertex[0]);
 }

@@ -1,4 +1,4 @@
-// Counts what surfaces are made of that are never in memory whole: bin by bin, then what the bins share.
+// Counts the facets and shells of surfaces that don't fit into memory: within each bin, then across the facets that bins share.
 #pragma once
 #include <map>
 #include <mutex>
@@ -9,7 +9,8 @@
 
 namespace teracell {
 
-// Memory: by the facets that lie in several bins, and by the shells. Threads may share it, each with bins of its own.
+// Memory: proportional to the number of facets that lie in several bins, and of shells. Threads may share it, each with its own
+// Bin objects.
 class BinnedCounter {
  public:
   explicit BinnedCounter(size_t bodies) : bodies_(bodies) {}
@@ -19,19 +20,20 @@ class BinnedCounter {
    public:
     Bin(BinnedCounter& all, uint64_t facets);
     void add(const BinnedFacet& facet);
-    void finish();  // after the last one
+    void finish();  // after the last facet
 
    private:
     BinnedCounter& all_;
     std::map<uint32_t, SurfaceCounter> counters_;    // by body
-    std::vector<std::pair<uint32_t, Vec3>> shared_;  // body and first vertex of the facets that lie in other bins too
+    std::vector<std::pair<uint32_t, Vec3>> shared_;  // body and first vertex of each facet that lies in other bins too
   };
   std::vector<SurfaceCounts> totals() const;
 
  private:
-  // Shells within a bin that reach beyond it are nodes; a facet that lies in several bins joins those of its shell in each.
+  // The shells within a bin that reach beyond it are nodes of a graph. A facet that lies in several bins joins the nodes of its
+  // shell in these bins.
   struct Body {
-    SurfaceCounts totals;                           // shells: those within one bin
+    SurfaceCounts totals;                           // of shells only those within one bin
     std::unordered_map<uint64_t, uint32_t> nodes;  // of shared facets, by a hash of the first vertex
     std::vector<uint32_t> parent;                  // union-find over nodes
   };

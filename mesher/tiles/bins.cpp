@@ -10,10 +10,10 @@
 namespace teracell {
 namespace {
 
-// A surface whose facets are small next to a bin lies in little more than one each.
+// The mean number of bins that a facet lies in, when facets are small compared with a bin.
 constexpr double kBinsOfAFacet = 1.2;
 constexpr size_t kPage = 4096;
-// Loaded, a facet takes what it takes on disk, in the store, and in what counts it.
+// The memory per facet of a loaded bin: its record, its place in the store, and what counting it takes.
 constexpr uint64_t kLoadedBytes = 200;
 
 }  // namespace
@@ -27,7 +27,7 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const 
       file_(budget.folder, static_cast<uint64_t>(kBinsOfAFacet * static_cast<double>(facets * record_bytes_))),
       root_{rays_.root(), 0, {}, {}, {}},
       writer_(own_writer) {
-  // As many bins from the start as are likely to be needed, if their buffers fit: what must be split later is written again.
+  // Starts with as many bins as are likely to be needed, if their buffers fit: a bin that must be split later is written twice.
   constexpr uint64_t kLeastBuffer = 4096;
   uint64_t bins = 1;
   for (int depth = root_.place.depth; depth > 0 && bins * most_facets_ < facets * 3 / 2 && bins_at(depth - 1) <= budget.bytes / 8 / kLeastBuffer; --depth) {
@@ -48,7 +48,7 @@ void FacetBins::open_leaves(Bin& bin) const {
 }
 
 void FacetBins::open_children(Bin& bin) const {
-  for (uint32_t k = 0; k < kChildren; ++k) bin.children.push_back({{bin.place.depth - 1, bin.place.cu * kFanOut + k % kFanOut, bin.place.cv * kFanOut + k / kFanOut}, 0, {}, {}, {}});
+  for (uint32_t k = 0; k < kChildren; ++k) bin.children.push_back({bin.place.child(k), 0, {}, {}, {}});
 }
 
 FacetBins::Places FacetBins::places_of(const RayRange& r) const {
@@ -72,7 +72,7 @@ void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> rec
     if (bin.buffer.size() >= buffer_bytes_) flush(bin);
     return;
   }
-  const int shift = 2 * (bin.place.depth - 1);
+  const int shift = kFanOutBits * (bin.place.depth - 1);
   const uint32_t u = bin.place.cu * kFanOut, v = bin.place.cv * kFanOut;
   const uint32_t u0 = std::max(places.u0 >> shift, u), u1 = std::min(places.u1 >> shift, u + kFanOut - 1);
   const uint32_t v0 = std::max(places.v0 >> shift, v), v1 = std::min(places.v1 >> shift, v + kFanOut - 1);
@@ -83,7 +83,7 @@ void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> rec
 void FacetBins::flush(Bin& bin) {
   if (bin.buffer.empty()) return;
   bin.extents.push_back({end_, bin.buffer.size(), checksum(bin.buffer)});
-  bin.buffer.resize((bin.buffer.size() + kPage - 1) / kPage * kPage);  // whole pages: the system fills up others, which costs a fifth of writing
+  bin.buffer.resize((bin.buffer.size() + kPage - 1) / kPage * kPage);  // whole pages: the system would fill up partial ones, which takes a fifth of the time of writing
   end_ += bin.buffer.size();
   writer_.run([this, offset = bin.extents.back().offset, bytes = std::move(bin.buffer)] { file_.write(offset, bytes); });
   bin.buffer = {};
@@ -114,7 +114,7 @@ void FacetBins::split_large(Bin& bin) {
 const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
   const Bin* bin = &root_;
   while (bin->place.depth > place.depth && !bin->children.empty()) {
-    const int up = 2 * (bin->place.depth - 1 - place.depth);
+    const int up = kFanOutBits * (bin->place.depth - 1 - place.depth);
     bin = &bin->children[(place.cv >> up) % kFanOut * kFanOut + (place.cu >> up) % kFanOut];
   }
   return *bin;
@@ -122,7 +122,7 @@ const FacetBins::Bin& FacetBins::bin_at(const TreePlace& place) const {
 
 void FacetBins::take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet&, const RayRange&)>& f) {
   Bin& bin = const_cast<Bin&>(bin_at(place));
-  const int shift = 2 * place.depth;
+  const int shift = kFanOutBits * place.depth;
   const auto inside = [&](uint32_t u, uint32_t v) { return u >> shift == place.cu && v >> shift == place.cv; };
   take_records(bin, [&](std::span<const uint8_t> record) {
     BinnedFacet out;
@@ -137,7 +137,7 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
     out.shared = !inside(places.u0, places.v0) || !inside(places.u1, places.v1);
     out.at_home = true;
     if (out.shared) {
-      // At home where its least vertex is: facets with the same vertices have the same home.
+      // A facet is at home in the bin of its least vertex, so facets with the same vertices have the same home.
       const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
       const Places home = places_of(rays_.range_of({{p, p, p}}, out.layer));
       out.at_home = inside(home.u0, home.v0);
@@ -152,7 +152,7 @@ void FacetBins::take_records(Bin& bin, F&& f) {
   for (const Extent& e : bin.extents) {
     bytes.resize(e.bytes);
     file_.read(e.offset, bytes);
-    if (checksum(bytes) != e.checksum) throw IoError(fmt::format("a temporary file: its {} bytes at {} are not those that were written", e.bytes, e.offset));
+    if (checksum(bytes) != e.checksum) throw IoError(fmt::format("a temporary file is damaged: the {} bytes at {} are not those that were written", e.bytes, e.offset));
     for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(std::span<const uint8_t>(bytes.data() + at, record_bytes_));
   }
   bin.extents = {};

@@ -1,6 +1,6 @@
-// Facets that don't fit into memory, on disk in bins: nodes of the tree of rays that hold few enough each to be loaded
-// one at a time. A facet lies in every bin that has a ray that it may meet or the place of a vertex of it; so facets that
-// share a vertex share a bin, and what connects two bins are the facets that lie in both.
+// Facets that don't fit into memory lie on disk in bins. A bin is a node of the tree of rays with so few facets that it can be
+// loaded. A facet lies in every bin that has a ray that it may meet, and in the bins of its vertices. So facets that share a
+// vertex share a bin, and two bins are connected by the facets that lie in both.
 #pragma once
 #include <functional>
 #include <memory>
@@ -12,13 +12,13 @@
 
 namespace teracell {
 
-// A facet as a bin has it.
+// A facet of a bin.
 struct BinnedFacet {
   Facet facet;     // in its file's coordinates
-  uint32_t layer;  // of its body, closing.hpp
-  bool at_home;    // in just one of the bins that it lies in
-  bool shared;     // it lies in several
-  bool added;      // its file doesn't have it: it closes a hole
+  uint32_t layer;  // of its body (closing.hpp)
+  bool at_home;    // true in exactly one of the bins that it lies in
+  bool shared;     // it lies in several bins
+  bool added;      // it closes a hole and is not in the body's file
   bool ignored;    // it counts for nothing
 };
 
@@ -26,21 +26,21 @@ struct BinnedFacet {
 class FacetBins {
  public:
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
-  // For about `facets` facets, in single precision if `float32`. `move` takes them to where the grid sees them. A bin
-  // takes some sixteenth of the budget when it is loaded, so do all buffers together while bins are filled.
-  // With `own_writer` a thread of its own writes to the disk. `wide` bodies as in rays.hpp.
+  // For about `facets` facets, in single precision if `float32`. `move` transforms a facet to where the grid sees it. A loaded
+  // bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
+  // thread writes to the disk. `wide` bodies as in rays.hpp.
   FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> wide);
 
-  // Where a facet comes from: its body's file, its closing in the file's coordinates, or in the grid's.
+  // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
   void add(const Facet& facet, uint32_t layer, Origin origin);
-  // When all are added. Splits the bins that are too large, as far as the tree goes.
+  // To be called after the last facet. Splits bins that are too large, as far as the tree goes.
   void finish();
 
   // After finish(). A node of the tree is a bin, has bins below it, or lies in a bin.
   bool is_split(const TreePlace& place) const { return !bin_at(place).children.empty(); }
   uint64_t facets(const TreePlace& place) const { return bin_at(place).facets; }
-  // Calls f with the facets of a bin, each also as the grid sees it and with its rays: none where it is to be ignored. Once only.
+  // Calls f with each facet of a bin, with the facet as the grid sees it, and with its rays (none if it is ignored). Call once.
   void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
   uint64_t bytes() const { return end_; }  // ever written
 
@@ -58,8 +58,8 @@ class FacetBins {
   const Bin& bin_at(const TreePlace& place) const;
   uint64_t bins_at(int depth) const;
   void open_children(Bin& bin) const;
-  void open_leaves(Bin& bin) const;  // of all leaves
-  // The tile groups of a facet's rays and vertices, inclusive.
+  void open_leaves(Bin& bin) const;  // gives every leaf children
+  // The range of tile groups with a facet's rays and vertices, both ends included.
   struct Places {
     uint32_t u0, u1, v0, v1;
   };
@@ -69,7 +69,7 @@ class FacetBins {
   void split_large(Bin& bin);
   template <class F>
   void take_records(Bin& bin, F&& f);
-  // A record: nine coordinates, then the layer, in which two bits tell the origin.
+  // A record is nine coordinates and a tag: the layer, with two bits for the origin.
   static constexpr uint32_t kNotOfFile = uint32_t{1} << 31, kInPlace = uint32_t{1} << 29;
   static uint32_t layer_in(uint32_t tag) { return tag & ~(kNotOfFile | kIgnored | kInPlace); }
   Facet placed(const Facet& facet, uint32_t tag) const { return tag & kInPlace ? facet : move_(facet, layer_in(tag)); }
@@ -83,9 +83,9 @@ class FacetBins {
   size_t buffer_bytes_;
   const Move move_;
   SpillFile file_;
-  uint64_t end_ = 0;  // of the file, with what the writer still has to write
+  uint64_t end_ = 0;  // of the file, including what is not written yet
   Bin root_;
-  Background writer_;  // last: its thread uses the file
+  Background writer_;  // the last member, since its thread uses the file
 };
 
 }  // namespace teracell

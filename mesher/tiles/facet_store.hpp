@@ -1,6 +1,6 @@
-// The facets of a scene in memory, by number, in pieces that never move: a reading thread appends while another one
-// studies what is there. (A vector that doubles copies everything again and holds three times as much meanwhile.)
-// There are two types of them, so that coordinates of a file are never taken for those of the grid.
+// The facets of a scene in memory, by number. They are stored in pieces that never move, so one thread may append facets
+// while another one uses those that are there. (A vector would copy all of them whenever it grows, and needs three times the
+// memory meanwhile.) There are two types, so that coordinates of a file are never mistaken for those of the grid.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -19,13 +19,13 @@ class FacetStore {
 
   uint64_t size() const { return size_; }
   const SceneFacet& operator[](uint64_t i) const { return pieces_[i / kPiece][i % kPiece]; }
-  // Appends as many of `facets` as its last piece takes, at least one, and returns where they are now. They stay there
-  // while the store lives; one thread may append while others use what they were given.
+  // Appends as many of `facets` as fit into the last piece, at least one, and returns their place. They stay there as long as
+  // the store lives. One thread may append while others use facets that were returned.
   std::span<SceneFacet> append(std::span<const Facet> facets, uint32_t layer);
   void append_all(std::span<const Facet> facets, uint32_t layer) {
     while (!facets.empty()) facets = facets.subspan(append(facets, layer).size());
   }
-  // Calls f(facet) for the facets [first, last) in order.
+  // Calls f(facet) for facets first to last - 1 in order.
   template <class F>
   void for_each(uint64_t first, uint64_t last, F&& f) {
     for (uint64_t i = first; i < last;) {
@@ -39,23 +39,23 @@ class FacetStore {
   }
 
  private:
-  // Small enough to waste nothing on small scenes. (Huge pages save the page faults, a tenth of reading, but where the
-  // system must first find such a page they cost several times that.)
+  // Small, so that small scenes waste little memory. (Huge pages would save the page faults, a tenth of the time of reading. But
+  // where the system must first make such a page, that costs several times as much.)
   static constexpr uint64_t kPiece = 4096;
   std::vector<std::unique_ptr<SceneFacet[]>> pieces_;
   uint64_t size_ = 0;
 };
 
-// In the coordinates of their files.
+// Facets in the coordinates of their files.
 class FileFacets : public FacetStore {};
 
-// As the grid sees them.
+// Facets as the grid sees them.
 class GridFacets : public FacetStore {
  public:
   GridFacets() = default;
-  // All of them are where the grid sees them already.
+  // REQUIRES: all facets are already where the grid sees them.
   explicit GridFacets(FileFacets&& facets) : FacetStore(std::move(facets)) {}
-  // Calls move(facet) for each, to take it to where the grid sees it.
+  // Calls move(facet) for each facet, which transforms it to where the grid sees it.
   template <class F>
   GridFacets(FileFacets&& facets, F&& move) : FacetStore(std::move(facets)) {
     for_each(0, size(), move);

@@ -1,16 +1,17 @@
-// Where the rays of a grid are, as a tree of 4 x 4 children a node (tiling.hpp).
+// Finds the rays of a grid by coordinate, and as a tree in which a node has 4 x 4 children (tiling.hpp).
 #pragma once
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "mesher/closing/closing.hpp"
 #include "mesher/engines/engine.hpp"
 #include "store/metadata.hpp"
 #include "store/pyramid.hpp"
 
 namespace teracell {
 
-// Finds rays by coordinate with a multiplication and a margin for its roundings: never too few, seldom one too many.
+// Finds rays by coordinate with a multiplication and a margin for its rounding error: never too few, seldom one too many.
 class RayBounds {
  public:
   explicit RayBounds(const Axis& axis) : axis_(axis) {
@@ -34,7 +35,7 @@ class RayBounds {
   double per_ray_ = 0, from_ = 0, to_ = 0;
 };
 
-// The rays that a facet may meet: [u0, u1) x [v0, v1). Empty when it slips between the rays.
+// The rays that a facet may meet: [u0, u1) x [v0, v1). Empty when the facet lies between rays.
 struct RayRange {
   uint32_t u0, u1, v0, v1;
   bool empty() const { return u0 >= u1 || v0 >= v1; }
@@ -45,10 +46,13 @@ struct ChunkRange {
   uint32_t u0, u1, v0, v1;
 };
 
-// A node of the tree: `depth` 0 is a group of 4 x 4 tiles. (cu, cv) counts nodes of this depth.
+
+// A node of the tree. At `depth` 0 it is a group of 4 x 4 tiles. (cu, cv) is its place among the nodes of this depth.
 struct TreePlace {
   int depth = 0;
   uint32_t cu = 0, cv = 0;
+  // Children are numbered row by row.
+  TreePlace child(uint32_t k) const { return {depth - 1, cu * kFanOut + k % kFanOut, cv * kFanOut + k / kFanOut}; }
 };
 
 struct RayFrame {
@@ -56,10 +60,10 @@ struct RayFrame {
   const Axis& w;
   RayBounds u, v;
   LevelShape shape;
-  std::vector<bool> wide;  // of each body, or empty: none
+  std::vector<bool> wide;  // for each body; empty if no body is wide
 
-  // Keeps references to the axes. The facets of `wide` bodies reach a ray further on each side: they may own cells that they
-  // meet beside the rays (marker.hpp).
+  // Keeps references to the axes. The facets of `wide` bodies reach one ray further on each side, because they may own cells
+  // whose rays they do not meet (marker.hpp).
   explicit RayFrame(const Metadata& meta, std::vector<bool> wide_bodies = {})
       : frame(meta.frame()),
         w(meta.grid.axis[frame.w]),
@@ -70,11 +74,11 @@ struct RayFrame {
 
   RayRange range_of(const Facet& facet, uint32_t layer) const {
     const auto& [a, b, c] = facet.vertex;
-    // Of two at a time: for lists the library branches, and every other branch is mispredicted.
+    // Two at a time: for a list, std::min branches, and every other branch is mispredicted.
     const auto least = [&](int d) { return std::min(std::min(a[d], b[d]), c[d]); };
     const auto most = [&](int d) { return std::max(std::max(a[d], b[d]), c[d]); };
     const RayRange r = {u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))};
-    if (wide.empty() || !wide[layer / 2]) return r;
+    if (wide.empty() || !wide[body_of_layer(layer)]) return r;
     return {r.u0 - (r.u0 > 0), std::min(r.u1 + 1, shape.nu), r.v0 - (r.v0 > 0), std::min(r.v1 + 1, shape.nv)};
   }
   // REQUIRES: !range.empty().
@@ -82,8 +86,8 @@ struct RayFrame {
     const uint32_t size = shape.chunk_rays;
     return {r.u0 / size, (r.u1 - 1) / size, r.v0 / size, (r.v1 - 1) / size};
   }
-  // A side of a node of that depth, in rays.
-  uint64_t size(int depth) const { return uint64_t{kFanOut} * shape.chunk_rays << (2 * depth); }
+  // The side of a node of that depth, in rays.
+  uint64_t size(int depth) const { return uint64_t{kFanOut} * shape.chunk_rays << (kFanOutBits * depth); }
   TreePlace root() const {
     TreePlace root;
     while (size(root.depth) < std::max(shape.nu, shape.nv)) ++root.depth;

@@ -5,7 +5,7 @@
 namespace teracell {
 namespace {
 
-// Calls f(child) for all of a place's 4 x 4 children, of 2^shift x 2^shift chunks, that a facet with chunks `r` may meet.
+// Calls f(child) for the children of a place that a facet with chunks `r` may meet. A child has 2^shift x 2^shift chunks.
 template <class F>
 void for_each_child(const ChunkRange& r, uint32_t cu, uint32_t cv, int shift, F&& f) {
   const uint32_t first_u = cu * kFanOut, first_v = cv * kFanOut;
@@ -28,9 +28,9 @@ Tiling::Tiling(const Metadata& meta, std::vector<bool> wide) : rays_(meta, std::
   groups_ = uint64_t{groups_u_} * groups_v_;
 }
 
-// Makes a node of facets in memory. It lists them from the lowest to the highest along the rays, to a 4096th of the grid,
-// and every list made from it does so too: the crossings of a ray then come out nearly sorted, which makes sorting them
-// four times cheaper.
+// Makes a node of facets in memory. It lists them from the lowest to the highest along the rays, to the nearest 4096th of the
+// grid, and lists made from it keep that order. So the crossings of a ray come out nearly sorted, and sorting them is four
+// times as fast.
 class Tiling::NodeBuilder {
  public:
   explicit NodeBuilder(const RayFrame& rays) : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {}
@@ -38,7 +38,7 @@ class Tiling::NodeBuilder {
     block_->chunks.reserve(facets);
     heights_.reserve(facets);
   }
-  // The facets of the store, one after another.
+  // To be called for the facets of the store in their order.
   void add(const Facet& facet, const RayRange& r) {
     const auto& [a, b, c] = facet.vertex;
     const double height = (std::min(std::min(a[w_], b[w_]), c[w_]) - lowest_) * per_height_;
@@ -58,7 +58,7 @@ class Tiling::NodeBuilder {
 
  private:
   static constexpr uint32_t kHeights = 4096;
-  static constexpr uint16_t kNone = kHeights;  // slips between the rays
+  static constexpr uint16_t kNone = kHeights;  // the facet lies between rays
   const RayFrame& rays_;
   const int w_;
   const double lowest_, per_height_;
@@ -101,7 +101,7 @@ Tiling::Node Tiling::take_bin(const TreePlace& place) {
     loading = std::move(next_bins_.front());
     next_bins_.pop_front();
   }
-  size_t bins = 0;  // on the path, before one that is split
+  size_t bins = 0;  // on the path above a node that is split
   for (auto n = path_.rbegin(); n != path_.rend() && next_bins_.size() < ahead_ && (n->block || !bins_->is_split(n->place)); ++n)
     if (!n->block && ++bins > next_bins_.size()) next_bins_.push_back(std::async(std::launch::async, [this, at = n->place] { return load(at); }));
   return loading.valid() ? loading.get() : load(place);
@@ -122,16 +122,17 @@ void Tiling::push_children(Node node) {
   const TreePlace& at = node.place;
   const int depth = at.depth - 1;
   std::array<std::vector<ListedFacet>, kChildren> lists;
-  for (auto& list : lists) list.reserve(node.facets.size() / 8);  // what isn't used is never touched; growing would touch all twice
+  for (auto& list : lists) list.reserve(node.facets.size() / 8);  // memory that is reserved and unused is never touched; growing would touch all of it twice
   for (const ListedFacet& f : node.facets) {
     const ChunkRange& chunks = node.block->chunks[f.number];
-    for_each_child(chunks, at.cu, at.cv, 2 * depth + 2, [&](uint32_t child) {
-      lists[child].push_back(depth == 0 ? listed(f.number, chunks, at.cu * kFanOut + child % kFanOut, at.cv * kFanOut + child / kFanOut) : f);
+    for_each_child(chunks, at.cu, at.cv, kFanOutBits * at.depth, [&](uint32_t k) {
+      const TreePlace child = at.child(k);
+      lists[k].push_back(depth == 0 ? listed(f.number, chunks, child.cu, child.cv) : f);
     });
   }
-  for (uint32_t k = kChildren; k-- > 0;) {  // the last one first: it is a stack
-    const TreePlace child{depth, at.cu * kFanOut + k % kFanOut, at.cv * kFanOut + k / kFanOut};
-    if (uint64_t{child.cu} << (2 * depth) < groups_u_ && uint64_t{child.cv} << (2 * depth) < groups_v_) path_.push_back({child, node.block, std::move(lists[k])});
+  for (uint32_t k = kChildren; k-- > 0;) {  // the last one first, because path_ is a stack
+    const TreePlace child = at.child(k);
+    if (uint64_t{child.cu} << (kFanOutBits * depth) < groups_u_ && uint64_t{child.cv} << (kFanOutBits * depth) < groups_v_) path_.push_back({child, node.block, std::move(lists[k])});
   }
 }
 

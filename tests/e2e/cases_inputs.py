@@ -27,7 +27,7 @@ class Inputs(Case):
         self.refused(1, ["no.txt", "No such file"], "mesh", "s.json", "-o", "x.tcell")
 
     def test_open_surfaces_are_described(self):
-        words = ["'open'", "not closed", "3 edges", "within the box (4, 0, 0) to (4, 3, 2)", "(4, 0, 0)", "closing cap"]
+        words = ["'open'", "not closed", "3 edges", "within the box (4, 0, 0) to (4, 3, 2)", "(4, 0, 0)", '"closing": "cap"']
         self.refuse("open.stl", solids.binary_stl(BOX[:-1]), words, 1, "--closing", "strict")
 
     def test_open_surfaces_are_closed(self):
