@@ -115,7 +115,7 @@ class Ending(ServeCase):
             self.assertEqual(server.wait(), 0)
             self.assertLess(time.monotonic() - began, 5)
         self.assertEqual(len(server.problems), 1)
-        self.assertIn("requests under way", server.problems[0])
+        self.assertIn("still under way", server.problems[0])
 
     def test_a_second_signal_ends_it_at_once(self):
         self.grid(hi=(600, 600, 20))
