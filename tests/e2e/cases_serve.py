@@ -1,4 +1,4 @@
-"""What `teracell serve` answers, as HTTP: methods, errors, links, tokens, files that change."""
+"""`teracell serve` over HTTP: methods, errors, links, tokens, files that change."""
 import gzip
 import json
 import re
