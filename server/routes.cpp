@@ -160,7 +160,7 @@ Response cell(const GridRequest& r) {
       const int64_t first = box.lo[d] << level, last = std::min(a.cells(), box.hi[d] << level);
       j["centre"].push_back(level == 0 ? a.centre(first) : (a.plane(first) + a.plane(last)) / 2);
     }
-    for_each_run(r.reader(), level, box, [&](const BoxRun& run) {  // a single one
+    for_each_run(r.reader(), level, box, [&](const BoxRun& run) {  // the cell is a single run
       for (const uint32_t m : materials_of(meta, *run.set)) j["materials"].push_back({{"id", m}, {"name", meta.materials[m].name}});
     });
     return j;

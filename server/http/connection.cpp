@@ -134,8 +134,8 @@ Awaitable<void> Connection::make() {
   if (loop_.stopping) keep_ = false;
 }
 
-// Refuses other methods, other paths and missing tokens; otherwise what the handler answers at once. None: the pool must
-// make the answer.
+// A refusal of other methods, other paths or missing tokens, or what the handler answers at once. None when the pool must make the
+// answer.
 std::optional<Response> Connection::answer_here() {
   const ListenerOptions& o = shared_.options;
   if (head_.method == "OPTIONS") return Response{.status = 204, .route = "options"};
@@ -163,7 +163,7 @@ Awaitable<void> Connection::make_in_pool() {
     keep_ = false;
     co_return;
   }
-  if (holds_too_much()) {  // it may have become so while the request waited
+  if (holds_too_much()) {  // the limit may have been reached while the request waited
     response_ = too_much_held();
     co_return;
   }

@@ -76,7 +76,7 @@ bool is_offered(const Region& r, int scale, const ScaledSlice& slice) {
   return r.x % size == 0 && r.y % size == 0 && r.w == std::min(size, slice.width() - r.x) && r.h == std::min(size, slice.height() - r.y);
 }
 
-// Whether `text` asks for w x h pixels: "w,h", "w,", ",h"; "max" for what is not scaled.
+// Whether `text` asks for w x h pixels: "w,h", "w,", ",h"; or "max" when the region is not scaled.
 bool is_size(std::string_view text, int64_t w, int64_t h, int scale) {
   if (text == "max") return scale == 0;
   return text == fmt::format("{},{}", w, h) || text == fmt::format("{},", w) || text == fmt::format(",{}", h);

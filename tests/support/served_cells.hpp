@@ -11,7 +11,7 @@ namespace teracell::testing {
 
 class ServedCells {
  public:
-  // Random cells of `labels` labels (below 64) on `grid`; label i > 0 is of material i + shift: ids may pass a byte.
+  // Random cells of `labels` labels (below 64) on `grid`; label i > 0 has material i + shift, so that ids may exceed 255.
   ServedCells(const Grid& grid, int ray_axis, uint32_t labels, uint32_t shift = 0, const std::string& id = "g");
 
   // What handle() answers.
@@ -34,7 +34,7 @@ class ServedCells {
   std::unique_ptr<Service> service_;
 };
 
-// 70 x 130 x 67 cells of 0.1 with a corner at (-3, 1, 2.5); along x the first cell is number 5 of a larger grid.
+// 70 x 130 x 67 cells of width 0.1 with the origin (-3, 1, 2.5). Along x the first cell is number 5 from the origin.
 Grid odd_grid();
 // The same with graded y.
 Grid graded_grid();
