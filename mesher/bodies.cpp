@@ -14,11 +14,12 @@
 namespace teracell {
 namespace {
 
-// What a facet in memory costs: itself, its place among the rays, its numbers in the lists of the tiling, its survey.
+// What a facet in memory takes: the facet, its place among the rays, its numbers in the lists of the tiling, and its part of the
+// tables that count what its surface is made of.
 constexpr uint64_t kBytesPerFacet = 160;
 
-// The one pass over the bodies' facets: is one closed, has it opposite facets, and what box and projections have all where
-// their matrices put them?
+// The one pass over all facets. Of each body it finds whether its surface is closed and whether it has opposite facets; of all of
+// them, where their matrices put them, the box and the areas of their projections.
 class Study {
  public:
   Study() { begin(); }
@@ -39,7 +40,7 @@ class Study {
       area_[w] += std::abs((p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u])) / 2;
     }
   }
-  // When all facets of a body were taken.
+  // REQUIRES: all facets of the body were taken.
   void end_body() {
     bodies_.push_back({lo_, hi_, boundary_, opposites_.take_answer()});
     begin();
@@ -75,20 +76,20 @@ class Study {
   std::vector<Found> bodies_;
 };
 
-// Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time: a
-// job for each of 100,000 bodies would take longer than what is done in it.
+// Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time. (With one
+// job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
 class BodyReader {
  public:
   BodyReader(const Scene& scene, const Budget& budget, Bodies& out)
-      : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), out_(out), surveys_(out.surveys) {}
+      : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), out_(out), counts_(out.counts) {}
 
   void read(const std::function<void(double)>& tick) {
     out_.bodies.reserve(scene_.bodies.size());
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
       const SceneBody& body = scene_.bodies[b];
-      const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change it
+      const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change the layer
       BodyFacets found;
-      found.first = out_.facets->size();
+      found.first = out_.in_memory ? out_.facets->size() : 0;
       found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
         take(b, layer, facets);
         tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
@@ -106,7 +107,7 @@ class BodyReader {
 
  private:
   static constexpr size_t kFacets = 4096, kPieces = 1024;
-  // Facets of a body that came together: in the store, or as many of Batch::copies. Or the body's end.
+  // Facets of a body that arrived together: they lie in the store, or are the next ones of Batch::copies. Or the end of the body.
   struct Piece {
     size_t body;
     std::span<const SceneFacet> stored;
@@ -134,17 +135,17 @@ class BodyReader {
     if (batch_.facets >= kFacets) hand_on();
   }
 
-  // What was kept is dropped, and no longer surveyed.
+  // Drops the facets that were kept, and no longer counts them.
   void spill() {
     expect_files();
     hand_on();
     out_.helper->finish();
     out_.helper->drop_later();
     out_.in_memory = false;
-    out_.facets = std::make_shared<FacetStore>();
+    out_.facets.reset();
   }
 
-  // What is spilled is read again, so it must be there again.
+  // Surfaces that are spilled are read again, so none of them may be a pipe.
   void expect_files() const {
     if (once_)
       throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
@@ -166,12 +167,12 @@ class BodyReader {
       }
     });
     if (!out_.in_memory) return;
-    out_.helper->run_later([survey = survey_, surveys = surveys_, batch] {
+    out_.helper->run_later([counter = counter_, counts = counts_, batch] {
       for (const Piece& p : batch->pieces) {
-        for (const SceneFacet& f : p.stored) survey->add(f.facet);
+        for (const SceneFacet& f : p.stored) counter->add(f.facet);
         if (!p.ends) continue;
-        surveys->push_back(survey->totals());
-        *survey = {};
+        counts->push_back(counter->totals());
+        *counter = {};
       }
     });
   }
@@ -181,10 +182,10 @@ class BodyReader {
   const uint64_t most_;
   std::optional<size_t> once_;  // the first body whose mesh can't be read again
   Bodies& out_;
-  // Jobs may outlive the reading, when it throws.
+  // Shared, because jobs may outlive the reading when it throws.
   const std::shared_ptr<Study> study_ = std::make_shared<Study>();
-  const std::shared_ptr<Survey> survey_ = std::make_shared<Survey>();
-  const std::shared_ptr<std::vector<SurveyTotals>> surveys_;
+  const std::shared_ptr<SurfaceCounter> counter_ = std::make_shared<SurfaceCounter>();
+  const std::shared_ptr<std::vector<SurfaceCounts>> counts_;
   Batch batch_;
 };
 
@@ -200,9 +201,9 @@ bool Bodies::float32() const {
   return std::ranges::all_of(bodies, [](const BodyFacets& b) { return b.file.float32; });
 }
 
-std::vector<SurveyTotals> Bodies::survey_totals() {
+std::vector<SurfaceCounts> Bodies::wait_for_counts() {
   helper->finish_all();
-  return *surveys;
+  return *counts;
 }
 
 Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick) {
@@ -237,6 +238,7 @@ void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bo
 
 void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
                     const std::function<void(const Facet&)>& f) {
+  if (bodies.in_memory && !bodies.facets) throw std::logic_error("for_each_facet: the facets were handed on");
   if (bodies.in_memory) return bodies.facets->for_each(found.first, found.first + found.file.facets, [&](const SceneFacet& s) { f(s.facet); });
   read_again(body, found, budget, [&](std::span<const Facet> facets) {
     for (const Facet& facet : facets) f(facet);

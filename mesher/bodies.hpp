@@ -1,4 +1,4 @@
-// The bodies of a scene: read, then closed, and each shell given its fill rule.
+// The bodies of a scene: their surfaces are read, then closed, and each shell is given its fill rule.
 #pragma once
 #include <functional>
 #include <memory>
@@ -14,40 +14,40 @@ namespace teracell {
 
 struct BodyFacets {
   SurfaceFile file;
-  uint64_t first = 0;  // when in memory: Bodies::facets has its facets at [first, first + file.facets)
+  uint64_t first = 0;  // when in memory: its facets are [first, first + file.facets) of Bodies::facets
   Vec3 lo, hi;         // the box of its vertices, as the grid sees them
   BoundaryProof boundary;
-  bool opposites = false;  // a sample of its facets holds two that lie on each other with opposite orientation
+  bool opposites = false;  // two facets of a sample have the same vertices and opposite orientations
   ClosedBody closed;       // by close_bodies()
 };
 
 struct Bodies {
   bool in_memory = true;
-  std::shared_ptr<FacetStore> facets = std::make_shared<FacetStore>();  // in the files' coordinates
+  std::unique_ptr<FileFacets> facets = std::make_unique<FileFacets>();  // null once they were handed on to be tiled
   std::vector<BodyFacets> bodies;
   Vec3 lo, hi;  // the box of all vertices, as the grid sees them
   Vec3 area{};  // of the facets' projections along x, y, z
 
-  // The survey of facets in memory decides no cell: it is made beside the work, from the files' coordinates.
-  std::shared_ptr<std::vector<SurveyTotals>> surveys = std::make_shared<std::vector<SurveyTotals>>();
+  // What the surfaces in memory are made of decides no cell: it is counted beside the work, from the files' coordinates.
+  std::shared_ptr<std::vector<SurfaceCounts>> counts = std::make_shared<std::vector<SurfaceCounts>>();
   std::unique_ptr<Background> helper;  // last: its jobs use the others
-  std::vector<SurveyTotals> survey_totals();  // of each body; waits. REQUIRES: in_memory
+  std::vector<SurfaceCounts> wait_for_counts();  // one per body. REQUIRES: in_memory
 
-  uint64_t facet_count() const;  // without those that close holes
-  bool float32() const;          // every vertex is one
+  uint64_t facet_count() const;  // without the facets that close holes
+  bool float32() const;          // every vertex was declared as float32
 };
 
-// Reads every mesh, on one thread or two. Facets are kept in memory while they fit into `budget`; else they are to be
-// read again. `tick` is called every few thousand facets, with the bodies read so far as a share of 1.
+// Reads every mesh, on one thread or two. Facets are kept in memory as long as they fit into `budget`; if they don't, they must be
+// read again later. `tick` is called every few thousand facets with the bodies read so far, as a share of 1.
 Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick);
 
-// Closes every solid (closing.hpp). What that adds is appended to the facets in memory, but for walls.
+// Closes every solid (closing.hpp). The facets that this adds are appended to those in memory, except for walls.
 void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& tick);
 
-// Calls f with the facets of a body as its file has them: from memory, or from the file.
+// Calls f with the facets of a body as its file has them: from memory, or from the file. REQUIRES: they were not handed on.
 void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
                     const std::function<void(const Facet&)>& f);
-// Reads a body's file once more. InputError when it has changed.
+// Reads a body's file once more. Throws InputError when the file has changed.
 void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink);
 
 }  // namespace teracell

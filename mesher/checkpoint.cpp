@@ -31,7 +31,7 @@ void save_checkpoint(const Checkpoint& c, const std::filesystem::path& output) {
   out.insert(out.end(), kMagic, kMagic + 8);
   put_varint(out, c.identity.size());
   out.insert(out.end(), c.identity.begin(), c.identity.end());
-  for (const uint64_t n : {c.units, c.totals.crossings, c.totals.exact_decisions, uint64_t{c.totals.cells.size()}}) put_varint(out, n);
+  for (const uint64_t n : {c.groups, c.totals.crossings, c.totals.exact_decisions, uint64_t{c.totals.cells.size()}}) put_varint(out, n);
   for (const auto* counts : {&c.totals.cells, &c.totals.covered})
     for (const unsigned __int128 n : *counts) {
       put_fixed(out, static_cast<uint64_t>(n));
@@ -65,7 +65,7 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   c.identity.assign(text.begin(), text.end());
   if (c.identity != identity)
     throw InputError(fmt::format("{}: can't resume: {}: restore it, or start again without --resume", output.string(), difference(c.identity, identity)));
-  c.units = in.varint();
+  c.groups = in.varint();
   c.totals.crossings = in.varint();
   c.totals.exact_decisions = in.varint();
   const uint64_t bodies = in.varint(0, in.remaining() / 32, "bodies");

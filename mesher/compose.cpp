@@ -9,9 +9,9 @@
 namespace teracell {
 namespace {
 
-// Sorts the crossings of a ray: a handful that the engine leaves nearly in order, so insertion is one compare each.
-// Returns whether all are of one layer; asked here because a second loop over freshly stored crossings waits for the
-// stores (it took a tenth of the whole run).
+// Sorts the crossings of a ray. The engine leaves them nearly in order and they are few, so insertion takes one comparison per
+// crossing. Returns whether all are of one layer. That is found out here because a second loop would wait for the crossings
+// that were just stored (it took a tenth of the whole run).
 bool sort_crossings(std::span<uint64_t> c) {
   if (c.empty()) return true;
   const uint64_t first = c[0];
@@ -33,10 +33,10 @@ bool sort_crossings(std::span<uint64_t> c) {
 
 }  // namespace
 
-Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& strength, const std::vector<Label>& label)
+Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label)
     : layers_(std::move(layers)), counter_(layers_.size(), 0) {
   bodies_.reserve(label.size());
-  for (uint32_t b = 0; b < label.size(); ++b) bodies_.push_back({strength[b], label[b]});
+  for (uint32_t b = 0; b < label.size(); ++b) bodies_.push_back({rank[b], label[b]});
 }
 
 std::vector<BodyCells> Composer::take_cells() {
@@ -52,7 +52,7 @@ std::vector<BodyCells> Composer::take_cells() {
   return out;
 }
 
-// A crossing whose cell, or else the ray's length, is `cell`.
+// `cell` is the crossing's cell, or the length of the ray if that is less.
 void Composer::step(uint64_t crossing, uint32_t cell) {
   const uint32_t l = Crossing::layer(crossing);
   const Layer& layer = layers_[l];
@@ -64,9 +64,9 @@ void Composer::step(uint64_t crossing, uint32_t cell) {
   open_ += is ? 1 : -1;
   Body& body = meet(layer.body);
   body.layers += is ? 1 : -1;
-  if (body.layers != is) return;  // another layer decides
+  if (body.layers != is) return;  // another layer of the body decides
   body.within += is ? -int64_t{cell} : int64_t{cell};
-  const auto place = std::ranges::lower_bound(inside_, body.strength, std::ranges::greater{}, [&](uint32_t b) { return bodies_[b].strength; });
+  const auto place = std::ranges::lower_bound(inside_, body.rank, std::ranges::greater{}, [&](uint32_t b) { return bodies_[b].rank; });
   if (is) inside_.insert(place, layer.body);
   else inside_.erase(place);
 }
@@ -98,13 +98,13 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
     const bool simple = one_layer && (all.empty() || bodies_[layers_[Crossing::layer(all[0])].body].label != 0);
     const size_t open = simple ? compose_one_layer(all, length, at, out.pattern[ray], out.patterns) : compose_any(all, length, at, out.pattern[ray], out.patterns);
     if (open != 0)
-      throw Error(fmt::format("ray {}, {} of a tile leaves {} of its surfaces open: the crossings are inconsistent", ray % nu, ray / nu, open));
+      throw Error(fmt::format("ray {}, {} of a tile ends inside {} of its surfaces: the crossings are inconsistent", ray % nu, ray / nu, open));
     out.begin[ray + 1] = static_cast<uint32_t>(at - out.at.data());
   }
   out.at.resize(at - out.at.data());
 }
 
-// Nearly all rays: one layer, so background and body take turns and the pattern follows from their number.
+// Nearly all rays have one layer only. Then background and body alternate, and the pattern follows from the number of changes.
 size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
   uint32_t* const first = at;
   bool begins_inside = false, was = false;
@@ -132,7 +132,7 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
     body.owned += cells, body.within += cells;
     label = body.label;
   }
-  // Patterns known by label, beginning and number of changes.
+  // The pattern for a label, for how the ray begins, and for the number of changes, is looked up once.
   std::vector<Alternating>& known = alternating_[begins_inside];
   if (known.size() <= changes) known.resize(changes + 1);
   Alternating& k = known[changes];

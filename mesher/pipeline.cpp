@@ -13,7 +13,8 @@
 #include "mesher/engines/engines.hpp"
 #include "mesher/tiled_facets.hpp"
 #include "mesher/scene/placement.hpp"
-#include "mesher/report.hpp"
+#include "mesher/make_report.hpp"
+#include "mesher/report_json.hpp"
 #include "mesher/closing/trust.hpp"
 #include "mesher/tile_group.hpp"
 #include "store/in_order.hpp"
@@ -24,24 +25,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Seconds of each phase, for --report.
-class Phases {
- public:
-  void end(const char* name) {
-    const auto now = std::chrono::steady_clock::now();
-    list_.push_back({{"name", name}, {"seconds", std::chrono::duration<double>(now - since_).count()}});
-    since_ = now;
-  }
-  ordered_json list() const { return list_; }
-
- private:
-  std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
-  ordered_json list_ = ordered_json::array();
-};
-
 std::filesystem::path folder_of(const std::filesystem::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
 
-// Of this process: getrusage() would tell the launching one's, if that was larger before exec.
+// From /proc, because getrusage() has the peak of the program that launched this one, if that was larger.
 uint64_t peak_memory_bytes() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;)
@@ -49,15 +35,15 @@ uint64_t peak_memory_bytes() {
   return 0;
 }
 
-// What was freed stays with the process unless it is asked for: the tree of a large scene's JSON, facets that were dropped.
+// Gives freed memory back to the system, which the allocator would keep: that of a large scene's JSON, and of facets that were dropped.
 void give_back_memory() {
 #ifdef __GLIBC__
   ::malloc_trim(0);
 #endif
 }
 
-// How often a long run makes what it has durable: rarely enough for that to take no more than a twentieth of the time;
-// with 0 seconds whenever it can.
+// When a long run makes durable what it has: so rarely that this takes no more than a twentieth of the time, and with 0 seconds
+// at every occasion.
 class Checkpoints {
  public:
   explicit Checkpoints(double seconds) : least_(seconds), next_(Clock::now() + least_) {}
@@ -77,7 +63,7 @@ class Checkpoints {
   std::chrono::time_point<Clock, Seconds> next_;
 };
 
-// One run, step by step in the order of run().
+// One run. The steps stand in the order of run().
 class MeshRun {
  public:
   MeshRun(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress, const std::atomic<bool>& stop)
@@ -93,26 +79,36 @@ class MeshRun {
     give_back_memory();
     bodies_ = read_bodies(scene_, threads_, budget_, [&](double share) { tick("read", share); });
     give_back_memory();
-    phases_.end("read");
+    end_phase("read");
     plan_ = make_plan(scene_, bodies_, options_.axis, options_.chunk_rays);
     close_bodies(scene_, plan_.meta.grid, budget_, bodies_, [&](double share) { tick("close", share); });
     if (!options_.write_caps.empty()) caps_ = write_caps(scene_, bodies_, options_.write_caps, budget_);
-    phases_.end("close");
+    end_phase("close");
     check_caps();
-    phases_.end("check");
+    end_phase("check");
     open_output();
-    Feed feed(scene_, bodies_, plan_.meta, wide_bodies(scene_, options_.thin), budget_, threads_, [&](double share) { tick("spill", share); });
-    const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return all_facets(); });
-    phases_.end("prepare");
-    cast(feed.tiling(), make_engine);
-    Report report = make_report(scene_, bodies_, feed.surveys(), plan_, totals_, options_.thin);
-    phases_.end("cast");
-    finish(report.text);
-    const ordered_json run = of_this_run(report.warnings, feed.spilled_bytes());
-    return {std::move(report.text), std::move(report.warnings), caps_.size(), run.dump()};
+    TiledFacets facets(scene_, bodies_, plan_.meta, wide_bodies(scene_, options_.thin), budget_, threads_, [&](double share) { tick("spill", share); });
+    const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return of_solids(facets.in_memory()); });
+    end_phase("prepare");
+    cast(facets.tiling(), make_engine);
+    MeshReport out;
+    out.report = make_report(scene_, std::move(bodies_), facets.counts(), plan_, totals_, options_.thin);
+    out.json = report_json(out.report, scene_);
+    end_phase("cast");
+    finish(out.json);
+    describe_run(facets.spilled_bytes());
+    out.run = std::move(run_);
+    out.caps_written = caps_.size();
+    return out;
   }
 
  private:
+  void end_phase(const char* name) {
+    const auto now = std::chrono::steady_clock::now();
+    run_.phases.push_back({name, std::chrono::duration<double>(now - phase_began_).count()});
+    phase_began_ = now;
+  }
+
   void tick(const char* phase, double share) {
     if (stop_) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output_.string()));
     double cells = 1;
@@ -120,7 +116,7 @@ class MeshRun {
     progress_(phase, share, cells);
   }
 
-  // Holds bodies that were open against the winding number of their surface. It rounds, so it stays out of the file.
+  // Compares bodies that were open with the winding number of their surface. This rounds, so it stays out of the file.
   void check_caps() {
     std::vector<size_t> doubtful;
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
@@ -135,16 +131,16 @@ class MeshRun {
       tick("check", static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
       const std::vector<Vec3> points = draw_trust_points(found.lo, found.hi, plan_.meta.grid, trust_points(found.file.facets, doubtful.size()));
       if (points.empty()) continue;
-      // Each thread goes through all facets: where that means to read the file, one does.
+      // Each thread goes through all facets. Where that means reading the file, there is one thread.
       const Trust trust = try_points(points, found.lo, found.hi, bodies_.in_memory ? threads_ : 1, [&](TrustCheck& check) {
         for_each_facet(body, found, bodies_, budget_, [&](const Facet& f) { check.add_surface(moved(f, body)); });
         for (const Facet& f : closed.added[0]) check.add_closing(moved(f, body));
       });
-      trust_.emplace_back(b, trust);
+      run_.trust.push_back({body.name, trust});
     }
   }
 
-  // What the file's bytes depend on. Long parts stand by their checksum: a checkpoint has it all.
+  // What the file's bytes depend on. A long part is represented by its checksum, because every checkpoint holds all of this.
   std::string identity() const {
     const auto brief = [](std::string text) {
       constexpr size_t kLongest = size_t{1} << 20;
@@ -171,7 +167,7 @@ class MeshRun {
     if (options_.resume) before = load_checkpoint(output_, identity());
     if (!before) {
       writer_.emplace(output_, plan_.meta);
-      remove_checkpoint(output_);  // of an earlier run; only now that the lock is ours
+      remove_checkpoint(output_);  // of an earlier run; removed only now that the lock is ours
       pyramid_.emplace(*writer_);
       return;
     }
@@ -180,17 +176,16 @@ class MeshRun {
     pyramid_.emplace(*writer_);
     pyramid_->restore(state);
     totals_ = before->totals;
-    units_ = before->units;
+    groups_ = before->groups;
     resumed_chunks_ = writer_->chunks();
   }
 
-  // Of solids.
-  std::vector<const SceneFacet*> all_facets() const {
-    if (!bodies_.in_memory)
+  std::vector<const SceneFacet*> of_solids(const GridFacets* facets) const {
+    if (!facets)
       throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan",
                                    options_.engine));
     std::vector<const SceneFacet*> all;
-    std::as_const(*bodies_.facets).for_each(0, bodies_.facets->size(), [&](const SceneFacet& f) {
+    facets->for_each(0, facets->size(), [&](const SceneFacet& f) {
       if (!(f.layer & kIgnored) && scene_.bodies[f.layer / 2].kind == Kind::kSolid) all.push_back(&f);
     });
     return all;
@@ -201,24 +196,24 @@ class MeshRun {
     for (uint32_t b = 0; b < scene_.bodies.size(); ++b) layers.insert(layers.end(), {{b, false}, {b, true}});
     std::vector<std::unique_ptr<Worker>> workers;
     for (int i = 0; i < threads_; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels, scene_, plan_.meta, options_.thin));
-    for (uint64_t done = 0; done < units_; ++done) {
+    for (uint64_t done = 0; done < groups_; ++done) {
       tiling.next();
-      tick("resume", static_cast<double>(done) / static_cast<double>(units_));
+      tick("resume", static_cast<double>(done) / static_cast<double>(groups_));
     }
 
     struct Job {
-      std::shared_ptr<UnitWork> work;
+      std::shared_ptr<TileGroupWork> work;
       uint32_t row;
     };
-    Job next{nullptr, UnitWork::kRows};
+    Job next{nullptr, TileGroupWork::kRows};
     Checkpoints checkpoints(options_.checkpoint_seconds);
     in_order(
         threads_,
         [&]() -> std::optional<Job> {
-          if (next.row == UnitWork::kRows) {
-            auto unit = tiling.next();
-            if (!unit) return std::nullopt;
-            next = {std::make_shared<UnitWork>(std::move(*unit), tiling, plan_.meta), 0};
+          if (next.row == TileGroupWork::kRows) {
+            auto group = tiling.next();
+            if (!group) return std::nullopt;
+            next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, plan_.meta), 0};
           }
           return Job{next.work, next.row++};
         },
@@ -227,24 +222,24 @@ class MeshRun {
           return job;
         },
         [&](Job job) {
-          if (job.row + 1 < UnitWork::kRows) return;  // taken in order: with the last row all are made
+          if (job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
           store(*job.work);
           checkpoints.maybe([&] { save(); });
-          tick("mesh", static_cast<double>(units_) / static_cast<double>(tiling.units()));
+          tick("mesh", static_cast<double>(groups_) / static_cast<double>(tiling.groups()));
         },
-        2 * UnitWork::kRows);
+        2 * TileGroupWork::kRows);
   }
 
-  void store(UnitWork& work) {
+  void store(TileGroupWork& work) {
     for (const LevelChunk& chunk : work.chunks()) pyramid_->put(chunk);
-    pyramid_->rise(2, work.unit().cu, work.unit().cv, std::move(work.coarse()));
+    pyramid_->add_to_level_above(2, work.group().cu, work.group().cv, std::move(work.coarse()));
     for (const RowTotals& row : work.totals()) totals_.add(row);
-    ++units_;
+    ++groups_;
   }
 
   void save() {
     if (identity_.empty()) identity_ = identity();
-    Checkpoint c{identity_, units_, totals_, {}};
+    Checkpoint c{identity_, groups_, totals_, {}};
     writer_->save(c.writers);
     pyramid_->save(c.writers);
     save_checkpoint(c, output_);
@@ -255,28 +250,17 @@ class MeshRun {
     writer_->finish(report, totals_.crossings);
     remove_checkpoint(output_);
     for (const auto& file : caps_) file->commit();
-    phases_.end("finish");
+    end_phase("finish");
   }
 
-  // What only --report shows. Adds to the warnings.
-  ordered_json of_this_run(std::vector<std::string>& warnings, uint64_t spilled_bytes) const {
-    ordered_json run;
-    run["trust"] = ordered_json::array();
-    for (const auto& [b, trust] : trust_) {
-      ordered_json found = {{"body", scene_.bodies[b].name}, {"points", trust.points}, {"disagree", trust.disagree}};
-      if (trust.disagree > 0) found["at"] = trust.at, found["box"] = {trust.lo, trust.hi};
-      run["trust"].push_back(std::move(found));
-      if (std::string words = trust_warning(trust, scene_.bodies[b].name); !words.empty()) warnings.push_back(std::move(words));
-    }
-    run["phases"] = phases_.list();
-    run["peak_memory_bytes"] = peak_memory_bytes();
-    run["threads"] = threads_;
-    run["engine"] = options_.engine;
-    run["exact_decisions"] = totals_.exact_decisions;
-    run["spilled_bytes"] = spilled_bytes;
-    run["resumed_chunks"] = resumed_chunks_;
-    run["file_bytes"] = writer_->bytes();
-    return run;
+  void describe_run(uint64_t spilled_bytes) {
+    run_.peak_memory_bytes = peak_memory_bytes();
+    run_.threads = threads_;
+    run_.engine = options_.engine;
+    run_.exact_decisions = totals_.exact_decisions;
+    run_.spilled_bytes = spilled_bytes;
+    run_.resumed_chunks = resumed_chunks_;
+    run_.file_bytes = writer_->bytes();
   }
 
   const Scene& scene_;
@@ -286,25 +270,25 @@ class MeshRun {
   const std::atomic<bool>& stop_;
   const int threads_;
   const Budget budget_;
-  Phases phases_;
   Bodies bodies_;
   std::vector<std::unique_ptr<OutputFile>> caps_;
-  std::vector<std::pair<size_t, Trust>> trust_;  // of the bodies that were open
+  RunReport run_;
+  std::chrono::steady_clock::time_point phase_began_ = std::chrono::steady_clock::now();
   Plan plan_;
   std::optional<GridWriter> writer_;
   std::optional<PyramidWriter> pyramid_;
-  std::string identity_;  // from the first save() on
+  std::string identity_;  // made by the first save()
   CastTotals totals_;
-  uint64_t units_ = 0;  // stored
+  uint64_t groups_ = 0;  // that are stored
   uint64_t resumed_chunks_ = 0;
 };
 
 }  // namespace
 
-ordered_json MeshReport::whole() const {
-  ordered_json out = ordered_json::parse(in_file);
-  out["warnings"] = warnings;
-  out.update(ordered_json::parse(of_this_run));
+std::vector<std::string> MeshReport::warnings() const {
+  std::vector<std::string> out = report.warnings;
+  for (const auto& [body, trust] : run.trust)
+    if (std::string words = trust_warning(trust, body); !words.empty()) out.push_back(std::move(words));
   return out;
 }
 
@@ -313,7 +297,7 @@ MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const M
   try {
     return MeshRun(scene, output, options, progress, stop).run();
   } catch (...) {
-    // The partial file goes with the run; so does what belongs to it. Not so when a run can't even begin to resume.
+    // A run that fails removes its partial file, so the checkpoint goes as well. A run that can't begin to resume leaves both.
     if (!std::filesystem::exists(output.string() + ".partial")) remove_checkpoint(output);
     throw;
   }

@@ -5,8 +5,8 @@
 namespace teracell {
 namespace {
 
-// Chunks are as long as the rays, up to the format's default; on surfaces so dense that a chunk would hold millions of
-// changes they are shorter, so that reading one stays cheap.
+// Chunks are as long as the rays, up to the format's default. They are shorter where a chunk would hold millions of changes, so
+// that reading one stays cheap.
 uint32_t chunk_length(double crossings, double rays, int64_t cells, uint32_t chunk_rays) {
   uint32_t length = Metadata{}.chunk_cells;
   const double per_cell = crossings / rays * chunk_rays * chunk_rays / static_cast<double>(cells);
@@ -19,8 +19,8 @@ double rays_along(const Grid& grid, int axis) {
   return static_cast<double>(grid.axis[f.u].cells()) * static_cast<double>(grid.axis[f.v].cells());
 }
 
-// The crossings to expect along each axis, and the axis that costs least: 25 ns a crossing and 3 ns a ray, measured on
-// smooth and on empty grids. Of equals z, then y: rows of a picture along x stay rows.
+// The crossings to expect along each axis, and the axis that costs least: 25 ns per crossing and 3 ns per ray, measured on
+// smooth and on empty grids. Among equals z is taken before y, and y before x: then rows of a picture along x stay rows.
 AxisChoice choose_axis(const Grid& grid, const Vec3& area, std::optional<int> asked_for) {
   AxisChoice out;
   Vec3 cost;

@@ -1,4 +1,4 @@
-// What is decided once the bodies are read: the grid, the axis of the rays, labels, the size of the chunks.
+// What is decided once the bodies are read: the grid, the axis of the rays, the labels, the size of the chunks.
 #pragma once
 #include <optional>
 
@@ -7,7 +7,7 @@
 
 namespace teracell {
 
-// How the axis of the rays came about.
+// Which axis the rays run along, and why.
 struct AxisChoice {
   int axis = 2;
   bool asked_for = false;
@@ -20,7 +20,7 @@ struct Plan {
   Labels labels;
 };
 
-// `axis` is the one asked for, if any.
+// `axis` is the axis that the user asks for, if any.
 Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays);
 
 }  // namespace teracell

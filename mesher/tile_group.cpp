@@ -11,22 +11,22 @@ void CastTotals::add(const RowTotals& row) {
   tallies.add(row.tallies);
 }
 
-UnitWork::UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta)
-    : unit_(std::move(unit)), tiling_(tiling), meta_(meta), shape_(meta, 0), chunks_(17) {}
+TileGroupWork::TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta)
+    : group_(std::move(group)), tiling_(tiling), meta_(meta), shape_(meta, 0), chunks_(17) {}
 
-void UnitWork::make_row(uint32_t row, Worker& worker) {
-  const auto facets = tiling_.split(unit_, row);
+void TileGroupWork::make_row(uint32_t row, Worker& worker) {
+  const auto facets = tiling_.split(group_, row);
   const uint64_t exact_before = worker.exact_decisions();
   for (uint32_t u = 0; u < 4; ++u)
-    if (unit_.cu * 4 + u < shape_.chunks_u && unit_.cv * 4 + row < shape_.chunks_v) make_chunk(row * 4 + u, facets[u], worker);
+    if (group_.cu * 4 + u < shape_.chunks_u && group_.cv * 4 + row < shape_.chunks_v) make_chunk(row * 4 + u, facets[u], worker);
   totals_[row].exact_decisions = worker.exact_decisions() - exact_before;
   totals_[row].cells = worker.composer.take_cells();
   totals_[row].tallies.add(worker.marker.take_tallies());
   if (--rows_left_ == 0 && meta_.grid.levels() > 2) make_level2(worker);
 }
 
-void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker) {
-  const uint32_t cu = unit_.cu * 4 + i % 4, cv = unit_.cv * 4 + i / 4, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
+void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker) {
+  const uint32_t cu = group_.cu * 4 + i % 4, cv = group_.cv * 4 + i / 4, nu = shape_.rays_u(cu), nv = shape_.rays_v(cv);
   Chunk fine{{}, SetTable(static_cast<uint32_t>(meta_.labels.size()))};
   if (facets.empty() && !worker.engine->searches_scene()) {  // most tiles of a large grid
     fine.rays.fill(nu, nv, shape_.nw, 0);
@@ -49,7 +49,7 @@ void UnitWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> facets,
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
 }
 
-void UnitWork::tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const {
+void TileGroupWork::tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const {
   const Frame f = meta_.frame();
   const int64_t nu = cells.hi[f.u] - cells.lo[f.u];
   for (size_t i = 0; i < all.size();) {
@@ -64,10 +64,10 @@ void UnitWork::tally_close(const std::vector<CloseCrossings>& all, const Box& ce
   }
 }
 
-void UnitWork::make_level2(Worker& worker) {
+void TileGroupWork::make_level2(Worker& worker) {
   const Chunk level2 = join_pieces(pieces_.data(), 4, 4, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
   pieces_ = {};
-  chunks_[16] = encode_level(worker.encoder, meta_, 2, unit_.cu, unit_.cv, level2);
+  chunks_[16] = encode_level(worker.encoder, meta_, 2, group_.cu, group_.cv, level2);
   coarse_ = coarsen(level2, 1);
 }
 

@@ -1,6 +1,6 @@
-// One unit of rays: cast, compose, encode, coarsen. Its four rows of chunks are jobs for any threads; the thread that
-// ends the last of them makes the unit's chunk of level 2. (Whole units as jobs leave threads idle at the end of a
-// small grid: 1000 x 1000 rays are 16 units.)
+// The work on a tile group: cast its rays, compose, encode, coarsen. Its four rows of tiles are jobs for any threads; the
+// thread that ends the last of them makes the group's chunk of level 2. (Whole groups as jobs leave threads idle at the end
+// of a small grid: 1000 x 1000 rays are 16 groups.)
 #pragma once
 #include <atomic>
 
@@ -13,10 +13,10 @@
 
 namespace teracell {
 
-// What one thread keeps between jobs.
+// What a thread keeps from one job to the next.
 struct Worker {
   Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels, const Scene& scene, const Metadata& meta, bool count_thin)
-      : engine(std::move(by)), marker(scene, meta, labels, count_thin), composer(layers, labels.strength, labels.of_body) {}
+      : engine(std::move(by)), marker(scene, meta, labels, count_thin), composer(layers, labels.rank, labels.of_body) {}
   uint64_t exact_decisions() const { return engine->exact_decisions() + marker.exact_decisions(); }
   std::unique_ptr<Engine> engine;
   Marker marker;
@@ -25,33 +25,33 @@ struct Worker {
   Crossings crossings;
 };
 
-// What casting a row of chunks counted.
+// What casting a row of tiles has counted.
 struct RowTotals {
   uint64_t crossings = 0, exact_decisions = 0;
   std::vector<BodyCells> cells;
   Tallies tallies;
 };
 
-// What casting counted.
+// What all casting has counted.
 struct CastTotals {
   uint64_t crossings = 0, exact_decisions = 0;
-  std::vector<unsigned __int128> cells, covered;  // of each body: that it owns; that lie in it and a stronger one owns
+  std::vector<unsigned __int128> cells, covered;  // one per body: cells that it owns, and cells in it that a stronger body owns
   Tallies tallies;
   void add(const RowTotals& row);
 };
 
-class UnitWork {
+class TileGroupWork {
  public:
   static constexpr uint32_t kRows = 4;
   // Keeps references to tiling and meta.
-  UnitWork(Unit unit, const Tiling& tiling, const Metadata& meta);
+  TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta);
 
-  // Makes the chunks of level 0 of a row, [0, kRows), and with the last row the unit's chunk of level 2.
+  // Makes the chunks of level 0 of a row, [0, kRows), and with the last row the group's chunk of level 2.
   // Different rows may be made by different threads at once.
   void make_row(uint32_t row, Worker& worker);
 
-  // When all rows are made: the unit's chunks, and its rays on level 3.
-  const Unit& unit() const { return unit_; }
+  // When all rows are made: the group's chunks, and its rays on level 3.
+  const TileGroup& group() const { return group_; }
   const std::vector<LevelChunk>& chunks() const { return chunks_; }
   Chunk& coarse() { return coarse_; }
   const std::array<RowTotals, kRows>& totals() const { return totals_; }
@@ -61,13 +61,13 @@ class UnitWork {
   void tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const;
   void make_level2(Worker& worker);
 
-  const Unit unit_;
+  const TileGroup group_;
   const Tiling& tiling_;
   const Metadata& meta_;
   const LevelShape shape_;
   std::atomic<uint32_t> rows_left_ = kRows;
-  std::vector<LevelChunk> chunks_;    // 16 of level 0, some of them beyond the grid and empty, and one of level 2
-  std::array<Chunk, 16> pieces_;      // those of level 0, on level 2
+  std::vector<LevelChunk> chunks_;    // 16 of level 0, empty where they lie beyond the grid, and one of level 2
+  std::array<Chunk, 16> pieces_;      // the chunks of level 0, coarsened to level 2
   Chunk coarse_;
   std::array<RowTotals, kRows> totals_;
 };

@@ -18,7 +18,7 @@ uint32_t body_of(uint32_t layer) { return (layer & ~kIgnored) / 2; }
 
 }  // namespace
 
-Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
+TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
            const std::function<void(double)>& tick)
     : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()) {
   if (bodies.in_memory) {
@@ -30,25 +30,26 @@ Feed::Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::
   tiling_.emplace(std::move(bins), binned_, threads > 1 ? threads : 0, meta);
 }
 
-void Feed::use_memory(const std::vector<bool>& wide) {
-  if (const auto moves = which_move(scene_); std::ranges::count(moves, true) > 0) {
-    bodies_.helper->finish_all();  // the survey takes the files' coordinates
-    bodies_.facets->for_each(0, bodies_.facets->size(), [&](SceneFacet& f) {
-      if (const uint32_t b = body_of(f.layer); moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
-    });
-  }
+void TiledFacets::use_memory(const std::vector<bool>& wide) {
+  const std::vector<bool> moves = which_move(scene_);
+  const bool any_moves = std::ranges::count(moves, true) > 0;
+  if (any_moves) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
+  const std::unique_ptr<FileFacets> facets = std::move(bodies_.facets);
+  facets_ = any_moves ? std::make_shared<GridFacets>(std::move(*facets), [&](SceneFacet& f) {
+    if (const uint32_t b = body_of(f.layer); moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
+  }) : std::make_shared<GridFacets>(std::move(*facets));
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
-    for (const bool parity : {false, true}) bodies_.facets->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
+    for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
   for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
-  tiling_.emplace(bodies_.facets, meta_, wide);
+  tiling_.emplace(facets_, meta_, wide);
 }
 
-std::vector<SurveyTotals> Feed::surveys() {
-  return bodies_.in_memory ? bodies_.survey_totals() : binned_.totals();
+std::vector<SurfaceCounts> TiledFacets::counts() {
+  return bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals();
 }
 
 // They are read once more, from their files.
-std::unique_ptr<FacetBins> Feed::fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads, const std::function<void(double)>& tick) {
+std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads, const std::function<void(double)>& tick) {
   const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) { return moves[layer / 2] ? moved(f, scene.bodies[layer / 2]) : f; };
   const bool walls = std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
   auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, wide);

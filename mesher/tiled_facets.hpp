@@ -1,24 +1,26 @@
-// Facets -> tiling, from memory or by way of bins on disk.
+// From the bodies' facets to a tiling of facets as the grid sees them: in memory, or by way of bins on disk.
 #pragma once
+#include <memory>
 #include <optional>
 
-#include "mesher/tiles/binned_counts.hpp"
 #include "mesher/bodies.hpp"
+#include "mesher/tiles/binned_counts.hpp"
 #include "mesher/tiles/tiling.hpp"
 
 namespace teracell {
 
-class Feed {
+class TiledFacets {
  public:
-  // Keeps references to scene, bodies and meta; `tick` is called with shares of 1 while facets are spilled. Facets in memory
-  // are moved to where the grid sees them. `wide` bodies as in rays.hpp.
-  Feed(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
-       const std::function<void(double)>& tick);
+  // Takes the facets out of `bodies`. Keeps references to scene, bodies and meta; `tick` is called with shares of 1 while facets
+  // are spilled. `wide` bodies as in rays.hpp.
+  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
+              const std::function<void(double)>& tick);
 
   Tiling& tiling() { return *tiling_; }
+  const GridFacets* in_memory() const { return facets_.get(); }  // null when they were spilled
   uint64_t spilled_bytes() const { return spilled_; }
-  // Of each body; waits. REQUIRES: every unit was taken from the tiling.
-  std::vector<SurveyTotals> surveys();
+  // One per body; waits. REQUIRES: every group was taken from the tiling.
+  std::vector<SurfaceCounts> counts();
 
  private:
   void use_memory(const std::vector<bool>& wide);
@@ -27,9 +29,10 @@ class Feed {
   const Scene& scene_;
   Bodies& bodies_;
   const Metadata& meta_;
+  std::shared_ptr<GridFacets> facets_;
   uint64_t spilled_ = 0;
-  BinnedSurvey binned_;
-  std::optional<Tiling> tiling_;  // last: it feeds the survey
+  BinnedCounter binned_;
+  std::optional<Tiling> tiling_;  // last: it uses the others
 };
 
 }  // namespace teracell

@@ -1,4 +1,4 @@
-// Work handed to one other thread, done in order: reading goes on while what was read is studied.
+// Work that is handed to one other thread and done there in order: reading goes on while what was read is studied.
 #pragma once
 #include <condition_variable>
 #include <deque>
@@ -9,13 +9,13 @@
 
 namespace teracell {
 
-// Its functions are for one thread. What a job throws, the next call throws; the jobs after it are dropped. The destructor
-// drops what has not begun.
+// One thread may call it. When a job throws, the next call throws the same and the jobs after it are dropped. The destructor
+// drops the jobs that have not begun.
 class Background {
  public:
   using Job = std::function<void()>;
 
-  // Without a thread of its own, the caller's does each job at once.
+  // Without a thread of its own, the calling thread does each job at once.
   explicit Background(bool own_thread) {
     if (own_thread) thread_ = std::thread([this] { work(); });
   }
@@ -31,14 +31,14 @@ class Background {
     thread_.join();
   }
 
-  // Waits while kMostWaiting such jobs have not begun.
+  // Hands over a job. Waits while kMostWaiting such jobs have not begun.
   void run(Job job) {
     if (!thread_.joinable()) return job();
     wait([&] { return jobs_.size() < kMostWaiting; }, [&] { jobs_.push_back(std::move(job)); });
     changed_.notify_all();
   }
-  // A job that nobody waits for yet: it begins when none of run() is left. (On a thread of its own such work took the
-  // reader's core from it where there are only two.)
+  // Hands over a job that nothing waits for yet: it begins when no job of run() is left. (On a thread of its own, such
+  // work slowed reading down where there are only two cores.)
   void run_later(Job job) {
     if (!thread_.joinable()) return job();
     wait([] { return true; }, [&] { later_.push_back(std::move(job)); });
@@ -52,7 +52,7 @@ class Background {
   void finish_all() {
     wait([&] { return jobs_.empty() && later_.empty() && busy_ == kIdle; }, [] {});
   }
-  // Forgets the jobs of run_later() that have not begun and waits for one that has.
+  // Drops the jobs of run_later() that have not begun and waits for the one that has.
   void drop_later() {
     wait([] { return true; }, [&] { later_.clear(); });
     wait([&] { return busy_ != kLater; }, [] {});
@@ -86,7 +86,7 @@ class Background {
       } catch (...) {
         error = std::current_exception();
       }
-      job = nullptr;  // what it holds is freed now, not when the next one comes
+      job = nullptr;  // frees what the job holds now, not when the next one comes
       lock.lock();
       const bool was_full = busy_ == kRun && jobs_.size() + 1 == kMostWaiting;
       busy_ = kIdle;

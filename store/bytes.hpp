@@ -1,4 +1,4 @@
-// Little-endian bytes in and out. Reading proves every count against the bytes that remain.
+// Little-endian numbers <-> bytes. Reading checks every count against the bytes that remain.
 #pragma once
 #include <cstdint>
 #include <cstring>
@@ -17,7 +17,7 @@ void put_fixed(Bytes& out, T value) {
   for (size_t i = 0; i < sizeof(T); ++i) out.push_back(static_cast<uint8_t>(static_cast<uint64_t>(value) >> (8 * i)));
 }
 
-// LEB128: seven bits a byte, least significant first, the high bit says that more follow.
+// LEB128: seven bits per byte, the least significant first; the high bit says that another byte follows.
 inline void put_varint(Bytes& out, uint64_t value) {
   for (; value >= 0x80; value >>= 7) out.push_back(static_cast<uint8_t>(value | 0x80));
   out.push_back(static_cast<uint8_t>(value));

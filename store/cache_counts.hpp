@@ -1,4 +1,4 @@
-// How a cache fares.
+// What a cache counts.
 #pragma once
 #include <cstddef>
 #include <cstdint>
@@ -6,7 +6,7 @@
 namespace teracell {
 
 struct CacheCounts {
-  uint64_t hits, misses;  // of what was asked for: was it there?
+  uint64_t hits, misses;  // requests for values that were there, and for values that were not
   size_t bytes, entries, limit;
 };
 

@@ -10,13 +10,13 @@ namespace teracell {
 namespace {
 
 constexpr int kZstdLevel = 1;     // 3 gains 2 %, 9 gains 6 % for five times the time
-constexpr uint8_t kEscape = 255;  // a narrow residual that is spelled out in the wide stream
+constexpr uint8_t kEscape = 255;  // a narrow residual whose value stands in the wide stream
 
 uint32_t zigzag(int32_t v) { return (static_cast<uint32_t>(v) << 1) ^ static_cast<uint32_t>(v >> 31); }
 int32_t unzigzag(uint32_t v) { return static_cast<int32_t>(v >> 1) ^ -static_cast<int32_t>(v & 1); }
 
-// The pattern expected at (u, v) from the rays before it: where the left neighbour's column did not change from the
-// row above, neither will this one, so the upper neighbour counts; else the left one.
+// The pattern expected at (u, v) from the rays before it. If the left neighbour has the pattern of the ray above it, this
+// ray probably has that of the ray above it, too. Otherwise it probably has that of the left neighbour.
 uint32_t expected_pattern(const std::vector<uint32_t>& pattern, uint32_t nu, uint32_t u, uint32_t v) {
   const uint32_t ray = v * nu + u;
   if (v == 0) return u == 0 ? 0 : pattern[ray - 1];
@@ -36,8 +36,8 @@ From predictor(const RayBlock& b, uint32_t u, uint32_t v) {
   return left ? From::kLeft : up ? From::kUp : From::kNothing;
 }
 
-// Calls one(ray, predictor) for the rays with changes that the plane does not predict, and plane(from, to) for
-// maximal stretches of a row that it does; in order. Both sides of the codec walk a block with this.
+// Calls one(ray, predictor) for the rays with changes that the plane does not predict, and plane(from, to) for the longest
+// stretches of a row that it does predict, in order. Encoder and decoder walk a block with this.
 template <class One, class Plane>
 void walk(const RayBlock& b, One&& one, Plane&& plane) {
   for (uint32_t v = 0; v < b.nv; ++v) {
@@ -54,7 +54,7 @@ void walk(const RayBlock& b, One&& one, Plane&& plane) {
         ++u;
         continue;
       }
-      uint32_t end = u + 1;  // within the stretch left and upper left match by themselves
+      uint32_t end = u + 1;  // within the stretch, the left and the upper left neighbours match by themselves
       while (end < b.nu && b.begin[v * b.nu + end + 1] - b.begin[v * b.nu + end] == n &&
              b.begin[(v - 1) * b.nu + end + 1] - b.begin[(v - 1) * b.nu + end] == n)
         ++end;
@@ -195,7 +195,7 @@ void decode_patterns(ByteReader& in, RayBlock& b, const std::vector<SetId>& pale
       sets[i] = palette[in.varint(0, palette.size() - 1, "palette index")];
       if (i > 0 && sets[i] == sets[i - 1]) in.fail("a pattern repeats a set");
     }
-    if (b.patterns.intern(sets) != p) in.fail("a pattern stands twice");
+    if (b.patterns.intern(sets) != p) in.fail("a pattern occurs twice");
   }
 }
 

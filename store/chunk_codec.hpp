@@ -1,10 +1,10 @@
 // A block of rays <-> bytes (FORMAT.md, "Chunk"). Pure: no I/O.
 //
-// What makes a crossing cost 1.5 bits: rays are stored as pattern + changes (run.hpp). The pattern of a ray is
-// predicted from its left and upper neighbours, only exceptions are written. A change is predicted by the plane
-// through the same change of the left, upper and upper-left rays; on a smooth surface the residual is -1, 0 or 1,
-// and zstd's entropy stage does the rest. Tried and rejected: byte planes (no gain on sets of this kind), one
-// varint stream for all residuals (the wide ones spoil the Huffman table of the narrow ones).
+// A crossing costs about 1.5 bits. Rays are stored as patterns and changes (run.hpp). The pattern of a ray is predicted
+// from its left and upper neighbours, and only exceptions are written. A change is predicted by the plane through the same
+// change of the left, upper and upper left rays. On a smooth surface the residual is -1, 0 or 1, and zstd's entropy stage
+// does the rest. Tried and rejected: byte planes (no gain on data of this kind), one varint stream for all residuals (the
+// wide ones spoil the Huffman table of the narrow ones).
 #pragma once
 #include <memory>
 #include <span>
@@ -14,11 +14,11 @@
 
 namespace teracell {
 
-// Bounds of the format: they keep a hostile chunk from asking for more memory than an honest one may.
+// Bounds of the format. A hostile chunk can't ask for more memory than a sound one.
 inline constexpr uint64_t kMaxChunkRays = 1 << 16;
 inline constexpr uint64_t kMaxChunkBytes = uint64_t{1} << 28;  // of the body before compression
 
-// Keeps scratch memory between calls; one per thread.
+// Keeps scratch memory between calls: each thread has its own.
 class ChunkEncoder {
  public:
   ChunkEncoder();
@@ -31,7 +31,7 @@ class ChunkEncoder {
   std::unique_ptr<Scratch> s_;
 };
 
-// Keeps scratch memory between calls; one per thread.
+// Keeps scratch memory between calls: each thread has its own.
 class ChunkDecoder {
  public:
   ChunkDecoder();

@@ -1,5 +1,5 @@
-// The exceptions of teracell. A message says what, where, expected, found and, if there is one, the way out.
-// Libraries only throw; main() turns a type into an exit status and routes turn it into an HTTP status.
+// The exceptions of teracell. A message says what is wrong and where, what was expected, what was found and, if there is
+// one, the way out. Libraries only throw. main() turns a type into an exit status, and routes turn it into an HTTP status.
 #pragma once
 #include <stdexcept>
 #include <string>
@@ -9,7 +9,7 @@ namespace teracell {
 struct Error : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
-struct IoError : Error {  // the operating system said no
+struct IoError : Error {  // the operating system reports a failure
   using Error::Error;
 };
 struct FormatError : Error {  // a .tcell file breaks FORMAT.md

@@ -40,8 +40,8 @@ void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
 }
 
 OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep) : target_(target), partial_(target.string() + ".partial") {
-  std::error_code ignored;  // what else is wrong with the target, open() will say
-  // The rename would put a file in the place of a device: root must not lose /dev/null.
+  std::error_code ignored;  // open() will tell what else is wrong with the target
+  // The rename would replace a device by a file: root must not lose /dev/null.
   if (const auto found = std::filesystem::status(target_, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
     throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(), std::filesystem::is_directory(found) ? "a folder" : "a device or a pipe"));
   fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
@@ -55,13 +55,13 @@ OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep) : tar
     ::close(fd_);
     throw IoError(fmt::format("{}: another process is writing this file (it holds the lock on {})", target_.string(), partial_.string()));
   }
-  // Whatever else stands under this name is somebody's: a pipe, or a file that has another name as well.
+  // Anything else under this name belongs to someone: a pipe, or a file that has another name as well.
   struct stat ours;
   if (::fstat(fd_, &ours) != 0 || !S_ISREG(ours.st_mode) || ours.st_nlink > 1) {
     ::close(fd_);
-    throw IoError(fmt::format("{}: expected no file, or what a run that was killed has left; found something else: remove it", partial_.string()));
+    throw IoError(fmt::format("{}: expected no file, or one that a killed run has left; found something else: remove it", partial_.string()));
   }
-  // Between open and flock the former owner may have renamed or removed it: then the lock is on another file's inode.
+  // Between open and flock the former owner may have renamed or removed the file: then the lock is on another file's inode.
   struct stat there;
   if (::stat(partial_.c_str(), &there) != 0 || ours.st_ino != there.st_ino) {
     ::close(fd_);
@@ -135,7 +135,7 @@ void OutputFile::commit() {
   const int dir = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   const int error = dir >= 0 && ::fsync(dir) == 0 ? 0 : errno;
   if (dir >= 0) ::close(dir);
-  // A folder may be closed to readers, and not every file system can sync one: nothing more can be done there.
+  // A folder may forbid reading, and not every file system can sync one: nothing more can be done there.
   if (error == 0 || (dir < 0 && error == EACCES) || error == EINVAL || error == EOPNOTSUPP) return;
   throw IoError(fmt::format("{}: the file is complete and in place, but may not outlive a power failure: can't make its folder durable: {}",
                             target_.string(), std::strerror(error)));

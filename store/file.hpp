@@ -1,5 +1,5 @@
-// Files. In: random access, shared by threads. Out: a temporary beside the target that takes its name only when it is
-// complete and on disk.
+// Files. Input: random access, shared by threads. Output: a temporary file beside the target, which takes the target's name
+// only when it is complete and on disk.
 #pragma once
 #include <filesystem>
 #include <span>
@@ -9,13 +9,13 @@
 
 namespace teracell {
 
-// Where bytes can be read at any offset: a file here, a server's byte ranges tomorrow. Threads may share it.
+// Where bytes can be read at any offset. Threads may share it.
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
   virtual uint64_t size() const = 0;
   virtual const std::string& name() const = 0;  // for messages
-  // Fills `out` from `offset`; throws IoError when that many bytes can't be had.
+  // Fills `out` with the bytes from `offset` on. Throws IoError when it can't read all of them.
   virtual void read(uint64_t offset, std::span<uint8_t> out) const = 0;
 };
 
@@ -34,24 +34,24 @@ class InputFile : public ByteSource {
   uint64_t size_;
 };
 
-// One writer a target: a second one is refused while the first holds the lock on "<target>.partial".
-// Destroyed without commit(), it removes the partial file. Not thread-safe.
+// A target has one writer: while it holds the lock on "<target>.partial", a second one is refused. Destroyed without
+// commit(), it removes the partial file. Not thread-safe.
 class OutputFile {
  public:
-  // Goes on after the first `keep` bytes of what a killed writer has left; IoError when there are fewer.
+  // Goes on after the first `keep` bytes of what a killed writer has left. Throws IoError when there are fewer.
   explicit OutputFile(const std::filesystem::path& target, uint64_t keep = 0);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   uint64_t size() const { return size_; }
   void append(std::span<const uint8_t> bytes);
-  // Of the bytes that it began with. REQUIRES: nothing appended yet.
+  // Reads from the bytes that were kept. REQUIRES: nothing was appended yet.
   void read_kept(uint64_t offset, std::span<uint8_t> out) const;
-  // Leaves the partial file where it is.
+  // Closes the partial file and leaves it where it is.
   void abandon();
-  // When it returns, the bytes so far outlive a power failure; under the temporary name.
+  // When it returns, the bytes so far outlive a power failure, under the temporary name.
   void sync();
-  // When it returns, the bytes and the name are durable (fsync of file and folder). When it throws there is no file, or, if
-  // the folder alone fails, a complete one whose name may not be durable: the message says so.
+  // When it returns, the bytes and the name are durable (fsync of file and folder). When it throws there is no file. If only
+  // the folder fails, there is a complete file whose name may not be durable; the message says so.
   void commit();
 
  private:

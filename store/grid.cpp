@@ -10,7 +10,7 @@
 namespace teracell {
 namespace {
 
-// Coordinates the exact predicates can take: products of three of them, and the roundings of those, stay normal.
+// Coordinates that the exact predicates can take: products of three of them, and their rounding errors, stay normal.
 constexpr double kHuge = 1e75, kTiny = 1e-75;
 bool usable(double x) { return x == 0 || (std::abs(x) <= kHuge && std::abs(x) >= kTiny); }
 
@@ -49,11 +49,11 @@ void Axis::check() const {
     if (first_ < 0 || first_ > (int64_t{1} << 52)) throw UsageError(fmt::format("first cell {} is outside [0, 2^52]", first_));
     const double top = std::max(std::abs(centre(0)), std::abs(centre(cells_ - 1)));
     if (!(top <= kHuge)) throw UsageError(fmt::format("coordinate {} is beyond 1e75", top));
-    // Each centre carries at most 3 roundings of the largest term; 16 of them apart, neighbours can't meet.
+    // A centre has at most 3 rounding errors of the largest term: neighbours that are 16 of them apart can't meet.
     const double ulp = std::max({top, std::abs(min_), (static_cast<double>(first_ + cells_)) * step_}) * 0x1p-52;
     if (!usable(sample_ * step_)) throw UsageError(fmt::format("sample {} of a step of {} is below 1e-75", sample_, step_));
     if (step_ > 16 * ulp) return;
-    // Centres this close are walked one by one; a file of a kilobyte must not buy hours of that.
+    // Centres this close are compared one by one: a file of a kilobyte must not make that take hours.
     constexpr int64_t kMaxWalk = 1 << 24;
     if (cells_ > kMaxWalk) throw UsageError(fmt::format("{} cells of {} lie too close together for doubles around {}", cells_, step_, top));
   }

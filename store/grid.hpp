@@ -1,7 +1,8 @@
 // Cells and coordinates: an Axis is a row of cells, a Grid is three of them.
 //
-// Every double here is specified to the last bit (README, "What a cell is"): one rounding per operation, nothing fused.
-// Centres and planes are computed when asked for, so a uniform axis costs the same memory at 10 and at 10^9 cells.
+// Every double here is specified to the last bit (README, "What a cell is"): operations round one by one, and none are
+// fused. Centres and planes are computed when they are asked for, so a uniform axis takes the same memory for 10 cells and
+// for 10^9.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,10 +24,10 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
-// A row of cells with one sample point ("centre") each. Immutable; threads may share it.
+// A row of cells, each with a sample point, its "centre". Immutable; threads may share it.
 class Axis {
  public:
-  // Positions along a ray are 32-bit; two billion cells on one axis is the limit of the format.
+  // Positions along a ray have 32 bits: the format is limited to two billion cells per axis.
   static constexpr int64_t kMaxCells = (int64_t{1} << 31) - 2;
 
   Axis() = default;
@@ -41,7 +42,7 @@ class Axis {
   double sample() const { return sample_; }
   double min() const { return plane(0); }
   double max() const { return plane(cells_); }
-  double origin() const { return min_; }      // uniform: the stored min, that of cell -first
+  double origin() const { return min_; }      // uniform: the stored min, the lower plane of cell -first
   double step() const { return step_; }       // uniform
   int64_t first() const { return first_; }    // uniform
   const std::vector<double>& planes() const { return planes_; }  // graded
@@ -52,11 +53,11 @@ class Axis {
   }
   double plane(int64_t i) const { return is_graded() ? planes_[i] : min_ + static_cast<double>(first_ + i) * step_; }
 
-  double shortest_cell() const;  // the least distance of two neighbouring planes
+  double shortest_cell() const;  // the least distance between neighbouring planes
 
   // The number of centres below x: the first cell whose centre is at or above x, in [0, cells()].
   int64_t first_centre_from(double x) const;
-  // The cell whose planes hold x (lower plane included; max() belongs to the last cell). REQUIRES: min() <= x <= max().
+  // The cell that x lies in. A plane belongs to the cell above it, max() to the last cell. REQUIRES: min() <= x <= max().
   int64_t cell_at(double x) const;
 
   friend bool operator==(const Axis&, const Axis&) = default;
@@ -76,7 +77,7 @@ struct Grid {
   Index3 cells(int level) const;
   Box box(int level) const { return {{0, 0, 0}, cells(level)}; }
   int levels() const;  // the last one has a single cell
-  void check_level(int level) const;  // throws UsageError when there is no such level, naming the range
+  void check_level(int level) const;  // throws UsageError, with the levels that there are, when this is none of them
   friend bool operator==(const Grid&, const Grid&) = default;
 };
 
@@ -94,7 +95,7 @@ inline std::optional<int> axis_named(std::string_view name) {
   return name == "x" ? std::optional(0) : name == "y" ? std::optional(1) : name == "z" ? std::optional(2) : std::nullopt;
 }
 
-// The product of three counts as text; it may pass 2^64.
+// The product of three counts as text: it may exceed 64 bits.
 std::string cell_count_text(const Index3& cells);
 
 }  // namespace teracell

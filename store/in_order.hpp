@@ -1,4 +1,4 @@
-// Work made by several threads and taken in order: the one loop that meshing, slices and verification share.
+// Work that several threads do and one takes in order: the loop that meshing, slices and verification share.
 #pragma once
 #include <condition_variable>
 #include <cstdint>
@@ -10,10 +10,11 @@
 
 namespace teracell {
 
-// next() -> std::optional<Job> is called one at a time, in order; make(job, worker) -> Result runs on `threads` threads,
-// worker in [0, threads); take(Result) runs on the calling thread in the order of the jobs. Results that wait for an
-// earlier one are bounded: a thread that is `ahead` * threads jobs ahead sleeps. An exception of any of the three ends the
-// loop and is thrown here; of several that of the earliest job, so errors don't depend on timing.
+// next() -> std::optional<Job> is called by one thread at a time, in order. make(job, worker) -> Result runs on `threads`
+// threads, with worker in [0, threads). take(Result) runs on the calling thread in the order of the jobs. The results that
+// wait for an earlier one are bounded: a thread that is `ahead` * threads jobs ahead sleeps. An exception of any of the
+// three ends the loop and is thrown here. Of several exceptions it is that of the earliest job, so errors don't depend on
+// timing.
 template <class Next, class Make, class Take>
 void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) {
   if (threads <= 1) {
@@ -27,13 +28,14 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
     std::exception_ptr error;
     bool done = false;
   };
-  // Job i has slot i modulo their number until it is taken. All are made here: nothing a thread does outside a try throws.
+  // Job i has slot i modulo their number until it is taken. All slots are made here, so that a thread does nothing outside a
+  // try that may throw.
   std::vector<Slot> slots(ahead * static_cast<uint64_t>(threads));
   std::mutex mutex;
   std::condition_variable changed;
   uint64_t started = 0, taken = 0;
   bool exhausted = false, stop = false;
-  std::mutex next_mutex;  // next() may take long: results are handed over meanwhile
+  std::mutex next_mutex;  // of its own: results are handed over while next() takes long
 
   const auto work = [&](int worker) {
     for (;;) {
@@ -73,7 +75,7 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
     }
   };
   std::vector<std::jthread> pool;
-  struct Stop {  // also when take() throws: before the threads are joined
+  struct Stop {  // before the threads are joined, also when take() throws
     std::mutex& mutex;
     std::condition_variable& changed;
     bool& stop;

@@ -1,5 +1,5 @@
-// What leads to chunks, kept for the next one that it leads to: blocks of directories, pages of the index. Readers that share
-// a cache share its bytes. Threads may share it.
+// A cache for the parts of the index, blocks of directories and pages: each leads to many chunks. Readers that share a cache
+// share its memory. Threads may share it.
 #pragma once
 #include <atomic>
 
@@ -10,14 +10,14 @@ namespace teracell {
 
 struct IndexPlace {
   uint64_t reader;  // IndexCache::new_reader()
-  bool page;        // else a block
+  bool page;        // or else a block
   uint64_t at;      // a page's number * 32 + level; a block's offset in the file
   friend bool operator==(const IndexPlace&, const IndexPlace&) = default;
 };
 struct IndexPlaceHash {
   size_t operator()(const IndexPlace& p) const { return ((p.reader * 2 + p.page) * 0x9E3779B97F4A7C15 ^ p.at) * 0x9E3779B97F4A7C15 >> 16; }
 };
-struct IndexPart {  // one of them
+struct IndexPart {  // a block or a page
   std::vector<DirectoryEntry> block;
   std::vector<ChunkEntry> page;
 };

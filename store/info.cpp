@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-// Counts past 2^53 lose digits in most JSON readers: they come as text too.
+// Counts above 2^53 lose digits in most JSON readers, so they come as text, too.
 void put_count(ordered_json& j, const std::string& key, unsigned __int128 count) {
   if (count <= ~uint64_t{0}) j[key] = static_cast<uint64_t>(count);
   else j[key] = static_cast<double>(count);
@@ -20,7 +20,7 @@ void put_count(ordered_json& j, const std::string& key, unsigned __int128 count)
 }  // namespace
 
 double bits_per_crossing(const Metadata& meta) {
-  return meta.crossings == 0 ? 0 : 8 * static_cast<double>(meta.levels[0].bytes) / static_cast<double>(meta.crossings);
+  return meta.crossings == 0 ? 0 : 8 * static_cast<double>(meta.levels()[0].bytes) / static_cast<double>(meta.crossings);
 }
 
 ordered_json info_json(const GridReader& reader) {
@@ -42,7 +42,7 @@ ordered_json info_json(const GridReader& reader) {
     j["materials"].push_back({{"id", i}, {"name", meta.materials[i].name}, {"color", meta.materials[i].color}, {"rank", meta.materials[i].rank}});
   for (int level = 0; level < reader.levels(); ++level) {
     ordered_json l = {{"level", level}, {"cells", meta.grid.cells(level)}, {"stored", reader.stored(level)}, {"chunks", 0}, {"bytes", 0}, {"changes", 0}};
-    for (const LevelInfo& s : meta.levels)
+    for (const LevelInfo& s : meta.levels())
       if (s.level == level) l["chunks"] = s.chunks, l["bytes"] = s.bytes, l["changes"] = s.changes;
     j["levels"].push_back(l);
   }

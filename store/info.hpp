@@ -1,8 +1,9 @@
-// What a grid says about itself in JSON (`teracell info --json` and the like): shared by the command line and the server.
+// What a file holds, and what questions about it give, as JSON: the same text for the command line and for the server.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
-#include "store/slice.hpp"
+#include "store/query.hpp"
+#include "store/stats.hpp"
 
 namespace teracell {
 

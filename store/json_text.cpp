@@ -9,8 +9,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Builds a document as it is read. The library's own builders look through all elements of an array after each of them, when
-// a callback bounds the depth, and through all keys of an object before each: a file of 65,535 materials took seconds to open.
+// Builds a document while it is parsed. The library's own builders look through all elements of an array after each of them,
+// when a callback bounds the depth, and through all keys of an object before each. A file of 65,535 materials took seconds
+// to open.
 class Builder {
  public:
   Builder(Json& root, const std::string& what) : root_(root), what_(what) {}
@@ -60,7 +61,7 @@ class Builder {
 
   Json& root_;
   const std::string& what_;
-  std::vector<Json*> open_;  // what is being filled, the innermost last: only that grows, so the others stay where they are
+  std::vector<Json*> open_;  // the values being filled, the innermost last. Only that one grows, so the others don't move
   std::string key_;          // of the value to come
 };
 

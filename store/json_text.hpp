@@ -1,5 +1,5 @@
-// JSON out of a file: a FormatError instead of a library's words, and no text that takes more than linear time or stack. And
-// JSON for others, whatever bytes are in it.
+// JSON from files: what is wrong with it is a FormatError, and no text takes more than linear time or much stack. And JSON
+// for other programs, whatever bytes its texts hold.
 #pragma once
 #include <string>
 #include <string_view>
@@ -8,13 +8,13 @@
 
 namespace teracell {
 
-// `what` names the text in messages. Of keys that stand twice in an object the first counts.
+// `what` names the text in messages. If a key occurs twice in an object, the first one counts.
 nlohmann::ordered_json parse_json(const std::string& text, const std::string& what);
 
-// On one line, what is no UTF-8 replaced by U+FFFD: names come from anybody's files. ASCII, as some readers of JSON take
-// nothing else (zarr 2.13).
+// On one line, with U+FFFD for what is not UTF-8, since names may come from any file. It is ASCII because some readers of
+// JSON take nothing else (zarr 2.13).
 std::string ascii_json(const nlohmann::ordered_json& j);
-// The text, what is no UTF-8 in it replaced by U+FFFD.
+// The text, with U+FFFD for what is not UTF-8.
 std::string utf8_of(std::string_view text);
 
 }  // namespace teracell

@@ -1,5 +1,5 @@
-// JSON as text, written value by value: as a document, a list of 100,000 bodies takes hundreds of megabytes, and writing it
-// takes longer than casting the rays. The text is what nlohmann::ordered_json::dump() gives.
+// JSON as text, written value by value. As a document, a list of 100,000 bodies takes hundreds of megabytes, and writing it
+// takes longer than casting the rays. The text is the same as nlohmann::ordered_json::dump() makes.
 #pragma once
 #include <concepts>
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace teracell {
 
-// Appends to a text that it doesn't own. It holds no state: a comma is written where the text's last character asks for one.
+// Appends to a text that it doesn't own. It has no other state: whether a comma is due follows from the text's last character.
 class JsonWriter {
  public:
   explicit JsonWriter(std::string& text) : text_(text) {}
@@ -34,7 +34,7 @@ class JsonWriter {
     key(name);
     return value(what);
   }
-  // What is JSON already.
+  // Appends a value that is JSON already.
   JsonWriter& raw(std::string_view json);
 
  private:
@@ -44,8 +44,8 @@ class JsonWriter {
   std::string& text_;
 };
 
-// Appends the list of the `count` items that `item(writer, i)` writes, as far as `most` bytes hold them; returns how many they
-// don't.
+// Appends a list of `count` items, each written by `item(writer, i)`, as far as they fit into `most` bytes. Returns how many
+// are left out.
 template <class F>
 size_t write_list(std::string& text, size_t count, size_t most, F&& item) {
   JsonWriter writer(text);

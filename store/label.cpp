@@ -49,7 +49,7 @@ SetId SetTable::unite_slowly(SetId a, SetId b) {
 size_t SetTable::memory() const {
   size_t members = 0;
   for (const auto& set : sets_) members += set.capacity() * sizeof(Label) + 16;
-  // Each set twice: in the list, and in a node of the map with its id, its hash and a bucket.
+  // Each set counts twice: in the list, and in a node of the map with its id, its hash and a bucket.
   return 2 * members + sets_.capacity() * sizeof(sets_[0]) + ids_.size() * (sizeof(sets_[0]) + 48);
 }
 

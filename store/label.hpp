@@ -1,9 +1,9 @@
 // Labels and sets of labels.
 //
-// A *label* is what a level-0 cell carries: a material, or with "label_by": "body" a (material, body) pair. A coarse
-// cell carries the *set* of the labels below it. Runs name sets by small ids that a SetTable hands out: ids below the
-// number of labels are the one-member sets, so level 0 needs no table at all; larger sets get ids as they turn up.
-// Ids mean nothing outside their table. In the file a chunk spells its sets out, so chunks depend on nothing.
+// A *label* is what a cell of level 0 carries: a material, or, if the scene keeps bodies apart, a material and a body. A
+// coarse cell carries the *set* of the labels below it. Runs name sets by small ids from a SetTable. Ids below the number
+// of labels are the sets of one label, so level 0 needs no table. Larger sets get ids as they occur. An id means nothing
+// outside its table. In the file each chunk lists the members of its sets, so chunks depend on nothing else.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -23,18 +23,18 @@ void put_set(Bytes& out, const std::vector<Label>& set);
 // Throws FormatError unless there are at most `most` labels, all below `labels`.
 std::vector<Label> take_set(ByteReader& in, uint32_t labels, uint64_t most);
 
-// Not thread-safe: one table per worker or per chunk.
+// Not thread-safe: each worker or chunk has its own.
 class SetTable {
  public:
   explicit SetTable(uint32_t labels) : labels_(labels) { clear_memo(); }
 
   uint32_t labels() const { return labels_; }
-  uint32_t ids() const { return labels_ + static_cast<uint32_t>(sets_.size()); }  // handed out so far, one-member sets included
+  uint32_t ids() const { return labels_ + static_cast<uint32_t>(sets_.size()); }  // handed out so far, including sets of one label
   // Members in ascending order.
   std::vector<Label> members(SetId id) const;
   // REQUIRES: members ascend strictly, are below labels(), at least one.
   SetId intern(const std::vector<Label>& members);
-  size_t memory() const;  // bytes on the heap, about
+  size_t memory() const;  // about how many bytes it has on the heap
   SetId unite(SetId a, SetId b) {
     if (a == b) return a;
     if (a > b) std::swap(a, b);

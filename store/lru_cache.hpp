@@ -1,4 +1,4 @@
-// What was asked for last, up to a number of bytes. Threads may share it.
+// Keeps the values that were asked for last, up to a number of bytes. Threads may share it.
 #pragma once
 #include <cstdint>
 #include <list>
@@ -24,8 +24,8 @@ class LruCache {
     return it->second->value;
   }
 
-  // `bytes` is the memory that the value takes. It stays until others push it out, though it alone be more than the cache
-  // should hold: who reads a page chunk by chunk must not decode it for each.
+  // `bytes` is the memory that the value takes. The value stays until the next one pushes it out, even if it is larger than
+  // the cache: a page that is read chunk by chunk must not be decoded for each chunk.
   void add(const Key& key, std::shared_ptr<const Value> value, size_t bytes) {
     std::lock_guard lock(mutex_);
     if (places_.contains(key)) return;  // another thread was faster
@@ -54,7 +54,7 @@ class LruCache {
   mutable std::mutex mutex_;
   uint64_t hits_ = 0, misses_ = 0;
   size_t bytes_ = 0;
-  std::list<Entry> entries_;  // most recent first
+  std::list<Entry> entries_;  // the most recent first
   std::unordered_map<Key, typename std::list<Entry>::iterator, Hash> places_;
 };
 

@@ -1,4 +1,4 @@
-// The header of a NumPy .npy file, version 1.0: C order, little endian.
+// The header of a NumPy .npy file, version 1.0, of an array in C order.
 #pragma once
 #include <string>
 #include <vector>

@@ -6,16 +6,18 @@
 namespace teracell {
 namespace {
 
-// One coarse ray in the making. Rays of equal pattern are merged first, run by run: as long as the parts of run i of
-// all rays touch, it covers the coarse cells from its least start to its greatest end, and both ascend with i. Most
-// groups have a single pattern and end there (a two-pointer sweep). Silhouettes and walls so steep that the parts lie
-// apart need the general sweep over intervals.
+constexpr size_t kMostMerged = 16;  // rays that become one: 4 x 4, two levels up
+
+// Makes one coarse ray at a time. Rays of equal pattern are merged first, run by run: as long as the parts of run i of all
+// rays touch, it covers the coarse cells from its least start to its greatest end, and both ascend with i. Most groups of
+// rays have a single pattern, and a sweep with two pointers is all that they need. Silhouettes, and walls so steep that the
+// parts lie apart, need the general sweep over intervals.
 class CoarseRay {
  public:
   CoarseRay(const RayBlock& fine, int shift, SetTable& sets)
       : fine_(fine), shift_(shift), last_((fine.length - 1) >> shift), sets_(sets) {}
 
-  // Rays of one pattern throughout: `one_pattern`.
+  // Appends the ray that `rays` become. `one_pattern`: all of them have the same pattern.
   void merge(std::span<const uint32_t> rays, bool one_pattern, RayBlock& out) {
     labels_.clear();
     changes_.clear();
@@ -53,11 +55,11 @@ class CoarseRay {
     const uint32_t n = fine_.patterns.changes(pattern);
     lo_.resize(n + 1);
     hi_.resize(n + 1);
-    std::array<const uint32_t*, 16> changes;  // of each ray of this pattern
+    std::array<const uint32_t*, kMostMerged> changes;  // of each ray of this pattern
     uint32_t count = 0;
     for (const uint32_t ray : rays)
       if (fine_.pattern[ray] == pattern) changes[count++] = fine_.at.data() + fine_.begin[ray];
-    for (uint32_t i = 0; i < n; ++i) {  // change by change: both extremes stay in registers
+    for (uint32_t i = 0; i < n; ++i) {  // change by change, so that both extremes stay in registers
       uint32_t least = ~0u, most = 0;
       for (uint32_t r = 0; r < count; ++r) {
         least = std::min(least, changes[r][i]);
@@ -162,7 +164,7 @@ class CoarseRay {
 Chunk coarsen(const Chunk& chunk, int shift) {
   const RayBlock& fine = chunk.rays;
   const uint32_t width = 1u << shift;
-  Chunk coarse{{}, chunk.sets};  // unions get ids there
+  Chunk coarse{{}, chunk.sets};  // unions get ids in this table
   RayBlock& out = coarse.rays;
   out.reset((fine.nu + width - 1) >> shift, (fine.nv + width - 1) >> shift,
             static_cast<uint32_t>((uint64_t{fine.length} + width - 1) >> shift));
@@ -171,7 +173,7 @@ Chunk coarsen(const Chunk& chunk, int shift) {
     return coarse;
   }
   CoarseRay ray(fine, shift, coarse.sets);
-  std::array<uint32_t, 16> rays;
+  std::array<uint32_t, kMostMerged> rays;
   for (uint32_t v = 0; v < fine.nv; v += width) {
     for (uint32_t u = 0; u < fine.nu; u += width) {
       uint32_t count = 0, differ = 0;

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "store/pyramid.hpp"
-
 namespace teracell {
 
 LevelChunk encode_level(ChunkEncoder& encoder, const Metadata& meta, int level, uint32_t cu, uint32_t cv, const Chunk& rays) {
@@ -28,26 +26,26 @@ Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t 
 PyramidWriter::PyramidWriter(GridWriter& writer) : writer_(writer), open_(writer.meta().grid.levels() / 2) {}
 
 void PyramidWriter::put(const LevelChunk& chunk) {
-  for (uint32_t s = 0; s < chunk.segments.size(); ++s) writer_.put(chunk.level, chunk.cu, chunk.cv, s, chunk.segments[s]);
+  for (uint32_t s = 0; s < chunk.segments.size(); ++s) writer_.put({chunk.level, chunk.cu, chunk.cv, s}, chunk.segments[s]);
 }
 
-void PyramidWriter::rise(int level, uint32_t cu, uint32_t cv, Chunk coarse) {
+void PyramidWriter::add_to_level_above(int level, uint32_t cu, uint32_t cv, Chunk coarsened) {
   const Metadata& meta = writer_.meta();
   const int levels = meta.grid.levels();
   if (level + 1 >= levels) return;
   Open& open = open_[level / 2 - 1];
-  const uint32_t parent_u = cu / 4, parent_v = cv / 4;
+  const uint32_t parent_u = cu / kFanOut, parent_v = cv / kFanOut;
   if (open.missing == 0) {
     const LevelShape below(meta, level);
-    open.missing = std::min(4u, below.chunks_u - parent_u * 4) * std::min(4u, below.chunks_v - parent_v * 4);
+    open.missing = std::min(kFanOut, below.chunks_u - parent_u * kFanOut) * std::min(kFanOut, below.chunks_v - parent_v * kFanOut);
   }
-  open.pieces[cv % 4 * 4 + cu % 4] = std::move(coarse);
+  open.pieces[cv % kFanOut * kFanOut + cu % kFanOut] = std::move(coarsened);
   if (--open.missing > 0) return;
-  // 2 x 2 chunks of the odd level between, and from them the one of the even level above.
+  // First the 2 x 2 chunks of the odd level between, then from them the chunk of the even level above.
   const auto labels = static_cast<uint32_t>(meta.labels.size());
   std::array<Chunk, 4> quarters;
   for (uint32_t q = 0; q < 4; ++q) {
-    const Chunk rays = join_pieces(&open.pieces[q / 2 * 8 + q % 2 * 2], 2, 4, meta.chunk_rays, labels);
+    const Chunk rays = join_pieces(&open.pieces[(q / 2 * kFanOut + q % 2) * 2], 2, kFanOut, meta.chunk_rays, labels);
     if (rays.rays.rays() == 0) continue;
     put(encode_level(encoder_, meta, level + 1, parent_u * 2 + q % 2, parent_v * 2 + q / 2, rays));
     if (level + 2 < levels) quarters[q] = coarsen(rays, 1);
@@ -56,7 +54,7 @@ void PyramidWriter::rise(int level, uint32_t cu, uint32_t cv, Chunk coarse) {
   if (level + 2 >= levels) return;
   const Chunk above = join_pieces(quarters.data(), 2, 2, meta.chunk_rays, labels);
   put(encode_level(encoder_, meta, level + 2, parent_u, parent_v, above));
-  if (level + 3 < levels) rise(level + 2, parent_u, parent_v, coarsen(above, 1));
+  if (level + 3 < levels) add_to_level_above(level + 2, parent_u, parent_v, coarsen(above, 1));
 }
 
 void PyramidWriter::save(Bytes& state) {
@@ -79,7 +77,7 @@ void PyramidWriter::restore(ByteReader& state) {
   const Metadata& meta = writer_.meta();
   ChunkDecoder decoder;
   for (Open& open : open_) {
-    open.missing = static_cast<uint32_t>(state.varint(0, 16, "missing pieces"));
+    open.missing = static_cast<uint32_t>(state.varint(0, kChildren, "missing pieces"));
     if (open.missing == 0) continue;
     for (Chunk& piece : open.pieces) {
       const auto nu = static_cast<uint32_t>(state.varint(0, meta.chunk_rays, "rays"));

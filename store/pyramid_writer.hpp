@@ -1,23 +1,24 @@
-// Levels 3, 4, 5 ... while the levels below are being written: each gets its chunks' pieces from the level below and passes
-// its own on to the next. Fed in the order of the tree (mesher/tiling.hpp), whose nodes are those of the even levels, it
-// holds at most 4 x 4 pieces every other level.
+// The levels above 2, made while the levels below them are written: each chunk is coarsened and becomes a part of the chunk
+// above it. Fed in the order of the tree of chunks (kFanOut in pyramid.hpp), a writer holds the children of at most one
+// unfinished chunk on every other level.
 #pragma once
+#include "store/pyramid.hpp"
 #include "store/writer.hpp"
 
 namespace teracell {
 
-// A chunk of level `level` that is ready.
+// The chunks of a block of whole rays, ready to be written: one for each segment.
 struct LevelChunk {
   int level;
   uint32_t cu, cv;
-  std::vector<EncodedChunk> segments;  // along the rays
+  std::vector<EncodedChunk> segments;
 };
 
-// The chunks along the rays of a block that holds whole rays. Any thread.
+// Cuts a block of whole rays into its segments and encodes them. Any thread.
 LevelChunk encode_level(ChunkEncoder& encoder, const Metadata& meta, int level, uint32_t cu, uint32_t cv, const Chunk& rays);
 
-// Joins side x side pieces, each 1 / side of a chunk wide (less at the edge), into the rays of a chunk; piece (u, v) at
-// v * stride + u. Pieces beyond the edge have no rays; nor has the chunk when none has. Any thread.
+// Joins side x side pieces, each 1 / side of a chunk wide (less at the edge), into the rays of a chunk. Piece (u, v) is
+// pieces[v * stride + u]. Pieces beyond the edge have no rays; if none has any, neither has the result. Any thread.
 Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t chunk_rays, uint32_t labels);
 
 // Not thread-safe.
@@ -25,16 +26,16 @@ class PyramidWriter {
  public:
   explicit PyramidWriter(GridWriter& writer);
   void put(const LevelChunk& chunk);
-  // The rays of chunk (cu, cv) of an even level from 2 on, one level up: they become part of the chunks above.
-  // REQUIRES: tree order.
-  void rise(int level, uint32_t cu, uint32_t cv, Chunk coarse);
-  // Appends to `state` the chunks that are not complete; restore() puts them into a fresh writer.
+  // Adds the rays of chunk (cu, cv) of `level`, coarsened by one level, to the chunks of the level above. Those that are
+  // complete by this are put, and so are their own parents. REQUIRES: the level is even and at least 2; tree order.
+  void add_to_level_above(int level, uint32_t cu, uint32_t cv, Chunk coarsened);
+  // Appends the chunks that are not complete to `state`; restore() puts them into a fresh writer.
   void save(Bytes& state);
   void restore(ByteReader& state);
 
  private:
   struct Open {
-    std::array<Chunk, 16> pieces;
+    std::array<Chunk, kChildren> pieces;
     uint32_t missing = 0;  // 0: not begun
   };
   GridWriter& writer_;

@@ -4,7 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "store/checked_read.hpp"
 #include "store/chunk_codec.hpp"
+#include "store/metadata_json.hpp"
 #include "store/pyramid.hpp"
 
 namespace teracell {
@@ -21,12 +23,12 @@ size_t memory_of(const IndexPart& part) {
   return bytes;
 }
 
-// The up to 2 x 2 x 2 chunks (u, v, segment) of the level below that a chunk covers.
-std::vector<std::array<uint32_t, 3>> chunks_below(const LevelShape& below, uint32_t cu, uint32_t cv, uint32_t segment) {
-  std::vector<std::array<uint32_t, 3>> out;
-  for (uint32_t v = 2 * cv; v < std::min(2 * cv + 2, below.chunks_v); ++v)
-    for (uint32_t u = 2 * cu; u < std::min(2 * cu + 2, below.chunks_u); ++u)
-      for (uint32_t s = 2 * segment; s < std::min(2 * segment + 2, below.segments); ++s) out.push_back({u, v, s});
+// The up to 2 x 2 x 2 chunks of the level below that a chunk covers.
+std::vector<ChunkKey> chunks_below(const ChunkKey& key, const LevelShape& below) {
+  std::vector<ChunkKey> out;
+  for (uint32_t v = 2 * key.cv; v < std::min(2 * key.cv + 2, below.chunks_v); ++v)
+    for (uint32_t u = 2 * key.cu; u < std::min(2 * key.cu + 2, below.chunks_u); ++u)
+      for (uint32_t s = 2 * key.segment; s < std::min(2 * key.segment + 2, below.segments); ++s) out.push_back({below.level, u, v, s});
   return out;
 }
 
@@ -50,15 +52,15 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
     source_->read(size - kFooterBytes, bytes);
     footer_ = decode_footer(bytes);
     if (footer_.file_bytes != size) throw FormatError(fmt::format("expected {} bytes, found {}: bytes are missing or were added", footer_.file_bytes, size));
-    read_checked(footer_.metadata, "metadata", bytes);
+    read_checked(*source_, footer_.metadata, "metadata", bytes);
     meta_ = decode_metadata(bytes);
-    for (const LevelInfo& l : meta_.levels) {
+    for (const LevelInfo& l : meta_.levels()) {
       const LevelShape s = shape(l.level);
-      // Two factors at a time: a hostile grid could overflow the product of three.
+      // Two factors at a time: with a hostile grid the product of three could overflow.
       const bool countable = uint64_t{s.pages_u} * s.pages_v <= size / s.segments;
       check_directory(fmt::format("level {}", l.level), l.directory, countable ? s.pages() : ~uint64_t{0});
     }
-    for (const OtherChannel& c : meta_.others) check_directory(fmt::format("channel '{}'", c.name), c.cover, c.frames);
+    for (const Channel& c : meta_.others()) check_directory(fmt::format("channel '{}'", c.name), c.cover, c.frames);
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
   }
@@ -69,7 +71,7 @@ std::string GridReader::hash() const { return hex(footer_.hash); }
 std::string GridReader::report() const {
   try {
     Bytes bytes;
-    read_checked(footer_.report, "report", bytes);
+    read_checked(*source_, footer_.report, "report", bytes);
     return decode_text(bytes, "report");
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
@@ -77,11 +79,11 @@ std::string GridReader::report() const {
 }
 
 const LevelInfo& GridReader::info(int level) const {
-  return *std::ranges::find(meta_.levels, level, &LevelInfo::level);
+  return *std::ranges::find(meta_.levels(), level, &LevelInfo::level);
 }
 
 bool GridReader::stored(int level) const {
-  return std::ranges::find(meta_.levels, level, &LevelInfo::level) != meta_.levels.end();
+  return std::ranges::find(meta_.levels(), level, &LevelInfo::level) != meta_.levels().end();
 }
 
 void GridReader::check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const {
@@ -93,30 +95,12 @@ void GridReader::check_directory(const std::string& whose, uint64_t offset, uint
   check_directory_frame(bytes, entries);
 }
 
-void GridReader::check_inside(const DirectoryEntry& place, const std::string& what) const {
-  if (place.size > source_->size() || place.offset > source_->size() - place.size)
-    throw FormatError(fmt::format("{}: its {} bytes at {} lie outside the file of {}", what, place.size, place.offset, source_->size()));
-}
-
-void GridReader::check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found) {
-  if (found != place.checksum)
-    throw FormatError(fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum,
-                                  found));
-}
-
-void GridReader::read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const {
-  check_inside(place, what);
-  out.resize(place.size);
-  source_->read(place.offset, out);
-  check_sum(place, what, checksum(out));
-}
-
 DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const {
   const BlockPlace block = directory_block(i / kBlockEntries, entries);
   const uint64_t offset = directory + block.offset;
   const IndexPlace place{number_, false, offset};
   auto found = index_->find(place);
-  if (!found || found->block.size() != block.entries) {  // in a hostile file directories may lie upon each other
+  if (!found || found->block.size() != block.entries) {  // in a hostile file, directories may overlap
     Bytes bytes(block.bytes());
     source_->read(offset, bytes);
     found = std::make_shared<const IndexPart>(IndexPart{decode_directory_block(bytes), {}});
@@ -129,97 +113,96 @@ DirectoryEntry GridReader::page_place(int level, uint64_t page) const {
   return directory_entry(info(level).directory, shape(level).pages(), page);
 }
 
-std::shared_ptr<const IndexPart> GridReader::page(int level, uint64_t page) const {
+DirectoryEntry GridReader::frame_place(const Channel& channel, uint64_t frame) const { return directory_entry(channel.cover, channel.frames, frame); }
+
+std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint64_t page) const {
   const IndexPlace place{number_, true, page * 32 + static_cast<uint64_t>(level)};
-  if (auto found = index_->find(place)) return found;
-  const LevelShape s = shape(level);
-  Bytes bytes;
-  read_checked(page_place(level, page), fmt::format("level {} index page {}", level, page), bytes);
-  const size_t chunks = size_t{s.page_width(page)} * s.page_height(page);
-  const auto fresh = std::make_shared<const IndexPart>(IndexPart{{}, decode_page(bytes, chunks, level == 0, static_cast<uint32_t>(meta_.labels.size()))});
-  index_->add(place, fresh, memory_of(*fresh));
-  return fresh;
+  std::shared_ptr<const IndexPart> part = index_->find(place);
+  if (!part) {
+    Bytes bytes;
+    read_checked(*source_, page_place(level, page), fmt::format("level {} index page {}", level, page), bytes);
+    part = std::make_shared<const IndexPart>(
+        IndexPart{{}, decode_page(bytes, shape(level).page_size(page), level == 0, static_cast<uint32_t>(meta_.labels.size()))});
+    index_->add(place, part, memory_of(*part));
+  }
+  return {part, &part->page};
 }
 
-std::shared_ptr<const ChunkEntry> GridReader::entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const {
+std::shared_ptr<const ChunkEntry> GridReader::entry(const ChunkKey& key) const {
   try {
-    const LevelShape s = shape(level);
-    const uint64_t p = s.page_of(cu, cv, segment);
-    const auto found = page(level, p);
-    return {found, &found->page[s.slot_of(cu, cv, p)]};  // keeps the page alive
+    const LevelShape s = shape(key.level);
+    const uint64_t p = s.page_of(key);
+    const auto found = page(key.level, p);
+    return {found, &(*found)[s.slot_of(key, p)]};  // keeps the page alive
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
   }
 }
 
-std::optional<std::vector<Label>> GridReader::uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const {
-  if (stored(level)) {
-    const auto e = entry(level, cu, cv, segment);
+std::optional<std::vector<Label>> GridReader::uniform(const ChunkKey& key) const {
+  if (stored(key.level)) {
+    const auto e = entry(key);
     return e->size == 0 ? std::optional(e->uniform) : std::nullopt;
   }
   std::optional<std::vector<Label>> all;
-  for (const auto& [u, v, s] : chunks_below(shape(level - 1), cu, cv, segment)) {
-    auto set = uniform(level - 1, u, v, s);
+  for (const ChunkKey& below : chunks_below(key, shape(key.level - 1))) {
+    auto set = uniform(below);
     if (!set || (all && *all != *set)) return std::nullopt;
     all = std::move(set);
   }
   return all;
 }
 
-std::string GridReader::chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment) {
-  return fmt::format("level {} chunk ({}, {}, {})", level, cu, cv, segment);
-}
-
-void GridReader::read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& e, Chunk& out) const {
-  const LevelShape s = shape(level);
+void GridReader::read_stored(const ChunkKey& key, const ChunkEntry& e, Chunk& out) const {
+  const LevelShape s = shape(key.level);
   const auto labels = static_cast<uint32_t>(meta_.labels.size());
-  const uint32_t nu = s.rays_u(cu), nv = s.rays_v(cv), length = s.length(segment);
+  const uint32_t nu = s.rays_u(key.cu), nv = s.rays_v(key.cv), length = s.length(key.segment);
   if (e.size == 0) {
     out.sets = SetTable(labels);
     out.rays.fill(nu, nv, length, out.sets.intern(e.uniform));
     return;
   }
-  // Scratch memory of the thread: readers are shared, decoders can't be.
+  // Scratch memory of each thread: a reader is shared, a decoder can't be.
   thread_local ChunkDecoder decoder;
   thread_local Bytes frame;
   try {
-    read_checked({e.offset, e.size, e.checksum}, "its frame", frame);
+    read_checked(*source_, {e.offset, e.size, e.checksum}, "its frame", frame);
     decoder.decode(frame, nu, nv, length, labels, out);
-    if (level == 0 && out.sets.ids() != labels) throw FormatError("a cell of level 0 has one label, found a set of several");
+    if (key.level == 0 && out.sets.ids() != labels) throw FormatError("a cell of level 0 has one label, found a set of several");
   } catch (const FormatError& error) {
-    throw FormatError(fmt::format("{}: {}: {}", name(), chunk_name(level, cu, cv, segment), error.what()));
+    throw FormatError(fmt::format("{}: {}: {}", name(), chunk_name(key), error.what()));
   }
 }
 
-void GridReader::read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const {
-  if (stored(level)) read_stored(level, cu, cv, segment, *entry(level, cu, cv, segment), out);
-  else derive(level, cu, cv, segment, out);
+void GridReader::read(const ChunkKey& key, Chunk& out) const {
+  if (stored(key.level)) read_stored(key, *entry(key), out);
+  else derive(key, out);
 }
 
-std::shared_ptr<const Chunk> GridReader::chunk(int level, uint32_t cu, uint32_t cv, uint32_t segment, std::shared_ptr<Chunk>& scratch) const {
+std::shared_ptr<const Chunk> GridReader::chunk(const ChunkKey& key, std::shared_ptr<Chunk>& scratch) const {
   const auto decoded = [&](std::shared_ptr<Chunk>& into) {
     if (!into) into = std::make_shared<Chunk>();
-    read(level, cu, cv, segment, *into);
+    read(key, *into);
     return into;
   };
   if (!keeper_) return decoded(scratch);
-  return keeper_->get({level, cu, cv, segment}, [&]() -> std::shared_ptr<const Chunk> {
+  return keeper_->get(key, [&]() -> std::shared_ptr<const Chunk> {
     std::shared_ptr<Chunk> fresh;
     return decoded(fresh);
   });
 }
 
-// Each chunk below is made coarser before they are joined: joining first moves four times as many rays.
-void GridReader::derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const {
-  const LevelShape below = shape(level - 1);
+// Each chunk below is coarsened before they are joined: joining them first moves four times as many rays.
+void GridReader::derive(const ChunkKey& key, Chunk& out) const {
+  const LevelShape below = shape(key.level - 1);
   std::vector<Chunk> parts;
   std::vector<Piece> pieces;
   parts.reserve(8);
   Chunk fine;
-  for (const auto& [u, v, s] : chunks_below(below, cu, cv, segment)) {
-    read(level - 1, u, v, s, fine);
+  for (const ChunkKey& k : chunks_below(key, below)) {
+    read(k, fine);
     parts.push_back(coarsen(fine, 1));
-    pieces.push_back({u % 2 * below.chunk_rays / 2, v % 2 * below.chunk_rays / 2, s % 2 * below.chunk_cells / 2, &parts.back()});
+    pieces.push_back({k.cu % 2 * below.chunk_rays / 2, k.cv % 2 * below.chunk_rays / 2, k.segment % 2 * below.chunk_cells / 2, &parts.back()});
   }
   out = join(pieces, static_cast<uint32_t>(meta_.labels.size()));
 }

@@ -1,24 +1,20 @@
-// Reads a .tcell file. Opening costs the header, the footer and the metadata; a chunk costs a directory block and a page
-// (both kept, up to 16 MiB) and its own bytes. Every byte is held against its checksum before it is believed.
+// Opens a .tcell file, checks it and finds its chunks. Opening reads the header, the footer and the metadata. A chunk takes
+// a block of a directory and a page (both are kept, up to 16 MiB) and its own bytes. All bytes are held against their
+// checksums before they are used.
 #pragma once
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "store/file.hpp"
 #include "store/index_cache.hpp"
+#include "store/metadata.hpp"
 #include "store/run.hpp"
 
 namespace teracell {
 
-// The place of a chunk in its grid.
-struct ChunkKey {
-  int level;
-  uint32_t cu, cv, segment;
-  friend bool operator==(const ChunkKey&, const ChunkKey&) = default;
-};
-
-// Decoded chunks kept by somebody else, for one grid or many. Threads share it.
+// Keeps decoded chunks for one reader; what is behind it may serve many. Threads share it.
 class ChunkKeeper {
  public:
   using Make = std::function<std::shared_ptr<const Chunk>()>;
@@ -27,11 +23,11 @@ class ChunkKeeper {
   virtual std::shared_ptr<const Chunk> get(const ChunkKey& key, const Make& make) = 0;
 };
 
-// Threads may share a reader. Throws IoError or FormatError, the latter with the file's name and the place in it.
+// Threads may share a reader. Throws IoError or FormatError; a FormatError names the file and the place in it.
 class GridReader {
  public:
   explicit GridReader(const std::filesystem::path& path);
-  // Without a keeper a chunk is decoded each time that it is asked for; without an index cache the reader has one of its own.
+  // Without a keeper, a chunk is decoded each time that it is asked for. Without an index cache, the reader has its own.
   explicit GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<ChunkKeeper> keeper = nullptr, std::shared_ptr<IndexCache> index = nullptr);
 
   const Metadata& meta() const { return meta_; }
@@ -44,36 +40,34 @@ class GridReader {
   bool stored(int level) const;
   LevelShape shape(int level) const { return LevelShape(meta_, level); }
 
-  // REQUIRES: stored(level), the chunk lies in the level.
-  std::shared_ptr<const ChunkEntry> entry(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
-  // The set that fills the chunk, if it, or each chunk below that it is derived from, is stored as such. Costs no chunk bytes.
-  std::optional<std::vector<Label>> uniform(int level, uint32_t cu, uint32_t cv, uint32_t segment) const;
-  // Any level: those that are not stored are derived from the next lower one that is. `out` is overwritten.
-  void read(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
-  // The same by way of the keeper. Without one `scratch` holds it, until it is used again.
-  std::shared_ptr<const Chunk> chunk(int level, uint32_t cu, uint32_t cv, uint32_t segment, std::shared_ptr<Chunk>& scratch) const;
+  // ---- Chunks. REQUIRES: the chunk lies in its level.
 
-  // Checks every byte and every invariant of FORMAT.md; throws at the first that fails. `progress` gets shares of 1.
-  void verify(int threads, const std::function<void(double)>& progress) const;
+  // What the index says of the chunk. REQUIRES: its level is stored.
+  std::shared_ptr<const ChunkEntry> entry(const ChunkKey& key) const;
+  // The set that fills the chunk, if it, or each chunk below that it is derived from, is stored as such. Reads no chunks.
+  std::optional<std::vector<Label>> uniform(const ChunkKey& key) const;
+  // Overwrites `out`. A chunk of a level that is not stored is derived from the next lower level.
+  void read(const ChunkKey& key, Chunk& out) const;
+  // The same, through the keeper. Without a keeper, `scratch` holds the chunk until it is used again.
+  std::shared_ptr<const Chunk> chunk(const ChunkKey& key, std::shared_ptr<Chunk>& scratch) const;
+
+  // ---- The parts of the file, for a program that goes through all of them. FormatErrors don't name the file yet, except
+  // those of chunks.
+
+  const ByteSource& source() const { return *source_; }
+  const Footer& footer() const { return footer_; }
+  DirectoryEntry page_place(int level, uint64_t page) const;
+  DirectoryEntry frame_place(const Channel& channel, uint64_t frame) const;  // by the channel's cover
+  std::shared_ptr<const std::vector<ChunkEntry>> page(int level, uint64_t page) const;
+  // The stored chunk that an entry describes.
+  void read_stored(const ChunkKey& key, const ChunkEntry& entry, Chunk& out) const;
+  // The chunk as the next lower level has it, even if it is stored. REQUIRES: the level is above 0.
+  void derive(const ChunkKey& key, Chunk& out) const;
 
  private:
-  class Coverage;
-  static std::string chunk_name(int level, uint32_t cu, uint32_t cv, uint32_t segment);
   const LevelInfo& info(int level) const;
   void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
   DirectoryEntry directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const;
-  DirectoryEntry page_place(int level, uint64_t page) const;
-  std::shared_ptr<const IndexPart> page(int level, uint64_t page) const;
-  void read_stored(int level, uint32_t cu, uint32_t cv, uint32_t segment, const ChunkEntry& entry, Chunk& out) const;
-  void derive(int level, uint32_t cu, uint32_t cv, uint32_t segment, Chunk& out) const;
-  void verify_level(const LevelInfo& info, int threads, Coverage& coverage, const std::function<void()>& progress) const;
-  void verify_cover(const OtherChannel& channel, Coverage& coverage, const std::function<void()>& progress) const;
-  void check_content_hash() const;
-  void check_inside(const DirectoryEntry& place, const std::string& what) const;
-  static void check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found);
-  void read_checked(const DirectoryEntry& place, const std::string& what, Bytes& out) const;
-  // Calls f with the bytes at `offset`, a mebibyte at a time.
-  void read_in_pieces(uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f) const;
 
   std::unique_ptr<ByteSource> source_;
   std::shared_ptr<ChunkKeeper> keeper_;

@@ -83,7 +83,7 @@ Chunk join(std::span<const Piece> pieces, uint32_t labels) {
   }
   out.rays.reset(nu, nv, length);
   out.sets = SetTable(labels);
-  // By place: every row of pieces, in it every pile of pieces along the rays.
+  // Sorted by place: row by row, and within a row by piles, which are the pieces along the same rays.
   std::vector<Piece> order(pieces.begin(), pieces.end());
   std::ranges::sort(order, [](const Piece& a, const Piece& b) { return std::tie(a.v, a.u, a.w) < std::tie(b.v, b.u, b.w); });
   struct Source {
@@ -119,7 +119,7 @@ Chunk join(std::span<const Piece> pieces, uint32_t labels) {
     }
     out.rays.append(sets, changes);
   };
-  // Where those like the one at `first` end.
+  // The end of the sources that are like the one at `first`.
   const auto group = [&](size_t first, size_t last, auto same) {
     size_t end = first;
     while (end < last && same(sources[end].piece, sources[first].piece)) ++end;

@@ -1,8 +1,8 @@
-// Runs of a block of rays: the one form in which cells live in memory, from the caster to the slices.
+// Runs of a block of rays: the one form of cells in memory, from casting to slices.
 //
-// A ray is split in two. Its *pattern* is the sequence of sets it passes (air, steel, air); its *changes* are the
-// cells where one set gives way to the next. Neighbouring rays nearly always share the pattern, and then their
-// changes line up: the codec predicts, and the pyramid merges, whole stretches of rays without looking at labels.
+// A ray has two parts. Its *pattern* is the sequence of sets along it (air, steel, air). Its *changes* are the cells where
+// the next set begins. Neighbouring rays nearly always have the same pattern, and then their changes correspond: the codec
+// predicts, and the pyramid merges, whole stretches of rays without looking at labels.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -12,7 +12,7 @@
 
 namespace teracell {
 
-// A handful of elements, usually: a call of memcmp would cost more.
+// There are usually so few elements that a call of memcmp would cost more.
 inline bool same(std::span<const SetId> a, std::span<const SetId> b) {
   if (a.size() != b.size()) return false;
   for (size_t i = 0; i < a.size(); ++i)
@@ -50,7 +50,7 @@ struct RayBlock {
   uint32_t rays() const { return nu * nv; }
   std::span<const uint32_t> changes(uint32_t ray) const { return {at.data() + begin[ray], begin[ray + 1] - begin[ray]}; }
   std::span<const SetId> sets(uint32_t ray) const { return patterns.sets(pattern[ray]); }
-  // One set everywhere.
+  // Whether all cells have one set.
   bool uniform() const { return patterns.size() == 1 && at.empty(); }
 
   // Empties the block for rays of a new shape; rays are then appended in order.
@@ -79,11 +79,11 @@ struct RayBlock {
   }
 };
 
-// A block with the table of its set ids: it depends on nothing else.
+// A block with the table of its ids of sets: it depends on nothing else.
 struct Chunk {
   RayBlock rays;
   SetTable sets{1};
-  // Bytes, with all that it points to.
+  // In bytes, with all that it points to.
   size_t memory() const {
     return sizeof *this + rays.patterns.memory() + (rays.pattern.capacity() + rays.begin.capacity() + rays.at.capacity()) * 4 + sets.memory();
   }
@@ -92,12 +92,12 @@ struct Chunk {
 // The cells [from, to) of every ray, renumbered from 0.
 RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to);
 
-// A chunk of a larger one: its first ray and cell there.
+// A chunk as a part of a larger one, in which its first ray and cell are (u, v) and w.
 struct Piece {
   uint32_t u, v, w;
   const Chunk* chunk;
 };
-// Joins pieces that tile a block without gap or overlap; ids are made anew.
+// Joins pieces that tile a block without gap or overlap. The result has ids of its own.
 Chunk join(std::span<const Piece> pieces, uint32_t labels);
 
 }  // namespace teracell

@@ -1,4 +1,5 @@
-// Values made once however many ask for them at the same time, kept up to a number of bytes. Threads share it.
+// Makes a value only once, even if several threads ask for it at the same time, and keeps values up to a number of bytes.
+// Threads share it.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -20,7 +21,7 @@ class SharedCache {
   using Pointer = std::shared_ptr<const Value>;
   explicit SharedCache(size_t bytes) : most_(bytes) {}
 
-  // Null when it is not here, or still being made. Counts nothing: who answers with it tells by hit().
+  // Null when the value is not here, or is still being made. Counts nothing: a caller that uses the value calls hit().
   Pointer find(const Key& key) {
     std::lock_guard lock(mutex_);
     const auto it = entries_.find(key);
@@ -30,9 +31,9 @@ class SharedCache {
   }
   void hit() { ++hits_; }
 
-  // make() returns {value, the bytes of memory that it takes}. While one thread is in it, others that want the same value
-  // wait. What it throws, all of them throw, and the next one tries anew. A value larger than the cache is not kept. A hit is
-  // a value that was here, not one that was waited for.
+  // make() returns {value, the bytes of memory that it takes}. While one thread is in make(), others that want the same value
+  // wait. If make() throws, all of them throw the same, and the next caller tries again. A value larger than the cache is not
+  // kept. Only a value that was here counts as a hit, not one that was waited for.
   template <class Make>
   Pointer get(const Key& key, Make&& make) {
     std::unique_lock lock(mutex_);
@@ -96,7 +97,7 @@ class SharedCache {
     bool listed = false;
     typename std::list<std::shared_ptr<Entry>>::iterator place{};
   };
-  // What an entry takes besides its value: itself, its nodes in list and map, as malloc rounds them.
+  // The memory that an entry takes besides its value: itself, and its nodes in list and map, as malloc rounds them.
   static constexpr size_t kOverhead = sizeof(Entry) + sizeof(Key) + 160;
 
   void touch(const std::shared_ptr<Entry>& entry) {
@@ -107,7 +108,7 @@ class SharedCache {
   mutable std::mutex mutex_;
   std::condition_variable made_;
   std::unordered_map<Key, std::shared_ptr<Entry>, Hash> entries_;
-  std::list<std::shared_ptr<Entry>> recent_;  // made, the most recent first
+  std::list<std::shared_ptr<Entry>> recent_;  // those that are made, the most recent first
   std::atomic<uint64_t> hits_ = 0, misses_ = 0;
   size_t bytes_ = 0;
 };

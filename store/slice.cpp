@@ -1,288 +1,367 @@
+// Three cases, by how the rays lie in the picture:
+//
+//   across it    A row of chunks holds chunk_rays rows. Each ray gives one cell.
+//   upright      The columns of the picture are rays. Their changes are sorted along the rays. Then one sweep keeps the
+//                current row and applies what changes from one row to the next. (Filling 10^8 cells column by column
+//                would miss the cache 10^8 times; the sweep touches only what changes.)
+//   lying        The rows of the picture are rays. A run is a stretch of a row.
+//
+// However wide a row is, a bounded number of cells is in memory. Where the rows of a row of chunks are too many to be held
+// together, fewer are made at a time, down to single ones that are delivered part by part. The chunks are then decoded again
+// for each group of rows. (Rejected: keeping decoded chunks as runs. They are small for most bodies, but nothing bounds them.)
 #include "store/slice.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
+
+#include "store/in_order.hpp"
 
 namespace teracell {
 namespace {
 
-void check_box(const Metadata& meta, int level, const Box& box) {
-  meta.grid.check_level(level);
-  const Index3 n = meta.grid.cells(level);
-  for (int d = 0; d < 3; ++d)
-    if (box.lo[d] < 0 || box.hi[d] > n[d])
-      throw UsageError(fmt::format("the box along {} must lie in 0 to {} (half open) on level {}, found {} to {}", axis_name(d), n[d], level, box.lo[d], box.hi[d]));
-}
-
-// A box in the frame of the rays.
-struct RayBox {
-  int64_t u0, u1, v0, v1, w0, w1;
-  RayBox(const Box& b, const Frame& f) : u0(b.lo[f.u]), u1(b.hi[f.u]), v0(b.lo[f.v]), v1(b.hi[f.v]), w0(b.lo[f.w]), w1(b.hi[f.w]) {}
-};
-
-Box intersect(const Box& a, const Box& b) {
-  Box out;
-  for (int d = 0; d < 3; ++d) {
-    out.lo[d] = std::max(a.lo[d], b.lo[d]);
-    out.hi[d] = std::min(a.hi[d], b.hi[d]);
+// The values of the sets of one chunk. Each is asked for once.
+class Values {
+ public:
+  Values(const SetTable& sets, const SetValue& value) : sets_(sets), value_(value) {}
+  uint16_t operator()(SetId set) {
+    for (const auto& [id, v] : known_)
+      if (id == set) return v;
+    known_.emplace_back(set, static_cast<uint16_t>(value_(sets_.members(set))));
+    return known_.back().second;
   }
-  return out;
-}
 
-// A chunk and the part of it that lies in a box, in the chunk's own rays and cells.
-struct ChunkPart {
-  uint32_t cu, cv, segment;
-  uint32_t u0, u1, v0, v1, w0, w1;
-  int64_t first_u, first_v, first_w;  // of the chunk, in the level
-  bool all_rays, whole;
+ private:
+  const SetTable& sets_;
+  const SetValue& value_;
+  std::vector<std::pair<SetId, uint16_t>> known_;
 };
 
-// Calls f(part) for the chunks that meet the box. REQUIRES: the box lies in the level.
-template <class F>
-void for_each_part(const LevelShape& s, const RayBox& b, F&& f) {
-  const auto cut = [](int64_t lo, int64_t hi, int64_t first, int64_t size) {
-    return std::pair{static_cast<uint32_t>(std::max<int64_t>(lo - first, 0)), static_cast<uint32_t>(std::min(hi - first, size))};
+// The number of the run of a ray that has the cell.
+uint32_t run_at(std::span<const uint32_t> changes, uint32_t cell) {
+  if (changes.size() > 32) return static_cast<uint32_t>(std::ranges::upper_bound(changes, cell) - changes.begin());
+  uint32_t run = 0;
+  for (const uint32_t at : changes) run += at <= cell;
+  return run;
+}
+
+struct Picture {
+  const GridReader& reader;
+  const SliceView& view;
+  const SetValue& value;
+  bool top_down;
+  int threads;
+  const RowSink& row;
+  const int64_t held;  // cells
+  LevelShape shape;
+  Frame rays;
+
+  int64_t width() const { return view.u1 - view.u0; }
+
+  // Rows [from, to).
+  struct Band {
+    int64_t from, to;
   };
-  const auto chunk = [&](int64_t cu, int64_t cv, int64_t segment) {
-    ChunkPart p;
-    p.cu = static_cast<uint32_t>(cu), p.cv = static_cast<uint32_t>(cv), p.segment = static_cast<uint32_t>(segment);
-    p.first_u = cu * s.chunk_rays, p.first_v = cv * s.chunk_rays, p.first_w = segment * s.chunk_cells;
-    std::tie(p.u0, p.u1) = cut(b.u0, b.u1, p.first_u, s.rays_u(p.cu));
-    std::tie(p.v0, p.v1) = cut(b.v0, b.v1, p.first_v, s.rays_v(p.cv));
-    std::tie(p.w0, p.w1) = cut(b.w0, b.w1, p.first_w, s.length(p.segment));
-    p.all_rays = p.u0 == 0 && p.v0 == 0 && p.u1 == s.rays_u(p.cu) && p.v1 == s.rays_v(p.cv);
-    p.whole = p.all_rays && p.w0 == 0 && p.w1 == s.length(p.segment);
-    f(p);
+  // The first band of the rows that are left, cut at multiples of `size`.
+  Band next_band(const Band& left, int64_t size) const {
+    if (top_down) return {std::max(left.from, (left.to - 1) / size * size), left.to};
+    return {left.from, std::min(left.to, (left.from / size + 1) * size)};
+  }
+  // The rows of a band that are delivered first, and the others.
+  Band head(const Band& band, int64_t rows) const { return top_down ? Band{band.to - rows, band.to} : Band{band.from, band.from + rows}; }
+  Band tail(const Band& band, int64_t rows) const { return top_down ? Band{band.from, band.to - rows} : Band{band.from + rows, band.to}; }
+  int64_t nth(const Band& band, int64_t i) const { return top_down ? band.to - 1 - i : band.from + i; }
+
+  // The columns [u0, u1) of a band, the lowest row first.
+  struct Part {
+    Band band;
+    int64_t u0, u1;
+    std::vector<uint16_t> cells{};
+    int64_t width() const { return u1 - u0; }
+    std::span<const uint16_t> row(int64_t v) const { return std::span(cells).subspan(static_cast<size_t>((v - band.from) * width()), static_cast<size_t>(width())); }
   };
-  // Page by page: each page of the index is then read once.
-  const int64_t side = s.page_chunks;
-  const int64_t u0 = b.u0 / s.chunk_rays, u1 = (b.u1 - 1) / s.chunk_rays, v0 = b.v0 / s.chunk_rays, v1 = (b.v1 - 1) / s.chunk_rays;
-  for (int64_t segment = b.w0 / s.chunk_cells; segment * s.chunk_cells < b.w1; ++segment)
-    for (int64_t pv = v0 / side; pv <= v1 / side; ++pv)
-      for (int64_t pu = u0 / side; pu <= u1 / side; ++pu)
-        for (int64_t cv = std::max(v0, pv * side); cv <= std::min(v1, pv * side + side - 1); ++cv)
-          for (int64_t cu = std::max(u0, pu * side); cu <= std::min(u1, pu * side + side - 1); ++cu) chunk(cu, cv, segment);
-}
 
-// Calls f(u, v) for the rays of a part.
-template <class F>
-void for_each_ray(const ChunkPart& p, F&& f) {
-  for (uint32_t v = p.v0; v < p.v1; ++v)
-    for (uint32_t u = p.u0; u < p.u1; ++u) f(u, v);
-}
+  // Makes the cells of parts on the threads and delivers them in order. Bands are cut at multiples of size_v, parts at
+  // multiples of size_u.
+  template <class Fill>
+  void by_parts(int64_t size_u, int64_t size_v, Fill fill) const {
+    const int64_t wide = std::max<int64_t>(1, held / 1024), rows = std::clamp<int64_t>(held / width(), 1, size_v);
+    Band left{view.v0, view.v1}, band{};
+    int64_t u = view.u1;
+    std::vector<Part> parts;  // of a band that is not complete
+    in_order(
+        threads,
+        [&]() -> std::optional<Part> {
+          if (u == view.u1) {
+            if (left.from == left.to) return std::nullopt;
+            band = next_band(left, size_v);
+            band = head(band, std::min(rows, band.to - band.from));
+            left = tail(left, band.to - band.from);
+            u = view.u0;
+          }
+          const int64_t from = u, cut = (u + wide) / size_u * size_u;
+          u = view.u1 - u <= wide ? view.u1 : cut > u ? cut : u + wide;
+          return Part{band, from, u};
+        },
+        [&](Part part, int) {
+          part.cells.resize(static_cast<size_t>((part.band.to - part.band.from) * part.width()));
+          fill(part);
+          return part;
+        },
+        [&](Part&& part) {
+          const Band of = part.band;
+          const bool last = part.u1 == view.u1;
+          parts.push_back(std::move(part));
+          if (!last && of.to - of.from > 1) return;
+          for (int64_t i = 0; i < of.to - of.from; ++i)
+            for (const Part& p : parts) row(nth(of, i), p.row(nth(of, i)));
+          parts.clear();
+        });
+  }
 
-// Calls f(u, v, from, to, set id) for the runs of a part, in the chunk's own rays and cells.
-template <class F>
-void for_each_part_run(const RayBlock& rays, const ChunkPart& p, F&& f) {
-  for (uint32_t v = p.v0; v < p.v1; ++v)
-    for (uint32_t u = p.u0; u < p.u1; ++u)
-      rays.for_each_run(v * rays.nu + u, [&](uint32_t from, uint32_t to, SetId set) {
-        from = std::max(from, p.w0), to = std::min(to, p.w1);
-        if (from < to) f(u, v, from, to, set);
-      });
-}
+  // The part of the picture that one chunk gives where the rays lie across it: the pixels [u0, u1) x [v0, v1), counted from the
+  // chunk's corner.
+  struct Patch {
+    uint32_t u0, u1, v0, v1;
+    uint16_t* out;  // the pixel (u0, v0)
+    int64_t stride;  // from row to row
+  };
 
-// What an index page says of a whole chunk of level 0 (store/stats.hpp), of a part.
-std::vector<LabelStats> stats_of_part(const RayBlock& rays, const ChunkPart& p) {
-  std::vector<LabelStats> all;
-  for_each_part_run(rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
-    auto it = std::ranges::find(all, label, &LabelStats::label);
-    if (it == all.end()) it = all.insert(it, LabelStats{label, 0, {u, v, from}, {u, v, from}});
-    it->cells += to - from;
-    const std::array<uint32_t, 3> lo = {u, v, from}, hi = {u + 1, v + 1, to};
-    for (int d = 0; d < 3; ++d) {
-      it->lo[d] = std::min(it->lo[d], lo[d]);
-      it->hi[d] = std::max(it->hi[d], hi[d]);
+  // Makes a picture that the rays lie across from chunks of `level`, each `side` pixels wide. Calls paint(chunk, patch) for
+  // those that are not uniform.
+  template <class Paint>
+  void by_chunks(int level, int64_t side, uint32_t segment, Paint paint) const {
+    by_parts(side, side, [&](Part& part) {
+      const Band& band = part.band;
+      const auto cv = static_cast<uint32_t>(band.from / side);
+      std::shared_ptr<Chunk> scratch;
+      for (int64_t first = part.u0 / side * side; first < part.u1; first += side) {
+        const ChunkKey key{level, static_cast<uint32_t>(first / side), cv, segment};
+        const int64_t u0 = std::max(part.u0, first), u1 = std::min(part.u1, first + side);
+        uint16_t* const out = part.cells.data() + (u0 - part.u0);
+        if (const auto set = reader.uniform(key)) {
+          const auto all = static_cast<uint16_t>(value(*set));
+          for (int64_t v = 0; v < band.to - band.from; ++v) std::fill_n(out + v * part.width(), u1 - u0, all);
+          continue;
+        }
+        const auto decoded = reader.chunk(key, scratch);
+        const auto within = [&](int64_t n, int64_t begin) { return static_cast<uint32_t>(n - begin); };
+        paint(*decoded, Patch{within(u0, first), within(u1, first), within(band.from, cv * side), within(band.to, cv * side), out, part.width()});
+      }
+    });
+  }
+
+  void across() const {
+    if (!reader.stored(view.level)) return across_derived();
+    const auto segment = static_cast<uint32_t>(view.index / shape.chunk_cells), cell = static_cast<uint32_t>(view.index % shape.chunk_cells);
+    by_chunks(view.level, shape.chunk_rays, segment, [&](const Chunk& chunk, const Patch& p) {
+      const RayBlock& b = chunk.rays;
+      Values values(chunk.sets, value);
+      for (uint32_t v = p.v0; v < p.v1; ++v) {
+        uint16_t* out = p.out + (v - p.v0) * p.stride;
+        for (uint32_t ray = v * b.nu + p.u0; ray < v * b.nu + p.u1; ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
+      }
+    });
+  }
+
+  // Of a derived level: takes the two cells of each ray of the level below that the slice covers. (Deriving its chunks as a
+  // whole takes twice as long.)
+  void across_derived() const {
+    const LevelShape below = reader.shape(view.level - 1);
+    const auto segment = static_cast<uint32_t>(2 * view.index / below.chunk_cells);
+    const auto cell = static_cast<uint32_t>(2 * view.index % below.chunk_cells);  // even, like chunk_cells
+    by_chunks(view.level - 1, below.chunk_rays / 2, segment, [&](const Chunk& chunk, const Patch& p) {
+      const RayBlock& b = chunk.rays;
+      SetTable sets = chunk.sets;  // unions get ids
+      Values values(sets, value);
+      const auto set_of = [&](uint32_t ray) {
+        const auto changes = b.changes(ray);
+        const auto of_ray = b.sets(ray);
+        const uint32_t run = run_at(changes, cell);
+        return run < changes.size() && changes[run] == cell + 1 ? sets.unite(of_ray[run], of_ray[run + 1]) : of_ray[run];
+      };
+      for (uint32_t v = p.v0; v < p.v1; ++v) {
+        uint16_t* out = p.out + (v - p.v0) * p.stride;
+        const uint32_t first = 2 * v, rows = std::min(2u, b.nv - first);
+        for (uint32_t column = 2 * p.u0; column < 2 * p.u1; column += 2) {
+          const uint32_t columns = std::min(2u, b.nu - column);
+          SetId set = set_of(first * b.nu + column);
+          for (uint32_t i = 1; i < rows * columns; ++i) set = sets.unite(set, set_of((first + i / columns) * b.nu + column + i % columns));
+          *out++ = values(set);
+        }
+      }
+    });
+  }
+
+  // Where the rays lie in the picture, one of rays.u and rays.v is the slice's own axis, which is fixed, and the other one
+  // counts rays. Calls f(ray, from, to, value) for the runs, in cells of the level, of the rays [lo, hi) in one segment.
+  template <class F>
+  void runs(int64_t lo, int64_t hi, uint32_t segment, F&& f) const {
+    const bool fixed_u = rays.u == view.axis;
+    const int64_t first_cell = int64_t{segment} * shape.chunk_cells;
+    const auto fixed_chunk = static_cast<uint32_t>(view.index / shape.chunk_rays), fixed = static_cast<uint32_t>(view.index % shape.chunk_rays);
+    std::shared_ptr<Chunk> scratch;
+    for (int64_t c = lo / shape.chunk_rays; c * shape.chunk_rays < hi; ++c) {
+      const int64_t first = c * shape.chunk_rays, from = std::max(lo, first), to = std::min<int64_t>(hi, first + shape.chunk_rays);
+      const auto counted = static_cast<uint32_t>(c);
+      const ChunkKey key{view.level, fixed_u ? fixed_chunk : counted, fixed_u ? counted : fixed_chunk, segment};
+      if (const auto set = reader.uniform(key)) {
+        const auto all = static_cast<uint16_t>(value(*set));
+        for (int64_t i = from; i < to; ++i) f(i, first_cell, first_cell + shape.length(segment), all);
+        continue;
+      }
+      const auto decoded = reader.chunk(key, scratch);
+      const Chunk& chunk = *decoded;
+      Values values(chunk.sets, value);
+      for (int64_t i = from; i < to; ++i) {
+        const auto r = static_cast<uint32_t>(i - first);
+        const uint32_t ray = fixed_u ? r * chunk.rays.nu + fixed : fixed * chunk.rays.nu + r;
+        chunk.rays.for_each_run(ray, [&](uint32_t a, uint32_t b, SetId set) { f(i, first_cell + a, first_cell + b, values(set)); });
+      }
     }
-  });
-  return all;
-}
-
-// The same from what the index says of the whole chunk, where that is enough: the part has all rays, and all labels but one lie
-// between its ends or outside. That one fills both ends of every ray, and has all the cells that are left.
-std::optional<std::vector<LabelStats>> stats_of_part(const std::vector<LabelStats>& whole, const ChunkPart& p) {
-  if (!p.all_rays) return std::nullopt;
-  std::vector<LabelStats> all;
-  uint64_t left = uint64_t{p.u1} * p.v1 * (p.w1 - p.w0);
-  std::optional<Label> rest;
-  for (const LabelStats& l : whole) {
-    if (l.lo[2] >= p.w1 || l.hi[2] <= p.w0) continue;
-    const bool between = l.lo[2] > p.w0 && l.hi[2] < p.w1;
-    if ((!between && rest) || l.cells > left) return std::nullopt;
-    if (!between) rest = l.label;
-    else all.push_back(l), left -= l.cells;
   }
-  if (!rest) return std::nullopt;
-  all.push_back({*rest, left, {0, 0, p.w0}, {p.u1, p.v1, p.w1}});
-  return all;
-}
+
+  // Neighbouring columns of a band in the form that the sweep takes: changes, or, where many cells differ from the one before,
+  // the cells themselves. Their memory is never more than two bytes per cell.
+  struct Columns {
+    struct Change {
+      uint32_t row;  // counted from the first one delivered
+      uint16_t u, value;
+    };
+    size_t first, wide;           // in the view
+    std::vector<Change> changes;  // by row
+    size_t next = 0;              // of them
+    std::vector<uint16_t> cells;  // or these, row by row
+
+    size_t bytes() const { return changes.capacity() * sizeof(Change) + cells.capacity() * sizeof(uint16_t); }
+    // Drops all rows but the first `rows`.
+    void cut(size_t rows) {
+      changes.resize(static_cast<size_t>(std::ranges::lower_bound(changes, rows, {}, &Change::row) - changes.begin()));
+      changes.shrink_to_fit();
+      cells.resize(std::min(cells.size(), rows * wide));
+      cells.shrink_to_fit();
+    }
+    // Turns the row before into this one. `out` begins at the first of these columns.
+    void turn(size_t row, uint16_t* out) {
+      if (!cells.empty()) std::copy_n(cells.data() + row * wide, wide, out);
+      for (; next < changes.size() && changes[next].row == row; ++next) out[changes[next].u] = changes[next].value;
+    }
+  };
+
+  Columns columns(const Band& band, int64_t from, int64_t to) const {
+    const auto rows = static_cast<size_t>(band.to - band.from);
+    std::vector<Columns::Change> found;
+    std::vector<uint32_t> start(rows + 1, 0);  // of each row, sorted
+    runs(from, to, static_cast<uint32_t>(band.from / shape.chunk_cells), [&](int64_t u, int64_t a, int64_t b, uint16_t v) {
+      a = std::max(a, band.from), b = std::min(b, band.to);
+      if (a >= b) return;  // for the sweep, a run begins at the end that is delivered first
+      found.push_back({static_cast<uint32_t>(top_down ? band.to - b : a - band.from), static_cast<uint16_t>(u - from), v});
+      ++start[found.back().row + 1];
+    });
+    for (size_t r = 0; r < rows; ++r) start[r + 1] += start[r];
+    Columns out{static_cast<size_t>(from - view.u0), static_cast<size_t>(to - from), std::vector<Columns::Change>(found.size())};
+    for (const Columns::Change& c : found) out.changes[start[c.row]++] = c;
+    if (found.size() * sizeof(Columns::Change) <= rows * out.wide * sizeof(uint16_t)) return out;
+    std::vector<uint16_t> cells(rows * out.wide);
+    for (size_t r = 0; r < rows; ++r) {
+      uint16_t* row_cells = cells.data() + r * out.wide;
+      if (r > 0) std::copy_n(row_cells - out.wide, out.wide, row_cells);
+      out.turn(r, row_cells);
+    }
+    return {out.first, out.wide, {}, 0, std::move(cells)};
+  }
+
+  void upright() const {
+    Band left{view.v0, view.v1};
+    while (left.from < left.to) left = tail(left, sweep(next_band(left, shape.chunk_cells)));  // one segment at a time
+  }
+
+  // Delivers the first rows of a band within a segment, as many as can be held. Returns their number.
+  int64_t sweep(const Band& band) const {
+    int64_t rows = 2 * width() <= held ? band.to - band.from : 1;
+    std::vector<uint16_t> current(rows > 1 ? static_cast<size_t>(width()) : 0);
+    std::vector<Columns> parts;  // those of all columns so far
+    size_t bytes = current.size() * sizeof(uint16_t);
+    const auto keep = [&](Columns&& made) {
+      made.cut(static_cast<size_t>(rows));
+      bytes += made.bytes();
+      parts.push_back(std::move(made));
+      while (rows > 1 && bytes > static_cast<size_t>(held) * sizeof(uint16_t)) {
+        rows = (rows + 1) / 2;
+        bytes = current.size() * sizeof(uint16_t);
+        for (Columns& p : parts) p.cut(static_cast<size_t>(rows)), bytes += p.bytes();
+      }
+      if (rows > 1) return;
+      for (Columns& p : parts) {
+        current.resize(p.wide);
+        p.turn(0, current.data());
+        row(nth(band, 0), current);
+      }
+      parts.clear();
+      bytes = 0;
+    };
+    const int64_t part = 4 * int64_t{shape.chunk_rays};  // at most 1024
+    int64_t next = view.u0;
+    in_order(
+        threads,
+        [&]() -> std::optional<int64_t> {
+          if (next >= view.u1) return std::nullopt;
+          return std::exchange(next, std::min(view.u1, (next / part + 1) * part));
+        },
+        [&](int64_t from, int) { return columns(band, from, std::min(view.u1, (from / part + 1) * part)); }, keep);
+    for (int64_t r = 0; !parts.empty() && r < rows; ++r) {
+      for (Columns& p : parts) p.turn(static_cast<size_t>(r), current.data() + p.first);
+      row(nth(band, r), current);
+    }
+    return rows;
+  }
+
+  void lying() const {
+    by_parts(shape.chunk_cells, shape.chunk_rays, [&](Part& part) {
+      for (int64_t s = part.u0 / shape.chunk_cells; s * shape.chunk_cells < part.u1; ++s)
+        runs(part.band.from, part.band.to, static_cast<uint32_t>(s), [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {
+          a = std::max(a, part.u0), b = std::min(b, part.u1);
+          if (a < b) std::fill_n(part.cells.data() + (v - part.band.from) * part.width() + (a - part.u0), b - a, value_of_run);
+        });
+    });
+  }
+};
 
 }  // namespace
 
-SetValue strongest_material(const Metadata& meta) {
-  return [&meta](const std::vector<Label>& set) {
-    uint32_t best = meta.labels[set[0]].material;
-    for (const Label label : set) {
-      const uint32_t m = meta.labels[label].material;
-      if (meta.materials[m].rank < meta.materials[best].rank) best = m;
-    }
-    return best;
-  };
-}
-
-std::vector<uint32_t> materials_of(const Metadata& meta, const std::vector<Label>& set) {
-  std::vector<uint32_t> materials;
-  for (const Label label : set) materials.push_back(meta.labels[label].material);
-  std::ranges::sort(materials);
-  materials.erase(std::unique(materials.begin(), materials.end()), materials.end());
-  return materials;
-}
-
-template <class T>
-void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride) {
-  reader.meta().grid.check_level(level);
-  if (box.empty()) return;
-  const Box inside = intersect(box, reader.meta().grid.box(level));
-  if (!(inside == box)) {
-    for (int64_t z = 0; z < box.hi[2] - box.lo[2]; ++z)
-      for (int64_t y = 0; y < box.hi[1] - box.lo[1]; ++y)
-        for (int64_t x = 0; x < box.hi[0] - box.lo[0]; ++x) data[x * stride[0] + y * stride[1] + z * stride[2]] = outside;
-  }
-  if (inside.empty()) return;
-  const Frame f = reader.meta().frame();
-  const int64_t step_u = stride[f.u], step_v = stride[f.v], step_w = stride[f.w];
-  std::shared_ptr<Chunk> scratch;
-  for_each_part(reader.shape(level), RayBox(inside, f), [&](const ChunkPart& p) {
-    T* origin = data + (p.first_u - box.lo[f.u]) * step_u + (p.first_v - box.lo[f.v]) * step_v + (p.first_w - box.lo[f.w]) * step_w;
-    const auto fill = [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, T with) {
-      T* out = origin + u * step_u + v * step_v;
-      if (step_w == 1) std::fill(out + from, out + to, with);
-      else
-        for (uint32_t w = from; w < to; ++w) out[w * step_w] = with;
-    };
-    if (const auto set = reader.uniform(level, p.cu, p.cv, p.segment)) {
-      const auto with = static_cast<T>(value(*set));
-      return for_each_ray(p, [&](uint32_t u, uint32_t v) { fill(u, v, p.w0, p.w1, with); });
-    }
-    const auto held = reader.chunk(level, p.cu, p.cv, p.segment, scratch);
-    const Chunk& chunk = *held;
-    std::vector<std::pair<SetId, T>> values;  // of the sets met; a chunk has few
-    for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
-      auto it = std::ranges::find(values, set, &std::pair<SetId, T>::first);
-      if (it == values.end()) it = values.insert(it, {set, static_cast<T>(value(chunk.sets.members(set)))});
-      fill(u, v, from, to, it->second);
-    });
-  });
-}
-template void read_box(const GridReader&, int, const Box&, const SetValue&, uint8_t, uint8_t*, const Index3&);
-template void read_box(const GridReader&, int, const Box&, const SetValue&, uint16_t, uint16_t*, const Index3&);
-template void read_box(const GridReader&, int, const Box&, const SetValue&, uint32_t, uint32_t*, const Index3&);
-
-void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f) {
-  check_box(reader.meta(), level, box);
-  if (box.empty()) return;
-  const Frame frame = reader.meta().frame();
-  std::shared_ptr<Chunk> scratch;
-  for_each_part(reader.shape(level), RayBox(box, frame), [&](const ChunkPart& p) {
-    const auto tell = [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, const std::vector<Label>& set) {
-      BoxRun run{{}, to - from, &set};
-      run.start[frame.u] = p.first_u + u;
-      run.start[frame.v] = p.first_v + v;
-      run.start[frame.w] = p.first_w + from;
-      f(run);
-    };
-    if (const auto set = reader.uniform(level, p.cu, p.cv, p.segment)) return for_each_ray(p, [&](uint32_t u, uint32_t v) { tell(u, v, p.w0, p.w1, *set); });
-    const auto held = reader.chunk(level, p.cu, p.cv, p.segment, scratch);
-    const Chunk& chunk = *held;
-    std::unordered_map<SetId, std::vector<Label>> sets;
-    for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
-      const auto [it, fresh] = sets.try_emplace(set);
-      if (fresh) it->second = chunk.sets.members(set);
-      tell(u, v, from, to, it->second);
-    });
-  });
-}
-
-std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b) {
-  const Metadata& meta = reader.meta();
+SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level) {
+  meta.grid.check_level(level);
+  const Index3 n = meta.grid.cells(level);
   const Frame f = Frame::along(axis);
-  const Index3 n = meta.grid.cells();
-  if (a < 0 || a >= n[f.u] || b < 0 || b >= n[f.v])
-    throw UsageError(fmt::format("column ({}, {}) along {} is outside the grid: {} is 0 to {}, {} is 0 to {}", a, b, axis_name(axis),
-                                 axis_name(f.u), n[f.u] - 1, axis_name(f.v), n[f.v] - 1));
-  Box box{{0, 0, 0}, n};
-  box.lo[f.u] = a, box.hi[f.u] = a + 1;
-  box.lo[f.v] = b, box.hi[f.v] = b + 1;
-  std::vector<ColumnRun> runs;
-  const SetValue material = strongest_material(meta);
-  for_each_run(reader, 0, box, [&](const BoxRun& run) {
-    const int64_t from = run.start[axis], to = from + (axis == meta.ray_axis ? run.length : 1);
-    const uint32_t m = material(*run.set);
-    if (!runs.empty() && runs.back().to == from && runs.back().material == m) runs.back().to = to;  // across the rays a cell at a time
-    else runs.push_back({from, to, m});
-  });
-  std::ranges::sort(runs, {}, &ColumnRun::from);
-  std::vector<ColumnRun> joined;
-  for (const ColumnRun& run : runs) {
-    if (!joined.empty() && joined.back().material == run.material) joined.back().to = run.to;
-    else joined.push_back(run);
-  }
-  return joined;
+  const SliceView view{axis, index, level, 0, 0, n[f.u], n[f.v]};
+  check_view(meta, view);
+  return view;
 }
 
-std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) {
-  const Metadata& meta = reader.meta();
-  check_box(meta, 0, box);
-  const Grid& grid = meta.grid;
-  const Frame f = meta.frame();
-  std::vector<MaterialStats> stats(meta.materials.size());
-  if (box.empty()) return stats;
-  const bool graded = std::ranges::any_of(grid.axis, &Axis::is_graded);
-  const auto length = [&](int axis, int64_t lo, int64_t hi) { return grid.axis[axis].plane(hi) - grid.axis[axis].plane(lo); };
+void check_view(const Metadata& meta, const SliceView& view) {
+  meta.grid.check_level(view.level);
+  const Index3 n = meta.grid.cells(view.level);
+  const Frame f = Frame::along(view.axis);
+  if (view.index < 0 || view.index >= n[view.axis])
+    throw UsageError(fmt::format("index along {} must be 0 to {} on level {}, found {}", axis_name(view.axis), n[view.axis] - 1, view.level, view.index));
+  const auto check = [&](int axis, int64_t lo, int64_t hi) {
+    if (lo < 0 || hi > n[axis] || lo >= hi)
+      throw UsageError(fmt::format("the region along {} must lie in 0 to {} (half open) on level {} and not be empty, found {} to {}", axis_name(axis),
+                                   n[axis], view.level, lo, hi));
+  };
+  check(f.u, view.u0, view.u1);
+  check(f.v, view.v0, view.v1);
+}
 
-  std::shared_ptr<Chunk> scratch;
-  for_each_part(reader.shape(0), RayBox(box, f), [&](const ChunkPart& p) {
-    const auto entry = reader.entry(0, p.cu, p.cv, p.segment);
-    std::shared_ptr<const Chunk> decoded;
-    const auto rays = [&]() -> const RayBlock& {
-      if (!decoded) decoded = reader.chunk(0, p.cu, p.cv, p.segment, scratch);
-      return decoded->rays;
-    };
-    std::vector<LabelStats> counted;
-    if (entry->size == 0) counted = {{entry->uniform[0], uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0), {p.u0, p.v0, p.w0}, {p.u1, p.v1, p.w1}}};
-    else if (!p.whole) {
-      auto known = stats_of_part(entry->stats, p);
-      counted = known ? std::move(*known) : stats_of_part(rays(), p);
-    }
-    std::vector<Label> scattered;  // labels whose cells don't fill their boxes: where steps differ their volumes must be summed
-    for (const LabelStats& l : entry->size != 0 && p.whole ? entry->stats : counted) {
-      if (l.hi[0] > p.u1 || l.hi[1] > p.v1 || l.hi[2] > p.w1)
-        throw FormatError(fmt::format("{}: level 0 chunk ({}, {}, {}): its statistics reach outside of it", reader.name(), p.cu, p.cv, p.segment));
-      MaterialStats& s = stats[meta.labels[l.label].material];
-      Box b;
-      b.lo[f.u] = p.first_u + l.lo[0], b.lo[f.v] = p.first_v + l.lo[1], b.lo[f.w] = p.first_w + l.lo[2];
-      b.hi[f.u] = p.first_u + l.hi[0], b.hi[f.v] = p.first_v + l.hi[1], b.hi[f.w] = p.first_w + l.hi[2];
-      if (s.cells == 0) s.box = b;
-      for (int d = 0; d < 3; ++d) {
-        s.box.lo[d] = std::min(s.box.lo[d], b.lo[d]);
-        s.box.hi[d] = std::max(s.box.hi[d], b.hi[d]);
-      }
-      s.cells += l.cells;
-      if (!graded) continue;
-      if (l.cells != uint64_t{l.hi[0] - l.lo[0]} * (l.hi[1] - l.lo[1]) * (l.hi[2] - l.lo[2])) scattered.push_back(l.label);
-      else s.volume += length(0, b.lo[0], b.hi[0]) * length(1, b.lo[1], b.hi[1]) * length(2, b.lo[2], b.hi[2]);
-    }
-    if (scattered.empty()) return;
-    for_each_part_run(rays(), p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
-      if (std::ranges::find(scattered, label) == scattered.end()) return;
-      stats[meta.labels[label].material].volume +=
-          length(f.u, p.first_u + u, p.first_u + u + 1) * length(f.v, p.first_v + v, p.first_v + v + 1) * length(f.w, p.first_w + from, p.first_w + to);
-    });
-  });
-  if (!graded)
-    for (MaterialStats& s : stats) s.volume = static_cast<double>(s.cells) * (grid.axis[0].step() * grid.axis[1].step() * grid.axis[2].step());
-  return stats;
+void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row,
+                  int64_t held) {
+  check_view(reader.meta(), view);
+  const Frame rays = reader.meta().frame();
+  const Picture picture{reader, view, value, top_down, threads, row, held, reader.shape(view.level), rays};
+  if (rays.w == view.axis) picture.across();
+  else if (rays.w == Frame::along(view.axis).v) picture.upright();
+  else picture.lying();
 }
 
 }  // namespace teracell

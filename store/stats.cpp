@@ -2,47 +2,103 @@
 
 #include <algorithm>
 
-namespace teracell {
+#include <fmt/format.h>
 
-// Rays of equal pattern are summed change by change before a label is looked at.
-std::vector<LabelStats> stats_of(const RayBlock& b) {
+#include "store/chunk_parts.hpp"
+
+namespace teracell {
+namespace {
+
+// The statistics of a part of a chunk of level 0, counted from its runs.
+std::vector<LabelStats> stats_of_part(const RayBlock& rays, const ChunkPart& p) {
   std::vector<LabelStats> all;
-  const auto add = [&](Label label, uint64_t cells, std::array<uint32_t, 3> lo, std::array<uint32_t, 3> hi) {
+  for_each_part_run(rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
     auto it = std::ranges::find(all, label, &LabelStats::label);
-    if (it == all.end()) it = all.insert(it, LabelStats{label, 0, lo, hi});
-    it->cells += cells;
+    if (it == all.end()) it = all.insert(it, LabelStats{label, 0, {u, v, from}, {u, v, from}});
+    it->cells += to - from;
+    const std::array<uint32_t, 3> lo = {u, v, from}, hi = {u + 1, v + 1, to};
     for (int d = 0; d < 3; ++d) {
       it->lo[d] = std::min(it->lo[d], lo[d]);
       it->hi[d] = std::max(it->hi[d], hi[d]);
     }
-  };
-  for (uint32_t v = 0; v < b.nv; ++v) {
-    for (uint32_t u = 0; u < b.nu;) {  // a stretch of one pattern
-      const uint32_t first = v * b.nu + u, pattern = b.pattern[first], n = b.patterns.changes(pattern);
-      uint32_t end = u + 1;
-      while (end < b.nu && b.pattern[v * b.nu + end] == pattern) ++end;
-      const auto sets = b.patterns.sets(pattern);
-      const uint32_t *at = b.at.data() + b.begin[first], *stop = at + size_t{n} * (end - u);
-      uint64_t from_sum = 0;
-      uint32_t from_least = 0;
-      for (uint32_t i = 0; i < n; ++i) {
-        uint64_t sum = 0;
-        uint32_t least = ~0u, most = 0;
-        for (const uint32_t* x = at + i; x < stop; x += n) {
-          sum += *x;
-          least = std::min(least, *x);
-          most = std::max(most, *x);
-        }
-        add(sets[i], sum - from_sum, {u, v, from_least}, {end, v + 1, most});
-        from_sum = sum;
-        from_least = least;
-      }
-      add(sets[n], uint64_t{b.length} * (end - u) - from_sum, {u, v, from_least}, {end, v + 1, b.length});
-      u = end;
-    }
-  }
-  std::ranges::sort(all, {}, &LabelStats::label);
+  });
   return all;
+}
+
+// The same from the index's statistics of the whole chunk, where these are enough: the part has all rays, and the cells of
+// all labels but one lie either between its ends or outside. That one label fills both ends of every ray, and all the cells
+// of the part that are left.
+std::optional<std::vector<LabelStats>> stats_of_part(const std::vector<LabelStats>& whole, const ChunkPart& p) {
+  if (!p.all_rays) return std::nullopt;
+  std::vector<LabelStats> all;
+  uint64_t left = uint64_t{p.u1} * p.v1 * (p.w1 - p.w0);
+  std::optional<Label> rest;
+  for (const LabelStats& l : whole) {
+    if (l.lo[2] >= p.w1 || l.hi[2] <= p.w0) continue;
+    const bool between = l.lo[2] > p.w0 && l.hi[2] < p.w1;
+    if ((!between && rest) || l.cells > left) return std::nullopt;
+    if (!between) rest = l.label;
+    else all.push_back(l), left -= l.cells;
+  }
+  if (!rest) return std::nullopt;
+  all.push_back({*rest, left, {0, 0, p.w0}, {p.u1, p.v1, p.w1}});
+  return all;
+}
+
+}  // namespace
+
+std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) {
+  const Metadata& meta = reader.meta();
+  check_box(meta, 0, box);
+  const Grid& grid = meta.grid;
+  const Frame f = meta.frame();
+  std::vector<MaterialStats> stats(meta.materials.size());
+  if (box.empty()) return stats;
+  const bool graded = std::ranges::any_of(grid.axis, &Axis::is_graded);
+  const auto length = [&](int axis, int64_t lo, int64_t hi) { return grid.axis[axis].plane(hi) - grid.axis[axis].plane(lo); };
+
+  std::shared_ptr<Chunk> scratch;
+  for_each_part(reader.shape(0), RayBox(box, f), [&](const ChunkPart& p) {
+    const auto entry = reader.entry(p.key);
+    std::shared_ptr<const Chunk> decoded;
+    const auto rays = [&]() -> const RayBlock& {
+      if (!decoded) decoded = reader.chunk(p.key, scratch);
+      return decoded->rays;
+    };
+    std::vector<LabelStats> counted;
+    if (entry->size == 0) counted = {{entry->uniform[0], uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0), {p.u0, p.v0, p.w0}, {p.u1, p.v1, p.w1}}};
+    else if (!p.whole) {
+      auto known = stats_of_part(entry->stats, p);
+      counted = known ? std::move(*known) : stats_of_part(rays(), p);
+    }
+    std::vector<Label> scattered;  // labels whose cells don't fill their boxes: on a graded axis their volumes are summed run by run
+    for (const LabelStats& l : entry->size != 0 && p.whole ? entry->stats : counted) {
+      if (l.hi[0] > p.u1 || l.hi[1] > p.v1 || l.hi[2] > p.w1)
+        throw FormatError(fmt::format("{}: {}: its statistics reach outside of it", reader.name(), chunk_name(p.key)));
+      MaterialStats& s = stats[meta.labels[l.label].material];
+      Box b;
+      b.lo[f.u] = p.first_u + l.lo[0], b.lo[f.v] = p.first_v + l.lo[1], b.lo[f.w] = p.first_w + l.lo[2];
+      b.hi[f.u] = p.first_u + l.hi[0], b.hi[f.v] = p.first_v + l.hi[1], b.hi[f.w] = p.first_w + l.hi[2];
+      if (s.cells == 0) s.box = b;
+      for (int d = 0; d < 3; ++d) {
+        s.box.lo[d] = std::min(s.box.lo[d], b.lo[d]);
+        s.box.hi[d] = std::max(s.box.hi[d], b.hi[d]);
+      }
+      s.cells += l.cells;
+      if (!graded) continue;
+      if (l.cells != uint64_t{l.hi[0] - l.lo[0]} * (l.hi[1] - l.lo[1]) * (l.hi[2] - l.lo[2])) scattered.push_back(l.label);
+      else s.volume += length(0, b.lo[0], b.hi[0]) * length(1, b.lo[1], b.hi[1]) * length(2, b.lo[2], b.hi[2]);
+    }
+    if (scattered.empty()) return;
+    for_each_part_run(rays(), p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
+      if (std::ranges::find(scattered, label) == scattered.end()) return;
+      stats[meta.labels[label].material].volume +=
+          length(f.u, p.first_u + u, p.first_u + u + 1) * length(f.v, p.first_v + v, p.first_v + v + 1) * length(f.w, p.first_w + from, p.first_w + to);
+    });
+  });
+  if (!graded)
+    for (MaterialStats& s : stats) s.volume = static_cast<double>(s.cells) * (grid.axis[0].step() * grid.axis[1].step() * grid.axis[2].step());
+  return stats;
 }
 
 }  // namespace teracell

@@ -9,7 +9,7 @@
 namespace teracell {
 
 std::string printable(std::string_view text) {
-  if (std::ranges::all_of(text, [](char c) { return c >= ' ' && c < '\x7f'; })) return std::string(text);  // nearly all
+  if (std::ranges::all_of(text, [](char c) { return c >= ' ' && c < '\x7f'; })) return std::string(text);  // like nearly all texts
   const std::string utf8 = utf8_of(text);
   std::string out;
   for (size_t i = 0; i < utf8.size(); ++i) {

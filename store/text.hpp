@@ -1,4 +1,4 @@
-// Texts as messages show them.
+// Parts of messages.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -6,8 +6,8 @@
 
 namespace teracell {
 
-// The text with control characters as '?' and what is not UTF-8 as U+FFFD: file names and files from elsewhere may hold
-// anything, but a terminal obeys the one and JSON can't carry the other.
+// The text with '?' for control characters and U+FFFD for what is not UTF-8. Names of files, and files from elsewhere, may
+// hold anything, but terminals obey control characters and JSON can't hold what is not UTF-8.
 std::string printable(std::string_view text);
 
 // "1 chunk", "2 chunks".

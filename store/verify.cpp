@@ -1,13 +1,13 @@
-// The whole of a file held against FORMAT.md: every byte is read, named once, and agrees with what says something of it.
+#include "store/verify.hpp"
+
 #include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
 
+#include "store/checked_read.hpp"
+#include "store/chunk_stats.hpp"
 #include "store/in_order.hpp"
-#include "store/pyramid.hpp"
-#include "store/reader.hpp"
-#include "store/stats.hpp"
 
 namespace teracell {
 namespace {
@@ -22,11 +22,9 @@ bool same_cells(const Chunk& a, const Chunk& b) {
   return true;
 }
 
-}  // namespace
-
-// Byte ranges that were accounted for. Files are written nearly in order, so few separate ranges are held, except
-// where chunks are segments of rays: then one for each chunk until its neighbours have come.
-class GridReader::Coverage {
+// The byte ranges that are accounted for. Files are written nearly in order, so few separate ranges are held. Only where
+// rays are cut into segments it is one for each chunk, until its neighbours have come.
+class Coverage {
  public:
   void add(uint64_t offset, uint64_t size) {
     if (size == 0) return;
@@ -53,58 +51,47 @@ class GridReader::Coverage {
   uint64_t bytes_ = 0;
 };
 
-void GridReader::read_in_pieces(uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f) const {
-  Bytes bytes;
-  for (uint64_t done = 0; done < size; done += bytes.size()) {
-    bytes.resize(std::min<uint64_t>(size - done, 1 << 20));
-    source_->read(offset + done, bytes);
-    f(bytes);
-  }
-}
-
-void GridReader::check_content_hash() const {
+void check_content_hash(const GridReader& reader) {
   ContentHash hash;
-  const auto add = [&](uint64_t offset, uint64_t size) { read_in_pieces(offset, size, [&](auto bytes) { hash.add(bytes); }); };
-  for (const LevelInfo& l : meta_.levels) add(l.directory, directory_bytes(shape(l.level).pages()));
-  for (const OtherChannel& c : meta_.others) add(c.cover, directory_bytes(c.frames));
-  add(footer_.metadata.offset, footer_.metadata.size);
-  add(footer_.report.offset, footer_.report.size);
-  if (hash.digest() != footer_.hash)
-    throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer_.hash), hex(hash.digest())));
+  const auto add = [&](uint64_t offset, uint64_t size) { read_in_pieces(reader.source(), offset, size, [&](auto bytes) { hash.add(bytes); }); };
+  const Footer& footer = reader.footer();
+  for (const LevelInfo& l : reader.meta().levels()) add(l.directory, directory_bytes(reader.shape(l.level).pages()));
+  for (const Channel& c : reader.meta().others()) add(c.cover, directory_bytes(c.frames));
+  add(footer.metadata.offset, footer.metadata.size);
+  add(footer.report.offset, footer.report.size);
+  if (hash.digest() != footer.hash)
+    throw FormatError(fmt::format("footer: expected content hash {}, found {}", hex(footer.hash), hex(hash.digest())));
 }
 
-void GridReader::verify_level(const LevelInfo& l, int threads, Coverage& coverage, const std::function<void()>& progress) const {
-  const LevelShape s = shape(l.level);
+// Throws unless the chunk is that of its entry and agrees with the level below it. Returns its changes.
+uint64_t check_chunk(const GridReader& reader, const ChunkKey& key, const ChunkEntry& e) {
+  Chunk chunk, expected;
+  reader.read_stored(key, e, chunk);
+  if (key.level > 0) {
+    reader.derive(key, expected);
+    if (!same_cells(chunk, expected)) throw FormatError(fmt::format("{}: its sets are not those of the level below", chunk_name(key)));
+  } else if (e.size != 0 && e.stats != stats_of(chunk.rays)) {
+    throw FormatError(fmt::format("{}: its statistics are not those of its cells", chunk_name(key)));
+  }
+  return chunk.rays.at.size();
+}
+
+void verify_level(const GridReader& reader, const LevelInfo& l, int threads, Coverage& coverage, const std::function<void()>& progress) {
+  const LevelShape s = reader.shape(l.level);
   coverage.add(l.directory, directory_bytes(s.pages()));
   LevelInfo sum = {l.level, l.directory, 0, 0, 0};
   for (uint64_t p = 0; p < s.pages(); ++p) {
-    const DirectoryEntry place = page_place(l.level, p);
+    const DirectoryEntry place = reader.page_place(l.level, p);
     coverage.add(place.offset, place.size);
-    const auto part = page(l.level, p);
-    const std::vector<ChunkEntry>& entries = part->page;
+    const auto page = reader.page(l.level, p);
     uint32_t next_slot = 0;
     const auto next = [&]() -> std::optional<uint32_t> {
-      if (next_slot == entries.size()) return std::nullopt;
+      if (next_slot == page->size()) return std::nullopt;
       return next_slot++;
     };
-    const auto check = [&](uint32_t slot, int) -> std::pair<uint32_t, uint64_t> {
-      const ChunkEntry& e = entries[slot];
-      const uint32_t cu = static_cast<uint32_t>(p % s.pages_u) * s.page_chunks + slot % s.page_width(p);
-      const uint32_t cv = static_cast<uint32_t>(p / s.pages_u % s.pages_v) * s.page_chunks + slot / s.page_width(p);
-      const auto segment = static_cast<uint32_t>(p / s.pages_u / s.pages_v);
-      Chunk chunk, expected;
-      read_stored(l.level, cu, cv, segment, e, chunk);
-      if (l.level > 0) {
-        derive(l.level, cu, cv, segment, expected);
-        if (!same_cells(chunk, expected))
-          throw FormatError(fmt::format("{}: its sets are not those of the level below", chunk_name(l.level, cu, cv, segment)));
-      } else if (e.size != 0 && e.stats != stats_of(chunk.rays)) {
-        throw FormatError(fmt::format("{}: its statistics are not those of its cells", chunk_name(l.level, cu, cv, segment)));
-      }
-      return {slot, chunk.rays.at.size()};
-    };
+    const auto check = [&](uint32_t slot, int) { return std::pair{slot, check_chunk(reader, s.key_of(p, slot), (*page)[slot])}; };
     in_order(threads, next, check, [&](std::pair<uint32_t, uint64_t> done) {
-      const ChunkEntry& e = entries[done.first];
+      const ChunkEntry& e = (*page)[done.first];
       if (e.size == 0) return;
       coverage.add(e.offset, e.size);
       sum.chunks += 1;
@@ -118,38 +105,50 @@ void GridReader::verify_level(const LevelInfo& l, int threads, Coverage& coverag
                                   l.changes, sum.chunks, sum.bytes, sum.changes));
 }
 
-// What the frames mean is for those who know the channel: here they are bytes, however many.
-void GridReader::verify_cover(const OtherChannel& c, Coverage& coverage, const std::function<void()>& progress) const {
+// The frames of a channel other than the labels: first as bytes, however many, then as what the kind of the channel says.
+void verify_frames(const GridReader& reader, const Channel& c, std::span<const ChannelKind> known, Coverage& coverage, const std::function<void()>& progress) {
+  const auto name_of = [&](uint64_t i) { return fmt::format("channel '{}' frame {}", c.name, i); };
   coverage.add(c.cover, directory_bytes(c.frames));
   for (uint64_t i = 0; i < c.frames; ++i) {
-    const std::string what = fmt::format("channel '{}' frame {}", c.name, i);
-    const DirectoryEntry place = directory_entry(c.cover, c.frames, i);
-    check_inside(place, what);
+    const std::string what = name_of(i);
+    const DirectoryEntry place = reader.frame_place(c, i);
+    check_inside(reader.source(), place, what);
     if (place.size == 0) throw FormatError(fmt::format("{}: a frame has bytes", what));
-    coverage.add(place.offset, place.size);  // before it is read: frames on top of each other must not buy time
+    coverage.add(place.offset, place.size);  // before it is read: otherwise frames that overlap could make this take very long
     RunningChecksum sum;
-    read_in_pieces(place.offset, place.size, [&](auto bytes) { sum.add(bytes); });
+    read_in_pieces(reader.source(), place.offset, place.size, [&](auto bytes) { sum.add(bytes); });
     check_sum(place, what, sum.value());
     progress();
   }
+  const ChannelKind* kind = find_kind(known, c.name, c.coding);
+  if (kind == nullptr || kind->check == nullptr) return;
+  kind->check(reader.meta(), c, [&](uint64_t i) {
+    Bytes bytes;
+    read_checked(reader.source(), reader.frame_place(c, i), name_of(i), bytes);
+    return bytes;
+  });
 }
 
-void GridReader::verify(int threads, const std::function<void(double)>& progress) const {
+}  // namespace
+
+void verify(const GridReader& reader, int threads, const std::function<void(double)>& progress, std::span<const ChannelKind> known) {
   try {
+    const uint64_t size = reader.file_bytes();
+    const Footer& footer = reader.footer();
     Coverage coverage;
     coverage.add(0, kHeaderBytes);
-    coverage.add(footer_.metadata.offset, footer_.metadata.size);
-    coverage.add(footer_.report.offset, footer_.report.size);
-    coverage.add(source_->size() - kFooterBytes, kFooterBytes);
-    report();
-    const auto tell = [&] { progress(static_cast<double>(coverage.bytes()) / static_cast<double>(source_->size())); };
-    for (const LevelInfo& l : meta_.levels) verify_level(l, threads, coverage, tell);
-    for (const OtherChannel& c : meta_.others) verify_cover(c, coverage, tell);
-    coverage.expect_whole(source_->size());
-    check_content_hash();
+    coverage.add(footer.metadata.offset, footer.metadata.size);
+    coverage.add(footer.report.offset, footer.report.size);
+    coverage.add(size - kFooterBytes, kFooterBytes);
+    reader.report();
+    const auto tell = [&] { progress(static_cast<double>(coverage.bytes()) / static_cast<double>(size)); };
+    for (const LevelInfo& l : reader.meta().levels()) verify_level(reader, l, threads, coverage, tell);
+    for (const Channel& c : reader.meta().others()) verify_frames(reader, c, known, coverage, tell);
+    coverage.expect_whole(size);
+    check_content_hash(reader);
   } catch (const FormatError& e) {
     const std::string message = e.what();
-    throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));
+    throw FormatError(message.starts_with(reader.name()) ? message : fmt::format("{}: {}", reader.name(), message));
   }
 }
 

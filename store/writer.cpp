@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "store/stats.hpp"
+#include "store/chunk_stats.hpp"
+#include "store/metadata_json.hpp"
 
 namespace teracell {
 
@@ -23,10 +24,10 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : GridWriter(path, std::move(meta), 0) { append_bytes(encode_header()); }
 
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep) : meta_(std::move(meta)), file_(path, keep) {
-  // Level 1 would take as much again as level 0 and is derived when it is read; all above take a tenth.
+  // Level 1 would take about as many bytes as level 0, so it is derived when it is read. All levels above it take a tenth.
   for (int level = 0; level < meta_.grid.levels(); level += level == 0 ? 2 : 1) {
     Level l{{level, 0, 0, 0, 0}, LevelShape(meta_, level), {}, {}};
-    // The directory is one skippable frame; two factors at a time, the product of three could overflow.
+    // The directory is one skippable frame. Two factors at a time: the product of three could overflow.
     const LevelShape& s = l.shape;
     constexpr uint64_t kMaxPages = (~uint32_t{0} - 8) / (kDirectoryEntry + 1);
     if (uint64_t{s.pages_u} * s.pages_v > kMaxPages || s.pages() > kMaxPages)
@@ -37,7 +38,7 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_
   }
 }
 
-// The state: size and hash of the file, then of each level its counts, its directory so far and its open pages.
+// The state: the size and the hash of the file; then, of each level, its counts, its directory so far and its open pages.
 void GridWriter::save(Bytes& state) {
   file_.sync();
   put_fixed(state, file_.size());
@@ -53,7 +54,7 @@ void GridWriter::save(Bytes& state) {
       put_varint(state, open.missing);
       std::vector<ChunkEntry> entries = open.entries;
       for (ChunkEntry& e : entries)
-        if (e.size == 0 && e.uniform.empty()) e.uniform = {0};  // still missing: anything valid
+        if (e.size == 0 && e.uniform.empty()) e.uniform = {0};  // still missing, but a page is valid entries only
       const Bytes frame = encode_page(entries, l.info.level == 0);
       put_varint(state, frame.size());
       state.insert(state.end(), frame.begin(), frame.end());
@@ -70,7 +71,7 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteRea
   }
   if (!std::ranges::equal(state.take(16), written_.digest())) {
     file_.abandon();
-    state.fail("the partial file has other bytes than it had: it is damaged; start again without --resume");
+    state.fail("the partial file has other bytes than it had: it is damaged");
   }
   const auto labels = static_cast<uint32_t>(meta_.labels.size());
   for (Level& l : levels_) {
@@ -81,7 +82,7 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteRea
     for (uint64_t left = state.varint(0, l.shape.pages(), "open pages"); left > 0; --left) {
       const uint64_t page = state.varint(0, l.shape.pages() - 1, "page");
       OpenPage& open = l.open[page];
-      const size_t chunks = size_t{l.shape.page_width(page)} * l.shape.page_height(page);
+      const size_t chunks = l.shape.page_size(page);
       open.missing = state.varint(1, chunks, "missing chunks");
       open.entries = decode_page(state.take(state.varint()), chunks, l.info.level == 0, labels);
     }
@@ -105,16 +106,16 @@ DirectoryEntry GridWriter::append(std::span<const uint8_t> frame) {
   return place;
 }
 
-void GridWriter::put(int level, uint32_t cu, uint32_t cv, uint32_t segment, const EncodedChunk& chunk) {
-  Level& l = levels_[slot(level)];
-  const uint64_t page = l.shape.page_of(cu, cv, segment);
+void GridWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
+  Level& l = levels_[slot(key.level)];
+  const uint64_t page = l.shape.page_of(key);
   const auto [it, fresh] = l.open.try_emplace(page);
   OpenPage& open = it->second;
   if (fresh) {
-    open.missing = size_t{l.shape.page_width(page)} * l.shape.page_height(page);
+    open.missing = l.shape.page_size(page);
     open.entries.resize(open.missing);
   }
-  ChunkEntry& entry = open.entries[l.shape.slot_of(cu, cv, page)];
+  ChunkEntry& entry = open.entries[l.shape.slot_of(key, page)];
   entry = chunk.entry;
   if (entry.size != 0) {
     entry.offset = file_.size();
@@ -124,7 +125,7 @@ void GridWriter::put(int level, uint32_t cu, uint32_t cv, uint32_t segment, cons
     l.info.changes += chunk.changes;
   }
   if (--open.missing == 0) {
-    l.directory[page] = append(encode_page(open.entries, level == 0));
+    l.directory[page] = append(encode_page(open.entries, key.level == 0));
     l.open.erase(it);
   }
 }
@@ -137,11 +138,11 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   };
   for (const Level& l : levels_)
     if (!l.open.empty()) throw Error(fmt::format("level {} lacks chunks", l.info.level));
-  meta_.levels.clear();
+  meta_.levels().clear();
   meta_.crossings = crossings;
   for (Level& l : levels_) {
     l.info.directory = append_hashed(encode_directory(l.directory)).offset;
-    meta_.levels.push_back(l.info);
+    meta_.levels().push_back(l.info);
   }
   Footer footer;
   footer.metadata = append_hashed(encode_metadata(meta_));

@@ -1,5 +1,5 @@
 // Writes a .tcell file: chunks as they come, pages when their last chunk is there, the rest at the end. Memory: the
-// open pages and 24 bytes a page of directory.
+// open pages, and 24 bytes of directory per page.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -7,13 +7,14 @@
 #include "store/chunk_codec.hpp"
 #include "store/file.hpp"
 #include "store/format.hpp"
+#include "store/metadata.hpp"
 
 namespace teracell {
 
-// A chunk ready to be written; made by any thread.
+// A chunk that is ready to be written. Any thread may make it.
 struct EncodedChunk {
-  Bytes frame;                // empty when uniform
-  ChunkEntry entry;           // all but the offset
+  Bytes frame;       // empty when the chunk is uniform
+  ChunkEntry entry;  // without the offset
   uint64_t changes = 0;
 };
 EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const SetTable& sets, bool with_stats);
@@ -21,20 +22,20 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
 // Not thread-safe. The file's bytes depend on the order of put().
 class GridWriter {
  public:
-  // `meta.levels` is ignored: level 0 and all from 2 on are expected.
+  // Expects the chunks of level 0 and of all levels from 2 on, whatever `meta` says of levels.
   GridWriter(const std::filesystem::path& path, Metadata meta);
-  // Goes on where save() of a writer for the same path and metadata left off; `state` is read as far as it was written.
-  // FormatError when the partial file is not what it was then.
+  // Goes on where save() of a writer for the same path and metadata left off; `state` is read as far as save() wrote it.
+  // Throws FormatError when the partial file is not what it was then.
   GridWriter(const std::filesystem::path& path, Metadata meta, ByteReader& state);
 
   const Metadata& meta() const { return meta_; }
-  void put(int level, uint32_t cu, uint32_t cv, uint32_t segment, const EncodedChunk& chunk);
+  void put(const ChunkKey& key, const EncodedChunk& chunk);
   // Writes index, metadata and report, and gives the file its name. When it returns the file is durable.
   // REQUIRES: every chunk of every stored level was put once.
   void finish(const std::string& report, uint64_t crossings);
   uint64_t bytes() const { return file_.size(); }
   uint64_t chunks() const;  // stored so far
-  // Makes what was put durable and appends to `state` what it takes to go on from here.
+  // Makes the chunks that were put durable and appends to `state` what a writer needs to go on from here.
   void save(Bytes& state);
 
  private:

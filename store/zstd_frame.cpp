@@ -24,7 +24,7 @@ ZstdEncoder::~ZstdEncoder() { ZSTD_freeCCtx(zstd_); }
 
 Bytes ZstdEncoder::encode(std::span<const uint8_t> body, int level) {
   const size_t most = ZSTD_compressBound(body.size());
-  const auto frame = std::make_unique_for_overwrite<uint8_t[]>(most);  // pages that it doesn't reach are never touched
+  const auto frame = std::make_unique_for_overwrite<uint8_t[]>(most);  // the memory behind the frame is never touched
   const size_t size = ZSTD_compressCCtx(zstd_, frame.get(), most, body.data(), body.size(), level);
   if (ZSTD_isError(size)) throw Error(fmt::format("zstd: {}", ZSTD_getErrorName(size)));
   return {frame.get(), frame.get() + size};

@@ -1,4 +1,5 @@
-// A zstd frame as FORMAT.md has it: its content size in the header, nothing behind it. For the store's sources alone.
+// zstd frames as FORMAT.md defines them: with the content size in the header, and nothing behind the frame. For the store's
+// own sources.
 #pragma once
 #include "store/bytes.hpp"
 
@@ -7,7 +8,7 @@ struct ZSTD_DCtx_s;
 
 namespace teracell {
 
-// Keeps scratch memory between calls; one per thread.
+// Keeps scratch memory between calls: each thread has its own.
 class ZstdEncoder {
  public:
   ZstdEncoder();
@@ -19,7 +20,7 @@ class ZstdEncoder {
   ZSTD_CCtx_s* zstd_;
 };
 
-// Keeps scratch memory between calls; one per thread.
+// Keeps scratch memory between calls: each thread has its own.
 class ZstdDecoder {
  public:
   ZstdDecoder();

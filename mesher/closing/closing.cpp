@@ -31,7 +31,7 @@ double longest_column(const Matrix& m) {
 // Edges that run the same way in two facets, grouped where they meet.
 std::vector<Flip> group_flips(const std::vector<BoundaryEdge>& edges, const SceneBody& body) {
   std::unordered_map<uint32_t, size_t> group_of;  // by shell number of the edges as a graph
-  Survey graph;
+  SurfaceCounter graph;
   for (const BoundaryEdge& e : edges) graph.add({{e.from, e.to, e.to}}, false);
   std::vector<Flip> flips;
   for (const BoundaryEdge& e : edges) {

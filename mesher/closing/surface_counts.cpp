@@ -57,7 +57,7 @@ void VertexNumbers::rehash(size_t slots) {
 }
 
 // A hash waits a moment for its place to reach the cache: on a large mesh nearly every look-up misses it, and waiting
-// for memory was most of the survey.
+// for memory was most of the counting.
 void DistinctCount::add(uint64_t hash) {
   hash |= uint64_t{hash < 2} << 1;  // 0 is free
   if (2 * (count_ + kWaiting) >= slots_.size()) grow();
@@ -96,17 +96,17 @@ void DistinctCount::rehash(size_t slots) {
 }
 
 // Of a closed surface with twice as many facets as vertices.
-void Survey::expect(uint64_t facets) {
+void SurfaceCounter::expect(uint64_t facets) {
   numbers_.expect(facets / 2);
   distinct_.expect(facets);
 }
 
-uint32_t Survey::root(uint32_t v) {
+uint32_t SurfaceCounter::root(uint32_t v) {
   while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
   return v;
 }
 
-void Survey::add(const Facet& facet, bool at_home) {
+void SurfaceCounter::add(const Facet& facet, bool at_home) {
   std::array<uint32_t, 3> v;
   for (int i = 0; i < 3; ++i) {
     v[i] = numbers_(facet.vertex[i]);
@@ -122,7 +122,7 @@ void Survey::add(const Facet& facet, bool at_home) {
   distinct_.add((fold(fold(v[0] ^ kHashKeys[0], v[1] ^ kHashKeys[1]) ^ kHashKeys[2], v[2] ^ kHashKeys[3]) & ~uint64_t{1}) | turns);
 }
 
-uint64_t Survey::shells() const {
+uint64_t SurfaceCounter::shells() const {
   uint64_t roots = 0;
   for (uint32_t v = 0; v < parent_.size(); ++v) roots += parent_[v] == v;
   return roots;

@@ -61,23 +61,23 @@ class DistinctCount {
   uint64_t count_ = 0, turn_ = 0, otherwise_ = 0;
 };
 
-struct SurveyTotals {
-  uint64_t degenerate = 0, duplicates = 0, opposite = 0, shells = 0;  // as of Survey
+struct SurfaceCounts {
+  uint64_t degenerate = 0, duplicates = 0, opposite = 0, shells = 0;  // as of SurfaceCounter
 };
 
 // Takes facets one by one, in any order. Memory: some 35 bytes a facet. Not thread-safe.
-class Survey {
+class SurfaceCounter {
  public:
   // Makes room, so that tables need not grow.
   void expect(uint64_t facets);
-  // Degenerate and duplicate facets are counted only `at_home`: surveys of parts of a surface may see a facet each.
+  // Degenerate and duplicate facets are counted only `at_home`: counters of parts of a surface may each see the same facet.
   void add(const Facet& facet, bool at_home = true);
 
   uint64_t degenerate() const { return degenerate_; }                 // facets without area, exactly
   uint64_t duplicates() { return facets_ - distinct_.count(); }       // facets with the three vertices of an earlier one
   uint64_t opposite() { return (distinct_.count(), distinct_.otherwise()); }  // of these, those that run the other way round than the first one
   uint64_t shells() const;                                            // groups of facets connected by equal vertices
-  SurveyTotals totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
+  SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
   uint32_t shell_of(const Vec3& vertex) { return root(numbers_(vertex)); }
 

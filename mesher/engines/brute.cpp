@@ -1,7 +1,7 @@
-// Traditional ray casting: every ray against every facet of the scene, rays times facets in time. There to be measured
-// against, and to be checked against: nothing is simpler.
+// Traditional ray casting: every ray is tested against every facet of the scene, so the time is proportional to rays times
+// facets. As the simplest engine, it is the baseline for measurements and the reference for checks.
 //
-// The side of an edge is an orientation test without division, as in T. Ma, T. Ma, L. Hao, "Large-Scale Finite
+// Which side of an edge a ray passes is an orientation test without division, as in T. Ma, T. Ma, L. Hao, "Large-Scale Finite
 // Difference Grid Generation and Visualization Method Based on Ray Casting Algorithm" (MSAM 2020).
 #include "mesher/engines/brute.hpp"
 

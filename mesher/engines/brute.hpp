@@ -1,4 +1,4 @@
-// Traditional ray casting: every ray against every facet. See brute.cpp.
+// Traditional ray casting: every ray is tested against every facet. See brute.cpp.
 #pragma once
 #include <memory>
 
@@ -8,7 +8,7 @@ namespace teracell {
 
 class BruteEngine : public Engine {
  public:
-  // `scene` are all its facets; those given to cast() are not looked at.
+  // `scene` holds all facets of the scene; cast() ignores those it is given.
   explicit BruteEngine(std::shared_ptr<const std::vector<const SceneFacet*>> scene) : scene_(std::move(scene)) {}
   bool searches_scene() const override { return true; }
   void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;

@@ -1,4 +1,4 @@
-// What every engine does: find the crossings of the rays of one tile with the facets that may meet it.
+// The interface of all engines. An engine finds the crossings of the rays of one tile with the facets that may meet the tile.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -9,15 +9,15 @@
 
 namespace teracell {
 
-// A facet of the scene: its vertices in the grid's coordinates and the layer that it counts for (compose.hpp).
+// A facet of the scene: its vertices in the coordinates of the grid, and the layer that it belongs to (compose.hpp).
 struct SceneFacet {
   Facet facet;
   uint32_t layer;
 };
-// Added to a layer: the facet counts for nothing, no engine may see it. It repeats another one (closing.hpp).
+// Added to the layer of a facet that repeats another one (closing.hpp): it counts for nothing, and no engine may see it.
 inline constexpr uint32_t kIgnored = uint32_t{1} << 30;
 
-// A rectangle of rays. Ray (i, j) passes through u[i], v[j] along frame.w; its cells are those of `axis`.
+// A rectangle of rays. Ray (i, j) passes through (u[i], v[j]) along frame.w; its cells are those of `axis`.
 struct Tile {
   Frame frame;
   std::vector<double> u, v;
@@ -25,38 +25,38 @@ struct Tile {
   uint32_t rays() const { return static_cast<uint32_t>(u.size() * v.size()); }
 };
 
-// A crossing: from cell `cell` on, the sample points of the ray lie beyond the facet. Packed so that sorting by value
-// sorts by cell.
+// A crossing: from `cell` on, the sample points of the ray lie above the facet. It is packed into an integer, so that sorting
+// the integers sorts by cell.
 struct Crossing {
-  // Of the ends of a stretch that is a body's though no facet is crossed there (marks.hpp).
+  // Set at both ends of a stretch that belongs to a body although no facet is crossed there (marks.hpp).
   static constexpr uint64_t kMark = uint64_t{1} << 31;
   static uint64_t pack(uint64_t cell, uint32_t layer, bool up) { return cell << 32 | uint64_t{layer} << 1 | up; }
   static uint32_t cell(uint64_t c) { return static_cast<uint32_t>(c >> 32); }
   static uint32_t layer(uint64_t c) { return static_cast<uint32_t>(c & (kMark - 1)) >> 1; }
   static bool is_mark(uint64_t c) { return (c & kMark) != 0; }
-  static int step(uint64_t c) { return c & 1 ? 1 : -1; }  // to the winding number
+  static int step(uint64_t c) { return c & 1 ? 1 : -1; }  // of the winding number
 };
 
-// The crossings of a tile's rays, by ray (v * nu + u), within a ray in any order. Those below the first sample point
-// have cell 0, those above the last one the number of cells: a closed surface is complete on every ray.
+// The crossings of a tile's rays, by ray (v * nu + u), in any order within a ray. A crossing below the first sample point has
+// cell 0, and one above the last sample point has the number of cells. So every ray has all its crossings of a closed surface.
 struct Crossings {
-  std::vector<uint32_t> begin;  // rays + 1
+  std::vector<uint32_t> begin;  // where each ray's crossings begin in `all`, and where the last ones end
   std::vector<uint64_t> all;
 };
 
-// Throws InputError when there are more than a tile may hold; every engine asks before it makes room for them.
+// Throws InputError when there are more crossings than a tile may hold. Every engine calls it before it allocates memory for them.
 void check_crossings(const Tile& tile, uint64_t crossings);
 
-// Not thread-safe: each thread has its own engine, with its own scratch memory.
+// Not to be shared by threads: each thread has an engine of its own, with its own scratch memory.
 class Engine {
  public:
   virtual ~Engine() = default;
-  // `facets` may hold more than those that meet the tile. REQUIRES: the tile has rays.
+  // `facets` hold all facets that meet the tile, and may hold others. REQUIRES: the tile has rays.
   virtual void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) = 0;
-  // Whether the engine was made for the whole scene and searches that for every tile, so that cast() needs no facets.
-  // Its cost against their number is what it is there for: cast it at every tile, at those that no facet meets too.
+  // Whether the engine was made for all facets of the scene and searches them for every tile, so that cast() ignores its facets.
+  // Such an engine shows what that search costs: call cast() for every tile, also for those that no facet meets.
   virtual bool searches_scene() const { return false; }
-  // How often doubles could not decide and exact arithmetic did.
+  // How often doubles were not accurate enough and exact arithmetic decided.
   uint64_t exact_decisions() const { return exact_decisions_; }
 
  protected:

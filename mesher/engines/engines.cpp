@@ -20,7 +20,7 @@ EngineMaker engine_maker(const std::string& name, const Frame& frame, const std:
   if (name == "scan") return [] { return std::make_unique<ScanEngine>(); };
   if (name == "slice") return [] { return std::make_unique<SliceEngine>(); };
   if (name == "tree") return [tree = std::make_shared<const FacetTree>(all_facets(), frame)] { return std::make_unique<TreeEngine>(tree); };
-  if (name != "brute") throw UsageError(fmt::format("there is no engine '{}', only {}", name, fmt::join(engine_names(), ", ")));
+  if (name != "brute") throw UsageError(fmt::format("expected one of the engines {1}, found '{0}'", name, fmt::join(engine_names(), ", ")));
   return [scene = std::make_shared<const std::vector<const SceneFacet*>>(all_facets())] { return std::make_unique<BruteEngine>(scene); };
 }
 

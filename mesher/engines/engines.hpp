@@ -1,4 +1,4 @@
-// The engines by name. All of them find the same crossings; they differ in what that costs.
+// The engines by name. All of them find the same crossings, at different costs.
 #pragma once
 #include <functional>
 #include <memory>
@@ -8,14 +8,15 @@
 
 namespace teracell {
 
-// The default first.
+// The default engine is the first.
 const std::vector<std::string>& engine_names();
 
-// Makes engines, one for each thread. What they share lives as long as the maker or any of them; threads may call it at once.
+// Makes engines, one for each thread. What the engines share lives as long as the maker or any of the engines. Threads may call
+// it at the same time.
 using EngineMaker = std::function<std::unique_ptr<Engine>()>;
 
-// For rays of `frame`. `all_facets` is called, once and here, only if the engine searches the scene; the facets it lists
-// must outlive the engines. Throws UsageError unless `name` is one of engine_names().
+// A maker of engines for rays of `frame`. If the engine searches the scene, `all_facets` is called once, by this function, and
+// the facets that it returns must outlive the engines. Throws UsageError unless `name` is one of engine_names().
 EngineMaker engine_maker(const std::string& name, const Frame& frame, const std::function<std::vector<const SceneFacet*>()>& all_facets);
 
 }  // namespace teracell

@@ -1,9 +1,10 @@
 // Exact sums and products of doubles as expansions: sums of non-overlapping doubles, smallest first.
 // J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates" (1997).
 //
-// REQUIRES: round to nearest, no fused or reordered operations, and no over- or underflow: coordinates are 0 or in
-// [1e-75, 1e75] (facets.hpp, grid.cpp), so products of three and their roundings stay within the normal range.
-// Zero components are dropped, so lattice data, where differences are exact, costs little more than plain doubles.
+// REQUIRES: rounding to nearest, no fused or reordered operations, and no overflow or underflow. Coordinates are 0 or have a
+// magnitude in [1e-75, 1e75] (facet.hpp, grid.cpp), so products of three and their rounding errors stay within the normal range.
+//
+// Components that are zero are dropped. On a lattice, where differences are exact, expansions cost little more than doubles.
 #pragma once
 
 namespace teracell {
@@ -16,7 +17,7 @@ struct Expansion {
   void push(double x) {
     if (x != 0) part[size++] = x;
   }
-  int sign() const { return size == 0 ? 0 : part[size - 1] > 0 ? 1 : -1; }  // the largest part decides
+  int sign() const { return size == 0 ? 0 : part[size - 1] > 0 ? 1 : -1; }  // that of the largest part
 };
 
 // a + b = sum + error, exactly (Knuth).
@@ -50,7 +51,7 @@ Expansion<N + M> operator+(const Expansion<N>& e, const Expansion<M>& f) {
   Expansion<N + M> out;
   for (int i = 0; i < e.size; ++i) out.part[i] = e.part[i];
   out.size = e.size;
-  for (int j = 0; j < f.size; ++j) {  // grow by one part at a time
+  for (int j = 0; j < f.size; ++j) {  // one part at a time
     double q = f.part[j];
     int kept = 0;
     for (int i = 0; i < out.size; ++i) {

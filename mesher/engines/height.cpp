@@ -26,7 +26,7 @@ void FacetHeight::bound_plane() {
   const Frame& f = frame_;
   const double d1u = b[f.u] - u0_, d1v = b[f.v] - v0_, d1w = b[f.w] - w0_;
   const double d2u = c[f.u] - u0_, d2v = c[f.v] - v0_, d2w = c[f.w] - w0_;
-  // The normal; each component carries at most four roundings of its two products.
+  // The normal. The error of each component is at most four roundings of its two products.
   const double nu = d1v * d2w - d1w * d2v, eu = 4 * kUnit * (std::abs(d1v * d2w) + std::abs(d1w * d2v));
   const double nv = d1w * d2u - d1u * d2w, ev = 4 * kUnit * (std::abs(d1w * d2u) + std::abs(d1u * d2w));
   const double nw = d1u * d2v - d1v * d2u, ew = 4 * kUnit * (std::abs(d1u * d2v) + std::abs(d1v * d2u));
@@ -37,17 +37,17 @@ void FacetHeight::bound_plane() {
     slack_ = HUGE_VAL;
     return;
   }
-  // The gradient's error, then that of the two terms over the facet's extent and of their sum; doubled for the
-  // second-order terms that this leaves out.
+  // The error of the gradient, then that of the two terms over the extent of the facet and of their sum. It is doubled to cover
+  // the second-order terms that are left out.
   const double width = std::max(std::abs(d1u), std::abs(d2u)), height = std::max(std::abs(d1v), std::abs(d2v));
   const double slope_u = std::abs(gu_), slope_v = std::abs(gv_);
   const double error_u = (eu + slope_u * ew) / safe + 4 * kUnit * slope_u;
   const double error_v = (ev + slope_v * ew) / safe + 4 * kUnit * slope_v;
   slack_ = 2 * (width * error_u + height * error_v + 4 * kUnit * (std::abs(w0_) + slope_u * width + slope_v * height));
-  if (!(slack_ < HUGE_VAL)) slack_ = HUGE_VAL;  // not a number either
+  if (!(slack_ < HUGE_VAL)) slack_ = HUGE_VAL;  // if it is not a number
 }
 
-// In units of cells a sample point lies at every whole t. Bounded are also the roundings of the centres themselves and of t.
+// In units of cells, sample points lie at integers t. The bound includes the rounding of the sample points themselves and of t.
 void FacetHeight::bound_cells() {
   per_cell_ = 1 / axis_.step();
   offset_ = static_cast<double>(axis_.first()) + axis_.sample();

@@ -1,4 +1,4 @@
-// How high rays cross a facet, in cells: the first cell whose sample point lies above it. Every engine asks here.
+// Where rays cross a facet, in cells: the first cell whose sample point lies above the facet. All engines use it.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -7,15 +7,16 @@
 
 namespace teracell {
 
-// The facet's plane as w(u, v) = w0 + gu * (u - u0) + gv * (v - v0), with a bound on what rounding does to it. Within the
-// bound the exact predicate decides, so the answers are those of rational arithmetic. Keeps references to facet and axis.
+// The plane of the facet as w(u, v) = w0 + gu * (u - u0) + gv * (v - v0), with a bound on its rounding error. Where a sample
+// point is closer than the bound, the exact predicate decides, so the answers are those of exact arithmetic. Keeps references
+// to facet and axis.
 class FacetHeight {
  public:
-  // `axis` is that of the cells: along frame.w.
+  // `axis` is that of the cells, along frame.w.
   FacetHeight(const Facet& facet, const Frame& frame, const Axis& axis);
 
-  // For the rays u[i] of the row v: cells[i] = the first cell whose (shifted) sample point lies above the facet, or the
-  // number of cells. Adds to `exact` how often the exact predicate was asked. REQUIRES: all of the rays cross the facet.
+  // For the rays u[i] of the row v: cells[i] = the first cell whose sample point, shifted by the tie rule, lies above the facet, or
+  // the number of cells. Adds to `exact` how often the exact predicate was called. REQUIRES: all of the rays cross the facet.
   void first_cells(std::span<const double> u, double v, uint32_t* cells, uint64_t& exact) const;
 
  private:
@@ -27,9 +28,9 @@ class FacetHeight {
   const Frame frame_;
   const Axis& axis_;
   double u0_, v0_, w0_, gu_ = 0, gv_ = 0;
-  double slack_;  // bounds |computed - true w| over the facet's projection; infinite: don't use
+  double slack_;  // bounds |computed w - true w| over the projection of the facet; infinite: there is no bound
   bool flat_;     // w is w0 everywhere, exactly
-  // Of a uniform axis, in units of cells: t = (w - min) * per_cell - offset, and the bound of |computed - true t|.
+  // For a uniform axis, in units of cells: t = (w - min) * per_cell - offset, and the bound of |computed t - true t|.
   double per_cell_ = 0, offset_ = 0, cell_slack_ = 1;
 };
 

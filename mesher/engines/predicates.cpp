@@ -12,7 +12,7 @@ constexpr double kUnit = 0x1p-53;  // the unit roundoff
 constexpr double kOrient2dBound = (3 + 16 * kUnit) * kUnit;
 constexpr double kOrient3dBound = (7 + 56 * kUnit) * kUnit;
 
-// Doubles that notice rounding: as long as `error` is 0, every result so far is exact. On lattices it stays 0.
+// Arithmetic that detects rounding: while `error` is 0, every result so far is exact. On a lattice it stays 0.
 struct Watched {
   double error = 0;
   double minus(double a, double b) { return watch(two_sum, a, -b); }
@@ -42,7 +42,7 @@ int orient2d(double ax, double ay, double bx, double by, double px, double py) {
 
 int orient3d(const Facet& facet, const Vec3& p) {
   const auto& [a, b, c] = facet.vertex;
-  // Relative to p: the determinant of the rows (a - p), (c - p), (b - p), expanded along z.
+  // The determinant with the rows (a - p), (c - p), (b - p), expanded along z.
   const double ax = a[0] - p[0], ay = a[1] - p[1], az = a[2] - p[2];
   const double bx = b[0] - p[0], by = b[1] - p[1], bz = b[2] - p[2];
   const double cx = c[0] - p[0], cy = c[1] - p[1], cz = c[2] - p[2];
@@ -52,7 +52,7 @@ int orient3d(const Facet& facet, const Vec3& p) {
                            (std::abs(axby) + std::abs(bxay)) * std::abs(cz);
   if (std::abs(det) > kOrient3dBound * permanent) return sign(det);
 
-  // Roofs at 45 degrees on a lattice put every ray here: 20 ns if nothing is rounded, 100 ns by expansions.
+  // With roofs at 45 degrees on a lattice every ray gets here. It takes 20 ns if nothing is rounded, and 100 ns with expansions.
   Watched w;
   const auto minor = [&](double p0, double q0, double p1, double q1) { return w.minus(w.times(p0, q0), w.times(p1, q1)); };
   const double u[3] = {w.minus(b[0], a[0]), w.minus(b[1], a[1]), w.minus(b[2], a[2])};

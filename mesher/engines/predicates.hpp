@@ -1,29 +1,29 @@
-// The two questions that decide every cell: on which side of an edge a ray passes, and whether a cell's sample point
-// lies above a facet. Exact for the doubles given, ties broken by the cell rule: a fast filter, then expansions.
+// The two predicates that decide every cell: on which side of an edge a ray passes, and whether a cell's sample point lies
+// above a facet. They are exact for the doubles given: a fast filter comes first, then expansions.
 //
-// Tie rule (after H. Edelsbrunner, E. Mücke, "Simulation of Simplicity", 1990): all sample points are shifted by
-// (e, e^2, e^3), e > 0 infinitesimal, so the first non-zero derivative along x, y, z, in this order, decides.
+// Ties are broken by a rule after H. Edelsbrunner, E. Mücke, "Simulation of Simplicity" (1990): all sample points are shifted by
+// (e, e^2, e^3) with an infinitesimal e > 0. So the first nonzero derivative along x, y, z, in this order, decides.
 #pragma once
 #include "mesher/surface/facet.hpp"
 
 namespace teracell {
 
-// Sign of (b - a) x (p - a): +1 when a, b, p turn left.
+// The sign of (b - a) x (p - a): +1 when a, b, p turn left.
 int orient2d(double ax, double ay, double bx, double by, double px, double py);
 
-// Sign of ((b - a) x (c - a)) . (p - a): +1 when p lies on the side that the facet's normal points to.
+// The sign of ((b - a) x (c - a)) . (p - a): +1 when p lies on the side to which the facet's normal points.
 int orient3d(const Facet& facet, const Vec3& p);
 
-// Sign of component `axis` of the facet's normal.
+// The sign of component `axis` of the facet's normal.
 int normal_sign(const Facet& facet, int axis);
 
-// Whether the ray through (u, v) passes right of (u greater than) the edge lo -> hi in projection.
-// REQUIRES: lo_v < hi_v. On the edge counts as right: the shift in u is positive and dwarfs that in v in all frames.
+// Whether the ray through (u, v) passes on the right, at greater u, of the edge lo -> hi in projection. A ray on the edge passes
+// on the right: in all frames the shift in u is positive, and that in v is infinitely smaller. REQUIRES: lo_v < hi_v.
 inline bool right_of_edge(double lo_u, double lo_v, double hi_u, double hi_v, double u, double v) {
   return orient2d(lo_u, lo_v, hi_u, hi_v, u, v) <= 0;
 }
 
-// Whether the shifted point p lies above the facet's plane, seen along `axis`.
+// Whether the point p, shifted by the tie rule, lies above the facet's plane, that is, further along `axis`.
 // REQUIRES: normal_sign(facet, axis) != 0.
 bool is_above(const Facet& facet, int axis, const Vec3& p);
 

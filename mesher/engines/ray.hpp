@@ -1,4 +1,4 @@
-// One ray against one facet: the step that the engines `brute` and `tree` share.
+// The test of one ray against one facet, which the engines `brute` and `tree` share.
 #pragma once
 #include "mesher/engines/engine.hpp"
 #include "mesher/engines/height.hpp"
@@ -6,8 +6,8 @@
 
 namespace teracell {
 
-// How the projected facet winds around the ray through (u, v): +1 to the left, -1 to the right, 0 when they don't cross.
-// Divides nothing: an edge counts when the row v meets it, its lower end included, and it passes right of the ray.
+// How the projected facet turns around the ray through (u, v): +1 to the left, -1 to the right, 0 when they don't cross. There is
+// no division. An edge counts when the row v meets it, its lower end included, and the edge passes on the right of the ray.
 inline int turn_around_ray(const Facet& facet, const Frame& f, double u, double v) {
   const auto& p = facet.vertex;
   const bool below[3] = {p[0][f.v] <= v, p[1][f.v] <= v, p[2][f.v] <= v};
@@ -22,7 +22,7 @@ inline int turn_around_ray(const Facet& facet, const Frame& f, double u, double 
   return turn;
 }
 
-// Adds the crossing of ray (u, v) of the tile with the facet, if there is one. Adds to `exact` as FacetHeight does.
+// Appends the crossing of the ray (u, v) with the facet, if they cross. Adds to `exact` how often the exact predicate was called.
 inline void cross_ray(const SceneFacet& facet, const Tile& tile, double u, double v, std::vector<uint64_t>& out, uint64_t& exact) {
   const int turn = turn_around_ray(facet.facet, tile.frame, u, v);
   if (turn == 0) return;

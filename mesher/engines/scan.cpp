@@ -1,14 +1,14 @@
 // The default engine: scan conversion of each facet's projection over the rays of a tile.
 //
-// Per facet and row of rays two edges are intersected with the row (rows.hpp); between them every ray crosses the facet,
+// For each facet and row of rays, two edges are intersected with the row (rows.hpp). Between them every ray crosses the facet,
 // at a height that is linear along the row (height.hpp).
 //
-// Two passes over the rows: the first keeps spans and counts them in a difference array, so that the second can
-// write every crossing straight to its ray. On nefertiti at 10^12 cells (26 x 26 rays a facet) a crossing costs
-// about 5 ns here, half of it in the scattered write.
+// There are two passes. The first finds the spans of rays and counts them in a difference array, so that the second can write
+// every crossing directly to its ray. On nefertiti at 10^12 cells (26 x 26 rays per facet), a crossing takes about 5 ns, half
+// of it for the scattered write.
 //
-// After S. Patil, B. Ravi, "Voxel-based representation, display and thickness analysis of intricate shapes" (2005)
-// and the division-free ray casting of T. Ma, T. Ma, L. Hao (MSAM 2020); the bounds are ours.
+// After S. Patil, B. Ravi, "Voxel-based representation, display and thickness analysis of intricate shapes" (2005) and the
+// division-free ray casting of T. Ma, T. Ma, L. Hao (MSAM 2020); the error bounds are ours.
 #include "mesher/engines/scan.hpp"
 
 #include "mesher/engines/height.hpp"
@@ -19,7 +19,7 @@ namespace teracell {
 void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
   const uint32_t nu = static_cast<uint32_t>(tile.u.size());
   find_spans(tile, facets);
-  // counts_ holds, a row at a time, how many spans start minus how many end at each ray.
+  // counts_ holds, for each ray and the end of each row, how many spans begin there minus how many end.
   out.begin.resize(tile.rays() + 1);
   uint64_t total = 0;
   for (size_t row = 0; row < tile.v.size(); ++row) {
@@ -43,7 +43,8 @@ void ScanEngine::find_spans(const Tile& tile, std::span<const SceneFacet* const>
   counts_.assign(size_t{nu + 1} * rows.size(), 0);
   spans_.clear();
   for (uint32_t index = 0; index < facets.size(); ++index) {
-    // They come in the order of their heights, from all over the memory: waiting for them was a quarter of this loop.
+    // Facets come in the order of their heights and lie scattered in memory. Without prefetching, waiting for them took a quarter
+    // of the time of this loop.
     constexpr uint32_t kAhead = 8;
     if (index + kAhead < facets.size()) {
       const Facet& coming = facets[index + kAhead]->facet;

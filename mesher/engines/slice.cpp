@@ -1,12 +1,12 @@
-// The slicing algorithm: each plane of rays (v constant) cuts the facets in segments, which make up the contours of the
-// bodies in that plane; each ray of the plane (u constant) is a scan line over these contours.
+// The slicing algorithm. Each plane of rays (constant v) cuts facets into segments, which form the contours of the bodies in
+// that plane. Each ray of the plane (constant u) is a scan line over these contours.
 //
-// Facets are sorted by the first plane that cuts them, and a list of those still cut moves along with the plane. Where a
-// segment begins and ends among the rays, and at which height a ray crosses it, are the exact answers of rows.hpp and
-// height.hpp, so that the ends of neighbouring segments agree though no contour is ever linked.
+// Facets are sorted by the first plane that cuts them, and a list of the facets that are still cut moves along with the plane.
+// rows.hpp and height.hpp say exactly between which rays a segment lies and at which height a ray crosses it. So the ends of
+// neighbouring segments agree, although contours are never linked.
 //
-// Crossings are written a plane at a time, in place; `scan` walks the whole tile twice instead but keeps nothing of a
-// facet but its spans.
+// Crossings are written plane by plane, each to its final place. `scan` walks over the whole tile twice instead, but keeps
+// nothing of a facet except its spans.
 #include "mesher/engines/slice.hpp"
 
 #include <numeric>
@@ -53,7 +53,7 @@ void SliceEngine::cut_plane(const Tile& tile, uint32_t row) {
 
 void SliceEngine::scan_contours(const Tile& tile, uint32_t row, Crossings& out) {
   const size_t nu = tile.u.size();
-  next_.assign(nu + 1, 0);  // how many segments start less how many end at each ray, then where its next crossing goes
+  next_.assign(nu + 1, 0);  // for each ray, how many segments begin there minus how many end; later, where its next crossing goes
   for (const Segment& s : contours_) {
     ++next_[s.rays.from];
     --next_[s.rays.to];

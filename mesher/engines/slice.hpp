@@ -16,7 +16,7 @@ class SliceEngine : public Engine {
   struct Cut {  // a facet that some plane of the tile cuts
     const SceneFacet* facet;
     FacetRows rows;
-    std::optional<FacetHeight> height;  // once a scan line meets it
+    std::optional<FacetHeight> height;  // set once a scan line meets the facet
   };
   struct Segment {  // of a contour: where the plane cuts the facet
     Cut* cut;
@@ -27,10 +27,10 @@ class SliceEngine : public Engine {
   void scan_contours(const Tile& tile, uint32_t row, Crossings& out);
 
   std::vector<Cut> cuts_;
-  std::vector<uint32_t> first_;      // of each row and the end: where its cuts start in sorted_
-  std::vector<uint32_t> sorted_;     // numbers of cuts, by the first row
-  std::vector<uint32_t> active_;     // numbers of the cuts that the present plane may meet
-  std::vector<Segment> contours_;    // of the present plane
+  std::vector<uint32_t> first_;      // for each row, and the end: where its cuts begin in sorted_
+  std::vector<uint32_t> sorted_;     // indices of the cuts, by their first row
+  std::vector<uint32_t> active_;     // indices of the cuts that the current plane may meet
+  std::vector<Segment> contours_;    // of the current plane
   std::vector<uint32_t> next_, cells_;
 };
 

@@ -1,14 +1,14 @@
-// Ray casting where each ray finds its facets in an alternating digital tree: the paper's modified ray casting (T. Ma,
-// T. Ma, L. Hao, MSAM 2020) after J. Bonet, J. Peraire, "An alternating digital tree (ADT) algorithm for 3D geometric
-// searching and intersection problems" (1991).
+// Ray casting in which each ray finds its facets in an alternating digital tree: the modified ray casting of T. Ma, T. Ma,
+// L. Hao (MSAM 2020), after J. Bonet, J. Peraire, "An alternating digital tree (ADT) algorithm for 3D geometric searching and
+// intersection problems" (1991).
 //
-// A facet is the point (u_min, u_max, v_min, v_max) of its projected box. The facets whose boxes hold a ray are then
-// those in a range: u_min <= u <= u_max, v_min <= v <= v_max. Each level halves its region in one of the four
+// A facet is represented by the point (u_min, u_max, v_min, v_max) of its projected box. The facets whose boxes contain a ray
+// are those in a range: u_min <= u <= u_max, v_min <= v <= v_max. Each level of the tree halves its region in one of the four
 // dimensions, in turn.
 //
-// Two things differ from 1991. A region is first shrunk to the points in it, so that a search leaves empty space at once
-// and no half is ever empty: facets of equal boxes, by the thousand in walls along the rays, become one leaf and not a
-// chain of nodes. And the nodes lie in the order of the search, a few facets a leaf, which needs no stack.
+// Two things differ from the algorithm of 1991. A region is first shrunk to the points in it. So a search leaves empty space
+// early, and no half is ever empty: facets with equal boxes, of which walls along the rays have thousands, become one leaf and
+// not a chain of nodes. And the nodes are stored in the order of the search, with a few facets per leaf, which needs no stack.
 #include "mesher/engines/tree.hpp"
 
 #include <algorithm>
@@ -31,7 +31,7 @@ FacetTree::FacetTree(std::span<const SceneFacet* const> facets, const Frame& fra
   if (!points.empty()) build(points, 0);
 }
 
-// Every level halves a dimension, so the range of doubles bounds the depth, at some two thousand, whatever the facets.
+// Every level halves a dimension, so the range of doubles limits the depth to about two thousand, whatever the facets.
 void FacetTree::build(std::span<Point> points, int dimension) {
   constexpr size_t kLeaf = 4;
   std::array<double, 4> lo, hi;
@@ -49,7 +49,7 @@ void FacetTree::build(std::span<Point> points, int dimension) {
   if (points.size() <= kLeaf || lo[dimension] == hi[dimension]) {
     for (const Point& p : points) facets_.push_back(p.facet);
   } else {
-    // The least goes below and the greatest above, though the middle of two neighbouring doubles is one of them.
+    // Between neighbouring doubles the middle is one of them; the least point goes below and the greatest above all the same.
     const double middle = lo[dimension] + (hi[dimension] - lo[dimension]) / 2, most = hi[dimension];
     const auto below = [&](const Point& p) { return p.at[dimension] <= middle && p.at[dimension] < most; };
     const auto upper = std::partition(points.begin(), points.end(), below);

@@ -7,13 +7,13 @@
 
 namespace teracell {
 
-// Finds the facets whose projected boxes hold a ray. Immutable; threads may share it.
+// Finds the facets whose projected boxes contain a ray. Immutable; threads may share it.
 class FacetTree {
  public:
   // Keeps the pointers, not the span: the facets must outlive the tree.
   FacetTree(std::span<const SceneFacet* const> facets, const Frame& frame);
 
-  // Calls f(facet) for every facet whose box holds (u, v), and a few more.
+  // Calls f(facet) for every facet whose box contains (u, v), and for a few others.
   template <class F>
   void search(double u, double v, F&& f) const {
     for (size_t n = 0; n < nodes_.size();) {
@@ -29,8 +29,8 @@ class FacetTree {
 
  private:
   struct Node {
-    std::array<double, 4> limit;  // the least u_min, the greatest u_max, the least v_min, the greatest v_max below it
-    uint32_t skip;                // the node that follows all of those below it; the next one at a leaf
+    std::array<double, 4> limit;  // the least u_min, the greatest u_max, the least v_min, the greatest v_max of its facets
+    uint32_t skip;                // the node that follows all nodes below this one; for a leaf, the next node
     uint32_t first, last;         // its facets
   };
   struct Point {  // a facet as a point in four dimensions: its projected box u_min, u_max, v_min, v_max
@@ -39,13 +39,13 @@ class FacetTree {
   };
   void build(std::span<Point> points, int dimension);
 
-  std::vector<Node> nodes_;  // a parent before its children, these one after the other
+  std::vector<Node> nodes_;  // in depth-first order
   std::vector<const SceneFacet*> facets_;
 };
 
 class TreeEngine : public Engine {
  public:
-  // The tiles to cast must have the tree's frame; the facets given to cast() are not looked at.
+  // Tiles must have the frame of the tree; cast() ignores the facets it is given.
   explicit TreeEngine(std::shared_ptr<const FacetTree> tree) : tree_(std::move(tree)) {}
   bool searches_scene() const override { return true; }
   void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;

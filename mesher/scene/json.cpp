@@ -1,5 +1,5 @@
-// The scene file, in and out. Reading is two steps: the text becomes Nodes that know their place (scene_node), then
-// each part of the scene is taken from its Node here.
+// Reads and writes the scene file. Reading takes two steps: the text becomes Nodes that know their path (node.hpp), then each
+// part of the scene is taken from its Node here.
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostText = 64'000'000;  // planes in such a text just fit into a .tcell file; a device never ends
+constexpr size_t kMostText = 64'000'000;  // as many planes as fit into a .tcell file; a device would never end
 
 std::string read_text(const fs::path& path) {
   std::error_code ignored;
@@ -50,7 +50,7 @@ void check_planes(const std::vector<double>& planes, const std::string& where) {
                                    planes[i], i, planes[i - 1]));
 }
 
-// Numbers separated by white space or commas; # starts a comment that lasts to the end of the line.
+// Numbers separated by white space or commas. A comment begins with # and lasts to the end of the line.
 std::vector<double> read_planes(const fs::path& path) {
   const std::string text = read_text(path);
   const auto separates = [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ','; };
@@ -63,7 +63,7 @@ std::vector<double> read_planes(const fs::path& path) {
       line += *p++ == '\n';
     } else {
       const char* stop = std::find_if(p, end, [&](char c) { return separates(c) || c == '#'; });
-      const bool plus = *p == '+' && stop - p > 1 && p[1] != '-';  // which from_chars leaves to its caller
+      const bool plus = *p == '+' && stop - p > 1 && p[1] != '-';  // from_chars takes no plus sign
       double plane = 0;
       const auto [read, error] = std::from_chars(p + plus, stop, plane);
       if (error != std::errc{} || read != stop || !std::isfinite(plane))
@@ -119,7 +119,7 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
   for (const auto& [key, member] : kAxisNumbers) {
     const auto node = grid.find(key);
     if (!node) continue;
-    const bool is_step = member == &SceneAxis::step, scalar = is_step && !node->is_array();  // one step serves all axes
+    const bool is_step = member == &SceneAxis::step, scalar = is_step && !node->is_array();  // one step for all axes
     const std::vector<Node> items = scalar ? std::vector<Node>(3, *node) : node->items(3);
     for (int a = 0; a < 3; ++a) scene.axis[a].*member = is_step ? items[a].positive() : items[a].number();
   }
@@ -156,7 +156,7 @@ std::string color_text(const Node& node) {
   return color;
 }
 
-// Material names to numbers: the background is 0, the others count from 1 in the scene's order.
+// Numbers of materials by name: the background is 0, the others count from 1 in the order of the scene.
 using MaterialIds = std::unordered_map<std::string, uint32_t>;
 
 uint32_t material_id(const Node& node, const MaterialIds& ids) {
@@ -185,7 +185,7 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
   scene.materials.push_back({back, color_of(back, kBackgroundColor)});
   for (const std::string& name : order) {
     if (name.empty() || printable(name) != name)
-      throw UsageError(fmt::format("{}: expected a name that is not empty and without control characters",
+      throw UsageError(fmt::format("{}: expected a name that is not empty and has no control characters",
                                    child_path(materials->where(), name)));
     if (name == back) continue;
     const auto id = static_cast<uint32_t>(scene.materials.size());
@@ -202,7 +202,7 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
   return ids;
 }
 
-// A matrix whose columns, made unit vectors, span less than rounding leaves: it would flatten the body.
+// Whether the matrix would flatten the body: its columns, scaled to unit vectors, span no more volume than rounding errors may leave.
 bool is_singular(const Matrix& m) {
   std::array<Vec3, 3> column;
   for (int c = 0; c < 3; ++c) {
@@ -230,7 +230,7 @@ Matrix parse_matrix(const Node& body) {
   if (matrix) {
     if (scale || rotate || translate)
       throw UsageError(
-          fmt::format("{}: matrix excludes scale, rotate and translate: give the one or the others", body.where()));
+          fmt::format("{}: matrix excludes scale, rotate and translate: give either the matrix or the others", body.where()));
     const std::vector<Node> items = matrix->items(12);
     for (size_t i = 0; i < 12; ++i) m[i] = items[i].number();
     if (is_singular(m)) matrix->fail("a matrix that is not singular");
@@ -276,7 +276,7 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   if (const auto n = node.find("name")) body.name = n->text();
   if (const auto n = node.find("part")) body.part = n->text();
   if (const auto n = node.find("priority")) body.priority = n->integer(INT64_MIN, INT64_MAX);
-  if (const auto n = node.find("fill")) body.fill = static_cast<Fill>(n->choice({"auto", "nonzero", "evenodd", "distinct"}));
+  if (const auto n = node.find("fill")) body.fill = static_cast<Fill>(n->choice(kFillNames));
   if (const auto n = node.find("closing")) body.closing = closing_of(*n);
   if (const auto n = node.find("stitch")) {
     body.stitch = n->number();
@@ -284,13 +284,13 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   }
   if (const auto n = node.find("kind")) body.kind = static_cast<Kind>(n->choice({"solid", "sheet"}));
   if (const auto n = node.find("thin")) body.thin = static_cast<Thin>(n->choice({"ignore", "keep"}));
-  if (body.kind == Kind::kSheet && (body.fill != Fill::kAuto || body.closing != Closing{} || body.thin != Thin::kIgnore))
-    throw UsageError(fmt::format("{}: fill, closing and thin are for solids: a sheet is neither filled nor closed, and no part of it gets lost", node.where()));
+  if (body.kind == Kind::kSheet && (body.fill != Fill::kAuto || body.closing != Closing{} || body.stitch || body.thin != Thin::kIgnore))
+    throw UsageError(fmt::format("{}: fill, closing, stitch and thin are for solids only: a sheet is not filled, closed or stitched, and no part of it is lost between sample points", node.where()));
   body.matrix = parse_matrix(node);
   return body;
 }
 
-// Bodies without a name take that of their mesh, numbered where it is taken.
+// Bodies without a name get their mesh's, with a number where that name is taken.
 void name_bodies(std::vector<SceneBody>& bodies) {
   NameBook names;
   for (size_t i = 0; i < bodies.size(); ++i) {
@@ -304,7 +304,7 @@ void name_bodies(std::vector<SceneBody>& bodies) {
     if (body.name.empty()) body.name = names.numbered(mesh_stem(body.mesh_text));
 }
 
-// ---- out
+// ---- writing
 
 template <typename T, typename Member>
 void put_axes(nlohmann::ordered_json& grid, const Scene& scene, const char* key, Member member, bool may_be_array) {
@@ -319,7 +319,7 @@ void put_axes(nlohmann::ordered_json& grid, const Scene& scene, const char* key,
 
 nlohmann::ordered_json normalised_grid(const Scene& scene) {
   nlohmann::ordered_json grid = nlohmann::ordered_json::object();
-  const bool counts_may_be_arrays = !scene.longest_cells;  // else "cells" is that number
+  const bool counts_may_be_arrays = !scene.longest_cells;  // else the key "cells" holds that number
   if (scene.longest_cells) grid["cells"] = *scene.longest_cells;
   for (const auto& [key, member] : kAxisNumbers)
     put_axes<double>(grid, scene, key, member, member != &SceneAxis::step || counts_may_be_arrays);
@@ -330,13 +330,13 @@ nlohmann::ordered_json normalised_grid(const Scene& scene) {
   return grid;
 }
 
-nlohmann::ordered_json normalised_but_bodies(const Scene& scene) {
+nlohmann::ordered_json normalised_without_bodies(const Scene& scene) {
   nlohmann::ordered_json json;
   json["units"] = scene.units;
   json["grid"] = normalised_grid(scene);
   json["sample"] = scene.sample;
   json["background"] = scene.materials.front().name;
-  // Not through operator[], which looks through all keys each time: 65,535 of them would take seconds.
+  // operator[] searches all keys each time, which would take seconds for 65,535 materials.
   nlohmann::ordered_json::object_t materials;
   materials.reserve(scene.materials.size());
   for (const SceneMaterial& m : scene.materials) materials.push_back({m.name, {{"color", m.color}}});
@@ -346,10 +346,9 @@ nlohmann::ordered_json normalised_but_bodies(const Scene& scene) {
 }
 
 void write_body(JsonWriter& out, const Scene& scene, const SceneBody& b) {
-  constexpr const char* kFill[] = {"auto", "nonzero", "evenodd", "distinct"};
   out.begin_object().field("name", b.name).field("mesh", b.mesh_text);
   if (!b.part.empty()) out.field("part", b.part);
-  out.field("material", scene.materials[b.material].name).field("priority", b.priority).field("fill", kFill[static_cast<int>(b.fill)]);
+  out.field("material", scene.materials[b.material].name).field("priority", b.priority).field("fill", fill_name(b.fill));
   if (b.closing.way == Closing::Way::kExtrude) out.key("closing").begin_object().field("extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)).end_object();
   else out.field("closing", b.closing.way == Closing::Way::kStrict ? "strict" : "cap");
   if (b.stitch) out.field("stitch", *b.stitch);
@@ -405,7 +404,7 @@ Scene read_scene(const fs::path& path) {
 }
 
 std::string normalised(const Scene& scene, size_t most) {
-  std::string text = normalised_but_bodies(scene).dump();
+  std::string text = normalised_without_bodies(scene).dump();
   text.back() = ',';
   text += "\"bodies\":";
   const size_t left_out = write_list(text, scene.bodies.size(), most, [&](JsonWriter& writer, size_t b) { write_body(writer, scene, scene.bodies[b]); });

@@ -6,22 +6,22 @@
 namespace teracell {
 namespace {
 
-std::vector<uint32_t> strengths(const Scene& scene) {
-  std::vector<uint32_t> order(scene.bodies.size()), strength(scene.bodies.size());
+std::vector<uint32_t> ranks_of_bodies(const Scene& scene) {
+  std::vector<uint32_t> order(scene.bodies.size()), rank(scene.bodies.size());
   std::iota(order.begin(), order.end(), 0);
   std::ranges::sort(order, [&](uint32_t a, uint32_t b) {
     const int64_t pa = scene.bodies[a].priority, pb = scene.bodies[b].priority;
     return pa != pb ? pa > pb : a > b;
   });
-  for (uint32_t s = 0; s < order.size(); ++s) strength[order[s]] = s;
-  return strength;
+  for (uint32_t r = 0; r < order.size(); ++r) rank[order[r]] = r;
+  return rank;
 }
 
-std::vector<MaterialInfo> ranked_materials(const Scene& scene, const std::vector<uint32_t>& strength) {
-  std::vector<uint64_t> key(scene.materials.size());
+std::vector<MaterialInfo> ranked_materials(const Scene& scene, const std::vector<uint32_t>& body_rank) {
+  std::vector<uint64_t> key(scene.materials.size());  // materials with a body, then those without, then the background
   for (size_t m = 0; m < key.size(); ++m) key[m] = (uint64_t{1} << 32) + m;
   for (size_t b = 0; b < scene.bodies.size(); ++b)
-    key[scene.bodies[b].material] = std::min<uint64_t>(key[scene.bodies[b].material], strength[b]);
+    key[scene.bodies[b].material] = std::min<uint64_t>(key[scene.bodies[b].material], body_rank[b]);
   key[0] = ~uint64_t{0};
   std::vector<uint32_t> order(key.size());
   std::iota(order.begin(), order.end(), 0);
@@ -36,8 +36,8 @@ std::vector<MaterialInfo> ranked_materials(const Scene& scene, const std::vector
 
 Labels make_labels(const Scene& scene) {
   Labels out;
-  out.strength = strengths(scene);
-  out.materials = ranked_materials(scene, out.strength);
+  out.rank = ranks_of_bodies(scene);
+  out.materials = ranked_materials(scene, out.rank);
   if (!scene.label_by_body) {
     for (uint32_t m = 0; m < scene.materials.size(); ++m) out.labels.push_back({m, ""});
     for (const SceneBody& body : scene.bodies) out.of_body.push_back(body.material);

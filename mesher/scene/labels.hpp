@@ -1,19 +1,20 @@
-// Which body wins where several are, and what its cells are called.
+// Which body wins where bodies overlap, and which label its cells get.
 #pragma once
 #include "mesher/scene/scene.hpp"
-#include "store/format.hpp"
+#include "store/label.hpp"
+#include "store/metadata.hpp"
 
 namespace teracell {
 
 struct Labels {
-  std::vector<uint32_t> strength;       // of each body: 0 wins over all others
+  std::vector<uint32_t> rank;           // of each body; rank 0 wins over all others
   std::vector<Label> of_body;           // label 0 is the background
   std::vector<LabelInfo> labels;        // by label
-  std::vector<MaterialInfo> materials;  // as in the scene, with ranks
+  std::vector<MaterialInfo> materials;  // in the order of the scene, with their ranks
 };
 
-// Bodies: the highest priority first, of equals the later one. A material ranks as its strongest body; those without one
-// after these, in the scene's order; the background last.
+// Bodies rank by priority, the highest first; of bodies with equal priority, the later one ranks first. A material ranks as
+// its strongest body does. Materials without a body follow in the order of the scene, and the background is last.
 Labels make_labels(const Scene& scene);
 
 }  // namespace teracell

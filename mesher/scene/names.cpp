@@ -13,9 +13,9 @@ namespace teracell {
 namespace {
 
 size_t edit_distance(std::string_view a, std::string_view b) {
-  constexpr size_t kLongest = 64;  // bounds the work on absurd keys; real ones differ long before
+  constexpr size_t kLongest = 64;  // bounds the work on absurdly long keys; real ones differ long before
   a = a.substr(0, kLongest), b = b.substr(0, kLongest);
-  std::vector<size_t> row(b.size() + 1);  // distances of a's prefix so far to every prefix of b
+  std::vector<size_t> row(b.size() + 1);  // distances from the prefix of a so far to every prefix of b
   std::iota(row.begin(), row.end(), size_t{0});
   for (size_t i = 0; i < a.size(); ++i) {
     size_t diagonal = std::exchange(row[0], i + 1);

@@ -1,4 +1,4 @@
-// Small words shared by the scene file and bare meshes: names, their numbers, their colours.
+// Names that scene files and bare meshes share: defaults for bodies and colours, and suggestions for misspelt words.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -12,25 +12,25 @@
 
 namespace teracell {
 
-inline constexpr size_t kMaxMaterials = 65535;  // without the background: labels name materials in 16 bits
+inline constexpr size_t kMaxMaterials = 65535;  // besides the background: a label names its material in 16 bits
 inline constexpr int64_t kMaxPad = Axis::kMaxCells / 2;
 inline constexpr const char* kBackgroundColor = "#00000000";
 
-// A colour for material `id` >= 1 that has none: seven that the colour-blind tell apart, then darker shades of them.
+// The default colour of material `id` >= 1: seven colours that colour-blind readers can tell apart, then darker shades of them.
 std::string palette_color(uint32_t id);
 
 // "hull" for "meshes/hull.stl" and "meshes/hull.stl.gz".
 std::string mesh_stem(const std::filesystem::path& mesh);
 
-// The candidate with the smallest edit distance (V. Levenshtein, 1966); empty when there is none.
+// The candidate with the smallest edit distance to `word` (V. Levenshtein, 1966); empty when there are no candidates.
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates);
-// Whether the word may be a slip for the other: at most half of it must be changed.
+// Whether `word` may be a misspelling of `other`: their edit distance is at most half of the longer length.
 bool resembles(std::string_view word, std::string_view other);
 
-// Gives out names that differ: "hull", "hull-2", "hull-3".
+// Gives out distinct names: "hull", "hull-2", "hull-3".
 class NameBook {
  public:
-  bool take(const std::string& name) { return taken_.insert(name).second; }  // false: it was taken
+  bool take(const std::string& name) { return taken_.insert(name).second; }  // false when the name is taken already
   std::string numbered(const std::string& stem);
 
  private:

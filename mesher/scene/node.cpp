@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-// Walks along with the parser ahead of the tree.
+// Checks the keys in a first pass of the parser, which runs before the document tree is built.
 class KeyWatch final : public nlohmann::json_sax<Json> {
  public:
   explicit KeyWatch(const std::string& text) : text_(text) {}
@@ -27,7 +27,7 @@ class KeyWatch final : public nlohmann::json_sax<Json> {
     Level& object = levels_.back();
     if (!object.keys.insert(name).second)
       throw UsageError(
-          fmt::format("{}: this key is given twice; keep one", child_path(path(levels_.size() - 1), name)));
+          fmt::format("{}: this key is given twice: keep one of them", child_path(path(levels_.size() - 1), name)));
     object.key = name;
     if (levels_.size() == 2 && levels_[0].key == "materials") material_order.push_back(name);
     return true;
@@ -45,7 +45,8 @@ class KeyWatch final : public nlohmann::json_sax<Json> {
   bool binary(binary_t&) override { return value(); }
 
   bool parse_error(size_t position, const std::string&, const Json::exception& e) override {
-    // The parser's own words, "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error ...".
+    // The parser's message is "[json.exception.parse_error.101] parse error at line 1, column 2: syntax error ...";
+    // its own line and column give way to ours.
     std::string what = e.what();
     what.erase(0, what.find("] ") + 2);
     if (what.rfind("parse error at ", 0) == 0) what.erase(0, what.find(": ") + 2);
@@ -120,7 +121,7 @@ void Node::check_keys(std::initializer_list<std::string_view> known) const {
   if (!value_->is_object()) fail("an object");
   for (const auto& [key, value] : value_->items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-    throw UsageError(fmt::format("{}: unknown key {}; the nearest known one is \"{}\" (known here: {})",
+    throw UsageError(fmt::format("{}: unknown key {}: the nearest known one is \"{}\" (known here: {})",
                                  where_.empty() ? "the scene" : where_, quoted(key), nearest(key, known),
                                  fmt::join(known, ", ")));
   }
@@ -182,19 +183,19 @@ int64_t Node::integer(int64_t lo, int64_t hi) const {
 }
 
 const std::string& Node::text() const {
-  if (!value_->is_string()) fail("a text");
+  if (!value_->is_string()) fail("a string");
   const auto& text = value_->get_ref<const std::string&>();
-  if (text.empty()) fail("a text that is not empty");
-  if (printable(text) != text) fail("a text without control characters");
+  if (text.empty()) fail("a string that is not empty");
+  if (printable(text) != text) fail("a string without control characters");
   return text;
 }
 
-size_t Node::choice(std::initializer_list<std::string_view> words) const {
+size_t Node::choice(std::span<const std::string_view> words) const {
   const auto it =
       value_->is_string() ? std::find(words.begin(), words.end(), value_->get_ref<const std::string&>()) : words.end();
   if (it == words.end()) {
     const std::string hint =
-        value_->is_string() ? fmt::format(" (\"{}\"?)", nearest(value_->get_ref<const std::string&>(), words)) : "";
+        value_->is_string() ? fmt::format(" (did you mean \"{}\"?)", nearest(value_->get_ref<const std::string&>(), {words.begin(), words.end()})) : "";
     fail(fmt::format("one of {}{}", fmt::join(words, ", "), hint));
   }
   return static_cast<size_t>(it - words.begin());

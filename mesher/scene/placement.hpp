@@ -1,11 +1,11 @@
-// From a file's coordinates to the grid's.
+// Transforms a body's vertices from the coordinates of its file to those of the grid.
 #pragma once
 #include "mesher/surface/facet.hpp"
 #include "mesher/scene/scene.hpp"
 
 namespace teracell {
 
-// A vertex as the grid sees it. Throws InputError when it leaves what coordinates may be.
+// A vertex in the coordinates of the grid. Throws InputError when it leaves the range of coordinates (is_coordinate).
 Vec3 moved(const Vec3& p, const SceneBody& body);
 Facet moved(const Facet& facet, const SceneBody& body);
 

@@ -13,7 +13,7 @@
 namespace teracell {
 namespace {
 
-// {sine, cosine} by Taylor series on [-45, 45] degrees, where the first term left out is below 1e-19.
+// {sine, cosine} by Taylor series on [-45, 45] degrees, where the first omitted term is below 1e-19.
 std::array<double, 2> sine_cosine(double degrees) {
   const double turn = std::fmod(degrees, 360);   // exact
   const double rest = std::remainder(turn, 90);  // exact
@@ -44,12 +44,12 @@ int64_t checked_count(double cells) {
   return static_cast<int64_t>(cells);
 }
 
-// ceil(extent / step - slack), at least one layer.
+// ceil(extent / step - slack), but at least one layer.
 int64_t layers(double extent, double step, double slack) {
   return checked_count(std::max(1.0, std::ceil(extent / step - slack)));
 }
 
-// The cells of an axis without those of the pad.
+// The cells of an axis without its pads.
 int64_t without_pad(int64_t cells, int64_t pad) {
   if (cells <= 2 * pad)
     throw UsageError(fmt::format(
@@ -58,20 +58,20 @@ int64_t without_pad(int64_t cells, int64_t pad) {
   return cells - 2 * pad;
 }
 
-// What an axis has to fill: its own min and max, or the bodies' box, which gets the pad around it.
+// What an axis has to cover: its own min and max, or the bodies' box with the pad around it.
 struct Span {
   double min = 0, extent = 0;
   int64_t pad = 0;
-  bool slack = false;  // between a given min and max, n forgives the rounding of a step that divides them
+  bool slack = false;  // a step that divides max - min, but for rounding, adds no cell
 };
 
 Span span_of(const SceneAxis& axis, int64_t pad, double lo, double hi) {
   if (axis.min) return {*axis.min, *axis.max - *axis.min, 0, true};
-  if (!(lo <= hi)) throw InputError("the grid has no min and max, and there are no facets whose box it could be: give it \"min\" and \"max\", or bodies");
+  if (!(lo <= hi)) throw InputError("the grid has no min and max, and there are no facets to take them from: give it \"min\" and \"max\", or bodies");
   return {lo, hi - lo, pad, false};
 }
 
-// Cubic cells: the step that puts `cells` on the longest span. Spans of equal step and extent share that number.
+// Cubic cells: the step that puts longest_cells on the longest span. Every span with this step and extent gets that number.
 struct Cubic {
   double step = 0, extent = 0;
   bool longest(double a_step, double an_extent) const { return a_step == step && an_extent == extent; }
@@ -149,14 +149,13 @@ Vec3 transform(const Matrix& m, const Vec3& p) {
 }
 
 Matrix rotation(const Vec3& axis, double degrees) {
-  // k, the unit vector; dividing by the largest component first makes it exact along a grid axis and safe from
-  // overflow.
+  // k is the unit vector. Dividing by the largest component first makes it exact along a grid axis and avoids overflow.
   const double largest = std::max({std::abs(axis[0]), std::abs(axis[1]), std::abs(axis[2])});
   Vec3 k = {axis[0] / largest, axis[1] / largest, axis[2] / largest};
   const double length = std::sqrt(k[0] * k[0] + k[1] * k[1] + k[2] * k[2]);
   for (double& x : k) x /= length;
   const auto [s, c] = sine_cosine(degrees);
-  // Rodrigues: R = k k' + c (I - k k') + s [k]x, so that k exactly along a grid axis leaves that axis exactly alone.
+  // Rodrigues' formula as R = k k' + c (I - k k') + s [k]x: with k exactly along a grid axis, that axis stays exactly as it is.
   const Vec3 cross[3] = {{0, -k[2], k[1]}, {k[2], 0, -k[0]}, {-k[1], k[0], 0}};
   Matrix m = kIdentity;
   for (int row = 0; row < 3; ++row)
@@ -169,7 +168,7 @@ Matrix rotation(const Vec3& axis, double degrees) {
 
 Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
   if (meshes.size() > kMaxMaterials)
-    throw UsageError(fmt::format("at most {} materials, and each of the {} meshes is one: write a scene file",
+    throw UsageError(fmt::format("expected at most {} meshes, each with a material of its own, found {}: write a scene file, where they can share materials",
                                  kMaxMaterials, meshes.size()));
   Scene scene;
   scene.materials.push_back({"air", kBackgroundColor});

@@ -1,5 +1,5 @@
-// Records by bucket, in memory while they fit and else in a temporary file: what must be brought together by a hash when
-// there is more of it than memory.
+// Records in buckets, in memory while they fit and otherwise in a temporary file. It serves to bring records with equal
+// hashes together when there are more of them than fit into memory.
 #pragma once
 #include <cstring>
 #include <memory>
@@ -16,7 +16,7 @@ class Buckets {
   static_assert(std::is_trivially_copyable_v<Record>);
 
  public:
-  // `memory` bounds the bytes of records that wait in memory.
+  // `memory` limits the bytes of records that wait in memory; `folder` is for the temporary file.
   Buckets(size_t buckets, uint64_t memory, std::filesystem::path folder) : buckets_(buckets), memory_(memory), folder_(std::move(folder)) {}
 
   size_t count() const { return buckets_.size(); }

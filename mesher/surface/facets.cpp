@@ -1,4 +1,4 @@
-// Tells a surface file's format by its first bytes and calls its reader.
+// Recognises the format of a surface file from its first bytes and calls the reader of that format.
 #include "mesher/surface/facets.hpp"
 
 #include <algorithm>
@@ -13,10 +13,11 @@ namespace {
 
 constexpr size_t kPeek = size_t{1} << 16;
 
-// Every binary STL has a zero byte in front: the count's highest one, the attributes, a 0.0 or 1.0. No text has one.
+// Every binary STL has a zero byte near its beginning: the highest byte of the count, an attribute, part of a 0.0 or 1.0. No text
+// has one.
 bool is_text(std::string_view head) { return head.substr(0, 1024).find('\0') == std::string_view::npos; }
 
-// The first word of the first line that is no comment.
+// The first word that is not in a comment.
 std::string_view first_word(std::string_view head) {
   while (!head.empty()) {
     std::string_view line = first_line(head);
@@ -27,7 +28,7 @@ std::string_view first_word(std::string_view head) {
   return {};
 }
 
-// Leaves `input` behind the byte order mark.
+// Skips the byte order mark of a text.
 Head head_of(Input& input) {
   const size_t mark = input.window(kPeek).starts_with("\xef\xbb\xbf") ? 3 : 0;
   Head head{.bytes = input.window(0), .size = input.size(), .text = false, .word = {}};

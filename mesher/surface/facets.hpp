@@ -1,9 +1,9 @@
-// A stream of facets out of a surface file: STL (binary, ASCII), OBJ, PLY (ASCII, binary both ways), each may be
-// gzip-compressed. The format is told by content, never by name.
+// Reads a surface file as a stream of facets. Formats: STL (binary, ASCII), OBJ, and PLY (ASCII, binary in either byte order),
+// each plain or compressed by gzip. The format is recognised from the content, never from the name.
 //
-// Vertices are doubles that hold exactly what the file declares: ASCII STL and PLY `float` are rounded straight to
-// float32, OBJ and PLY `double` to float64; -0 is +0. A coordinate that is not finite, beyond 1e75, or nonzero below
-// 1e-75 is refused: within those limits the exact predicates neither overflow nor underflow.
+// Vertices are doubles that hold exactly what the file declares: numbers of an ASCII STL and PLY `float` are rounded once, to
+// float32; numbers of an OBJ and PLY `double` are rounded once, to float64. -0 becomes +0. A coordinate that is not finite,
+// above 1e75, or nonzero and below 1e-75 is refused: within these limits the exact predicates neither overflow nor underflow.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -16,17 +16,20 @@ namespace teracell {
 class Background;
 class Input;
 
-// Streams the facets of `path` into `sink`: those of the parts whose name matches the glob `part`, or all when it is
-// empty. Polygons are fans from their first vertex. Memory is constant, but that OBJ and PLY keep their vertices: those
-// beyond an eighth of the budget on disk, in its folder.
-// A part of an OBJ is each of the groups (`g`) or the object (`o`) a facet is in; of an ASCII STL, the solid; what has no
-// name has the name "". `*`, `?` and `[...]` as in fnmatch(3), case-sensitive.
-// Throws InputError (file, line or byte offset, expected, found) or IoError. No facet at all is an InputError, and so is
-// a `part` that nothing matches. A file of another kind is named as what it is. Facets before the fault have been given to the sink when it throws. What the sink throws
-// passes through.
+// Passes the facets of `path` to `sink`: those of the parts whose names match the glob `part`, or all when it is empty. A
+// polygon becomes a fan of facets around its first vertex. Memory use is constant, except that OBJ and PLY keep their
+// vertices; vertices beyond an eighth of the budget are kept on disk, in the budget's folder.
+//
+// In an OBJ, a facet belongs to the parts named by its groups (`g`) and by its object (`o`); in an ASCII STL, to its solid.
+// What has no name has the name "". The glob knows `*`, `?` and `[...]` as in fnmatch(3), and is case-sensitive.
+//
+// Throws IoError or InputError (file, line or byte offset, expected, found). A file without facets is an InputError, and so is
+// a `part` that nothing matches. For a file of another format, the message names that format. Facets before the fault have
+// been passed to the sink. What the sink throws passes through.
+//
 // `helper` may do part of the parsing; it may have other jobs.
 SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);
-// The same over a file already opened, or over bytes in memory.
+// The same for a file that is already open, or for bytes in memory.
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);
 
 }  // namespace teracell

@@ -16,6 +16,7 @@
 #include "store/error.hpp"
 
 namespace teracell {
+
 void Input::Release::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
 
 void Input::Release::operator()(z_stream_s* stream) const {
@@ -31,7 +32,7 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
     regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
     if (regular_) size_ = status.st_size;
     if (S_ISDIR(status.st_mode)) throw IoError(fmt::format("{}: expected a surface file, found a folder", name_));
-    if (!size_ || *size_ > kWindow) posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint: its failure costs speed only
+    if (!size_ || *size_ > kWindow) posix_fadvise(descriptor_, 0, 0, POSIX_FADV_SEQUENTIAL);  // a hint: a failure only costs speed
     begin();
   } catch (...) {
     close(descriptor_);
@@ -47,7 +48,7 @@ Input::~Input() {
   if (descriptor_ >= 0) close(descriptor_);
 }
 
-// The first block tells whether the file is compressed.
+// The first bytes tell whether the file is compressed.
 void Input::begin() {
   hash_.reset(XXH3_createState());
   if (!hash_) throw std::bad_alloc();
@@ -74,7 +75,7 @@ void Input::fill(size_t want) {
   end_ -= begin_;
   begin_ = 0;
   while (end_ < want) {
-    if (end_ == buffer_.size()) buffer_.resize(std::min(2 * end_, kWindow));  // the file has grown since
+    if (end_ == buffer_.size()) buffer_.resize(std::min(2 * end_, kWindow));  // the file has grown since it was opened
     char* to = buffer_.data() + end_;
     const size_t room = buffer_.size() - end_;
     const size_t got = inflate_ ? read_inflated(to, room) : read_disk(to, room);
@@ -109,7 +110,7 @@ size_t Input::read_inflated(char* to, size_t room) {
       if (inside_member_) damaged("cut short: it ends inside the compressed data");
       return 0;
     }
-    if (!inside_member_) {  // after a member: another one, or zeros up to the end as tapes leave them
+    if (!inside_member_) {  // after a member comes another one, or zeros up to the end, with which tapes pad
       if (*z.next_in == 0) {
         ++z.next_in, --z.avail_in;
         if (more_compressed() && *z.next_in != 0) damaged("stray bytes after the compressed data");
@@ -128,7 +129,7 @@ size_t Input::read_inflated(char* to, size_t room) {
       case Z_MEM_ERROR:
         throw std::bad_alloc();
       default:
-        damaged(z.msg ? z.msg : "no gzip data");
+        damaged(z.msg ? z.msg : "not gzip data");
     }
   }
   return room - z.avail_out;
@@ -160,7 +161,7 @@ bool Input::next_line(std::string_view& line) {
     if (scanned == buffer_.size()) {
       if (scanned >= kLongestLine)
         throw InputError(
-            fmt::format("{}: line {}: longer than {} bytes: no text file?", name_, line_ + 1, kLongestLine));
+            fmt::format("{}: line {}: the line is longer than {} bytes: is this a text file?", name_, line_ + 1, kLongestLine));
       buffer_.resize(2 * scanned);
     }
     if (window(scanned + 1).size() == scanned) {  // the contents end without a newline

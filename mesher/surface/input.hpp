@@ -1,8 +1,9 @@
-// The bytes of a surface file, plain or gzip: read once from front to back through one window, hashed as they lie on
-// disk. Plain files are read(2) block by block rather than mapped: mapped pages count as this process's memory, and a
-// mesh may be larger than the machine. Inflated gzip (several members, zero padding after the last) looks the same.
+// The bytes of a surface file, plain or compressed by gzip. They are read once, from front to back, through a window, and
+// hashed as they are on disk. Files are read block by block with read(2) and not mapped: mapped pages count as memory of this
+// process, and a mesh may be larger than the machine's memory. A gzip file may have several members, and zero padding after
+// the last one.
 //
-// Not to be shared by threads. Views into the window hold until the next call that reads.
+// Not to be shared by threads. Views into the window are valid until the next call that reads.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -21,7 +22,7 @@ class Input {
  public:
   // Throws IoError when the file can't be opened or read.
   explicit Input(const std::filesystem::path& path);
-  // Over bytes in memory, which must outlive it. `name` stands for the file in messages.
+  // Reads bytes in memory, which must outlive the Input. `name` stands for the file in messages.
   Input(std::string name, std::string_view bytes);
   ~Input();
   Input(const Input&) = delete;
@@ -29,13 +30,13 @@ class Input {
 
   const std::string& name() const { return name_; }
   bool compressed() const { return inflate_ != nullptr; }
-  // Of the contents; unknown when they are compressed or come through a pipe.
+  // Bytes of the contents; unknown when they are compressed or come through a pipe.
   std::optional<uint64_t> size() const { return size_; }
-  bool regular() const { return regular_; }  // it can be read again: no pipe, no device
+  bool regular() const { return regular_; }  // the file can be read again: it is no pipe and no device
   // Bytes of the contents taken so far.
   uint64_t offset() const { return offset_ + begin_; }
 
-  // The bytes that come next: at least `want`, fewer only when the contents end. REQUIRES: want <= kWindow.
+  // The bytes that come next, without taking them: at least `want`, fewer only at the end. REQUIRES: want <= kWindow.
   static constexpr size_t kWindow = size_t{1} << 18;
   std::string_view window(size_t want) {
     if (end_ - begin_ < want) fill(want);
@@ -43,29 +44,30 @@ class Input {
   }
   // REQUIRES: n <= window(0).size().
   void consume(size_t n) { begin_ += n; }
-  // The same for `n` bytes that are so many whole lines.
+  // The same for `n` bytes that make up `lines` whole lines.
   void consume_lines(size_t n, uint64_t lines) {
     consume(n);
     line_ += lines;
   }
 
-  // A line is held in memory whole. Polygons of a million vertices fit; a file of zeros doesn't fill the machine.
+  // A whole line is held in memory. Lines may be this long, which is enough for polygons of a million vertices; without a limit
+  // a file of zeros would fill the memory.
   static constexpr size_t kLongestLine = size_t{1} << 24;
-  // The next line without its end ("\n" or "\r\n"); the last line needs none. False at the end of the contents.
+  // Takes the next line, without its "\n" or "\r\n", which the last line need not have. False at the end of the contents.
   bool next_line(std::string_view& line);
-  // '\r' for texts of old Macintosh programs.
+  // '\r' for texts with the line ends of classic Mac OS.
   void set_newline(char c) { newline_ = c; }
 
-  // The number of the line given last, from 1.
+  // The number of the last line taken; the first line is 1.
   uint64_t line() const { return line_; }
-  // Where we are, for messages: "hull.stl: line 7" (the line given last), "hull.stl: byte 84".
+  // The current position for messages: "hull.stl: line 7" (the last line taken), "hull.stl: byte 84".
   std::string at_line() const;
   std::string at_byte(uint64_t offset) const;
   std::string at_byte() const { return at_byte(offset()); }
 
-  // Of the file as it lies on disk; complete once window(1) is empty.
+  // Of the file on disk; complete once window(1) is empty.
   uint64_t bytes_on_disk() const { return disk_bytes_; }
-  std::string hash() const;  // XXH3-128, 32 hex digits as xxhsum prints them
+  std::string hash() const;  // XXH3-128 as 32 hex digits, as xxhsum prints it
 
  private:
   struct Release {
@@ -80,8 +82,8 @@ class Input {
   [[noreturn]] void damaged(const char* what) const;
 
   std::string name_;
-  int descriptor_ = -1;      // or
-  std::string_view memory_;  // what is left of the bytes in memory
+  int descriptor_ = -1;      // of the file, or
+  std::string_view memory_;  // the rest of the bytes in memory
   bool regular_ = true;
   std::optional<uint64_t> size_;
   uint64_t disk_bytes_ = 0;

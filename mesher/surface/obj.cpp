@@ -1,5 +1,5 @@
-// Wavefront OBJ: `v` and `f` lines, with the groups and objects that name parts. Everything else is decoration and
-// skipped, with a warning that counts polylines, points, free-form curves and surfaces: who drew them may miss them.
+// Wavefront OBJ: the lines `v` and `f`, and the groups and objects that name parts. Everything else is skipped. A warning
+// counts the polylines, points, free-form curves and surfaces among it, since a body may lack them.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -15,7 +15,7 @@
 namespace teracell {
 namespace {
 
-// Appends the vertices of the lines at the beginning of `text` that are "v x y z" and nothing else; returns their bytes.
+// Appends the vertices of the leading lines of `text` that are exactly "v x y z"; returns how many bytes these lines take.
 size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
   const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
   const char *line = text.data(), *const end = line + text.size();
@@ -65,7 +65,8 @@ class ObjReader {
   }
 
  private:
-  // One line, with those that a backslash at its end joins to it. Comments are never continued: they may end in a path.
+  // One line, together with the lines that backslashes at line ends join to it. Comments are never continued: a comment may end
+  // with a Windows path.
   bool next_statement(std::string_view& line) {
     if (!input_.next_line(line)) return false;
     if (!line.ends_with('\\') || trimmed(line).starts_with('#')) return true;
@@ -90,16 +91,16 @@ class ObjReader {
     vertices_.push_back(v);
   }
 
-  // Most files begin with all their vertices, and as long as there is no facet the helper has nothing else to do: it parses
-  // half of every window of plain ones. On two cores a small grid is meshed a twentieth faster.
+  // Most files begin with all their vertices. Until facets come, the helper has nothing else to do, so it parses half of each
+  // window of plain vertices. On two cores this makes the meshing of a small grid 5 % faster.
   void read_plain_vertices() {
-    constexpr size_t kBlock = Input::kWindow / 2, kLine = 8;  // at least: "v 0 0 0\n"
+    constexpr size_t kBlock = Input::kWindow / 2, kLine = 8;  // the shortest line: "v 0 0 0\n"
     while (helper_ && input_.offset() >= next_plain_) {
       const std::string_view text = input_.window(kBlock).substr(0, Input::kWindow);
       const size_t half = text.find('\n', text.size() / 2) + 1;
-      if (text.size() < kBlock || half == 0) helper_ = nullptr;  // the rest is short
+      if (text.size() < kBlock || half == 0) helper_ = nullptr;  // too little is left to share
       if (!helper_) return;
-      for (auto& list : plain_) list.clear(), list.reserve(text.size() / kLine);  // so nothing throws while the helper works
+      for (auto& list : plain_) list.clear(), list.reserve(text.size() / kLine);  // reserved now, so that nothing throws while the helper works
       size_t taken_there = 0;
       helper_->run([&] { taken_there = plain_vertices(text.substr(half), plain_[1]); });
       const size_t taken_here = plain_vertices(text.substr(0, half), plain_[0]);
@@ -108,7 +109,7 @@ class ObjReader {
       for (const auto& list : plain_)
         for (const Vec3& v : list) vertices_.push_back(v);
       input_.consume_lines(taken_here + taken_there, plain_[0].size() + plain_[1].size());
-      if (taken_here + taken_there < text.size() / 4 * 3) next_plain_ = input_.offset() + kBlock;  // something else comes first
+      if (taken_here + taken_there < text.size() / 4 * 3) next_plain_ = input_.offset() + kBlock;  // other lines come first
     }
   }
 
@@ -128,8 +129,8 @@ class ObjReader {
           fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
   }
 
-  // The vertex whose number is the next word of `line`, if that is a few digits: nearly all are, and the general way takes
-  // three times as long. Else null, and `line` is as it was.
+  // The vertex whose number is the next word of `line`, if that word is a few digits. Otherwise null, and `line` is unchanged.
+  // Nearly all words are such numbers, and vertex() takes three times as long.
   const Vec3* plain_vertex(std::string_view& line) {
     const char* p = line.data();
     const char* const end = p + line.size();
@@ -141,7 +142,7 @@ class ObjReader {
     return &vertices_[number - 1];
   }
 
-  // v, v/t, v//n or v/t/n; a negative number counts back from the vertex declared last.
+  // v, v/t, v//n or v/t/n. A negative number counts back from the vertex declared last.
   const Vec3& vertex(std::string_view word) {
     const size_t slash = std::min(word.find('/'), word.size());
     if (slash == 0 || word.find_first_not_of("0123456789+-/", slash) != std::string_view::npos)
@@ -156,7 +157,7 @@ class ObjReader {
     return vertices_[index];
   }
 
-  // A line may name several groups; the facets that follow are part of each.
+  // A line may name several groups; the facets that follow belong to each of them.
   void enter_groups(std::string_view line) {
     grouped_ = group_wanted_ = false;
     for (std::string_view name = next_word(line); !name.empty() && name[0] != '#'; name = next_word(line)) {
@@ -203,10 +204,10 @@ class ObjReader {
 
   Input& input_;
   FacetStream& out_;
-  Background* helper_;  // null: none, or no longer asked
+  Background* helper_;  // null: there is none, or the rest is not worth sharing
   VertexTable vertices_;
-  std::array<std::vector<Vec3>, 2> plain_;  // parsed here, by the helper
-  uint64_t next_plain_ = 0;                 // where in the file to look for plain vertices again
+  std::array<std::vector<Vec3>, 2> plain_;  // parsed by this thread, and by the helper
+  uint64_t next_plain_ = 0;                 // the offset from which to look for plain vertices again
   std::string joined_;
   bool grouped_ = false, group_wanted_ = false, in_object_ = false, object_wanted_ = false;
   bool wanted_;  // the facets of the current part go to the sink
@@ -215,7 +216,7 @@ class ObjReader {
 
 Match recognises(const Head& head) {
   if (!head.text) return Match::kNo;
-  if (head.word.empty()) return head.bytes.find('#') != std::string_view::npos ? Match::kPerhaps : Match::kNo;  // comments only, so far
+  if (head.word.empty()) return head.bytes.find('#') != std::string_view::npos ? Match::kPerhaps : Match::kNo;  // nothing but comments so far
   for (const char* known : {"v",      "vt",   "vn",    "vp",     "f",      "fo",    "g",        "o",        "s",
                             "l",      "p",    "mtllib", "usemtl", "mg",     "lod",   "cstype",   "deg",      "surf",
                             "maplib", "curv", "curv2", "usemap", "bevel",  "c_interp", "d_interp", "shadow_obj"})

@@ -1,5 +1,5 @@
-// Files that are no surface for any reader here, by their first bytes: people give what they have, and are told what it is.
-// Only signatures that no STL, OBJ or PLY begins with; a reader that is sure of its file is not asked to doubt it.
+// Recognises files of other formats from their first bytes, so that the error can name the format and say what to do. These
+// signatures begin no STL, OBJ or PLY. A file of which a reader is sure is not checked against them.
 #include <algorithm>
 #include <array>
 
@@ -14,8 +14,9 @@ using namespace std::string_view_literals;
 
 constexpr const char* kExport = "export it as one of these";
 constexpr const char* kExtract = "export the surface as one of these";
+constexpr const char* kPoints = "points alone are not a surface: reconstruct a surface from them first";
 constexpr const char* kUnpack = "unpack it first";
-constexpr const char* kDecompress = "decompress it first (of all compressions, gzip alone is read as it is)";
+constexpr const char* kDecompress = "decompress it first (gzip is the only compression that can be read directly)";
 constexpr const char* kNone = "";
 
 struct Signature {
@@ -56,8 +57,8 @@ constexpr Signature kSignatures[] = {
     {0, "CDF\x01", "a NetCDF file", kExtract},
     {0, "CDF\x02", "a NetCDF file", kExtract},
     {0, "CDF\x05", "a NetCDF file", kExtract},
-    {0, "# .PCD", "a point cloud (PCD)", "points alone are no surface: make one of them first"},
-    {0, "LASF", "a point cloud (LAS)", "points alone are no surface: make one of them first"},
+    {0, "# .PCD", "a point cloud (PCD)", kPoints},
+    {0, "LASF", "a point cloud (LAS)", kPoints},
     {0, "\x93NUMPY", "a NumPy array", kNone},
     {8, "teracell", "a grid that teracell made", "see what is in it with `teracell info`"},
     // archives and compressed files
@@ -70,7 +71,7 @@ constexpr Signature kSignatures[] = {
     {0, "Rar!\x1a\x07", "a RAR archive", kUnpack},
     {257, "ustar", "a tar archive", kUnpack},
     {0, "version https://git-lfs.github.com/", "a pointer that Git LFS left in place of the file", "fetch the file itself with `git lfs pull`"},
-    // what got here by mistake
+    // given by mistake
     {0, "\x89PNG\r\n", "a PNG picture", kNone},
     {0, "\xff\xd8\xff", "a JPEG picture", kNone},
     {0, "GIF87a", "a GIF picture", kNone},
@@ -96,7 +97,7 @@ constexpr Root kRoots[] = {
     {"Xdmf", "an XDMF file", kExtract},
     {"svg", "an SVG picture", kNone},
 };
-constexpr const char *kPage = "a web page", *kDownload = "was a download answered by a page?";
+constexpr const char *kPage = "a web page", *kDownload = "did a download return a page in place of the file?";
 
 bool begins(std::string_view text, std::string_view word) {  // `word` in lower case
   return text.size() >= word.size() && is_keyword(text.substr(0, word.size()), word);
@@ -133,7 +134,7 @@ std::optional<OtherKind> json_kind(std::string_view text) {
   return OtherKind{"a JSON file", kNone};
 }
 
-// Formats of text that begin with words too short to be believed alone.
+// Text formats whose first words are too short to be a signature by themselves.
 std::optional<OtherKind> text_kind(const Head& head, std::string_view start) {
   if (const auto json = json_kind(start)) return json;
   constexpr std::array kOff = {"OFF"sv, "COFF"sv, "NOFF"sv, "CNOFF"sv, "STOFF"sv, "4OFF"sv, "nOFF"sv};
@@ -141,7 +142,7 @@ std::optional<OtherKind> text_kind(const Head& head, std::string_view start) {
   std::string_view rest = start;
   const std::string_view first = next_word(rest), second = next_word(rest);
   if ((first == "0" && second == "SECTION") || (first == "999" && start.find("SECTION") != std::string_view::npos)) return OtherKind{"a DXF drawing", kExport};
-  // IGES: lines of 80 columns, S in column 73 of the first, which is number 1.
+  // IGES: lines of 80 columns; the first line has S in column 73 and the number 1 at its end.
   const std::string_view line = head.bytes.substr(0, head.bytes.find_first_of("\r\n"));
   if (line.size() == 80 && line[72] == 'S' && (line.ends_with("      1") || line.ends_with("0000001"))) return OtherKind{"an IGES file", kExport};
   return {};
@@ -152,7 +153,7 @@ std::optional<OtherKind> zip_kind(std::string_view bytes) {
   const auto has = [&](std::string_view name) { return bytes.find(name) != std::string_view::npos; };
   if (has("3D/3dmodel.model")) return OtherKind{"a 3MF file", kExport};
   if (has("Document.xml") && has("GuiDocument.xml")) return OtherKind{"a FreeCAD document", kExport};
-  return OtherKind{"a ZIP archive, as 3MF, FreeCAD and USDZ files are, too", "unpack it, or export the surface as one of these"};
+  return OtherKind{"a ZIP archive (3MF, FreeCAD and USDZ files are ZIP archives, too)", "unpack it, or export the surface as one of these"};
 }
 
 }  // namespace

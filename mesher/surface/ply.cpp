@@ -1,9 +1,9 @@
-// PLY: a text header declares elements, each so many times a row of properties; then the values as text (a line a row)
-// or binary of either byte order. Vertices are element `vertex` (x, y, z), facets the list `vertex_indices` or
-// `vertex_index` of element `face` (a polygon) or `tristrips` (triangle strips, -1 between two); what else there is gets
-// skipped. Greg Turk, "The PLY Polygon File Format", 1994.
+// PLY. A text header declares elements; each element has a number of rows, and a row has the declared properties. The values
+// follow, as text with one row per line, or as binary in either byte order. Vertices are the element `vertex` with x, y and z.
+// Facets are the list `vertex_indices` or `vertex_index` of the element `face` (a polygon) or `tristrips` (triangle strips,
+// with -1 between two strips). Everything else is skipped. Greg Turk, "The PLY Polygon File Format", 1994.
 //
-// A header may lie: memory grows with the values that come, never with a count.
+// The counts of a header may be wrong, so memory grows with the values that are read and never with a count.
 #include <algorithm>
 #include <bit>
 #include <optional>
@@ -40,7 +40,7 @@ bool is_integer(Type type) { return type < Type::kFloat32; }
 struct Property {
   std::string name;
   Type type;
-  std::optional<Type> count;  // a list, its length in front
+  std::optional<Type> count;  // of a list: the type of its length, which comes first
 };
 struct Element {
   std::string name;
@@ -60,7 +60,7 @@ class HeaderReader {
 
   Header read() {
     Header header;
-    next_line();  // "ply": the format was told by it
+    next_line();  // "ply", by which the format was recognised
     for (;;) {
       const std::string_view keyword = next_line();
       if (keyword == "format")
@@ -79,7 +79,7 @@ class HeaderReader {
   }
 
  private:
-  // Its first word; line_ keeps the others.
+  // Returns the first word of the line; line_ keeps the others.
   std::string_view next_line() {
     if (!input_.next_line(line_))
       throw InputError(fmt::format("{}: cut short: expected end_header, found the end of the file", input_.at_line()));
@@ -130,12 +130,12 @@ class HeaderReader {
     refuse("expected a type (char, uchar, short, ushort, int, uint, float, double, int8 ... float64)", word);
   }
 
-  static constexpr uint64_t kLongest = uint64_t{1} << 20;  // a header is held in memory, element by element
+  static constexpr uint64_t kLongest = uint64_t{1} << 20;  // a header is held in memory
   Input& input_;
   std::string_view line_;
 };
 
-// ---- the values: two ways to read them, one interface (they are template arguments: a virtual call a value is slow)
+// ---- the values: two classes with one interface (template arguments, because one virtual call per value is slow)
 
 class AsciiValues {
  public:
@@ -259,14 +259,14 @@ struct Lists {
   const Property* indices = nullptr;
 };
 
-// Where a vertex keeps x, y and z, and facets their lists.
+// Which properties are the coordinates of a vertex, and which lists are facets.
 struct Layout {
   const Element* vertex = nullptr;
   std::array<const Property*, 3> xyz{};
   Lists face, strips;
 };
 
-// Throws InputError unless the header describes a surface.
+// Throws InputError when the header does not describe a surface.
 Layout layout_of(const Header& header, const Input& input) {
   Layout layout;
   const auto refuse = [&](const std::string& text) {
@@ -282,7 +282,7 @@ Layout layout_of(const Header& header, const Input& input) {
       Lists& lists = element.name == "face" ? layout.face : layout.strips;
       if (lists.element) refuse(fmt::format("expected one element {}, found two", element.name));
       if (!layout.vertex)
-        refuse(fmt::format("expected element vertex before element {}, found it behind or not at all: write the file again with the vertices first", element.name));
+        refuse(fmt::format("expected element vertex before element {}, found it later or not at all: write the file again with the vertices first", element.name));
       lists.element = &element;
       for (const Property& p : element.properties)
         if (p.count && is_integer(p.type) && (p.name == "vertex_indices" || p.name == "vertex_index")) lists.indices = &p;
@@ -293,7 +293,7 @@ Layout layout_of(const Header& header, const Input& input) {
   for (const Property* p : layout.xyz)
     if (!p) refuse("expected the properties x, y and z of element vertex, found not all of them");
   if (!layout.face.element && !layout.strips.element)
-    refuse("expected an element face or tristrips, found none: points alone are no surface, make one of them first");
+    refuse("expected an element face or tristrips, found none: points alone are not a surface, reconstruct a surface from them first");
   return layout;
 }
 
@@ -345,8 +345,8 @@ void read_face(Values& values, const Lists& face, VertexTable& vertices, Fan fan
   }
 }
 
-// Each vertex of a strip makes a facet with the two before it, every other one the other way round. One that repeats a
-// vertex only steers the strip.
+// Each vertex of a strip forms a facet with the two vertices before it; every other facet is reversed. A facet that repeats a
+// vertex only changes the course of the strip and is left out.
 template <class Values>
 void read_strips(Values& values, const Lists& strips, VertexTable& vertices, FacetStream& out, bool wanted) {
   struct Corner {
@@ -381,7 +381,7 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
   const bool wanted = out.wants("");
   VertexTable vertices(budget);
   for (const Element& element : header.elements) {
-    if (element.properties.empty()) continue;  // its rows take no bytes, however many there are
+    if (element.properties.empty()) continue;  // its rows take no bytes, whatever their number
     for (uint64_t row = 0; row < element.count; ++row) {
       values.begin_row(element, row);
       if (&element == layout.vertex)

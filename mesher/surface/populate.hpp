@@ -1,5 +1,5 @@
-// Memory for large tables that are about to be filled. The kernel gives out fresh pages all at once for two thirds of what it
-// takes to fault them in one by one, and meshing a small grid is a tenth page faults.
+// Memory for large tables that are about to be filled. Asking the kernel for all pages at once takes two thirds of the time of
+// faulting them in one by one, and page faults are a tenth of the time of meshing a small grid.
 #pragma once
 #include <sys/mman.h>
 
@@ -9,7 +9,7 @@
 
 namespace teracell {
 
-// A hint: where the kernel can't (before Linux 5.14), pages come one by one.
+// A hint: before Linux 5.14 the kernel can't do this, and pages come one by one.
 inline void populate(void* memory, size_t bytes) {
 #ifdef MADV_POPULATE_WRITE
   constexpr uintptr_t kPage = 4096;
@@ -20,7 +20,7 @@ inline void populate(void* memory, size_t bytes) {
 #endif
 }
 
-// For a std::vector that uses all it asks for.
+// An allocator for a std::vector that fills all the memory it asks for.
 template <class T>
 struct Populated : std::allocator<T> {
   template <class U>

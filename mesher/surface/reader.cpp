@@ -15,7 +15,7 @@
 namespace teracell {
 namespace {
 
-// The C locale whatever the program has set: a decimal point is a point.
+// The C locale, in which the decimal point is a point, whatever the program has set.
 locale_t c_locale() {
   static const locale_t locale = newlocale(LC_ALL_MASK, "C", nullptr);
   return locale;
@@ -34,7 +34,7 @@ bool FacetStream::wants(std::string_view part) {
   return wanted;
 }
 
-// The names are for messages only: those of a file that has millions are not worth the memory.
+// The names are only for messages, so millions of them are not worth their memory.
 void FacetStream::note(const std::string& name) {
   constexpr uint64_t kMostBytes = uint64_t{1} << 23;
   const uint64_t bytes = 2 * (name.size() + 64);
@@ -102,13 +102,13 @@ void refuse_too_large(std::string_view word, float, const Input& input) {
 }
 
 void refuse_too_large(std::string_view word, double, const Input& input) {
-  throw InputError(fmt::format("{}: {}: expected a coordinate of 0 or of size 1e-75 to 1e75, found a number too large for float64 (at most 1.8e308)",
+  throw InputError(fmt::format("{}: {}: expected a coordinate that is 0 or has a magnitude from 1e-75 to 1e75, found a number too large for float64 (at most 1.8e308)",
                                input.at_line(), shown(word)));
 }
 
 void refuse_coordinate(std::string_view word, double v, const Input& input) {
   checked_coordinate(v, fmt::format("{}: {}", input.at_line(), shown(word)));
-  throw std::logic_error("refuse_coordinate: nothing to refuse");
+  throw std::logic_error("refuse_coordinate: the number is a coordinate");
 }
 
 }  // namespace teracell

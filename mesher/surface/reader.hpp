@@ -1,5 +1,5 @@
-// What the surface readers (stl, obj, ply) share: how one is chosen, where facets go, words and numbers of a text.
-// Private to the mesher; users include facets.hpp.
+// What the surface readers (stl, obj, ply) share: how a reader is chosen, where facets go, how words and numbers of a text are
+// read. Private to the readers; others include facets.hpp.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -23,17 +23,18 @@ class FacetStream {
   // Both must outlive it.
   FacetStream(const std::string& glob, const FacetSink& sink);
 
-  // Notes a part of the file ("" is the unnamed one): are its facets wanted?
+  // Records that the file has this part ("": the unnamed one). Returns whether its facets are wanted.
   bool wants(std::string_view part);
-  // A new facet, to be filled in before the next call.
+  // A new facet, which the caller fills in before the next call.
   Facet& next() {
     if (used_ == capacity_) make_room();
     return batch_[used_++];
   }
   void add(const Vec3& a, const Vec3& b, const Vec3& c) { next().vertex = {a, b, c}; }
-  // For SurfaceFile::warnings; once for each kind of thing.
+  // Adds to SurfaceFile::warnings; called once per kind of warning.
   void warn(std::string sentence) { warnings_.push_back(std::move(sentence)); }
-  // Hands on the last facets and fills in facets, parts and warnings. Throws InputError when there was no facet or no such part.
+  // Passes on the last facets and sets facets, parts and warnings of `file`. Throws InputError when there was no facet, or no
+  // part matches.
   void finish(const std::string& name, SurfaceFile& file);
 
  private:
@@ -50,12 +51,12 @@ class FacetStream {
   bool matched_ = false;  // some part is wanted
   std::vector<std::string> parts_;
   std::unordered_set<std::string> known_parts_;
-  uint64_t names_ = 0;       // bytes that these two take, about
-  bool more_parts_ = false;  // than they hold
+  uint64_t names_ = 0;       // bytes that these two take, approximately
+  bool more_parts_ = false;  // the file has more parts than these two hold
   std::vector<std::string> warnings_;
 };
 
-// A polygon as a fan from its first vertex, one vertex after the other.
+// Turns a polygon, given vertex by vertex, into a fan of facets around its first vertex.
 class Fan {
  public:
   Fan(FacetStream& out, bool wanted) : out_(out), wanted_(wanted) {}
@@ -75,12 +76,12 @@ class Fan {
 
 inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-// Up to the end of the first line. (find_first_of() makes a call for every character.)
+// The text up to the end of its first line. (find_first_of() makes one call per character.)
 inline std::string_view first_line(std::string_view text) {
   return text.substr(0, static_cast<size_t>(std::find_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }) - text.begin()));
 }
 
-// Cuts the next word off the front of `line`; empty when only blanks are left.
+// Removes the next word from the front of `line` and returns it; empty when only blanks are left.
 inline std::string_view next_word(std::string_view& line) {
   const char* p = line.data();
   const char* const end = p + line.size();
@@ -91,7 +92,7 @@ inline std::string_view next_word(std::string_view& line) {
   return {word, static_cast<size_t>(p - word)};
 }
 
-// `keyword` in lower case, `word` in any.
+// Whether `word`, in upper or lower case, is `keyword`, which is in lower case.
 inline bool is_keyword(std::string_view word, std::string_view keyword) {
   if (word.size() != keyword.size()) return false;
   for (size_t i = 0; i < word.size(); ++i)
@@ -99,28 +100,28 @@ inline bool is_keyword(std::string_view word, std::string_view keyword) {
   return true;
 }
 
-// Without blanks around it.
+// The text without blanks around it.
 std::string_view trimmed(std::string_view text);
-// Text from a file as a message may show it: quoted, cut to a few dozen characters, printable.
+// Text from a file as messages show it: quoted, printable, at most a few dozen characters.
 std::string shown(std::string_view text);
 
-// std::from_chars takes no '+'.
+// The word without a leading '+', which std::from_chars does not accept.
 inline std::string_view without_plus(std::string_view word) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   return word;
 }
 
-// A number too large or too small for from_chars, correctly rounded all the same: an infinity, 0 or a denormal.
+// The correctly rounded value of a number that is out of range for from_chars: an infinity, 0 or a denormal.
 float round_extreme(std::string_view word, float);
 double round_extreme(std::string_view word, double);
-// `v` is what `word` is as a number of the type; REQUIRES: !is_coordinate(v).
+// `v` is the value of `word`. REQUIRES: !is_coordinate(v).
 [[noreturn]] void refuse_coordinate(std::string_view word, double v, const Input& input);
-// `word` is a number, but rounds to an infinity.
+// For a number that rounds to an infinity.
 [[noreturn]] void refuse_too_large(std::string_view word, float, const Input& input);
 [[noreturn]] void refuse_too_large(std::string_view word, double, const Input& input);
 [[noreturn]] void refuse_number(std::string_view word, const char* expected, const Input& input);
 
-// A word on the current line as a coordinate: rounded once, straight to T, the declared type.
+// A word of the current line as a coordinate, rounded once, to the declared type T.
 template <class T>
 double text_coordinate(std::string_view word, const Input& input) {
   const std::string_view digits = without_plus(word);
@@ -136,7 +137,7 @@ double text_coordinate(std::string_view word, const Input& input) {
   return v + 0.0;  // -0 is +0
 }
 
-// The next word of `line` as a coordinate; nearly every one is a plain number, found in one pass.
+// Removes the next word of `line` and returns it as a coordinate. Nearly every word is a plain number, which takes one pass.
 template <class T>
 double next_coordinate(std::string_view& line, const Input& input) {
   const char* p = line.data();
@@ -157,26 +158,26 @@ inline int64_t text_integer(std::string_view word, const char* expected, const I
   return v;
 }
 
-// The beginning of a surface file, which tells what it is.
+// The beginning of a surface file, from which its format is recognised.
 struct Head {
   std::string_view bytes;        // up to 64 KiB; a byte order mark of UTF-8 is left out
-  std::optional<uint64_t> size;  // of all the contents, where it is known
-  bool text;                     // no byte of the first 1024 is zero: so it is no binary STL (see facets.cpp)
-  std::string_view word;         // the first word that is not in a line of comment ("#")
+  std::optional<uint64_t> size;  // of the whole contents, where it is known
+  bool text;                     // no byte of the first 1024 is zero, so it is no binary STL (see facets.cpp)
+  std::string_view word;         // the first word that is not in a comment ("#")
 };
 
-// Of a reader that looks at a head. kPerhaps: unless the file proves to be of a kind that nobody here reads.
+// A reader's verdict on a head. kPerhaps: the reader takes the file unless other_kind() recognises it.
 enum class Match { kNo, kPerhaps, kSure };
 
-// A format. A new one is a file with one of these, and a line in the table of readers.hpp.
+// A format. A new format is a file that defines one of these, and a line in the table of readers.hpp.
 struct SurfaceReader {
   Match (*recognises)(const Head& head);
-  // Takes all of `input`, and sets format and float32 of `file`. Vertices that must be kept stay within `budget`; `helper`,
-  // where there is one, may do part of the work.
+  // Reads all of `input`, and sets format and float32 of `file`. Vertices that must be kept stay within `budget`. `helper`, if it
+  // is not null, may do part of the work.
   void (*read)(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background* helper);
 };
 
-// What a file is that no reader takes: "a STEP file", and what to do about it. Empty: nobody knows.
+// What a file is that no reader takes, such as "a STEP file", and what to do about it. Empty when the format is unknown.
 struct OtherKind {
   std::string what, advice;
 };

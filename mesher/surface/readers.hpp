@@ -1,4 +1,4 @@
-// The surface formats. A new one is a file that defines its reader, and a line in this list and in this table.
+// The surface formats. A new format is a file that defines its reader, a declaration here, and a line in the table.
 #pragma once
 #include "mesher/surface/reader.hpp"
 
@@ -9,7 +9,8 @@ extern const SurfaceReader kBinaryStlReader;
 extern const SurfaceReader kAsciiStlReader;
 extern const SurfaceReader kObjReader;
 
-// Those that are sure need no order: no file is of two formats.
+// A reader that is sure takes the file, wherever it stands in the table: no file is of two formats. Of several that may read a
+// file, the first one does.
 inline constexpr const SurfaceReader* kReaders[] = {
     &kPlyReader,
     &kBinaryStlReader,

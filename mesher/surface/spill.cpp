@@ -20,7 +20,7 @@ SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected) : f
     throw IoError(fmt::format("{}: expected {} bytes of free space for temporary files, found {}: give another folder with --tmp, or more --memory", folder_,
                               expected, room));
   fd_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (fd_ < 0) {  // not every file system has files without names
+  if (fd_ < 0) {  // not every file system supports files without names
     std::string name = (folder / "teracell-XXXXXX").string();
     fd_ = ::mkostemp(name.data(), O_CLOEXEC);
     if (fd_ < 0) throw IoError(fmt::format("{}: can't create a temporary file: {}: give another folder with --tmp", folder_, std::strerror(errno)));

@@ -1,4 +1,4 @@
-// Room on disk for what the memory budget doesn't hold.
+// Disk space for what exceeds the memory budget.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -7,18 +7,18 @@
 
 namespace teracell {
 
-// How much memory a run may use, and where it may put the rest.
+// How much memory a run may use, and where it may write the rest.
 struct Budget {
   uint64_t bytes = ~uint64_t{0};
   std::filesystem::path folder = ".";  // for temporary files
 };
 
-// A temporary file without a name: however the process ends, nothing stays behind. Threads may share it. Throws IoError
-// that says what to do about it. (Giving room back piece by piece was tried: punching a hole makes ext4 write out
-// everything first, which took most of the time of a run.)
+// A temporary file without a name, which disappears with the process, however that ends. Threads may share it. Throws IoError
+// that says what to do. (Rejected: returning disk space piece by piece. To punch a hole, ext4 first writes out the whole
+// file, which took most of the time of a run.)
 class SpillFile {
  public:
-  // `expected` bytes must be free in the folder.
+  // Throws unless the folder has `expected` bytes of free space.
   SpillFile(const std::filesystem::path& folder, uint64_t expected);
   ~SpillFile();
   SpillFile(const SpillFile&) = delete;

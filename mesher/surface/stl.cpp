@@ -1,10 +1,11 @@
-// STL, binary and ASCII. Normals are ignored: the order of the vertices says which side is out.
+// STL, binary and ASCII. Normals are ignored: the order of the vertices tells which side is outside.
 //
-// Binary: 80 bytes of anything, a 32-bit count, then 50 bytes a facet: normal and three vertices as 12 little-endian
-// float32, and two bytes of attributes. A file shorter than the count says is no surface; what lies behind is skipped.
+// Binary: 80 arbitrary bytes, a 32-bit count, then 50 bytes per facet: the normal and three vertices as 12 little-endian
+// float32, and two bytes of attributes. A file that is shorter than its count implies is refused; bytes after the last facet are
+// skipped.
 //
-// ASCII: words, whatever the lines. A line that begins with none of STL's words, such as `color 1 0 0`, is skipped, and a
-// solid may lack its `endsolid`; a facet must be whole.
+// ASCII: a sequence of words; line breaks mean nothing. A line that begins with none of the words of STL, such as
+// `color 1 0 0`, is skipped, and a solid may lack its `endsolid`. A facet must be complete.
 #include <algorithm>
 #include <bit>
 #include <string>
@@ -30,11 +31,11 @@ uint32_t load32(const char* p) {
 uint64_t counted_facets(std::string_view head) { return load32(head.data() + 80); }
 
 [[noreturn]] void cut_short(const Input& input, uint64_t facets, uint64_t found) {
-  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}: cut short, or no STL", input.at_byte(80), facets,
+  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}: cut short, or not an STL file", input.at_byte(80), facets,
                                kHeader + kRecord * facets, found));
 }
 
-// One record -> one facet. A float32 that is finite is always within the limits of a coordinate.
+// Decodes one record. A finite float32 is always a coordinate: its magnitude is within the limits.
 void decode(const char* record, uint64_t number, uint64_t offset, const Input& input, Facet& facet) {
   bool finite = true;
   for (int i = 0; i < 9; ++i) {
@@ -47,7 +48,7 @@ void decode(const char* record, uint64_t number, uint64_t offset, const Input& i
     for (const double x : v) checked_coordinate(x, fmt::format("{}: facet {}", input.at_byte(offset), number));
 }
 
-// The words of a text one after the other, whatever the lines.
+// The words of a text, one after the other, across lines.
 class Words {
  public:
   explicit Words(Input& input) : input_(input) {}
@@ -68,7 +69,8 @@ class Words {
   [[gnu::cold]] void skip_lines(std::string_view word, std::string_view expected) {
     for (; !is_keyword(word, expected); word = next()) skip_line(word, expected);
   }
-  // `word`, the last one taken, is not what was expected: skips its line if it begins there and is none of STL's, else refuses.
+  // For a `word`, the last one taken, that is not what was expected. If it begins its line and is no word of STL, skips the line;
+  // otherwise throws.
   [[gnu::cold]] void skip_line(std::string_view word, std::string_view expected) {
     if (word.empty() || is_of_stl(word) || !trimmed({begin_, static_cast<size_t>(word.data() - begin_)}).empty()) refuse(word, expected);
     const std::string_view line = trimmed({word.data(), word.size() + line_.size()});
@@ -82,15 +84,15 @@ class Words {
         word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file{}", input_.at_line(), keyword, skipped)
                      : fmt::format("{}: expected '{}', found {}{}", input_.at_line(), keyword, shown(word), skipped));
   }
-  void facet_is_whole() { since_facet_.clear(); }
+  void facet_is_complete() { since_facet_.clear(); }
 
-  // Behind `solid`: the rest of the line, or of it what stands before a facet.
+  // After `solid`: the rest of the line, or the part of it before a facet.
   std::string_view solid_name() {
     const std::string_view name = line_.substr(0, next_facet());
     line_.remove_prefix(name.size());
     return trimmed(name);
   }
-  // Behind `endsolid`: its name once more. The next solid may follow on the same line.
+  // After `endsolid`: skips the name, which is given again. The next solid may follow on the same line.
   void skip_name(std::string_view name) {
     line_ = trimmed(line_);
     const size_t facet = next_facet();
@@ -111,15 +113,15 @@ class Words {
   }
 
   void warn(FacetStream& out) const {
-    if (skipped_ == 1) out.warn(fmt::format("a line that is no part of an STL was skipped: {}", first_skipped_));
-    if (skipped_ > 1) out.warn(fmt::format("{} lines that are no part of an STL were skipped, the first is {}", skipped_, first_skipped_));
+    if (skipped_ == 1) out.warn(fmt::format("a line that is not STL was skipped: {}", first_skipped_));
+    if (skipped_ > 1) out.warn(fmt::format("{} lines that are not STL were skipped, the first is {}", skipped_, first_skipped_));
   }
 
  private:
   static bool is_of_stl(std::string_view word) {
     for (const char* known : {"solid", "facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"})
       if (is_keyword(word, known)) return true;
-    const bool cut_off = word.size() < 5 && is_keyword(word, "facet"sv.substr(0, word.size()));  // no decoration, but the end of a file cut short
+    const bool cut_off = word.size() < 5 && is_keyword(word, "facet"sv.substr(0, word.size()));  // a beginning of `facet`: the end of a file that is cut short
     const size_t digit = word.find_first_not_of("+-.");
     return cut_off || (digit != std::string_view::npos && word[digit] >= '0' && word[digit] <= '9');
   }
@@ -128,8 +130,8 @@ class Words {
     word = without_plus(word);
     return std::from_chars(word.data(), word.data() + word.size(), v).ec != std::errc::invalid_argument;
   }
-  // Where on the line a facet begins: `facet normal` and a number. The line's length when none does, or only behind a
-  // name of unheard length.
+  // Where a facet begins on the rest of the line: `facet normal` and a number. The length of the rest when no facet does, or
+  // when it comes only after thousands of characters.
   size_t next_facet() const {
     constexpr size_t kLongestName = 4096;
     std::string_view rest = line_.substr(0, kLongestName);
@@ -146,10 +148,10 @@ class Words {
   std::string_view line_;
   const char* begin_ = nullptr;  // of the whole line
   uint64_t skipped_ = 0;         // lines
-  std::string first_skipped_, since_facet_;  // the first of them, and of those since the last whole facet
+  std::string first_skipped_, since_facet_;  // the first of them, and the first one since the last complete facet
 };
 
-// After the word `facet`, up to its `endfacet`.
+// Reads from after the word `facet` to its `endfacet`.
 void read_ascii_facet(Words& words, Facet& facet) {
   words.expect("normal");
   for (int i = 0; i < 3; ++i)
@@ -162,23 +164,23 @@ void read_ascii_facet(Words& words, Facet& facet) {
   }
   words.expect("endloop");
   words.expect("endfacet");
-  words.facet_is_whole();
+  words.facet_is_complete();
 }
 
-// The size decides: many begin with "solid" too.
+// The size decides: many binary files begin with "solid", too.
 Match recognises_binary(const Head& head) {
   if (head.bytes.size() < kHeader) return Match::kNo;
   if (head.size == kHeader + kRecord * counted_facets(head.bytes)) return Match::kSure;
   return head.text ? Match::kNo : Match::kPerhaps;
 }
 
-void skip_behind(Input& input, FacetStream& out, uint64_t facets) {
+void skip_rest(Input& input, FacetStream& out, uint64_t facets) {
   uint64_t bytes = 0;
   for (size_t some; (some = input.window(1).size()) > 0; bytes += some) input.consume(some);
   if (bytes > 0 && facets == 0)
-    throw InputError(fmt::format("{}: the header counts 0 facets, and {} bytes follow: a wrong count, or no STL", input.at_byte(80), bytes));
+    throw InputError(fmt::format("{}: the header counts 0 facets, but {} bytes follow: the count is wrong, or this is not an STL file", input.at_byte(80), bytes));
   if (bytes > 0)
-    out.warn(fmt::format("{} behind the last facet {} skipped{}", plural(bytes, "byte"), bytes == 1 ? "was" : "were",
+    out.warn(fmt::format("{} after the last facet {} skipped{}", plural(bytes, "byte"), bytes == 1 ? "was" : "were",
                          bytes % kRecord == 0 ? fmt::format(", as many as {} take{}: the header's count of {} may be wrong", plural(bytes / kRecord, "facet"),
                                                             bytes == kRecord ? "s" : "", facets)
                                               : ""));
@@ -201,7 +203,7 @@ void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const Budget
     input.consume(kRecord * whole);
     done += whole;
   }
-  skip_behind(input, out, facets);
+  skip_rest(input, out, facets);
 }
 
 Match recognises_ascii(const Head& head) { return head.text && is_keyword(head.word, "solid") ? Match::kPerhaps : Match::kNo; }
@@ -210,7 +212,7 @@ void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const Budget&
   file.format = "STL (ASCII)";
   Words words(input);
   std::string name;
-  uint64_t unended = 0;                                    // solids that another one follows without an `endsolid`
+  uint64_t unended = 0;                                    // solids that another solid follows without an `endsolid`
   bool inside = false, has_facet = false, wanted = false;  // of the current solid
   Facet facet;
   for (;;) {

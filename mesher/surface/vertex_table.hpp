@@ -1,11 +1,11 @@
-// The vertices of a surface file by number, for the readers of formats whose facets name vertices (OBJ, PLY).
+// The vertices of a surface file by number, for the readers of formats whose facets refer to vertices (OBJ, PLY).
 //
-// Vertices lie in pieces, and a piece has one place in memory where it may be: its number modulo the number of places.
-// While there are fewer pieces than places, all stay; then a piece goes to a temporary file when another one needs its
-// place, and comes back when it is asked for. Facets mostly name vertices near those that the facet before named, so
-// they rarely meet elsewhere. Small pieces make the worst case, vertices named at random, bearable: 1 to 2 µs each.
+// Vertices are kept in pieces. Each piece has one place in memory, a direct-mapped cache: its number modulo the number of
+// places. While there are fewer pieces than places, all stay in memory. After that, a piece is written to a temporary file
+// when another one needs its place, and is read back when it is needed. Facets mostly refer to vertices near those of the
+// facet before, so this is rare. Pieces are small to make the worst case, vertices at random, bearable: 1 to 2 µs per vertex.
 //
-// Grows piece by piece as vertices come: never on the word of a header. Not to be shared by threads.
+// The table grows piece by piece with the vertices, not with the count in a header. Not to be shared by threads.
 #pragma once
 #include <memory>
 #include <optional>
@@ -18,7 +18,8 @@ namespace teracell {
 
 class VertexTable {
  public:
-  // Takes up to an eighth of the budget, or kLeastBytes. Throws IoError when the folder is needed and of no use.
+  // Takes at most an eighth of the budget, or kLeastBytes if that is more. Throws IoError when a temporary file is needed and the
+  // folder can't hold it.
   static constexpr uint64_t kLeastBytes = uint64_t{1} << 22;
   explicit VertexTable(const Budget& budget);
 
@@ -37,7 +38,7 @@ class VertexTable {
   struct Piece {
     uint64_t number;
     uint64_t checksum;  // of the vertices, while it is on disk
-    bool changed = false;  // since it was on disk
+    bool changed = false;  // since it was written to disk
     std::array<Vec3, kPiece> vertices;
   };
   Piece& piece_of(uint64_t i) {
@@ -50,7 +51,7 @@ class VertexTable {
   void make_room(Piece& place);
 
   const std::filesystem::path folder_;
-  const uint64_t last_place_;  // their number, a power of two, less one
+  const uint64_t last_place_;  // the number of places, a power of two, minus one
   std::vector<std::unique_ptr<Piece>> places_;
   std::optional<SpillFile> file_;
   uint64_t size_ = 0;

@@ -162,8 +162,8 @@ uint32_t ThinParts::material(const std::vector<Sum>& sums) const {
   uint32_t strongest = ~uint32_t{0}, found = 0;
   for (const Sum& s : sums) {
     const uint32_t body = s.layer / 2;
-    if (!(s.layer % 2 == 0 ? s.sum != 0 : s.sum % 2 != 0) || labels_.strength[body] >= strongest) continue;
-    strongest = labels_.strength[body];
+    if (!(s.layer % 2 == 0 ? s.sum != 0 : s.sum % 2 != 0) || labels_.rank[body] >= strongest) continue;
+    strongest = labels_.rank[body];
     found = scene_.bodies[body].material;
   }
   return found;

@@ -10,40 +10,40 @@ uint32_t root(std::vector<uint32_t>& parent, uint32_t v) {
 
 }  // namespace
 
-BinnedSurvey::Bin::Bin(BinnedSurvey& survey, uint64_t facets) : survey_(survey) {
-  if (survey.bodies_.size() == 1) surveys_[0].expect(facets);
+BinnedCounter::Bin::Bin(BinnedCounter& all, uint64_t facets) : all_(all) {
+  if (all.bodies_.size() == 1) counters_[0].expect(facets);
 }
 
-void BinnedSurvey::Bin::add(const BinnedFacet& f) {
+void BinnedCounter::Bin::add(const BinnedFacet& f) {
   if (f.added) return;  // the file doesn't have it
   const uint32_t body = f.layer / 2;
-  surveys_[body].add(f.facet, f.at_home);
+  counters_[body].add(f.facet, f.at_home);
   if (f.shared) shared_.emplace_back(body, f.facet.vertex[0]);
 }
 
-void BinnedSurvey::Bin::finish() {
-  std::lock_guard lock(survey_.mutex_);
+void BinnedCounter::Bin::finish() {
+  std::lock_guard lock(all_.mutex_);
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> node_of;  // by body and shell within the bin
   for (const auto& [b, vertex] : shared_) {
-    Body& body = survey_.bodies_[b];
+    Body& body = all_.bodies_[b];
     const auto fresh = static_cast<uint32_t>(body.parent.size());
     const auto [node, first] = body.nodes.try_emplace(vertex_hash(vertex).low, fresh);
     if (first) body.parent.push_back(fresh);
-    const auto [in_bin, first_of_shell] = node_of.try_emplace({b, surveys_[b].shell_of(vertex)}, node->second);
+    const auto [in_bin, first_of_shell] = node_of.try_emplace({b, counters_[b].shell_of(vertex)}, node->second);
     if (first_of_shell) --body.totals.shells;
     else body.parent[root(body.parent, node->second)] = root(body.parent, in_bin->second);
   }
-  for (auto& [b, survey] : surveys_) {
-    SurveyTotals& totals = survey_.bodies_[b].totals;
-    totals.degenerate += survey.degenerate();
-    totals.duplicates += survey.duplicates();
-    totals.opposite += survey.opposite();
-    totals.shells += survey.shells();
+  for (auto& [b, counter] : counters_) {
+    SurfaceCounts& totals = all_.bodies_[b].totals;
+    totals.degenerate += counter.degenerate();
+    totals.duplicates += counter.duplicates();
+    totals.opposite += counter.opposite();
+    totals.shells += counter.shells();
   }
 }
 
-std::vector<SurveyTotals> BinnedSurvey::totals() const {
-  std::vector<SurveyTotals> out;
+std::vector<SurfaceCounts> BinnedCounter::totals() const {
+  std::vector<SurfaceCounts> out;
   for (const Body& body : bodies_) {
     out.push_back(body.totals);
     for (uint32_t v = 0; v < body.parent.size(); ++v) out.back().shells += body.parent[v] == v;

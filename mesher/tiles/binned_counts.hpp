@@ -1,4 +1,4 @@
-// The survey of bodies that are never in memory whole: bin by bin, then what the bins share.
+// Counts what surfaces are made of that are never in memory whole: bin by bin, then what the bins share.
 #pragma once
 #include <map>
 #include <mutex>
@@ -10,28 +10,28 @@
 namespace teracell {
 
 // Memory: by the facets that lie in several bins, and by the shells. Threads may share it, each with bins of its own.
-class BinnedSurvey {
+class BinnedCounter {
  public:
-  explicit BinnedSurvey(size_t bodies) : bodies_(bodies) {}
+  explicit BinnedCounter(size_t bodies) : bodies_(bodies) {}
 
   // One bin, of about `facets` facets. Not thread-safe.
   class Bin {
    public:
-    Bin(BinnedSurvey& survey, uint64_t facets);
+    Bin(BinnedCounter& all, uint64_t facets);
     void add(const BinnedFacet& facet);
     void finish();  // after the last one
 
    private:
-    BinnedSurvey& survey_;
-    std::map<uint32_t, Survey> surveys_;             // by body
+    BinnedCounter& all_;
+    std::map<uint32_t, SurfaceCounter> counters_;    // by body
     std::vector<std::pair<uint32_t, Vec3>> shared_;  // body and first vertex of the facets that lie in other bins too
   };
-  std::vector<SurveyTotals> totals() const;
+  std::vector<SurfaceCounts> totals() const;
 
  private:
   // Shells within a bin that reach beyond it are nodes; a facet that lies in several bins joins those of its shell in each.
   struct Body {
-    SurveyTotals totals;                           // shells: those within one bin
+    SurfaceCounts totals;                           // shells: those within one bin
     std::unordered_map<uint64_t, uint32_t> nodes;  // of shared facets, by a hash of the first vertex
     std::vector<uint32_t> parent;                  // union-find over nodes
   };

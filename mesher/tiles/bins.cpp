@@ -12,7 +12,7 @@ namespace {
 // A surface whose facets are small next to a bin lies in little more than one each.
 constexpr double kBinsOfAFacet = 1.2;
 constexpr size_t kPage = 4096;
-// Loaded, a facet takes what it takes on disk, in the store, and in its survey.
+// Loaded, a facet takes what it takes on disk, in the store, and in what counts it.
 constexpr uint64_t kLoadedBytes = 200;
 
 }  // namespace
@@ -51,9 +51,9 @@ void FacetBins::open_children(Bin& bin) const {
 }
 
 FacetBins::Places FacetBins::places_of(const RayRange& r) const {
-  const auto unit = static_cast<uint32_t>(rays_.size(0));
+  const auto group = static_cast<uint32_t>(rays_.size(0));
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
-  return {std::min(r.u0, u) / unit, std::min(r.u1, u) / unit, std::min(r.v0, v) / unit, std::min(r.v1, v) / unit};
+  return {std::min(r.u0, u) / group, std::min(r.u1, u) / group, std::min(r.v0, v) / group, std::min(r.v1, v) / group};
 }
 
 void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin) {

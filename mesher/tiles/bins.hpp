@@ -59,7 +59,7 @@ class FacetBins {
   uint64_t bins_at(int depth) const;
   void open_children(Bin& bin) const;
   void open_leaves(Bin& bin) const;  // of all leaves
-  // The units of a facet's rays and vertices, inclusive.
+  // The tile groups of a facet's rays and vertices, inclusive.
   struct Places {
     uint32_t u0, u1, v0, v1;
   };

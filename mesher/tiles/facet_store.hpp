@@ -1,5 +1,6 @@
 // The facets of a scene in memory, by number, in pieces that never move: a reading thread appends while another one
 // studies what is there. (A vector that doubles copies everything again and holds three times as much meanwhile.)
+// There are two types of them, so that coordinates of a file are never taken for those of the grid.
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -43,6 +44,22 @@ class FacetStore {
   static constexpr uint64_t kPiece = 4096;
   std::vector<std::unique_ptr<SceneFacet[]>> pieces_;
   uint64_t size_ = 0;
+};
+
+// In the coordinates of their files.
+class FileFacets : public FacetStore {};
+
+// As the grid sees them.
+class GridFacets : public FacetStore {
+ public:
+  GridFacets() = default;
+  // All of them are where the grid sees them already.
+  explicit GridFacets(FileFacets&& facets) : FacetStore(std::move(facets)) {}
+  // Calls move(facet) for each, to take it to where the grid sees it.
+  template <class F>
+  GridFacets(FileFacets&& facets, F&& move) : FacetStore(std::move(facets)) {
+    for_each(0, size(), move);
+  }
 };
 
 }  // namespace teracell

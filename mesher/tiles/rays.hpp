@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "mesher/engines/engine.hpp"
-#include "store/format.hpp"
+#include "store/metadata.hpp"
 
 namespace teracell {
 
@@ -44,7 +44,7 @@ struct ChunkRange {
   uint32_t u0, u1, v0, v1;
 };
 
-// A node of the tree: `depth` 0 is a unit, 4 x 4 chunks. (cu, cv) counts nodes of this depth.
+// A node of the tree: `depth` 0 is a group of 4 x 4 tiles. (cu, cv) counts nodes of this depth.
 struct TreePlace {
   int depth = 0;
   uint32_t cu = 0, cv = 0;

@@ -23,9 +23,9 @@ ListedFacet listed(uint32_t number, const ChunkRange& r, uint32_t cu, uint32_t c
 }  // namespace
 
 Tiling::Tiling(const Metadata& meta, std::vector<bool> wide) : rays_(meta, std::move(wide)) {
-  units_u_ = (rays_.shape.chunks_u + 3) / 4;
-  units_v_ = (rays_.shape.chunks_v + 3) / 4;
-  units_ = uint64_t{units_u_} * units_v_;
+  groups_u_ = (rays_.shape.chunks_u + 3) / 4;
+  groups_v_ = (rays_.shape.chunks_v + 3) / 4;
+  groups_ = uint64_t{groups_u_} * groups_v_;
 }
 
 // Makes a node of facets in memory. It lists them from the lowest to the highest along the rays, to a 4096th of the grid,
@@ -47,7 +47,7 @@ class Tiling::NodeBuilder {
     heights_.push_back(h);
     ++order_[h + 1];
   }
-  Node finish(const TreePlace& place, std::shared_ptr<const FacetStore> facets) {
+  Node finish(const TreePlace& place, std::shared_ptr<const GridFacets> facets) {
     std::partial_sum(order_.begin(), order_.end(), order_.begin());
     std::vector<ListedFacet> list(order_[kNone]);
     for (uint32_t i = 0; i < heights_.size(); ++i)
@@ -67,31 +67,31 @@ class Tiling::NodeBuilder {
   std::vector<uint32_t> order_ = std::vector<uint32_t>(kHeights + 2);
 };
 
-Tiling::Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta, std::vector<bool> wide) : Tiling(meta, std::move(wide)) {
+Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> wide) : Tiling(meta, std::move(wide)) {
   NodeBuilder root(rays_);
   root.expect(facets->size());
   facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_.range_of(f.facet, f.layer)); });
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 
-Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, int ahead, const Metadata& meta) : Tiling(meta) {
+Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter& counter, int ahead, const Metadata& meta) : Tiling(meta) {
   bins_ = std::move(bins);
-  survey_ = &survey;
+  counter_ = &counter;
   ahead_ = static_cast<size_t>(ahead);
   path_.push_back({rays_.root(), nullptr, {}});
 }
 
 Tiling::Node Tiling::load(const TreePlace& place) const {
-  const auto store = std::make_shared<FacetStore>();
+  const auto store = std::make_shared<GridFacets>();
   NodeBuilder node(rays_);
-  BinnedSurvey::Bin survey(*survey_, bins_->facets(place));
+  BinnedCounter::Bin counts(*counter_, bins_->facets(place));
   bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
-    survey.add(f);
+    counts.add(f);
     if (range.empty()) return;
     store->append({&moved, 1}, f.layer);
     node.add(moved, range);
   });
-  survey.finish();
+  counts.finish();
   return node.finish(place, store);
 }
 
@@ -107,12 +107,12 @@ Tiling::Node Tiling::take_bin(const TreePlace& place) {
   return loading.valid() ? loading.get() : load(place);
 }
 
-std::optional<Unit> Tiling::next() {
+std::optional<TileGroup> Tiling::next() {
   while (!path_.empty()) {
     Node node = std::move(path_.back());
     path_.pop_back();
     if (!node.block && !bins_->is_split(node.place)) node = take_bin(node.place);
-    if (node.place.depth == 0) return Unit{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
+    if (node.place.depth == 0) return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
     push_children(std::move(node));
   }
   return std::nullopt;
@@ -131,15 +131,15 @@ void Tiling::push_children(Node node) {
   }
   for (uint32_t k = 16; k-- > 0;) {  // the last one first: it is a stack
     const TreePlace child{depth, at.cu * 4 + k % 4, at.cv * 4 + k / 4};
-    if (uint64_t{child.cu} << (2 * depth) < units_u_ && uint64_t{child.cv} << (2 * depth) < units_v_) path_.push_back({child, node.block, std::move(lists[k])});
+    if (uint64_t{child.cu} << (2 * depth) < groups_u_ && uint64_t{child.cv} << (2 * depth) < groups_v_) path_.push_back({child, node.block, std::move(lists[k])});
   }
 }
 
-std::array<std::vector<const SceneFacet*>, 4> Tiling::split(const Unit& unit, uint32_t row) const {
+std::array<std::vector<const SceneFacet*>, 4> Tiling::split(const TileGroup& group, uint32_t row) const {
   std::array<std::vector<const SceneFacet*>, 4> lists;
-  for (const ListedFacet& f : unit.facets) {
+  for (const ListedFacet& f : group.facets) {
     if (row < f.v0 || row >= f.v1) continue;
-    for (uint32_t u = f.u0; u < f.u1; ++u) lists[u].push_back(&(*unit.block->facets)[f.number]);
+    for (uint32_t u = f.u0; u < f.u1; ++u) lists[u].push_back(&(*group.block->facets)[f.number]);
   }
   return lists;
 }

@@ -23,20 +23,20 @@ namespace teracell {
 
 // Facets in memory, and where each may have rays.
 struct FacetBlock {
-  std::shared_ptr<const FacetStore> facets;
+  std::shared_ptr<const GridFacets> facets;
   std::vector<ChunkRange, Populated<ChunkRange>> chunks;
 };
 
 // A facet in the list of a node. At depth 0 with the chunks [u0, u1) x [v0, v1) of the node's 4 x 4 that it may have rays
-// in: to look these up in the block, row by row and in the order of the list, was most of splitting a unit.
+// in: to look these up in the block, row by row and in the order of the list, was most of splitting a group.
 struct ListedFacet {
   uint32_t number;
   uint8_t u0, u1, v0, v1;
 };
 
-// 4 x 4 chunks of level 0 (less at the grid's edge), one chunk of level 2: what the workers take.
-struct Unit {
-  uint32_t cu, cv;  // its place, in units
+// 4 x 4 tiles (fewer at the grid's edge), each a chunk of level 0, and together one chunk of level 2.
+struct TileGroup {
+  uint32_t cu, cv;  // its place, in groups
   std::shared_ptr<const FacetBlock> block;
   std::vector<ListedFacet> facets;  // those that may meet its rays
 };
@@ -44,17 +44,17 @@ struct Unit {
 // next() is not thread-safe; split() may run on any thread, also while next() runs.
 class Tiling {
  public:
-  // Of facets as the grid sees them; `wide` bodies as in rays.hpp.
-  Tiling(std::shared_ptr<const FacetStore> facets, const Metadata& meta, std::vector<bool> wide);
-  // `survey` sees the facets of every bin as it is loaded. The next `ahead` bins are loaded by threads of their own while
-  // the units of one are taken.
-  Tiling(std::unique_ptr<FacetBins> bins, BinnedSurvey& survey, int ahead, const Metadata& meta);
+  // Of facets in memory; `wide` bodies as in rays.hpp.
+  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> wide);
+  // `counter` counts the facets of every bin as it is loaded. The next `ahead` bins are loaded by threads of their own while
+  // the groups of one are taken.
+  Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter& counter, int ahead, const Metadata& meta);
 
-  uint64_t units() const { return units_; }
-  // The units in the order of the tree; rays without facets included.
-  std::optional<Unit> next();
-  // The facets of the unit that may meet each chunk of a row of its 4 x 4; the lowest along the rays come first, roughly.
-  std::array<std::vector<const SceneFacet*>, 4> split(const Unit& unit, uint32_t row) const;
+  uint64_t groups() const { return groups_; }
+  // The groups in the order of the tree; those of rays without facets included.
+  std::optional<TileGroup> next();
+  // The facets of the group that may meet each chunk of a row of its 4 x 4; the lowest along the rays come first, roughly.
+  std::array<std::vector<const SceneFacet*>, 4> split(const TileGroup& group, uint32_t row) const;
 
  private:
   struct Node {
@@ -69,10 +69,10 @@ class Tiling {
   void push_children(Node node);
 
   RayFrame rays_;
-  uint32_t units_u_, units_v_;
-  uint64_t units_;
+  uint32_t groups_u_, groups_v_;
+  uint64_t groups_;
   std::unique_ptr<FacetBins> bins_;
-  BinnedSurvey* survey_ = nullptr;  // of the bins
+  BinnedCounter* counter_ = nullptr;  // of the bins
   size_t ahead_ = 0;
   std::vector<Node> path_;
   std::deque<std::future<Node>> next_bins_;  // the first ones on the path; last: their threads use the others

@@ -7,7 +7,7 @@
 
 #include "server/service/deflate.hpp"
 #include "server/service/service.hpp"
-#include "store/slice.hpp"
+#include "store/query.hpp"
 
 namespace teracell {
 

@@ -9,7 +9,7 @@
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
-#include "store/format.hpp"
+#include "store/metadata.hpp"
 
 namespace teracell {
 

@@ -74,9 +74,9 @@ class Inputs(Case):
         cells = self.json_of("stats", "box.tcell")["materials"][1]["cells"]
         text = solids.ascii_stl(BOX)
         obj = "".join(f"v {x} {y} {z}\n" for facet in BOX for x, y, z in facet) + "".join(f"f {i} {i + 1} {i + 2}\n" for i in range(1, 3 * len(BOX), 3))
-        for name, contents, warnings in (("behind.stl", solids.binary_stl(BOX) + bytes(120), ["120 bytes behind the last facet were skipped"]),
+        for name, contents, warnings in (("behind.stl", solids.binary_stl(BOX) + bytes(120), ["120 bytes after the last facet were skipped"]),
                                          ("open.stl", text[: text.rindex("endsolid")], ["the file ends without 'endsolid': it may be cut short"]),
-                                         ("color.stl", text.replace("outer", "color 1 0 0\nouter"), ["12 lines that are no part of an STL were skipped, the first is line 3, 'color 1 0 0'"]),
+                                         ("color.stl", text.replace("outer", "color 1 0 0\nouter"), ["12 lines that are not STL were skipped, the first is line 3, 'color 1 0 0'"]),
                                          ("line.stl", text.replace("\n", " "), []),
                                          ("lines.obj", obj + "l 1 2\np 3\n", ["1 polyline and 1 point were skipped"]),
                                          ("surface.obj", obj + "surf 0 1 0 1 1 2 3 4\n", ["1 free-form surface was skipped: convert surfaces to polygons where the body needs them"])):
@@ -148,7 +148,7 @@ class Inputs(Case):
         scene = {"grid": {"cells": 9}, "materials": {"a": {}}, "bodies": [{"mesh": "box.stl", "material": "a"}]}
         for change, phrase in (({"materials": {"a": {}, "\x1b[2J": {}}}, 'materials["\\u001b[2J"]'),
                                ({"units": "\x9b"}, 'found "?"'), ({"\x1b]0;x\x07": 1}, "unknown key"),
-                               ({"bodies": [{**scene["bodies"][0], "name": "a\rb"}]}, "bodies[0].name: expected a text without control characters")):
+                               ({"bodies": [{**scene["bodies"][0], "name": "a\rb"}]}, "bodies[0].name: expected a string without control characters")):
             self.write("s.json", {**scene, **change})
             self.refused(2, ["s.json: ", phrase], "mesh", "s.json", "-o", "x.tcell")
         self.write("s.json", b'{"units": "\xff"}')

@@ -125,6 +125,19 @@ class Scenes(Case):
         self.assertEqual(self.export("g.tcell"), (ns[::-1], cells))
         self.assertRegex(self.run_ok("info", "g.tcell").out, r"b: 12 facets in 1 shell, sheet, \d+ cells")
 
+    def test_options_for_solids_leave_sheets_alone(self):
+        sheet, solid = {"mesh": "b.obj", "material": "oil", "kind": "sheet"}, {"mesh": "a.stl", "material": "steel"}
+        options = (("--fill", "evenodd"), ("--closing", "strict"), ("--stitch", 0))
+        self.mesh([sheet])
+        for option in options:
+            self.refused(2, [option[0], "sheets only"], "mesh", "s.json", *option, "-o", "g.tcell")
+        self.mesh([sheet, solid])
+        for option in options:
+            self.run_ok("mesh", "s.json", *option, "-o", "g.tcell")
+            of_sheet, of_solid = self.json_of("info", "g.tcell")["report"]["scene"]["bodies"]
+            self.assertEqual((of_sheet["fill"], of_sheet["closing"], "stitch" in of_sheet), ("auto", "cap", False))
+            self.assertEqual(of_solid[option[0][2:]], option[1])
+
     def test_thin_parts_are_counted_and_kept(self):
         self.write("plate.stl", solids.binary_stl(solids.box_facets((0.0, 0.0, 2.0), (4.0, 4.0, 2.125))))
         body = {"mesh": "plate.stl", "material": "steel"}

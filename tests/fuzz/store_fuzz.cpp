@@ -8,7 +8,11 @@
 #include <unistd.h>
 
 #include "store/chunk_codec.hpp"
+#include "store/metadata_json.hpp"
+#include "store/query.hpp"
 #include "store/slice.hpp"
+#include "store/stats.hpp"
+#include "store/verify.hpp"
 #include "tests/support/forged.hpp"
 #include "tests/support/stored.hpp"
 
@@ -20,7 +24,7 @@ using namespace testing;
 // Hostile metadata may describe grids that take hours to walk: no fault of the reader's.
 bool affordable(const GridReader& reader) {
   double rays = 0, chunks = 0;
-  for (const LevelInfo& l : reader.meta().levels) {
+  for (const LevelInfo& l : reader.meta().levels()) {
     const LevelShape s = reader.shape(l.level);
     rays += double{1} * s.nu * s.nv * s.segments;
     chunks += double{1} * s.chunks_u * s.chunks_v * s.segments;
@@ -71,7 +75,7 @@ void read_file(const Bytes& bytes) {
     const GridReader reader = reader_of(bytes);
     if (!affordable(reader)) return;
     try {
-      reader.verify(1, [](double) {});
+      verify(reader, 1, [](double) {});
       sound = true;
     } catch (const FormatError&) {
     }

@@ -118,7 +118,7 @@ TEST_CASE("A grid that cuts through a body, or lies wholly inside it, is the win
   expect_exact(bodies, uniform_grid(4.5, 0.25, 4, 4, 4));
 }
 
-TEST_CASE("Borders of tiles, of units and of chunks along the rays leave no trace") {
+TEST_CASE("Borders of tiles, of tile groups and of chunks along the rays leave no trace") {
   const auto lattice = [](uint64_t seed, double size) {
     std::mt19937_64 random(seed);
     return std::vector<Body>{{shapes::join(shapes::random_tetrahedra(random, 3, -2, size, 0.5))},

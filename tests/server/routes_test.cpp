@@ -247,7 +247,7 @@ TEST_CASE("Answers that need a damaged chunk are 500; each is counted, there is 
   ServiceOptions options;
   options.named = {s.path};
   options.complain = [&](const std::string& message) { complaints.push_back(message); };
-  const auto entry = s.service->grids().find("g")->reader().entry(0, 0, 0, 0);
+  const auto entry = s.service->grids().find("g")->reader().entry({0, 0, 0, 0});
   REQUIRE(entry->size > 0);
   std::fstream file(s.path, std::ios::in | std::ios::out | std::ios::binary);
   file.seekp(static_cast<std::streamoff>(entry->offset + entry->size / 2));

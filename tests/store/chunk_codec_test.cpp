@@ -246,7 +246,7 @@ TEST_CASE("Numbers in a chunk that lie are refused") {
   refused("a label that passes 64 bits", [](HandMade& b) { b.palette = {2, 1, 0, 2, 1, ~uint64_t{0}}; });
   refused("no pattern", [](HandMade& b) { b.patterns = {0}; });
   refused("more patterns than rays", [](HandMade& b) { b.patterns = {3, 1, 0, 1, 0, 0, 0, 1}; });
-  refused("a pattern that stands twice", [](HandMade& b) { b.patterns = {2, 1, 0, 1, 1, 0, 1}; });
+  refused("a pattern that occurs twice", [](HandMade& b) { b.patterns = {2, 1, 0, 1, 1, 0, 1}; });
   refused("a pattern that repeats a set", [](HandMade& b) { b.patterns = {1, 1, 1, 1}; });
   refused("two places of the palette that hold one set, side by side in a pattern", [](HandMade& b) { b.palette = {2, 1, 0, 1, 0}; });
   refused("a palette index that is not there", [](HandMade& b) { b.patterns = {1, 1, 0, 2}; });

@@ -4,6 +4,7 @@
 
 #include <xxhash.h>
 
+#include "store/metadata_json.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell::testing {
@@ -16,7 +17,7 @@ class Forger {
   Bytes forge() {
     out_ = signed_again(Part::kHeader, encode_header(), kHeaderBytes - 8);
     out_.resize(out_.size() + lies_.gap);
-    for (LevelInfo& level : meta_.levels) directories_.push_back(level_pages(level));
+    for (LevelInfo& level : meta_.levels()) directories_.push_back(level_pages(level));
     std::vector<std::vector<DirectoryEntry>> covers;
     for (const ForgedChannel& channel : lies_.channels) {
       covers.emplace_back();
@@ -28,14 +29,14 @@ class Forger {
       hashed.insert(hashed.end(), frame.begin(), frame.end());
       return append(frame).offset;
     };
-    for (size_t i = 0; i < meta_.levels.size(); ++i) {
-      if (lies_.directory) lies_.directory(meta_.levels[i].level, directories_[i]);
-      meta_.levels[i].directory = append_directory(directories_[i]);
+    for (size_t i = 0; i < meta_.levels().size(); ++i) {
+      if (lies_.directory) lies_.directory(meta_.levels()[i].level, directories_[i]);
+      meta_.levels()[i].directory = append_directory(directories_[i]);
     }
     for (size_t i = 0; i < covers.size(); ++i) {
       const std::string& name = lies_.channels[i].name;
       if (lies_.cover) lies_.cover(name, covers[i]);
-      meta_.others.push_back({name, append_directory(covers[i]), covers[i].size()});
+      meta_.channels.push_back({name, "", false, {}, append_directory(covers[i]), covers[i].size()});
     }
     if (lies_.metadata) lies_.metadata(meta_);
     Footer footer;
@@ -88,10 +89,8 @@ class Forger {
     info.bytes = 0;
     for (uint64_t page = 0; page < s.pages(); ++page) {
       std::vector<ChunkEntry> entries;
-      for (uint32_t slot = 0; slot < s.page_width(page) * s.page_height(page); ++slot) {
-        const uint32_t cu = static_cast<uint32_t>(page % s.pages_u) * s.page_chunks + slot % s.page_width(page);
-        const uint32_t cv = static_cast<uint32_t>(page / s.pages_u % s.pages_v) * s.page_chunks + slot / s.page_width(page);
-        ChunkEntry e = *reader_.entry(info.level, cu, cv, static_cast<uint32_t>(page / s.pages_u / s.pages_v));
+      for (uint32_t slot = 0; slot < s.page_size(page); ++slot) {
+        ChunkEntry e = *reader_.entry(s.key_of(page, slot));
         if (e.size != 0) {
           const auto first = file_.begin() + static_cast<ptrdiff_t>(e.offset);
           const DirectoryEntry place = append(squeezed_again(Part::kChunk, Bytes(first, first + e.size)));

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "store/format.hpp"
+#include "store/metadata.hpp"
 
 namespace teracell::testing {
 

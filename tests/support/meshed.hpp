@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "mesher/pipeline.hpp"
-#include "store/slice.hpp"
+#include "store/query.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/shapes.hpp"
 

@@ -7,9 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "store/pyramid.hpp"
 #include "store/pyramid_writer.hpp"
-#include "store/slice.hpp"
+#include "store/query.hpp"
 
 namespace teracell::testing {
 
@@ -58,26 +57,26 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
     return block_of_cells(shape.rays_u(cu), shape.rays_v(cv), shape.nw, labels, block);
   };
   const auto unit = [&](uint32_t cu, uint32_t cv) {  // 4 x 4 chunks, and the one of level 2 above them
-    std::array<Chunk, 16> pieces;
-    for (uint32_t i = 0; i < 16; ++i) {
-      const uint32_t u = cu * 4 + i % 4, v = cv * 4 + i / 4;
+    std::array<Chunk, kChildren> pieces;
+    for (uint32_t i = 0; i < kChildren; ++i) {
+      const uint32_t u = cu * kFanOut + i % kFanOut, v = cv * kFanOut + i / kFanOut;
       if (u >= shape.chunks_u || v >= shape.chunks_v) continue;
       const Chunk fine = chunk(u, v);
       pyramid.put(encode_level(encoder, meta, 0, u, v, fine));
       pieces[i] = coarsen(fine, 2);
     }
     if (meta.grid.levels() <= 2) return;
-    const Chunk level2 = join_pieces(pieces.data(), 4, 4, meta.chunk_rays, labels);
+    const Chunk level2 = join_pieces(pieces.data(), kFanOut, kFanOut, meta.chunk_rays, labels);
     pyramid.put(encode_level(encoder, meta, 2, cu, cv, level2));
-    pyramid.rise(2, cu, cv, coarsen(level2, 1));
+    pyramid.add_to_level_above(2, cu, cv, coarsen(level2, 1));
   };
   const auto visit = [&](auto&& self, uint32_t cu, uint32_t cv, uint32_t width) -> void {
-    if (cu * 4 >= shape.chunks_u || cv * 4 >= shape.chunks_v) return;
+    if (cu * kFanOut >= shape.chunks_u || cv * kFanOut >= shape.chunks_v) return;
     if (width == 1) return unit(cu, cv);
-    for (uint32_t i = 0; i < 16; ++i) self(self, cu + i % 4 * (width / 4), cv + i / 4 * (width / 4), width / 4);
+    for (uint32_t i = 0; i < kChildren; ++i) self(self, cu + i % kFanOut * (width / kFanOut), cv + i / kFanOut * (width / kFanOut), width / kFanOut);
   };
   uint32_t width = 1;
-  while (width * 4 < std::max(shape.chunks_u, shape.chunks_v)) width *= 4;
+  while (width * kFanOut < std::max(shape.chunks_u, shape.chunks_v)) width *= kFanOut;
   visit(visit, 0, 0, width);
   writer.finish(R"({"schema":1})", 1234);
 }

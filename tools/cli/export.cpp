@@ -3,7 +3,7 @@
 
 #include "store/error.hpp"
 #include "store/npy.hpp"
-#include "store/slice.hpp"
+#include "store/query.hpp"
 #include "tools/cli/command.hpp"
 
 namespace teracell {

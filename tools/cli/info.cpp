@@ -8,16 +8,14 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "mesher/report_json.hpp"
 #include "store/error.hpp"
 #include "store/info.hpp"
-#include "store/json_text.hpp"
 #include "store/text.hpp"
 #include "tools/cli/command.hpp"
 
 namespace teracell {
 namespace {
-
-using nlohmann::ordered_json;
 
 struct Options {
   std::string grid;
@@ -29,111 +27,97 @@ void row(const std::string& name, const std::string& text) { say(fmt::format("{:
 // A line below a body.
 void detail(const std::string& name, const std::string& text) { row("", fmt::format("  {:<12}{}", name, text)); }
 
-std::string place(const ordered_json& at) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", at.at(0).get<double>(), at.at(1).get<double>(), at.at(2).get<double>());
-}
+std::string place(const Vec3& at) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", at[0], at[1], at[2]); }
 
 // The largest holes of a body.
-void print_holes(const ordered_json& holes, const std::string& units) {
+void print_holes(const std::vector<HoleReport>& holes, const std::string& units) {
   constexpr size_t kShown = 5;
-  const auto diameter = [](const ordered_json* h) { return h->at("diameter").get<double>(); };
-  std::vector<const ordered_json*> sorted;
-  for (const auto& h : holes) sorted.push_back(&h);
-  std::ranges::stable_sort(sorted, std::ranges::greater{}, diameter);
+  std::vector<HoleReport> sorted = holes;
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, &HoleReport::diameter);
   std::string title = "holes";
   for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
-    const ordered_json& h = *sorted[i];
-    const auto gap = h.contains("width") ? fmt::format("gap {:.4g} {} ({:.3g} cells), ", h.at("width").get<double>(), units, h.at("width_cells").get<double>()) : "";
-    detail(std::exchange(title, ""), fmt::format("{:.4g} {} across ({:.3g} cells), {}at {}, {}, {} {:.4g} {}^2", diameter(&h), units,
-                                                 h.at("diameter_cells").get<double>(), gap, place(h.at("at")), plural(h.at("edges").get<uint64_t>(), "edge"),
-                                                 h.value("extruded", false) ? "extruded, floor of" : "cap of", h.at("cap_area").get<double>(), units));
+    const HoleReport& h = sorted[i];
+    const auto gap = h.width > 0 ? fmt::format("gap {:.4g} {} ({:.3g} cells), ", h.width, units, h.width_cells) : "";
+    detail(std::exchange(title, ""), fmt::format("{:.4g} {} across ({:.3g} cells), {}at {}, {}, {} {:.4g} {}^2", h.diameter, units, h.diameter_cells, gap, place(h.at),
+                                                 plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", h.cap_area, units));
   }
-  if (sorted.size() > kShown)
-    detail("", fmt::format("and {} more, none wider than {:.4g} {}", sorted.size() - kShown, diameter(sorted[kShown]), units));
+  if (sorted.size() > kShown) detail("", fmt::format("and {} more, none wider than {:.4g} {}", sorted.size() - kShown, sorted[kShown].diameter, units));
 }
 
-void print_seams(const ordered_json& body, const std::string& units) {
-  if (!body.contains("seams")) return;
-  const ordered_json& seams = body.at("seams");
-  const uint64_t collapsed = seams.value("collapsed_edges", uint64_t{0});
-  if (seams.at("number") == 0 && collapsed == 0) return;
-  detail("seams", fmt::format("{} stitched, {:.4g} {} in all{}, over gaps of up to {:.3g} {} (stitch length {:.3g} {})",
-                              plural(seams.at("number").get<uint64_t>(), "seam"), seams.at("length").get<double>(), units,
-                              collapsed > 0 ? fmt::format(", and {} closed to a point", plural(collapsed, "open edge")) : "",
-                              seams.at("widest_gap").get<double>(), units, body.at("stitch").get<double>(), units));
+void print_seams(const BodyReport& body, const std::string& units) {
+  const Seams& seams = body.seams;
+  if (seams.number == 0 && seams.collapsed == 0) return;
+  detail("seams", fmt::format("{} stitched, {:.4g} {} in all{}, over gaps of up to {:.3g} {} (stitch length {:.3g} {})", plural(seams.number, "seam"), seams.length, units,
+                              seams.collapsed > 0 ? fmt::format(", and {} closed to a point", plural(seams.collapsed, "open edge")) : "", seams.widest_gap, units,
+                              body.stitch, units));
 }
 
-void print_flips(const ordered_json& flips) {
+void print_flips(const std::vector<Flip>& flips) {
   constexpr size_t kShown = 3;
   std::string title = "flips";
-  for (size_t i = 0; i < std::min(flips.size(), kShown); ++i) {
-    const std::string edges = plural(flips[i].at("edges").get<uint64_t>(), "edge");
-    detail(std::exchange(title, ""), fmt::format("neighbours face opposite ways along {} at {}", edges, place(flips[i].at("at"))));
-  }
+  for (size_t i = 0; i < std::min(flips.size(), kShown); ++i)
+    detail(std::exchange(title, ""), fmt::format("neighbours face opposite ways along {} at {}", plural(flips[i].edges, "edge"), place(flips[i].at)));
   if (flips.size() > kShown) detail("", fmt::format("and along {}", plural(flips.size() - kShown, "more curve")));
 }
 
-void print_rules(const ordered_json& fill) {
+const char* rule_name(Fill rule) { return rule == Fill::kNonzero ? "nonzero" : rule == Fill::kEvenodd ? "evenodd" : rule == Fill::kDistinct ? "distinct" : "auto"; }
+
+void print_rules(const std::vector<FillChoice>& fill) {
   std::string title = "inside";
-  for (const auto& f : fill) {
-    const std::string rule = f.at("rule"), why = f.at("why"), shells = plural(f.at("shells").get<uint64_t>(), "shell");
-    const char* where = rule == "evenodd"    ? "a ray out passes the surface an odd number of times"
-                        : rule == "distinct" ? "a ray out passes an odd number of places, each counted once however many facets lie there"
-                                             : "the surface winds around";
-    detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", shells, where, rule, why));
+  for (const FillChoice& f : fill) {
+    const char* where = f.rule == Fill::kEvenodd    ? "a ray out passes the surface an odd number of times"
+                        : f.rule == Fill::kDistinct ? "a ray out passes an odd number of places, each counted once however many facets lie there"
+                                                    : "the surface winds around";
+    detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", plural(f.shells.value_or(0), "shell"), where, rule_name(f.rule), f.why));
   }
 }
 
 // "12, the widest 0.0312 mm at (...)"
-std::string lost_text(const ordered_json& lost, const std::string& units) {
-  return fmt::format("{}, the widest {:.4g} {} at {}", lost.at("number").get<uint64_t>(), lost.at("widest").get<double>(), units, place(lost.at("at")));
+std::string lost_text(const LostReport& lost, const std::string& units) {
+  return fmt::format("{}, the widest {:.4g} {} at {}", lost.number, lost.widest, units, place(lost.at.value_or(Vec3{})));
 }
 
 // What of a body lies between sample points; files of version 1.0 may say nothing of it.
-void print_lost(const ordered_json& b, const std::string& units) {
-  const ordered_json pairs = b.value("lost_stretches", ordered_json{{"number", 0}}), lost = b.value("lost", ordered_json::object());
+void print_lost(const BodyReport& b, const std::string& units) {
   std::string title = "thin parts";
-  if (const uint64_t n = pairs.at("number").get<uint64_t>(); n > 0)
-    detail(std::exchange(title, ""), fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}", pairs.at("axis").get<std::string>(),
-                                                 plural(n, "place"), place(pairs.at("at"))));
-  for (const auto& [axis, l] : lost.items())
-    if (l.at("number") > 0) detail(std::exchange(title, ""), fmt::format("stretches between two sample points along {}: {}", axis, lost_text(l, units)));
+  if (b.lost_pairs > 0)
+    detail(std::exchange(title, ""), fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}", axis_name(b.lost_axis),
+                                                 plural(b.lost_pairs, "place"), place(b.first_lost_pair.value_or(Vec3{}))));
+  if (!b.lost) return;
+  for (int axis = 0; axis < 3; ++axis)
+    if (const LostReport& lost = (*b.lost)[axis]; lost.number > 0)
+      detail(std::exchange(title, ""), fmt::format("stretches between two sample points along {}: {}", axis_name(axis), lost_text(lost, units)));
 }
 
 // A body in a line, and below it what is not as it should be.
-void print_body(const std::string& title, const ordered_json& b, const std::string& units) {
-  const ordered_json &fill = b.at("fill"), &holes = b.at("holes"), &flips = b.at("flips");
-  const auto count = [&](const char* key) { return b.at(key).get<uint64_t>(); };
-  std::vector<std::string> rules;
-  for (const auto& f : fill) rules.push_back(f.at("rule"));
-  const bool evenodd = std::ranges::count(rules, "evenodd") > 0, distinct = std::ranges::count(rules, "distinct") > 0;
-  const std::string cells = b.contains("cells_text") ? b.at("cells_text").get<std::string>() : b.at("cells").dump();
-  row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.at("name").get<std::string>(), plural(count("facets"), "facet"),
-                         plural(count("shells"), "shell"), b.value("kind", fmt::format("{}", fmt::join(rules, " and "))), cells, cells == "1" ? "" : "s"));
-  if (evenodd || distinct || !holes.empty() || !flips.empty()) print_rules(fill);
+void print_body(const std::string& title, const BodyReport& b, const std::string& units) {
+  std::vector<const char*> rules;
+  for (const FillChoice& f : b.fill) rules.push_back(rule_name(f.rule));
+  const bool parity = std::ranges::any_of(b.fill, [](const FillChoice& f) { return f.rule != Fill::kNonzero; });
+  row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.name, plural(b.facets, "facet"), plural(b.counts.shells, "shell"),
+                         b.sheet ? "sheet" : fmt::format("{}", fmt::join(rules, " and ")), b.cells, b.cells == 1 ? "" : "s"));
+  if (parity || !b.holes.empty() || !b.flips.empty()) print_rules(b.fill);
   print_seams(b, units);
-  print_holes(holes, units);
-  print_flips(flips);
+  print_holes(b.holes, units);
+  print_flips(b.flips);
   print_lost(b, units);
-  if (b.contains("covered_cells"))
-    detail("overlap", fmt::format("{}, owned by stronger bodies", plural(count("covered_cells"), "cell")));
-  if (const uint64_t n = count("duplicates"); n > 0) {
-    const uint64_t opposite = b.value("opposite", uint64_t{0});
-    detail("duplicates", fmt::format("{} with the vertices of an earlier one: {} the same way round, {} the other way", plural(n, "facet"), n - opposite, opposite));
-  }
-  if (const uint64_t n = count("degenerate"); n > 0)
-    detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", plural(n, "facet")));
+  if (b.covered > 0) detail("overlap", fmt::format("{} cell{}, owned by stronger bodies", b.covered, b.covered == 1 ? "" : "s"));
+  if (const uint64_t n = b.counts.duplicates; n > 0)
+    detail("duplicates", fmt::format("{} with the vertices of an earlier one: {} the same way round, {} the other way", plural(n, "facet"), n - b.counts.opposite,
+                                     b.counts.opposite));
+  if (b.counts.degenerate > 0) detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", plural(b.counts.degenerate, "facet")));
 }
 
-void print_report(const ordered_json& report, const std::string& units) {
+void print_report(const Report& report, const std::string& units) {
   std::string title = "bodies";
-  for (const auto& b : report.value("bodies", ordered_json::array())) print_body(std::exchange(title, ""), b, units);
+  for (const BodyReport& b : report.bodies) print_body(std::exchange(title, ""), b, units);
   title = "gaps";
-  for (const auto& gap : report.value("lost_gaps", ordered_json::array()))
-    row(std::exchange(title, ""), fmt::format("of {} between two sample points along {}: {}", gap.at("material").get<std::string>(), gap.at("axis").get<std::string>(), lost_text(gap, units)));
-  if (const auto n = report.value("bodies_left_out", uint64_t{0}); n > 0) row("", fmt::format("and {} more bodies, too many for the report", n));
+  if (report.lost_gaps)
+    for (const GapReport& gap : *report.lost_gaps)
+      row(std::exchange(title, ""), fmt::format("of {} between two sample points along {}: {}", gap.material, axis_name(gap.axis), lost_text(gap.lost, units)));
+  if (report.bodies_left_out > 0) row("", fmt::format("and {} more bodies, too many for the report", report.bodies_left_out));
   title = "warnings";
-  for (const auto& w : report.value("warnings", ordered_json::array())) row(std::exchange(title, ""), w.get<std::string>());
+  for (const std::string& w : report.warnings) row(std::exchange(title, ""), w);
 }
 
 void print(const GridReader& reader) {
@@ -159,18 +143,14 @@ void print(const GridReader& reader) {
   for (int level = 0; level < reader.levels(); ++level) {
     const Index3 c = meta.grid.cells(level);
     std::string how = "derived when read";
-    for (const LevelInfo& l : meta.levels)
+    for (const LevelInfo& l : meta.levels())
       if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", l.chunks, l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
   }
-  const std::string report = reader.report();
-  const auto strange = [] { row("report", "is not laid out as this program lays it out"); };
   try {
-    print_report(parse_json(report, "report"), meta.units);
-  } catch (const ordered_json::exception&) {
-    strange();
+    print_report(parse_report(reader.report()), meta.units);
   } catch (const FormatError&) {
-    strange();
+    row("report", "is not laid out as this program lays it out");
   }
 }
 

@@ -10,6 +10,7 @@
 #include "mesher/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
+#include "mesher/report_json.hpp"
 #include "store/error.hpp"
 #include "store/file.hpp"
 #include "store/reader.hpp"
@@ -19,7 +20,7 @@
 namespace teracell {
 namespace {
 
-const std::vector<std::string> kFills = {"auto", "nonzero", "evenodd", "distinct"};  // in the order of Fill
+const std::vector<std::string> kFills(kFillNames.begin(), kFillNames.end());
 
 struct Options {
   std::vector<std::string> inputs;
@@ -54,6 +55,9 @@ Scene scene_from(const Options& o) {
   const std::optional<Closing> closing = parse_closing(o.closing.empty() ? "cap" : o.closing);
   if (!closing) throw UsageError(fmt::format("--closing: expected cap, strict, or extrude: and a direction such as -z, found '{}'", o.closing));
   if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75)) throw UsageError(fmt::format("--stitch: expected a length from 0 to 1e75, found {}", *o.stitch));
+  const char* const for_solids = !o.fill.empty() ? "--fill" : !o.closing.empty() ? "--closing" : o.stitch ? "--stitch" : nullptr;
+  if (for_solids && !scene.bodies.empty() && std::ranges::all_of(scene.bodies, [](const SceneBody& body) { return body.kind == Kind::kSheet; }))
+    throw UsageError(fmt::format("{}: expected a scene with solids, found sheets only, which are not filled, closed or stitched: leave it out", for_solids));
   for (SceneBody& body : scene.bodies) {
     if (body.kind == Kind::kSheet) continue;
     if (!o.fill.empty()) body.fill = static_cast<Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
@@ -92,29 +96,22 @@ void summarise(const Options& o, const MeshReport& report) {
   constexpr size_t kShown = 50;
   const GridReader reader(o.output);
   const Index3 n = reader.meta().grid.cells();
-  const auto run = nlohmann::json::parse(report.of_this_run);
-  double seconds = 0;
-  for (const auto& phase : run.at("phases")) seconds += phase.at("seconds").get<double>();
   say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
-                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), seconds, bytes_text(reader.file_bytes()),
-                  bytes_text(run.at("peak_memory_bytes").get<double>()), axis_name(reader.meta().ray_axis)));
+                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), report.run.seconds(), bytes_text(reader.file_bytes()),
+                  bytes_text(static_cast<double>(report.run.peak_memory_bytes)), axis_name(reader.meta().ray_axis)));
   if (!o.caps.empty() && report.caps_written == 0) warn(fmt::format("warning: --write-caps: no surface was open, so {} was not written", o.caps));
-  for (size_t i = 0; i < std::min(report.warnings.size(), kShown); ++i) warn("warning: " + report.warnings[i]);
-  if (report.warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", report.warnings.size() - kShown, o.output));
+  const std::vector<std::string> warnings = report.warnings();
+  for (size_t i = 0; i < std::min(warnings.size(), kShown); ++i) warn("warning: " + warnings[i]);
+  if (warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", warnings.size() - kShown, o.output));
 }
 
 // Laid out for people where that is no matter of memory.
-void write_report(const MeshReport& report, OutputFile& file) {
+void write_report(const MeshReport& report, const Scene& scene, OutputFile& file) {
   constexpr size_t kReadable = size_t{1} << 24;
-  const auto append = [&](std::string_view text) { file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()}); };
-  if (report.in_file.size() < kReadable) {
-    append(report.whole().dump(1));
-  } else {  // two objects as one
-    append(std::string_view(report.in_file).substr(0, report.in_file.size() - 1));
-    append(",");
-    append(std::string_view(report.of_this_run).substr(1));
-  }
-  append("\n");
+  std::string text = report_json(report.report, scene, report.run, report.warnings());
+  if (text.size() < kReadable) text = nlohmann::ordered_json::parse(text).dump(1);
+  text += '\n';
+  file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
   file.commit();
 }
 
@@ -144,7 +141,7 @@ void run(const Options& o) {
     }, interrupted);
   }
   if (report_file) try {
-    write_report(report, *report_file);
+    write_report(report, scene, *report_file);
   } catch (const IoError& e) {
     throw IoError(fmt::format("{} ({} is complete all the same)", e.what(), o.output));
   }
@@ -162,9 +159,9 @@ Run setup_mesh(CLI::App& app) {
   app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
   app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
   app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
-  app.add_option("--fill", o->fill, "what inside means, for all bodies: auto, nonzero, evenodd, distinct")->check(one_of(kFills));
-  app.add_option("--closing", o->closing, "surfaces that are open after stitching: cap closes them, strict refuses them, extrude:-z (or +z, -x ...) extends them beyond the domain");
-  app.add_option("--stitch", o->stitch, "open edges closer than this are joined, in the units of the grid (default: a quarter of the shortest cell edge; 0: none)");
+  app.add_option("--fill", o->fill, "what inside means, for all solids: auto, nonzero, evenodd, distinct")->check(one_of(kFills));
+  app.add_option("--closing", o->closing, "surfaces of solids that are open after stitching: cap closes them, strict refuses them, extrude:-z (or +z, -x ...) extends them beyond the domain");
+  app.add_option("--stitch", o->stitch, "open edges of solids that are closer than this are joined, in the units of the grid (default: a quarter of the shortest cell edge; 0: none)");
   app.add_flag("--thin", o->thin, "count along x, y and z what gets lost between sample points, of every solid and of the gaps between them; the cells are the same");
   app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice, brute; the file is the same")->check(one_of(engine_names()));
   add_threads(app, o->threads);

@@ -1,8 +1,8 @@
 // teracell verify: every byte and every invariant.
 #include <fmt/format.h>
 
-#include "store/reader.hpp"
 #include "store/text.hpp"
+#include "store/verify.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"
 
@@ -18,12 +18,12 @@ void run(const Options& o) {
   const GridReader reader(o.grid);
   {
     ProgressLine line(o.progress, "");
-    reader.verify(threads_or_all(o.threads), [&](double share) { line("verify", share); });
+    verify(reader, threads_or_all(o.threads), [&](double share) { line("verify", share); });
   }
   uint64_t chunks = 0;
-  for (const LevelInfo& l : reader.meta().levels) chunks += l.chunks;
+  for (const LevelInfo& l : reader.meta().levels()) chunks += l.chunks;
   say(fmt::format("{}: sound. {}, {} on {}: every checksum holds, every level is the union of the one below, every byte is accounted for.",
-                  o.grid, bytes_text(reader.file_bytes()), plural(chunks, "chunk"), plural(reader.meta().levels.size(), "stored level")));
+                  o.grid, bytes_text(reader.file_bytes()), plural(chunks, "chunk"), plural(reader.meta().levels().size(), "stored level")));
 }
 
 }  // namespace

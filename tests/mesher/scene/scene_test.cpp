@@ -168,6 +168,13 @@ TEST_CASE("cells with step, min without max, and a matrix with scale exclude eac
   check_error(scene_text("", R"("matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0], "scale": 1)"), {"bodies[0]", "matrix excludes"});
 }
 
+TEST_CASE("a sheet takes no key that is for solids only", "[scene]") {
+  for (const char* key : {R"("fill": "nonzero")", R"("closing": "strict")", R"("stitch": 0)", R"("thin": "keep")"}) {
+    CHECK_NOTHROW(parse(scene_text("", key)));
+    check_error(scene_text("", std::string(R"("kind": "sheet", )") + key), {"bodies[0]", "fill, closing, stitch and thin are for solids only"});
+  }
+}
+
 TEST_CASE("a syntax error has its line and column", "[scene]") {
   check_error("{\"bodies\": [],\n \"units\": }", {"line 2, column 11"});
   check_error("", {"line 1, column 1"});

@@ -165,7 +165,7 @@ TEST_CASE("What is no surface is refused with a look at it") {
   CHECK_THAT(refusal(""), Contains("mesh: the file is empty"));
   CHECK_THAT(refusal("Dear reader,\nthis is a letter\n"),
              Contains("expected STL, OBJ or PLY, found 'Dear reader,?this is a letter?'"));
-  CHECK_THAT(refusal("unheard of" + std::string(200, '\1') + std::string(1, '\0')), Contains("byte 80") && Contains("or no STL"));
+  CHECK_THAT(refusal("unheard of" + std::string(200, '\1') + std::string(1, '\0')), Contains("byte 80") && Contains("or not an STL file"));
   CHECK_THAT(refusal(std::string(20, '\0')), Contains("expected STL, OBJ or PLY"));
   CHECK_THAT(refusal("# only a remark\n"), Contains("mesh: holds no facet"));
 }

@@ -28,7 +28,7 @@ TEST_CASE("OBJ: lines joined without end are refused before they fill the memory
   std::string text = "v 0 0 0\nf ";
   while (text.size() < 2 * Input::kLongestLine) text += "1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 1 \\\n";
   CHECK_THAT(refusal(text), Contains("expected at most 16777216 bytes in lines joined by backslashes"));
-  CHECK_THAT(refusal(kObj + std::string(2 * Input::kLongestLine, ' ')), Contains("line 10: longer than 16777216 bytes"));
+  CHECK_THAT(refusal(kObj + std::string(2 * Input::kLongestLine, ' ')), Contains("line 10: the line is longer than 16777216 bytes"));
 }
 
 TEST_CASE("OBJ: what is decoration is skipped; lines, points and free-form parts are counted") {

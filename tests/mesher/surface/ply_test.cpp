@@ -121,9 +121,9 @@ TEST_CASE("PLY: a header that is wrong is named with its line") {
   CHECK_THAT(message("list uchar", "list float"), Contains("expected an integer type for a list's length"));
   CHECK_THAT(message("element vertex 4\n", ""), Contains("line 4: expected an element before its properties"));
   CHECK_THAT(message("float z", "float w"), Contains("expected the properties x, y and z"));
-  CHECK_THAT(message("element face", "element edge"), Contains("expected an element face or tristrips, found none: points alone are no surface"));
+  CHECK_THAT(message("element face", "element edge"), Contains("expected an element face or tristrips, found none: points alone are not a surface"));
   CHECK_THAT(message("list uchar int", "list uchar float"), Contains("expected a list of integers vertex_indices"));
-  CHECK_THAT(message("element vertex", "element point"), Contains("expected element vertex before element face, found it behind or not at all: write the file again with the vertices first"));
+  CHECK_THAT(message("element vertex", "element point"), Contains("expected element vertex before element face, found it later or not at all: write the file again with the vertices first"));
   CHECK_THAT(message("format ascii 1.0\n", ""), Contains("expected a format line"));
   CHECK_THAT(refusal("ply\nformat ascii 1.0\n"), Contains("line 2: cut short: expected end_header"));
 }

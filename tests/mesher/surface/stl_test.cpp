@@ -22,7 +22,7 @@ TEST_CASE("Binary STL: a file with fewer facets than the header counts is refuse
   CHECK_THAT(refusal(binary_stl({})), Contains("mesh: holds no facet"));
 }
 
-TEST_CASE("Binary STL: bytes behind the last facet are skipped and counted") {
+TEST_CASE("Binary STL: bytes after the last facet are skipped and counted") {
   const bool zip = GENERATE(false, true);
   const Facets many(5000, tetrahedron()[0]);  // longer than the first look at the contents of a gzip
   for (const Facets& facets : {tetrahedron(), many})
@@ -36,11 +36,11 @@ TEST_CASE("Binary STL: bytes behind the last facet are skipped and counted") {
         const Result r = result(more);
         CHECK((r.facets == facets));
         REQUIRE(r.file.warnings.size() == 1);
-        CHECK(r.file.warnings[0] == std::to_string(more.size()) + (more.size() == 1 ? " byte behind the last facet was skipped" : " bytes behind the last facet were skipped"));
+        CHECK(r.file.warnings[0] == std::to_string(more.size()) + (more.size() == 1 ? " byte after the last facet was skipped" : " bytes after the last facet were skipped"));
       }
       const std::string count = std::to_string(facets.size());
       CHECK(result(std::string(50, 'x')).file.warnings[0] ==
-            "50 bytes behind the last facet were skipped, as many as 1 facet takes: the header's count of " + count + " may be wrong");
+            "50 bytes after the last facet were skipped, as many as 1 facet takes: the header's count of " + count + " may be wrong");
       CHECK_THAT(result(std::string(100, 'x')).file.warnings[0], Contains("as many as 2 facets take: "));
     }
   CHECK_THAT(refusal(binary_stl({}) + std::string(100, 'x')), Contains("byte 80: the header counts 0 facets, and 100 bytes follow"));
@@ -101,12 +101,12 @@ TEST_CASE("ASCII STL: lines that begin with no word of STL are skipped and count
     CHECK(read(one).file.parts == std::vector<std::string>{"t"});
     const size_t line = 1 + static_cast<size_t>(std::ranges::count(whole.substr(0, whole.find(word)), '\n'));
     CHECK(read(one).file.warnings ==
-          std::vector<std::string>{"a line that is no part of an STL was skipped: line " + std::to_string(line) + ", 'color 0.5 facet 0.5'"});
+          std::vector<std::string>{"a line that is not STL was skipped: line " + std::to_string(line) + ", 'color 0.5 facet 0.5'"});
     all = replaced(all, word, "\tcolor 1 0 0\r\n" + word);
   }
   all += "that is all\n";
   CHECK(read(all).facets == tetrahedron());
-  CHECK(read(all).file.warnings == std::vector<std::string>{"8 lines that are no part of an STL were skipped, the first is line 1, '# made by a test'"});
+  CHECK(read(all).file.warnings == std::vector<std::string>{"8 lines that are not STL were skipped, the first is line 1, '# made by a test'"});
   CHECK_THAT(refusal(replaced(whole, "outer", "color 1\n  outer color 1")), Contains("line 4: expected 'loop', found 'color' (line 3, 'color 1', was skipped)"));
 }
 

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "store/error.hpp"
+#include "store/verify.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"
 
@@ -69,11 +70,11 @@ TEST_CASE("The cells do not depend on the size of the chunks") {
     const GridReader reader(folder / "g.tcell");
     if (first.empty()) first = all_cells(reader);
     REQUIRE(all_cells(reader) == first);
-    reader.verify(2, [](double) {});
+    verify(reader, 2, [](double) {});
   }
 }
 
-TEST_CASE("A single unit of rays takes all facets, however many there are") {
+TEST_CASE("A single group of tiles takes all facets, however many there are") {
   const TempFolder folder;
   const Grid grid{{Axis::uniform(-5, 1, 0, 10, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5), Axis::uniform(-5, 1, 0, 10, 0.5)}};
   const Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 4, 6)}}, grid);

@@ -1,32 +1,18 @@
-#include "mesher/report_lost.hpp"
-#include "store/text.hpp"
-
 #include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "mesher/warnings.hpp"
+#include "store/text.hpp"
+
 namespace teracell {
 namespace {
 
 using What = TallyKey::What;
 
-std::string text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]); }
 TallyKey key_of(What what, size_t of, int axis) { return {what, static_cast<uint32_t>(of), static_cast<uint8_t>(axis)}; }
-
-void write_place(JsonWriter& out, const TallyKey& key, const Tally* found, const Grid& grid) {
-  if (found) out.field("at", place_of(key, *found, grid));
-  else out.field("at", nullptr);
-}
-
-// Number, width and place of a tally along an axis.
-void write_tally(JsonWriter& out, const TallyKey& key, const Grid& grid, const Tallies& tallies) {
-  const Tally* found = tallies.find(key);
-  out.field("number", found ? found->number : 0).field("widest_65536ths", found ? found->widest : 0);
-  out.field("widest", found ? width_of(key, *found, grid) : 0.0);
-  write_place(out, key, found, grid);
-}
 
 std::string lower_side_warning(size_t b, int axis, const Grid& grid, const Tallies& tallies) {
   const TallyKey key = key_of(What::kLowerSide, b, axis);
@@ -91,39 +77,6 @@ std::string few_cells_warning(const Scene& scene, size_t b, const BodyFacets& fo
 }
 
 }  // namespace
-
-void write_lost(JsonWriter& out, const Scene& scene, size_t b, const Plan& plan, const Tallies& tallies, bool count_thin) {
-  const SceneBody& from = scene.bodies[b];
-  const Grid& grid = plan.meta.grid;
-  if (from.kind == Kind::kSheet) out.field("kind", "sheet");
-  const TallyKey key = key_of(What::kPairs, b, plan.rays.axis);
-  const Tally* pairs = tallies.find(key);
-  out.key("lost_stretches").begin_object().field("axis", axis_name(plan.rays.axis)).field("number", pairs ? pairs->number : 0);
-  write_place(out, key, pairs, grid);
-  out.end_object();
-  if (!ThinParts::wanted(from, count_thin)) return;
-  out.key("lost").begin_object();
-  for (int axis = 0; axis < 3; ++axis) {
-    out.key(axis_name(axis)).begin_object();
-    write_tally(out, key_of(What::kStretches, b, axis), grid, tallies);
-    out.end_object();
-  }
-  out.end_object();
-}
-
-std::string lost_gaps(const Scene& scene, const Grid& grid, const Tallies& tallies) {
-  std::string text;
-  JsonWriter out(text);
-  out.begin_array();
-  for (const auto& [key, tally] : tallies.all()) {
-    if (key.what != What::kGaps) continue;
-    out.begin_object().field("material", scene.materials[key.of].name).field("axis", axis_name(key.axis));
-    write_tally(out, key, grid, tallies);
-    out.end_object();
-  }
-  out.end_array();
-  return text;
-}
 
 std::vector<std::string> cell_warnings(const Scene& scene, const Bodies& bodies, const Plan& plan, const CastTotals& totals) {
   constexpr size_t kShown = 20;  // scenes may have bodies by the thousand that are small by intention

@@ -1,0 +1,12 @@
+// From what a run has found to its report.
+#pragma once
+#include "mesher/plan.hpp"
+#include "mesher/report.hpp"
+#include "mesher/tile_group.hpp"
+
+namespace teracell {
+
+// Takes what closing found out of `bodies`. One count per body.
+Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan, const CastTotals& totals, bool count_thin);
+
+}  // namespace teracell

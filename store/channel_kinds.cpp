@@ -1,0 +1,21 @@
+#include "store/channel_kinds.hpp"
+
+#include <algorithm>
+
+namespace teracell {
+namespace {
+
+constexpr ChannelKind kKinds[] = {
+    {kLabels, kRuns, nullptr},
+};
+
+}  // namespace
+
+std::span<const ChannelKind> channel_kinds() { return kKinds; }
+
+const ChannelKind* find_kind(std::span<const ChannelKind> kinds, std::string_view name, std::string_view coding) {
+  const auto it = std::ranges::find_if(kinds, [&](const ChannelKind& k) { return k.name == name && k.coding == coding; });
+  return it == kinds.end() ? nullptr : &*it;
+}
+
+}  // namespace teracell

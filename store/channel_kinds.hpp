@@ -1,0 +1,25 @@
+// The kinds of channels that this program knows. A new kind takes a file of its own, which writes its frames, reads them
+// and checks them, and a line in the table of channel_kinds.cpp. The content hash and verify() need no change: they go
+// through the cover of every channel, known or not.
+#pragma once
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "store/bytes.hpp"
+#include "store/metadata.hpp"
+
+namespace teracell {
+
+struct ChannelKind {
+  std::string_view name, coding;
+  // Throws FormatError unless the frames of the channel are what its coding says; `frame(i)` reads frame i of the cover,
+  // held against its checksum. Null for the labels: verify() holds their levels against each other.
+  void (*check)(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame);
+};
+
+std::span<const ChannelKind> channel_kinds();
+// Null if `kinds` has none of this name and coding.
+const ChannelKind* find_kind(std::span<const ChannelKind> kinds, std::string_view name, std::string_view coding);
+
+}  // namespace teracell

@@ -1,0 +1,35 @@
+#include "store/checked_read.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace teracell {
+
+void check_inside(const ByteSource& source, const DirectoryEntry& place, const std::string& what) {
+  if (place.size > source.size() || place.offset > source.size() - place.size)
+    throw FormatError(fmt::format("{}: its {} bytes at {} lie outside the file of {}", what, place.size, place.offset, source.size()));
+}
+
+void check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found) {
+  if (found != place.checksum)
+    throw FormatError(fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum, found));
+}
+
+void read_checked(const ByteSource& source, const DirectoryEntry& place, const std::string& what, Bytes& out) {
+  check_inside(source, place, what);
+  out.resize(place.size);
+  source.read(place.offset, out);
+  check_sum(place, what, checksum(out));
+}
+
+void read_in_pieces(const ByteSource& source, uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f) {
+  Bytes bytes;
+  for (uint64_t done = 0; done < size; done += bytes.size()) {
+    bytes.resize(std::min<uint64_t>(size - done, 1 << 20));
+    source.read(offset + done, bytes);
+    f(bytes);
+  }
+}
+
+}  // namespace teracell

@@ -1,0 +1,38 @@
+#include "store/metadata.hpp"
+
+#include <fmt/format.h>
+
+namespace teracell {
+
+std::string chunk_name(const ChunkKey& key) { return fmt::format("level {} chunk ({}, {}, {})", key.level, key.cu, key.cv, key.segment); }
+
+LevelShape::LevelShape(const Metadata& meta, int of_level)
+    : level(of_level), chunk_rays(meta.chunk_rays), chunk_cells(meta.chunk_cells), page_chunks(meta.page_chunks) {
+  const Index3 n = meta.grid.cells(level);
+  const Frame f = meta.frame();
+  nu = static_cast<uint32_t>(n[f.u]);
+  nv = static_cast<uint32_t>(n[f.v]);
+  nw = static_cast<uint32_t>(n[f.w]);
+  const auto parts = [](uint32_t whole, uint32_t part) { return static_cast<uint32_t>((uint64_t{whole} + part - 1) / part); };
+  chunks_u = parts(nu, chunk_rays);
+  chunks_v = parts(nv, chunk_rays);
+  segments = parts(nw, chunk_cells);
+  pages_u = parts(chunks_u, page_chunks);
+  pages_v = parts(chunks_v, page_chunks);
+}
+
+uint32_t LevelShape::page_width(uint64_t page) const {
+  return std::min(page_chunks, chunks_u - static_cast<uint32_t>(page % pages_u) * page_chunks);
+}
+
+uint32_t LevelShape::page_height(uint64_t page) const {
+  return std::min(page_chunks, chunks_v - static_cast<uint32_t>(page / pages_u % pages_v) * page_chunks);
+}
+
+ChunkKey LevelShape::key_of(uint64_t page, uint32_t slot) const {
+  const uint32_t width = page_width(page);
+  return {level, static_cast<uint32_t>(page % pages_u) * page_chunks + slot % width, static_cast<uint32_t>(page / pages_u % pages_v) * page_chunks + slot / width,
+          static_cast<uint32_t>(page / pages_u / pages_v)};
+}
+
+}  // namespace teracell

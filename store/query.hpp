@@ -1,0 +1,34 @@
+// Cells out of a .tcell file: a box into memory, the runs of a box, a column. Each question touches only the chunks that
+// it needs, one at a time. Threads may ask at once. Slices are in slice.hpp, statistics in stats.hpp.
+#pragma once
+#include "store/reader.hpp"
+#include "store/set_value.hpp"
+
+namespace teracell {
+
+// Writes the values of the cells of `box` (x, y, z; half open) to
+// data[(x - lo.x) * stride[0] + (y - lo.y) * stride[1] + (z - lo.z) * stride[2]]. The box may reach outside the grid, or be
+// larger than it: cells outside get `outside`.
+// T is uint8_t, uint16_t or uint32_t. Throws UsageError for a level that is not there.
+template <class T>
+void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride);
+
+// A run within a box: `length` cells from `start` along the grid's ray axis.
+struct BoxRun {
+  Index3 start;
+  int64_t length;
+  const std::vector<Label>* set;
+};
+// Calls f for the runs of `box`, chunk by chunk; cells are never expanded. A run that passes from one chunk to the next
+// along the rays comes in two parts. Throws UsageError unless the box lies in the level.
+void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f);
+
+struct ColumnRun {
+  int64_t from, to;
+  uint32_t material;
+};
+// The column of level-0 cells along `axis` through (a, b) of Frame::along(axis), as runs of one material each. Throws
+// UsageError unless it lies in the grid.
+std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b);
+
+}  // namespace teracell

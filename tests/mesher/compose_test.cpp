@@ -1,0 +1,248 @@
+// Crossings of a tile of rays -> runs, against every cell looked at alone.
+#include "mesher/compose.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include "store/error.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/sanitized.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+
+// The bodies of a scene, and the layers of their surfaces.
+struct Bodies {
+  std::vector<Layer> layers;
+  std::vector<uint32_t> strength;
+  std::vector<Label> label;
+  Composer composer() const { return {layers, strength, label}; }
+};
+
+// A tile of one row of rays, each a list of crossings.
+using Rays = std::vector<std::vector<uint64_t>>;
+
+Crossings as_tile(const Rays& rays) {
+  Crossings out;
+  out.begin = {0};
+  for (const auto& ray : rays) {
+    out.all.insert(out.all.end(), ray.begin(), ray.end());
+    out.begin.push_back(static_cast<uint32_t>(out.all.size()));
+  }
+  return out;
+}
+
+uint64_t up(uint32_t cell, uint32_t layer) { return Crossing::pack(cell, layer, true); }
+uint64_t down(uint32_t cell, uint32_t layer) { return Crossing::pack(cell, layer, false); }
+
+RayBlock composed(Composer& composer, const Rays& rays, uint32_t length) {
+  Crossings crossings = as_tile(rays);
+  RayBlock out;
+  composer.compose(crossings, static_cast<uint32_t>(rays.size()), 1, length, out);
+  return out;
+}
+
+// The labels of a ray's cells.
+std::vector<Label> cells_of(const RayBlock& block, uint32_t ray) {
+  std::vector<Label> out;
+  block.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId label) {
+    REQUIRE((from < to || block.length == 0));
+    REQUIRE((out.empty() || out.back() != label));  // neighbouring runs differ
+    out.insert(out.end(), to - from, label);
+  });
+  return out;
+}
+
+std::vector<Label> one_ray(const Bodies& bodies, const std::vector<uint64_t>& crossings, uint32_t length) {
+  Composer composer = bodies.composer();
+  return cells_of(composed(composer, {crossings}, length), 0);
+}
+
+// The bodies that hold a cell: of each layer the crossings up to it are counted.
+std::vector<bool> holders(const Bodies& bodies, const std::vector<uint64_t>& crossings, uint32_t cell) {
+  std::vector<int> winding(bodies.layers.size()), count(bodies.layers.size());
+  for (const uint64_t c : crossings)
+    if (Crossing::cell(c) <= cell) winding[Crossing::layer(c)] += Crossing::step(c), ++count[Crossing::layer(c)];
+  std::vector<bool> out(bodies.label.size());
+  for (size_t l = 0; l < bodies.layers.size(); ++l)
+    if (bodies.layers[l].evenodd ? count[l] % 2 != 0 : winding[l] != 0) out[bodies.layers[l].body] = true;
+  return out;
+}
+
+std::optional<uint32_t> strongest(const Bodies& bodies, const std::vector<bool>& holds) {
+  std::optional<uint32_t> out;
+  for (uint32_t b = 0; b < holds.size(); ++b)
+    if (holds[b] && (!out || bodies.strength[b] < bodies.strength[*out])) out = b;
+  return out;
+}
+
+// Two bodies, the second one stronger; each has a layer by winding and one by parity, numbered as in a scene.
+const Bodies kTwo = {{{0, false}, {0, true}, {1, false}, {1, true}}, {1, 0}, {7, 9}};
+
+TEST_CASE("A body owns the cells from the crossing into it up to the one out of it") {
+  CHECK(one_ray(kTwo, {up(2, 0), down(5, 0)}, 7) == std::vector<Label>{0, 0, 7, 7, 7, 0, 0});
+  CHECK(one_ray(kTwo, {}, 3) == std::vector<Label>{0, 0, 0});
+  CHECK(one_ray(kTwo, {down(5, 0), up(2, 0)}, 7) == std::vector<Label>{0, 0, 7, 7, 7, 0, 0});  // crossings come in any order
+}
+
+TEST_CASE("A body that begins below the ray's first cell or ends above its last one owns the cells at its ends") {
+  CHECK(one_ray(kTwo, {up(0, 0), down(2, 0)}, 4) == std::vector<Label>{7, 7, 0, 0});
+  CHECK(one_ray(kTwo, {up(3, 0), down(4, 0)}, 4) == std::vector<Label>{0, 0, 0, 7});
+  CHECK(one_ray(kTwo, {up(0, 0), down(4, 0)}, 4) == std::vector<Label>{7, 7, 7, 7});
+  CHECK(one_ray(kTwo, {up(4, 0), down(4, 0)}, 4) == std::vector<Label>{0, 0, 0, 0});
+  CHECK(one_ray(kTwo, {up(0, 0), down(0, 0)}, 4) == std::vector<Label>{0, 0, 0, 0});
+}
+
+TEST_CASE("Nonzero holds where a surface winds twice and inside out, evenodd does not hold where it is crossed twice") {
+  const std::vector<uint64_t> winding = {up(1, 0), up(2, 0), down(4, 0), down(5, 0)}, parity = {up(1, 1), up(2, 1), down(4, 1), down(5, 1)};
+  CHECK(one_ray(kTwo, winding, 6) == std::vector<Label>{0, 7, 7, 7, 7, 0});
+  CHECK(one_ray(kTwo, parity, 6) == std::vector<Label>{0, 7, 0, 0, 7, 0});
+  CHECK(one_ray(kTwo, {down(1, 0), up(4, 0)}, 6) == std::vector<Label>{0, 7, 7, 7, 0, 0});
+  CHECK(one_ray(kTwo, {down(1, 1), down(4, 1)}, 6) == std::vector<Label>{0, 7, 7, 7, 0, 0});  // of parity the direction says nothing
+}
+
+TEST_CASE("A body of both rules is where either of them holds") {
+  CHECK(one_ray(kTwo, {up(1, 0), down(4, 0), up(3, 1), up(6, 1)}, 8) == std::vector<Label>{0, 7, 7, 7, 7, 7, 0, 0});
+  CHECK(one_ray(kTwo, {up(1, 0), down(3, 0), up(3, 1), up(6, 1)}, 8) == std::vector<Label>{0, 7, 7, 7, 7, 7, 0, 0});
+}
+
+TEST_CASE("Where bodies overlap the strongest owns the cells, whatever its number") {
+  const std::vector<uint64_t> both = {up(1, 0), down(5, 0), up(3, 2), down(7, 2)};
+  CHECK(one_ray(kTwo, both, 8) == std::vector<Label>{0, 7, 7, 9, 9, 9, 9, 0});
+  Bodies first_stronger = kTwo;
+  std::swap(first_stronger.strength[0], first_stronger.strength[1]);
+  CHECK(one_ray(first_stronger, both, 8) == std::vector<Label>{0, 7, 7, 7, 7, 9, 9, 0});
+}
+
+TEST_CASE("Bodies of one label make one run, and a body of the background's label cuts a hole") {
+  Bodies same = kTwo;
+  same.label = {7, 7};
+  CHECK(one_ray(same, {up(1, 0), down(5, 0), up(3, 2), down(7, 2)}, 8) == std::vector<Label>{0, 7, 7, 7, 7, 7, 7, 0});
+  Bodies hole = kTwo;
+  hole.label = {7, 0};
+  CHECK(one_ray(hole, {up(1, 0), down(7, 0), up(3, 2), down(5, 2)}, 8) == std::vector<Label>{0, 7, 7, 0, 0, 7, 7, 0});
+  CHECK(one_ray(hole, {up(3, 2), down(5, 2)}, 8) == std::vector<Label>(8, 0));
+}
+
+TEST_CASE("A counter that the end of its ray leaves open is an error that says which ray") {
+  for (const std::vector<uint64_t>& open : {std::vector{up(1, 0)}, {up(1, 0), up(3, 0)}, {up(2, 1)}, {up(1, 0), down(2, 0), up(1, 2)}, {down(9, 0)}, {up(1, 0), up(1, 2), down(4, 2)}}) {
+    Composer composer = kTwo.composer();
+    CHECK_THROWS_WITH(composed(composer, {{}, open}, 6), Catch::Contains("ray 1, 0") && Catch::Contains("1 of its surfaces open"));
+  }
+  Composer composer = kTwo.composer();
+  CHECK_THROWS_WITH(composed(composer, {{up(1, 0), up(1, 2)}}, 6), Catch::Contains("2 of its surfaces open"));
+}
+
+TEST_CASE("A mark is a stretch of its body's, but no crossing that lies close to another one") {
+  const auto mark = [](uint64_t c) { return c | Crossing::kMark; };
+  Composer composer = kTwo.composer();
+  const RayBlock out = composed(composer, {{up(1, 0), down(5, 0), mark(up(2, 2)), mark(down(3, 2)), mark(up(4, 0)), mark(down(6, 0))}, {mark(up(2, 0)), mark(down(2, 0))}}, 8);
+  CHECK(cells_of(out, 0) == std::vector<Label>{0, 7, 9, 7, 7, 7, 0, 0});
+  CHECK(composer.close_crossings().empty());
+}
+
+TEST_CASE("Close crossings are pairs of one body between the same two sample points, not beyond the ends of the ray") {
+  Composer composer = kTwo.composer();
+  composed(composer,
+           {{up(2, 0), down(2, 0)},                                              // a pair
+            {up(0, 0), down(0, 0), up(5, 0), down(5, 0)},                        // below the first sample point, above the last one
+            {up(3, 0), up(3, 2), down(4, 0), down(4, 2)},                        // of two bodies each
+            {up(1, 0), down(1, 0), up(1, 1), up(1, 1), up(1, 1), down(2, 1)},    // five of one body, in two layers
+            {up(2, 2), down(2, 2), up(2, 0), down(2, 0), up(4, 2), down(4, 2)}},
+           5);
+  struct Expected {
+    uint32_t ray, cell, body;
+    uint64_t pairs;
+  };
+  const std::vector<Expected> expected = {{0, 2, 0, 1}, {3, 1, 0, 2}, {4, 2, 0, 1}, {4, 2, 1, 1}, {4, 4, 1, 1}};
+  REQUIRE(composer.close_crossings().size() == expected.size());
+  for (size_t i = 0; i < expected.size(); ++i) {
+    const CloseCrossings& c = composer.close_crossings()[i];
+    CHECK((c.ray == expected[i].ray && c.cell == expected[i].cell && c.body == expected[i].body && c.pairs == expected[i].pairs));
+  }
+  composed(composer, {{}}, 5);
+  CHECK(composer.close_crossings().empty());
+}
+
+// Crossings of some of the layers, closed by their rules.
+std::vector<uint64_t> random_ray(std::mt19937_64& random, const Bodies& bodies, uint32_t length) {
+  std::vector<uint64_t> out;
+  const int kind = random_int(random, 0, 9);  // empty, one layer, several; sometimes more than are sorted by insertion
+  const int most = kind == 0 ? 0 : kind < 4 ? 1 : kind < 9 ? 6 : 60;
+  const auto layers = static_cast<int>(bodies.layers.size());
+  const auto only = static_cast<uint32_t>(random_int(random, 0, layers - 1));
+  for (int i = most; i > 0; --i) {
+    const auto layer = kind < 4 ? only : static_cast<uint32_t>(random_int(random, 0, layers - 1));
+    const auto cell = [&] { return static_cast<uint32_t>(random_int(random, 0, static_cast<int>(length) + 1)); };
+    const bool first_up = random_int(random, 0, 1) == 0;
+    out.push_back(Crossing::pack(cell(), layer, first_up));
+    out.push_back(Crossing::pack(cell(), layer, bodies.layers[layer].evenodd ? random_int(random, 0, 1) == 0 : !first_up));
+  }
+  std::ranges::shuffle(out, random);
+  return out;
+}
+
+TEST_CASE("Cells, and what bodies own and cover, are those of looking at every cell alone, tile after tile") {
+  std::mt19937_64 random(1);
+  for (size_t scene = 0; scene < rounds(40); ++scene) {
+    Bodies bodies;
+    const int count = random_int(random, 1, 5);
+    for (int b = 0; b < count; ++b) {
+      bodies.strength.push_back(static_cast<uint32_t>(b));
+      bodies.label.push_back(static_cast<Label>(random_int(random, 0, 3)));
+      for (const bool evenodd : {false, true}) bodies.layers.push_back({static_cast<uint32_t>(b), evenodd});
+    }
+    std::ranges::shuffle(bodies.strength, random);
+    Composer composer = bodies.composer();
+    for (int tile = 0; tile < 4; ++tile) {  // of a composer that has made others
+      const auto length = static_cast<uint32_t>(random_int(random, 1, 30));
+      const uint32_t nu = 5, nv = 3;
+      Rays rays;
+      while (rays.size() < nu * nv) rays.push_back(random_ray(random, bodies, length));
+      Crossings crossings = as_tile(rays);
+      RayBlock out;
+      composer.compose(crossings, nu, nv, length, out);
+      REQUIRE((out.nu == nu && out.nv == nv && out.length == length));
+      std::map<uint32_t, std::pair<uint64_t, uint64_t>> cells, found;  // of a body: owned, covered
+      for (uint32_t ray = 0; ray < out.rays(); ++ray) {
+        std::vector<Label> expected;
+        for (uint32_t cell = 0; cell < length; ++cell) {
+          const std::vector<bool> holds = holders(bodies, rays[ray], cell);
+          const auto owner = strongest(bodies, holds);
+          expected.push_back(owner ? bodies.label[*owner] : 0);
+          for (uint32_t b = 0; b < holds.size(); ++b)
+            if (holds[b]) ++(b == *owner ? cells[b].first : cells[b].second);
+        }
+        REQUIRE(cells_of(out, ray) == expected);
+      }
+      for (const BodyCells& b : composer.take_cells()) {
+        REQUIRE(found.try_emplace(b.body, b.owned, b.covered).second);
+        if (b.owned == 0 && b.covered == 0) found.erase(b.body);  // its surface was met beyond the cells
+      }
+      REQUIRE(found == cells);
+    }
+  }
+}
+
+TEST_CASE("Cells are counted anew after they were taken") {
+  Composer composer = kTwo.composer();
+  composed(composer, {{up(1, 0), down(5, 0), up(3, 2), down(4, 2)}, {up(0, 0), down(6, 0)}}, 6);
+  composed(composer, {{up(1, 0), down(2, 0)}}, 6);
+  const auto cells = composer.take_cells();
+  REQUIRE(cells.size() == 2);
+  for (const BodyCells& b : cells) {
+    CHECK(b.owned == (b.body == 0 ? 3 + 6 + 1 : 1));
+    CHECK(b.covered == (b.body == 0 ? 1 : 0));
+  }
+  CHECK(composer.take_cells().empty());
+  composed(composer, {{up(1, 2), down(3, 2)}}, 6);
+  REQUIRE(composer.take_cells().at(0).owned == 2);
+}
+
+}  // namespace
+}  // namespace teracell

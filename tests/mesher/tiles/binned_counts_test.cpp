@@ -1,0 +1,131 @@
+// The counts of surfaces that are looked at bin by bin, against maps and union-find over all their facets.
+#include "mesher/tiles/binned_counts.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "mesher/closing/closing.hpp"
+#include "tests/mesher/tiles/tile_grids.hpp"
+#include "tests/support/counted.hpp"
+#include "tests/support/meshed.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+
+// Where a facet lies by the rule of bins: in each bin with a place of a vertex; at home where its least vertex is.
+struct Bins {
+  int bins;
+  double width;  // along x
+  int bin_of(const Vec3& v) const { return std::clamp(static_cast<int>(v[0] / width), 0, bins - 1); }
+
+  template <class F>
+  void for_each(const Facet& f, F&& call) const {
+    const auto [lo, hi] = std::minmax({bin_of(f.vertex[0]), bin_of(f.vertex[1]), bin_of(f.vertex[2])});
+    const int home = bin_of(std::min({f.vertex[0], f.vertex[1], f.vertex[2]}));
+    for (int bin = lo; bin <= hi; ++bin) call(bin, BinnedFacet{f, 0, bin == home, lo != hi, false, false});
+  }
+};
+
+Counted as_counted(const SurfaceCounts& t) { return {t.degenerate, t.duplicates, t.opposite, t.shells}; }
+
+// Of each body, from bins that are finished in a random order.
+std::vector<Counted> by_bins(const std::vector<std::vector<Facet>>& bodies, const Bins& bins, std::mt19937_64& random) {
+  std::vector<std::vector<BinnedFacet>> content(bins.bins);
+  for (uint32_t b = 0; b < bodies.size(); ++b)
+    for (const Facet& f : bodies[b])
+      bins.for_each(f, [&](int bin, BinnedFacet binned) {
+        binned.layer = layer_of(b, bin % 2 == 0);
+        content[bin].push_back(binned);
+      });
+  std::ranges::shuffle(content, random);
+  BinnedCounter survey(bodies.size());
+  for (const auto& facets : content) {
+    BinnedCounter::Bin bin(survey, facets.size());
+    for (const BinnedFacet& f : facets) bin.add(f);
+    bin.finish();
+  }
+  std::vector<Counted> out;
+  for (const SurfaceCounts& t : survey.totals()) out.push_back(as_counted(t));
+  return out;
+}
+
+TEST_CASE("Counts by bins are those of the whole surface, however many bins there are and whatever their order") {
+  std::mt19937_64 random(1);
+  for (const int size : {3, 40, 600})
+    for (const int bins : {1, 2, 7, 50}) {
+      const std::vector<Facet> facets = tangle(random, 800, size);
+      CAPTURE(size, bins);
+      REQUIRE(by_bins({facets}, {bins, static_cast<double>(size) / bins}, random) == std::vector{counted(facets)});
+    }
+}
+
+TEST_CASE("Bodies are counted apart though they share vertices and bins") {
+  std::mt19937_64 random(2);
+  const std::vector<Facet> one = tangle(random, 300, 30), two = tangle(random, 500, 30);
+  REQUIRE(by_bins({one, two, {}, one}, {6, 5}, random) == std::vector<Counted>{counted(one), counted(two), {}, counted(one)});
+}
+
+TEST_CASE("A shell through all bins is one, in whatever order its parts are found to hang together") {
+  std::mt19937_64 random(3);
+  std::vector<Facet> facets;  // five chains side by side
+  for (int c = 0; c < 5; ++c)
+    for (int i = 0; i < 60; ++i) facets.push_back({{Vec3{double(i), double(2 * c), 0}, {double(i + 1), double(2 * c), 0}, {i + 0.5, 2 * c + 1., 0}}});
+  for (int order = 0; order < 5; ++order) {
+    REQUIRE(by_bins({facets}, {20, 3}, random)[0].shells == 5);
+    std::ranges::shuffle(facets, random);
+  }
+  facets.push_back({{Vec3{60, 0, 0}, {60, 2, 0}, {61, 8, 0}}});  // joins two of them at their ends
+  REQUIRE(by_bins({facets}, {20, 3}, random)[0].shells == 4);
+}
+
+TEST_CASE("Facets that close a hole are no facets of the file's") {
+  BinnedCounter survey(1);
+  BinnedCounter::Bin bin(survey, 2);
+  const Facet f{{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  bin.add({f, 0, true, false, false, false});
+  bin.add({f, 0, true, false, true, false});
+  bin.finish();
+  REQUIRE(as_counted(survey.totals()[0]) == Counted{0, 0, 0, 1});
+}
+
+TEST_CASE("A facet that counts for nothing among the crossings is counted all the same") {
+  BinnedCounter survey(1);
+  BinnedCounter::Bin bin(survey, 2);
+  const Facet f{{Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+  bin.add({f, 1, true, false, false, false});
+  bin.add({f, 1, true, false, false, true});
+  bin.finish();
+  REQUIRE(as_counted(survey.totals()[0]) == Counted{0, 1, 0, 1});
+}
+
+TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are those of the whole surface") {
+  const TempFolder folder;
+  std::mt19937_64 random(4);
+  const Axis axis = Axis::uniform(3, 0.25, 0, 150, 0.5);  // over a part of the surface
+  const Metadata meta = tile_grid(2, axis, axis, axis, 2);
+  const std::vector<Facet> facets = tangle(random, 1500, 60);
+  FacetBins bins(meta, 0, false, {1, folder.path()}, false, [](const Facet& f, uint32_t) { return f; }, {});
+  for (const Facet& f : facets) bins.add(f, 0, FacetBins::kOfFile);
+  bins.finish();
+  BinnedCounter survey(1);
+  std::vector<TreePlace> places = {RayFrame(meta).root()};
+  int leaves = 0;
+  while (!places.empty()) {
+    const TreePlace at = places.back();
+    places.pop_back();
+    if (bins.is_split(at)) {
+      for (uint32_t k = 0; k < 16; ++k) places.push_back({at.depth - 1, at.cu * 4 + k % 4, at.cv * 4 + k / 4});
+      continue;
+    }
+    BinnedCounter::Bin bin(survey, bins.facets(at));
+    bins.take(at, [&](const BinnedFacet& f, const Facet&, const RayRange&) { bin.add(f); });
+    bin.finish();
+    ++leaves;
+  }
+  REQUIRE(leaves > 1);
+  REQUIRE(as_counted(survey.totals()[0]) == counted(facets));
+}
+
+}  // namespace
+}  // namespace teracell

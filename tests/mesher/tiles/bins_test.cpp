@@ -1,0 +1,251 @@
+// Facets on disk: what is put into bins comes back, and lies where the rays need it.
+#include "mesher/tiles/bins.hpp"
+
+#include <catch2/catch.hpp>
+
+#include <cstring>
+
+#include <unistd.h>
+
+#include "store/error.hpp"
+#include "tests/mesher/tiles/tile_grids.hpp"
+#include "tests/support/meshed.hpp"
+#include "tests/support/sanitized.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+
+Facet unmoved(const Facet& f, uint32_t) { return f; }
+// Takes facets of odd layers elsewhere. Rounds nothing in tests that compare bits: both sides move once.
+Facet moved_if_odd(Facet f, uint32_t layer) {
+  if (layer % 2 != 0)
+    for (Vec3& v : f.vertex) std::swap(v[0], v[1]), v[2] += 1;
+  return f;
+}
+
+struct Added {
+  Facet facet;
+  uint32_t layer;  // a number of its own, so that it is known again
+  FacetBins::Origin origin = FacetBins::kOfFile;
+  bool ignored = false;
+};
+
+std::vector<Added> numbered(const std::vector<Facet>& facets) {
+  std::vector<Added> out;
+  for (const Facet& f : facets) out.push_back({f, static_cast<uint32_t>(out.size())});
+  return out;
+}
+
+struct Filling {
+  uint64_t budget = 1, expected = 0;  // so bins are as small as can be, and all but one are split later
+  bool float32 = false, own_writer = false;
+  FacetBins::Move move = unmoved;
+};
+
+std::unique_ptr<FacetBins> filled(const Metadata& meta, const std::vector<Added>& facets, const TempFolder& folder, const Filling& how = {}) {
+  auto out = std::make_unique<FacetBins>(meta, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move, std::vector<bool>{});
+  for (const Added& f : facets) out->add(f.facet, f.layer | (f.ignored ? kIgnored : 0), f.origin);
+  out->finish();
+  return out;
+}
+
+// Calls f with the bins that lie in the grid.
+template <class F>
+void for_each_bin(const Metadata& meta, const FacetBins& bins, F&& f) {
+  const RayFrame rays(meta);
+  std::vector<TreePlace> places = {rays.root()};
+  while (!places.empty()) {
+    const TreePlace at = places.back();
+    places.pop_back();
+    if (!bins.is_split(at)) {
+      f(at);
+      continue;
+    }
+    for (uint32_t k = 0; k < 16; ++k) {
+      const TreePlace child{at.depth - 1, at.cu * 4 + k % 4, at.cv * 4 + k / 4};
+      if (child.cu * rays.size(child.depth) < rays.shape.nu && child.cv * rays.size(child.depth) < rays.shape.nv) places.push_back(child);
+    }
+  }
+}
+
+struct Taken {
+  TreePlace place;
+  BinnedFacet facet;
+  Facet moved;
+  RayRange range;
+};
+
+std::vector<Taken> take_all(const Metadata& meta, FacetBins& bins) {
+  std::vector<Taken> out;
+  for_each_bin(meta, bins, [&](const TreePlace& place) {
+    const size_t before = out.size();
+    bins.take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) { out.push_back({place, f, moved, range}); });
+    REQUIRE(out.size() - before == bins.facets(place));
+  });
+  return out;
+}
+
+bool same_bits(const Facet& a, const Facet& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+// By layer: in which bins each facet was found.
+std::vector<std::vector<Taken>> by_facet(const std::vector<Taken>& taken, size_t facets) {
+  std::vector<std::vector<Taken>> out(facets);
+  for (const Taken& t : taken) out.at(t.facet.layer).push_back(t);
+  return out;
+}
+
+// What must hold of all bins, however they came about.
+void expect_bins(const Metadata& meta, const std::vector<Added>& facets, FacetBins& bins, const FacetBins::Move& move) {
+  const RayFrame rays(meta);
+  std::vector<TreePlace> places;
+  for_each_bin(meta, bins, [&](const TreePlace& place) { places.push_back(place); });
+  const auto taken = by_facet(take_all(meta, bins), facets.size());
+  for (size_t i = 0; i < facets.size(); ++i) {
+    const Added& added = facets[i];
+    const Facet where = added.origin == FacetBins::kPlaced ? added.facet : move(added.facet, added.layer);
+    int homes = 0;
+    for (const Taken& t : taken[i]) {
+      REQUIRE(same_bits(t.facet.facet, added.facet));
+      REQUIRE(same_bits(t.moved, where));
+      REQUIRE(t.facet.added == (added.origin != FacetBins::kOfFile));
+      REQUIRE(t.facet.ignored == added.ignored);
+      REQUIRE(t.facet.shared == (taken[i].size() > 1));
+      const RayRange expected = added.ignored ? RayRange{} : rays.range_of(where, 0);
+      REQUIRE((t.range.u0 == expected.u0 && t.range.u1 == expected.u1 && t.range.v0 == expected.v0 && t.range.v1 == expected.v1));
+      homes += t.facet.at_home;
+    }
+    REQUIRE(homes == 1);
+    // In each bin with a ray that it meets it lies once, in any other not twice.
+    const RayRange met = exact_range(meta, where);
+    for (const TreePlace& place : places) {
+      const uint64_t size = rays.size(place.depth), u = place.cu * size, v = place.cv * size;
+      const auto times = std::ranges::count_if(taken[i], [&](const Taken& t) { return t.place.depth == place.depth && t.place.cu == place.cu && t.place.cv == place.cv; });
+      REQUIRE(times <= 1);
+      if (met.u0 < u + size && met.u1 > u && met.v0 < v + size && met.v1 > v && !met.empty()) REQUIRE(times == 1);
+    }
+  }
+}
+
+TEST_CASE("Facets come back bit for bit from every bin with a ray that they meet, and are at home in one, whatever the budget", "[threads]") {
+  const TempFolder folder;
+  std::mt19937_64 random(1);
+  for (const Metadata& meta : tile_grids()) {
+    std::vector<Added> facets = numbered(facets_over(random, meta, 1100));
+    for (Added& f : facets) {
+      f.origin = f.layer % 7 == 0 ? FacetBins::kAdded : f.layer % 11 == 0 ? FacetBins::kPlaced : FacetBins::kOfFile;
+      f.ignored = f.layer % 13 == 0;
+    }
+    for (const Filling& how : {Filling{}, Filling{1, facets.size(), false, true}, Filling{1 << 20, 100 * facets.size()}, Filling{uint64_t{1} << 40, facets.size()}}) {
+      for (const auto& move : {FacetBins::Move(unmoved), FacetBins::Move(moved_if_odd)}) {
+        Filling filling = how;
+        filling.move = move;
+        CAPTURE(how.budget, how.expected);
+        expect_bins(meta, facets, *filled(meta, facets, folder, filling), move);
+        if (how.budget != 1) break;
+      }
+    }
+  }
+}
+
+TEST_CASE("A bin with more facets than are loaded at once is split, as far as the tree goes") {
+  const TempFolder folder;
+  const Axis axis = Axis::uniform(0, 1, 0, 130, 0.5);
+  const Metadata meta = tile_grid(2, axis, axis, axis, 2);  // units of 8 x 8 rays, a root of 512 x 512
+  const TreePlace root = RayFrame(meta).root();
+  REQUIRE(root.depth == 3);
+  std::vector<Facet> facets(1024, Facet{{Vec3{1, 1, 1}, {3, 1, 1}, {1, 3, 1}}});
+  REQUIRE_FALSE(filled(meta, numbered(facets), folder)->is_split(root));
+  facets.push_back(facets.back());
+  const auto bins = filled(meta, numbered(facets), folder);
+  for (int depth = 3; depth > 0; --depth) REQUIRE(bins->is_split({depth, 0, 0}));
+  REQUIRE(bins->facets({0, 0, 0}) == facets.size());
+  REQUIRE(bins->facets({0, 1, 0}) == 0);
+  REQUIRE(bins->facets({2, 3, 3}) == 0);
+  REQUIRE(take_all(meta, *bins).size() == facets.size());
+}
+
+TEST_CASE("Facets that share a vertex share a bin, beside the grid too") {
+  const TempFolder folder;
+  std::mt19937_64 random(2);
+  const Metadata meta = tile_grids()[2];
+  std::vector<Facet> facets = facets_over(random, meta, 1200);
+  for (size_t i = 1; i < facets.size(); ++i)
+    if (i % 2 == 1) facets[i].vertex[i % 3] = facets[i - 1].vertex[random_int(random, 0, 2)];
+  const auto bins = filled(meta, numbered(facets), folder);
+  const auto taken = by_facet(take_all(meta, *bins), facets.size());
+  const auto key = [](const Taken& t) { return std::tuple(t.place.depth, t.place.cu, t.place.cv); };
+  for (size_t i = 1; i < facets.size(); i += 2)
+    REQUIRE(std::ranges::any_of(taken[i], [&](const Taken& t) { return std::ranges::any_of(taken[i - 1], [&](const Taken& s) { return key(s) == key(t); }); }));
+}
+
+TEST_CASE("Facets with the same vertices are at home in the same bin, however they are turned") {
+  const TempFolder folder;
+  std::mt19937_64 random(3);
+  const Metadata meta = tile_grids()[3];
+  std::vector<Facet> facets = facets_over(random, meta, 600);
+  for (size_t i = 0; i < 600; ++i) {
+    facets.push_back(facets[i]);
+    std::ranges::shuffle(facets.back().vertex, random);
+  }
+  const auto bins = filled(meta, numbered(facets), folder);
+  std::vector<TreePlace> home(facets.size());
+  for (const Taken& t : take_all(meta, *bins))
+    if (t.facet.at_home) home[t.facet.layer] = t.place;
+  for (size_t i = 0; i < 600; ++i) REQUIRE((home[i].depth == home[i + 600].depth && home[i].cu == home[i + 600].cu && home[i].cv == home[i + 600].cv));
+}
+
+TEST_CASE("Single precision takes half the room, and gives back coordinates that are single ones") {
+  const TempFolder folder;
+  std::mt19937_64 random(4);
+  const Metadata meta = tile_grids()[1];
+  std::vector<Facet> facets = facets_over(random, meta, 1000);
+  for (Facet& f : facets)
+    for (Vec3& v : f.vertex)
+      for (double& x : v) x = static_cast<float>(x);
+  Filling how{.expected = facets.size(), .float32 = true};
+  const auto bins = filled(meta, numbered(facets), folder, how), doubles = filled(meta, numbered(facets), folder, {.expected = facets.size()});
+  REQUIRE(bins->bytes() < doubles->bytes() * 2 / 3);
+  expect_bins(meta, numbered(facets), *bins, unmoved);
+}
+
+// The descriptor of the only file without a name in the folder.
+int temporary_file(const TempFolder& folder) {
+  for (int fd = 3; fd < 1024; ++fd) {
+    std::error_code none;
+    const std::string target = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(fd), none).string();
+    if (target.starts_with(folder.path().string()) && target.ends_with("(deleted)")) return fd;
+  }
+  throw std::runtime_error("no temporary file is open");
+}
+
+TEST_CASE("A byte of the temporary file that changed, or is gone, is an error and no facet") {
+  const TempFolder folder;
+  const Metadata meta = tile_grids()[0];
+  const std::vector<Added> facets(100, Added{Facet{{Vec3{1, 1, 1}, {3, 1, 1}, {1, 3, 1}}}, 0});
+  for (const off_t at : {0, 71, 72, 5000, 100 * 76 - 1}) {  // a record has 76 bytes
+    const auto bins = filled(meta, facets, folder, {.budget = 1 << 30, .expected = facets.size()});
+    const int fd = temporary_file(folder);
+    uint8_t byte;
+    REQUIRE(::pread(fd, &byte, 1, at) == 1);
+    byte ^= 1;
+    REQUIRE(::pwrite(fd, &byte, 1, at) == 1);
+    REQUIRE_THROWS_AS(take_all(meta, *bins), IoError);
+  }
+  const auto bins = filled(meta, facets, folder, {.budget = 1 << 30, .expected = facets.size()});
+  REQUIRE(::ftruncate(temporary_file(folder), 100 * 76 - 1) == 0);
+  REQUIRE_THROWS_AS(take_all(meta, *bins), IoError);
+}
+
+TEST_CASE("No facets are a bin without facets, and need no room") {
+  const TempFolder folder;
+  for (const Metadata& meta : tile_grids()) {
+    const auto bins = filled(meta, {}, folder);
+    REQUIRE(take_all(meta, *bins).empty());
+    REQUIRE(bins->bytes() == 0);
+  }
+}
+
+}  // namespace
+}  // namespace teracell
