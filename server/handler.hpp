@@ -4,15 +4,15 @@
 #include <optional>
 #include <string_view>
 
-#include "server/http.hpp"
+#include "server/service/message.hpp"
 
 namespace teracell {
 
-// Threads call both at once.
+// Threads call these functions at once.
 struct Handler {
-  std::function<std::optional<Response>(const Request&)> at_once;  // when nothing must be read or made: it may not take long
+  std::function<std::optional<Response>(const Request&)> at_once;  // an answer that needs no reading and no making; must be quick
   std::function<Response(const Request&)> handle;                  // any request
-  std::function<bool(std::string_view path)> is_open = {};         // whether it is for anybody, without a token; none: nothing is
+  std::function<bool(std::string_view path)> is_open = {};         // whether a path needs no token; not set: every path needs it
 };
 
 }  // namespace teracell

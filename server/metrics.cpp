@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "server/wire.hpp"
+#include "server/service/target.hpp"
 
 namespace teracell {
 namespace {
@@ -47,14 +47,14 @@ void Metrics::request(const char* name, int status, double seconds) {
 std::string metrics_text(const Metrics& m, const ServerState& state) {
   std::string out;
   const auto end = [&out] { return std::back_inserter(out); };
-  describe(out, "teracell_build_info", "gauge", "The version that runs.");
+  describe(out, "teracell_build_info", "gauge", "The version of the program.");
   fmt::format_to(end(), "teracell_build_info{{version=\"{}\"}} 1\n", state.version);
-  describe(out, "teracell_requests_total", "counter", "Requests answered.");
+  describe(out, "teracell_requests_total", "counter", "Requests that were answered.");
   for (const Metrics::Route& r : m.routes())
     if (const char* name = r.name.load())
       for (size_t s = 0; s < r.statuses.size(); ++s)
         if (const uint64_t n = r.statuses[s].load(kRelaxed)) fmt::format_to(end(), "teracell_requests_total{{route=\"{}\",status=\"{}\"}} {}\n", name, s + 100, n);
-  describe(out, "teracell_request_duration_seconds", "histogram", "From the end of a request's head to the end of its answer.");
+  describe(out, "teracell_request_duration_seconds", "histogram", "Time from the end of a request's head to the end of its answer.");
   for (const Metrics::Route& r : m.routes())
     if (const char* name = r.name.load()) {
       uint64_t sum = 0;
@@ -71,23 +71,23 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
     for (const CacheState& c : state.caches) fmt::format_to(end(), "{}{{cache=\"{}\"}} {}\n", name, c.name, c.*value);
   };
   caches("teracell_cache_bytes", "gauge", "Memory that the cache holds.", &CacheState::bytes);
-  caches("teracell_cache_limit_bytes", "gauge", "Memory that it may hold.", &CacheState::limit);
-  caches("teracell_cache_hits_total", "counter", "What was asked for and there.", &CacheState::hits);
-  caches("teracell_cache_misses_total", "counter", "What was asked for and had to be made.", &CacheState::misses);
-  single(out, "teracell_grids", "gauge", "Grids served.", state.grids);
-  single(out, "teracell_reads_total", "counter", "Reads of the files: chunks and index pages.", state.reads);
-  single(out, "teracell_read_bytes_total", "counter", "Bytes that they gave.", state.read_bytes);
-  single(out, "teracell_damaged_total", "counter", "Requests that met a damaged chunk.", state.damaged);
-  single(out, "teracell_log_dropped_total", "counter", "Lines of the log that nobody took in time, or that could not be written.", state.log_dropped);
+  caches("teracell_cache_limit_bytes", "gauge", "Memory that the cache may hold.", &CacheState::limit);
+  caches("teracell_cache_hits_total", "counter", "Entries that were asked for and in the cache.", &CacheState::hits);
+  caches("teracell_cache_misses_total", "counter", "Entries that were asked for and had to be made.", &CacheState::misses);
+  single(out, "teracell_grids", "gauge", "Grids that are served.", state.grids);
+  single(out, "teracell_reads_total", "counter", "Reads of chunks and index pages from the files.", state.reads);
+  single(out, "teracell_read_bytes_total", "counter", "Bytes that these reads returned.", state.read_bytes);
+  single(out, "teracell_damaged_total", "counter", "Requests that failed because a file is damaged or can't be read.", state.damaged);
+  single(out, "teracell_log_dropped_total", "counter", "Lines of the log that nobody read in time or that could not be written.", state.log_dropped);
   single(out, "teracell_connections", "gauge", "Open connections.", m.connections.load(kRelaxed));
-  single(out, "teracell_connections_accepted_total", "counter", "Connections ever accepted.", m.accepted.load(kRelaxed));
-  describe(out, "teracell_connections_dropped_total", "counter", "Connections closed for what the client did, or didn't do in time.");
+  single(out, "teracell_connections_accepted_total", "counter", "Connections that were accepted.", m.accepted.load(kRelaxed));
+  describe(out, "teracell_connections_dropped_total", "counter", "Connections that the server closed: there were too many, or the client took too long.");
   const std::pair<const char*, const std::atomic<uint64_t>*> drops[] = {
       {"full", &m.refused}, {"idle", &m.idle}, {"slow_request", &m.slow_requests}, {"slow_answer", &m.slow_answers}};
   for (const auto& [why, n] : drops) fmt::format_to(end(), "teracell_connections_dropped_total{{reason=\"{}\"}} {}\n", why, n->load(kRelaxed));
-  single(out, "teracell_waiting_requests", "gauge", "Requests that are being made, or wait for a thread.", m.waiting.load(kRelaxed));
-  single(out, "teracell_held_bytes", "gauge", "Bytes of answers that wait for their clients to take them.", m.held_bytes.load(kRelaxed));
-  single(out, "teracell_overloaded_total", "counter", "Requests refused because too many waited, or too many bytes were held.", m.overloaded.load(kRelaxed));
+  single(out, "teracell_waiting_requests", "gauge", "Requests that a thread is answering or that wait for one.", m.waiting.load(kRelaxed));
+  single(out, "teracell_held_bytes", "gauge", "Bytes of answers that clients have yet to take.", m.held_bytes.load(kRelaxed));
+  single(out, "teracell_overloaded_total", "counter", "Requests that got status 503 because too many requests waited or too many bytes were held.", m.overloaded.load(kRelaxed));
   single(out, "process_resident_memory_bytes", "gauge", "Resident memory.", state.resident_bytes);
   return out;
 }

@@ -1,4 +1,4 @@
-// What the server counts, and the two documents that tell of it: /healthz and /metrics (Prometheus text, version 0.0.4).
+// What the server counts, and the two documents about it: /healthz and /metrics (Prometheus text, version 0.0.4).
 #pragma once
 #include <array>
 #include <atomic>
@@ -11,7 +11,7 @@
 
 namespace teracell {
 
-// A part of a counter for as long as it lives.
+// Adds to a counter for as long as it lives.
 class Counted {
  public:
   Counted() = default;
@@ -35,21 +35,21 @@ class Counted {
 // Threads share it; nothing in it locks.
 class Metrics {
  public:
-  // Upper bounds of the buckets of a request's duration, in seconds; one more is without bound.
+  // Upper bounds of the buckets for the durations of requests, in seconds. One further bucket has no bound.
   static constexpr std::array<double, 12> kBuckets = {0.0001, 0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30};
 
-  // `route` has static storage; the first few dozen different ones are told apart.
+  // `route` has static storage. The first 31 different ones are counted apart, further ones together.
   void request(const char* route, int status, double seconds);
 
   std::atomic<uint64_t> connections{0};     // open
   std::atomic<uint64_t> accepted{0};        // connections ever
-  std::atomic<uint64_t> refused{0};         // for --max-connections
-  std::atomic<uint64_t> idle{0};            // dropped: nothing came
-  std::atomic<uint64_t> slow_requests{0};   // dropped: a head that didn't end
-  std::atomic<uint64_t> slow_answers{0};    // dropped: an answer that wasn't taken
-  std::atomic<uint64_t> waiting{0};         // requests that wait for a thread, or have one
-  std::atomic<uint64_t> held_bytes{0};      // of answers that were made, or that clients are slow to take
-  std::atomic<uint64_t> overloaded{0};      // answered 503, for too much of these two
+  std::atomic<uint64_t> refused{0};         // connections beyond ListenerOptions::max_connections
+  std::atomic<uint64_t> idle{0};            // connections closed because no request came
+  std::atomic<uint64_t> slow_requests{0};   // connections closed because a request did not end in time
+  std::atomic<uint64_t> slow_answers{0};    // connections closed because the client did not take its answer in time
+  std::atomic<uint64_t> waiting{0};         // requests in the pool, queued or running
+  std::atomic<uint64_t> held_bytes{0};      // of answers that clients have yet to take
+  std::atomic<uint64_t> overloaded{0};      // requests answered 503 because one of these two was too high
 
   struct Route {
     std::atomic<const char*> name{nullptr};
@@ -61,10 +61,10 @@ class Metrics {
 
  private:
   Route& route(const char* name);
-  std::array<Route, 32> routes_;  // filled from the front; the last one takes what doesn't fit
+  std::array<Route, 32> routes_;  // filled from the front; the last one takes all further routes
 };
 
-// What is not counted here but asked for.
+// What others count: asked for when the document is made.
 struct CacheState {
   const char* name;  // "chunks", "answers"
   uint64_t bytes, limit, hits, misses;
@@ -77,9 +77,9 @@ struct ServerState {
 };
 std::string metrics_text(const Metrics& metrics, const ServerState& state);
 
-uint64_t resident_bytes();  // of this process; 0 where the system doesn't tell
+uint64_t resident_bytes();  // memory of this process; 0 where there is no /proc
 
-// `inner`, with /healthz and /metrics in front.
+// `inner`, behind a handler for /healthz and /metrics.
 Handler with_operations(Handler inner, const Metrics& metrics, std::function<ServerState()> state);
 
 }  // namespace teracell

@@ -1,9 +1,11 @@
 #include "server/openapi.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "server/tiles.hpp"
+#include "server/protocols/protocols.hpp"
+#include "server/service/slice_picture.hpp"
 
 namespace teracell {
 namespace {
@@ -18,12 +20,12 @@ const ordered_json kInteger = {{"type", "integer"}, {"minimum", 0}};
 const ordered_json kString = {{"type", "string"}};
 ordered_json flag() { return {{"type", "integer"}, {"enum", {0, 1}}}; }
 
-ordered_json grid_id() { return parameter("id", "path", "the grid: its file's stem", kString); }
-ordered_json axis() { return parameter("axis", "path", "the axis across the slice, or along the column", {{"type", "string"}, {"enum", {"x", "y", "z"}}}); }
-ordered_json version() { return parameter("v", "query", "the grid's hash: the answer may then be kept for ever", kString); }
-ordered_json level(const char* in) { return parameter("level", in, "of the pyramid; its cells are 2^level times as wide", kInteger); }
+ordered_json grid_id() { return parameter("id", "path", "the id of the grid, as /api/v1/grids lists it", kString); }
+ordered_json axis() { return parameter("axis", "path", "the axis normal to the slice, or along the column", {{"type", "string"}, {"enum", {"x", "y", "z"}}}); }
+ordered_json version() { return parameter("v", "query", "the grid's hash; with it the answer may be cached for ever", kString); }
+ordered_json level(const char* in) { return parameter("level", in, "the level of the pyramid; its cells are 2^level times as wide as those of level 0", kInteger); }
 ordered_json materials() { return parameter("materials", "query", "ids of the materials to show, separated by commas; default: all", kString); }
-ordered_json outline() { return parameter("outline", "query", fmt::format("1 draws the boundaries between materials, in pictures of at most {} pixels", kMostOutlined), flag()); }
+ordered_json outline() { return parameter("outline", "query", fmt::format("1: draws the boundaries between materials, in pictures of at most {} pixels", kMostOutlined), flag()); }
 
 ordered_json content(const char* type, const char* schema) {
   ordered_json c = {{type, ordered_json::object()}};
@@ -31,22 +33,22 @@ ordered_json content(const char* type, const char* schema) {
   return c;
 }
 
-// What an answer is made of: the server itself, at once; the list of grids, or the like; a grid, and then it has an ETag.
+// What an answer depends on: the server alone (it comes at once), the list of grids, or one grid (it has an ETag).
 enum class Source { kServer, kGrids, kGrid };
 
 ordered_json get(const char* summary, ordered_json parameters, const char* type, const char* schema, Source source = Source::kGrid) {
-  ordered_json responses = {{"200", {{"description", "done"}, {"content", content(type, schema)}}}};
+  ordered_json responses = {{"200", {{"description", "the answer"}, {"content", content(type, schema)}}}};
   const auto error = [&](const char* status, const char* description) { responses[status] = {{"description", description}, {"content", content("application/json", "Error")}}; };
-  error("400", "a malformed or out-of-range value; the message says the range");
-  error("401", "the server wants a token, and this is none or another");
+  error("400", "a value is malformed or out of range; the message names the range");
+  error("401", "the request has no token, or a wrong one");
   if (source == Source::kGrid) {
-    responses["200"]["headers"] = {{"ETag", {{"description", "strong: the grid's content and encoding"}, {"schema", {{"type", "string"}}}}}};
-    responses["304"] = {{"description", "the client has it"}};
-    error("404", "no such grid, tile or version");
-    error("500", "the file is damaged there");
+    responses["200"]["headers"] = {{"ETag", {{"description", "strong: changes with the grid's content and the encoding"}, {"schema", {{"type", "string"}}}}}};
+    responses["304"] = {{"description", "the client has this answer already"}};
+    error("404", "there is no such grid, tile or version");
+    error("500", "the file is damaged at this place");
   }
-  error("405", "another method than GET, HEAD and OPTIONS");
-  if (source != Source::kServer) error("503", "too many requests wait, or memory is short: again in a second");
+  error("405", "the method is none of GET, HEAD and OPTIONS");
+  if (source != Source::kServer) error("503", "too many requests wait, or memory is short; try again in a second");
   return {{"get", {{"summary", summary}, {"parameters", std::move(parameters)}, {"responses", responses}}}};
 }
 
@@ -89,51 +91,61 @@ ordered_json schemas() {
   };
 }
 
+std::string description() {
+  std::vector<std::string> prefixes;
+  for (const Protocol& p : protocols()) prefixes.push_back(fmt::format("/{}", p.prefix));
+  return fmt::format("Slices, columns and statistics of huge Cartesian grids. Other programs find the same grids below {}. HEAD is answered like GET, without the body.",
+                     fmt::join(prefixes, ", "));
+}
+
 }  // namespace
 
 std::string openapi_json(const Request& request) {
   const ordered_json id = grid_id();
   const std::string grid = "/api/v1/grids/{id}";
   ordered_json paths;
-  paths["/healthz"] = get("is the server alive?", ordered_json::array(), "application/json", nullptr, Source::kServer);
-  paths["/healthz"]["get"]["responses"].erase("401");
-  paths["/healthz"]["get"]["security"] = ordered_json::array();
-  paths["/metrics"] = get("Prometheus metrics", ordered_json::array(), "text/plain", nullptr, Source::kServer);
+  const auto open = [](ordered_json path) {  // needs no token
+    path["get"]["responses"].erase("401");
+    path["get"]["security"] = ordered_json::array();
+    return path;
+  };
+  paths["/healthz"] = open(get("whether the server is alive", ordered_json::array(), "application/json", nullptr, Source::kServer));
+  paths["/NOTICE"] = open(get("the licences of what is embedded in the program and linked to it", ordered_json::array(), "text/plain", nullptr, Source::kServer));
+  paths["/metrics"] = get("counters for Prometheus", ordered_json::array(), "text/plain", nullptr, Source::kServer);
   paths["/openapi.json"] = get("this description", ordered_json::array(), "application/json", nullptr, Source::kGrids);
   paths["/api/v1/grids"] = get("the grids that are served, and files that can't be read", ordered_json::array(), "application/json", "Grids", Source::kGrids);
-  paths[grid] = get("a grid: axes, materials, levels, what meshing reported", {id, version()}, "application/json", "Info");
+  paths[grid] = get("a grid: its axes, materials and levels, and the report of the mesher", {id, version()}, "application/json", "Info");
   paths[grid + "/slice/{axis}/{index}.png"] = get(
-      "a slice as a picture, v upwards", {id, axis(), parameter("index", "path", "the slice, in cells of the level", kInteger), level("query"),
+      "a slice as a picture, v upwards", {id, axis(), parameter("index", "path", "the index of the slice, in cells of the level", kInteger), level("query"),
                                           parameter("region", "query", "U0,V0,U1,V1: half open, in cells of the level", kString), materials(), outline(), version()},
       "image/png", nullptr);
   const auto tile = [&](ordered_json more) {
-    ordered_json p = {id, axis(), parameter("index", "path", "the slice, in cells of the level", kInteger), level("path"),
-                      parameter("col", "path", "counted from u = 0", kInteger), parameter("row", "path", "counted from v = 0", kInteger)};
+    ordered_json p = {id, axis(), parameter("index", "path", "the index of the slice, in cells of the level", kInteger), level("path"),
+                      parameter("col", "path", "the column of the tile, counted from u = 0", kInteger), parameter("row", "path", "the row of the tile, counted from v = 0", kInteger)};
     for (auto& m : more) p.push_back(m);
     return p;
   };
-  paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.png"] = get("a tile of 512 x 512 cells, cut at the edges; v upwards inside", tile({materials(), outline(), version()}), "image/png", nullptr);
+  paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.png"] = get("a tile of 512 x 512 cells as a picture, v upwards; tiles at the edge are smaller", tile({materials(), outline(), version()}), "image/png", nullptr);
   paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.bin"] =
-      get("a tile as labels, row v = 0 first: the id of the strongest material of each cell, a byte, or two (little endian) past 256 materials. With sets=1: the number of sets (u32); of each "
-          "its number of materials and their ids (u16 each); then the number of each cell's set, a byte, or two past 256 sets",
-          tile({parameter("sets", "query", "1: the sets of coarse cells", flag()), version()}), "application/octet-stream", nullptr);
+      get("a tile as labels, the row with the lowest v first. Each cell is the id of its strongest material: one byte, or two (little endian) in grids of more than 256 materials. With "
+          "sets=1 there are, all little endian: the number of sets (u32); for each set its number of materials and their ids (u16 each); for each cell the number of its set, one byte, "
+          "or two when there are more than 256 sets",
+          tile({parameter("sets", "query", "1: gives the set of all materials in each coarse cell", flag()), version()}), "application/octet-stream", nullptr);
   paths[grid + "/cell"] = get("the materials of a cell", {id, parameter("i", "query", "along x", kInteger), parameter("j", "query", "along y", kInteger),
                                                           parameter("k", "query", "along z", kInteger), level("query"), version()}, "application/json", "Cell");
   for (auto& p : paths[grid + "/cell"]["get"]["parameters"])
     if (p["name"] == "i" || p["name"] == "j" || p["name"] == "k") p["required"] = true;
   paths[grid + "/column/{axis}/{a}_{b}"] = get(
-      "the runs of a column of cells", {id, axis(), parameter("a", "path", "the first coordinate across", kInteger), parameter("b", "path", "the second one", kInteger), version()},
+      "the runs of a column of cells", {id, axis(), parameter("a", "path", "the cell's index along the first of the other two axes", kInteger), parameter("b", "path", "the cell's index along the second one", kInteger), version()},
       "application/json", "Column");
-  paths[grid + "/stats"] = get("exact cells, volume and box of every material, counted from runs",
+  paths[grid + "/stats"] = get("the exact number of cells, volume and box of every material, counted from runs",
                                {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()}, "application/json", "Stats");
-  const ordered_json bearer = {{"type", "http"}, {"scheme", "bearer"}, {"description", "where the server was given a token"}};
+  const ordered_json bearer = {{"type", "http"}, {"scheme", "bearer"}, {"description", "needed when the server was started with a token"}};
   const ordered_json out = {{"openapi", "3.1.0"},
-                            {"info", {{"title", "teracell"}, {"version", "1"}, {"description", "Slices, columns and statistics of huge Cartesian grids. The same grids for other clients: /zarr, "
-                                                                                              "/zarr2, /xarray, /precomputed, /dzi, /iiif. HEAD is answered like "
-                                                                                              "GET, without the body."}}},
+                            {"info", {{"title", "teracell"}, {"version", "1"}, {"description", description()}}},
                             {"servers", {{{"url", request.prefix.empty() ? "/" : request.prefix}}}},
                             {"paths", paths},
-                            {"security", {ordered_json::object(), {{"bearer", ordered_json::array()}}}},  // none, or this
+                            {"security", {ordered_json::object(), {{"bearer", ordered_json::array()}}}},  // no token, or this one
                             {"components", {{"schemas", schemas()}, {"securitySchemes", {{"bearer", bearer}}}}}};
   return out.dump();
 }

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "server/target.hpp"
+#include "server/service/target.hpp"
 
 namespace teracell {
 
@@ -66,10 +66,32 @@ void Prefetch::work() {
     lock.unlock();
     try {
       fetch_(request);
-    } catch (...) {  // whoever asks for it will be told
+    } catch (...) {  // a client that asks for it will get the error
     }
     lock.lock();
   }
+}
+
+Handler with_prefetch(Handler inner, Prefetch& prefetch) {
+  return {[&prefetch, at_once = std::move(inner.at_once)](const Request& request) {
+            std::optional<Response> r = at_once(request);
+            if (r) prefetch.answered(request, *r);
+            return r;
+          },
+          [&prefetch, handle = std::move(inner.handle)](const Request& request) {
+            struct UnderWay {
+              Prefetch& prefetch;
+              explicit UnderWay(Prefetch& p) : prefetch(p) { prefetch.begin(); }
+              ~UnderWay() { prefetch.end(); }
+            };
+            Response r = [&] {
+              const UnderWay under_way(prefetch);
+              return handle(request);
+            }();
+            prefetch.answered(request, r);
+            return r;
+          },
+          std::move(inner.is_open)};
 }
 
 }  // namespace teracell

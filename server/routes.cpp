@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "server/openapi.hpp"
+#include "server/protocols/protocols.hpp"
+#include "server/service/slice_picture.hpp"
 #include "server/start_page.hpp"
-#include "server/tiles.hpp"
-#include "server/wire.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
 
@@ -29,7 +29,7 @@ Response plain(const char* route, const char* type, std::string text) {
 }
 
 HttpError no_such_address(const Request& request) {
-  return not_found(fmt::format("there is nothing at this address: {}/openapi.json lists what there is", request.prefix));
+  return not_found(fmt::format("there is nothing at this address: {}/openapi.json lists the addresses", request.prefix));
 }
 
 int axis_of(const std::string& name) {
@@ -53,25 +53,25 @@ std::pair<std::string, std::string> split_pair(const std::string& text, const ch
 int level_of(const std::string* text, const GridReader& reader) { return text ? static_cast<int>(integer_in(*text, "level", 0, reader.levels() - 1)) : 0; }
 
 // "?materials=1,3" and "?outline=1".
-Look look_of(const Target& target, const Metadata& meta) {
-  Look look;
-  if (const std::string* outline = target.find("outline")) look.outline = integer_in(*outline, "outline", 0, 1) == 1;
+PictureStyle style_of(const Target& target, const Metadata& meta) {
+  PictureStyle style;
+  if (const std::string* outline = target.find("outline")) style.outline = integer_in(*outline, "outline", 0, 1) == 1;
   if (const std::string* list = target.find("materials")) {
     const size_t n = meta.materials.size();
-    look.shown.assign(n, false);
+    style.shown.assign(n, false);
     if (!list->empty())
       for (const std::string_view text : split(*list, ',')) {
         const auto id = plain_integer(text);
         if (!id || static_cast<size_t>(*id) >= n)
           throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'", n - 1,
                                         text.substr(0, 48)));
-        look.shown[static_cast<size_t>(*id)] = true;
+        style.shown[static_cast<size_t>(*id)] = true;
       }
   }
-  return look;
+  return style;
 }
 
-// Routes below /api/v1/grids/{id}/: the grid, and the segments after the id.
+// A request below /api/v1/grids/{id}/: the grid, and the segments after the id.
 struct GridRequest {
   Service& service;
   const Request& request;
@@ -109,9 +109,9 @@ Response slice(const GridRequest& r) {
   }
   const auto width = static_cast<uint64_t>(view.u1 - view.u0), height = static_cast<uint64_t>(view.v1 - view.v0);
   if (const uint64_t most = r.service.options().max_pixels; height > most / width)
-    throw bad_request(fmt::format("region: expected at most {} pixels, found {} x {}: ask for a part with region=, or a coarser level", most, width, height));
-  const Look look = look_of(r.target, r.meta());
-  return r.service.answer(r.request, r.target, *r.grid, {.route = "slice", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, look); }});
+    throw bad_request(fmt::format("region: expected at most {} pixels, found {} x {}: ask for a part with region= or for a coarser level", most, width, height));
+  const PictureStyle style = style_of(r.target, r.meta());
+  return r.service.answer(r.request, r.target, *r.grid, {.route = "slice", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, style); }});
 }
 
 Response tile(const GridRequest& r) {
@@ -136,8 +136,8 @@ Response tile(const GridRequest& r) {
   }
   if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));
   r.target.allow({"v", "materials", "outline"});
-  const Look look = look_of(r.target, r.meta());
-  return r.service.answer(r.request, r.target, *r.grid, {.route = "tile", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, look); }});
+  const PictureStyle style = style_of(r.target, r.meta());
+  return r.service.answer(r.request, r.target, *r.grid, {.route = "tile", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, style); }});
 }
 
 Response cell(const GridRequest& r) {
@@ -160,7 +160,7 @@ Response cell(const GridRequest& r) {
       const int64_t first = box.lo[d] << level, last = std::min(a.cells(), box.hi[d] << level);
       j["centre"].push_back(level == 0 ? a.centre(first) : (a.plane(first) + a.plane(last)) / 2);
     }
-    for_each_run(r.reader(), level, box, [&](const BoxRun& run) {  // a single one
+    for_each_run(r.reader(), level, box, [&](const BoxRun& run) {  // the cell is a single run
       for (const uint32_t m : materials_of(meta, *run.set)) j["materials"].push_back({{"id", m}, {"name", meta.materials[m].name}});
     });
     return j;
@@ -221,25 +221,14 @@ Response api(Service& service, const Request& request, const Target& target) {
   throw no_such_address(request);
 }
 
-struct Prefix {
-  const char* name;
-  Response (*serve)(Service&, const Request&, const Target&);
-};
-constexpr Prefix kPrefixes[] = {{"api", api},
-                                {"zarr", serve_zarr3},
-                                {"zarr2", serve_zarr2},
-                                {"xarray", serve_xarray},
-                                {"precomputed", serve_precomputed},
-                                {"dzi", serve_deep_zoom},
-                                {"iiif", serve_iiif}};
-
 Response route(Service& service, const Request& request) {
   const Target target = parse_target(request.target);
   const std::string& first = target.path[0];
   if (target.path.size() == 1 && first.empty()) return plain("page", "text/html; charset=utf-8", start_page(service, request));
   if (target.path.size() == 1 && first == "openapi.json") return plain("openapi", kJson, openapi_json(request));
-  for (const Prefix& p : kPrefixes)
-    if (first == p.name) return p.serve(service, request, target);
+  if (first == "api") return api(service, request, target);
+  for (const Protocol& p : protocols())
+    if (first == p.prefix) return p.serve(service, request, target);
   throw no_such_address(request);
 }
 
@@ -262,10 +251,14 @@ Response handle(Service& service, const Request& request) {
     service.damaged(e.what());
     return error_response(500, "unreadable", e.what());
   } catch (const std::bad_alloc&) {
-    return error_response(503, "out_of_memory", "the server is out of memory: ask for less at once, or again later");
+    return error_response(503, "out_of_memory", "the server is out of memory: ask for less, or try again later");
   } catch (const std::exception& e) {
     return error_response(500, "failed", e.what());
   }
+}
+
+Handler handler_of(Service& service) {
+  return {[&service](const Request& request) { return handle_at_once(service, request); }, [&service](const Request& request) { return handle(service, request); }};
 }
 
 }  // namespace teracell

@@ -1,22 +1,17 @@
-// Requests -> responses (README, "The server"; the addresses are listed in openapi.cpp). Pure but for the files that the
-// service reads: no socket, no thread.
+// From requests to responses (the addresses: SERVING.md and openapi.cpp). Nothing here knows a socket or a thread; the service
+// reads files.
 #pragma once
-#include "server/service.hpp"
+#include "server/handler.hpp"
+#include "server/service/service.hpp"
 
 namespace teracell {
 
-// Answers any request: what is thrown becomes an error response. Threads may call it at once.
+// Answers any request: exceptions become error responses. Threads may call it at once.
 Response handle(Service& service, const Request& request);
-// The same when nothing must be read or made for it, so that it needs no thread of its own.
+// The same for an answer that is in the cache, so that it needs no thread of its own.
 std::optional<Response> handle_at_once(Service& service, const Request& request);
 
-// One file each: other people's protocols. They get the path below their prefix and return 404 with an empty body for
-// what does not exist in them.
-Response serve_zarr3(Service& service, const Request& request, const Target& target);        // /zarr/{id}/...
-Response serve_zarr2(Service& service, const Request& request, const Target& target);        // /zarr2/{id}/...
-Response serve_xarray(Service& service, const Request& request, const Target& target);       // /xarray/{id}/{level}/...
-Response serve_precomputed(Service& service, const Request& request, const Target& target);  // /precomputed/{id}/...
-Response serve_deep_zoom(Service& service, const Request& request, const Target& target);    // /dzi/{id}/{axis}/{index}...
-Response serve_iiif(Service& service, const Request& request, const Target& target);         // /iiif/{id}-{axis}-{index}/...
+// Both as a handler. REQUIRES: the service outlives it.
+Handler handler_of(Service& service);
 
 }  // namespace teracell

@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include "server/protocols/protocols.hpp"
 #include "store/info.hpp"
 
 namespace teracell {
 namespace {
 
-// Names come from anybody's files.
+// Names come from files, which anybody may have made.
 std::string html(std::string_view text) {
   std::string out;
   for (const char c : text) switch (c) {
@@ -45,12 +46,7 @@ std::string card(const ServedGrid& grid, const Request& request) {
   const auto row = [&](const char* name, const std::string& path) { rows += fmt::format("<tr><th>{}</th><td><a href=\"{}{}\">{}{}</a></td></tr>", name, html(base), html(path), html(root), html(path)); };
   row("JSON", fmt::format("/api/v1/grids/{}", id));
   row("statistics", fmt::format("/api/v1/grids/{}/stats", id));
-  row("Zarr 3, OME-Zarr", fmt::format("/zarr/{}/zarr.json", id));
-  row("Zarr 2", fmt::format("/zarr2/{}/.zattrs", id));
-  row("xarray", fmt::format("/xarray/{}/0/.zmetadata", id));
-  row("Neuroglancer", fmt::format("/precomputed/{}/info", id));
-  row("Deep Zoom", fmt::format("/dzi/{}/z/{}.dzi", id, n[2] / 2));
-  row("IIIF", fmt::format("/iiif/{}-z-{}/info.json", id, n[2] / 2));
+  for (const Protocol& p : protocols()) row(p.title, fmt::format("/{}{}", p.prefix, p.example(grid)));
   return fmt::format("<section><h2>{}</h2><p>{} &times; {} &times; {} = {} cells in {:.1f} MB</p><div class=\"slices\">{}</div><table>{}</table></section>", html(grid.id), n[0], n[1],
                      n[2], cell_count_text(n), static_cast<double>(grid.reader().file_bytes()) / 1e6, pictures, rows);
 }
@@ -68,10 +64,10 @@ std::string start_page(Service& service, const Request& request) {
   for (const auto& grid : service.grids().all()) cards += card(*grid, request);
   for (const auto& [id, error] : service.grids().unreadable())
     cards += fmt::format("<section><h2>{}</h2><p>This file can't be read: {}</p></section>", html(id), html(error));
-  if (cards.empty()) cards = "<p>There is no grid here yet. Files that end in .tcell appear on this page as soon as they lie in a folder that is served.</p>";
+  if (cards.empty()) cards = "<p>There is no grid here yet. Files that end in .tcell appear on this page soon after they are put into a folder that is served.</p>";
   return fmt::format(
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>teracell</title><style>{}</style><h1>teracell</h1>{}"
-      "<p><a href=\"{}/openapi.json\">The interface</a> &middot; <a href=\"{}/metrics\">metrics</a></p></html>",
+      "<p><a href=\"{}/openapi.json\">description of the interface</a> &middot; <a href=\"{}/metrics\">metrics</a></p></html>",
       kStyle, cards, html(request.prefix), html(request.prefix));
 }
 

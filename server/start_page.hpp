@@ -1,8 +1,8 @@
-// The page at "/": the grids that are served, a picture of each, and the addresses under which other clients find them.
+// The page at "/" of a program without the dashboard: the grids that are served, with pictures and with addresses for other clients.
 #pragma once
 #include <string>
 
-#include "server/service.hpp"
+#include "server/service/service.hpp"
 
 namespace teracell {
 

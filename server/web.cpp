@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "server/wire.hpp"
+#include "server/service/target.hpp"
 #include "store/format.hpp"
 
 namespace teracell {
@@ -14,9 +14,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Code, styles and data come from this server alone, so a name in a file that ends up in the page can do nothing. blob: is for
-// what the page makes itself: workers of three.js, pictures to be saved. data: is for small icons that the build puts into the
-// style sheet. Nothing here forbids frames: there is no button that changes anything, and notebooks show the page in one.
+// Code, styles and data come from this server alone, so that a name from somebody's file can do no harm in the page. "blob:" is for
+// what the page makes itself: workers of three.js, and pictures to be saved. "data:" is for small icons that the build puts into
+// the style sheet. Frames are allowed: no button of the page changes anything, and notebooks show the page in a frame.
 constexpr const char* kMoreFields =
     "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; "
     "worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'\r\n"
@@ -33,7 +33,7 @@ const char* type_of(std::string_view name) {
   return "application/octet-stream";
 }
 
-// "" for what can't be the page's: most requests are for data, and a folder must not be listed for each of them.
+// "" for a path that can't name a file of the page. Most requests are for data, and the folder must not be listed for each of them.
 std::string_view name_of(std::string_view path) {
   if (path == "/") return "index.html";
   const bool on_top = path.find('/', 1) == path.npos && path.find('.') != path.npos;
@@ -55,7 +55,7 @@ std::string inflated(std::string_view gzip) {
     out.append(piece, sizeof piece - z.avail_out);
   }
   inflateEnd(&z);
-  if (status != Z_STREAM_END) throw FormatError("a file of the page is damaged in the program: build it anew");
+  if (status != Z_STREAM_END) throw FormatError("a file of the page is damaged in the program: build the program again");
   return out;
 }
 
@@ -81,7 +81,8 @@ Page::Page(fs::path folder) : folder_(std::move(folder)) {
   if (!has("/")) throw IoError(fmt::format("{}: expected a folder with the page that was built, found no index.html in it", folder_.string()));
 }
 
-// By their names: nothing that a request holds ever becomes part of a path. Links and hidden files are left out.
+// The files of the folder by their names: no part of a request ever becomes part of a file's path. Links and hidden files are left
+// out.
 Page::Listing Page::listing() const {
   Listing found;
   std::error_code error;

@@ -1,8 +1,8 @@
-// The dashboard's page: its files are part of the program, or lie in a folder while somebody works on them. Only names that
-// are in the list of these files are answered; everything else goes on to the routes, and is their 404.
+// The dashboard's page. Its files are part of the program, or lie in a folder while somebody works on them. Only names in the
+// list of these files are answered; all other requests go on to the routes.
 //
-// With a token the page is still for everybody: it holds no data, a browser sends no token when it opens an address, and
-// the page then asks for the token and bears it in its own requests.
+// The page never needs a token. It holds no data, and a browser sends no token when it opens an address: the page asks for the
+// token and sends it with its own requests.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -16,21 +16,21 @@ struct EmbeddedFile {
   std::string_view name;  // "index.html", "assets/main-Ab3.js"
   std::string_view gzip;
 };
-// What web/CMakeLists.txt has put into the program; empty when it was built without.
+// The files that web/CMakeLists.txt put into the program; empty when it was built without the page.
 std::span<const EmbeddedFile> embedded_page();
 
 // Threads share it.
 class Page {
  public:
-  Page() = default;  // there is none: "/" stays the routes' own
+  Page() = default;  // no page: the routes answer "/"
   explicit Page(std::span<const EmbeddedFile> files);
-  // Files are looked for and read at each request. Throws IoError unless there is an index.html.
+  // Looks for files and reads them at each request. Throws IoError unless there is an index.html.
   explicit Page(std::filesystem::path folder);
 
   bool has(std::string_view path) const;
-  // The answer when it is in memory as it will be sent.
+  // The answer, if it is in memory in the form in which it will be sent.
   std::optional<Response> at_once(const Request& request) const;
-  // None when the path is none of the page's. Throws IoError when a file can't be read.
+  // The answer, if the path names a file of the page. Throws IoError when the file can't be read.
   std::optional<Response> answer(const Request& request) const;
 
  private:
@@ -44,10 +44,10 @@ class Page {
   std::filesystem::path folder_;
 };
 
-// `inner`, with the page in front. REQUIRES: the page outlives it.
+// `inner`, behind the page. REQUIRES: the page outlives it.
 Handler with_page(Handler inner, const Page& page);
 
-// `inner`, with a plain text at one path in front. It is for everybody, like the page.
+// `inner`, behind a plain text at one path. Like the page, the text needs no token.
 Handler with_text(Handler inner, std::string path, Body text);
 
 }  // namespace teracell

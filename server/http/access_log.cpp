@@ -18,8 +18,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr size_t kLongest = 1024;           // of a target in the log
-constexpr size_t kMuch = size_t{64} << 10;  // is written at once, less after a while
+constexpr size_t kLongest = 1024;           // bytes of a target in the log
+constexpr size_t kMuch = size_t{64} << 10;  // bytes that are written at once; fewer are written after kWhile
 constexpr auto kWhile = 250ms;
 constexpr auto kGrace = 2s;
 
@@ -120,7 +120,7 @@ void AccessLog::work() {
       if (lines_.empty()) return;
       lines.swap(lines_);
       if (const uint64_t dropped = dropped_; dropped > told) try {
-          append_note(lines, format_, time(), fmt::format("{} lines of this log were dropped: nobody took them in time", dropped - told));
+          append_note(lines, format_, time(), fmt::format("{} lines of this log were dropped, because nobody read them in time", dropped - told));
           told = dropped;
         } catch (const std::bad_alloc&) {  // /metrics has the number
         }
@@ -130,10 +130,10 @@ void AccessLog::work() {
   }
 }
 
-// A log that can't be written (its reader went away, the disk is full) is lost: serving goes on.
+// Lines that can't be written, because the reader has gone or the disk is full, are lost. Serving goes on.
 void AccessLog::write_through(std::string_view lines) {
   while (!lines.empty()) {
-    // Whole lines, as many as a pipe that takes anything takes without blocking.
+    // Whole lines, up to the size that a pipe takes without blocking once it takes anything.
     std::string_view piece = lines.substr(0, PIPE_BUF);
     if (piece.size() < lines.size()) piece = piece.substr(0, piece.rfind('\n') + 1);
     if (piece.empty()) piece = lines.substr(0, PIPE_BUF);
@@ -147,7 +147,7 @@ void AccessLog::write_through(std::string_view lines) {
   }
 }
 
-// Waits until something can be written, or is known to fail. False: there is no more time for that.
+// Waits until something can be written or writing is known to fail. Returns false when the time for that has run out.
 bool AccessLog::takes_some() {
   for (pollfd p{descriptor_, POLLOUT, 0}; poll(&p, 1, static_cast<int>(kWhile / 1ms)) <= 0;)
     if (finished_ && std::chrono::steady_clock::now() >= give_up_) {

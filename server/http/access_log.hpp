@@ -1,6 +1,6 @@
-// One line a request, and what else is to be said while serving. Lines are gathered in memory and written by a thread of
-// its own: neither a system call nor a reader that has stopped reading costs an answer anything. When too much has gathered,
-// lines are dropped; how many stands in the log once it moves again.
+// The log: one line per request, and notes. Lines are collected in memory and written by a thread of the log's own, so that no
+// answer waits for a system call, or for a reader of the log that has stopped reading. When too many lines have been collected,
+// further ones are dropped. The log says how many as soon as it can be written again.
 #pragma once
 #include <array>
 #include <atomic>
@@ -14,24 +14,24 @@
 
 namespace teracell {
 
-enum class LogFormat { kNone, kText, kJson };  // of requests; notes are written with kNone, too
+enum class LogFormat { kNone, kText, kJson };  // kNone leaves out requests; notes are always written
 
 struct LogEntry {
   std::string_view client, method, target;
   int status = 0;
-  uint64_t bytes = 0;  // of the body, as far as they were sent
+  uint64_t bytes = 0;  // of the body that were sent
   double milliseconds = 0;
   std::string_view route;
 };
 
-// Appends the line. Whatever the client sent, nothing in it steers a terminal or ends a JSON string: bytes other than
-// printable ASCII, quotes and backslashes come percent-encoded.
+// Appends the line. Nothing that a client sends can steer a terminal or end a JSON string: quotes, backslashes and all bytes
+// that are not printable ASCII are percent-encoded.
 void append_log_line(std::string& out, LogFormat format, std::string_view time, const LogEntry& entry);
 
 // Threads share it.
 class AccessLog {
  public:
-  static constexpr size_t kMost = size_t{1} << 20;  // bytes that may wait to be written
+  static constexpr size_t kMost = size_t{1} << 20;  // bytes of lines that are not written yet
 
   AccessLog(LogFormat format, int descriptor);
   ~AccessLog() { finish(); }
@@ -40,9 +40,8 @@ class AccessLog {
 
   void write(const LogEntry& entry) noexcept;
   void note(std::string_view message) noexcept;  // REQUIRES: no control characters in it
-  uint64_t dropped() const { return dropped_; }  // lines, ever
-  // All that has gathered is written when it returns, or given up because nobody took it for two seconds. What comes later
-  // is dropped.
+  uint64_t dropped() const { return dropped_; }  // lines since the start
+  // When it returns, all lines are written, or given up because nobody read them for two seconds. Later lines are dropped.
   void finish();
 
  private:
@@ -59,9 +58,9 @@ class AccessLog {
   std::condition_variable changed_;
   std::string lines_;
   std::atomic<bool> finished_{false};
-  std::chrono::steady_clock::time_point give_up_;  // once finished
+  std::chrono::steady_clock::time_point give_up_;  // set by finish()
   int64_t second_ = 0;
-  std::array<char, 32> time_{};  // the last one asked for
+  std::array<char, 32> time_{};  // the text that time() returned last
   std::atomic<uint64_t> dropped_{0};
   std::thread thread_;  // last: it uses the others
 };

@@ -7,21 +7,25 @@
 
 #include <fmt/format.h>
 
+#include "server/service/target.hpp"
+
 namespace teracell {
 namespace {
 
-constexpr auto kLinger = std::chrono::seconds(2);  // for a client to see why it was refused
+constexpr auto kLinger = std::chrono::seconds(2);  // time for a client to read why it was refused
 constexpr size_t kMostLingering = size_t{1} << 20;
-constexpr size_t kFirstBuffer = size_t{2} << 10;   // of an idle connection; grows to what a head may have
+constexpr size_t kFirstBuffer = size_t{2} << 10;  // bytes; grows up to the longest head
 
-// What is being thrown, as an answer.
+Awaitable<void> serve(std::unique_ptr<Connection> connection) { co_await connection->serve(); }
+
+// The exception that is being handled, as a response.
 Response failure() {
   try {
     throw;
   } catch (const HttpError& e) {
     return error_response(e.status, e.code, e.what());
   } catch (const std::bad_alloc&) {
-    return error_response(503, "out_of_memory", "the server is out of memory: ask again later");
+    return error_response(503, "out_of_memory", "the server is out of memory: try again later");
   } catch (const std::exception& e) {
     return error_response(500, "internal", e.what());
   } catch (...) {
@@ -30,6 +34,12 @@ Response failure() {
 }
 
 }  // namespace
+
+void serve_connection(Loop& loop, Socket socket, Counted open) {
+  asio::post(loop.io, [&loop, s = std::move(socket), o = std::move(open)]() mutable {
+    asio::co_spawn(loop.io, serve(std::make_unique<Connection>(loop, std::move(s), std::move(o))), asio::detached);
+  });
+}
 
 Connection::Connection(Loop& loop, Socket socket, Counted open)
     : open_(std::move(open)), loop_(loop), shared_(loop.shared), socket_(std::move(socket)), buffer_(kFirstBuffer) {
@@ -76,7 +86,7 @@ Awaitable<void> Connection::serve() {
     shared_.metrics.request(response_.route, response_.status, seconds);
     shared_.log.write({client_, head_.method, head_.target, response_.status, body_sent_, seconds * 1e3, response_.route});
     if (!taken) co_return;
-    response_ = {};  // its body is the cache's
+    response_ = {};  // lets go of the body, which may be in the cache
     held_ = {};
     state_ = kIdle;
     deadline_ = now + shared_.options.idle_timeout;
@@ -116,7 +126,7 @@ Awaitable<void> Connection::make() {
   }
   const Counted waiting(shared_.metrics.waiting);
   if (shared_.metrics.waiting > o.max_waiting)
-    response_ = overloaded(fmt::format("{} requests are being made or wait already", o.max_waiting));
+    response_ = overloaded(fmt::format("{} other requests are being answered or wait", o.max_waiting));
   else if (holds_too_much())
     response_ = too_much_held();
   else
@@ -124,7 +134,8 @@ Awaitable<void> Connection::make() {
   if (loop_.stopping) keep_ = false;
 }
 
-// Other methods, other paths, no token, and what the handler has at once. None: it must be made.
+// A refusal of other methods, other paths or missing tokens, or what the handler answers at once. None when the pool must make the
+// answer.
 std::optional<Response> Connection::answer_here() {
   const ListenerOptions& o = shared_.options;
   if (head_.method == "OPTIONS") return Response{.status = 204, .route = "options"};
@@ -143,7 +154,8 @@ std::optional<Response> Connection::answer_here() {
   return shared_.handler.at_once(request_);
 }
 
-// On a thread of the pool. Nobody waits for an answer on a connection that was closed: browsers give up tiles so.
+// Runs on a thread of the pool. First it looks whether the client has closed the connection: browsers do so with tiles that are
+// no longer shown.
 Awaitable<void> Connection::make_in_pool() {
   char byte;
   if (!finishing_ && recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0) {
@@ -151,7 +163,7 @@ Awaitable<void> Connection::make_in_pool() {
     keep_ = false;
     co_return;
   }
-  if (holds_too_much()) {  // since it began to wait
+  if (holds_too_much()) {  // the limit may have been reached while the request waited
     response_ = too_much_held();
     co_return;
   }
@@ -166,7 +178,7 @@ Awaitable<void> Connection::make_in_pool() {
 bool Connection::holds_too_much() const { return shared_.metrics.held_bytes >= shared_.options.max_held; }
 
 Response Connection::too_much_held() const {
-  return overloaded(fmt::format("answers of {} bytes wait for their clients to take them", shared_.metrics.held_bytes.load()));
+  return overloaded(fmt::format("clients have yet to take {} bytes of answers", shared_.metrics.held_bytes.load()));
 }
 
 Response Connection::overloaded(const std::string& message) const {
@@ -174,7 +186,7 @@ Response Connection::overloaded(const std::string& message) const {
   return error_response(503, "overloaded", message + ": try again in a second");
 }
 
-// False: the client went away, or took too long.
+// Returns false when the client went away or took too long.
 Awaitable<bool> Connection::send() {
   static const std::string nothing;
   const bool with_body = response_.body && head_.method != "HEAD" && response_.status != 204 && response_.status != 304;
@@ -199,8 +211,8 @@ Awaitable<bool> Connection::send() {
   co_return !error;
 }
 
-// Closing with unread bytes would throw away what the client has not taken yet, such as the answer that says what was
-// wrong with them.
+// If a socket is closed while input is unread, the system discards output that the client has not taken yet, such as the
+// response that says what was wrong with the request.
 Awaitable<void> Connection::linger() {
   error_code error;
   socket_.shutdown(tcp::socket::shutdown_send, error);
@@ -215,7 +227,7 @@ void Connection::finish() {
   if (state_ != kMaking && state_ != kWriting) receive_no_more();
 }
 
-// What the system has of a request is still read; then comes the end.
+// Bytes that the system has received already are still read.
 void Connection::receive_no_more() {
   error_code ignored;
   finishing_ = true;

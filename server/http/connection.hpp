@@ -1,5 +1,5 @@
-// One client: its requests one after the other, each read, answered at once or by the pool, and sent. Lives on its loop's
-// thread; only what make_in_pool() touches is a pool thread's meanwhile.
+// One client: its requests one after the other. Each is read, answered at once or by the pool, and sent. A connection lives on
+// its loop's thread; while make_in_pool() runs, a thread of the pool uses it instead.
 #pragma once
 #include <list>
 #include <optional>
@@ -11,16 +11,19 @@
 
 namespace teracell {
 
-class Connection {
+// Serves a socket on its loop until one side closes it. Any thread may call it. `open` counts the connection while it lives.
+void serve_connection(Loop& loop, Socket socket, Counted open);
+
+class Connection final : public LoopMember {
  public:
   Connection(Loop& loop, Socket socket, Counted open);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  Awaitable<void> serve();  // until one side has had enough
-  void finish();            // what is under way is still answered
-  void drop_if_late(Clock::time_point now);
+  Awaitable<void> serve();  // returns when the connection is to be closed
+  void finish() override;
+  void drop_if_late(Clock::time_point now) override;
 
  private:
   enum State { kIdle, kReading, kMaking, kWriting, kLingering };
@@ -40,20 +43,20 @@ class Connection {
   Loop& loop_;
   Shared& shared_;
   Socket socket_;
-  std::list<Connection*>::iterator place_;
+  std::list<LoopMember*>::iterator place_;
   State state_ = kIdle;
-  bool finishing_ = false;  // the end of what is received is our own doing
+  bool finishing_ = false;  // we ended receiving ourselves: an end of input does not mean that the client left
   Clock::time_point deadline_;
   std::string client_, local_;
 
   std::vector<char> buffer_;
-  size_t begin_ = 0, end_ = 0;  // what was read and not yet used
+  size_t begin_ = 0, end_ = 0;  // of the bytes in buffer_ that were read and not yet used
   Head head_;
   std::optional<HeadParser> parser_;
   Request request_;
   Response response_;
-  Counted held_;                // the bytes of its body
-  std::string out_;             // its head
+  Counted held_;     // bytes of the response's body
+  std::string out_;  // the response's head
   size_t body_sent_ = 0;
   bool keep_ = true;
 };

@@ -24,7 +24,7 @@ HeadParser::Progress HeadParser::put(std::string_view& bytes) {
 }
 
 HeadParser::Progress HeadParser::put_head(std::string_view& bytes) {
-  if (!begun() && !skipped_line_ && bytes.starts_with('\r')) {  // an empty line in front is let pass (RFC 9112, 2.2)
+  if (!begun() && !skipped_line_ && bytes.starts_with('\r')) {  // an empty line in front is ignored (RFC 9112, 2.2)
     if (bytes.size() == 1) return kMore;
     skipped_line_ = bytes[1] == '\n';
     if (skipped_line_) bytes.remove_prefix(2);
@@ -34,7 +34,7 @@ HeadParser::Progress HeadParser::put_head(std::string_view& bytes) {
   const size_t used = basic_parser::put({bytes.data(), bytes.size()}, error);
   bytes.remove_prefix(used);
   used_ += used;
-  // Of its mishaps only size and version deserve their own words.
+  // Only excess of size and unknown versions get messages of their own.
   if (error == http::error::body_limit) return refuse(413, "too_large", fmt::format("expected a request without a body, found more than {} bytes", kMaxBody));
   if (error == http::error::bad_version) return refuse(505, "bad_version", "expected HTTP/1.0 or HTTP/1.1");
   if (error == http::error::header_limit || (error == http::error::need_more && used_ + bytes.size() >= kMaxHead)) {

@@ -1,9 +1,9 @@
-// The head of a request out of its bytes, however they come in pieces. Beast checks the grammar and keeps nothing; what is
-// asked for lands in a Head. A body is read past: nobody wants it. No socket here.
+// Parses the head of a request from bytes that come in pieces of any size. Beast checks the grammar and stores nothing; the fields
+// that the server uses are copied to a Head. A body is skipped. No socket here.
 #pragma once
 #include <boost/beast/http/basic_parser.hpp>
 
-#include "server/wire.hpp"
+#include "server/http/wire.hpp"
 
 namespace teracell {
 
@@ -14,11 +14,12 @@ class HeadParser : private boost::beast::http::basic_parser<true> {
 
   // For one request. Overwrites `head`, which must outlive it.
   explicit HeadParser(Head& head);
-  // Takes from the front of `bytes` what belongs to this request. kMore: what is left is to be given again, with more behind it.
+  // Removes from the front of `bytes` what belongs to this request. After kMore the caller passes the rest again, with more bytes
+  // after it.
   Progress put(std::string_view& bytes);
   bool begun() const { return used_ > 0; }
-  using basic_parser::keep_alive;  // whether the client wants the connection kept. REQUIRES: kWhole
-  // What to answer. REQUIRES: kRefused
+  using basic_parser::keep_alive;  // whether the client wants to keep the connection. REQUIRES: put() returned kWhole
+  // The response to send. REQUIRES: put() returned kRefused
   Response& refusal() { return refusal_; }
 
  private:

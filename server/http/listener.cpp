@@ -6,26 +6,26 @@
 
 #include <fmt/format.h>
 
-#include "server/http/loop.hpp"
+#include "server/http/connection.hpp"
 
 namespace teracell {
 namespace {
 
 using Acceptor = asio::basic_socket_acceptor<tcp, Executor>;
 
-constexpr auto kPause = std::chrono::milliseconds(250);  // when nothing can be accepted
+constexpr auto kPause = std::chrono::milliseconds(250);  // after a connection could not be accepted
 
 tcp::endpoint resolved(asio::io_context& io, const std::string& host, uint16_t port) {
   error_code error;
   const auto found = tcp::resolver(io).resolve(host, std::to_string(port), tcp::resolver::passive | tcp::resolver::numeric_service, error);
-  if (error || found.empty()) throw IoError(fmt::format("--host {}: expected an address of this machine, found: {}", host, error.message()));
+  if (error || found.empty()) throw IoError(fmt::format("can't listen at {}: expected an address of this machine: {}", host, error.message()));
   return *found.begin();
 }
 
-const char* way_out(const error_code& error) {
-  if (error == asio::error::address_in_use) return ": stop the other server, or choose another --port";
-  if (error == asio::error::access_denied) return ": choose a --port from 1024 on";
-  return error.value() == EADDRNOTAVAIL ? ": --host takes an address of this machine" : "";
+const char* advice(const error_code& error) {
+  if (error == asio::error::address_in_use) return ": stop the other server, or choose another port";
+  if (error == asio::error::access_denied) return ": choose a port from 1024 on";
+  return error.value() == EADDRNOTAVAIL ? ": expected an address of this machine" : "";
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ struct Listener::State {
     acceptor.emplace(loops[0]->io);
     signals.emplace(loops[0]->io);
   }
-  // The pool's work uses connections, which belong to the loops.
+  // First the pool: its work uses connections, which belong to the loops.
   ~State() { shared.pool.join(); }
 
   void bind();
@@ -77,7 +77,7 @@ bool Listener::run() {
     std::vector<std::jthread> others;
     try {
       for (size_t i = 1; i < s.loops.size(); ++i) others.emplace_back([&loop = *s.loops[i]] { run_all(loop.io); });
-    } catch (...) {  // a thread that can't be had: those that are there must not go on
+    } catch (...) {  // a thread could not be started: the others must not go on
       for (const auto& loop : s.loops) loop->io.stop();
       throw;
     }
@@ -97,7 +97,7 @@ void Listener::State::bind() {
   if (!error) acceptor->bind(wanted, error);
   if (!error) acceptor->listen(asio::socket_base::max_listen_connections, error);
   if (error)
-    throw IoError(fmt::format("can't listen at {} port {}: {}{}", o.host, o.port, error.message(), way_out(error)));
+    throw IoError(fmt::format("can't listen at {} port {}: {}{}", o.host, o.port, error.message(), advice(error)));
   local = acceptor->local_endpoint();
 }
 
@@ -115,13 +115,13 @@ Awaitable<void> Listener::State::accept_one(Loop& loop) {
   error_code error;
   co_await acceptor->async_accept(socket, asio::redirect_error(kAwait, error));
   if (error == asio::error::operation_aborted) co_return;
-  if (error) {  // no descriptors left, or the client is gone again
+  if (error) {  // no descriptor is left, or the client has gone already
     Timer pause(loops[0]->io, kPause);
     co_await pause.async_wait(asio::redirect_error(kAwait, error));
     co_return;
   }
   m.accepted.fetch_add(1);
-  if (m.connections < shared.options.max_connections) loop.adopt(std::move(socket), Counted(m.connections));
+  if (m.connections < shared.options.max_connections) serve_connection(loop, std::move(socket), Counted(m.connections));
   else m.refused.fetch_add(1);
 }
 
@@ -129,7 +129,7 @@ void Listener::State::stop() {
   asio::post(loops[0]->io, [this] {
     error_code ignored;
     acceptor->close(ignored);
-    signals->clear(ignored);  // the next one has its usual effect
+    signals->clear(ignored);  // the next signal has its usual effect
     for (const auto& loop : loops) asio::post(loop->io, [&l = *loop] { l.stop(); });
   });
 }

@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "server/http/connection.hpp"
-#include "server/wire.hpp"
+#include "server/http/wire.hpp"
 
 namespace teracell {
 namespace {
 
-constexpr auto kTick = std::chrono::milliseconds(250);  // how often deadlines are looked at
-
-Awaitable<void> serve(std::unique_ptr<Connection> connection) { co_await connection->serve(); }
+constexpr auto kTick = std::chrono::milliseconds(250);  // between two looks at the deadlines
 
 }  // namespace
 
@@ -30,7 +27,7 @@ void run_all(asio::io_context& io) noexcept {
 Pool::Pool(int threads) : io_(threads), work_(io_.get_executor()) {
   try {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { run_all(io_); });
-  } catch (...) {  // a thread that can't be had: those that are there must not wait for work
+  } catch (...) {  // a thread could not be started: the others must not wait for work
     io_.stop();
     throw;
   }
@@ -41,23 +38,17 @@ void Pool::join() {
   threads_.clear();
 }
 
-void Loop::adopt(Socket socket, Counted open) {
-  asio::post(io, [this, s = std::move(socket), o = std::move(open)]() mutable {
-    asio::co_spawn(io, serve(std::make_unique<Connection>(*this, std::move(s), std::move(o))), asio::detached);
-  });
-}
-
-// Deadlines are looked at four times a second: a timer a connection would cost more than its requests.
+// One timer for all deadlines: a timer per connection would cost more than its requests.
 Awaitable<void> Loop::sweep() {
   while (!stopping || !connections.empty()) {
     try {
       error_code ignored;
       timer.expires_after(kTick);
       co_await timer.async_wait(asio::redirect_error(kAwait, ignored));
-    } catch (const std::bad_alloc&) {  // deadlines hold all the same
+    } catch (const std::bad_alloc&) {  // without the pause: deadlines are checked all the same
     }
     const auto now = Clock::now();
-    for (Connection* c : connections) c->drop_if_late(now);
+    for (LoopMember* c : connections) c->drop_if_late(now);
     if (now >= drain_end) {
       drained = false;
       io.stop();
@@ -69,7 +60,7 @@ void Loop::stop() {
   if (stopping) return;
   stopping = true;
   drain_end = Clock::now() + shared.options.drain_timeout;
-  for (Connection* c : connections) c->finish();
+  for (LoopMember* c : connections) c->finish();
   if (connections.empty()) timer.cancel();
 }
 

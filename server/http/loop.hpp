@@ -1,5 +1,5 @@
-// An io thread with its connections, from accept to close: they need no lock. With what all loops share, and the Asio types
-// of the listener's files.
+// An io thread and the connections that live on it from accept to close, so that they need no lock. Also the pool and what else
+// all loops share, and the Asio types that these files use.
 #pragma once
 #include <algorithm>
 #include <chrono>
@@ -13,7 +13,10 @@
 
 #include <boost/asio.hpp>
 
-#include "server/http/listener.hpp"
+#include "server/handler.hpp"
+#include "server/http/access_log.hpp"
+#include "server/http/options.hpp"
+#include "server/metrics.hpp"
 
 namespace teracell {
 
@@ -22,7 +25,7 @@ using asio::ip::tcp;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-// The plain executor: the polymorphic one costs an allocation here and there.
+// The plain executor: the polymorphic one allocates memory for some operations.
 using Executor = asio::io_context::executor_type;
 using Socket = asio::basic_stream_socket<tcp, Executor>;
 using Timer = asio::basic_waitable_timer<Clock, asio::wait_traits<Clock>, Executor>;
@@ -32,16 +35,15 @@ constexpr asio::use_awaitable_t<Executor> kAwait;
 
 std::string authority(const tcp::endpoint& endpoint);  // "127.0.0.1:8080", "[::1]:8080"
 
-// Runs until there is nothing left to do. What a handler throws (memory ran out) has cost what that handler was about; the
-// thread goes on.
+// Runs until there is nothing left to do. An exception that a handler throws (when memory runs out) ends that handler alone.
 void run_all(asio::io_context& io) noexcept;
 
-// Threads that run what takes long. Not asio::thread_pool: there an exception ends the process.
+// Threads for requests that take long. Not asio::thread_pool: there an exception ends the process.
 class Pool {
  public:
   explicit Pool(int threads);
   Executor executor() { return io_.get_executor(); }
-  void join();  // when all that was given is done
+  void join();  // when everything posted so far is done
 
  private:
   asio::io_context io_;
@@ -60,25 +62,32 @@ struct Shared {
   Pool pool;
 };
 
-class Connection;
+// A connection as its loop sees it.
+class LoopMember {
+ public:
+  virtual void finish() = 0;  // takes no further request; what is under way is still answered
+  virtual void drop_if_late(Clock::time_point now) = 0;
 
-// All but io, adopt() and what is posted is for its own thread.
+ protected:
+  ~LoopMember() = default;
+};
+
+// All but `io` and what is posted to it is for the loop's own thread.
 struct Loop {
   explicit Loop(Shared& s) : shared(s), timer(io) {}
-  ~Loop() { stopping = false; }  // connections that go with it must not touch the timer
+  ~Loop() { stopping = false; }  // connections destroyed with `io` must not touch the timer
 
-  void adopt(Socket socket, Counted open);  // serves it; any thread. `open` counts the connection
-  Awaitable<void> sweep();                  // until it was stopped and the last connection is gone
+  Awaitable<void> sweep();  // until stop() was called and the last connection is gone
   void stop();
   std::string_view date();  // for the Date field
 
   Shared& shared;
-  std::list<Connection*> connections;
+  std::list<LoopMember*> connections;
   bool stopping = false, drained = true;
   Clock::time_point drain_end = Clock::time_point::max();
   std::time_t date_second = 0;
   std::string date_text;
-  asio::io_context io{1};  // below what its handlers use
+  asio::io_context io{1};  // after the members that its handlers use: they die with it
   Timer timer;
 };
 

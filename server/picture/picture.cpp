@@ -88,7 +88,7 @@ void PngWriter::append(std::span<const uint16_t> numbers) {
   part_.clear();
 }
 
-// Sets turn up while rows are made: their colours are fetched when a number is new here.
+// New sets get their numbers while rows are made, so colours are fetched when a number is new here.
 void PngWriter::know(std::span<const uint16_t> numbers) {
   if (*std::ranges::max_element(numbers) < value_.size()) return;
   value_.clear();

@@ -1,4 +1,4 @@
-// Pictures of label rows: PNG, streamed row by row, and the colours of sets.
+// Pictures of slices as PNG, streamed row by row, and the colours of sets of materials.
 #pragma once
 #include <cstdint>
 #include <mutex>
@@ -13,11 +13,11 @@
 
 namespace teracell {
 
-// The mean of colours, each with the same weight: channels are multiplied by alpha / 255 (rounded half up to 8 bits),
-// channels and alpha averaged (half up), and the channels divided by the mean alpha again (half up) for the PNG.
+// The mean of colours with equal weights. The channels are multiplied by alpha / 255 (rounded half up to 8 bits), channels and
+// alpha are averaged (half up), and for the PNG the channels are divided by the mean alpha (half up).
 Rgba blend(std::span<const Rgba> colors);
 
-// The colour of a cell by the materials of its set: those that are shown, blended; transparent when none is.
+// The colour of a cell: the blend of those materials of its set that are shown; transparent when none is.
 class MaterialColors {
  public:
   explicit MaterialColors(const Metadata& meta, std::vector<bool> shown = {});  // by material; empty: all
@@ -28,11 +28,11 @@ class MaterialColors {
   std::vector<bool> shown_;
 };
 
-// Colours by number, handed out as sets turn up; number 0 is material 0's. With at most 256 colours possible they are
-// all known beforehand, so that a picture can have a palette. Threads may share it.
+// Numbers for colours, given to sets as they occur; material 0 has number 0. When no more than 256 colours are possible, all are
+// known beforehand, so that a picture can have a palette. Threads may share it.
 class SetColors {
  public:
-  // The pictures of `level`: on level 0 sets have one member. Keeps a reference to `meta`.
+  // For pictures of `level` (on level 0 each set has one member). Keeps a reference to `meta`.
   SetColors(const Metadata& meta, int level, std::vector<bool> shown = {});
   uint16_t number(const std::vector<Label>& set) { return number_of_materials(materials_of(meta_, set)); }
   SetValue value() {
@@ -51,13 +51,13 @@ class SetColors {
   std::unordered_map<uint32_t, uint16_t> by_color_;
 };
 
-// Writes a PNG of any size with the memory of a few rows, and of none where these are longer than kLongest: pictures of
-// 10^5 x 10^5 and of 10^9 x 1 cells must stream.
+// Writes a PNG of any size. It holds a few rows in memory, and none when a row is longer than kLongest: pictures of 10^5 x 10^5 and
+// of 10^9 x 1 cells must stream.
 class PngWriter {
  public:
   using Sink = PngFile::Sink;
   static constexpr uint32_t kLongest = 1 << 22;  // pixels of a row that is compared with the one above
-  // `colors` gives the colour of a number when a row is written; when it is complete it is the palette.
+  // `colors` is asked for the colours of new numbers when a row is written. When it is complete, it is the palette.
   PngWriter(uint32_t width, uint32_t height, const SetColors& colors, Sink sink);
   // The next row from the top, or the next part of one.
   void append(std::span<const uint16_t> numbers);
@@ -69,10 +69,10 @@ class PngWriter {
   const SetColors& colors_;
   const uint32_t width_;
   std::optional<PngRows> rows_;
-  std::optional<PngLongRows> long_rows_;  // or these
-  std::vector<uint32_t> value_;           // of a number, for both
-  std::vector<uint16_t> part_;            // of a row that came in parts
-  std::vector<uint16_t> numbers_;  // of the row before
+  std::optional<PngLongRows> long_rows_;  // one of the two is set
+  std::vector<uint32_t> value_;           // of each number, for PngFile::pack()
+  std::vector<uint16_t> part_;            // the beginning of a row that comes in parts
+  std::vector<uint16_t> numbers_;         // the previous row
   std::vector<uint32_t> changed_;
 };
 

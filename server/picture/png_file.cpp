@@ -31,7 +31,7 @@ PngFile::PngFile(uint32_t width, uint32_t height, std::span<const Rgba> palette,
     alpha.push_back(c[3]);
   }
   chunk("PLTE", rgb);
-  while (!alpha.empty() && alpha.back() == 255) alpha.pop_back();  // those left out are opaque
+  while (!alpha.empty() && alpha.back() == 255) alpha.pop_back();  // colours without an entry are opaque
   if (!alpha.empty()) chunk("tRNS", alpha);
 }
 

@@ -1,4 +1,4 @@
-// What every PNG of ours has around its rows: head, palette, chunks with their CRCs; and how pixels are packed.
+// What surrounds the rows of every PNG that we write (header, palette, chunks with their CRCs), and how pixels are packed.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace teracell {
 
-// A picture takes the fewest bits that tell `palette` apart: 1, 2, 4 or 8 a pixel; an empty one is RGBA.
+// A pixel takes as few bits as the size of `palette` allows: 1, 2, 4 or 8. With an empty palette the picture is RGBA.
 class PngFile {
  public:
   using Sink = std::function<void(std::span<const uint8_t>)>;
@@ -21,7 +21,8 @@ class PngFile {
   void data(std::span<const uint8_t> zlib) { chunk("IDAT", zlib); }
   void finish() { chunk("IEND", {}); }
 
-  // The bytes, bits() of them, of 8 pixels. `value` tells of each number its place in the palette, or its colour as rgba().
+  // Packs 8 pixels; the first bits() bytes of the result are used. `value` has for each number its place in the palette, or without
+  // a palette its colour as rgba().
   std::array<uint8_t, 32> pack(const uint16_t* numbers, const uint32_t* value) const {
     std::array<uint8_t, 32> bytes;
     if (bits_ == 32) {

@@ -11,7 +11,7 @@ namespace teracell {
 
 struct PngLongRows::Stream {
   z_stream z{};
-  Bytes in, out;  // packed pixels that wait; what is compressed
+  Bytes in, out;  // packed pixels that are not compressed yet; room for compressed bytes
   explicit Stream(int strategy) : out(1 << 16) {
     if (deflateInit2(&z, Z_BEST_SPEED, Z_DEFLATED, 15, 8, strategy) != Z_OK) throw std::bad_alloc();
   }
@@ -31,7 +31,7 @@ void PngLongRows::append(std::span<const uint16_t> numbers, const uint32_t* valu
     const auto packed = file_.pack(group, value);
     in.insert(in.end(), packed.begin(), packed.begin() + static_cast<ptrdiff_t>(bytes));
   };
-  if (at_ == 0) in.push_back(0);  // filter "none"
+  if (at_ == 0) in.push_back(0);  // filter byte: "none"
   at_ += static_cast<uint32_t>(numbers.size());
   const auto fill = [&](size_t count) {
     group_.insert(group_.end(), numbers.begin(), numbers.begin() + static_cast<ptrdiff_t>(count));

@@ -51,11 +51,11 @@ void PngRows::row(std::span<const uint16_t> numbers, std::span<const uint32_t> c
     line_[0] = 0;
     byte(0, 2, length % kAdlerBase);
   }
-  uint64_t at = 1;  // the bytes of the row that are done
+  uint64_t at = 1;  // bytes of the row that are done
   for (const uint32_t group : changed) {
     const uint64_t start = 1 + uint64_t{group} * bits_;
     if (start > at) same(at, start - at);
-    // The row's last group may be short: its last number fills the last byte.
+    // The last group of a row may be short; its last number is then repeated to fill the last byte.
     const uint16_t* n = numbers.data() + size_t{group} * 8;
     std::array<uint16_t, 8> padded;
     const bool whole = size_t{group} * 8 + 8 <= numbers.size();
@@ -76,7 +76,7 @@ void PngRows::row(std::span<const uint16_t> numbers, std::span<const uint32_t> c
   first_ = false;
 }
 
-// The bytes [at, at + length) are those of the row above.
+// The bytes [at, at + length) equal those of the row above.
 void PngRows::same(uint64_t at, uint64_t length) {
   if (matches_above_) return extend(RunDeflate::kFar, at, length);
   if (last_ != 0) {
@@ -87,7 +87,7 @@ void PngRows::same(uint64_t at, uint64_t length) {
   extend(RunDeflate::kNear, at, length);
 }
 
-// `weight`: how many bytes follow to the row's end, with this one, modulo the base of Adler-32.
+// `weight` is the number of bytes from this one to the row's end, itself included, modulo the base of Adler-32.
 void PngRows::byte(uint64_t at, uint8_t value, int64_t weight) {
   const int change = value - line_[at];
   line_[at] = value;

@@ -1,8 +1,8 @@
-// The PNG format, for pictures of labels: rows of numbers in, chunks out. What a picture costs is what changes from a row
-// to the next: stretches as in the row above are DEFLATE matches at the distance of a row, filter bytes included, and are
-// never packed, compared as bytes, summed or searched. Only groups of 8 numbers that differ are looked at.
+// Writes pictures of labels as PNG: rows of numbers come in, chunks go out. The time depends on what changes from one row to the
+// next. Stretches that equal the row above become DEFLATE matches at the distance of one row, filter byte included; they are never
+// packed, compared as bytes, summed or searched. Only groups of 8 numbers that differ are looked at.
 //
-// Rows too long for such a distance (32 kB) are written as differences to the row above (filter "up"), in runs.
+// DEFLATE reaches back 32 kB. Rows longer than that are written as runs of differences to the row above (filter "up").
 #pragma once
 #include <cstdint>
 #include <span>
@@ -13,15 +13,15 @@
 
 namespace teracell {
 
-// Appends the groups of 8 numbers that differ between a row and the one above; all when there is none above.
+// Appends the groups of 8 numbers in which a row differs from the one above; all groups when `above` is empty.
 void append_changes(std::span<const uint16_t> above, std::span<const uint16_t> row, std::vector<uint32_t>& groups);
 
-// Memory: a row and a few hundred kB.
+// Memory: one row and a few hundred kB.
 class PngRows {
  public:
   PngRows(uint32_t width, uint32_t height, std::span<const Rgba> palette, PngFile::Sink sink);
   PngRows(const PngRows&) = delete;
-  // The next row from the top. `changed`: of append_changes. `value`: of each number, for PngFile::pack().
+  // The next row from the top. `changed` comes from append_changes(). `value` has an entry for each number, as for PngFile::pack().
   void row(std::span<const uint16_t> numbers, std::span<const uint32_t> changed, const uint32_t* value);
   void finish();  // REQUIRES: height rows were written
 
@@ -32,18 +32,18 @@ class PngRows {
   void flush(uint64_t at);
 
   PngFile file_;
-  const uint32_t bits_;       // a pixel
-  const uint64_t length_;     // of a row, with its filter byte
-  const bool matches_above_;  // else rows are differences
+  const uint32_t bits_;       // per pixel
+  const uint64_t length_;     // bytes of a row, with its filter byte
+  const bool matches_above_;  // false: rows are written as differences
   const uint32_t near_;       // distance of runs
-  bool first_ = true;         // row
+  bool first_ = true;         // whether the next row is the first
   RunDeflate deflate_;
-  std::vector<uint8_t> line_;  // the row as it is now, filter byte first: unfiltered
-  uint8_t last_ = 0;           // byte written, of differences
-  RunDeflate::Back back_{};    // what match is going on, and how many bytes of it were met
+  std::vector<uint8_t> line_;  // the unfiltered row, filter byte first
+  uint8_t last_ = 0;           // the last difference that was written
+  RunDeflate::Back back_{};    // the distance and length of the match so far
   uint64_t match_ = 0;
-  // Adler-32, a row at a time: its bytes' sum, and the sum by how many bytes follow to the row's end, itself included.
-  // Both change by what changes in the row.
+  // Adler-32 is updated once per row, from the sum of its bytes and the sum in which each byte is weighted by the number of bytes
+  // from it to the row's end, itself included. Both sums are adjusted for the bytes that change.
   int64_t sum_ = 0, weighted_ = 0;
   int64_t adler_a_ = 1, adler_b_ = 0;
 };

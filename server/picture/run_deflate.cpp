@@ -7,10 +7,10 @@ namespace teracell {
 namespace {
 
 constexpr size_t kPiece = 1 << 16;
-constexpr uint32_t kEnd = 256, kSymbols = 286;  // of literals and lengths
+constexpr uint32_t kEnd = 256, kSymbols = 286;  // of the code for literals and lengths
 
-// The bits of Huffman codes for symbols that occur `counts` times, at most `limit`; 0 for those that don't occur.
-// REQUIRES: two occur at least.
+// The lengths of Huffman codes, at most `limit` bits, for symbols that occur `counts` times; 0 for symbols that don't occur.
+// REQUIRES: at least two symbols occur.
 template <size_t N>
 std::array<uint8_t, N> code_lengths(const std::array<uint32_t, N>& counts, uint32_t limit) {
   std::array<uint64_t, N> leaves;  // count and symbol, the rarest first
@@ -21,7 +21,7 @@ std::array<uint8_t, N> code_lengths(const std::array<uint32_t, N>& counts, uint3
   std::array<uint32_t, 2 * N> weight, parent, depth;
   for (uint32_t i = 0; i < n; ++i) weight[i] = static_cast<uint32_t>(leaves[i] >> 32);
   for (;;) {
-    // Leaves and the nodes made of them both ascend: the least two stand at the heads of two queues.
+    // Leaves ascend, and so do the inner nodes as they are made. So the two least are at the heads of two queues.
     uint32_t leaf = 0, inner = n;
     for (uint32_t node = n; node < 2 * n - 1; ++node) {
       weight[node] = 0;
@@ -35,14 +35,14 @@ std::array<uint8_t, N> code_lengths(const std::array<uint32_t, N>& counts, uint3
     depth[2 * n - 2] = 0;
     for (uint32_t i = 2 * n - 2; i-- > 0;) depth[i] = depth[parent[i]] + 1, deepest = std::max(deepest, depth[i]);
     if (deepest <= limit) break;
-    for (uint32_t i = 0; i < n; ++i) weight[i] = (weight[i] + 1) / 2;  // flatter, in the same order
+    for (uint32_t i = 0; i < n; ++i) weight[i] = (weight[i] + 1) / 2;  // a flatter tree, with the symbols in the same order
   }
   std::array<uint8_t, N> lengths{};
   for (uint32_t i = 0; i < n; ++i) lengths[static_cast<uint32_t>(leaves[i])] = static_cast<uint8_t>(depth[i]);
   return lengths;
 }
 
-// The codes of these lengths (RFC 1951, 3.2.2), their first bit lowest, as they are written.
+// The codes with these lengths (RFC 1951, 3.2.2). The first bit of a code is the lowest one, as it is written.
 template <size_t N>
 std::array<uint16_t, N> codes_of(const std::array<uint8_t, N>& lengths) {
   std::array<uint32_t, 16> count{}, next{};
@@ -57,7 +57,7 @@ std::array<uint16_t, N> codes_of(const std::array<uint8_t, N>& lengths) {
   return codes;
 }
 
-// A length less 3, 0 to 255, as symbol and further bits.
+// A match length as a symbol and extra bits. The index is the length minus 3.
 struct Length {
   uint16_t symbol;
   uint8_t bits, extra;
@@ -88,7 +88,7 @@ void RunDeflate::match(Back back, uint64_t length) {
   constexpr uint64_t kMost = 258;
   const uint32_t base = 256 * (1 + back);
   while (length > kMost) {
-    const uint64_t take = length - kMost < kLeastMatch ? length - kLeastMatch : kMost;  // what is left must be a match too
+    const uint64_t take = length - kMost < kLeastMatch ? length - kLeastMatch : kMost;  // the rest must be long enough for a match
     put(base + static_cast<uint32_t>(take - kLeastMatch));
     length -= take;
   }
@@ -100,7 +100,7 @@ void RunDeflate::put_bits(uint64_t value, uint32_t count) {
   for (pending_ += count; pending_ >= 8; pending_ -= 8, bits_ >>= 8) out_.push_back(static_cast<uint8_t>(bits_));
 }
 
-// The head of a block: both codes' lengths, run-length coded, by a third code (RFC 1951, 3.2.7).
+// The head of a block: the lengths of both codes, run-length encoded and written with a third code (RFC 1951, 3.2.7).
 void RunDeflate::put_codes(std::span<const uint8_t> literals) {
   const uint32_t distances = distance_[kFar].symbol + 1;
   Bytes lengths(literals.begin(), literals.end());
@@ -162,7 +162,8 @@ void RunDeflate::write_block(bool last) {
   put_bits(2, 2);
   put_codes({lengths.data(), used});
 
-  // Of each token all that is written: code, length's bits, distance's code (0 is the near one), distance's bits. 34 at most.
+  // All bits of each token: its code, the length's extra bits, the distance's code (0 is the near one), the distance's extra bits.
+  // At most 34.
   std::array<uint64_t, kTokens> value;
   std::array<uint8_t, kTokens> size;
   uint64_t total = 0;
@@ -207,7 +208,7 @@ void RunDeflate::write_block(bool last) {
 
 void RunDeflate::finish(uint32_t adler) {
   write_block(true);
-  put_bits(0, 7);  // the last bits become a byte
+  put_bits(0, 7);  // fills the last byte
   for (int shift = 24; shift >= 0; shift -= 8) out_.push_back(static_cast<uint8_t>(adler >> shift));
   sink_(out_);
 }

@@ -1,6 +1,6 @@
-// A zlib stream (RFC 1950, 1951) for those who know where their bytes repeat: literals, and matches at two distances that
-// are fixed for the whole stream. Nothing is searched for, no window is kept. Each block has its own Huffman code; both
-// distances cost one bit and what RFC 1951 adds to a distance.
+// Writes a zlib stream (RFC 1950, 1951) for a caller that knows where its bytes repeat: literals, and matches at two distances
+// that are fixed for the whole stream. It searches for nothing and keeps no window. Each block has its own Huffman code. A
+// distance costs one bit, plus the extra bits that RFC 1951 gives to it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -18,16 +18,17 @@ class RunDeflate {
   static constexpr uint64_t kFarthest = 32768, kLeastMatch = 3;
   enum Back { kNear = 0, kFar = 1 };
 
-  // REQUIRES: 1 <= near < far <= kFarthest. The stream comes to `sink` in pieces of 64 KiB to 256 KiB, the last one shorter.
+  // `sink` gets the stream in pieces of 64 KiB to 256 KiB; the last one may be shorter. REQUIRES: 1 <= near < far <= kFarthest.
   RunDeflate(uint32_t near, uint32_t far, Sink sink);
   void literal(uint8_t byte) { put(byte); }
-  // `length` bytes as they stand `near` or `far` bytes before. REQUIRES: length >= kLeastMatch, so many bytes were written.
+  // Repeats `length` bytes from `near` or `far` bytes before. REQUIRES: length >= kLeastMatch, and the stream has that many bytes
+  // before.
   void match(Back back, uint64_t length);
-  // REQUIRES: something was written; `adler` is the Adler-32 of all of it.
+  // REQUIRES: the stream is not empty; `adler` is the Adler-32 of all its bytes.
   void finish(uint32_t adler);
 
  private:
-  // A token is a literal, or 256 times (1 + Back) and the length without its least.
+  // A token is a literal, or a match: 256 * (1 + Back) + length - kLeastMatch.
   static constexpr uint32_t kTokens = 3 * 256, kBlock = 1 << 15;
   struct Distance {
     uint32_t symbol, bits, extra;
@@ -43,10 +44,10 @@ class RunDeflate {
 
   const std::array<Distance, 2> distance_;
   Sink sink_;
-  std::unique_ptr<uint16_t[]> tokens_;  // of the block to come
+  std::unique_ptr<uint16_t[]> tokens_;  // of the next block
   uint32_t filled_ = 0;
   Bytes out_;
-  uint64_t bits_ = 0;  // fewer than 8 that are not in out_ yet
+  uint64_t bits_ = 0;  // pending_ bits, fewer than 8, that are not in out_ yet
   uint32_t pending_ = 0;
 };
 

@@ -9,9 +9,9 @@ namespace teracell {
 
 std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t> numbers, std::span<const Rgba> colors) {
   const auto row = [&](uint32_t r) { return numbers.subspan(size_t{r} * width, width); };
-  // A number that occurs first in a row differs there from the row above: its group is a change.
+  // Where a number occurs for the first time, the row differs from the one above. So all numbers occur in changed groups.
   std::vector<uint32_t> changes;
-  std::vector<size_t> ends;  // of each row's
+  std::vector<size_t> ends;  // of the changes of each row
   std::vector<uint8_t> occurs(colors.size(), 0);
   ends.reserve(height);
   for (uint32_t r = 0; r < height; ++r) {
@@ -24,7 +24,7 @@ std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t
     ends.push_back(changes.size());
   }
 
-  // Colours that are alike share a place.
+  // Equal colours share a place in the palette.
   std::vector<Rgba> palette;
   std::vector<uint32_t> value(colors.size(), 0);
   for (size_t n = 0; n < colors.size() && palette.size() <= PngFile::kMostColors; ++n) {

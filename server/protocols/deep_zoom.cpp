@@ -1,10 +1,9 @@
-// Deep Zoom: a slice as tiles without overlap, level 0 a single pixel, the last level the slice itself.
+// Deep Zoom: a slice as tiles without overlap. Level 0 is a single pixel, the last level is the slice itself.
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "server/protocols/protocol.hpp"
-#include "server/routes.hpp"
+#include "server/protocols/protocols.hpp"
 #include "server/protocols/scaled_slice.hpp"
 
 namespace teracell {
@@ -52,9 +51,12 @@ std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std:
 
 }  // namespace
 
-Response serve_deep_zoom(Service& service, const Request& request, const Target& target) {
-  if (target.path.size() < 2) return missing("deep_zoom");
-  return serve_found(service, request, target, "deep_zoom", target.path[1], find);
+Protocol deep_zoom() {
+  return {.prefix = "dzi",
+          .route = "deep_zoom",
+          .title = "Deep Zoom",
+          .example = [](const ServedGrid& g) { return fmt::format("/{}/z/{}.dzi", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
+          .serve = serve_by_id("deep_zoom", find)};
 }
 
 }  // namespace teracell

@@ -1,12 +1,11 @@
-// IIIF Image API 3.0, level 0: the tiles that info.json speaks of, the whole picture at their scales, and nothing between.
+// IIIF Image API 3.0, level 0: the tiles that info.json lists, the whole picture at the scales of the tiles, and nothing else.
 #include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "server/protocols/protocol.hpp"
-#include "server/routes.hpp"
+#include "server/protocols/protocols.hpp"
 #include "server/protocols/scaled_slice.hpp"
 
 namespace teracell {
@@ -14,7 +13,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char* kRoute = "iiif";
+constexpr const char *kPrefix = "iiif", *kRoute = "iiif";
 
 // "{id}-{axis}-{index}"; an id may hold '-' itself.
 struct Name {
@@ -28,10 +27,10 @@ std::optional<Name> parse_name(const std::string& text) {
   return Name{text.substr(0, first), text.substr(first + 1, second - first - 1), text.substr(second + 1)};
 }
 
-// At the last one the picture is a single tile.
+// The scale at which the whole picture is one tile.
 int last_scale(const ScaledSlice& slice) { return slice.scale_within(kTilePixels); }
 
-// A tile is always given, however few pixels a picture may have.
+// At least one tile, whatever the limit for pictures is.
 int64_t most_pixels(const Service& service) { return static_cast<int64_t>(std::max<uint64_t>(service.options().max_pixels, kTilePixels * kTilePixels)); }
 
 ordered_json info(const ScaledSlice& slice, const std::string& address, int64_t most) {
@@ -52,7 +51,7 @@ ordered_json info(const ScaledSlice& slice, const std::string& address, int64_t 
           {"preferredFormats", ordered_json::array({"png"})}};
 }
 
-// A part of the picture, in its own pixels.
+// A part of the picture, in pixels of scale 0.
 struct Region {
   int64_t x, y, w, h;
 };
@@ -77,7 +76,7 @@ bool is_offered(const Region& r, int scale, const ScaledSlice& slice) {
   return r.x % size == 0 && r.y % size == 0 && r.w == std::min(size, slice.width() - r.x) && r.h == std::min(size, slice.height() - r.y);
 }
 
-// Whether `text` asks for w x h pixels: "w,h", "w,", ",h"; "max" for what is not scaled.
+// Whether `text` asks for w x h pixels: "w,h", "w,", ",h"; or "max" when the region is not scaled.
 bool is_size(std::string_view text, int64_t w, int64_t h, int scale) {
   if (text == "max") return scale == 0;
   return text == fmt::format("{},{}", w, h) || text == fmt::format("{},", w) || text == fmt::format(",{}", h);
@@ -97,12 +96,10 @@ std::optional<Service::Recipe> find_picture(const ScaledSlice& slice, std::span<
   return std::nullopt;
 }
 
-}  // namespace
-
-Response serve_iiif(Service& service, const Request& request, const Target& target) {
+Response serve(Service& service, const Request& request, const Target& target) {
   const auto name = target.path.size() < 2 ? std::nullopt : parse_name(target.path[1]);
   if (!name) return missing(kRoute);
-  const std::string address = request.origin + request.prefix + "/iiif/" + percent_encoded(target.path[1]);
+  const std::string address = request.origin + request.prefix + "/" + kPrefix + "/" + percent_encoded(target.path[1]);
   if (target.path.size() == 2) {
     return or_missing(kRoute, [&] {
       if (!slice_at(service.grids().find(name->id)->reader(), name->axis, name->index)) return missing(kRoute);
@@ -126,6 +123,16 @@ Response serve_iiif(Service& service, const Request& request, const Target& targ
     recipe.address = fmt::format("{} {}", address, most);
     return recipe;
   });
+}
+
+}  // namespace
+
+Protocol iiif() {
+  return {.prefix = kPrefix,
+          .route = kRoute,
+          .title = "IIIF",
+          .example = [](const ServedGrid& g) { return fmt::format("/{}-z-{}/info.json", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
+          .serve = serve};
 }
 
 }  // namespace teracell

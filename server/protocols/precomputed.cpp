@@ -1,6 +1,6 @@
-// Neuroglancer precomputed: a segmentation whose ids are materials. A level's cells come in flat blocks, for each of the
-// three cross-sections its own: a view needs few of them, and blocks that are made when asked for cost nothing to offer.
-// Blocks at the edge are cut; the background, 0, is what the viewer hides.
+// Neuroglancer precomputed: a segmentation whose ids are materials. A level is offered in three sizes of flat blocks, one for each
+// cross-section. So a view needs few blocks, and since blocks are made when they are asked for, offering three sizes costs nothing.
+// Blocks at the edge are smaller. The background is 0, which the viewer hides.
 #include <algorithm>
 #include <array>
 
@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/protocols/blocks.hpp"
-#include "server/protocols/protocol.hpp"
-#include "server/routes.hpp"
+#include "server/protocols/protocols.hpp"
 #include "server/protocols/space.hpp"
 #include "store/stats.hpp"
 
@@ -19,8 +18,8 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::array<Index3, 3> kBlocks = {{{256, 256, 1}, {256, 1, 256}, {1, 256, 256}}};
-// Volumes are told where the index has them in a fraction of a second (0.35 us a chunk, cold, of a surface at 10,000^3): a viewer
-// waits for them.
+// Volumes are given only where the index yields them in a fraction of a second, since a viewer waits for them. Uncached, it takes
+// 0.35 us per chunk (a surface at 10,000^3).
 constexpr uint64_t kMostChunks = uint64_t{1} << 17;
 
 ordered_json info(const ServedGrid& grid) {
@@ -67,7 +66,7 @@ ordered_json segment_properties(const ServedGrid& grid) {
   return {{"@type", "neuroglancer_segment_properties"}, {"inline", {{"ids", ids}, {"properties", properties}}}};
 }
 
-// The block "x0-x1_y0-y1_z0-z1", if one of the sizes cuts the level so.
+// The block "x0-x1_y0-y1_z0-z1", if one of the three sizes divides the level that way.
 std::optional<Box> block_of(const Metadata& meta, int level, std::string_view name) {
   const auto ranges = split(name, '_');
   if (ranges.size() != 3) return std::nullopt;
@@ -101,9 +100,12 @@ std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std:
 
 }  // namespace
 
-Response serve_precomputed(Service& service, const Request& request, const Target& target) {
-  if (target.path.size() < 2) return missing("precomputed");
-  return serve_found(service, request, target, "precomputed", target.path[1], find);
+Protocol precomputed() {
+  return {.prefix = "precomputed",
+          .route = "precomputed",
+          .title = "Neuroglancer",
+          .example = [](const ServedGrid& g) { return fmt::format("/{}/info", percent_encoded(g.id)); },
+          .serve = serve_by_id("precomputed", find)};
 }
 
 }  // namespace teracell

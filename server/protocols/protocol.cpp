@@ -12,22 +12,29 @@ namespace teracell {
 Response missing(const char* route) {
   Response r;
   r.status = 404;
-  r.cache_control = "no-store";  // a cache on the way must not make holes last
+  r.cache_control = "no-store";  // a cache on the way must not keep saying that it is missing
   r.body = body_of("");
   r.route = route;
   return r;
 }
 
-Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const Find& find) {
+Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const FindRecipe& find) {
   return or_missing(route, [&] {
     const auto grid = service.grids().find(id);
     auto recipe = find(*grid, std::span(target.path).subspan(2));
     if (!recipe) return missing(route);
     recipe->route = route;
-    // An answer is kept by its address: queries that mean nothing here would fill the cache with the same.
+    // The cache finds answers by their addresses: with queries that mean nothing here it would hold copies of one answer.
     if (std::ranges::any_of(target.query, [](const auto& q) { return q.first != "v"; })) recipe->keep = false;
     return service.answer(request, target, *grid, *recipe);
   });
+}
+
+std::function<Response(Service&, const Request&, const Target&)> serve_by_id(const char* route, FindRecipe find) {
+  return [route, find = std::move(find)](Service& service, const Request& request, const Target& target) {
+    if (target.path.size() < 2) return missing(route);
+    return serve_found(service, request, target, route, target.path[1], find);
+  };
 }
 
 std::optional<Service::Recipe> find_document(const Documents& documents, std::string_view path) {

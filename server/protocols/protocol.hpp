@@ -1,6 +1,6 @@
-// What other people's protocols share: their addresses are known or unknown, never wrong, and their clients probe for what
-// may be there. So an address that means nothing is a 404 with an empty body, and an unknown query is ignored. What is
-// there and can't be read stays an error: a client that took it for missing would fill in values.
+// What protocols of other programs share. Their clients probe for what may be there. So an address that means nothing gets
+// status 404 with an empty body, and an unknown query parameter is ignored. Data that exists and can't be read stays an error: a
+// client that took it for missing would show fill values instead.
 #pragma once
 #include <functional>
 #include <optional>
@@ -10,13 +10,23 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "server/service.hpp"
+#include "server/service/service.hpp"
 
 namespace teracell {
 
+// One protocol: where it is, what people and metrics call it, and how it answers. Its file defines one; protocols.hpp lists all.
+struct Protocol {
+  const char* prefix;                           // the first segment of its addresses: "zarr" of "/zarr/{id}/..."
+  const char* route;                            // in metrics and the log
+  const char* title;                            // on the start page
+  std::string (*example)(const ServedGrid& g);  // the rest of an address that shows that the grid is there: "/g/zarr.json"
+  std::function<Response(Service&, const Request&, const Target&)> serve;  // threads call it at once
+};
+
+// Status 404 with an empty body.
 Response missing(const char* route);
 
-// What serve() returns; missing() when it throws HttpError 404.
+// What serve() returns, or missing() when it throws HttpError 404.
 template <class F>
 Response or_missing(const char* route, F&& serve) {
   try {
@@ -27,18 +37,20 @@ Response or_missing(const char* route, F&& serve) {
   }
 }
 
-// How to make what stands at `path` of a grid; nothing when there is no such thing. `path` begins behind the id.
-using Find = std::function<std::optional<Service::Recipe>(const ServedGrid& grid, std::span<const std::string> path)>;
-// Answers with what `find` finds, counted as `route`. REQUIRES: target.path has at least two segments.
-Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const Find& find);
+// The recipe for what stands at `path` of a grid; none when there is no such thing. `path` begins after the id.
+using FindRecipe = std::function<std::optional<Service::Recipe>(const ServedGrid& grid, std::span<const std::string> path)>;
+// Answers with the recipe that `find` returns, counted as `route`. REQUIRES: target.path has at least two segments.
+Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const FindRecipe& find);
+// Protocol::serve for addresses "/{prefix}/{id}/{path}".
+std::function<Response(Service&, const Request&, const Target&)> serve_by_id(const char* route, FindRecipe find);
 
-// The documents of a hierarchy, by their path in it.
+// The documents of a hierarchy, each with its path and a function that makes it.
 using Documents = std::vector<std::pair<std::string, std::function<nlohmann::ordered_json()>>>;
-// REQUIRES: the documents, made when asked for, refer to nothing that dies before the grid.
+// REQUIRES: the functions refer to nothing that dies before the grid.
 std::optional<Service::Recipe> find_document(const Documents& documents, std::string_view path);
 Service::Recipe json_recipe(std::function<nlohmann::ordered_json()> make);
 
-std::string joined(std::span<const std::string> path);  // by '/'
+std::string joined(std::span<const std::string> path);  // with '/'
 // The level that `text` names, if the grid has it.
 std::optional<int> find_level(const Metadata& meta, std::string_view text);
 

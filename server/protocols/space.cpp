@@ -17,8 +17,8 @@ struct Unit {
 constexpr Unit kUnits[] = {{"m", "meter", 1e9},     {"cm", "centimeter", 1e7}, {"mm", "millimeter", 1e6}, {"um", "micrometer", 1e3},
                            {"nm", "nanometer", 1}, {"in", "inch", 2.54e7},    {"ft", "foot", 3.048e8}};
 
-// Viewers show a coarser level beyond the grid's end by up to one of its cells (Neuroglancer does not clip them): what is
-// listed ends where a level is a single block. The levels above are there all the same.
+// Viewers that don't clip coarse levels, such as Neuroglancer, show up to one coarse cell beyond the grid's end. So documents list
+// levels only up to the first that is a single block. Coarser levels can still be asked for.
 int listed_levels(const Grid& grid) {
   constexpr int64_t kBlock = 64;
   int level = 0;
@@ -39,7 +39,7 @@ Space::Space(const Metadata& meta) : index(true), unit(""), nanometres(1), grid_
 double Space::step(int axis, int level) const { return std::ldexp(index ? 1.0 : grid_.axis[axis].step(), level); }
 
 double Space::first(int axis, int level) const {
-  const double behind = (std::ldexp(1.0, level) - 1) / 2;  // steps of level 0
+  const double behind = (std::ldexp(1.0, level) - 1) / 2;  // in steps of level 0
   return index ? behind : grid_.axis[axis].centre(0) + behind * grid_.axis[axis].step();
 }
 

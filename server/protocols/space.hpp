@@ -1,10 +1,11 @@
-// Where cells lie, for clients that know nothing but equal steps.
+// Where cells lie, for clients that know only equal steps.
 //
-// A level's cells are `step` wide and the first has its centre at `first`. Cells of level L lie over those of level 0 that
-// they cover: first(L) = centre(0) + (2^L - 1) / 2 steps of level 0, the middle of the sample points of a whole coarse cell.
+// The cells of a level are `step` wide, and the centre of the first is at `first`. For level L this is
+// first(L) = centre(0) + (2^L - 1) / 2 steps of level 0: the middle of the sample points that a whole coarse cell covers.
 //
-// Equal steps can't say where cells of a graded axis lie. Stretching one axis only would bend the picture, so then all three
-// axes count cells ("index space"): step(L) = 2^L, cell 0 of level 0 at 0. The same where the file's unit is not known.
+// Equal steps can't describe a graded axis, and a picture with one axis counted in cells would be distorted. So when an axis is
+// graded, all three axes count cells ("index space"): step(L) = 2^L, and cell 0 of level 0 is at 0. The same holds for a file
+// whose unit is not known.
 #pragma once
 #include <nlohmann/json_fwd.hpp>
 
@@ -17,20 +18,20 @@ struct Space {
   double step(int axis, int level) const;
   double first(int axis, int level) const;
 
-  bool index;          // cells are counted: no unit
-  const char* unit;    // as UDUNITS-2 has it, "millimeter"
-  double nanometres;   // of a unit; 1 in index space
+  bool index;         // index space: there is no unit
+  const char* unit;   // its name in UDUNITS-2: "millimeter"
+  double nanometres;  // per unit; 1 in index space
 
  private:
   const Grid& grid_;
 };
 
-// What documents say of it, for people: {"units", "space"}.
+// For people who read the documents: {"units", "space"}.
 nlohmann::ordered_json space_json(const Metadata& meta);
-// An entry of OME-Zarr's "multiscales" whose levels are the arrays "0", "1" ...
+// An entry of OME-Zarr's "multiscales": level L is the array named L.
 nlohmann::ordered_json multiscale_json(const Metadata& meta, const std::string& name);
 
-// Where a cell of a level lies, graded or not: its sample point; above level 0 the middle between its planes.
+// Where a cell of a level lies along an axis, graded or not: at its sample point; above level 0 halfway between its planes.
 double coordinate(const Axis& axis, int level, int64_t i);
 
 }  // namespace teracell

@@ -1,15 +1,16 @@
-// Zarr v2 twice: as OME-Zarr 0.4, an array a level, and for xarray, a group a level with the cells' coordinates.
+// Zarr v2 in two forms: as OME-Zarr 0.4, with one array per level, and for xarray, with one group per level that also has the
+// coordinates of the cells.
 //
-// xarray turns an array with a fill value into floats, so there it has none; a reader of such an array takes memory as it
-// is for a chunk that is missing, so none in range may ever be.
+// xarray turns an array with a fill value into floats, so the arrays for xarray have none. For a chunk that is missing, readers of
+// such an array leave memory as it is; so every chunk in range must exist.
 #include <algorithm>
 #include <bit>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "server/protocols/blocks.hpp"
-#include "server/protocols/protocol.hpp"
-#include "server/routes.hpp"
+#include "server/protocols/protocols.hpp"
 #include "server/protocols/space.hpp"
 
 namespace teracell {
@@ -17,7 +18,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr int64_t kCoordinates = 65536;  // in a chunk
+constexpr int64_t kCoordinates = 65536;  // per chunk
 constexpr const char* kConsolidated = ".zmetadata";
 
 ordered_json group() { return {{"zarr_format", 2}}; }
@@ -32,7 +33,7 @@ ordered_json labels(const Metadata& meta, int level, const ordered_json& fill) {
   return array({n[2], n[1], n[0]}, {kZarrCells, kZarrCells, kZarrCells}, wide_labels(meta) ? "<u2" : "|u1", fill);
 }
 
-// Dimensions are named for xarray.
+// xarray reads the names of the dimensions.
 ordered_json label_attributes(const Metadata& meta) {
   ordered_json names = ordered_json::array();
   for (const MaterialInfo& m : meta.materials) names.push_back(m.name);
@@ -124,14 +125,20 @@ std::optional<Service::Recipe> find_xarray(const ServedGrid& grid, std::span<con
 
 }  // namespace
 
-Response serve_zarr2(Service& service, const Request& request, const Target& target) {
-  if (target.path.size() < 2) return missing("zarr2");
-  return serve_found(service, request, target, "zarr2", target.path[1], find_ome);
+Protocol zarr2() {
+  return {.prefix = "zarr2",
+          .route = "zarr2",
+          .title = "Zarr 2",
+          .example = [](const ServedGrid& g) { return fmt::format("/{}/.zattrs", percent_encoded(g.id)); },
+          .serve = serve_by_id("zarr2", find_ome)};
 }
 
-Response serve_xarray(Service& service, const Request& request, const Target& target) {
-  if (target.path.size() < 2) return missing("xarray");
-  return serve_found(service, request, target, "xarray", target.path[1], find_xarray);
+Protocol xarray() {
+  return {.prefix = "xarray",
+          .route = "xarray",
+          .title = "xarray",
+          .example = [](const ServedGrid& g) { return fmt::format("/{}/0/{}", percent_encoded(g.id), kConsolidated); },
+          .serve = serve_by_id("xarray", find_xarray)};
 }
 
 }  // namespace teracell

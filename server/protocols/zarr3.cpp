@@ -1,13 +1,12 @@
-// Zarr v3 with OME-Zarr 0.5: the group of a grid has an array a level, "0" the finest, and the same arrays once more as
-// labels of themselves ("labels/material"), with names and colours, for clients that tell images from labels.
+// Zarr v3 with OME-Zarr 0.5. The group of a grid has one array per level, "0" being the finest. The same arrays are there once more
+// as labels ("labels/material"), with names and colours, for clients that distinguish images and labels.
 //
-// Its metadata is consolidated: nothing can be listed over HTTP.
+// The metadata is consolidated, since nothing can be listed over HTTP.
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "server/protocols/blocks.hpp"
-#include "server/protocols/protocol.hpp"
-#include "server/routes.hpp"
+#include "server/protocols/protocols.hpp"
 #include "server/protocols/space.hpp"
 #include "store/color.hpp"
 
@@ -55,7 +54,7 @@ ordered_json label_group(const ServedGrid& grid) {
   return j;
 }
 
-// All nodes but the root, by their paths.
+// All nodes except the root, by their paths.
 Documents nodes(const ServedGrid& grid) {
   Documents out;
   const auto add_levels = [&](const std::string& prefix) {
@@ -91,9 +90,12 @@ std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std:
 
 }  // namespace
 
-Response serve_zarr3(Service& service, const Request& request, const Target& target) {
-  if (target.path.size() < 2) return missing("zarr3");
-  return serve_found(service, request, target, "zarr3", target.path[1], find);
+Protocol zarr3() {
+  return {.prefix = "zarr",
+          .route = "zarr3",
+          .title = "Zarr 3, OME-Zarr",
+          .example = [](const ServedGrid& g) { return fmt::format("/{}/zarr.json", percent_encoded(g.id)); },
+          .serve = serve_by_id("zarr3", find)};
 }
 
 }  // namespace teracell

@@ -1,10 +1,10 @@
-// Bundles Neuroglancer for the browser. Only what the test shows is in: segmentation layers, precomputed and Zarr sources,
-// HTTP. Usage: bundle.mjs FOLDER
+// Bundles Neuroglancer for the browser, with only what the test shows: segmentation layers, precomputed and Zarr sources, HTTP.
+// Usage: bundle.mjs FOLDER
 import { build } from "esbuild";
 import { dirname } from "node:path";
 import { fileURLToPath } from "node:url";
 
-// Neuroglancer's icons are in a package that npm would fetch from GitHub. Nothing here is told by its icon.
+// Neuroglancer's icons are in a package that npm would fetch from GitHub. The test needs no icons.
 const blank_icons = {
   name: "blank icons",
   setup(bundler) {

@@ -1,5 +1,5 @@
-// npm's neuroglancer in Chromium: precomputed, and Zarr v3 and v2. It shows three cross-sections; what it has decoded for
-// them is read back through its own functions.
+// npm's neuroglancer in Chromium, with precomputed volumes and with Zarr v3 and v2. It shows three cross-sections. The test reads
+// what it has decoded for them through its own functions.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { expect_same, exported, grids, open_browser, screenshot, server } from "./support.mjs";
@@ -10,8 +10,8 @@ after(() => browser.close());
 
 const kMetres = { m: 1, mm: 1e-3 };
 
-// Where cells are for Neuroglancer: the unit and the edge of a cell, and the lower corner of the first one in cells. Graded
-// grids have the space of their indices; in OME-Zarr the origin is a cell's centre.
+// Where cells are for Neuroglancer: the unit and the edge of a cell, and the lower corner of the first cell, in cells. Graded grids
+// are in index space; in OME-Zarr the origin is the centre of a cell.
 function space_of(info, protocol) {
   const precomputed = protocol === "precomputed";
   if (info.grid.axes.some((axis) => axis.type === "graded")) {
@@ -31,7 +31,7 @@ function state(grid, source, { unit, scale, first }, position) {
   };
 }
 
-// Waits until a chunk of a volume of that size [nx, ny, nz] is there, and all that is shown is.
+// Waits until everything that is shown has been loaded, with at least one chunk of a volume of this size [nx, ny, nz].
 async function wait_for(page, size) {
   await page.waitForFunction((size) => {
     const chunks = [...viewer.dataContext.chunkManager.memoize.map.values()].filter((source) => source.spec?.upperVoxelBound)
@@ -40,8 +40,8 @@ async function wait_for(page, size) {
   }, size, { timeout: 60000 });
 }
 
-// All that was decoded: of each volume its size and chunks; of each chunk the place and size of the part that lies in the
-// volume, and its cells (x fastest).
+// All that was decoded: the size and the chunks of each volume; for each chunk the place and size of its part inside the volume,
+// and its cells (x fastest).
 function decoded(page) {
   return page.evaluate(() => {
     const base64 = (data) => {
@@ -69,7 +69,7 @@ function decoded(page) {
   });
 }
 
-// Holds a decoded chunk against the level's export; returns its number of cells.
+// Compares a decoded chunk with the export of the level. Returns its number of cells.
 function expect_chunk({ shape: [, ny, nx], data }, chunk, what) {
   const cells = new data.constructor(new Uint8Array(Buffer.from(chunk.cells, "base64")).buffer);
   const [x0, y0, z0] = chunk.at, [w, h, d] = chunk.size;
@@ -82,7 +82,7 @@ function expect_chunk({ shape: [, ny, nx], data }, chunk, what) {
   return w * h * d;
 }
 
-// The cell with a label that is nearest to the middle of the grid, in height above all: the stadium stands on wide ground.
+// The labelled cell that is nearest to the middle of the grid. Height counts most, since the stadium stands on wide ground.
 function middle(grid, [nx, ny, nz]) {
   const { data } = exported(grid, 0);
   let best = [], least = Infinity;
@@ -94,7 +94,7 @@ function middle(grid, [nx, ny, nz]) {
   return best;
 }
 
-// Cells on the three cross-sections through `at`, within 150 of it: so far all of them are in view.
+// Cells on the three cross-sections through `at`, at most 150 cells from it. All of these are in view.
 function cells_in_view(at, cells) {
   const places = [];
   for (let axis = 0; axis < 3; ++axis) {

@@ -29,8 +29,8 @@ async function show(page, source, width, height) {
   }, { source, width, height });
 }
 
-// Holds what OpenSeadragon has drawn against another picture: its size, and the pixels that are not the expected one. Tiles
-// without overlap are drawn a pixel wider and higher than they are, lest gaps show: the left or upper neighbour will do.
+// Compares what OpenSeadragon has drawn with another picture: the size, and the number of pixels that differ. Tiles without overlap
+// are drawn one pixel wider and higher than they are, so that no gaps show; so the left or the upper neighbour counts as equal.
 function differences(page, picture) {
   return page.evaluate(async (url) => {
     const shown = viewer.drawer.canvas, { width, height } = shown;

@@ -1,4 +1,4 @@
-"""Deep Zoom and IIIF tiles: named as vips names those that it writes, and pixel by pixel what `teracell slice` shows.
+"""Deep Zoom and IIIF tiles: they have the names that vips gives to its own, and every pixel equals that of `teracell slice`.
 
 No program in Debian reads the two protocols; vips writes them, and Pillow decodes the tiles.
 """
@@ -33,7 +33,7 @@ def level_picture(grid, axis, index, level):
 
 
 def scaled(grid, axis, index, scale):
-    """The slice at 1 / 2^scale: rows count from the top of the whole picture, a pixel is the level's cell that holds its corner."""
+    """The slice at 1 / 2^scale. Rows count from the top of the whole picture; a pixel is the cell of the level that contains its corner."""
     height = len(level_picture(grid, axis, index, 0))
     level = level_picture(grid, axis, index, scale)
     v = (height - 1 - (numpy.arange(math.ceil(height / 2 ** scale)) << scale)) >> scale
@@ -41,7 +41,7 @@ def scaled(grid, axis, index, scale):
 
 
 def written_by_vips(grid, axis, index, layout):
-    """The names of the tiles that vips makes of the picture, less its own folder's name."""
+    """The names of the tiles that vips makes from the picture, without the name of its folder."""
     level_picture(grid, axis, index, 0)
     folder = os.path.join(FOLDER, f"vips-{layout}-{grid}-{axis}")
     subprocess.run(["vips", "dzsave", os.path.join(FOLDER, f"{grid}-{axis}-{index}.0.png"), folder, "--layout", layout, "--tile-size", "512",

@@ -1,4 +1,4 @@
-"""Neuroglancer's precomputed volumes read as their specification says, all blocks of every size: the viewer itself, in
+"""Reads all blocks of every size of Neuroglancer's precomputed volumes, as their specification says. The viewer itself, in
 neuroglancer_test.mjs, asks only for what it shows."""
 import itertools
 import json
@@ -14,7 +14,7 @@ def ends(size, step):
 
 
 def read_blocks(grid, scale, block, dtype):
-    """The level [z][y][x] from its blocks; their bytes must be exactly what the part of the volume takes."""
+    """The level [z][y][x] from its blocks. A block must have exactly the bytes of its part of the volume."""
     nx, ny, nz = scale["size"]
     cells = numpy.full((nz, ny, nx), 0xFF, dtype)
     for (x0, x1), (y0, y1), (z0, z1) in itertools.product(*map(ends, scale["size"], block)):
@@ -37,7 +37,7 @@ class Precomputed(Case):
                 self.assertEqual((scale["encoding"], scale["voxel_offset"]), ("raw", [0, 0, 0]))
                 self.assertEqual(scale["size"], list(expected.shape[::-1]))
                 for block in scale["chunk_sizes"]:
-                    # A thousand flat blocks of a thick level say no more than those of the next one.
+                    # The flat blocks of a thick level are too many; those of the next level test the same.
                     if numpy.prod([len(ends(n, b)) for n, b in zip(scale["size"], block)]) > 1000:
                         continue
                     with self.subTest(grid=grid, level=level, block=block):

@@ -1,6 +1,6 @@
-"""The two grids that the clients read. Neither has a size that chunks, tiles or halves of it fit.
+"""The two grids that the clients read. Neither has a size that is a multiple of chunks or tiles, or that can be halved evenly.
 
-stadium: the built-in scene, three materials, in chunks of 64 cells at the edges of which there is something.
+stadium: the built-in scene, three materials, in chunks of 64 cells whose edges cut bodies.
 parts: 300 materials, so that a cell takes two bytes, and a graded axis, in slices of several tiles.
 """
 import colorsys
@@ -20,7 +20,7 @@ def unit_cube():
 
 
 def parts():
-    """A hundred cubes a layer, drawn out and turned, over a domain of 1301 x 701 x 9 cells."""
+    """Cubes that are stretched and turned, a hundred per layer, over a domain of 1301 x 701 x 9 cells."""
     draw = random.Random(4)
     count = 300
     bodies, materials = [], {"filler": {"color": "#f4f1ea"}}

@@ -1,5 +1,5 @@
-// The lines that the dashboard offers for other programs (web/src/panels/share_links.ts), run as they are, and what they got held
-// against `teracell export`. The link into Neuroglancer: its state opens the grid in npm's neuroglancer.
+// The lines that the dashboard offers for other programs (web/src/panels/share_links.ts) are run unchanged, and their results
+// compared with `teracell export`. The state in the link to Neuroglancer is opened in npm's neuroglancer.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { readFileSync } from "node:fs";

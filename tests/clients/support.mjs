@@ -1,4 +1,4 @@
-// What the clients in JavaScript share: where the server is, what `teracell export` says, and a browser.
+// What the JavaScript clients share: the server's address, results of `teracell export`, and a browser.
 import { execFileSync } from "node:child_process";
 import { createReadStream, readFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -8,14 +8,14 @@ import { errors_of, launch_options } from "../support/chromium.mjs";
 import { read_npy } from "../support/npy.mjs";
 
 export const server = process.env.TERACELL_URL;
-// Exports, and pages to be browsed; screenshots go there too.
+// The folder of exports, pages and screenshots.
 export const folder = process.env.TERACELL_FOLDER;
 export const grids = JSON.parse(readFileSync(join(folder, "grids.json")));
 
-// {shape: [nz, ny, nx], data} of a level as exported.
+// The export of a level as {shape: [nz, ny, nx], data}.
 export const exported = (grid, level) => read_npy(join(folder, `${grid}.${level}.npy`));
 
-// Fails at the first difference, saying where it is.
+// Fails at the first difference and says where it is.
 export function expect_same(found, expected, what) {
   if (found.length !== expected.length) throw new Error(`${what}: ${found.length} values, expected ${expected.length}`);
   const at = expected.findIndex((value, i) => value !== found[i]);
@@ -25,7 +25,7 @@ export function expect_same(found, expected, what) {
 const kTypes = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
 const kZarrDocument = /\/(\.zarray|\.zattrs|\.zgroup|\.zmetadata|zarr\.json)$/;
 
-// Chromium on pages of `folder`, which come from another origin than the cells, as they do for everybody else.
+// Chromium with the pages of `folder`. Like pages of other projects they come from another origin than the cells.
 export async function open_browser() {
   const pages = createServer((request, response) => {
     const file = createReadStream(join(folder, "pages", new URL(request.url, "http://pages").pathname));

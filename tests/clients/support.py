@@ -1,4 +1,4 @@
-"""What the clients in Python share: where the server is, what `teracell` itself says, plain requests."""
+"""What the Python clients share: the server's address, results of `teracell` itself, plain requests."""
 import json
 import os
 import subprocess
@@ -37,13 +37,13 @@ def get(path):
 
 class Case(unittest.TestCase):
     def assert_same(self, found, expected):
-        """The same type, shape and values."""
+        """Expects the same type, shape and values."""
         self.assertEqual((found.dtype, found.shape), (expected.dtype, expected.shape))
         wrong = numpy.argwhere(found != expected)
         self.assertEqual(len(wrong), 0, f"{len(wrong)} values differ, the first at {wrong[:1]}")
 
     def assert_missing(self, path):
-        """404, and nothing that a client could take for data."""
+        """Expects status 404 with nothing that a client could take for data."""
         with self.assertRaises(urllib.error.HTTPError) as refused:
             get(path)
         self.assertEqual((refused.exception.code, refused.exception.read()), (404, b""), path)

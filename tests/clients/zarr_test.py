@@ -41,7 +41,7 @@ class Zarr(Case):
         for grid in GRIDS:
             group = zarr.open_group(f"{SERVER}/zarr2/{grid}", mode="r")
             datasets = group.attrs["multiscales"][0]["datasets"]
-            # The last one listed is the first that is a single block; the others are there all the same.
+            # The last listed level is the first that is a single block. Coarser levels exist, but are not listed.
             many = [str(l["level"]) for l in GRIDS[grid]["levels"] if max(l["cells"]) > 64]
             self.assertEqual([d["path"] for d in datasets], many + [str(len(many))])
             self.assert_same(group["3"][:], exported(grid, 3))

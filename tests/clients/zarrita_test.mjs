@@ -19,7 +19,7 @@ async function expect_export(array, grid, level, what) {
 
 for (const [grid, info] of Object.entries(grids)) {
   const levels = info.levels.length;
-  // What multiscales lists ends with the first level that is a single block; the others are there all the same.
+  // The last listed level is the first that is a single block. Coarser levels exist, but are not listed.
   const listed = Array.from({ length: 1 + info.levels.findIndex(({ cells }) => Math.max(...cells) <= 64) }, (_, level) => String(level));
 
   for (const path of [grid, `${grid}/labels/material`]) {
@@ -44,7 +44,7 @@ for (const [grid, info] of Object.entries(grids)) {
     assert.deepEqual(axes.map((axis) => axis.unit), Array(3).fill(graded ? undefined : kUnits[info.units]));
     for (const [level, { coordinateTransformations: [scale, translation] }] of datasets.entries()) {
       ["z", "y", "x"].forEach((_, i) => {
-        // OME-Zarr cannot say what a graded axis is: such a grid has the space of its indices.
+        // OME-Zarr can't describe a graded axis, so such a grid is in index space.
         const { min, step } = graded ? { min: -0.5, step: 1 } : info.grid.axes[2 - i];
         assert.equal(scale.scale[i], step * 2 ** level);
         const centre = min + (step * 2 ** level) / 2;

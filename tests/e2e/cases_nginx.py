@@ -1,4 +1,4 @@
-"""nginx in front of the server: TLS, HTTP/2, a path of its own, and its cache."""
+"""nginx in front of the server: TLS, HTTP/2, a base path, and a cache."""
 import os
 import shutil
 import socket
@@ -13,7 +13,7 @@ PATH = os.environ.get("PATH", "") + ":/usr/sbin"
 
 class Nginx(ServeCase):
     def front(self, server):
-        """Starts nginx; its port."""
+        """Starts nginx and returns its port."""
         with socket.socket() as s:
             s.bind(("127.0.0.1", 0))
             port = s.getsockname()[1]
@@ -34,7 +34,7 @@ class Nginx(ServeCase):
         self.fail(self.bytes("nginx.log").decode())
 
     def curl(self, port, path, *args):
-        """(HTTP version, status, headers, body)."""
+        """Returns (HTTP version, status, headers, body)."""
         done = subprocess.run(["curl", "-sS", "--http2", "--max-time", "30", "--cacert", self.path("cert.pem"), "-D", self.path("head"), "-o", self.path("body"), "-w",
                                "%{http_version} %{http_code}", *args, f"https://localhost:{port}{path}"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -53,7 +53,7 @@ class Nginx(ServeCase):
             version, status, headers, body = self.curl(port, f"{tile}?v={info['file']['hash']}")
             self.assertEqual((version, status, headers["x-cache"], body), ("2", 200, expected, direct.body))
             self.assertEqual((headers["etag"], headers["access-control-allow-origin"]), (direct.headers["ETag"], "*"))
-        for _ in range(2):  # without a version it is asked for each time
+        for _ in range(2):  # without a version, nginx asks the server each time
             _, status, headers, body = self.curl(port, tile)
             self.assertEqual((status, headers["x-cache"], body), (200, "MISS", direct.body))
         _, status, _, _ = self.curl(port, tile, "-H", f"If-None-Match: {direct.headers['ETag']}")

@@ -1,4 +1,4 @@
-"""What `teracell serve` answers, as HTTP: methods, errors, links, tokens, files that change."""
+"""`teracell serve` over HTTP: methods, errors, links, tokens, files that change."""
 import gzip
 import json
 import re
@@ -201,7 +201,7 @@ class ServeUsage(ServeCase):
             (["--max-connections", "'0'"], ["g.tcell", "--max-connections", "0"]),
             (["--request-timeout", "'x'"], ["g.tcell", "--request-timeout", "x"]),
             (["--token-file empty", "first line", "an empty one"], ["g.tcell", "--token-file", "empty"]),
-            (["--token-file spaced", "other ones"], ["g.tcell", "--token-file", "spaced"]),
+            (["--token-file spaced", "other characters"], ["g.tcell", "--token-file", "spaced"]),
             (["--host", "expected an address"], ["g.tcell", "--host", ""]),
         ]:
             self.refused(2, phrases, "serve", *args)
@@ -210,7 +210,7 @@ class ServeUsage(ServeCase):
         self.refused(1, ["teracell: broken.tcell: "], "serve", "broken.tcell")
         self.refused(1, [f"teracell: {self.path('broken.tcell')}: "], "serve", self.path("broken.tcell"))
         self.refused(1, ["--web nowhere", "index.html"], "serve", "g.tcell", "--web", "nowhere")
-        self.refused(1, ["--host 999.1.2.3"], "serve", "g.tcell", "--host", "999.1.2.3")
+        self.refused(1, ["can't listen at 999.1.2.3", "--host"], "serve", "g.tcell", "--host", "999.1.2.3")
         self.refused(1, ["192.0.2.1"], "serve", "g.tcell", "--host", "192.0.2.1", "--port", "0")
 
     def test_a_port_in_use(self):

@@ -1,4 +1,4 @@
-"""`teracell serve` among clients that are slow, many, wrong or gone, and how it ends."""
+"""`teracell serve` with clients that are slow, many, wrong or gone, and how it stops."""
 import signal
 import time
 
@@ -79,7 +79,7 @@ class Limits(ServeCase):
 
 class Ending(ServeCase):
     def slow_download(self, server, count=200):
-        """A client that has asked for much (52 MB) and taken nothing yet."""
+        """A client that has asked for 52 MB and has read nothing yet."""
         s = server.socket(receive=4096)
         s.sendall(f"GET {TILE}.bin HTTP/1.1\r\nHost: h\r\n\r\n".encode() * count)
         time.sleep(0.5)
@@ -101,12 +101,12 @@ class Ending(ServeCase):
         self.assertEqual(server.wait(), 0)
         answers = data.split(b"HTTP/1.1 200 OK\r\n")[1:]
         self.assertTrue(0 < len(answers) < 200, len(answers))
-        for answer in answers:  # all that was begun came whole
+        for answer in answers:  # every answer that was begun arrived whole
             self.assertEqual(answer.split(b"\r\n\r\n", 1)[1], body)
         self.assertIn(b"Connection: close", answers[-1])
         self.assertEqual(server.problems, [])
 
-    def test_not_for_ever(self):
+    def test_it_does_not_wait_for_ever(self):
         self.grid(hi=(600, 600, 20))
         server = self.serve("g.tcell", "--drain-timeout", 0.5)
         with self.slow_download(server):
@@ -115,7 +115,7 @@ class Ending(ServeCase):
             self.assertEqual(server.wait(), 0)
             self.assertLess(time.monotonic() - began, 5)
         self.assertEqual(len(server.problems), 1)
-        self.assertIn("requests under way", server.problems[0])
+        self.assertIn("still under way", server.problems[0])
 
     def test_a_second_signal_ends_it_at_once(self):
         self.grid(hi=(600, 600, 20))

@@ -16,7 +16,7 @@ LINE = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z \S+ \S+ [!-~]+ \d{3} 
 
 
 class Server:
-    """Runs until stop(), or the end of the test. `problems` are the lines of stderr that are no lines of the access log."""
+    """Runs until stop() or the end of the test. `problems` are the lines of stderr that are not lines of the access log."""
 
     def __init__(self, folder, *args):
         self.process = subprocess.Popen([PROGRAM, "serve", *map(str, args), *([] if "--port" in args else ["--port", "0"])], cwd=folder,
@@ -42,11 +42,11 @@ class Server:
         return [line for line in self.lines if not LINE.fullmatch(line)]
 
     def log_line(self):
-        """The next one, which must come within a second or so."""
+        """The next line of the access log, which must come within a second or so."""
         return self.queue.get(timeout=20)
 
     def problem(self):
-        """The next line that is none of the access log's."""
+        """The next line that is not one of the access log."""
         while LINE.fullmatch(line := self.queue.get(timeout=20)):
             pass
         return line
@@ -97,7 +97,7 @@ class Server:
         return s
 
     def raw(self, data):
-        """All that comes back for these bytes until the server closes."""
+        """All that the server sends back for these bytes until it closes the connection."""
         with self.socket() as s:
             try:
                 s.sendall(data)
@@ -125,7 +125,7 @@ def read_all(s):
 
 
 class ServeCase(Case):
-    """A test with grids in its folder. Servers that it starts must end with a clean log."""
+    """A test with grids in its folder. The servers that it starts must end with a clean log."""
 
     def setUp(self):
         super().setUp()

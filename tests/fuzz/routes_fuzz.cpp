@@ -1,5 +1,5 @@
-// The routes over any target, for one small grid: an answer of the few that there are, with a body, and never damage.
-// The first byte selects headers; the rest is the target as it was sent.
+// The routes with any target, for one small grid: every answer has one of the expected statuses and a body, and no damage is ever
+// found. The first byte selects header fields; the rest is the target as it was sent.
 #include <cstdlib>
 #include <filesystem>
 

@@ -1,4 +1,4 @@
-// What /metrics and /healthz say. The text is read back line by line, as Prometheus does.
+// The texts of /metrics and /healthz, read line by line as Prometheus reads them.
 #include "server/metrics.hpp"
 
 #include <map>
@@ -13,7 +13,7 @@ using namespace teracell;
 
 namespace {
 
-// Name with labels -> value. Checks that every sample stands below its TYPE, each TYPE comes once, and no sample twice.
+// Name with labels -> value. Checks that every sample is below its TYPE and that no TYPE and no sample is there twice.
 std::map<std::string, double> samples(const std::string& text) {
   std::map<std::string, double> out;
   std::set<std::string> types;
@@ -62,7 +62,7 @@ TEST_CASE("requests are counted by route and status, their durations by route", 
   CHECK(s.at(R"(teracell_request_duration_seconds_sum{route="tile"})") == Approx(0.0205));
 }
 
-TEST_CASE("the same route by another pointer is the same route; too many are counted together", "[server][metrics]") {
+TEST_CASE("equal names are one route, whatever the pointer; too many routes are counted together", "[server][metrics]") {
   Metrics m;
   std::vector<std::string> names;
   for (int i = 0; i < 50; ++i) names.push_back(fmt::format("r{}", i));
@@ -92,7 +92,7 @@ TEST_CASE("threads count without losing any", "[server][metrics][threads]") {
   CHECK(s.at(R"(teracell_requests_total{route="even",status="200"})") == 4000);
 }
 
-TEST_CASE("what is counted is counted as long as it lives, wherever it is moved", "[server][metrics]") {
+TEST_CASE("a part of a counter counts as long as it lives, wherever it is moved", "[server][metrics]") {
   std::atomic<uint64_t> n{0};
   {
     Counted a(n), b(n, 10);
@@ -132,7 +132,7 @@ TEST_CASE("the state of caches, files, connections and memory", "[server][metric
   CHECK(resident_bytes() > 1e6);
 }
 
-TEST_CASE("health and metrics stand in front of the rest", "[server][metrics]") {
+TEST_CASE("health and metrics are answered before the inner handler is asked", "[server][metrics]") {
   Metrics m;
   const Response mine{.status = 200, .body = body_of("inner")};
   const Handler h = with_operations({[&](const Request& r) { return r.target == "/warm" ? std::optional(mine) : std::nullopt; }, [&](const Request&) { return mine; }}, m,

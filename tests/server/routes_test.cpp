@@ -1,4 +1,4 @@
-// Requests by hand, answers held against the cells: nothing is in between but the routes.
+// Requests made by hand, and answers compared with the cells.
 #include "server/routes.hpp"
 
 #include <fstream>
@@ -7,8 +7,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/foreign.hpp"
+#include "tests/support/served_cells.hpp"
 #include "tests/support/meshed.hpp"
+#include "tests/support/png.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell {
@@ -53,9 +54,8 @@ struct Served {
   std::string hash() { return service->grids().find("g")->hash; }
   void rename(const std::string& file) {
     std::filesystem::rename(path, folder / file);
-    wait_until_noticed();
+    service->grids().look();
   }
-  static void wait_until_noticed() { std::this_thread::sleep_for(std::chrono::milliseconds(1100)); }  // files are looked at once a second
 };
 
 TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the ray axis", "[server]") {
@@ -77,7 +77,7 @@ TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the 
               REQUIRE(with_sets.status == 200);
               const int64_t width = std::min<int64_t>(512, n[f.u] - col * 512), height = std::min<int64_t>(512, n[f.v] - row * 512);
               REQUIRE(labels.body->size() == static_cast<size_t>(width * height));
-              // The table of sets, then a byte a cell: there are at most 31 sets of 5 materials.
+              // The table of sets, then one byte per cell: 5 materials have at most 31 sets.
               const std::string& b = *with_sets.body;
               const auto u16 = [&](size_t at) { return static_cast<unsigned>(static_cast<uint8_t>(b.at(at)) | static_cast<uint8_t>(b.at(at + 1)) << 8); };
               std::vector<Mask> table;
@@ -134,7 +134,7 @@ TEST_CASE("Cells, columns and statistics are those of the grid", "[server]") {
   REQUIRE(coarse["materials"].size() == kMaterials);
 }
 
-TEST_CASE("What is malformed or out of range is 400 and the message says the range; what is not there is 404", "[server]") {
+TEST_CASE("Values that are malformed or out of range get 400 with a message that names the range; what does not exist gets 404", "[server]") {
   Served s;
   const std::string g = "/api/v1/grids/g";
   for (const std::string& bad : std::initializer_list<std::string>{
@@ -155,10 +155,10 @@ TEST_CASE("What is malformed or out of range is 400 and the message says the ran
   }
   CHECK(s.error(g + "/slice/z/21.png") == "index: expected a whole number from 0 to 20, found '21'");
   for (const char* materials : {"steel", "1,5", "1,", "-1"}) CHECK_THAT(s.error(g + "/slice/z/0.png?materials=" + materials), Catch::Contains("materials: expected ids from 0 to 4 separated by commas"));
-  CHECK_THAT(s.error(g + "?v=0123"), Catch::Contains("v: grid 'g' is of version " + s.hash() + ", found '0123'"));
+  CHECK_THAT(s.error(g + "?v=0123"), Catch::Contains("v: the version of grid 'g' is " + s.hash() + ", found '0123'"));
 }
 
-TEST_CASE("Outlines stand where neighbours differ, also across the edge of a tile", "[server]") {
+TEST_CASE("Outlines are where neighbours differ, also across the edge of a tile", "[server]") {
   Served s(1);
   const std::string g = "/api/v1/grids/g/slice/x/7.png?outline=1&region=";
   const auto pixels = [&](const std::string& region) { return png_of(*s.get(g + region).body); };
@@ -184,7 +184,7 @@ TEST_CASE("Pictures of too many pixels are refused before anything is made", "[s
   CHECK(s.get("/api/v1/grids/g/slice/z/0.png?level=1").status == 200);
 }
 
-TEST_CASE("ETags are the grid's content; a version in the address may be kept for ever", "[server]") {
+TEST_CASE("ETags come from the grid's content; an answer to an address with a version may be cached for ever", "[server]") {
   Served s;
   const std::string tile = "/api/v1/grids/g/tile/z/0/0/0_0.png";
   const Response first = s.get(tile), versioned = s.get(tile + "?v=" + s.hash());
@@ -209,10 +209,22 @@ TEST_CASE("ETags are the grid's content; a version in the address may be kept fo
   const Response gzipped = handle(*s.service, json_request);
   CHECK(gzipped.content_encoding == "gzip");
   CHECK(raw.content_encoding.empty());
-  CHECK(gzipped.etag != raw.etag);  // strong: other bytes, another ETag
+  CHECK(gzipped.etag != raw.etag);  // the ETag is strong: other bytes need another one
 }
 
-TEST_CASE("What was answered once is answered at once, until the file is replaced", "[server]") {
+TEST_CASE("The handler of a service answers at once what the cache has", "[server]") {
+  Served s;
+  const Handler handler = handler_of(*s.service);
+  const Request request{.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin"};
+  CHECK_FALSE(handler.at_once(request));
+  const Response made = handler.handle(request);
+  CHECK(made.status == 200);
+  CHECK(handler.at_once(request)->body == made.body);
+  CHECK(handler.handle({.target = "/nowhere"}).status == 404);
+  CHECK_FALSE(handler.is_open);
+}
+
+TEST_CASE("A repeated request is answered at once, until the file is replaced", "[server]") {
   Served s;
   Request request;
   request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
@@ -222,14 +234,14 @@ TEST_CASE("What was answered once is answered at once, until the file is replace
   REQUIRE(again);
   CHECK(again->body == made.body);
   store_cells(s.path, metadata_of(grid(), 2, kMaterials), std::vector<Label>(s.cells.size(), 1));
-  Served::wait_until_noticed();
+  s.service->grids().look();
   CHECK_FALSE(handle_at_once(*s.service, request));
   const Response fresh = handle(*s.service, request);
   CHECK(fresh.etag != made.etag);
   CHECK(fresh.body->find_first_not_of('\1') == std::string::npos);
 }
 
-TEST_CASE("A damaged chunk is a 500 for what needs it, counted, complained of once, and nothing else suffers", "[server]") {
+TEST_CASE("Answers that need a damaged chunk are 500; each is counted, there is one complaint, and other answers are unaffected", "[server]") {
   Served s;
   std::vector<std::string> complaints;
   ServiceOptions options;
@@ -252,10 +264,10 @@ TEST_CASE("A damaged chunk is a 500 for what needs it, counted, complained of on
   CHECK(status("/api/v1/grids/g/stats") == 200);
   CHECK(service.counters().damaged == 3);
   REQUIRE(complaints.size() == 1);
-  CHECK_THAT(complaints[0], Catch::StartsWith("g.tcell: level 0 chunk (0, 0, 0): its frame at byte "));  // the place once, no folder
+  CHECK_THAT(complaints[0], Catch::StartsWith("g.tcell: level 0 chunk (0, 0, 0): its frame at byte "));  // the place is named once, without a folder
 }
 
-TEST_CASE("A client that accepts gzip gets it, whoever asked before, and finds it kept", "[server]") {
+TEST_CASE("A client that accepts gzip gets it, whatever other clients asked for before, and the cache keeps it", "[server]") {
   Served s;
   Request request;
   request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
@@ -272,7 +284,7 @@ TEST_CASE("A client that accepts gzip gets it, whoever asked before, and finds i
   CHECK(handle_at_once(*s.service, request)->status == 304);
 }
 
-TEST_CASE("Behind a token nothing may be kept for others", "[server]") {
+TEST_CASE("With a token, proxies may not keep answers for others", "[server]") {
   ServiceOptions options;
   options.anybody = false;
   Served s(2, options);
@@ -288,7 +300,7 @@ TEST_CASE("JSON is ASCII, whatever the names", "[server]") {
   CHECK(json::parse(*list.body)["grids"][0]["id"] == "\xc3\xbcn\xef\xbf\xbd");
 }
 
-TEST_CASE("Files that can't be read are told beside the grids, and on the plain start page", "[server]") {
+TEST_CASE("Files that can't be read are listed beside the grids and on the plain start page", "[server]") {
   Served s;
   std::ofstream(s.folder / "a<b>.tcell") << "nothing of a grid";
   s.service->grids().look();
@@ -315,7 +327,7 @@ TEST_CASE("The pages of all grids share the cache", "[server]") {
   options.cache_bytes = 128000;
   Served s(1, options);
   for (int i = 0; i < 40; ++i) std::filesystem::copy_file(s.path, s.folder / ("copy" + std::to_string(i) + ".tcell"));
-  Served::wait_until_noticed();
+  s.service->grids().look();
   for (int i = 0; i < 40; ++i) REQUIRE(s.get("/api/v1/grids/copy" + std::to_string(i) + "/stats").status == 200);
   const CacheCounts index = s.service->index().counts(), chunks = s.service->chunks().counts();
   CHECK(index.limit + chunks.limit == 128000);
@@ -323,7 +335,7 @@ TEST_CASE("The pages of all grids share the cache", "[server]") {
   CHECK(index.bytes <= index.limit);
 }
 
-TEST_CASE("What is looked for ahead, or waited for, is no hit", "[server]") {
+TEST_CASE("Neither a look before prefetching nor waiting for an answer counts as a hit", "[server]") {
   Served s;
   Request request;
   request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
@@ -333,7 +345,7 @@ TEST_CASE("What is looked for ahead, or waited for, is no hit", "[server]") {
   CHECK(s.service->answers().counts().hits == 0);
   CHECK(s.service->answers().counts().misses == 1);
   request.accepts_gzip = true;
-  CHECK_FALSE(s.service->keeps(request));  // it would get another one
+  CHECK_FALSE(s.service->keeps(request));  // it would get another answer
   CHECK_FALSE(handle_at_once(*s.service, request));
   CHECK(s.service->answers().counts().hits == 0);
   request.accepts_gzip = false;
@@ -341,7 +353,7 @@ TEST_CASE("What is looked for ahead, or waited for, is no hit", "[server]") {
   CHECK(s.service->answers().counts().hits == 1);
 }
 
-// ---- the description is held against the answers
+// ---- the description is compared with the answers
 
 // Whether a value has the shape that a schema of openapi.json gives it.
 std::string mismatch(const json& schema, const json& value, const json& all, const std::string& where) {
@@ -367,7 +379,7 @@ std::string mismatch(const json& schema, const json& value, const json& all, con
   return "";
 }
 
-TEST_CASE("Every address of the description answers as it says", "[server]") {
+TEST_CASE("Every address of the description answers as the description says", "[server]") {
   Served s;
   std::ofstream(s.folder / "bad.tcell") << "nothing of a grid";
   s.service->grids().look();
@@ -378,9 +390,10 @@ TEST_CASE("Every address of the description answers as it says", "[server]") {
   for (const auto& [path, operations] : api["paths"].items()) {
     const json& responses = operations["get"]["responses"];
     CHECK(responses.contains("405"));
-    CHECK(responses.contains("401") == (path != "/healthz"));
-    CHECK(responses.contains("503") == (path != "/healthz" && path != "/metrics"));
-    if (path == "/healthz" || path == "/metrics") continue;  // not of the service
+    CHECK(responses.contains("401") == (path != "/healthz" && path != "/NOTICE"));
+    const bool of_routes = path != "/healthz" && path != "/metrics" && path != "/NOTICE";  // other handlers answer these
+    CHECK(responses.contains("503") == of_routes);
+    if (!of_routes) continue;
     INFO(path);
     std::string target = path, query;
     for (const json& p : operations["get"]["parameters"]) {
@@ -413,9 +426,10 @@ TEST_CASE("Every address of the description answers as it says", "[server]") {
     ++seen;
   }
   CHECK(seen >= 9);
+  CHECK(api["paths"].contains("/NOTICE"));
 }
 
-TEST_CASE("The start page names the grids and holds nothing that a file's name could smuggle in", "[server]") {
+TEST_CASE("The start page names the grids and escapes what is in their names", "[server]") {
   Served s;
   s.rename("<script>alert('x')&\".tcell");
   const Response page = s.get("/");
@@ -425,7 +439,7 @@ TEST_CASE("The start page names the grids and holds nothing that a file's name c
   CHECK(page.body->find("&lt;script&gt;") != std::string::npos);
 }
 
-TEST_CASE("Whatever is asked for, the answer is one of the few", "[server]") {
+TEST_CASE("Whatever the address, the answer has one of the expected statuses and a body", "[server]") {
   Served s;
   std::mt19937_64 random(11);
   const std::vector<std::string> words = {"api", "v1", "grids", "g", "tile", "slice", "cell", "column", "stats", "z", "0", "1", "-1", "99999999999999999999", "0_0.png", "0_0.bin", "0.png", "..", "", "%00",

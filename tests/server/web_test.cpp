@@ -1,4 +1,4 @@
-// The page: which paths it answers, with which fields, from the program and from a folder.
+// The page: the paths that it answers and the fields of the answers, from the program and from a folder.
 #include "server/web.hpp"
 
 #include <fstream>
@@ -6,7 +6,8 @@
 #include <catch2/catch.hpp>
 #include <zlib.h>
 
-#include "server/wire.hpp"
+#include "server/http/wire.hpp"
+#include "server/service/target.hpp"
 #include "tests/support/meshed.hpp"
 
 namespace teracell {
@@ -54,12 +55,12 @@ Request request(const std::string& target, bool accepts_gzip = false, const std:
   return {.target = target, .if_none_match = if_none_match, .accepts_gzip = accepts_gzip};
 }
 
-// Paths that no page may answer, whatever lies in its folder or beside it.
+// Paths that no page may answer, whatever is in its folder or beside it.
 const char* const kOthers[] = {"",           "*",           "/.",            "/..",           "//",          "/../secret.txt", "/assets",       "/assets/",      "/assets/../secret.txt",
                                "/index",     "/nowhere",    "/x.js",         "/%69ndex.html", "/page",       "/index.html/",   "/assets//etc",  "//etc/passwd",  "/etc/passwd",
                                "/healthz",   "/api/v1/grids", "/openapi.json", "/.hidden.txt",  "/link.txt", "/assets/.git/config", "/assets/..", "/linked/secret.txt", "/assets/main-Ab3_x.js%00"};
 
-TEST_CASE("The page is given as it is stored to whoever takes gzip, and plain to others", "[server][web]") {
+TEST_CASE("Clients that accept gzip get the page as it is stored, others get it inflated", "[server][web]") {
   const Page page = embedded();
   for (const auto& [target, text] : {std::pair{"/", kIndex}, {"/?at=1", kIndex}, {"/index.html", kIndex}, {"/assets/main-Ab3_x.js", kScript}, {"/favicon.svg", kIcon}}) {
     INFO(target);
@@ -78,7 +79,7 @@ TEST_CASE("The page is given as it is stored to whoever takes gzip, and plain to
   }
 }
 
-TEST_CASE("The page's files may be kept for ever when their names change with them; the first one is asked about each time", "[server][web]") {
+TEST_CASE("Files whose names change with their content may be cached for ever; for index.html clients ask each time", "[server][web]") {
   const Page page = embedded();
   CHECK(page.answer(request("/"))->cache_control == "no-cache");
   CHECK(page.answer(request("/favicon.svg"))->cache_control == "no-cache");
@@ -88,7 +89,7 @@ TEST_CASE("The page's files may be kept for ever when their names change with th
   CHECK(page.answer(request("/favicon.svg"))->content_type == "image/svg+xml");
 }
 
-TEST_CASE("Who has a file of the page is told so", "[server][web]") {
+TEST_CASE("A client that has a file of the page already gets 304", "[server][web]") {
   Folder folder;
   for (const Page& page : {embedded(), Page(folder.root)})
     for (const bool accepts_gzip : {false, true}) {
@@ -115,7 +116,7 @@ TEST_CASE("The page takes code from its own server alone", "[server][web]") {
   CHECK(head.find("\r\nVary: Accept-Encoding\r\n") != std::string::npos);
 }
 
-TEST_CASE("What is no file of the page is left to the routes", "[server][web]") {
+TEST_CASE("Paths that name no file of the page are left to the routes", "[server][web]") {
   Folder folder;
   std::ofstream(folder.temporary / "secret.txt") << "secret";
   std::filesystem::create_directory(folder.temporary / "elsewhere");
@@ -157,7 +158,7 @@ TEST_CASE("A folder without a page is refused", "[server][web]") {
   CHECK_THROWS_WITH(Page(folder / "nowhere"), Catch::Contains("index.html") && Catch::Contains("nowhere"));
 }
 
-TEST_CASE("In front of other handlers the page answers its own paths, and says that anybody may have them", "[server][web]") {
+TEST_CASE("In front of other handlers the page answers its own paths, which need no token", "[server][web]") {
   const Page page = embedded(), none;
   const Handler inner{[](const Request&) { return std::optional<Response>(); }, [](const Request&) { return Response{.status = 418}; }};
   const Handler with = with_page(inner, page), without = with_page(inner, none);
@@ -171,7 +172,7 @@ TEST_CASE("In front of other handlers the page answers its own paths, and says t
   CHECK_FALSE(without.is_open("/"));
 }
 
-TEST_CASE("A text in front of other handlers has one path, and anybody may have it", "[server][web]") {
+TEST_CASE("A text in front of other handlers has one path, which needs no token", "[server][web]") {
   const Page page = embedded();
   const Handler inner{[](const Request&) { return std::optional<Response>(); },
                       [](const Request&) { return Response{.status = 418}; }};

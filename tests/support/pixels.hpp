@@ -1,11 +1,12 @@
-// The picture that viewers of scaled slices must see, from the cells by brute force.
+// The picture that viewers of scaled slices must show, computed from the cells by brute force.
 #pragma once
-#include "tests/support/foreign.hpp"
+#include "tests/support/png.hpp"
+#include "tests/support/served_cells.hpp"
 
 namespace teracell::testing {
 
-// Pixel by pixel: the one at (x, y) from the top left of scale s stands for the pixel (x, y) * 2^s of the slice, and has the
-// colour of the cell of level s that holds that one.
+// The pixel (x, y) of scale s, counted from the top left, stands for the pixel (x, y) * 2^s of the slice. It has the colour of the
+// cell of level s that contains it.
 inline Png expected_picture(const ServedCells& served, int axis, int64_t index, int scale) {
   const Grid& grid = served.meta().grid;
   const Frame f = Frame::along(axis);
@@ -24,7 +25,7 @@ inline Png expected_picture(const ServedCells& served, int axis, int64_t index, 
   return out;
 }
 
-// Whether `part` is what `whole` shows from (x, y) on.
+// Whether `part` equals the part of `whole` that begins at (x, y).
 inline bool shows(const Png& part, const Png& whole, int64_t x, int64_t y) {
   if (x + part.width > whole.width || y + part.height > whole.height) return false;
   for (int64_t r = 0; r < part.height; ++r)
@@ -32,7 +33,7 @@ inline bool shows(const Png& part, const Png& whole, int64_t x, int64_t y) {
   return true;
 }
 
-// Of many pixels along x and z.
+// A grid with many cells along x and z.
 inline Grid long_grid() { return {{Axis::uniform(0, 1, 0, 1100, 0.5), Axis::uniform(0, 1, 0, 3, 0.5), Axis::uniform(0, 1, 0, 531, 0.5)}}; }
 
 }  // namespace teracell::testing

@@ -88,4 +88,11 @@ Decoded decode(std::span<const uint8_t> png) {
   return d;
 }
 
+Png png_of(const std::string& bytes) {
+  const Decoded d = decode({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
+  Png out{d.width, d.height, {}};
+  for (const auto& row : d.rows) out.pixels.insert(out.pixels.end(), row.begin(), row.end());
+  return out;
+}
+
 }  // namespace teracell::testing

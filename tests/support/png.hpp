@@ -1,5 +1,5 @@
-// PNG pictures back to pixels: palette or RGBA, filters "none" and "up", not interlaced. Holds the file against every rule on
-// the way: order and CRCs of chunks, zlib's own inflate with its Adler-32, no byte too many.
+// Decodes PNG pictures: palette or RGBA, filters "none" and "up", not interlaced. REQUIREs that the file keeps every rule: order
+// and CRCs of chunks, a zlib stream that zlib itself inflates (with its Adler-32), and no byte too many.
 #pragma once
 #include <span>
 #include <string>
@@ -17,5 +17,12 @@ struct Decoded {
   std::vector<std::vector<Rgba>> rows;
 };
 Decoded decode(std::span<const uint8_t> png);
+
+// The pixels alone, row by row from the top.
+struct Png {
+  int64_t width = 0, height = 0;
+  std::vector<Rgba> pixels;
+};
+Png png_of(const std::string& bytes);
 
 }  // namespace teracell::testing

@@ -5,19 +5,11 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "server/metrics.hpp"
 #include "tools/cli/command.hpp"
 
 namespace teracell {
 namespace {
-
-double resident_bytes() {
-  long pages = 0, ignored = 0;
-  if (FILE* f = std::fopen("/proc/self/statm", "r")) {
-    if (std::fscanf(f, "%ld %ld", &ignored, &pages) != 2) pages = 0;
-    std::fclose(f);
-  }
-  return static_cast<double>(pages) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
 
 std::string duration(double seconds) {
   if (seconds < 60) return fmt::format("{:.0f} s", seconds);
@@ -49,7 +41,7 @@ void ProgressLine::operator()(const char* phase, double share) {
     if (cells_ > 0 && phase_ == counted_phase_) line += fmt::format(", {:.3g} cells/s", cells_ * share / seconds);
     line += fmt::format(", {} left", duration(seconds * (1 - share) / share));
   }
-  line += ", " + bytes_text(resident_bytes());
+  line += ", " + bytes_text(static_cast<double>(resident_bytes()));
   // Not fmt::print: it throws when nobody listens, and work must not fail for that.
   std::fputs((mode_ == Mode::kLine ? "\r\033[K" + line : line + "\n").c_str(), stderr);
   std::fflush(stderr);

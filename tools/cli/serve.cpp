@@ -4,19 +4,17 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
-#include <system_error>
 
 #include <fmt/format.h>
 
 #include "server/http/listener.hpp"
+#include "server/http/token.hpp"
+#include "server/http/wire.hpp"
 #include "server/prefetch.hpp"
 #include "server/routes.hpp"
 #include "server/web.hpp"
-#include "server/wire.hpp"
 #include "store/error.hpp"
 #include "store/text.hpp"
 #include "tools/cli/command.hpp"
@@ -42,19 +40,14 @@ CLI::Validator in_range(double lo, double hi) {
   }, "");
 }
 
-// The first line, without spaces around it.
-std::string token_in(const std::string& file) {
-  std::ifstream in(file);
-  std::string token;
-  if (in) in.peek();  // a folder can be opened, not read
-  if (in.bad() || !in.is_open()) throw IoError(fmt::format("--token-file {}: can't be read: {}", file, std::generic_category().message(errno)));
-  std::getline(in, token);
-  while (!token.empty() && std::isspace(static_cast<unsigned char>(token.back()))) token.pop_back();
-  const auto is_bad = [](char c) { return c <= 0x20 || c >= 0x7f; };
-  if (token.empty() || token.size() > 4096 || std::ranges::any_of(token, is_bad))
-    throw UsageError(fmt::format("--token-file {}: expected a first line of 1 to 4096 printable ASCII characters without spaces, found {}", file,
-                                 token.empty() ? "an empty one" : token.size() > 4096 ? fmt::format("{} characters", token.size()) : "other ones"));
-  return token;
+// What make() returns. The library's messages begin with the file; people also want to know which option named it.
+template <class Make>
+auto for_option(const char* option, const Make& make) try {
+  return make();
+} catch (const IoError& e) {
+  throw IoError(fmt::format("{} {}", option, e.what()));
+} catch (const UsageError& e) {
+  throw UsageError(fmt::format("{} {}", option, e.what()));
 }
 
 std::string base_path(std::string text) {
@@ -63,7 +56,7 @@ std::string base_path(std::string text) {
   return text;
 }
 
-// As many descriptors as the connections need, and the grids; as far as the system lets us.
+// Allows descriptors for all connections and for the grids, as far as the system permits.
 void raise_descriptor_limit(uint64_t connections) {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -71,32 +64,10 @@ void raise_descriptor_limit(uint64_t connections) {
   if (limit.rlim_cur < wanted) limit.rlim_cur = wanted, setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-// The service as the listener wants it: neighbours of what is looked at are fetched ahead while nothing else is being made.
-Handler handler_of(Service& service, Prefetch& prefetch) {
-  return {[&](const Request& request) {
-            std::optional<Response> r = handle_at_once(service, request);
-            if (r) prefetch.answered(request, *r);
-            return r;
-          },
-          [&](const Request& request) {
-            struct UnderWay {
-              Prefetch& prefetch;
-              explicit UnderWay(Prefetch& p) : prefetch(p) { prefetch.begin(); }
-              ~UnderWay() { prefetch.end(); }
-            };
-            Response r = [&] {
-              const UnderWay under_way(prefetch);
-              return handle(service, request);
-            }();
-            prefetch.answered(request, r);
-            return r;
-          }};
-}
-
-Page page_of(const std::string& folder) try {
-  return folder.empty() ? Page(embedded_page()) : Page(folder);
+Listener listen_with(const ListenerOptions& options, Handler handler, Metrics& metrics, AccessLog& log) try {
+  return Listener(options, std::move(handler), metrics, log);
 } catch (const IoError& e) {
-  throw IoError(fmt::format("--web {}", e.what()));
+  throw IoError(fmt::format("{} (--host, --port)", e.what()));
 }
 
 ServerState state_of(Service& service, const AccessLog& log) {
@@ -107,21 +78,21 @@ ServerState state_of(Service& service, const AccessLog& log) {
 }
 
 void run(const Options& o) {
-  if (o.host.empty()) throw UsageError("--host: expected an address of this machine, found ''");  // which would be all of them
+  if (o.host.empty()) throw UsageError("--host: expected an address of this machine, found ''");  // Asio would listen at all of them
   ListenerOptions listen;
   listen.host = o.host;
   listen.port = static_cast<uint16_t>(o.port);
   listen.threads = threads_or_all(o.threads);
   listen.base_path = base_path(o.base_path);
-  if (!o.token_file.empty()) listen.token = token_in(o.token_file);
+  if (!o.token_file.empty()) listen.token = for_option("--token-file", [&] { return read_token(o.token_file); });
   listen.max_connections = o.max_connections;
   listen.request_timeout = milliseconds(o.request_timeout);
   listen.idle_timeout = milliseconds(o.idle_timeout);
   listen.drain_timeout = milliseconds(o.drain_timeout);
   listen.stop_on_signals = true;
   raise_descriptor_limit(o.max_connections);
-  // Chunks are made by one thread and freed by another: with a heap for each thread a cache of 256 MB took 120 MB more, with
-  // one it takes 60, and the tiles come as fast.
+  // One thread allocates a chunk, another frees it. With one heap per thread a cache of 256 MB took 120 MB more than its size;
+  // with a single heap it takes 60 MB more, and tiles come as fast.
   mallopt(M_ARENA_MAX, 1);
 
   AccessLog log(o.log == "none" ? LogFormat::kNone : o.log == "json" ? LogFormat::kJson : LogFormat::kText, STDERR_FILENO);
@@ -131,39 +102,39 @@ void run(const Options& o) {
     if (!service.keeps(request)) handle(service, request);
   });
   Metrics metrics;
-  const Page page = page_of(o.web);
-  const Handler routes = with_operations(handler_of(service, prefetch), metrics, [&] { return state_of(service, log); });
+  const Page page = o.web.empty() ? Page(embedded_page()) : for_option("--web", [&] { return Page(o.web); });
+  const Handler routes = with_operations(with_prefetch(handler_of(service), prefetch), metrics, [&] { return state_of(service, log); });
   const Body licences = body_of(std::string(notice()));
-  Listener listener(listen, with_page(with_text(routes, "/NOTICE", licences), page), metrics, log);
+  Listener listener = listen_with(listen, with_page(with_text(routes, "/NOTICE", licences), page), metrics, log);
   if (!listener.loopback() && listen.token.empty())
-    note(fmt::format("warning: anybody who reaches {} can read these grids: give a --token-file, or put a server that asks in front", o.host));
+    note(fmt::format("warning: anybody who can reach {} can read these grids: give a --token-file, or put a server in front that asks for a password", o.host));
   say(fmt::format("teracell: serving {} at {}", plural(service.grids().all().size(), "grid"), listener.url()));
   std::fflush(stdout);
   if (listener.run()) return;
-  note(fmt::format("warning: stopped with requests under way after {} s", o.drain_timeout));
+  note(fmt::format("warning: stopped after {} s while requests were still under way", o.drain_timeout));
   log.finish();
-  _exit(0);  // what is still being made can't be interrupted
+  _exit(0);  // the threads that still make answers can't be interrupted
 }
 
 }  // namespace
 
 Run setup_serve(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("grids", o->grids, ".tcell files, and folders whose .tcell files are served, new ones too")->required();
+  app.add_option("grids", o->grids, ".tcell files, and folders: all .tcell files in them are served, also those that are added later")->required();
   app.add_option("--host", o->host, "the address to listen at (default 127.0.0.1: this machine only)");
-  app.add_option("--port", o->port, "the port (default 8080); 0: any that is free")->check(in_range(0, 65535));
+  app.add_option("--port", o->port, "the port to listen at (default 8080); 0: any that is free")->check(in_range(0, 65535));
   add_threads(app, o->threads);
-  app.add_option("--cache", o->cache, "memory for decoded chunks and index pages of all grids, and an eighth as much for answers (default 256M)");
-  app.add_option("--max-pixels", o->max_pixels, "of one picture (default 67108864)")->check(in_range(1, 1e12));
-  app.add_option("--base-path", o->base_path, "serve below this path");
-  app.add_option("--token-file", o->token_file, "its first line is the token that clients must bear (Authorization: Bearer TOKEN)");
-  app.add_option("--web", o->web, "the page at / from this folder, instead of the program's own: for working on it");
-  app.add_option("--log", o->log, "a line a request on stderr: text (default), json, none")->check(one_of({"text", "json", "none"}));
-  app.add_option("--max-connections", o->max_connections, "at once (default 1024)")->check(in_range(1, 1e6));
+  app.add_option("--cache", o->cache, "memory for decoded chunks and index pages of all grids (default 256M); encoded answers take up to an eighth of this on top");
+  app.add_option("--max-pixels", o->max_pixels, "the most pixels of one picture (default 67108864)")->check(in_range(1, 1e12));
+  app.add_option("--base-path", o->base_path, "serve below this path, such as /grids (default: at the root)");
+  app.add_option("--token-file", o->token_file, "a file whose first line is the token that clients must send (Authorization: Bearer TOKEN)");
+  app.add_option("--web", o->web, "serve the page at / from this folder instead of the program's own, for work on it");
+  app.add_option("--log", o->log, "one line per request on stderr: text (default), json or none")->check(one_of({"text", "json", "none"}));
+  app.add_option("--max-connections", o->max_connections, "the most connections at once (default 1024)")->check(in_range(1, 1e6));
   app.add_option("--request-timeout", o->request_timeout, "seconds that a client may take to send a request (default 10)")->check(in_range(0.1, 86400));
   app.add_option("--idle-timeout", o->idle_timeout, "seconds that a connection is kept between requests (default 60)")->check(in_range(0.1, 86400));
   app.add_option("--drain-timeout", o->drain_timeout, "seconds that requests under way are given when it is stopped (default 10)")->check(in_range(0, 86400));
-  app.footer("SIGTERM or SIGINT stops it: requests under way are answered first. A second one ends it at once.\n"
+  app.footer("SIGTERM or SIGINT stops the server: requests under way are answered first. A second signal ends it at once.\n"
              "Examples:\n  teracell serve g.tcell\n  teracell serve grids/ --host 0.0.0.0 --token-file token --log json");
   return [o] { run(*o); };
 }

@@ -1,4 +1,4 @@
-// Lines of the access log: nothing in them is the client's to steer.
+// Lines of the access log: no client can put control characters or quotes into them.
 #include "server/http/access_log.hpp"
 
 #include <poll.h>
@@ -23,7 +23,7 @@ std::string line(LogFormat format, std::string_view target, std::string_view met
   return out;
 }
 
-// The log writes into it.
+// A pipe that the log writes into.
 struct Pipe {
   int out = -1, in = -1;
   Pipe() {
@@ -38,7 +38,7 @@ struct Pipe {
   void close_out() {
     if (out >= 0) close(std::exchange(out, -1));
   }
-  // What comes until so many lines are there; without a number, what is there.
+  // What comes until there are `lines` lines; without a number, what is there already.
   std::string rest(size_t lines = 0) const {
     std::string text;
     char bytes[4096];
@@ -66,7 +66,7 @@ TEST_CASE("a line of JSON", "[server][log]") {
   CHECK(j == nlohmann::json{{"time", "TIME"}, {"client", "::1"}, {"method", "GET"}, {"target", "/a"}, {"status", 200}, {"bytes", 12}, {"ms", 0.25}, {"route", "tile"}});
 }
 
-TEST_CASE("every byte of a target comes out as printable ASCII, and JSON stays JSON", "[server][log]") {
+TEST_CASE("every byte of a target is written as printable ASCII, and JSON stays valid", "[server][log]") {
   std::string all;
   for (int c = 0; c < 256; ++c) all += static_cast<char>(c);
   for (const LogFormat format : {LogFormat::kText, LogFormat::kJson}) {
@@ -82,7 +82,7 @@ TEST_CASE("a long target is cut", "[server][log]") {
   CHECK(line(LogFormat::kText, std::string(20000, 'a')) == "TIME ::1 GET " + std::string(1024, 'a') + "... 200 12 0.250 tile\n");
 }
 
-TEST_CASE("lines and notes are written with the time in front, all of them when it is finished", "[server][log]") {
+TEST_CASE("lines and notes begin with the time, and finish() writes all of them", "[server][log]") {
   Pipe pipe;
   {
     AccessLog log(LogFormat::kText, pipe.in);
@@ -108,7 +108,7 @@ TEST_CASE("notes are written without a log of requests, and as JSON in a JSON lo
   CHECK(nlohmann::json::parse(as_json.rest())["message"] == "a \"note\" \xef\xbf\xbd");
 }
 
-TEST_CASE("lines that nobody reads are dropped, not waited for; the log says how many once it is read again", "[server][log][threads]") {
+TEST_CASE("lines that nobody reads are dropped instead of waiting; the log says how many when it is read again", "[server][log][threads]") {
   Pipe pipe;
   AccessLog log(LogFormat::kText, pipe.in);
   const std::string target(1000, 'a');
@@ -138,7 +138,7 @@ TEST_CASE("lines that nobody reads are dropped, not waited for; the log says how
   CHECK(log.dropped() == dropped);
 }
 
-TEST_CASE("who finishes it does not wait for ever for a reader", "[server][log]") {
+TEST_CASE("finish() does not wait for ever for a reader", "[server][log]") {
   Pipe pipe;
   AccessLog log(LogFormat::kText, pipe.in);
   for (int i = 0; i < 1000; ++i) log.write({"::1", "GET", std::string(1000, 'a'), 200, 1, 1, "x"});
@@ -148,7 +148,7 @@ TEST_CASE("who finishes it does not wait for ever for a reader", "[server][log]"
   CHECK(pipe.rest().find("/late") == std::string::npos);
 }
 
-TEST_CASE("a log whose reader went away is lost, and counted", "[server][log]") {
+TEST_CASE("lines of a log whose reader has gone are lost and counted", "[server][log]") {
   std::signal(SIGPIPE, SIG_IGN);  // as the program does
   Pipe pipe;
   pipe.close_out();

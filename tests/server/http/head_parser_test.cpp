@@ -1,4 +1,4 @@
-// Requests as bytes, in pieces and behind each other.
+// Requests as bytes: in pieces, and several in a row.
 #include "server/http/head_parser.hpp"
 
 #include <catch2/catch.hpp>
@@ -15,7 +15,7 @@ struct Parsed {
   bool keep_alive = false;
 };
 
-// Given in two pieces, as a connection does: what is left of the first stands before the second.
+// Passes two pieces as a connection does: what is left of the first comes before the second.
 Parsed parsed(const std::string& text, size_t cut) {
   Parsed p;
   HeadParser parser(p.head);
@@ -36,7 +36,7 @@ const std::string kGet = "GET /a?b HTTP/1.1\r\nHost: h\r\nIf-None-Match: \"1\"\r
 
 }  // namespace
 
-TEST_CASE("a head is the same wherever it is cut", "[server][wire]") {
+TEST_CASE("a head gives the same result wherever it is cut", "[server][wire]") {
   const std::string text = kGet + "GET /next";
   for (size_t cut = 0; cut <= text.size(); ++cut) {
     INFO(cut);
@@ -49,14 +49,14 @@ TEST_CASE("a head is the same wherever it is cut", "[server][wire]") {
   CHECK(parsed(text).left == "GET /next");
 }
 
-TEST_CASE("a head without its end needs more, wherever it ends", "[server][wire]") {
+TEST_CASE("a head without its end needs more bytes, wherever it stops", "[server][wire]") {
   for (size_t n = 0; n < kGet.size(); ++n) {
     INFO(n);
     CHECK(parsed(kGet.substr(0, n)).progress == HeadParser::kMore);
   }
 }
 
-TEST_CASE("a body is read past, not kept", "[server][wire]") {
+TEST_CASE("a body is skipped", "[server][wire]") {
   const std::string text = "GET / HTTP/1.1\r\nHost: h\r\nContent-Length: 5\r\n\r\nabcdeNEXT";
   for (size_t cut = 0; cut <= text.size() - 4; ++cut) {
     const Parsed p = parsed(text, cut);
@@ -66,7 +66,7 @@ TEST_CASE("a body is read past, not kept", "[server][wire]") {
   CHECK(parsed(text.substr(0, text.size() - 5)).progress == HeadParser::kMore);
 }
 
-TEST_CASE("one empty line before a request is let pass, a second one is not", "[server][wire]") {
+TEST_CASE("one empty line before a request is ignored, a second one is refused", "[server][wire]") {
   for (size_t cut = 0; cut <= kGet.size() + 2; ++cut) CHECK(parsed("\r\n" + kGet, cut).progress == HeadParser::kWhole);
   CHECK(parsed("\r\n\r\n" + kGet).status == 400);
   CHECK(parsed("\r" + kGet).status == 400);
@@ -75,10 +75,10 @@ TEST_CASE("one empty line before a request is let pass, a second one is not", "[
   std::string_view line = "\r\n";
   CHECK(parser.put(line) == HeadParser::kMore);
   CHECK(line.empty());
-  CHECK_FALSE(parser.begun());  // a client that ends its requests so is idle, not slow
+  CHECK_FALSE(parser.begun());  // a client that ends its requests with an empty line is idle, not slow
 }
 
-TEST_CASE("what a head may not be", "[server][wire]") {
+TEST_CASE("heads that are refused", "[server][wire]") {
   const auto get = [](const std::string& fields) { return parsed("GET / HTTP/1.1\r\nHost: h\r\n" + fields + "\r\n").status; };
   CHECK(get("a b: c\r\n") == 400);
   CHECK(get("Host: h\r\n") == 400);

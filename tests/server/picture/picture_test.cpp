@@ -1,4 +1,4 @@
-// Pictures decoded back: every pixel has its colour, whatever the bits a pixel takes.
+// Pictures are decoded: every pixel has its colour, whatever the number of bits per pixel.
 #include "server/picture/picture.hpp"
 
 #include <random>
@@ -17,7 +17,7 @@ using testing::Decoded;
 
 // ---- what is written
 
-// One material a colour, one label a material.
+// One material per colour, one label per material.
 Metadata with_colors(const std::vector<std::string>& colors) {
   Metadata meta;
   for (const std::string& color : colors) {
@@ -71,7 +71,7 @@ void require_picture(const Decoded& d, const SetColors& colors, const Rows& rows
   }
 }
 
-TEST_CASE("a picture takes the fewest bits that tell its colours apart", "[server]") {
+TEST_CASE("a picture has as few bits per pixel as its number of colours allows", "[server]") {
   std::mt19937 random(1);
   const std::pair<uint32_t, int> cases[] = {{1, 1}, {2, 1}, {3, 2}, {4, 2}, {5, 4}, {16, 4}, {17, 8}, {255, 8}, {256, 8}};
   for (const auto& [count, bits] : cases) {
@@ -88,7 +88,7 @@ TEST_CASE("a picture takes the fewest bits that tell its colours apart", "[serve
   }
 }
 
-TEST_CASE("more than 256 colours are RGBA", "[server]") {
+TEST_CASE("pictures of more than 256 colours are RGBA", "[server]") {
   std::mt19937 random(2);
   for (const uint32_t alpha : {255u, 77u}) {
     const Metadata meta = with_colors(different_colors(257, alpha));
@@ -102,7 +102,7 @@ TEST_CASE("more than 256 colours are RGBA", "[server]") {
   }
 }
 
-TEST_CASE("colours that are alike share a number", "[server]") {
+TEST_CASE("equal colours share a number", "[server]") {
   const Metadata meta = with_colors(std::vector<std::string>(300, "#102030"));
   const SetColors colors(meta, 0);
   REQUIRE(colors.colors().size() == 1);
@@ -138,7 +138,7 @@ TEST_CASE("a row may be longer than a chunk of data", "[server]") {
   }
 }
 
-TEST_CASE("a row that comes in parts is the row", "[server]") {
+TEST_CASE("a row may come in parts", "[server]") {
   std::mt19937 random(4);
   const Metadata meta = with_colors(different_colors(5));
   const SetColors colors(meta, 0);
@@ -154,7 +154,7 @@ TEST_CASE("a row that comes in parts is the row", "[server]") {
   REQUIRE(png == write(301, colors, rows));
 }
 
-TEST_CASE("rows that are too long to be kept are the same picture, in parts of any length", "[server]") {
+TEST_CASE("rows that are too long to keep give the same picture, in parts of any length", "[server]") {
   std::mt19937 random(5);
   for (const uint32_t count : {2u, 3u, 9u, 200u, 300u}) {
     const Metadata meta = with_colors(different_colors(count, 77));
@@ -180,7 +180,7 @@ TEST_CASE("rows that are too long to be kept are the same picture, in parts of a
   }
 }
 
-TEST_CASE("rows that repeat cost next to nothing", "[server]") {
+TEST_CASE("rows that repeat take almost no bytes", "[server]") {
   const Metadata meta = with_colors({"#000000", "#ffffff"});
   const SetColors colors(meta, 0);
   const Rows rows(10000, std::vector<uint16_t>(1000, 1));
@@ -189,7 +189,7 @@ TEST_CASE("rows that repeat cost next to nothing", "[server]") {
   require_picture(decode(png), colors, rows);
 }
 
-TEST_CASE("the sets of a few materials have a palette, numbered as they turn up in others", "[server]") {
+TEST_CASE("the sets of a few materials have a palette; sets of many materials are numbered as they occur", "[server]") {
   const Metadata few = with_colors({"#00000000", "#ff0000", "#0000ff"});
   SetColors colors(few, 1);
   REQUIRE(colors.complete());

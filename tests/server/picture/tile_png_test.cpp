@@ -1,4 +1,4 @@
-// Tiles decoded back: every pixel has its colour, whatever the runs, the row lengths and the number of colours.
+// Tiles are decoded: every pixel has its colour, whatever the runs, the row lengths and the number of colours.
 #include "server/picture/tile_png.hpp"
 
 #include <random>
@@ -42,7 +42,7 @@ Numbers noise(Random& random, uint32_t width, uint32_t height, uint32_t numbers)
   return out;
 }
 
-// Stretches of all lengths along rows; some rows like the one above, or like it but for a few pixels.
+// Stretches of all lengths along rows; some rows equal the one above, some equal it except for a few pixels.
 Numbers runs(Random& random, uint32_t width, uint32_t height, uint32_t numbers) {
   Numbers out;
   for (uint32_t r = 0; r < height; ++r) {
@@ -71,7 +71,7 @@ Numbers rings(uint32_t width, uint32_t height, uint32_t numbers) {
   return out;
 }
 
-TEST_CASE("tiles of every width and number of colours come back as they were", "[server]") {
+TEST_CASE("tiles of every width and number of colours are decoded to the same pixels", "[server]") {
   Random random(1);
   for (const uint32_t count : {1u, 2u, 3u, 4u, 5u, 16u, 17u, 256u, 257u, 1000u}) {
     const auto colors = different_colors(count);
@@ -102,7 +102,7 @@ TEST_CASE("only colours that occur are in the palette", "[server]") {
   REQUIRE((d.bits == 2 && d.palette.size() == 4));
 }
 
-TEST_CASE("colours that are alike share a place in the palette", "[server]") {
+TEST_CASE("equal colours share a place in the palette", "[server]") {
   Random random(4);
   auto colors = different_colors(300);
   for (size_t n = 0; n < 300; ++n) colors[n] = colors[n % 4];
@@ -113,8 +113,8 @@ TEST_CASE("colours that are alike share a place in the palette", "[server]") {
   for (size_t i = 0; i < numbers.size(); ++i) REQUIRE(d.rows[i / 65][i % 65] == colors[numbers[i]]);
 }
 
-// A row of the stream may be at most 32768 bytes long for a match of what is above.
-TEST_CASE("rows about as long as a match can reach back, and longer", "[server]") {
+// A match can reach the row above only if a row of the stream has at most 32768 bytes.
+TEST_CASE("rows as long as a match can reach back, a bit shorter and longer", "[server]") {
   Random random(2);
   const auto around = [&](uint32_t bits, uint32_t count) {
     for (const int more : {-9, -8, -1, 0, 1, 8, 9, 70000}) {
@@ -132,13 +132,13 @@ TEST_CASE("rows about as long as a match can reach back, and longer", "[server]"
   around(32, 257);
 }
 
-// Matches are 3 to 258 bytes long: stretches of all lengths around the multiples of that, and of what is shorter.
+// Matches are 3 to 258 bytes long: stretches of all lengths up to and around the multiples of these.
 TEST_CASE("stretches of every length", "[server]") {
   const auto colors = different_colors(256);
   for (uint32_t stretch = 1; stretch <= 1100; ++stretch) {
     Numbers numbers(1500 * 2, 1);
-    for (uint32_t i = 0; i < 256; ++i) numbers[i] = static_cast<uint16_t>(i);  // 8 bits: a byte a number
-    std::fill_n(numbers.begin() + 300, stretch, uint16_t{2});  // a run; in the row below as above but for its ends
+    for (uint32_t i = 0; i < 256; ++i) numbers[i] = static_cast<uint16_t>(i);  // 8 bits: one byte per number
+    std::fill_n(numbers.begin() + 300, stretch, uint16_t{2});  // a run; in the row below all but its ends equals the row above
     std::copy_n(numbers.begin(), 1500, numbers.begin() + 1500);
     numbers[1500 + 299] = numbers[1500 + 300 + stretch] = 3;
     INFO("stretch " << stretch);
@@ -146,7 +146,7 @@ TEST_CASE("stretches of every length", "[server]") {
   }
 }
 
-// Counts that grow like Fibonacci's numbers make the deepest Huffman codes: they must be cut to 15 bits.
+// Counts that grow like Fibonacci numbers give the deepest Huffman codes, which must be limited to 15 bits.
 TEST_CASE("colours of very unequal frequency", "[server]") {
   Numbers numbers;
   uint32_t a = 1, b = 1;
@@ -161,14 +161,14 @@ TEST_CASE("colours of very unequal frequency", "[server]") {
   require_tile(300, height, numbers, different_colors(24));
 }
 
-TEST_CASE("a tile that repeats costs next to nothing", "[server]") {
+TEST_CASE("a tile whose rows repeat takes almost no bytes", "[server]") {
   const auto colors = different_colors(300);
   REQUIRE(encode_png(512, 512, Numbers(512 * 512, 1), colors).size() < 256);
   Numbers stripes;
   for (uint32_t i = 0; i < 512 * 512; ++i) stripes.push_back(static_cast<uint16_t>(i % 512 / 40));
   // 511 rows of 257 bytes are 509 matches of 9 bits: 1 for the length, 1 for the distance, 7 to complete it.
   REQUIRE(encode_png(512, 512, stripes, colors).size() < 509 * 9 / 8 + 200);
-  // A boundary that goes down the picture costs less than a byte a row.
+  // A boundary down the picture takes less than one byte per row.
   const Numbers circles = rings(512, 512, 2);
   size_t boundaries = 0;
   for (size_t i = 1; i < circles.size(); ++i) boundaries += i % 512 != 0 && circles[i] != circles[i - 1];

@@ -1,4 +1,4 @@
-// IIIF, level 0: what info.json offers is there, pixel by pixel, and nothing else.
+// IIIF, level 0: all that info.json offers exists, with the right pixels, and nothing else does.
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
@@ -68,7 +68,7 @@ TEST_CASE("IIIF: every tile and every size that info.json offers, pixel by pixel
   REQUIRE(shows(full, expected_picture(served, 0, 41, 0), 0, 0));
 }
 
-TEST_CASE("IIIF: several tiles; the whole is given up to the limit of pixels", "[server]") {
+TEST_CASE("IIIF: several tiles; the whole picture is there at scales within the limit of pixels", "[server]") {
   ServedCells served(long_grid(), 0, 5, 0, "a-y-1");  // an id that looks like another slice's name
   check_slice(served, "a-y-1", 1, 2);
   const Response whole = served.get("/iiif/a-y-1-y-2/full/max/0/default.png");

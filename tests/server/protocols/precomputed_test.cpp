@@ -1,18 +1,18 @@
-// Neuroglancer precomputed: every block of every size on every level, cut at the edges.
+// Neuroglancer precomputed: every block of every size on every level, smaller at the edges.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include "store/slice.hpp"
-#include "tests/support/foreign.hpp"
+#include "tests/support/served_cells.hpp"
 
 namespace teracell::testing {
 namespace {
 
 using nlohmann::ordered_json;
 
-// All blocks of one size hold the level's cells, no byte more.
+// All blocks of one size hold the cells of the level and no further byte.
 void check_blocks(ServedCells& served, const ordered_json& scale, const Index3& block, size_t width, const std::vector<uint32_t>& expected) {
   const Index3 n = scale["size"];
   std::vector<uint32_t> found(expected.size(), ~0u);
@@ -50,11 +50,11 @@ void check_all(ServedCells& served) {
   }
 }
 
-TEST_CASE("Precomputed: every cell of every level in blocks of every size, cut at the edges", "[server]") {
+TEST_CASE("Precomputed: every cell of every level in blocks of every size, smaller at the edges", "[server]") {
   ServedCells narrow(odd_grid(), 2, 7);
   check_all(narrow);
   const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
-  ServedCells wide({{axis(300), axis(9), axis(270)}}, 0, 9, 253);  // several blocks on a side, two bytes an id
+  ServedCells wide({{axis(300), axis(9), axis(270)}}, 0, 9, 253);  // several blocks on a side, two bytes per id
   check_all(wide);
 }
 

@@ -1,11 +1,13 @@
-// What all foreign protocols promise: answers that can be kept, and no cell made up.
+// What all protocols promise: answers that can be cached, and no invented cells.
 #include <fstream>
 #include <set>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "tests/support/foreign.hpp"
+#include "server/protocols/protocols.hpp"
+#include "server/routes.hpp"
+#include "tests/support/served_cells.hpp"
 
 namespace teracell::testing {
 namespace {
@@ -16,7 +18,7 @@ const std::vector<std::string> kAddresses = {
     "/precomputed/g/info", "/precomputed/g/segprops/info", "/precomputed/g/s1/0-35_0-65_3-4", "/dzi/g/z/12.dzi",         "/dzi/g/z/12_files/7/0_0.png",
     "/iiif/g-y-3/info.json", "/iiif/g-y-3/0,0,70,67/70,67/0/default.png"};
 
-TEST_CASE("Foreign: an answer has a strong ETag and comes once; under its version's address it is kept for ever", "[server]") {
+TEST_CASE("Protocols: an answer has a strong ETag and is not sent twice; with a version in its address it may be cached for ever", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
   const std::string hash = GridReader(served.file()).hash();
   for (const std::string& address : kAddresses) {
@@ -33,14 +35,14 @@ TEST_CASE("Foreign: an answer has a strong ETag and comes once; under its versio
     request.if_none_match = "\"other\"";
     REQUIRE(served.get(request).status == 200);
     const std::string kept = served.get(address + "?v=" + hash).cache_control;
-    if (address.ends_with("info.json")) REQUIRE(kept == "no-cache");  // it holds the address that it was asked for by
+    if (address.ends_with("info.json")) REQUIRE(kept == "no-cache");  // the document holds its own address
     else REQUIRE_THAT(kept, Catch::Contains("immutable"));
     require_missing(served.get(address + "?v=0123"));
     REQUIRE(*served.get(address + "?whatever=1").body == *first.body);
   }
 }
 
-TEST_CASE("Foreign: what does not exist stays missing when a client claims to have it", "[server]") {
+TEST_CASE("Protocols: what does not exist stays missing when a client claims to have it", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
   Request request;
   request.if_none_match = "*";
@@ -50,7 +52,7 @@ TEST_CASE("Foreign: what does not exist stays missing when a client claims to ha
   }
 }
 
-TEST_CASE("Foreign: what is not compressed by its protocol is by HTTP", "[server]") {
+TEST_CASE("Protocols: HTTP compresses what the protocol does not", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
   Request request;
   request.accepts_gzip = true;
@@ -62,7 +64,7 @@ TEST_CASE("Foreign: what is not compressed by its protocol is by HTTP", "[server
   REQUIRE(served.get(request).content_encoding.empty());
 }
 
-// One byte of a file other than it was.
+// Changes one byte of a file.
 void damage(const std::filesystem::path& path, uint64_t at) {
   std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
   file.seekg(static_cast<std::streamoff>(at));
@@ -71,7 +73,7 @@ void damage(const std::filesystem::path& path, uint64_t at) {
   file.put(static_cast<char>(was ^ 0x40));
 }
 
-TEST_CASE("Foreign: a damaged chunk is an error where it is needed, never missing and never a fill value", "[server]") {
+TEST_CASE("Protocols: where a damaged chunk is needed the answer is an error, never 404 and never a fill value", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
   const auto expected = [&](const std::string& address) { return *served.get(address).body; };
   std::vector<std::pair<std::string, std::string>> sound;
@@ -82,7 +84,7 @@ TEST_CASE("Foreign: a damaged chunk is an error where it is needed, never missin
           sound.emplace_back(address, expected(address));
   for (int z = 0; z < 67; ++z) sound.emplace_back(fmt::format("/precomputed/g/s0/0-70_0-130_{}-{}", z, z + 1), expected(fmt::format("/precomputed/g/s0/0-70_0-130_{}-{}", z, z + 1)));
   sound.emplace_back("/dzi/g/z/3_files/8/0_0.png", expected("/dzi/g/z/3_files/8/0_0.png"));
-  damage(served.file(), 32 + 100);  // in the first frame, behind the header: a chunk at the origin
+  damage(served.file(), 32 + 100);  // in the first frame after the header: a chunk at the origin
   Service service({.named = {served.file()}});
   std::set<std::string> broken;
   for (const auto& [address, bytes] : sound) {
@@ -106,7 +108,7 @@ TEST_CASE("Foreign: a damaged chunk is an error where it is needed, never missin
   REQUIRE(handle(service, request).status == 200);
 }
 
-TEST_CASE("Foreign: whatever the address, the answer is 200, 303, 400 or 404, and a 404 of theirs is empty", "[server]") {
+TEST_CASE("Protocols: whatever the address, the answer is 200, 303, 400 or 404, and a 404 below their prefixes is empty", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
   std::mt19937_64 random(5);
   const std::string alphabet = "0123456789-_,./%?&=vczyxs";
@@ -136,6 +138,23 @@ TEST_CASE("Foreign: whatever the address, the answer is 200, 303, 400 or 404, an
   REQUIRE(met[200] > 100);
   REQUIRE(met[400] > 100);
   REQUIRE(met[404] > 1000);
+}
+
+TEST_CASE("Protocols: each has a prefix of its own, and its example exists", "[server]") {
+  ServedCells served(odd_grid(), 2, 4);
+  Service service({.named = {served.file()}});
+  std::set<std::string> prefixes;
+  for (const Protocol& p : protocols()) {
+    INFO(p.prefix);
+    CHECK(prefixes.insert(p.prefix).second);
+    const std::string example = p.example(*service.grids().find("g"));
+    CHECK(example.starts_with("/g"));
+    const Response r = served.get(std::string("/") + p.prefix + example);
+    CHECK(r.status == 200);
+    CHECK(r.route == std::string(p.route));
+    CHECK(served.get(std::string("/") + p.prefix + "/nowhere/x").route == std::string(p.route));
+  }
+  CHECK(prefixes.size() == 6);
 }
 
 }  // namespace

@@ -5,14 +5,14 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "tests/support/foreign.hpp"
+#include "tests/support/served_cells.hpp"
 
 namespace teracell::testing {
 namespace {
 
 using nlohmann::ordered_json;
 
-// A chunk as the array's document says.
+// A chunk, decoded as the array's document says.
 std::string chunk_of(ServedCells& served, const std::string& array, const ordered_json& j, const std::string& key, size_t width) {
   REQUIRE(j["zarr_format"] == 2);
   REQUIRE(j["compressor"]["id"] == "zlib");
@@ -80,7 +80,7 @@ TEST_CASE("Zarr v2: every cell of every level, for all clients and for xarray", 
   }
 }
 
-TEST_CASE("Zarr v2: the coordinates are the cells' centres to the last bit, above level 0 the middles of the cells", "[server]") {
+TEST_CASE("Zarr v2: the coordinates are the sample points of the cells to the last bit, and above level 0 the middles of the cells", "[server]") {
   for (const Grid& grid : {odd_grid(), graded_grid()}) {
     ServedCells served(grid, 2, 3);
     for (int level = 0; level < 9; ++level)

@@ -1,17 +1,17 @@
-// Zarr v3: what a client that knows only the documents reads is every cell of every level.
+// Zarr v3: a client that knows only the documents reads every cell of every level.
 #include <algorithm>
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
-#include "tests/support/foreign.hpp"
+#include "tests/support/served_cells.hpp"
 
 namespace teracell::testing {
 namespace {
 
 using nlohmann::ordered_json;
 
-// Reads an array as its document says, all but the padding; the padding must be the background.
+// Reads the cells of an array as its document says. The padding must be the background.
 std::vector<uint32_t> read_array(ServedCells& served, const std::string& array) {
   const ordered_json j = served.json(array + "/zarr.json");
   REQUIRE(j["zarr_format"] == 3);
@@ -49,7 +49,7 @@ TEST_CASE("Zarr v3: every cell of every level, as an image and as labels of it, 
   for (int ray_axis = 0; ray_axis < 3; ++ray_axis) {
     ServedCells served(odd_grid(), ray_axis, 7);
     const ordered_json scales = served.json("/zarr/g/zarr.json")["attributes"]["ome"]["multiscales"][0]["datasets"];
-    REQUIRE(scales.size() == 3);  // the last one listed is a single block; the others are there all the same
+    REQUIRE(scales.size() == 3);  // the last listed level is a single block; further ones exist
     for (int level = 0; level < 9; ++level) {
       const auto expected = served.materials(level);
       const std::string path = std::to_string(level);
@@ -60,8 +60,8 @@ TEST_CASE("Zarr v3: every cell of every level, as an image and as labels of it, 
   }
 }
 
-TEST_CASE("Zarr v3: ids past a byte take two, little endian", "[server]") {
-  ServedCells served(odd_grid(), 1, 9, 253);  // materials up to 261
+TEST_CASE("Zarr v3: ids above 255 take two bytes, little endian", "[server]") {
+  ServedCells served(odd_grid(), 1, 9, 253);  // ids up to 261
   for (int level = 0; level < 9; ++level) {
     const auto expected = served.materials(level);
     REQUIRE(*std::ranges::max_element(expected) > 256);
@@ -72,7 +72,7 @@ TEST_CASE("Zarr v3: ids past a byte take two, little endian", "[server]") {
   REQUIRE((read_array(narrow, "/zarr/g/0") == narrow.materials(0)));
 }
 
-TEST_CASE("Zarr v3: OME-Zarr places the centre of a level's first cell, the levels over one another", "[server]") {
+TEST_CASE("Zarr v3: OME-Zarr gives the centre of each level's first cell, so that the levels coincide", "[server]") {
   ServedCells served(odd_grid(), 2, 3);
   const ordered_json ome = served.json("/zarr/g/zarr.json")["attributes"]["ome"];
   REQUIRE(ome["version"] == "0.5");
@@ -91,7 +91,7 @@ TEST_CASE("Zarr v3: OME-Zarr places the centre of a level's first cell, the leve
     }
 }
 
-TEST_CASE("Zarr v3: samples that are no centres shift all levels alike", "[server]") {
+TEST_CASE("Zarr v3: sample points that are not centres shift all levels by the same distance", "[server]") {
   Grid grid = odd_grid();
   grid.axis[0] = Axis::uniform(-3, 0.1, 5, 70, 0);
   ServedCells served(grid, 2, 3);
@@ -103,7 +103,7 @@ TEST_CASE("Zarr v3: samples that are no centres shift all levels alike", "[serve
   }
 }
 
-TEST_CASE("Zarr v3: a graded axis makes it index space, and says so", "[server]") {
+TEST_CASE("Zarr v3: a grid with a graded axis is in index space, and the documents say so", "[server]") {
   ServedCells served(graded_grid(), 2, 3);
   const ordered_json attributes = served.json("/zarr/g/zarr.json")["attributes"];
   REQUIRE(attributes["teracell"] == ordered_json{{"units", "mm"}, {"space", "index"}});
@@ -115,7 +115,7 @@ TEST_CASE("Zarr v3: a graded axis makes it index space, and says so", "[server]"
   REQUIRE((read_array(served, "/zarr/g/0") == served.materials(0)));
 }
 
-TEST_CASE("Zarr v3: the consolidated metadata is that of the nodes, all of them", "[server]") {
+TEST_CASE("Zarr v3: the consolidated metadata equals that of all nodes", "[server]") {
   ServedCells served(odd_grid(), 2, 3);
   const ordered_json all = served.json("/zarr/g/zarr.json")["consolidated_metadata"]["metadata"];
   REQUIRE(all.size() == 9 + 2 + 9);

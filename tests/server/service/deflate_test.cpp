@@ -1,16 +1,16 @@
-// What is compressed is read back by zlib itself.
-#include "server/deflate.hpp"
+// zlib itself reads back what was compressed.
+#include "server/service/deflate.hpp"
 
 #include <random>
 
 #include <catch2/catch.hpp>
 
-#include "tests/support/foreign.hpp"
+#include "tests/support/served_cells.hpp"
 
 namespace teracell {
 namespace {
 
-TEST_CASE("What is compressed is read back, empty or noise, in both wrappings", "[server]") {
+TEST_CASE("zlib reads back what was compressed, from nothing to noise, in both formats", "[server]") {
   std::mt19937 random(1);
   std::string noise(300000, '\0');
   for (char& c : noise) c = static_cast<char>(random());

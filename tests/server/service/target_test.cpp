@@ -1,11 +1,11 @@
-// Addresses taken apart: every encoding undone once, everything else refused.
-#include "server/target.hpp"
+// Addresses are split; every percent-encoding is decoded once, and everything else is refused.
+#include "server/service/target.hpp"
 
 #include <random>
 
 #include <catch2/catch.hpp>
 
-#include "server/http.hpp"
+#include "server/service/message.hpp"
 
 namespace teracell {
 namespace {

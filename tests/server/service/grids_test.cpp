@@ -1,5 +1,5 @@
-// What is served, and what happens when files come, go and change.
-#include "server/grids.hpp"
+// Which grids are served, and what happens when files are added, removed and replaced.
+#include "server/service/grids.hpp"
 
 #include <fstream>
 
@@ -8,7 +8,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "server/http.hpp"
+#include "server/service/message.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
@@ -23,7 +23,7 @@ void store(const std::filesystem::path& path, Label filling) {
   store_cells(path, metadata_of(kGrid, 2, 3), std::vector<Label>(5 * 6 * 7, filling));
 }
 
-// Grids, and what they complain of.
+// Grids and their complaints.
 struct Watched {
   explicit Watched(const std::vector<std::filesystem::path>& named)
       : grids(named, [](const std::filesystem::path& path, uint64_t) { return std::make_unique<const GridReader>(path); },
@@ -40,7 +40,7 @@ std::vector<std::string> ids(const Grids& grids) {
 
 using Ids = std::vector<std::string>;
 
-TEST_CASE("Ids are stems, numbered when repeated; only what was named and *.tcell in named folders is served", "[server]") {
+TEST_CASE("Ids are stems, numbered when repeated; only named files and the *.tcell of named folders are served", "[server]") {
   TempFolder folder;
   for (const char* sub : {"a", "b", "b/deep"}) std::filesystem::create_directory(folder / sub);
   store(folder / "a" / "g.tcell", 0);
@@ -84,7 +84,7 @@ TEST_CASE("A bad file in a folder is an error of that grid alone, complained of 
     FAIL("found");
   } catch (const HttpError& e) {
     CHECK(e.status == 500);
-    CHECK(std::string(e.what()).find(folder.path().string()) == std::string::npos);  // clients learn no folder
+    CHECK(std::string(e.what()).find(folder.path().string()) == std::string::npos);  // clients must not see folders
     REQUIRE(grids.unreadable().size() == 1);
     CHECK(grids.unreadable()[0].id == "bad");
     CHECK(grids.unreadable()[0].error == e.what());
@@ -102,7 +102,7 @@ TEST_CASE("A bad file in a folder is an error of that grid alone, complained of 
   CHECK(w.complaints.size() == 1);
 }
 
-TEST_CASE("A file that is replaced, added or removed is noticed; who holds the old one reads on", "[server]") {
+TEST_CASE("A file that is replaced, added or removed is noticed; a caller that holds the old grid can go on reading", "[server]") {
   TempFolder folder;
   const auto path = folder / "g.tcell";
   store(path, 0);
@@ -129,7 +129,7 @@ TEST_CASE("A file that is replaced, added or removed is noticed; who holds the o
   CHECK(ids(grids) == Ids{"g", "new"});
 }
 
-TEST_CASE("Nobody has to ask for a look", "[server][threads]") {
+TEST_CASE("Changes are noticed without a call of look()", "[server][threads]") {
   TempFolder folder;
   store(folder / "g.tcell", 0);
   const Watched w({folder.path()});
@@ -155,7 +155,7 @@ TEST_CASE("The same answers have the same epoch", "[server]") {
   CHECK_FALSE(w.grids.epoch_of(*grid));
 }
 
-TEST_CASE("A file that becomes a folder is gone, a folder that can't be read keeps what it had", "[server]") {
+TEST_CASE("A file that becomes a folder is gone, a folder that can't be read keeps its files", "[server]") {
   TempFolder folder;
   for (const char* sub : {"a", "b"}) std::filesystem::create_directory(folder / sub);
   for (const char* file : {"a/g.tcell", "b/h.tcell", "named.tcell"}) store(folder / file, 0);
@@ -173,7 +173,7 @@ TEST_CASE("A file that becomes a folder is gone, a folder that can't be read kee
   std::filesystem::rename(folder / "b", folder / "c");
   std::ofstream(folder / "b") << "no folder";
   for (int i = 0; i < 2; ++i) w.grids.look();
-  CHECK(ids(w.grids).empty());  // its files are not there any more
+  CHECK(ids(w.grids).empty());  // its files are gone
   REQUIRE(w.complaints.size() == 1);
   CHECK(w.complaints[0].starts_with((folder / "b").string() + ": can't be read: "));
 }
@@ -185,7 +185,7 @@ TEST_CASE("Every name has an id that an address can hold", "[server]") {
   CHECK(ids(w.grids) == Ids{"__", "_", "a_b", "a_b-2", "\xc3\xbc %?#", "\xef\xbf\xbd"});
 }
 
-TEST_CASE("A file that comes back has its id again; those long gone are forgotten", "[server]") {
+TEST_CASE("A file that comes back has its id again; files that have been gone for long are forgotten", "[server]") {
   TempFolder folder;
   for (const char* sub : {"a", "b"}) std::filesystem::create_directory(folder / sub);
   const auto a = folder / "a" / "g.tcell", b = folder / "b" / "g.tcell";
@@ -194,7 +194,7 @@ TEST_CASE("A file that comes back has its id again; those long gone are forgotte
   std::filesystem::remove(a);
   store(b, 1);
   w.grids.look();
-  CHECK(ids(w.grids) == Ids{"g-2"});  // g is the other one's
+  CHECK(ids(w.grids) == Ids{"g-2"});  // "g" is reserved for the other file
   store(a, 0);
   w.grids.look();
   CHECK(ids(w.grids) == Ids{"g", "g-2"});

@@ -1,4 +1,4 @@
-#include "server/target.hpp"
+#include "server/service/target.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "server/http.hpp"
+#include "server/service/message.hpp"
 
 namespace teracell {
 namespace {
@@ -33,7 +33,7 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-// What a client sent, as a message may show it.
+// Text from a client, cut so that a message can show it.
 std::string shown(std::string_view text) { return fmt::format("'{}{}'", text.substr(0, 48), text.size() > 48 ? "..." : ""); }
 
 }  // namespace
@@ -66,6 +66,8 @@ Target parse_target(std::string_view target) {
     }
   return out;
 }
+
+std::string_view path_of(std::string_view target) { return target.substr(0, target.find('?')); }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> parts;

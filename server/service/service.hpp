@@ -1,4 +1,4 @@
-// What all routes stand on: the grids, the caches, and the one way to answer with something made from a grid.
+// What all routes use: the grids, the caches, and the one way to answer with something made from a grid.
 #pragma once
 #include <atomic>
 #include <functional>
@@ -6,14 +6,14 @@
 #include <optional>
 #include <set>
 
-#include "server/grids.hpp"
-#include "server/http.hpp"
-#include "server/target.hpp"
+#include "server/service/grids.hpp"
+#include "server/service/message.hpp"
+#include "server/service/target.hpp"
 #include "store/shared_cache.hpp"
 
 namespace teracell {
 
-// A chunk among those of all grids.
+// The key of a chunk in the cache that all grids share.
 struct ChunkPlace {
   uint64_t grid;  // ServedGrid::number
   ChunkKey chunk;
@@ -25,10 +25,10 @@ struct ChunkPlaceHash {
 
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files and folders
-  size_t cache_bytes = size_t{256} << 20;    // a sixteenth for the index, the rest for decoded chunks; besides, an eighth for answers, which are small
+  size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; answers take up to 1/8 of this on top
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
-  bool anybody = true;                       // may have the answers: caches on the way may keep them for others
-  std::function<void(const std::string&)> complain;  // gets what is found damaged, each thing once; any thread
+  bool anybody = true;                       // answers are for everybody, so proxies may keep them
+  std::function<void(const std::string&)> complain;  // called with each damage that is found, once, on any thread
 };
 
 // Threads share it.
@@ -38,35 +38,35 @@ class Service {
   const ServiceOptions& options() const { return options_; }
   Grids& grids() { return *grids_; }
 
-  // How an answer is made.
+  // How to make an answer.
   struct Recipe {
     const char* route = "other";  // for the metrics
     std::string content_type;
     bool keep = true;             // in the cache
-    bool compress = false;        // with gzip, for clients that accept it: what is not compressed already
+    bool compress = false;        // with gzip, for clients that accept it; false for what is compressed already
     std::function<std::string()> make;
-    std::string address = {};     // that it holds, if any: then it is another answer for another address
+    std::string address = {};     // set when the answer contains its own address: its ETag then depends on it
   };
-  // The answer, or 304 when the client has it, without making it. It may be kept for ever when the address names this
-  // version of the grid ("v=<hash>" in its query), else it must be asked about each time. Throws HttpError 404 for a
-  // version that is not served any more, and what make() throws. REQUIRES: what is made depends on the grid and on
-  // request.target alone, unless keep is false.
+  // The answer; or status 304, without making it, when the client has it. Clients may keep it for ever when the address names
+  // this version of the grid ("v=<hash>" in its query); otherwise they must ask each time. Throws HttpError 404 for a version
+  // that is no longer served, and what make() throws. REQUIRES: the answer depends on the grid and on request.target alone,
+  // unless `keep` is false.
   Response answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe);
-  // What answer() gave for the same address, if it is still kept.
+  // The earlier answer to the same address, if the cache still has it.
   std::optional<Response> recall(const Request& request);
-  bool keeps(const Request& request) { return kept(request) != nullptr; }  // whether it is; no hit
+  bool keeps(const Request& request) { return kept(request) != nullptr; }  // whether the cache has it; not counted as a hit
 
   struct Counters {
     std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
-    std::atomic<uint64_t> damaged{0};          // requests that met a damaged chunk
+    std::atomic<uint64_t> damaged{0};          // requests that failed on a damaged or unreadable file
   };
   const Counters& counters() const { return *counters_; }
-  // A request met bytes that can't be read or are damaged: counts it, and complains unless that was done before.
+  // To be called when a request met bytes that can't be read or are damaged: counts it, and complains the first time.
   void damaged(const std::string& message);
-  // It met a file that the grids have complained of.
+  // To be called when a request met a file that the grids have complained of.
   void unreadable() { counters_->damaged.fetch_add(1, std::memory_order_relaxed); }
   using ChunkCache = SharedCache<ChunkPlace, Chunk, ChunkPlaceHash>;
-  using AnswerCache = SharedCache<std::string, Response>;  // by grids().epoch(), encoding and target
+  using AnswerCache = SharedCache<std::string, Response>;  // the key: grids().epoch(), encoding and target
   ChunkCache& chunks() { return *chunks_; }
   AnswerCache& answers() { return *answers_; }
   IndexCache& index() { return *index_; }
@@ -77,7 +77,7 @@ class Service {
 
   const ServiceOptions options_;
   std::shared_ptr<Counters> counters_;
-  std::shared_ptr<ChunkCache> chunks_;  // readers keep it alive, and the next
+  std::shared_ptr<ChunkCache> chunks_;  // shared with the readers, as are the counters and the index
   std::shared_ptr<IndexCache> index_;
   std::unique_ptr<AnswerCache> answers_;
   std::mutex complaints_mutex_;

@@ -1,4 +1,4 @@
-#include "tests/support/foreign.hpp"
+#include "tests/support/served_cells.hpp"
 
 #include <zlib.h>
 
@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "server/picture/picture.hpp"
+#include "server/routes.hpp"
 
 namespace teracell::testing {
 
@@ -92,54 +93,6 @@ std::string inflated(const std::string& bytes, size_t expected) {
 std::vector<uint32_t> ids_of(const std::string& bytes, size_t width) {
   std::vector<uint32_t> out(bytes.size() / width, 0);
   for (size_t i = 0; i < bytes.size(); ++i) out[i / width] |= static_cast<uint32_t>(static_cast<uint8_t>(bytes[i])) << (8 * (i % width));
-  return out;
-}
-
-// A palette of 1 to 8 bits, or RGBA; any filter; not interlaced.
-Png png_of(const std::string& bytes) {
-  const auto byte = [&](size_t at) { return static_cast<uint8_t>(bytes.at(at)); };
-  const auto be32 = [&](size_t at) { return uint32_t{byte(at)} << 24 | uint32_t{byte(at + 1)} << 16 | uint32_t{byte(at + 2)} << 8 | byte(at + 3); };
-  REQUIRE(bytes.substr(0, 8) == "\x89PNG\r\n\x1a\n");
-  Png out;
-  size_t bits = 0;
-  bool palette = false;
-  std::vector<Rgba> colors;
-  std::string data;
-  for (size_t at = 8; at < bytes.size();) {
-    const size_t size = be32(at);
-    const std::string type = bytes.substr(at + 4, 4);
-    if (type == "IHDR") {
-      out.width = be32(at + 8), out.height = be32(at + 12);
-      palette = byte(at + 17) == 3;
-      REQUIRE((palette || (byte(at + 17) == 6 && byte(at + 16) == 8)));
-      bits = palette ? byte(at + 16) : 32;
-    }
-    if (type == "PLTE")
-      for (size_t i = 0; i < size; i += 3) colors.push_back({byte(at + 8 + i), byte(at + 9 + i), byte(at + 10 + i), 255});
-    if (type == "tRNS")
-      for (size_t i = 0; i < size; ++i) colors.at(i)[3] = byte(at + 8 + i);
-    if (type == "IDAT") data += bytes.substr(at + 8, size);
-    at += size + 12;
-  }
-  const size_t line = (static_cast<size_t>(out.width) * bits + 7) / 8, step = std::max<size_t>(bits / 8, 1);
-  const std::string raw = inflated(data, (line + 1) * static_cast<size_t>(out.height));
-  std::vector<uint8_t> row(line, 0);
-  for (size_t r = 0; r < static_cast<size_t>(out.height); ++r) {
-    const std::vector<uint8_t> above = row;
-    const char filter = raw[r * (line + 1)];
-    for (size_t i = 0; i < line; ++i) {
-      const int a = i < step ? 0 : row[i - step], b = above[i], c = i < step ? 0 : above[i - step];
-      const int pa = std::abs(b - c), pb = std::abs(a - c), pc = std::abs(a + b - 2 * c);
-      const int paeth = pa <= pb && pa <= pc ? a : pb <= pc ? b : c;
-      const int guess[] = {0, a, b, (a + b) / 2, paeth};
-      REQUIRE((filter >= 0 && filter <= 4));
-      row[i] = static_cast<uint8_t>(raw[r * (line + 1) + 1 + i] + guess[static_cast<size_t>(filter)]);
-    }
-    for (size_t x = 0; x < static_cast<size_t>(out.width); ++x) {
-      if (palette) out.pixels.push_back(colors.at(row[x * bits / 8] >> (8 - bits - x * bits % 8) & ((1 << bits) - 1)));
-      else out.pixels.push_back({row[4 * x], row[4 * x + 1], row[4 * x + 2], row[4 * x + 3]});
-    }
-  }
   return out;
 }
 

@@ -1,12 +1,10 @@
-#include "server/wire.hpp"
+#include "server/http/wire.hpp"
 
 #include <algorithm>
 #include <charconv>
 #include <ctime>
 
 #include <fmt/format.h>
-
-#include "store/json_text.hpp"
 
 namespace teracell {
 namespace {
@@ -31,10 +29,10 @@ std::string_view trimmed(std::string_view text) {
   return text;
 }
 
-// The first of a list: each proxy on the way appends its own.
+// The first value of a list: each proxy on the way appends its own.
 std::string_view first_of(std::string_view list) { return trimmed(list.substr(0, list.find(','))); }
 
-// Cuts the next piece off the front of `rest`.
+// Removes the next piece from the front of `rest`.
 std::string_view next_piece(std::string_view& rest, char separator) {
   const size_t end = std::min(rest.find(separator), rest.size());
   const std::string_view piece = rest.substr(0, end);
@@ -80,7 +78,7 @@ void append_number(std::string& out, uint64_t n) {
   out.append(text, std::to_chars(text, text + sizeof text, n).ptr);
 }
 
-// A value made of a request must not end its line.
+// A value that comes from a request must not end its line.
 void append_field(std::string& out, std::string_view name, std::string_view value) {
   out += name;
   const size_t at = out.size();
@@ -99,8 +97,6 @@ void Head::clear() {
   has_transfer_encoding = false;
 }
 
-std::string_view path_of(std::string_view target) { return target.substr(0, target.find('?')); }
-
 bool is_base_path(std::string_view text) {
   return text.empty() || (text.size() <= 1024 && text[0] == '/' && text.back() != '/' && text.find("//") == text.npos && consists_of(text, "/._~-"));
 }
@@ -116,20 +112,11 @@ bool accepts_gzip(std::string_view list) {
   return star;
 }
 
-bool has_etag(std::string_view list, std::string_view etag) {
-  for (size_t at = list.find(etag); at != std::string_view::npos; at = list.find(etag, at + 1)) {
-    const size_t end = at + etag.size();
-    const char before = at == 0 ? ',' : list[at - 1], after = end == list.size() ? ',' : list[end];
-    if ((before == ',' || before == ' ' || before == '/') && (after == ',' || after == ' ')) return true;
-  }
-  return list == "*";
-}
-
 bool bears_token(std::string_view authorization, std::string_view token) {
   constexpr std::string_view scheme = "bearer ";
   const bool bearer = authorization.size() >= scheme.size() && same_word(authorization.substr(0, scheme.size()), scheme);
   const std::string_view found = bearer ? trimmed(authorization.substr(scheme.size())) : "";
-  // Over the length of what was sent, which the sender knows.
+  // The loop depends only on the length of what was sent, which the sender knows.
   unsigned char different = found.size() == token.size() && bearer ? 0 : 1;
   for (size_t i = 0; i < found.size(); ++i) different |= static_cast<unsigned char>(found[i] ^ token[i % token.size()]);
   return different == 0;
@@ -146,7 +133,7 @@ void fill_request(Request& out, const Head& head, std::string_view base_path, st
   if (forwarded.ends_with('/')) forwarded.remove_suffix(1);
   out.prefix.assign(is_base_path(forwarded) ? forwarded : "");
   out.prefix.append(base_path);
-  // A proxy's form: with the scheme and the host in front (RFC 9112, 3.2.2).
+  // The form for proxies has the scheme and the host in front (RFC 9112, 3.2.2).
   std::string_view target = head.target;
   for (const std::string_view scheme : {"http://", "https://"})
     if (target.starts_with(scheme)) {
@@ -161,16 +148,6 @@ bool take_off_base(std::string& target, std::string_view base) {
   if (target.size() > base.size() && target[base.size()] != '/' && target[base.size()] != '?') return false;
   target.erase(0, base.size());
   return true;
-}
-
-// Not by way of a JSON object: to destroy one takes memory, and there may be none.
-Response error_response(int status, const std::string& code, const std::string& message) {
-  Response r;
-  r.status = status;
-  r.content_type = "application/json";
-  r.cache_control = "no-store";
-  r.body = body_of(fmt::format(R"({{"error":{{"code":"{}","message":{}}}}})", code, ascii_json(message)));
-  return r;
 }
 
 void append_head(std::string& out, const Response& r, const Sending& sending) {
@@ -208,7 +185,7 @@ void append_head(std::string& out, const Response& r, const Sending& sending) {
   out += "\r\n";
 }
 
-// Not strftime: the names must not depend on a locale.
+// Not with strftime: the names must not depend on a locale.
 std::string http_date(int64_t unix_seconds) {
   const std::time_t t = unix_seconds;
   std::tm m{};

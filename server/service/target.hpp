@@ -13,27 +13,28 @@ struct Target {
   std::vector<std::string> path;  // "/a/b%20c" has "a", "b c"; a slash at the end adds an empty segment
   std::vector<std::pair<std::string, std::string>> query;
 
-  // Null when it is not there. Throws HttpError 400 when it is there twice.
+  // The value of a parameter, or null. Throws HttpError 400 when the parameter is there twice.
   const std::string* find(std::string_view key) const;
   // Throws HttpError 400 naming the first parameter that is not one of `known`.
   void allow(std::initializer_list<std::string_view> known) const;
 };
 
 // Throws HttpError 400 unless it begins with '/', its percent-encodings are whole, and decoded it is free of NUL and other
-// control characters. "." and ".." are segments like others: no file is ever named by them.
+// control characters. "." and ".." are segments like others: no segment ever becomes part of a file's path.
 Target parse_target(std::string_view target);
 
-// The parts between separators: one more than there are of these.
+std::string_view path_of(std::string_view target);  // without its query
+
+// The parts between separators: one more than there are separators.
 std::vector<std::string_view> split(std::string_view text, char separator);
-// For one segment of an address.
+// As one segment of an address.
 std::string percent_encoded(std::string_view segment);
 
 // `text` as a whole number in [lo, hi]. Throws HttpError 400 with `name` and the range.
 int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int64_t hi);
 // "1,2,3" as `count` whole numbers. Throws HttpError 400 with `name`.
 std::vector<int64_t> integers(std::string_view text, size_t count, std::string_view name);
-// The same without a message, for clients whose URLs have numbers inside names ("0-64_0-64_0-1"): nothing but digits, no
-// superfluous zero in front, below 2^62.
+// A number inside a name ("0-64_0-64_0-1"): nothing but digits, without superfluous zeros in front, at most 18 digits.
 std::optional<int64_t> plain_integer(std::string_view text);
 
 }  // namespace teracell

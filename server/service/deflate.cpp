@@ -1,4 +1,4 @@
-#include "server/deflate.hpp"
+#include "server/service/deflate.hpp"
 
 #include <algorithm>
 #include <memory>
@@ -16,7 +16,7 @@ std::string deflated(std::string_view bytes, Wrapping wrapping) {
   if (deflateInit2(&z, 1, Z_DEFLATED, MAX_WBITS + (wrapping == Wrapping::kGzip ? 16 : 0), 8, Z_DEFAULT_STRATEGY) != Z_OK) throw std::bad_alloc();
   const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&z, deflateEnd);
   std::string out(deflateBound(&z, bytes.size()), '\0');
-  constexpr size_t kPiece = size_t{1} << 30;  // zlib counts what lies before it in 32 bits
+  constexpr size_t kPiece = size_t{1} << 30;  // zlib counts its input and output in 32 bits
   size_t taken = 0, given = 0;
   int status = Z_OK;
   while (status == Z_OK) {
@@ -31,7 +31,7 @@ std::string deflated(std::string_view bytes, Wrapping wrapping) {
   }
   if (status != Z_STREAM_END) throw Error(fmt::format("zlib could not compress {} bytes: status {}", bytes.size(), status));
   out.resize(given);
-  out.shrink_to_fit();  // caches pay for what is reserved
+  out.shrink_to_fit();  // caches count the capacity
   return out;
 }
 

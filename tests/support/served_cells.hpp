@@ -1,8 +1,8 @@
-// A stored grid served to other people's clients, its cells by brute force, and what their clients do with an answer.
+// A grid of random cells as clients of the protocols get it, its cells by brute force, and what clients do with an answer.
 #pragma once
 #include <nlohmann/json.hpp>
 
-#include "server/routes.hpp"
+#include "server/service/service.hpp"
 #include "store/color.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
@@ -11,14 +11,15 @@ namespace teracell::testing {
 
 class ServedCells {
  public:
-  // Random cells of `labels` labels (below 64) on `grid`; label i > 0 is of material i + shift: ids may pass a byte.
+  // Random cells of `labels` labels (below 64) on `grid`; label i > 0 has material i + shift, so that ids may exceed 255.
   ServedCells(const Grid& grid, int ray_axis, uint32_t labels, uint32_t shift = 0, const std::string& id = "g");
 
-  // By way of handle(), as any client gets it.
+  // What handle() answers.
   Response get(const std::string& target);
   Response get(const Request& request);
   nlohmann::ordered_json json(const std::string& target);  // REQUIREs 200 and JSON
-  // Of every cell of a level, from the cells of level 0, C order: the strongest material; the blend of its materials.
+  // For every cell of a level in C order, computed from the cells of level 0: its strongest material, and the blend of its
+  // materials.
   std::vector<uint32_t> materials(int level) const;
   std::vector<Rgba> colors(int level) const;
 
@@ -33,23 +34,17 @@ class ServedCells {
   std::unique_ptr<Service> service_;
 };
 
-// 70 x 130 x 67 cells of 0.1 from (-3, 1, 2.5) on, the first of x the fifth of a larger grid.
+// 70 x 130 x 67 cells of width 0.1 with the origin (-3, 1, 2.5). Along x the first cell is number 5 from the origin.
 Grid odd_grid();
 // The same with graded y.
 Grid graded_grid();
 
-// Of a zlib or gzip stream.
+// What a zlib or gzip stream holds. REQUIREs `expected` bytes.
 std::string inflated(const std::string& bytes, size_t expected);
 // Ids of one or two bytes, little endian.
 std::vector<uint32_t> ids_of(const std::string& bytes, size_t width);
 
-struct Png {
-  int64_t width = 0, height = 0;
-  std::vector<Rgba> pixels;  // row by row from the top
-};
-Png png_of(const std::string& bytes);
-
-// REQUIREs 404 without a byte.
+// REQUIREs status 404 and an empty body.
 void require_missing(const Response& response);
 
 }  // namespace teracell::testing

@@ -1,17 +1,16 @@
-#include "server/service.hpp"
+#include "server/service/service.hpp"
 
 #include <fmt/format.h>
 
-#include "server/deflate.hpp"
-#include "server/wire.hpp"
+#include "server/service/deflate.hpp"
 
 namespace teracell {
 namespace {
 
-// Part of every ETag: to be raised when the same grid is answered with other bytes.
+// Part of every ETag. Raise it when the server makes other bytes from the same grid.
 constexpr int kRevision = 1;
 
-// Counts what is read of a file. Its name is without the folder: clients get to see it in messages.
+// Counts the reads of a file. Its name has no folder, since messages show it to clients.
 class CountedSource : public ByteSource {
  public:
   CountedSource(const std::filesystem::path& path, std::shared_ptr<Service::Counters> counters)
@@ -36,7 +35,7 @@ class CountedSource : public ByteSource {
   std::shared_ptr<Service::Counters> counters_;
 };
 
-// A grid's part of the chunk cache.
+// The chunk cache as one grid sees it.
 class Keeper : public ChunkKeeper {
  public:
   Keeper(std::shared_ptr<Service::ChunkCache> cache, uint64_t grid) : cache_(std::move(cache)), grid_(grid) {}
@@ -101,13 +100,14 @@ std::optional<Response> Service::recall(const Request& request) {
 }
 
 Response Service::answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe) {
-  const std::optional<uint64_t> epoch = grids_->epoch_of(grid);  // not the one before or after: the answer is this grid's
+  // Taken before the answer is made: if the grid is replaced meanwhile, the answer is kept under a key that nobody uses.
+  const std::optional<uint64_t> epoch = grids_->epoch_of(grid);
   Response r;
   r.route = recipe.route;
   r.content_type = recipe.content_type;
   const std::string* version = target.find("v");
   if (version && *version != grid.hash)
-    throw not_found(fmt::format("v: grid '{}' is of version {}, found '{}': its file was replaced, or the address is that of another", grid.id, grid.hash, version->substr(0, 64)));
+    throw not_found(fmt::format("v: the version of grid '{}' is {}, found '{}': the file was replaced, or the address belongs to another file", grid.id, grid.hash, version->substr(0, 64)));
   r.cache_control = !version || !recipe.address.empty() ? "no-cache" : options_.anybody ? "public, max-age=31536000, immutable" : "private, max-age=31536000, immutable";
   const bool gzip = recipe.compress && request.accepts_gzip;
   r.etag = etag_of(grid, recipe.address, gzip);
@@ -127,7 +127,7 @@ Response Service::answer(const Request& request, const Target& target, const Ser
   const std::string key = cache_key(*epoch, gzip, request.target);
   return *answers_->get(key, [&] {
     auto made = std::make_shared<const Response>(make());
-    const size_t bytes = sizeof(Response) + made->body->capacity() + 3 * key.size() + 256;  // 256: the other strings
+    const size_t bytes = sizeof(Response) + made->body->capacity() + 3 * key.size() + 256;  // 256: for the other strings
     return std::pair(std::move(made), bytes);
   });
 }

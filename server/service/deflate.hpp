@@ -1,4 +1,4 @@
-// zlib's compression of a whole text at once: answers with gzip, the chunks of Zarr.
+// Compresses a whole text with zlib: answers with gzip, and the chunks of Zarr.
 #pragma once
 #include <string>
 #include <string_view>
@@ -6,7 +6,7 @@
 namespace teracell {
 
 enum class Wrapping { kZlib, kGzip };
-// At level 1: labels come in long runs, higher levels cost a multiple for a few per cent. Any size.
+// Of any size, at level 1: labels come in long runs, and higher levels take several times as long to save a few per cent.
 std::string deflated(std::string_view bytes, Wrapping wrapping);
 
 }  // namespace teracell

@@ -1,6 +1,6 @@
-// The grids that are served: files named at the start, and every *.tcell directly in a folder named there. A thread looks
-// at the files, so that no request waits for a disk: who asks gets what was known at the last look. A file that is replaced,
-// added or removed is noticed within a second; who holds the old one goes on reading it.
+// The grids that are served: files named at the start, and every *.tcell directly in a folder named there. A thread looks at the
+// files twice per second, so that no request waits for a disk: a caller gets what was known at the last look. A file that is
+// replaced, added or removed is noticed within a second; a caller that holds the old grid goes on reading it.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -21,8 +21,8 @@ namespace teracell {
 
 // One file as it was when it was opened. Immutable; threads share it.
 struct ServedGrid {
-  std::string id;    // a name, never a path: the file's stem as an address can hold it, numbered when repeated
-  uint64_t number;   // no other file that was ever opened here has it, not even the same one replaced
+  std::string id;    // the file's stem as an address can hold it, numbered when two files share it; never a path
+  uint64_t number;   // unlike that of any other file opened by this process; a file that is replaced gets another one
   std::string hash;  // of the content, for ETags and versioned addresses
   std::unique_ptr<const GridReader> file;
   const GridReader& reader() const { return *file; }
@@ -37,24 +37,24 @@ class Grids {
   using Complain = std::function<void(const std::string&)>;
 
   // Throws UsageError for a path that is neither a folder nor a file, IoError for a folder that can't be read, FormatError for
-  // a named file that can't be opened. What can't be read later, or is in a folder, is complained of, on any thread: once, when
-  // it has stopped changing.
+  // a named file that can't be opened. For a file in a folder, or one that can't be read later, `complain` is called instead, on
+  // any thread: once, when the file has stopped changing.
   Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain);
 
   // Throws HttpError: 404 when there is no such grid, 500 with what is wrong when its file can't be read.
   std::shared_ptr<const ServedGrid> find(const std::string& id) const;
-  // Another number whenever all() or find() would answer otherwise than before.
+  // Changes whenever the answer of all() or find() changes.
   uint64_t epoch() const { return epoch_; }
-  // That number, unless the grid is not what find() gives any more.
+  // That number, or none when find() no longer returns this grid.
   std::optional<uint64_t> epoch_of(const ServedGrid& grid) const;
-  // Those that can be read, in the order of the command line, those of a folder by name.
+  // The grids that can be read, in the order in which they were named; those of a folder by name.
   std::vector<std::shared_ptr<const ServedGrid>> all() const;
-  // The others, by id.
+  // The files that can't be read, by id.
   struct Unreadable {
     std::string id, error;
   };
   std::vector<Unreadable> unreadable() const;
-  // Looks at the files now, instead of in half a second at most.
+  // Looks at the files now. The thread does so every half second.
   void look();
 
  private:
@@ -66,7 +66,7 @@ class Grids {
   };
   struct Place {
     std::string id;
-    uint64_t seen = 0;  // at this look, the last time
+    uint64_t seen = 0;  // the number of the last look that found it
     Stamp stamp;
     std::shared_ptr<const ServedGrid> grid;  // null: `error` says why
     std::string error;
@@ -75,8 +75,8 @@ class Grids {
   struct Named {
     std::filesystem::path path;
     bool folder;
-    std::vector<std::filesystem::path> files;  // itself, or what it held when it could be read last
-    std::string error;                         // why it can't be read now
+    std::vector<std::filesystem::path> files;  // the file itself, or what the folder held when it was last readable
+    std::string error;                         // why the folder can't be read now
   };
   // What is served at some time. Immutable.
   struct Known {
@@ -100,13 +100,13 @@ class Grids {
   const Open open_;
   const Complain complain_;
 
-  std::mutex looking_;  // guards what only looks use, down to known_
+  std::mutex looking_;  // guards the members down to known_mutex_, which only look() uses
   std::vector<Named> named_;
-  std::map<std::filesystem::path, Place> places_;  // also of files that are gone: they keep their ids
+  std::map<std::filesystem::path, Place> places_;  // files that are gone are kept, with their ids
   std::set<std::string> ids_;                      // of places_
   uint64_t looks_ = 0, next_number_ = 1;
 
-  mutable std::mutex known_mutex_;  // held for no longer than a pointer takes
+  mutable std::mutex known_mutex_;  // held only while known_ is copied or replaced
   std::shared_ptr<const Known> known_ = std::make_shared<const Known>();
   std::atomic<uint64_t> epoch_ = 0;  // of known_
 

@@ -1,4 +1,4 @@
-#include "server/grids.hpp"
+#include "server/service/grids.hpp"
 
 #include <sys/stat.h>
 
@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "server/http.hpp"
+#include "server/service/message.hpp"
 #include "store/json_text.hpp"
 
 namespace teracell {
@@ -17,9 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr auto kEvery = std::chrono::milliseconds(500);
-constexpr size_t kMostGone = 1000;  // files that are gone, whose ids are kept for them
+constexpr size_t kMostGone = 1000;  // files that are gone, and whose ids are still reserved for them
 
-// The *.tcell of a folder by name.
+// The *.tcell files of a folder, sorted by name.
 std::vector<fs::path> grids_in(const fs::path& folder, std::error_code& error) {
   std::vector<fs::path> out;
   std::error_code of_file;
@@ -29,21 +29,21 @@ std::vector<fs::path> grids_in(const fs::path& folder, std::error_code& error) {
   return out;
 }
 
-// A message about a file, as clients get to see it: without the folders of this machine.
+// A message about a file, as clients see it: without the folders of this machine.
 std::string without_folder(std::string message, const fs::path& path) {
   const std::string whole = path.string(), name = path.filename().string();
   for (size_t at = 0; (at = message.find(whole, at)) != std::string::npos; at += name.size()) message.replace(at, whole.size(), name);
   return message;
 }
 
-// The same as whoever runs the server gets to see it, who may serve several folders.
+// The same message as the operator of the server sees it: with the folder, since several may be served.
 std::string with_folder(const std::string& message, const fs::path& path) {
   const std::string name = path.filename().string();
   return path.string() + (message.starts_with(name + ":") ? message.substr(name.size()) : ": " + message);
 }
 
-// The stem as an address can hold it and as JSON tells it: UTF-8 without control characters, and neither "." nor "..", which
-// clients resolve.
+// The stem in a form that addresses and JSON can hold: UTF-8 without control characters, and neither "." nor "..", which clients
+// resolve.
 std::string stem_of(const fs::path& path) {
   std::string stem = utf8_of(path.stem().string());
   std::ranges::replace_if(stem, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
@@ -72,7 +72,7 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) :
     std::unique_lock lock(waiting_);
     while (!stopped_.wait_for(lock, stop, kEvery, [&] { return stop.stop_requested(); })) try {
         look();
-      } catch (const std::exception&) {  // no memory to look with: what is known holds
+      } catch (const std::exception&) {  // out of memory: what was known before stays
       }
   });
 }
@@ -95,7 +95,7 @@ void Grids::look() {
   known_ = std::move(next);
 }
 
-// A folder that can't be read just now keeps what it had: clients would take a 404 for empty cells.
+// A folder that can't be read at the moment keeps its files: clients would take status 404 for empty cells.
 void Grids::list(Named& named) {
   std::error_code error;
   auto found = grids_in(named.path, error);
@@ -116,12 +116,12 @@ Grids::Place* Grids::look_at(const fs::path& path) {
   }
   Place& place = it->second;
   place.seen = looks_;
-  if (error != 0) {  // just now: what was opened can still be read
+  if (error != 0) {  // perhaps for a moment only; a file that was opened can still be read
     if (!place.grid) place.error = fmt::format("{}: {}", path.filename().string(), std::generic_category().message(error));
     return &place;
   }
   const Stamp stamp{s.st_dev, s.st_ino, static_cast<uint64_t>(s.st_size), int64_t{s.st_mtim.tv_sec} * 1000000000 + s.st_mtim.tv_nsec};
-  if (!place.grid || place.stamp != stamp) open(path, place, stamp);  // one that could not be opened is tried again
+  if (!place.grid || place.stamp != stamp) open(path, place, stamp);  // a file that could not be opened is tried again
   return &place;
 }
 
@@ -153,7 +153,7 @@ void Grids::forget_gone() {
     }
   if (gone.size() <= kMostGone) return;
   std::ranges::sort(gone);
-  gone.resize(gone.size() - kMostGone);  // the longest gone
+  gone.resize(gone.size() - kMostGone);  // leaves those that have been gone longest
   for (const auto& [seen, path] : gone) {
     const auto it = places_.find(path);
     ids_.erase(it->second.id);

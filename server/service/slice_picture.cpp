@@ -1,4 +1,4 @@
-#include "server/tiles.hpp"
+#include "server/service/slice_picture.hpp"
 
 #include <algorithm>
 #include <map>
@@ -12,7 +12,7 @@
 namespace teracell {
 namespace {
 
-// Numbers for the sets of a picture, in the order in which they turn up. Not thread-safe.
+// Numbers the sets of a picture in the order in which they occur. For one thread.
 class SetNumbers {
  public:
   explicit SetNumbers(const Metadata& meta) : meta_(meta) {}
@@ -23,7 +23,7 @@ class SetNumbers {
   const std::vector<std::vector<uint32_t>>& sets() const { return sets_; }
 
  private:
-  static constexpr size_t kMostSets = 65535;  // a number more is the outline's
+  static constexpr size_t kMostSets = 65535;  // the outline has the next number
   uint32_t number(const std::vector<Label>& set) {
     const auto [it, fresh] = numbers_.try_emplace(materials_of(meta_, set), static_cast<uint32_t>(sets_.size()));
     if (fresh) {
@@ -51,8 +51,8 @@ std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view
   return out;
 }
 
-// The same from the top; cells that differ from the one above or on the right have a number more than the sets. The view
-// is read with a margin of a cell there, so that neighbouring pictures fit together.
+// The same from the top. Cells that differ from the one above or on the right get the number of the outline, which follows those
+// of the sets. The view is read with a margin of one cell on these two sides, so that neighbouring pictures fit together.
 std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets) {
   SliceView wider = view;
   const Index3 n = reader.meta().grid.cells(view.level);
@@ -61,9 +61,9 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
   wider.v1 = std::min(n[f.v], view.v1 + 1);
   std::vector<uint16_t> numbers = numbers_of(reader, wider, sets, true);
   const auto outline = static_cast<uint16_t>(sets.sets().size());
-  const size_t width = width_of(view), wide = width_of(wider), margin = height_of(wider) - height_of(view);  // margin: rows
-  const size_t inner = std::min(width, wide - 1);  // at the grid's edge the last cell has none on its right
-  for (size_t r = height_of(wider); r-- > margin;) {  // upwards: the row above is looked at before it changes
+  const size_t width = width_of(view), wide = width_of(wider), margin = height_of(wider) - height_of(view);  // margin in rows
+  const size_t inner = std::min(width, wide - 1);  // at the grid's edge the last cell has no neighbour on its right
+  for (size_t r = height_of(wider); r-- > margin;) {  // upwards, since the row above must not have changed yet
     uint16_t* here = &numbers[r * wide];
     const uint16_t* above = r > 0 ? here - wide : here;
     for (size_t c = 0; c < inner; ++c) here[c] = (here[c + 1] != here[c]) | (above[c] != here[c]) ? outline : here[c];
@@ -74,13 +74,13 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
   return numbers;
 }
 
-// Row by row: a picture larger than kMostOutlined is never in memory as numbers.
-std::string streamed_png(const GridReader& reader, const SliceView& view, const Look& look) {
-  if (look.outline)
-    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it, or a coarser level", kMostOutlined,
+// Row by row, since a picture of more than kMostOutlined pixels is never in memory as numbers.
+std::string streamed_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
+  if (style.outline)
+    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it or for a coarser level", kMostOutlined,
                                  width_of(view), height_of(view)));
   std::string out;
-  SetColors colors(reader.meta(), view.level, look.shown);
+  SetColors colors(reader.meta(), view.level, style.shown);
   PngWriter png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), colors,
                 [&](std::span<const uint8_t> bytes) { out.append(bytes.begin(), bytes.end()); });
   for_each_row(reader, view, colors.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) { png.append(row); });
@@ -90,14 +90,14 @@ std::string streamed_png(const GridReader& reader, const SliceView& view, const 
 
 }  // namespace
 
-std::string picture_png(const GridReader& reader, const SliceView& view, const Look& look) {
-  if (width_of(view) * height_of(view) > kMostOutlined) return streamed_png(reader, view, look);
+std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
+  if (width_of(view) * height_of(view) > kMostOutlined) return streamed_png(reader, view, style);
   SetNumbers sets(reader.meta());
-  const std::vector<uint16_t> numbers = look.outline ? outlined_numbers_of(reader, view, sets) : numbers_of(reader, view, sets, true);
-  const MaterialColors of_materials(reader.meta(), look.shown);
+  const std::vector<uint16_t> numbers = style.outline ? outlined_numbers_of(reader, view, sets) : numbers_of(reader, view, sets, true);
+  const MaterialColors of_materials(reader.meta(), style.shown);
   std::vector<Rgba> colors;
   for (const auto& set : sets.sets()) colors.push_back(of_materials.of(set));
-  if (look.outline) colors.push_back(kOutline);
+  if (style.outline) colors.push_back(kOutline);
   return encode_png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), numbers, colors);
 }
 

@@ -1,0 +1,29 @@
+// What a listener is told: where to listen, how much to accept, how long to wait.
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace teracell {
+
+struct ListenerOptions {
+  using Milliseconds = std::chrono::milliseconds;
+  std::string host = "127.0.0.1";
+  uint16_t port = 8080;           // 0: any that is free
+  int threads = 1;                // io threads, and as many in the pool
+  std::string base_path;          // see is_base_path()
+  std::string token;              // empty: none is asked for
+  size_t max_connections = 1024;  // further ones are closed as soon as they are accepted
+  size_t max_waiting = 256;       // requests in the pool, running or queued; further ones get status 503
+  // Bytes of answers that clients have yet to take; an answer that several clients take counts for each of them. Beyond this,
+  // requests that need the pool get status 503. Each thread of the pool may exceed it by one answer.
+  size_t max_held = size_t{256} << 20;
+  Milliseconds request_timeout{10'000};  // for a request, from its first byte; for the first one from the connection's beginning
+  Milliseconds idle_timeout{60'000};     // between requests
+  Milliseconds answer_timeout{60'000};   // for taking an answer, plus a second for each kSlowest bytes of it
+  Milliseconds drain_timeout{10'000};    // for requests under way when the listener stops
+  bool stop_on_signals = false;          // SIGINT and SIGTERM; the second one has its usual effect
+  static constexpr size_t kSlowest = size_t{32} << 10;
+};
+
+}  // namespace teracell

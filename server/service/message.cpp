@@ -1,0 +1,28 @@
+#include "server/service/message.hpp"
+
+#include <fmt/format.h>
+
+#include "store/json_text.hpp"
+
+namespace teracell {
+
+// Not from a JSON object: even its destructor allocates, and there may be no memory left.
+Response error_response(int status, const std::string& code, const std::string& message) {
+  Response r;
+  r.status = status;
+  r.content_type = "application/json";
+  r.cache_control = "no-store";
+  r.body = body_of(fmt::format(R"({{"error":{{"code":"{}","message":{}}}}})", code, ascii_json(message)));
+  return r;
+}
+
+bool has_etag(std::string_view list, std::string_view etag) {
+  for (size_t at = list.find(etag); at != std::string_view::npos; at = list.find(etag, at + 1)) {
+    const size_t end = at + etag.size();
+    const char before = at == 0 ? ',' : list[at - 1], after = end == list.size() ? ',' : list[end];
+    if ((before == ',' || before == ' ' || before == '/') && (after == ',' || after == ' ')) return true;
+  }
+  return list == "*";
+}
+
+}  // namespace teracell

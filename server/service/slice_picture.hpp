@@ -1,0 +1,26 @@
+// Slices as pictures and as labels, made from the store's rows. The dashboard and the tiles of other viewers show these.
+#pragma once
+#include "server/service/service.hpp"
+#include "store/slice.hpp"
+
+namespace teracell {
+
+inline constexpr int64_t kTilePixels = 512;                   // a side of a tile
+inline constexpr uint64_t kMostOutlined = uint64_t{1} << 22;  // pixels of a picture with outlines, which is in memory as numbers
+
+// How a picture shows materials.
+struct PictureStyle {
+  std::vector<bool> shown;  // by material; empty: all. A coarse cell blends the shown materials of its set
+  bool outline = false;     // draws boundaries between different sets, dark
+};
+
+// The view as PNG, the row with the highest v on top. Throws UsageError for outlines in more than kMostOutlined pixels.
+std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style = {});
+
+// The cells of the view as the ids of their strongest materials, row v0 first, written by put_labels().
+std::string raw_labels(const GridReader& reader, const SliceView& view);
+// The same with the sets of coarse cells: the number of sets (u32); for each set its number of materials and their ids (u16
+// each); then for each cell the number of its set, one byte, or two when there are more than 256 sets. All little endian.
+std::string raw_sets(const GridReader& reader, const SliceView& view);
+
+}  // namespace teracell

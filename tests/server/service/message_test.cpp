@@ -1,0 +1,23 @@
+// Responses that say what went wrong, and the ETags that a client names.
+#include "server/service/message.hpp"
+
+#include <catch2/catch.hpp>
+
+using namespace teracell;
+
+TEST_CASE("an error is JSON, whatever its message", "[server]") {
+  const Response r = error_response(400, "bad_request", "a \"b\" \n \xff \xc3\xbc");
+  CHECK(*r.body == R"({"error":{"code":"bad_request","message":"a \"b\" \n \ufffd \u00fc"}})");
+  CHECK((r.status == 400 && r.content_type == "application/json" && r.cache_control == "no-store"));
+}
+
+TEST_CASE("an ETag is found in a list, weak or strong, and never as a part of another", "[server]") {
+  for (const char* yes : {"\"a-1\"", "W/\"a-1\"", "\"b\", \"a-1\"", "\"a-1\",\"b\"", "\"xa-1\", \"a-1\"", "*"}) {
+    INFO(yes);
+    CHECK(has_etag(yes, "\"a-1\""));
+  }
+  for (const char* no : {"", "a-1", "\"a-1", "\"a-1-gz\"", "\"A-1\"", "x\"a-1\"", "\"a-1\"x", "**"}) {
+    INFO(no);
+    CHECK_FALSE(has_etag(no, "\"a-1\""));
+  }
+}
