@@ -5,8 +5,8 @@
 
 #include "server/picture/picture.hpp"
 #include "store/error.hpp"
-#include "store/npy.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/export/npy_header.hpp"
 
 namespace teracell {
 namespace {
