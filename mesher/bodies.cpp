@@ -147,9 +147,8 @@ class BodyReader {
   // What is spilled is read again, so it must be there again.
   void expect_files() const {
     if (once_)
-      throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
-                                   "save it as a file, or allow more with --memory",
-                                   scene_.bodies[*once_].mesh.string()));
+      throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device",
+                                   scene_.bodies[*once_].mesh.string()), Remedy::kMoreMemory);
   }
 
   void hand_on() {

@@ -187,8 +187,8 @@ class MeshRun {
   // Of solids.
   std::vector<const SceneFacet*> all_facets() const {
     if (!bodies_.in_memory)
-      throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan",
-                                   options_.engine));
+      throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given; engine scan does not need them all at once",
+                                   options_.engine), Remedy::kMoreMemory);
     std::vector<const SceneFacet*> all;
     std::as_const(*bodies_.facets).for_each(0, bodies_.facets->size(), [&](const SceneFacet& f) {
       if (!(f.layer & kIgnored) && scene_.bodies[f.layer / 2].kind == Kind::kSolid) all.push_back(&f);

@@ -40,6 +40,7 @@ Scene scene_from(const Options& o) {
   if (json && o.inputs.size() != 1)
     throw UsageError(fmt::format("expected one scene or bare meshes, found {} files with a scene among them", o.inputs.size()));
   Scene scene = json ? read_scene(o.inputs[0]) : bare_scene({o.inputs.begin(), o.inputs.end()});
+  if (!o.cells.empty() && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
   GridOptions grid;
   if (!o.cells.empty()) {
     if (o.cells.find(',') == std::string::npos) grid.longest_cells = parse_integers(o.cells, 1, "--cells")[0];
@@ -126,7 +127,7 @@ void run(const Options& o) {
   options.engine = o.engine;
   options.threads = o.threads;
   options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
-  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp)) throw IoError(fmt::format("{}: no folder for temporary files: {}: give one with --tmp", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"));
+  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp)) throw IoError(fmt::format("{}: no folder for temporary files: {}", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"), Remedy::kOtherFolder);
   if (options.memory == 0) throw UsageError("--memory: expected a size like 512M or 8G, found 0");
   options.tmp = o.tmp;
   options.write_caps = o.caps;

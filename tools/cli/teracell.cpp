@@ -10,31 +10,13 @@
 #include <fmt/format.h>
 
 #include "mesher/scene/names.hpp"
-#include "store/error.hpp"
-#include "tools/cli/command.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/hints.hpp"
 #include "tools/cli/notice.hpp"
 
 namespace {
 
 using namespace teracell;
-
-struct Command {
-  const char* name;
-  const char* summary;
-  Run (*setup)(CLI::App&);
-};
-
-constexpr Command kCommands[] = {
-    {"mesh", "mesh a scene or bare surfaces into a .tcell file", setup_mesh},
-    {"info", "what a .tcell file holds", setup_info},
-    {"slice", "one slice as a picture (.png) or an array (.npy)", setup_slice},
-    {"column", "the runs of one column along any axis", setup_column},
-    {"stats", "exact cells, volume and box of every material", setup_stats},
-    {"export", "a box of cells as a dense array", setup_export},
-    {"verify", "check every byte and every invariant of a file", setup_verify},
-    {"sample", "write a built-in scene", setup_sample},
-    {"serve", "grids over HTTP: pictures, numbers, other viewers' formats", setup_serve},
-};
 
 constexpr const char* kNoRoom = "out of memory, or of threads: free some, or take fewer --threads, a smaller --region, or surfaces with fewer facets";
 
@@ -120,7 +102,7 @@ int main(int argc, char** argv) {
              "  teracell slice stadium.tcell --axis z --at 3.5 -o plan.png");
   Run run;
   std::vector<std::string> names;
-  for (const Command& c : kCommands) {
+  for (const Command& c : commands()) {
     CLI::App* sub = app.add_subcommand(c.name, c.summary);
     sub->group("Commands");
     sub->final_callback([&run, body = c.setup(*sub)] { run = body; });
@@ -149,13 +131,15 @@ int main(int argc, char** argv) {
     return fail(2, fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]),
                                subs.empty() ? "" : subs[0]->get_name() + " "));
   } catch (const UsageError& e) {
-    return fail(2, e.what());
+    return fail(2, with_hint(e));
   } catch (const Interrupted& e) {
     return fail(130, e.what());
   } catch (const std::bad_alloc&) {
     return fail(1, kNoRoom);
   } catch (const std::system_error& e) {
     return fail(1, e.code() == std::errc::resource_unavailable_try_again ? kNoRoom : e.what());  // a thread that didn't start
+  } catch (const Error& e) {
+    return fail(1, with_hint(e));
   } catch (const std::exception& e) {
     return fail(1, e.what());
   }
