@@ -26,7 +26,7 @@ struct Options {
 
 void row(const std::string& name, const std::string& text) { say(fmt::format("{:<12}{}", name, text)); }
 
-// A line below a body.
+// Prints a line below a body.
 void detail(const std::string& name, const std::string& text) { row("", fmt::format("  {:<12}{}", name, text)); }
 
 std::string place(const ordered_json& at) {
@@ -89,7 +89,7 @@ std::string lost_text(const ordered_json& lost, const std::string& units) {
   return fmt::format("{}, the widest {:.4g} {} at {}", lost.at("number").get<uint64_t>(), lost.at("widest").get<double>(), units, place(lost.at("at")));
 }
 
-// What of a body lies between sample points; files of version 1.0 may say nothing of it.
+// Prints which parts of a body lie between sample points. Files of version 1.0 may say nothing about that.
 void print_lost(const ordered_json& b, const std::string& units) {
   const ordered_json pairs = b.value("lost_stretches", ordered_json{{"number", 0}}), lost = b.value("lost", ordered_json::object());
   std::string title = "thin parts";
@@ -100,7 +100,7 @@ void print_lost(const ordered_json& b, const std::string& units) {
     if (l.at("number") > 0) detail(std::exchange(title, ""), fmt::format("stretches between two sample points along {}: {}", axis, lost_text(l, units)));
 }
 
-// A body in a line, and below it what is not as it should be.
+// Prints a body in one line, and below it whatever is not as it should be.
 void print_body(const std::string& title, const ordered_json& b, const std::string& units) {
   const ordered_json &fill = b.at("fill"), &holes = b.at("holes"), &flips = b.at("flips");
   const auto count = [&](const char* key) { return b.at(key).get<uint64_t>(); };
@@ -148,9 +148,9 @@ void print(const GridReader& reader) {
     row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,
                                              a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
   }
-  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits each on level 0", axis_name(meta.ray_axis), meta.crossings,
+  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis), meta.crossings,
                           bits_per_crossing(meta)));
-  row("dense", fmt::format("one byte a cell would take {}{}", bytes_text(cells),
+  row("dense", fmt::format("one byte per cell would take {}{}", bytes_text(cells),
                            cells < size ? "" : fmt::format(", {:.0f} times as much", cells / size)));
   size_t width = 0;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
@@ -164,7 +164,7 @@ void print(const GridReader& reader) {
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
   }
   const std::string report = reader.report();
-  const auto strange = [] { row("report", "is not laid out as this program lays it out"); };
+  const auto strange = [] { row("report", "is not laid out as this program does it"); };
   try {
     print_report(parse_json(report, "report"), meta.units);
   } catch (const ordered_json::exception&) {

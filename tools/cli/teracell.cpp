@@ -36,14 +36,14 @@ int done() {
   return std::cout ? 0 : fail(1, "can't write to standard output");
 }
 
-// A file opened while 0, 1 or 2 is closed would get that number, and what is printed with it. Writing to a descriptor
-// that is open for reading fails like writing to a closed one.
+// A file that is opened while descriptor 0, 1 or 2 is closed would get that number, and then whatever is printed. Writing to a
+// descriptor that is open for reading fails like writing to a closed one.
 void occupy_standard_descriptors() {
   for (int fd = 0; fd <= 2; ++fd)
     if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
 }
 
-// Options first: CLI11 would complain about what is missing and never name what it doesn't know.
+// This comes before CLI11 parses: it would complain about what is missing and never name the option that it doesn't know.
 void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>& words) {
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options())
@@ -59,7 +59,7 @@ void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>&
   }
 }
 
-// What CLI11 found wrong, in the words of the other errors.
+// What CLI11 found wrong, worded like the other errors.
 std::string explain(const CLI::ParseError& e, const CLI::App& app) {
   const std::string text = e.what(), required = " is required", convert = "Could not convert: ", twice = ": At Most 1 required but received ";
   if (text.ends_with(required)) {
