@@ -148,9 +148,9 @@ class BodyReader {
   void expect_files() const {
     for (const size_t b : once_)
       if (std::filesystem::is_other(scene_.bodies[b].mesh))
-        throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device: "
-                                     "save it as a file, or allow more with --memory",
-                                     scene_.bodies[b].mesh.string()));
+        throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device",
+                                     scene_.bodies[b].mesh.string()),
+                         Remedy::kMoreMemory);
   }
 
   void hand_on() {

@@ -59,7 +59,7 @@ void write_ply(OutputFile& out, uint64_t count, const FacetPass& pass, const std
 
 std::vector<std::filesystem::path> caps_names(const Scene& scene, const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
-  if (ending != ".stl" && ending != ".ply") throw UsageError(fmt::format("--write-caps: expected a name that ends in .stl or .ply, found '{}'", path.string()));
+  if (ending != ".stl" && ending != ".ply") throw OptionError(fmt::format("write_caps: expected a name that ends in .stl or .ply, found '{}'", path.string()));
   if (scene.bodies.size() == 1) return {path};
   std::vector<std::filesystem::path> names;
   std::set<std::filesystem::path> taken;
@@ -84,7 +84,7 @@ std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bo
     if (!closed.adds_facets()) continue;
     const bool whole = body.closing.way == Closing::Way::kExtrude;
     if (!ply && (whole || !found.file.float32))
-      throw UsageError(fmt::format("--write-caps: {} of body '{}' are doubles, which STL can't hold: expected a name that ends in .ply, found '{}'",
+      throw OptionError(fmt::format("write_caps: {} of body '{}' are doubles, which STL can't hold: expected a name that ends in .ply, found '{}'",
                                    whole ? "the walls of extruded loops" : "the vertices", body.name, path.string()));
     files.push_back(std::make_unique<OutputFile>(names[b]));
     const uint64_t count = closed.added[0].size() + closed.added[1].size();

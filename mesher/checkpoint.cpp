@@ -52,7 +52,7 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   const InputFile file(path);
   Bytes bytes(file.size());
   file.read(0, bytes);
-  const auto damaged = [&] { return FormatError(fmt::format("{}: damaged: start again without --resume", path.string())); };
+  const auto damaged = [&] { return FormatError(fmt::format("{}: damaged", path.string()), Remedy::kFreshStart); };
   if (bytes.size() < 16) throw damaged();
   const std::span<const uint8_t> body(bytes.data(), bytes.size() - 8);
   ByteReader end({bytes.data() + body.size(), 8}, path.string());
@@ -64,7 +64,7 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   const auto text = in.take(in.varint());
   c.identity.assign(text.begin(), text.end());
   if (c.identity != identity)
-    throw InputError(fmt::format("{}: can't resume: {}: restore it, or start again without --resume", output.string(), difference(c.identity, identity)));
+    throw InputError(fmt::format("{}: can't resume: {}", output.string(), difference(c.identity, identity)), Remedy::kFreshStart);
   c.groups = in.varint();
   c.totals.crossings = in.varint();
   c.totals.exact_decisions = in.varint();
@@ -82,7 +82,7 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   in.expect_end();
   const uint64_t expected = ByteReader(writers, path.string()).fixed<uint64_t>(), found = std::filesystem::file_size(output.string() + ".partial");
   if (found < expected)
-    throw FormatError(fmt::format("{}.partial: expected at least {} bytes to resume, found {}: start again without --resume", output.string(), expected, found));
+    throw FormatError(fmt::format("{}.partial: expected at least {} bytes to resume, found {}", output.string(), expected, found), Remedy::kFreshStart);
   return c;
 }
 

@@ -182,8 +182,8 @@ class MeshRun {
 
   std::vector<const SceneFacet*> of_solids(const GridFacets* facets) const {
     if (!facets)
-      throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given: allow more with --memory, or use engine scan",
-                                   options_.engine));
+      throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given; engine scan does not need them all at once",
+                                   options_.engine), Remedy::kMoreMemory);
     std::vector<const SceneFacet*> all;
     facets->for_each(0, facets->size(), [&](const SceneFacet& f) {
       if (!(f.layer & kIgnored) && scene_.bodies[body_of_layer(f.layer)].kind == Kind::kSolid) all.push_back(&f);

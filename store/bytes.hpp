@@ -29,8 +29,8 @@ class ByteReader {
   ByteReader(std::span<const uint8_t> bytes, std::string what) : bytes_(bytes), what_(std::move(what)) {}
 
   size_t remaining() const { return bytes_.size() - at_; }
-  [[noreturn]] void fail(const std::string& message) const {
-    throw FormatError(what_ + ": byte " + std::to_string(at_) + ": " + message);
+  [[noreturn]] void fail(const std::string& message, Remedy remedy = Remedy::kNone) const {
+    throw FormatError(what_ + ": byte " + std::to_string(at_) + ": " + message, remedy);
   }
   std::span<const uint8_t> take(uint64_t count) {
     if (count > remaining())

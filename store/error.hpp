@@ -6,8 +6,19 @@
 
 namespace teracell {
 
+// What the caller could change so that the work succeeds. Libraries know no command line, so it is the caller who says how.
+enum class Remedy {
+  kNone,
+  kCellsOrStep,  // to say how many cells there are, or how large they are
+  kMoreMemory,
+  kOtherFolder,  // for temporary files
+  kOtherFolderOrMoreMemory,
+  kFreshStart,  // instead of resuming
+};
+
 struct Error : std::runtime_error {
-  using std::runtime_error::runtime_error;
+  explicit Error(const std::string& message, Remedy what_helps = Remedy::kNone) : std::runtime_error(message), remedy(what_helps) {}
+  Remedy remedy;
 };
 struct IoError : Error {  // the operating system reports a failure
   using Error::Error;
@@ -20,6 +31,9 @@ struct InputError : Error {  // a surface or a data file can't be used
 };
 struct UsageError : Error {  // an option, a scene key or an index is wrong
   using Error::Error;
+};
+struct OptionError : UsageError {  // an option of a library is wrong: the message begins with the field's name and a colon
+  using UsageError::UsageError;
 };
 struct Interrupted : Error {  // the user asked to stop
   using Error::Error;

@@ -71,7 +71,7 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteRea
   }
   if (!std::ranges::equal(state.take(16), written_.digest())) {
     file_.abandon();
-    state.fail("the partial file has other bytes than it had: it is damaged");
+    state.fail("the partial file has other bytes than it had: it is damaged", Remedy::kFreshStart);
   }
   const auto labels = static_cast<uint32_t>(meta_.labels.size());
   for (Level& l : levels_) {

@@ -5,6 +5,8 @@ import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+# Real surfaces are no part of the project. Measurements, and the tests that use them, look for them here.
+MESHES = os.path.join(os.path.dirname(ROOT), "shared/meshes")
 TERACELL = os.path.join(ROOT, "build/bench/teracell")
 
 
@@ -42,6 +44,6 @@ def parser(name, doc, runs=None):
     made = argparse.ArgumentParser(prog=name, description=doc, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
     if runs:
         made.add_argument("--runs", type=count, default=runs, metavar="K", help=f"how often each is measured; medians are shown (default {runs})")
-    made.add_argument("--mesh", type=_mesh, default=os.path.join(ROOT, "../shared/meshes/nefertiti.obj"), metavar="FILE",
+    made.add_argument("--mesh", type=_mesh, default=os.path.join(MESHES, "nefertiti.obj"), metavar="FILE",
                       help="the surface, an OBJ file (default: nefertiti.obj of a shared/meshes folder beside the project)")
     return made

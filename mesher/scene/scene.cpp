@@ -89,7 +89,7 @@ Cubic cubic_cells(const Scene& scene, const Vec3& lo, const Vec3& hi) {
   }
   if (!(best.step > 0))
     throw UsageError(
-        "the bodies' box has no extent, so a number of cells gives no step: give --step or the grid's min and max");
+        "the bodies' box has no extent, so a number of cells gives no step: give a step or the grid's min and max");
   return best;
 }
 
@@ -98,8 +98,7 @@ Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& 
   if (!axis.planes.empty()) return Axis::graded(axis.planes, scene.sample[a]);
   if (!axis.cells && !axis.step && !scene.longest_cells)
     throw UsageError(
-        "neither cells nor step is given: give --cells N, --cells NX,NY,NZ or --step H, or \"cells\" or \"step\" in "
-        "the scene's grid");
+        "neither a number of cells nor a step is given", Remedy::kCellsOrStep);
 
   const Span span = span_of(axis, scene.pad, lo, hi);
   const double slack = span.slack ? 1e-9 : 0;
@@ -127,17 +126,17 @@ Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& 
 
 void check_options(const GridOptions& o) {
   const int ways = o.longest_cells.has_value() + o.cells.has_value() + o.step.has_value();
-  if (ways > 1) throw UsageError("--cells and --step exclude each other: give one of them");
+  if (ways > 1) throw UsageError("cells and step exclude each other: give one of them");
   auto check_cells = [](int64_t n) {
     if (n < 1 || n > Axis::kMaxCells)
-      throw UsageError(fmt::format("--cells: expected 1 to {}, found {}", Axis::kMaxCells, n));
+      throw OptionError(fmt::format("cells: expected 1 to {}, found {}", Axis::kMaxCells, n));
   };
   if (o.longest_cells) check_cells(*o.longest_cells);
   if (o.cells) std::for_each(o.cells->begin(), o.cells->end(), check_cells);
   if (o.step && !(*o.step > 0 && std::isfinite(*o.step)))
-    throw UsageError(fmt::format("--step: expected a number above 0, found {}", *o.step));
+    throw OptionError(fmt::format("step: expected a number above 0, found {}", *o.step));
   if (o.pad && (*o.pad < 0 || *o.pad > kMaxPad))
-    throw UsageError(fmt::format("--pad: expected 0 to {}, found {}", kMaxPad, *o.pad));
+    throw OptionError(fmt::format("pad: expected 0 to {}, found {}", kMaxPad, *o.pad));
 }
 
 }  // namespace
@@ -192,7 +191,7 @@ void override_grid(Scene& scene, const GridOptions& options) {
   if (options.pad) {
     const auto fixed = [](const SceneAxis& axis) { return axis.min || !axis.planes.empty(); };
     if (std::all_of(scene.axis.begin(), scene.axis.end(), fixed))
-      throw UsageError("--pad: the scene fixes where every axis begins and ends, there is no bodies' box to pad: leave it out");
+      throw OptionError("pad: the scene fixes where every axis begins and ends, so there is no bodies' box to pad: leave it out");
     scene.pad = *options.pad;
   }
   if (!options.longest_cells && !options.cells && !options.step) return;
@@ -209,11 +208,11 @@ void override_grid(Scene& scene, const GridOptions& options) {
     ++graded;
     const auto cells = static_cast<int64_t>(axis.planes.size()) - 1;
     if (options.cells && (*options.cells)[a] != cells)
-      throw UsageError(fmt::format("--cells: axis {} has {} cells between the planes of the scene, found {}",
+      throw OptionError(fmt::format("cells: axis {} has {} cells between the planes of the scene, found {}",
                                    axis_name(a), cells, (*options.cells)[a]));
   }
   if (graded == 3 && !options.cells)
-    throw UsageError("--cells and --step: the scene gives planes for all three axes, there is nothing to override");
+    throw OptionError(fmt::format("{}: the scene gives planes for all three axes, so there is nothing to override", options.step ? "step" : "cells"));
 }
 
 Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi) {
@@ -224,7 +223,7 @@ Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi) {
     try {
       grid.axis[a] = resolve_axis(scene, a, lo[a], hi[a], cubic);
     } catch (const UsageError& e) {
-      throw UsageError(fmt::format("axis {} of the grid: {}", axis_name(a), e.what()));
+      throw UsageError(fmt::format("axis {} of the grid: {}", axis_name(a), e.what()), e.remedy);
     }
   }
   return grid;

@@ -77,8 +77,8 @@ struct Scene {
   std::array<SceneAxis, 3> axis;
   Vec3 sample = {0.5, 0.5, 0.5};
   int64_t pad = 1;
-  // Cubic cells, this many on the longest axis including its pad: --cells N, or "cells": N in a scene's grid. An axis that has
-  // cells, a step or planes of its own keeps them.
+  // Cubic cells, this many on the longest axis including its pad: "cells": N in a scene's grid. An axis that has cells, a step or
+  // planes of its own keeps them.
   std::optional<int64_t> longest_cells;
   std::vector<SceneMaterial> materials;  // [0] is the background
   std::vector<SceneBody> bodies;
@@ -86,12 +86,13 @@ struct Scene {
   friend bool operator==(const Scene&, const Scene&) = default;
 };
 
-// What the command line adds to bare meshes or overrides in a scene. At most one of the first three is given.
+// What a caller adds to bare meshes, or overrides in a scene. At most one of the first three is given. Errors call the first two
+// "cells", as scenes do.
 struct GridOptions {
-  std::optional<int64_t> longest_cells;         // --cells N
-  std::optional<std::array<int64_t, 3>> cells;  // --cells NX,NY,NZ
-  std::optional<double> step;                   // --step H
-  std::optional<int64_t> pad;                   // --pad P
+  std::optional<int64_t> longest_cells;
+  std::optional<std::array<int64_t, 3>> cells;
+  std::optional<double> step;
+  std::optional<int64_t> pad;
 };
 
 // The closing for "cap", "strict" or "extrude:-z" (+ or -, then x, y or z); empty for any other text.

@@ -2,6 +2,7 @@
 import math
 import os
 import subprocess
+import sys
 import unittest
 
 import solids
@@ -9,7 +10,8 @@ from program import PROGRAM, Case, teracell
 
 BOX = solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0))
 LARGE, SMALL = ((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0)), ((-1.0, -1.0, -2.0), (1.0, 1.0, 2.0))
-MESHES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../shared/meshes")
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../tools"))
+from bench_common import MESHES  # noqa: E402
 
 
 def pipe(n, radius):

@@ -23,7 +23,7 @@ class Wide(Case):
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         self.assertEqual(process.returncode, 0)
-        self.assertLess(used.ru_maxrss << 10, 2 * WIDTH, "two bytes a cell. (Counts this process before its child began: it stays small.)")
+        self.assertLess(used.ru_maxrss << 10, 2 * WIDTH, "two bytes per cell. The number counts this process too, before its child began, so it must stay small.")
 
     def assert_row(self, blocks, cells_a_byte, rock):
         """Bytes of value 0, of value `rock` where the box is, 0 again."""

@@ -39,8 +39,8 @@ void run(const Options& o) {
 Run setup_column(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
-  app.add_option("--axis", o->axis, "along which axis: x, y, z")->required();
-  app.add_option("--at", o->at, "I,J: the cell across; (x, y) for z, (x, z) for y, (y, z) for x")->required();
+  app.add_option("--axis", o->axis, "the axis that the column is along: x, y or z")->required();
+  app.add_option("--at", o->at, "I,J: the cells on the other two axes: x,y for a column along z, x,z along y, y,z along x")->required();
   app.add_flag("--json", o->json, "as JSON");
   app.footer("Runs are half open: [from, to). Example:\n  teracell column g.tcell --axis z --at 100,200");
   return [o] { run(*o); };

@@ -15,7 +15,7 @@
 namespace teracell {
 namespace {
 
-std::atomic<bool> interrupted{false};  // set by the signal handler, which can reach nothing else
+std::atomic<bool> interrupted{false};  // global because a signal handler can reach nothing else
 
 }  // namespace
 
@@ -86,7 +86,7 @@ Box parse_region(const std::string& text, const Grid& grid, int level) {
 void refuse_overwriting(const std::vector<std::string>& inputs, const std::string& output) {
   if (output.empty()) return;
   for (const std::string& name : {output, output + ".partial"}) {
-    struct stat a, b;  // equivalent() would look at the output again for each of 100,000 inputs
+    struct stat a, b;  // std::filesystem::equivalent() would look at the output again for each of 100,000 inputs
     const bool exists = stat(name.c_str(), &a) == 0;
     for (const std::string& input : inputs)
       if (name == input || (exists && stat(input.c_str(), &b) == 0 && a.st_dev == b.st_dev && a.st_ino == b.st_ino))
@@ -96,7 +96,7 @@ void refuse_overwriting(const std::vector<std::string>& inputs, const std::strin
 
 void say(const std::string& line) { fmt::print("{}\n", printable(line)); }
 
-// Not fmt::print: it throws when nobody listens, and work must not fail for that.
+// Not fmt::print(), which throws when stderr is closed: work must not fail for that.
 void warn(const std::string& line) { std::fputs((printable(line) + "\n").c_str(), stderr); }
 
 std::string bytes_text(double bytes) {
@@ -113,7 +113,7 @@ CLI::Validator one_of(std::vector<std::string> words) {
 }
 
 void add_threads(CLI::App& app, int& threads) {
-  app.add_option("--threads", threads, "how many, 1 to 1024 (default: one a core)")->check(CLI::Validator([](std::string& found) {
+  app.add_option("--threads", threads, "how many threads, 1 to 1024 (default: one per core)")->check(CLI::Validator([](std::string& found) {
     const auto n = parse_integers(found, 1, "--threads")[0];
     return n >= 1 && n <= 1024 ? "" : fmt::format("expected 1 to 1024, found {}", n);
   }, ""));
@@ -122,7 +122,7 @@ void add_threads(CLI::App& app, int& threads) {
 int threads_or_all(int threads) { return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
 
 void add_progress(CLI::App& app, std::string& mode) {
-  app.add_option("--progress", mode, "on stderr: auto (if it is a terminal), plain, none")->check(one_of({"auto", "plain", "none"}));
+  app.add_option("--progress", mode, "progress on stderr: auto (if stderr is a terminal), plain or none")->check(one_of({"auto", "plain", "none"}));
 }
 
 }  // namespace teracell

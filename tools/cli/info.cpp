@@ -24,7 +24,7 @@ struct Options {
 
 void row(const std::string& name, const std::string& text) { say(fmt::format("{:<12}{}", name, text)); }
 
-// A line below a body.
+// Prints a line below a body.
 void detail(const std::string& name, const std::string& text) { row("", fmt::format("  {:<12}{}", name, text)); }
 
 std::string place(const Vec3& at) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", at[0], at[1], at[2]); }
@@ -77,7 +77,7 @@ std::string lost_text(const LostReport& lost, const std::string& units) {
   return fmt::format("{}, the widest {:.4g} {} at {}", lost.number, lost.widest, units, place(lost.at.value_or(Vec3{})));
 }
 
-// What of a body lies between sample points; files of version 1.0 may say nothing of it.
+// Prints which parts of a body lie between sample points. Files of version 1.0 may say nothing about that.
 void print_lost(const BodyReport& b, const std::string& units) {
   std::string title = "thin parts";
   if (b.lost_pairs > 0)
@@ -89,7 +89,7 @@ void print_lost(const BodyReport& b, const std::string& units) {
       detail(std::exchange(title, ""), fmt::format("stretches between two sample points along {}: {}", axis_name(axis), lost_text(lost, units)));
 }
 
-// A body in a line, and below it what is not as it should be.
+// Prints a body in one line, and below it whatever is not as it should be.
 void print_body(const std::string& title, const BodyReport& b, const std::string& units) {
   std::vector<const char*> rules;
   for (const FillChoice& f : b.fill) rules.push_back(rule_name(f.rule));
@@ -132,9 +132,9 @@ void print(const GridReader& reader) {
     row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,
                                              a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
   }
-  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits each on level 0", axis_name(meta.ray_axis), meta.crossings,
+  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis), meta.crossings,
                           bits_per_crossing(meta)));
-  row("dense", fmt::format("one byte a cell would take {}{}", bytes_text(cells),
+  row("dense", fmt::format("one byte per cell would take {}{}", bytes_text(cells),
                            cells < size ? "" : fmt::format(", {:.0f} times as much", cells / size)));
   size_t width = 0;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());

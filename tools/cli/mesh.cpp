@@ -41,6 +41,7 @@ Scene scene_from(const Options& o) {
   if (json && o.inputs.size() != 1)
     throw UsageError(fmt::format("expected one scene or bare meshes, found {} files with a scene among them", o.inputs.size()));
   Scene scene = json ? read_scene(o.inputs[0]) : bare_scene({o.inputs.begin(), o.inputs.end()});
+  if (!o.cells.empty() && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
   GridOptions grid;
   if (!o.cells.empty()) {
     if (o.cells.find(',') == std::string::npos) grid.longest_cells = parse_integers(o.cells, 1, "--cells")[0];
@@ -89,7 +90,7 @@ void check_outputs(const Options& o, const Scene& scene) {
 
 uint64_t machine_memory() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
 
-// A short word on what was done; the report has the rest.
+// Says in short what was done. The report has the rest.
 void summarise(const Options& o, const MeshReport& report) {
   constexpr size_t kShown = 50;
   const GridReader reader(o.output);
@@ -103,7 +104,7 @@ void summarise(const Options& o, const MeshReport& report) {
   if (warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", warnings.size() - kShown, o.output));
 }
 
-// Laid out for people where that is no matter of memory.
+// Indented for people, unless the report is so long that this would take too much memory.
 void write_report(const MeshReport& report, const Scene& scene, OutputFile& file) {
   constexpr size_t kReadable = size_t{1} << 24;
   std::string text = report_json(report.report, scene, report.run, report.warnings());
@@ -121,7 +122,7 @@ void run(const Options& o) {
   options.engine = o.engine;
   options.threads = o.threads;
   options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
-  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp)) throw IoError(fmt::format("{}: no folder for temporary files: {}: give one with --tmp", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"));
+  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp)) throw IoError(fmt::format("{}: no folder for temporary files: {}", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"), Remedy::kOtherFolder);
   if (options.memory == 0) throw UsageError("--memory: expected a size like 512M or 8G, found 0");
   options.tmp = o.tmp;
   options.write_caps = o.caps;
@@ -150,23 +151,23 @@ void run(const Options& o) {
 
 Run setup_mesh(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or gzip; each is a body, the later ones stronger")
+  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or compressed by gzip; each is a body, and later ones win where they overlap")
       ->required();
   app.add_option("-o,--output", o->output, "the .tcell file to write")->required();
-  app.add_option("--cells", o->cells, "N: cubic cells, N on the longest axis with its pad; NX,NY,NZ: cells along each axis");
-  app.add_option("--step", o->step, "edge of a cell, in the units of the mesh");
+  app.add_option("--cells", o->cells, "N: cubic cells, N along the longest axis with its pad; NX,NY,NZ: this many cells along each axis");
+  app.add_option("--step", o->step, "the edge of a cell, in the units of the mesh");
   app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
-  app.add_option("--axis", o->axis, "of the rays: auto (the cheapest), x, y, z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
-  app.add_option("--fill", o->fill, "what inside means, for all solids: auto, nonzero, evenodd, distinct")->check(one_of(kFills));
-  app.add_option("--closing", o->closing, "surfaces of solids that are open after stitching: cap closes them, strict refuses them, extrude:-z (or +z, -x ...) extends them beyond the domain");
-  app.add_option("--stitch", o->stitch, "open edges of solids that are closer than this are joined, in the units of the grid (default: a quarter of the shortest cell edge; 0: none)");
-  app.add_flag("--thin", o->thin, "count along x, y and z what gets lost between sample points, of every solid and of the gaps between them; the cells are the same");
-  app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice, brute; the file is the same")->check(one_of(engine_names()));
+  app.add_option("--axis", o->axis, "the axis along which rays run: auto (the cheapest), x, y or z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
+  app.add_option("--fill", o->fill, "the rule that says what is inside, for all solids: auto, nonzero, evenodd or distinct")->check(one_of(kFills));
+  app.add_option("--closing", o->closing, "what happens to solids whose surface is open after stitching: cap closes it, strict refuses it, extrude:-z (or +z, -x ...) extends it beyond the domain");
+  app.add_option("--stitch", o->stitch, "open edges of solids that are closer than this are joined; in the units of the grid (default: a quarter of the shortest cell edge; 0 joins none)");
+  app.add_flag("--thin", o->thin, "count, along x, y and z, the parts of every solid and of the gaps between solids that lie between sample points and are lost; the cells are the same");
+  app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")->check(one_of(engine_names()));
   add_threads(app, o->threads);
-  app.add_option("--memory", o->memory, "how much the run may take, e.g. 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled");
-  app.add_option("--tmp", o->tmp, "folder for what is spilled (default: the output's)");
-  app.add_flag("--resume", o->resume, "go on with what a killed run with the same inputs and options has left; else start from the beginning");
-  app.add_option("--write-caps", o->caps, "write the facets that close open surfaces: .stl, or .ply in doubles; a file each when there are several bodies");
+  app.add_option("--memory", o->memory, "how much memory the run may take, such as 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled to a temporary file");
+  app.add_option("--tmp", o->tmp, "the folder for temporary files (default: the folder of the output)");
+  app.add_flag("--resume", o->resume, "go on with what a killed run with the same inputs and options has left; if there is nothing, start from the beginning");
+  app.add_option("--write-caps", o->caps, "write the facets that close open surfaces: .stl, or .ply in double precision; one file per body when there are several");
   app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
   add_progress(app, o->progress);
   app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n"

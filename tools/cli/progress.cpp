@@ -42,7 +42,7 @@ void ProgressLine::operator()(const char* phase, double share) {
     line += fmt::format(", {} left", duration(seconds * (1 - share) / share));
   }
   line += ", " + bytes_text(static_cast<double>(resident_bytes()));
-  // Not fmt::print: it throws when nobody listens, and work must not fail for that.
+  // Not fmt::print(), which throws when stderr is closed: work must not fail for that.
   std::fputs((mode_ == Mode::kLine ? "\r\033[K" + line : line + "\n").c_str(), stderr);
   std::fflush(stderr);
   shown_ = true;

@@ -1,5 +1,5 @@
-// Progress on stderr: phase, share, rate, time left, memory. On a terminal one line that renews itself; "plain" prints
-// a line every few seconds; silent when stderr is no terminal.
+// Progress on stderr: phase, share, rate, time left, memory. "auto" renews one line on a terminal and is silent elsewhere; "plain"
+// prints a line every two seconds.
 #pragma once
 #include <chrono>
 #include <string>
@@ -8,7 +8,7 @@ namespace teracell {
 
 class ProgressLine {
  public:
-  // `mode` is auto, plain or none. `unit_total` cells are done when the share of `counted_phase` is 1: for the rate.
+  // `mode` is auto, plain or none. The rate is shown during `counted_phase`, in which all cells of set_cells() are done.
   ProgressLine(const std::string& mode, std::string counted_phase);
   ~ProgressLine();  // clears the line
   void set_cells(double total) { cells_ = total; }

@@ -22,7 +22,7 @@ void run(const Options& o) {
 
 Run setup_sample(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("name", o->name, "which one; there is stadium: air, explosive, grandstand, structure")->required();
+  app.add_option("name", o->name, "which sample: stadium (air, explosive, grandstand, structure)")->required();
   app.add_option("-o,--output", o->output, "the folder to write to")->required();
   app.footer("Example:\n  teracell sample stadium -o stadium");
   return [o] { run(*o); };

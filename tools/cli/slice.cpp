@@ -5,8 +5,8 @@
 
 #include "server/picture/picture.hpp"
 #include "store/error.hpp"
-#include "store/npy.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/export/npy_header.hpp"
 
 namespace teracell {
 namespace {
@@ -53,7 +53,7 @@ void write_png(const GridReader& reader, const SliceView& view, const Options& o
   png.finish();
 }
 
-// Row 0 is v = v0: index order, unlike a picture.
+// Row 0 is v = v0, in the order of the indices. A picture has its highest v on top.
 void write_npy(const GridReader& reader, const SliceView& view, const Options& o, const std::atomic<bool>& stop, OutputFile& file) {
   const bool wide = wide_labels(reader.meta());
   file.append(npy_header(wide ? "<u2" : "|u1", {view.v1 - view.v0, view.u1 - view.u0}));
@@ -85,11 +85,11 @@ void run(const Options& o) {
 Run setup_slice(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
-  app.add_option("--axis", o->axis, "across which axis: x, y, z")->required();
-  app.add_option("--index", o->index, "the slice, in cells of the level");
-  app.add_option("--at", o->at, "the slice that holds this coordinate");
+  app.add_option("--axis", o->axis, "the axis that the slice is across: x, y or z")->required();
+  app.add_option("--index", o->index, "which slice, counted in cells of the level");
+  app.add_option("--at", o->at, "the coordinate that the slice holds, instead of --index");
   app.add_option("-o,--output", o->output, "a .png (v points up) or an .npy (material ids, shape [v][u], row 0 is v = 0)")->required();
-  app.add_option("--level", o->level, "of the pyramid: cells are 2^level times as wide (default 0)");
+  app.add_option("--level", o->level, "the level of the pyramid: its cells are 2^level times as wide (default 0)");
   app.add_option("--region", o->region, "U0,V0,U1,V1: half open, in cells of the level; z-slices have u = x, v = y; y-slices x, z; x-slices y, z");
   add_threads(app, o->threads);
   app.footer("Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy");

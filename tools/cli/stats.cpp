@@ -42,7 +42,7 @@ Run setup_stats(CLI::App& app) {
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells (default: the whole grid)");
   app.add_flag("--json", o->json, "as JSON");
-  app.footer("Counted from runs: no cell is expanded. Example:\n  teracell stats g.tcell --region 0,0,0,100,100,100");
+  app.footer("The counts are exact; they come from runs, without expanding a cell. Example:\n  teracell stats g.tcell --region 0,0,0,100,100,100");
   return [o] { run(*o); };
 }
 

@@ -10,31 +10,13 @@
 #include <fmt/format.h>
 
 #include "mesher/scene/names.hpp"
-#include "store/error.hpp"
-#include "tools/cli/command.hpp"
+#include "tools/cli/commands.hpp"
+#include "tools/cli/hints.hpp"
 #include "tools/cli/notice.hpp"
 
 namespace {
 
 using namespace teracell;
-
-struct Command {
-  const char* name;
-  const char* summary;
-  Run (*setup)(CLI::App&);
-};
-
-constexpr Command kCommands[] = {
-    {"mesh", "mesh a scene or bare surfaces into a .tcell file", setup_mesh},
-    {"info", "what a .tcell file holds", setup_info},
-    {"slice", "one slice as a picture (.png) or an array (.npy)", setup_slice},
-    {"column", "the runs of one column along any axis", setup_column},
-    {"stats", "exact cells, volume and box of every material", setup_stats},
-    {"export", "a box of cells as a dense array", setup_export},
-    {"verify", "check every byte and every invariant of a file", setup_verify},
-    {"sample", "write a built-in scene", setup_sample},
-    {"serve", "grids over HTTP: pictures, numbers, other viewers' formats", setup_serve},
-};
 
 constexpr const char* kNoRoom = "out of memory, or of threads: free some, or take fewer --threads, a smaller --region, or surfaces with fewer facets";
 
@@ -54,14 +36,14 @@ int done() {
   return std::cout ? 0 : fail(1, "can't write to standard output");
 }
 
-// A file opened while 0, 1 or 2 is closed would get that number, and what is printed with it. Writing to a descriptor
-// that is open for reading fails like writing to a closed one.
+// A file that is opened while descriptor 0, 1 or 2 is closed would get that number, and then whatever is printed. Writing to a
+// descriptor that is open for reading fails like writing to a closed one.
 void occupy_standard_descriptors() {
   for (int fd = 0; fd <= 2; ++fd)
     if (fcntl(fd, F_GETFD) < 0 && open("/dev/null", O_RDONLY) < 0) return;
 }
 
-// Options first: CLI11 would complain about what is missing and never name what it doesn't know.
+// This comes before CLI11 parses: it would complain about what is missing and never name the option that it doesn't know.
 void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>& words) {
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options())
@@ -77,7 +59,7 @@ void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>&
   }
 }
 
-// What CLI11 found wrong, in the words of the other errors.
+// What CLI11 found wrong, worded like the other errors.
 std::string explain(const CLI::ParseError& e, const CLI::App& app) {
   const std::string text = e.what(), required = " is required", convert = "Could not convert: ", twice = ": At Most 1 required but received ";
   if (text.ends_with(required)) {
@@ -120,7 +102,7 @@ int main(int argc, char** argv) {
              "  teracell slice stadium.tcell --axis z --at 3.5 -o plan.png");
   Run run;
   std::vector<std::string> names;
-  for (const Command& c : kCommands) {
+  for (const Command& c : commands()) {
     CLI::App* sub = app.add_subcommand(c.name, c.summary);
     sub->group("Commands");
     sub->final_callback([&run, body = c.setup(*sub)] { run = body; });
@@ -149,13 +131,15 @@ int main(int argc, char** argv) {
     return fail(2, fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]),
                                subs.empty() ? "" : subs[0]->get_name() + " "));
   } catch (const UsageError& e) {
-    return fail(2, e.what());
+    return fail(2, with_hint(e));
   } catch (const Interrupted& e) {
     return fail(130, e.what());
   } catch (const std::bad_alloc&) {
     return fail(1, kNoRoom);
   } catch (const std::system_error& e) {
     return fail(1, e.code() == std::errc::resource_unavailable_try_again ? kNoRoom : e.what());  // a thread that didn't start
+  } catch (const Error& e) {
+    return fail(1, with_hint(e));
   } catch (const std::exception& e) {
     return fail(1, e.what());
   }

@@ -1,7 +1,7 @@
 // VTK: vtkOBJReader -> vtkPolyDataToImageStencil -> vtkImageStencilToImage. The time to beat is the whole process's.
 // Usage: vtk_peer mesh.obj N [out.raw]
 //
-// The image, a byte a cell, is VTK's product and stays in memory: writing 10^9 bytes would only slow this peer. With
+// The image, one byte per cell, is VTK's product and stays in memory: writing 10^9 bytes would only slow this peer. With
 // out.raw it is written all the same (C order [z][y][x]), to compare cells.
 #include <vtkImageData.h>
 #include <vtkImageStencilToImage.h>

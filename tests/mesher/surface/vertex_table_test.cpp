@@ -115,7 +115,7 @@ TEST_CASE("A vertex table needs its folder only when it is full, and closes its 
     read(text + kObj, "", nowhere);
     FAIL("no error");
   } catch (const IoError& e) {
-    CHECK_THAT(e.what(), Contains("/nowhere: no folder for temporary files") && Contains("--tmp"));
+    CHECK_THAT(e.what(), Contains("/nowhere: no folder for temporary files"));
   }
   CHECK(read(text + kObj, "", kTiny).facets.size() == 4);
   CHECK_THROWS_AS(read(text + "f 0 0 0\n", "", kTiny), InputError);

@@ -7,7 +7,7 @@
 
 namespace teracell {
 
-// `dtype` as NumPy writes it: "|u1", "<u2".
+// `dtype` is as NumPy writes it: "|u1" for bytes, "<u2" for little-endian numbers of two bytes.
 inline Bytes npy_header(const std::string& dtype, const std::vector<int64_t>& shape) {
   std::string dict = "{'descr': '" + dtype + "', 'fortran_order': False, 'shape': (";
   for (const int64_t n : shape) dict += std::to_string(n) + ", ";

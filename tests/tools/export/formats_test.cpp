@@ -1,0 +1,115 @@
+#include "tools/export/formats.hpp"
+
+#include <set>
+
+#include <catch2/catch.hpp>
+
+#include "store/error.hpp"
+#include "tests/support/meshed.hpp"
+#include "tests/support/stored.hpp"
+#include "tools/export/npy_header.hpp"
+
+using namespace teracell;
+using namespace teracell::testing;
+
+namespace {
+
+Grid grid_of(const Index3& n) {
+  Grid grid;
+  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, n[d], 0.5);
+  return grid;
+}
+
+// A grid of random cells on disk. Its labels are few, and its materials as many as asked for.
+struct Stored {
+  Stored(const Index3& size, uint32_t materials) : n(size), wide(materials > 256) {
+    constexpr uint32_t kLabels = 5;
+    std::mt19937_64 random(7);
+    cells = random_cells(random, n, kLabels);
+    Metadata meta = with_tiny_chunks(metadata_of(grid_of(n), 1, materials));
+    meta.labels.resize(kLabels);
+    for (uint32_t i = 0; i < kLabels; ++i) meta.labels[i].material = i * (materials - 1) / (kLabels - 1);
+    store_cells(folder / "g.tcell", meta, cells);
+    reader.emplace(folder / "g.tcell");
+  }
+  // The material ids of `box` on level 0, as arrays hold them.
+  Bytes dense(const Box& box) const {
+    Bytes out;
+    for (int64_t z = box.lo[2]; z < box.hi[2]; ++z)
+      for (int64_t y = box.lo[1]; y < box.hi[1]; ++y)
+        for (int64_t x = box.lo[0]; x < box.hi[0]; ++x) {
+          const uint32_t material = reader->meta().labels[cells[(z * n[1] + y) * n[0] + x]].material;
+          out.push_back(static_cast<uint8_t>(material));
+          if (wide) out.push_back(static_cast<uint8_t>(material >> 8));
+        }
+    return out;
+  }
+  Bytes written(const std::string& name, const Box& box) const {
+    export_format_of(name)->write({*reader, 0, box, folder / name, [](double) {}});
+    return file_bytes(folder / name);
+  }
+
+  TempFolder folder;
+  Index3 n;
+  bool wide;
+  std::vector<Label> cells;
+  std::optional<GridReader> reader;
+};
+
+}  // namespace
+
+TEST_CASE("Formats have names and extensions of their own, and are found by both", "[export]") {
+  std::set<std::string> names, extensions;
+  for (const ExportFormat& format : export_formats()) {
+    CHECK(names.insert(format.name).second);
+    CHECK(export_format_named(format.name) == &format);
+    CHECK_FALSE(format.holds.empty());
+    for (const std::string& extension : format.extensions) {
+      CHECK(extensions.insert(extension).second);
+      CHECK(export_format_of("folder.npy/name" + extension) == &format);
+    }
+  }
+  CHECK(export_format_named("tiff") == nullptr);
+  CHECK(export_format_of("name.tiff") == nullptr);
+  CHECK(export_format_of("npy") == nullptr);
+}
+
+TEST_CASE("An array holds the materials of the box in C order, in one byte per cell or in two", "[export]") {
+  for (const uint32_t materials : {5u, 256u, 257u}) {
+    const Stored s({13, 9, 11}, materials);
+    for (const Box& box : {Box{{0, 0, 0}, s.n}, Box{{3, 8, 1}, {12, 9, 10}}}) {
+      const Bytes dense = s.dense(box);
+      CHECK((s.written("cells.raw", box) == dense));
+      Bytes expected = npy_header(s.wide ? "<u2" : "|u1", {box.hi[2] - box.lo[2], box.hi[1] - box.lo[1], box.hi[0] - box.lo[0]});
+      expected.insert(expected.end(), dense.begin(), dense.end());
+      CHECK((s.written("cells.npy", box) == expected));
+    }
+  }
+}
+
+TEST_CASE("A coarse level is exported as the reader gives it", "[export]") {
+  const Stored s({13, 9, 11}, 5);
+  const Index3 n = s.reader->meta().grid.cells(2);
+  export_format_named("raw")->write({*s.reader, 2, {{0, 0, 0}, n}, s.folder / "x.raw", [](double) {}});
+  const std::vector<uint32_t> cells = all_cells(*s.reader, 2);
+  CHECK((file_bytes(s.folder / "x.raw") == Bytes(cells.begin(), cells.end())));
+}
+
+TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves nothing", "[export]") {
+  const Stored s({13, 9, 11}, 5);
+  for (const ExportFormat& format : export_formats()) {
+    std::vector<double> shares;
+    format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / "done", [&](double share) { shares.push_back(share); }});
+    CHECK(shares.front() == 0);
+    CHECK(shares.back() == 1);
+    CHECK(std::ranges::is_sorted(shares));
+    for (const double last : {0.0, 1.0}) {
+      const auto stop = [&](double share) {
+        if (share == last) throw Interrupted("stopped");
+      };
+      CHECK_THROWS_AS(format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / "stopped", stop}), Interrupted);
+      CHECK_FALSE(std::filesystem::exists(s.folder / "stopped"));
+      CHECK_FALSE(std::filesystem::exists(s.folder / "stopped.partial"));
+    }
+  }
+}

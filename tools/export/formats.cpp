@@ -1,0 +1,34 @@
+#include "tools/export/formats.hpp"
+
+#include <algorithm>
+
+// One line per format NAME: the file NAME.cpp defines NAME_format().
+#define TERACELL_EXPORT_FORMATS(format) \
+  format(npy)                           \
+  format(raw)
+
+namespace teracell {
+
+#define DECLARED(name) ExportFormat name##_format();
+#define LISTED(name) name##_format(),
+
+TERACELL_EXPORT_FORMATS(DECLARED)
+
+const std::vector<ExportFormat>& export_formats() {
+  static const std::vector<ExportFormat> formats = {TERACELL_EXPORT_FORMATS(LISTED)};
+  return formats;
+}
+
+const ExportFormat* export_format_named(const std::string& name) {
+  const auto it = std::ranges::find(export_formats(), name, &ExportFormat::name);
+  return it == export_formats().end() ? nullptr : &*it;
+}
+
+const ExportFormat* export_format_of(const std::filesystem::path& output) {
+  const std::string extension = output.extension();
+  for (const ExportFormat& format : export_formats())
+    if (std::ranges::count(format.extensions, extension) > 0) return &format;
+  return nullptr;
+}
+
+}  // namespace teracell

@@ -1,0 +1,21 @@
+// NumPy's array of one file, which numpy.load() and numpy.memmap() read.
+#include "store/slice.hpp"
+#include "tools/export/dense.hpp"
+#include "tools/export/npy_header.hpp"
+
+namespace teracell {
+namespace {
+
+void write(const Export& e) {
+  const auto& [lo, hi] = e.box;
+  OutputFile file(e.output);
+  file.append(npy_header(wide_labels(e.reader.meta()) ? "<u2" : "|u1", {hi[2] - lo[2], hi[1] - lo[1], hi[0] - lo[0]}));
+  append_dense_cells(e, file);
+  file.commit();
+}
+
+}  // namespace
+
+ExportFormat npy_format() { return {"npy", {".npy"}, "a NumPy array of material ids, [z][y][x]", write}; }
+
+}  // namespace teracell
