@@ -139,7 +139,7 @@ class OpenSurfaces(Case):
         for phrase in ("body 'box' is open: it has 1 hole (4 edges), closed by a cap of 6 m²", "3.606 m (36.1 cells) across, with a gap of 2.4 m (24 cells), at (4, 1.5, 1)", "whether it should be open"):
             self.assertIn(phrase, err)
         self.assertNotIn("terrain", err)
-        self.assertRegex(info, r"holes +3\.606 m across \(36\.1 cells\), gap 2\.4 m \(24 cells\), at \(4, 1\.5, 1\), 4 edges, cap of 6 m\^2\n")
+        self.assertRegex(info, r"holes +3\.606 m across \(36\.1 cells\), gap 2\.4 m \(24 cells\), at \(4, 1\.5, 1\), 4 edges, cap of 6 m²\n")
         self.assertRegex(info, r"inside +of 1 shell: where the surface winds around \(nonzero: facets are oriented alike\)\n")
 
     def test_a_hole_below_two_cells_is_harmless_and_only_the_largest_are_listed(self):

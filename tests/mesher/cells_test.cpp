@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "store/stats.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "mesher/report_json.hpp"
+
 namespace teracell::testing {
 
 TempFolder::TempFolder() {

@@ -38,7 +38,7 @@ void print_holes(const std::vector<HoleReport>& holes, const std::string& units)
   for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
     const HoleReport& h = sorted[i];
     const auto gap = h.width > 0 ? fmt::format("gap {:.4g} {} ({:.3g} cells), ", h.width, units, h.width_cells) : "";
-    detail(std::exchange(title, ""), fmt::format("{:.4g} {} across ({:.3g} cells), {}at {}, {}, {} {:.4g} {}^2", h.diameter, units, h.diameter_cells, gap, place(h.at),
+    detail(std::exchange(title, ""), fmt::format("{:.4g} {} across ({:.3g} cells), {}at {}, {}, {} {:.4g} {}²", h.diameter, units, h.diameter_cells, gap, place(h.at),
                                                  plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", h.cap_area, units));
   }
   if (sorted.size() > kShown) detail("", fmt::format("and {} more, none wider than {:.4g} {}", sorted.size() - kShown, sorted[kShown].diameter, units));
@@ -60,15 +60,13 @@ void print_flips(const std::vector<Flip>& flips) {
   if (flips.size() > kShown) detail("", fmt::format("and along {}", plural(flips.size() - kShown, "more curve")));
 }
 
-const char* rule_name(Fill rule) { return rule == Fill::kNonzero ? "nonzero" : rule == Fill::kEvenodd ? "evenodd" : rule == Fill::kDistinct ? "distinct" : "auto"; }
-
 void print_rules(const std::vector<FillChoice>& fill) {
   std::string title = "inside";
   for (const FillChoice& f : fill) {
     const char* where = f.rule == Fill::kEvenodd    ? "a ray out passes the surface an odd number of times"
                         : f.rule == Fill::kDistinct ? "a ray out passes an odd number of places, each counted once however many facets lie there"
                                                     : "the surface winds around";
-    detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", plural(f.shells.value_or(0), "shell"), where, rule_name(f.rule), f.why));
+    detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", plural(f.shells.value_or(0), "shell"), where, fill_name(f.rule), f.why));
   }
 }
 
@@ -91,8 +89,8 @@ void print_lost(const BodyReport& b, const std::string& units) {
 
 // Prints a body in one line, and below it whatever is not as it should be.
 void print_body(const std::string& title, const BodyReport& b, const std::string& units) {
-  std::vector<const char*> rules;
-  for (const FillChoice& f : b.fill) rules.push_back(rule_name(f.rule));
+  std::vector<std::string_view> rules;
+  for (const FillChoice& f : b.fill) rules.push_back(fill_name(f.rule));
   const bool parity = std::ranges::any_of(b.fill, [](const FillChoice& f) { return f.rule != Fill::kNonzero; });
   row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.name, plural(b.facets, "facet"), plural(b.counts.shells, "shell"),
                          b.sheet ? "sheet" : fmt::format("{}", fmt::join(rules, " and ")), b.cells, b.cells == 1 ? "" : "s"));

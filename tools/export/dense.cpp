@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "store/slice.hpp"
+#include "store/query.hpp"
 
 namespace teracell {
 namespace {

@@ -1,5 +1,5 @@
 // NumPy's array of one file, which numpy.load() and numpy.memmap() read.
-#include "store/slice.hpp"
+#include "store/query.hpp"
 #include "tools/export/dense.hpp"
 #include "tools/export/npy_header.hpp"
 

@@ -145,7 +145,7 @@ TEST_CASE("The walk takes every unit once, those of a node of the tree before an
         expected.push_back({path, {cu, cv}});
       }
     std::ranges::sort(expected);
-    REQUIRE(tiling.units() == expected.size());
+    REQUIRE(tiling.groups() == expected.size());
     for (const auto& [path, place] : expected) {
       const auto unit = tiling.next();
       REQUIRE(unit.has_value());
