@@ -90,10 +90,13 @@ class BodyReader {
       const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change the layer
       BodyFacets& found = out_.bodies.emplace_back();
       found.first = out_.in_memory ? out_.facets->size() : 0;
-      found.file = read_facets(body.mesh, body.part, [&](std::span<const Facet> facets) {
-        take(b, layer, facets);
-        tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
-      }, budget_, out_.helper.get());
+      found.file = read_facets(
+          body.mesh, body.part,
+          [&](std::span<const Facet> facets) {
+            take(b, layer, facets);
+            tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+          },
+          budget_, out_.helper.get());
       if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true});
@@ -148,9 +151,10 @@ class BodyReader {
   void expect_files() const {
     for (const size_t b : once_)
       if (std::filesystem::is_other(scene_.bodies[b].mesh))
-        throw InputError(fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device",
-                                     scene_.bodies[b].mesh.string()),
-                         Remedy::kMoreMemory);
+        throw InputError(
+            fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device",
+                        scene_.bodies[b].mesh.string()),
+            Remedy::kMoreMemory);
   }
 
   void hand_on() {
@@ -222,14 +226,17 @@ void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bo
     if (body.kind == Kind::kSheet) continue;
     tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
     if (body.closing.way == Closing::Way::kExtrude) frame.beyond = beyond(body.closing.axis, grid, bodies.lo, bodies.hi);
-    const Surface surface = {[&](const auto& f) { for_each_facet(body, found, bodies, budget, f); }, found.file.facets, found.file.float32,
-                             bodies.in_memory, found.boundary, found.opposites};
+    const Surface surface = {[&](const auto& f) { for_each_facet(body, found, bodies, budget, f); },
+                             found.file.facets,
+                             found.file.float32,
+                             bodies.in_memory,
+                             found.boundary,
+                             found.opposites};
     found.closed = close_body(body, surface, frame, budget);
     if (!bodies.in_memory) continue;
     const ClosedBody& closed = found.closed;
     const uint64_t last = found.first + found.file.facets;
-    if (uint64_t i = 0; closed.rules)
-      bodies.facets->for_each(found.first, last, [&](SceneFacet& f) { f.layer = closed.rules->layer(b, i++); });
+    if (uint64_t i = 0; closed.rules) bodies.facets->for_each(found.first, last, [&](SceneFacet& f) { f.layer = closed.rules->layer(b, i++); });
     else if (closed.layer(b) != layer_of(b, body.fill == Fill::kEvenodd))
       bodies.facets->for_each(found.first, last, [&](SceneFacet& f) { f.layer = closed.layer(b); });
     for (const bool parity : {false, true}) bodies.facets->append_all(closed.added[parity], layer_of(b, parity));
@@ -248,7 +255,8 @@ void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies
 void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink) {
   const SurfaceFile file = read_facets(body.mesh, body.part, sink, budget);
   if (file.hash != found.file.hash)
-    throw InputError(fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));
+    throw InputError(
+        fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));
 }
 
 }  // namespace teracell

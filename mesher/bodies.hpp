@@ -4,10 +4,10 @@
 #include <memory>
 
 #include "mesher/closing/closing.hpp"
-#include "mesher/compose.hpp"
-#include "mesher/tiles/facet_store.hpp"
-#include "mesher/surface/spill.hpp"
 #include "mesher/closing/surface_counts.hpp"
+#include "mesher/compose.hpp"
+#include "mesher/surface/spill.hpp"
+#include "mesher/tiles/facet_store.hpp"
 #include "store/background.hpp"
 
 namespace teracell {

@@ -31,7 +31,8 @@ void put_stl(Bytes& out, const std::array<std::vector<Facet>, 2>& facets, uint64
 
 // Every facet has vertices of its own. `pass` is called once, with `count` facets.
 void write_ply(OutputFile& out, uint64_t count, const FacetPass& pass, const std::filesystem::path& path) {
-  if (3 * count > std::numeric_limits<uint32_t>::max()) throw InputError(fmt::format("{}: {} facets are too many for a PLY file", path.string(), count));
+  if (3 * count > std::numeric_limits<uint32_t>::max())
+    throw InputError(fmt::format("{}: {} facets are too many for a PLY file", path.string(), count));
   constexpr size_t kBlock = size_t{1} << 20;
   Bytes block;
   const auto flush = [&](size_t at_least) {
@@ -59,7 +60,8 @@ void write_ply(OutputFile& out, uint64_t count, const FacetPass& pass, const std
 
 std::vector<std::filesystem::path> caps_names(const Scene& scene, const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
-  if (ending != ".stl" && ending != ".ply") throw OptionError(fmt::format("write_caps: expected a name that ends in .stl or .ply, found '{}'", path.string()));
+  if (ending != ".stl" && ending != ".ply")
+    throw OptionError(fmt::format("write_caps: expected a name that ends in .stl or .ply, found '{}'", path.string()));
   if (scene.bodies.size() == 1) return {path};
   std::vector<std::filesystem::path> names;
   std::set<std::filesystem::path> taken;
@@ -73,7 +75,8 @@ std::vector<std::filesystem::path> caps_names(const Scene& scene, const std::fil
   return names;
 }
 
-std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bodies& bodies, const std::filesystem::path& path, const Budget& budget) {
+std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bodies& bodies, const std::filesystem::path& path,
+                                                    const Budget& budget) {
   const bool ply = path.extension() == ".ply";
   const std::vector<std::filesystem::path> names = caps_names(scene, path);
   std::vector<std::unique_ptr<OutputFile>> files;
@@ -85,7 +88,7 @@ std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bo
     const bool whole = body.closing.way == Closing::Way::kExtrude;
     if (!ply && (whole || !found.file.float32))
       throw OptionError(fmt::format("write_caps: {} of body '{}' are doubles, which STL can't hold: expected a name that ends in .ply, found '{}'",
-                                   whole ? "the walls of extruded loops" : "the vertices", body.name, path.string()));
+                                    whole ? "the walls of extruded loops" : "the vertices", body.name, path.string()));
     files.push_back(std::make_unique<OutputFile>(names[b]));
     const uint64_t count = closed.added[0].size() + closed.added[1].size();
     if (!ply) {
@@ -93,18 +96,24 @@ std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bo
       put_stl(bytes, closed.added, count);
       files.back()->append(bytes);
     } else if (whole) {
-      write_ply(*files.back(), found.file.facets + count + closed.walls[0].size() + closed.walls[1].size(), [&](const auto& f) {
-        for_each_facet(body, found, bodies, budget, [&](const Facet& facet) { f(moved(facet, body)); });
-        for (const auto& list : closed.added)
-          for (const Facet& facet : list) f(moved(facet, body));
-        for (const auto& list : closed.walls)
-          for (const Facet& facet : list) f(facet);
-      }, names[b]);
+      write_ply(
+          *files.back(), found.file.facets + count + closed.walls[0].size() + closed.walls[1].size(),
+          [&](const auto& f) {
+            for_each_facet(body, found, bodies, budget, [&](const Facet& facet) { f(moved(facet, body)); });
+            for (const auto& list : closed.added)
+              for (const Facet& facet : list) f(moved(facet, body));
+            for (const auto& list : closed.walls)
+              for (const Facet& facet : list) f(facet);
+          },
+          names[b]);
     } else {
-      write_ply(*files.back(), count, [&](const auto& f) {
-        for (const auto& list : closed.added)
-          for (const Facet& facet : list) f(facet);
-      }, names[b]);
+      write_ply(
+          *files.back(), count,
+          [&](const auto& f) {
+            for (const auto& list : closed.added)
+              for (const Facet& facet : list) f(facet);
+          },
+          names[b]);
     }
   }
   return files;

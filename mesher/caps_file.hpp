@@ -15,6 +15,7 @@ std::vector<std::filesystem::path> caps_names(const Scene& scene, const std::fil
 // Writes binary STL, or binary PLY in doubles. Each file holds what closes a body that was open, in the coordinates of the body's
 // file; for a body with extruded loops it holds all of the body, in the grid's coordinates. Nothing stands under the names
 // until the files are committed. Throws UsageError for .stl when the vertices are doubles.
-std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bodies& bodies, const std::filesystem::path& path, const Budget& budget);
+std::vector<std::unique_ptr<OutputFile>> write_caps(const Scene& scene, const Bodies& bodies, const std::filesystem::path& path,
+                                                    const Budget& budget);
 
 }  // namespace teracell

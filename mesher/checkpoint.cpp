@@ -82,7 +82,8 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   in.expect_end();
   const uint64_t expected = ByteReader(writers, path.string()).fixed<uint64_t>(), found = std::filesystem::file_size(output.string() + ".partial");
   if (found < expected)
-    throw FormatError(fmt::format("{}.partial: expected at least {} bytes to resume, found {}", output.string(), expected, found), Remedy::kFreshStart);
+    throw FormatError(fmt::format("{}.partial: expected at least {} bytes to resume, found {}", output.string(), expected, found),
+                      Remedy::kFreshStart);
   return c;
 }
 

@@ -96,7 +96,8 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
     const std::span<uint64_t> all(crossings.all.data() + crossings.begin[ray], crossings.begin[ray + 1] - crossings.begin[ray]);
     const bool one_layer = sort_crossings(all);
     const bool simple = one_layer && (all.empty() || bodies_[layers_[Crossing::layer(all[0])].body].label != 0);
-    const size_t open = simple ? compose_one_layer(all, length, at, out.pattern[ray], out.patterns) : compose_any(all, length, at, out.pattern[ray], out.patterns);
+    const size_t open =
+        simple ? compose_one_layer(all, length, at, out.pattern[ray], out.patterns) : compose_any(all, length, at, out.pattern[ray], out.patterns);
     if (open != 0)
       throw Error(fmt::format("ray {}, {} of a tile ends inside {} of its surfaces: the crossings are inconsistent", ray % nu, ray / nu, open));
     out.begin[ray + 1] = static_cast<uint32_t>(at - out.at.data());

@@ -22,7 +22,8 @@ LostReport lost_report(const TallyKey& key, const Grid& grid, const Tallies& tal
   return {found->number, found->widest, width_of(key, *found, grid), place_of(key, *found, grid)};
 }
 
-BodyReport body_report(const Scene& scene, size_t b, BodyFacets&& found, const SurfaceCounts& counts, const Plan& plan, const CastTotals& totals, bool count_thin) {
+BodyReport body_report(const Scene& scene, size_t b, BodyFacets&& found, const SurfaceCounts& counts, const Plan& plan, const CastTotals& totals,
+                       bool count_thin) {
   const SceneBody& body = scene.bodies[b];
   const Grid& grid = plan.meta.grid;
   ClosedBody& closed = found.closed;
@@ -50,7 +51,8 @@ BodyReport body_report(const Scene& scene, size_t b, BodyFacets&& found, const S
   return out;
 }
 
-std::vector<std::string> all_warnings(const Scene& scene, const Bodies& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan, const CastTotals& totals) {
+std::vector<std::string> all_warnings(const Scene& scene, const Bodies& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan,
+                                      const CastTotals& totals) {
   constexpr size_t kMostBytes = size_t{1} << 20;
   std::vector<std::string> out;
   uint64_t more = 0, bytes = 0;
@@ -64,7 +66,8 @@ std::vector<std::string> all_warnings(const Scene& scene, const Bodies& bodies, 
     const SceneBody& body = scene.bodies[b];
     for (const std::string& w : bodies.bodies[b].file.warnings)
       if (said.insert({body.mesh_text, w}).second) warn(fmt::format("{}: {}", body.mesh_text, w));
-    for (const std::string& words : surface_warnings(scene, body, bodies.bodies[b], plan.meta.grid, counts[b])) warn(fmt::format("body '{}' {}", body.name, words));
+    for (const std::string& words : surface_warnings(scene, body, bodies.bodies[b], plan.meta.grid, counts[b]))
+      warn(fmt::format("body '{}' {}", body.name, words));
   }
   for (const std::string& words : cell_warnings(scene, bodies, plan, totals)) warn(words);
   if (more > 0) out.push_back(fmt::format("there are {} more warnings than the report holds", more));
@@ -80,7 +83,8 @@ std::vector<GapReport> gap_reports(const Scene& scene, const Grid& grid, const T
 
 }  // namespace
 
-Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan, const CastTotals& totals, bool count_thin) {
+Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan, const CastTotals& totals,
+                   bool count_thin) {
   Report out;
   out.crossings = totals.crossings;
   out.warnings = all_warnings(scene, bodies, counts, plan, totals);

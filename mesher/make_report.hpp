@@ -7,6 +7,7 @@
 namespace teracell {
 
 // Takes what closing found out of `bodies`. One count per body.
-Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan, const CastTotals& totals, bool count_thin);
+Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan, const CastTotals& totals,
+                   bool count_thin);
 
 }  // namespace teracell

@@ -10,13 +10,13 @@
 
 #include "mesher/caps_file.hpp"
 #include "mesher/checkpoint.hpp"
+#include "mesher/closing/trust.hpp"
 #include "mesher/engines/engines.hpp"
-#include "mesher/tiled_facets.hpp"
-#include "mesher/scene/placement.hpp"
 #include "mesher/make_report.hpp"
 #include "mesher/report_json.hpp"
-#include "mesher/closing/trust.hpp"
+#include "mesher/scene/placement.hpp"
 #include "mesher/tile_group.hpp"
+#include "mesher/tiled_facets.hpp"
 #include "store/in_order.hpp"
 #include "store/json_writer.hpp"
 
@@ -66,7 +66,8 @@ class Checkpoints {
 // One run. The steps stand in the order of run().
 class MeshRun {
  public:
-  MeshRun(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress, const std::atomic<bool>& stop)
+  MeshRun(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress,
+          const std::atomic<bool>& stop)
       : scene_(scene),
         output_(output),
         options_(options),
@@ -87,7 +88,8 @@ class MeshRun {
     check_caps();
     end_phase("check");
     open_output();
-    TiledFacets facets(scene_, bodies_, plan_.meta, wide_bodies(scene_, options_.thin), budget_, threads_, [&](double share) { tick("spill", share); });
+    TiledFacets facets(scene_, bodies_, plan_.meta, wide_bodies(scene_, options_.thin), budget_, threads_,
+                       [&](double share) { tick("spill", share); });
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return of_solids(facets.in_memory()); });
     end_phase("prepare");
     cast(facets.tiling(), make_engine);
@@ -144,7 +146,9 @@ class MeshRun {
   std::string identity() const {
     const auto brief = [](std::string text) {
       constexpr size_t kLongest = size_t{1} << 20;
-      return text.size() <= kLongest ? text : fmt::format("\"{} bytes with checksum {:016x}\"", text.size(), checksum({reinterpret_cast<const uint8_t*>(text.data()), text.size()}));
+      return text.size() <= kLongest ? text
+                                     : fmt::format("\"{} bytes with checksum {:016x}\"", text.size(),
+                                                   checksum({reinterpret_cast<const uint8_t*>(text.data()), text.size()}));
     };
     std::string inputs;
     write_list(inputs, scene_.bodies.size(), ~size_t{0}, [&](JsonWriter& writer, size_t b) {
@@ -182,8 +186,10 @@ class MeshRun {
 
   std::vector<const SceneFacet*> of_solids(const GridFacets* facets) const {
     if (!facets)
-      throw InputError(fmt::format("engine {} searches all facets at once, and these do not fit into the memory given; engine scan does not need them all at once",
-                                   options_.engine), Remedy::kMoreMemory);
+      throw InputError(
+          fmt::format("engine {} searches all facets at once, and these do not fit into the memory given; engine scan does not need them all at once",
+                      options_.engine),
+          Remedy::kMoreMemory);
     std::vector<const SceneFacet*> all;
     facets->for_each(0, facets->size(), [&](const SceneFacet& f) {
       if (!(f.layer & kIgnored) && scene_.bodies[body_of_layer(f.layer)].kind == Kind::kSolid) all.push_back(&f);
@@ -195,7 +201,8 @@ class MeshRun {
     std::vector<Layer> layers;  // layer_of()
     for (uint32_t b = 0; b < scene_.bodies.size(); ++b) layers.insert(layers.end(), {{b, false}, {b, true}});
     std::vector<std::unique_ptr<Worker>> workers;
-    for (int i = 0; i < threads_; ++i) workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels, scene_, plan_.meta, options_.thin));
+    for (int i = 0; i < threads_; ++i)
+      workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels, scene_, plan_.meta, options_.thin));
     for (uint64_t done = 0; done < groups_; ++done) {
       tiling.next();
       tick("resume", static_cast<double>(done) / static_cast<double>(groups_));
@@ -292,8 +299,8 @@ std::vector<std::string> MeshReport::warnings() const {
   return out;
 }
 
-MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
-                  const Progress& progress, const std::atomic<bool>& stop) {
+MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress,
+                const std::atomic<bool>& stop) {
   try {
     return MeshRun(scene, output, options, progress, stop).run();
   } catch (...) {

@@ -40,7 +40,7 @@ struct MeshReport {
 
 // Writes `output` and returns the report. Throws Interrupted soon after `stop` is set. Whatever is thrown, a file stands under the
 // output's name only if it stood there before.
-MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options,
-                const Progress& progress, const std::atomic<bool>& stop);
+MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress,
+                const std::atomic<bool>& stop);
 
 }  // namespace teracell

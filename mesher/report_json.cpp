@@ -34,7 +34,11 @@ void write_count(JsonWriter& out, const std::string& key, unsigned __int128 n) {
 
 void write_hole(JsonWriter& out, const HoleReport& h) {
   out.begin_object().field("at", h.at).field("edges", h.edges);
-  out.field("diameter", h.diameter).field("diameter_cells", h.diameter_cells).field("width", h.width).field("width_cells", h.width_cells).field("cap_area", h.cap_area);
+  out.field("diameter", h.diameter)
+      .field("diameter_cells", h.diameter_cells)
+      .field("width", h.width)
+      .field("width_cells", h.width_cells)
+      .field("cap_area", h.cap_area);
   if (h.extruded) out.key("extruded").raw("true");
   out.end_object();
 }
@@ -151,11 +155,13 @@ BodyReport body_in(const ordered_json& j) {
   body.name = j.at("name").get<std::string>();
   body.sheet = j.value("kind", "solid") == "sheet";
   body.facets = j.at("facets").get<uint64_t>();
-  body.counts = {j.at("degenerate").get<uint64_t>(), j.at("duplicates").get<uint64_t>(), j.value("opposite", uint64_t{0}), j.at("shells").get<uint64_t>()};
+  body.counts = {j.at("degenerate").get<uint64_t>(), j.at("duplicates").get<uint64_t>(), j.value("opposite", uint64_t{0}),
+                 j.at("shells").get<uint64_t>()};
   for (const ordered_json& f : j.at("fill")) body.fill.push_back(fill_in(f));
   body.stitch = j.value("stitch", 0.0);
   if (const auto seams = j.find("seams"); seams != j.end())
-    body.seams = {seams->at("number").get<uint64_t>(), seams->at("length").get<double>(), seams->at("widest_gap").get<double>(), seams->value("collapsed_edges", uint64_t{0})};
+    body.seams = {seams->at("number").get<uint64_t>(), seams->at("length").get<double>(), seams->at("widest_gap").get<double>(),
+                  seams->value("collapsed_edges", uint64_t{0})};
   for (const ordered_json& h : j.at("holes")) body.holes.push_back(hole_in(h));
   for (const ordered_json& f : j.at("flips")) body.flips.push_back({vec3(f.at("at")), f.at("edges").get<uint64_t>()});
   body.holes_left_out = j.value("holes_left_out", uint64_t{0});
@@ -206,11 +212,16 @@ std::string open_report(const Report& report, const Scene& scene, const std::vec
     const InputReport& input = report.inputs[b];
     writer.begin_object().field("path", input.path).field("format", input.format).field("bytes", input.bytes).field("hash", input.hash).end_object();
   });
-  out.key("ray_axis").begin_object().field("axis", axis_name(report.axis)).field("why", report.axis_asked_for ? "asked for" : "the fewest crossings and rays");
+  out.key("ray_axis")
+      .begin_object()
+      .field("axis", axis_name(report.axis))
+      .field("why", report.axis_asked_for ? "asked for" : "the fewest crossings and rays");
   out.key("crossings_expected").begin_array();
   for (const double crossings : report.crossings_expected) out.value(static_cast<uint64_t>(std::min(crossings, 0x1p63)));
   out.end_array().end_object();
-  const auto add_if_it_fits = [&](const char* key, const std::string& json) { out.key(key).raw(text.size() + json.size() < kMostText ? json : "null"); };
+  const auto add_if_it_fits = [&](const char* key, const std::string& json) {
+    out.key(key).raw(text.size() + json.size() < kMostText ? json : "null");
+  };
   add_if_it_fits("scene", normalised(scene, kMostOfScene));  // materials and planes alone may be long
   if (report.lost_gaps) add_if_it_fits("lost_gaps", gaps_json(*report.lost_gaps));
   return text;

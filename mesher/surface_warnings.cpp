@@ -50,12 +50,13 @@ std::string seam_note(const Scene& scene, const ClosedBody& closed, const Grid& 
   std::string out = "was stitched";
   if (seams.number > 0) out += fmt::format(" along {}, {} {} in all", plural(seams.number, "seam"), number_text(seams.length, 4), scene.units);
   if (seams.collapsed > 0)
-    out += fmt::format("{} {} with both ends within the stitch length of each other, which closes or narrows the holes there", seams.number > 0 ? ", and at" : " at",
-                       plural(seams.collapsed, "open edge"));
+    out += fmt::format("{} {} with both ends within the stitch length of each other, which closes or narrows the holes there",
+                       seams.number > 0 ? ", and at" : " at", plural(seams.collapsed, "open edge"));
   out += fmt::format(". The widest gap that was stitched is {} {}; the stitch length is {} {}. ", number_text(seams.widest_gap, 3), scene.units,
                      number_text(closed.stitch, 3), scene.units);
   const double cell = shortest_cell(grid);
-  if (closed.stitch > 2 * cell) return out + "This is longer than two cells: check that nothing was closed that should be open, or set a shorter \"stitch\"";
+  if (closed.stitch > 2 * cell)
+    return out + "This is longer than two cells: check that nothing was closed that should be open, or set a shorter \"stitch\"";
   if (seams.widest_gap < cell) return out + "Gaps narrower than a cell are harmless on this grid";
   return out + "Some gaps are wider than a cell: check the cells along them if they matter";
 }
@@ -77,15 +78,17 @@ std::string open_warning(const Scene& scene, const SceneBody& body, const BodyFa
   const auto length = [&](double x, int digits) {
     return fmt::format("{} {} ({} cells)", number_text(x, digits), scene.units, number_text(in_cells(x, largest->at, grid), 3));
   };
-  std::string out = fmt::format("is open: it has {} ({}), closed by {} of {} {}²{}. The {} is {} across, with a gap of {}, at {}. {}", plural(capped, "hole"),
-                                plural(edges, "edge"), one ? "a cap" : "caps", number_text(area, 4), scene.units, one ? "" : " in all", one ? "hole" : "largest hole",
-                                length(largest->diameter, 4), length(largest->width, 3), place_text(largest->at),
-                                verdict(largest->diameter, most_cells, grid, loose));
+  std::string out = fmt::format("is open: it has {} ({}), closed by {} of {} {}²{}. The {} is {} across, with a gap of {}, at {}. {}",
+                                plural(capped, "hole"), plural(edges, "edge"), one ? "a cap" : "caps", number_text(area, 4), scene.units,
+                                one ? "" : " in all", one ? "hole" : "largest hole", length(largest->diameter, 4), length(largest->width, 3),
+                                place_text(largest->at), verdict(largest->diameter, most_cells, grid, loose));
   if (closed.cut_from_others)
-    out += fmt::format(". Part '{}' is cut off from parts of the file that the scene leaves out: make bodies of these too if they belong to it", body.part);
+    out += fmt::format(". Part '{}' is cut off from parts of the file that the scene leaves out: make bodies of these too if they belong to it",
+                       body.part);
   if (const auto axis = terrain_axis(*largest, found, grid); axis && !loose && body.closing.way == Closing::Way::kCap)
-    out += fmt::format(". If it is terrain, a sheet over the whole domain, set \"closing\": {{\"extrude\": \"-{}\"}}: everything below it is then inside",
-                       axis_name(*axis));
+    out += fmt::format(
+        ". If it is terrain, a sheet over the whole domain, set \"closing\": {{\"extrude\": \"-{}\"}}: everything below it is then inside",
+        axis_name(*axis));
   return out;
 }
 
@@ -97,10 +100,12 @@ std::string flip_warning(const ClosedBody& closed) {
   if (closed.flips.empty()) return "";
   uint64_t edges = 0;
   for (const Flip& f : closed.flips) edges += f.edges;
-  const char* parity = "The inside of such a shell is decided by parity, so orientation does not matter. Where the shell overlaps itself it comes out hollow: "
-                       "orient its facets alike if that is wrong";
-  const char* winding = "With \"fill\": \"nonzero\" each of these curves is a hole, and was closed by caps. Orient the facets alike, or set \"fill\": \"auto\", which "
-                        "decides by parity";
+  const char* parity =
+      "The inside of such a shell is decided by parity, so orientation does not matter. Where the shell overlaps itself it comes out hollow: "
+      "orient its facets alike if that is wrong";
+  const char* winding =
+      "With \"fill\": \"nonzero\" each of these curves is a hole, and was closed by caps. Orient the facets alike, or set \"fill\": \"auto\", which "
+      "decides by parity";
   return fmt::format("has facets that face the opposite way from their neighbours, along {} in {}, the first at {}. {}", plural(edges, "edge"),
                      plural(closed.flips.size(), "curve"), place_text(closed.flips[0].at), uses_parity(closed) ? parity : winding);
 }
@@ -115,13 +120,15 @@ std::string double_warning(const ClosedBody& closed) {
 }  // namespace
 
 std::vector<std::string> surface_warnings(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid,
-                                       const SurfaceCounts& counts) {
+                                          const SurfaceCounts& counts) {
   const ClosedBody& closed = found.closed;
-  std::vector<std::string> out = {seam_note(scene, closed, grid), open_warning(scene, body, found, grid), flip_warning(closed), double_warning(closed)};
+  std::vector<std::string> out = {seam_note(scene, closed, grid), open_warning(scene, body, found, grid), flip_warning(closed),
+                                  double_warning(closed)};
   const bool evenodd = std::ranges::any_of(closed.fill, [](const FillChoice& f) { return f.rule == Fill::kEvenodd; });
   if (evenodd && counts.duplicates > 0)
-    out.push_back(fmt::format("has {}, and shells whose inside is decided by parity. There, two facets with the same vertices count as none: remove the duplicates if they are not intended",
-                              plural(counts.duplicates, "duplicate facet")));
+    out.push_back(fmt::format(
+        "has {}, and shells whose inside is decided by parity. There, two facets with the same vertices count as none: remove the duplicates if they are not intended",
+        plural(counts.duplicates, "duplicate facet")));
   std::erase(out, "");
   return out;
 }

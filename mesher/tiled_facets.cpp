@@ -17,7 +17,7 @@ std::vector<bool> which_move(const Scene& scene) {
 }  // namespace
 
 TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
-           const std::function<void(double)>& tick)
+                         const std::function<void(double)>& tick)
     : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()) {
   if (bodies.in_memory) {
     use_memory(wide);
@@ -33,26 +33,29 @@ void TiledFacets::use_memory(const std::vector<bool>& wide) {
   const bool any_moves = std::ranges::count(moves, true) > 0;
   if (any_moves) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
   const std::unique_ptr<FileFacets> facets = std::move(bodies_.facets);
-  facets_ = any_moves ? std::make_shared<GridFacets>(std::move(*facets), [&](SceneFacet& f) {
-    if (const uint32_t b = body_of_layer(f.layer); moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
-  }) : std::make_shared<GridFacets>(std::move(*facets));
+  facets_ = any_moves ? std::make_shared<GridFacets>(std::move(*facets),
+                                                     [&](SceneFacet& f) {
+                                                       if (const uint32_t b = body_of_layer(f.layer); moves[b])
+                                                         f.facet = moved(f.facet, scene_.bodies[b]);
+                                                     })
+                      : std::make_shared<GridFacets>(std::move(*facets));
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
     for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
   for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
   tiling_.emplace(facets_, meta_, wide);
 }
 
-std::vector<SurfaceCounts> TiledFacets::counts() {
-  return bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals();
-}
+std::vector<SurfaceCounts> TiledFacets::counts() { return bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals(); }
 
 // They are read once more, from their files.
-std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads, const std::function<void(double)>& tick) {
+std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads,
+                                                  const std::function<void(double)>& tick) {
   const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
     const uint32_t body = body_of_layer(layer);
     return moves[body] ? moved(f, scene.bodies[body]) : f;
   };
-  const bool walls = std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
+  const bool walls =
+      std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
   auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, wide);
   struct Stretch {  // of facets that are alike
     size_t facets;
@@ -87,7 +90,8 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& wide,
     uint64_t number = 0;
     read_again(scene_.bodies[b], found, budget, [&](std::span<const Facet> facets) {
       if (!closed.rules) add(facets, closed.layer(b), FacetBins::kOfFile);
-      else for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile);
+      else
+        for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile);
       done += facets.size();
       tick(static_cast<double>(done) / all);
     });

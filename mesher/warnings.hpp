@@ -14,7 +14,8 @@ double in_cells(double length, const Vec3& at, const Grid& grid);
 std::string text(const Vec3& p);
 
 // Warnings about a body's surface. The caller puts "body NAME" in front of each.
-std::vector<std::string> surface_warnings(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid, const SurfaceCounts& counts);
+std::vector<std::string> surface_warnings(const Scene& scene, const SceneBody& body, const BodyFacets& found, const Grid& grid,
+                                          const SurfaceCounts& counts);
 // Why bodies own few cells or none (for the first 20 of them), and which sheets lie on the domain's lower side.
 std::vector<std::string> cell_warnings(const Scene& scene, const Bodies& bodies, const Plan& plan, const CastTotals& totals);
 

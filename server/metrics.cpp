@@ -53,7 +53,8 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
   for (const Metrics::Route& r : m.routes())
     if (const char* name = r.name.load())
       for (size_t s = 0; s < r.statuses.size(); ++s)
-        if (const uint64_t n = r.statuses[s].load(kRelaxed)) fmt::format_to(end(), "teracell_requests_total{{route=\"{}\",status=\"{}\"}} {}\n", name, s + 100, n);
+        if (const uint64_t n = r.statuses[s].load(kRelaxed))
+          fmt::format_to(end(), "teracell_requests_total{{route=\"{}\",status=\"{}\"}} {}\n", name, s + 100, n);
   describe(out, "teracell_request_duration_seconds", "histogram", "Time from the end of a request's head to the end of its answer.");
   for (const Metrics::Route& r : m.routes())
     if (const char* name = r.name.load()) {
@@ -63,7 +64,8 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
         const std::string bound = b < Metrics::kBuckets.size() ? fmt::format("{}", Metrics::kBuckets[b]) : "+Inf";
         fmt::format_to(end(), "teracell_request_duration_seconds_bucket{{route=\"{}\",le=\"{}\"}} {}\n", name, bound, sum);
       }
-      fmt::format_to(end(), "teracell_request_duration_seconds_sum{{route=\"{}\"}} {}\n", name, static_cast<double>(r.nanoseconds.load(kRelaxed)) * 1e-9);
+      fmt::format_to(end(), "teracell_request_duration_seconds_sum{{route=\"{}\"}} {}\n", name,
+                     static_cast<double>(r.nanoseconds.load(kRelaxed)) * 1e-9);
       fmt::format_to(end(), "teracell_request_duration_seconds_count{{route=\"{}\"}} {}\n", name, sum);
     }
   const auto caches = [&](const char* name, const char* type, const char* help, uint64_t CacheState::*value) {
@@ -81,13 +83,15 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
   single(out, "teracell_log_dropped_total", "counter", "Lines of the log that nobody read in time or that could not be written.", state.log_dropped);
   single(out, "teracell_connections", "gauge", "Open connections.", m.connections.load(kRelaxed));
   single(out, "teracell_connections_accepted_total", "counter", "Connections that were accepted.", m.accepted.load(kRelaxed));
-  describe(out, "teracell_connections_dropped_total", "counter", "Connections that the server closed: there were too many, or the client took too long.");
+  describe(out, "teracell_connections_dropped_total", "counter",
+           "Connections that the server closed: there were too many, or the client took too long.");
   const std::pair<const char*, const std::atomic<uint64_t>*> drops[] = {
       {"full", &m.refused}, {"idle", &m.idle}, {"slow_request", &m.slow_requests}, {"slow_answer", &m.slow_answers}};
   for (const auto& [why, n] : drops) fmt::format_to(end(), "teracell_connections_dropped_total{{reason=\"{}\"}} {}\n", why, n->load(kRelaxed));
   single(out, "teracell_waiting_requests", "gauge", "Requests that a thread is answering or that wait for one.", m.waiting.load(kRelaxed));
   single(out, "teracell_held_bytes", "gauge", "Bytes of answers that clients have yet to take.", m.held_bytes.load(kRelaxed));
-  single(out, "teracell_overloaded_total", "counter", "Requests that got status 503 because too many requests waited or too many bytes were held.", m.overloaded.load(kRelaxed));
+  single(out, "teracell_overloaded_total", "counter", "Requests that got status 503 because too many requests waited or too many bytes were held.",
+         m.overloaded.load(kRelaxed));
   single(out, "process_resident_memory_bytes", "gauge", "Resident memory.", state.resident_bytes);
   return out;
 }

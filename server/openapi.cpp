@@ -21,11 +21,18 @@ const ordered_json kString = {{"type", "string"}};
 ordered_json flag() { return {{"type", "integer"}, {"enum", {0, 1}}}; }
 
 ordered_json grid_id() { return parameter("id", "path", "the id of the grid, as /api/v1/grids lists it", kString); }
-ordered_json axis() { return parameter("axis", "path", "the axis normal to the slice, or along the column", {{"type", "string"}, {"enum", {"x", "y", "z"}}}); }
+ordered_json axis() {
+  return parameter("axis", "path", "the axis normal to the slice, or along the column", {{"type", "string"}, {"enum", {"x", "y", "z"}}});
+}
 ordered_json version() { return parameter("v", "query", "the grid's hash; with it the answer may be cached for ever", kString); }
-ordered_json level(const char* in) { return parameter("level", in, "the level of the pyramid; its cells are 2^level times as wide as those of level 0", kInteger); }
+ordered_json level(const char* in) {
+  return parameter("level", in, "the level of the pyramid; its cells are 2^level times as wide as those of level 0", kInteger);
+}
 ordered_json materials() { return parameter("materials", "query", "ids of the materials to show, separated by commas; default: all", kString); }
-ordered_json outline() { return parameter("outline", "query", fmt::format("1: draws the boundaries between materials, in pictures of at most {} pixels", kMostOutlined), flag()); }
+ordered_json outline() {
+  return parameter("outline", "query", fmt::format("1: draws the boundaries between materials, in pictures of at most {} pixels", kMostOutlined),
+                   flag());
+}
 
 ordered_json content(const char* type, const char* schema) {
   ordered_json c = {{type, ordered_json::object()}};
@@ -38,11 +45,14 @@ enum class Source { kServer, kGrids, kGrid };
 
 ordered_json get(const char* summary, ordered_json parameters, const char* type, const char* schema, Source source = Source::kGrid) {
   ordered_json responses = {{"200", {{"description", "the answer"}, {"content", content(type, schema)}}}};
-  const auto error = [&](const char* status, const char* description) { responses[status] = {{"description", description}, {"content", content("application/json", "Error")}}; };
+  const auto error = [&](const char* status, const char* description) {
+    responses[status] = {{"description", description}, {"content", content("application/json", "Error")}};
+  };
   error("400", "a value is malformed or out of range; the message names the range");
   error("401", "the request has no token, or a wrong one");
   if (source == Source::kGrid) {
-    responses["200"]["headers"] = {{"ETag", {{"description", "strong: changes with the grid's content and the encoding"}, {"schema", {{"type", "string"}}}}}};
+    responses["200"]["headers"] = {
+        {"ETag", {{"description", "strong: changes with the grid's content and the encoding"}, {"schema", {{"type", "string"}}}}}};
     responses["304"] = {{"description", "the client has this answer already"}};
     error("404", "there is no such grid, tile or version");
     error("500", "the file is damaged at this place");
@@ -68,34 +78,47 @@ ordered_json schemas() {
   box_or_null["type"] = {"array", "null"};
   return {
       {"Error", object({{"error", object({{"code", text}, {"message", text}})}})},
-      {"Grids", object({{"schema", kInteger},
-                        {"grids", array(object({{"id", text}, {"name", text}, {"cells", index}, {"bytes", kInteger}, {"hash", text}, {"units", text}}))},
-                        {"unreadable", array(object({{"id", text}, {"error", text}}))}})},
-      {"Info", object({{"schema", kInteger},
-                       {"id", text},
-                       {"units", text},
-                       {"ray_axis", text},
-                       {"grid", object({{"min", three}, {"max", three}, {"cells", index}, {"sample", three}, {"axes", array({{"type", "object"}})}})},
-                       {"materials", array(object({{"id", kInteger}, {"name", text}, {"color", text}, {"rank", kInteger}}))},
-                       {"levels", array(object({{"level", kInteger}, {"cells", index}, {"stored", {{"type", "boolean"}}}, {"chunks", kInteger}, {"bytes", kInteger}}))},
-                       {"file", object({{"bytes", kInteger}, {"version", text}, {"hash", text}})},
-                       {"crossings", kInteger},
-                       {"bits_per_crossing", kNumber},
-                       {"report", {{"type", "object"}}}})},
-      {"Cell", object({{"schema", kInteger}, {"index", index}, {"level", kInteger}, {"centre", three}, {"materials", array(object({{"id", kInteger}, {"name", text}}))}})},
-      {"Column", object({{"schema", kInteger},
-                         {"axis", text},
-                         {"at", {{"type", "array"}, {"items", kInteger}, {"minItems", 2}, {"maxItems", 2}}},
-                         {"runs", array(object({{"from", kInteger}, {"to", kInteger}, {"min", kNumber}, {"max", kNumber}, {"material", kInteger}, {"name", text}}))}})},
-      {"Stats", object({{"schema", kInteger}, {"region", box}, {"materials", array(object({{"id", kInteger}, {"name", text}, {"cells", kNumber}, {"volume", kNumber}, {"box", box_or_null}}))}})},
+      {"Grids",
+       object({{"schema", kInteger},
+               {"grids", array(object({{"id", text}, {"name", text}, {"cells", index}, {"bytes", kInteger}, {"hash", text}, {"units", text}}))},
+               {"unreadable", array(object({{"id", text}, {"error", text}}))}})},
+      {"Info",
+       object({{"schema", kInteger},
+               {"id", text},
+               {"units", text},
+               {"ray_axis", text},
+               {"grid", object({{"min", three}, {"max", three}, {"cells", index}, {"sample", three}, {"axes", array({{"type", "object"}})}})},
+               {"materials", array(object({{"id", kInteger}, {"name", text}, {"color", text}, {"rank", kInteger}}))},
+               {"levels",
+                array(object({{"level", kInteger}, {"cells", index}, {"stored", {{"type", "boolean"}}}, {"chunks", kInteger}, {"bytes", kInteger}}))},
+               {"file", object({{"bytes", kInteger}, {"version", text}, {"hash", text}})},
+               {"crossings", kInteger},
+               {"bits_per_crossing", kNumber},
+               {"report", {{"type", "object"}}}})},
+      {"Cell", object({{"schema", kInteger},
+                       {"index", index},
+                       {"level", kInteger},
+                       {"centre", three},
+                       {"materials", array(object({{"id", kInteger}, {"name", text}}))}})},
+      {"Column",
+       object({{"schema", kInteger},
+               {"axis", text},
+               {"at", {{"type", "array"}, {"items", kInteger}, {"minItems", 2}, {"maxItems", 2}}},
+               {"runs",
+                array(object({{"from", kInteger}, {"to", kInteger}, {"min", kNumber}, {"max", kNumber}, {"material", kInteger}, {"name", text}}))}})},
+      {"Stats",
+       object({{"schema", kInteger},
+               {"region", box},
+               {"materials", array(object({{"id", kInteger}, {"name", text}, {"cells", kNumber}, {"volume", kNumber}, {"box", box_or_null}}))}})},
   };
 }
 
 std::string description() {
   std::vector<std::string> prefixes;
   for (const Protocol& p : protocols()) prefixes.push_back(fmt::format("/{}", p.prefix));
-  return fmt::format("Slices, columns and statistics of huge Cartesian grids. Other programs find the same grids below {}. HEAD is answered like GET, without the body.",
-                     fmt::join(prefixes, ", "));
+  return fmt::format(
+      "Slices, columns and statistics of huge Cartesian grids. Other programs find the same grids below {}. HEAD is answered like GET, without the body.",
+      fmt::join(prefixes, ", "));
 }
 
 }  // namespace
@@ -110,36 +133,52 @@ std::string openapi_json(const Request& request) {
     return path;
   };
   paths["/healthz"] = open(get("whether the server is alive", ordered_json::array(), "application/json", nullptr, Source::kServer));
-  paths["/NOTICE"] = open(get("the licences of what is embedded in the program and linked to it", ordered_json::array(), "text/plain", nullptr, Source::kServer));
+  paths["/NOTICE"] =
+      open(get("the licences of what is embedded in the program and linked to it", ordered_json::array(), "text/plain", nullptr, Source::kServer));
   paths["/metrics"] = get("counters for Prometheus", ordered_json::array(), "text/plain", nullptr, Source::kServer);
   paths["/openapi.json"] = get("this description", ordered_json::array(), "application/json", nullptr, Source::kGrids);
-  paths["/api/v1/grids"] = get("the grids that are served, and files that can't be read", ordered_json::array(), "application/json", "Grids", Source::kGrids);
+  paths["/api/v1/grids"] =
+      get("the grids that are served, and files that can't be read", ordered_json::array(), "application/json", "Grids", Source::kGrids);
   paths[grid] = get("a grid: its axes, materials and levels, and the report of the mesher", {id, version()}, "application/json", "Info");
-  paths[grid + "/slice/{axis}/{index}.png"] = get(
-      "a slice as a picture, v upwards", {id, axis(), parameter("index", "path", "the index of the slice, in cells of the level", kInteger), level("query"),
-                                          parameter("region", "query", "U0,V0,U1,V1: half open, in cells of the level", kString), materials(), outline(), version()},
-      "image/png", nullptr);
+  paths[grid + "/slice/{axis}/{index}.png"] =
+      get("a slice as a picture, v upwards",
+          {id, axis(), parameter("index", "path", "the index of the slice, in cells of the level", kInteger), level("query"),
+           parameter("region", "query", "U0,V0,U1,V1: half open, in cells of the level", kString), materials(), outline(), version()},
+          "image/png", nullptr);
   const auto tile = [&](ordered_json more) {
-    ordered_json p = {id, axis(), parameter("index", "path", "the index of the slice, in cells of the level", kInteger), level("path"),
-                      parameter("col", "path", "the column of the tile, counted from u = 0", kInteger), parameter("row", "path", "the row of the tile, counted from v = 0", kInteger)};
+    ordered_json p = {id,
+                      axis(),
+                      parameter("index", "path", "the index of the slice, in cells of the level", kInteger),
+                      level("path"),
+                      parameter("col", "path", "the column of the tile, counted from u = 0", kInteger),
+                      parameter("row", "path", "the row of the tile, counted from v = 0", kInteger)};
     for (auto& m : more) p.push_back(m);
     return p;
   };
-  paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.png"] = get("a tile of 512 x 512 cells as a picture, v upwards; tiles at the edge are smaller", tile({materials(), outline(), version()}), "image/png", nullptr);
-  paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.bin"] =
-      get("a tile as labels, the row with the lowest v first. Each cell is the id of its strongest material: one byte, or two (little endian) in grids of more than 256 materials. With "
-          "sets=1 there are, all little endian: the number of sets (u32); for each set its number of materials and their ids (u16 each); for each cell the number of its set, one byte, "
-          "or two when there are more than 256 sets",
-          tile({parameter("sets", "query", "1: gives the set of all materials in each coarse cell", flag()), version()}), "application/octet-stream", nullptr);
-  paths[grid + "/cell"] = get("the materials of a cell", {id, parameter("i", "query", "along x", kInteger), parameter("j", "query", "along y", kInteger),
-                                                          parameter("k", "query", "along z", kInteger), level("query"), version()}, "application/json", "Cell");
+  paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.png"] =
+      get("a tile of 512 x 512 cells as a picture, v upwards; tiles at the edge are smaller", tile({materials(), outline(), version()}), "image/png",
+          nullptr);
+  paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.bin"] = get(
+      "a tile as labels, the row with the lowest v first. Each cell is the id of its strongest material: one byte, or two (little endian) in grids of more than 256 materials. With "
+      "sets=1 there are, all little endian: the number of sets (u32); for each set its number of materials and their ids (u16 each); for each cell the number of its set, one byte, "
+      "or two when there are more than 256 sets",
+      tile({parameter("sets", "query", "1: gives the set of all materials in each coarse cell", flag()), version()}), "application/octet-stream",
+      nullptr);
+  paths[grid + "/cell"] = get("the materials of a cell",
+                              {id, parameter("i", "query", "along x", kInteger), parameter("j", "query", "along y", kInteger),
+                               parameter("k", "query", "along z", kInteger), level("query"), version()},
+                              "application/json", "Cell");
   for (auto& p : paths[grid + "/cell"]["get"]["parameters"])
     if (p["name"] == "i" || p["name"] == "j" || p["name"] == "k") p["required"] = true;
-  paths[grid + "/column/{axis}/{a}_{b}"] = get(
-      "the runs of a column of cells", {id, axis(), parameter("a", "path", "the cell's index along the first of the other two axes", kInteger), parameter("b", "path", "the cell's index along the second one", kInteger), version()},
-      "application/json", "Column");
-  paths[grid + "/stats"] = get("the exact number of cells, volume and box of every material, counted from runs",
-                               {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()}, "application/json", "Stats");
+  paths[grid + "/column/{axis}/{a}_{b}"] =
+      get("the runs of a column of cells",
+          {id, axis(), parameter("a", "path", "the cell's index along the first of the other two axes", kInteger),
+           parameter("b", "path", "the cell's index along the second one", kInteger), version()},
+          "application/json", "Column");
+  paths[grid + "/stats"] =
+      get("the exact number of cells, volume and box of every material, counted from runs",
+          {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()},
+          "application/json", "Stats");
   const ordered_json bearer = {{"type", "http"}, {"scheme", "bearer"}, {"description", "needed when the server was started with a token"}};
   const ordered_json out = {{"openapi", "3.1.0"},
                             {"info", {{"title", "teracell"}, {"version", "1"}, {"description", description()}}},

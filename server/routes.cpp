@@ -50,7 +50,9 @@ std::pair<std::string, std::string> split_pair(const std::string& text, const ch
   return {text.substr(0, sign), text.substr(sign + 1)};
 }
 
-int level_of(const std::string* text, const GridReader& reader) { return text ? static_cast<int>(integer_in(*text, "level", 0, reader.levels() - 1)) : 0; }
+int level_of(const std::string* text, const GridReader& reader) {
+  return text ? static_cast<int>(integer_in(*text, "level", 0, reader.levels() - 1)) : 0;
+}
 
 // "?materials=1,3" and "?outline=1".
 PictureStyle style_of(const Target& target, const Metadata& meta) {
@@ -63,8 +65,8 @@ PictureStyle style_of(const Target& target, const Metadata& meta) {
       for (const std::string_view text : split(*list, ',')) {
         const auto id = plain_integer(text);
         if (!id || static_cast<size_t>(*id) >= n)
-          throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'", n - 1,
-                                        text.substr(0, 48)));
+          throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'",
+                                        n - 1, text.substr(0, 48)));
         style.shown[static_cast<size_t>(*id)] = true;
       }
   }
@@ -83,7 +85,8 @@ struct GridRequest {
 };
 
 Response json_answer(const GridRequest& r, const char* route, std::function<ordered_json()> make) {
-  return r.service.answer(r.request, r.target, *r.grid, {.route = route, .content_type = kJson, .compress = true, .make = [make = std::move(make)] { return ascii_json(make()); }});
+  return r.service.answer(r.request, r.target, *r.grid,
+                          {.route = route, .content_type = kJson, .compress = true, .make = [make = std::move(make)] { return ascii_json(make()); }});
 }
 
 Response info(const GridRequest& r) {
@@ -109,9 +112,11 @@ Response slice(const GridRequest& r) {
   }
   const auto width = static_cast<uint64_t>(view.u1 - view.u0), height = static_cast<uint64_t>(view.v1 - view.v0);
   if (const uint64_t most = r.service.options().max_pixels; height > most / width)
-    throw bad_request(fmt::format("region: expected at most {} pixels, found {} x {}: ask for a part with region= or for a coarser level", most, width, height));
+    throw bad_request(
+        fmt::format("region: expected at most {} pixels, found {} x {}: ask for a part with region= or for a coarser level", most, width, height));
   const PictureStyle style = style_of(r.target, r.meta());
-  return r.service.answer(r.request, r.target, *r.grid, {.route = "slice", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, style); }});
+  return r.service.answer(r.request, r.target, *r.grid,
+                          {.route = "slice", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, style); }});
 }
 
 Response tile(const GridRequest& r) {
@@ -123,21 +128,24 @@ Response tile(const GridRequest& r) {
   const int64_t u = integer_in(col, "column", 0, Axis::kMaxCells), v = integer_in(row, "row", 0, Axis::kMaxCells);
   const auto tiles = [](int64_t cells) { return (cells + kTilePixels - 1) / kTilePixels; };
   if (u >= tiles(view.u1) || v >= tiles(view.v1))
-    throw not_found(fmt::format("there is no tile {}_{}: level {} has columns 0 to {} and rows 0 to {}", u, v, level, tiles(view.u1) - 1, tiles(view.v1) - 1));
+    throw not_found(
+        fmt::format("there is no tile {}_{}: level {} has columns 0 to {} and rows 0 to {}", u, v, level, tiles(view.u1) - 1, tiles(view.v1) - 1));
   view.u0 = u * kTilePixels, view.v0 = v * kTilePixels;
   view.u1 = std::min(view.u1, view.u0 + kTilePixels), view.v1 = std::min(view.v1, view.v0 + kTilePixels);
   if (extension == ".bin") {
     r.target.allow({"v", "sets"});
     const std::string* sets = r.target.find("sets");
     const bool with_sets = sets && integer_in(*sets, "sets", 0, 1) == 1;
-    return r.service.answer(r.request, r.target, *r.grid, {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&] {
-                              return with_sets ? raw_sets(r.reader(), view) : raw_labels(r.reader(), view);
-                            }});
+    return r.service.answer(r.request, r.target, *r.grid,
+                            {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&] {
+                               return with_sets ? raw_sets(r.reader(), view) : raw_labels(r.reader(), view);
+                             }});
   }
   if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));
   r.target.allow({"v", "materials", "outline"});
   const PictureStyle style = style_of(r.target, r.meta());
-  return r.service.answer(r.request, r.target, *r.grid, {.route = "tile", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, style); }});
+  return r.service.answer(r.request, r.target, *r.grid,
+                          {.route = "tile", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, style); }});
 }
 
 Response cell(const GridRequest& r) {
@@ -186,7 +194,8 @@ Response stats(const GridRequest& r) {
     for (int d = 0; d < 3; ++d) {
       box.lo[d] = c[d], box.hi[d] = c[d + 3];
       if (box.lo[d] < 0 || box.hi[d] > n[d] || box.lo[d] >= box.hi[d])
-        throw bad_request(fmt::format("region: expected a part of 0 to {} along {} (half open, not empty), found {} to {}", n[d], axis_name(d), c[d], c[d + 3]));
+        throw bad_request(
+            fmt::format("region: expected a part of 0 to {} along {} (half open, not empty), found {} to {}", n[d], axis_name(d), c[d], c[d + 3]));
     }
   }
   return json_answer(r, "stats", [&, box] { return stats_json(r.meta(), box, read_stats(r.reader(), box)); });
@@ -258,7 +267,8 @@ Response handle(Service& service, const Request& request) {
 }
 
 Handler handler_of(Service& service) {
-  return {[&service](const Request& request) { return handle_at_once(service, request); }, [&service](const Request& request) { return handle(service, request); }};
+  return {[&service](const Request& request) { return handle_at_once(service, request); },
+          [&service](const Request& request) { return handle(service, request); }};
 }
 
 }  // namespace teracell

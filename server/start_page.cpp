@@ -39,16 +39,20 @@ std::string card(const ServedGrid& grid, const Request& request) {
     const int level = preview_level(grid.meta().grid, axis);
     const int64_t index = n[axis] / 2;
     const std::string address = fmt::format("{}/slice/{}/{}.png?level={}&v={}", api, axis_name(axis), index >> level, level, grid.hash);
-    pictures += fmt::format("<figure><img src=\"{}\" alt=\"slice across {}\"><figcaption>{} = {}</figcaption></figure>", html(address), axis_name(axis), axis_name(axis), index);
+    pictures += fmt::format("<figure><img src=\"{}\" alt=\"slice across {}\"><figcaption>{} = {}</figcaption></figure>", html(address),
+                            axis_name(axis), axis_name(axis), index);
   }
   std::string rows;
   const std::string root = request.origin + base;
-  const auto row = [&](const char* name, const std::string& path) { rows += fmt::format("<tr><th>{}</th><td><a href=\"{}{}\">{}{}</a></td></tr>", name, html(base), html(path), html(root), html(path)); };
+  const auto row = [&](const char* name, const std::string& path) {
+    rows += fmt::format("<tr><th>{}</th><td><a href=\"{}{}\">{}{}</a></td></tr>", name, html(base), html(path), html(root), html(path));
+  };
   row("JSON", fmt::format("/api/v1/grids/{}", id));
   row("statistics", fmt::format("/api/v1/grids/{}/stats", id));
   for (const Protocol& p : protocols()) row(p.title, fmt::format("/{}{}", p.prefix, p.example(grid)));
-  return fmt::format("<section><h2>{}</h2><p>{} &times; {} &times; {} = {} cells in {:.1f} MB</p><div class=\"slices\">{}</div><table>{}</table></section>", html(grid.id), n[0], n[1],
-                     n[2], cell_count_text(n), static_cast<double>(grid.reader().file_bytes()) / 1e6, pictures, rows);
+  return fmt::format(
+      "<section><h2>{}</h2><p>{} &times; {} &times; {} = {} cells in {:.1f} MB</p><div class=\"slices\">{}</div><table>{}</table></section>",
+      html(grid.id), n[0], n[1], n[2], cell_count_text(n), static_cast<double>(grid.reader().file_bytes()) / 1e6, pictures, rows);
 }
 
 constexpr const char* kStyle =
@@ -64,7 +68,8 @@ std::string start_page(Service& service, const Request& request) {
   for (const auto& grid : service.grids().all()) cards += card(*grid, request);
   for (const auto& [id, error] : service.grids().unreadable())
     cards += fmt::format("<section><h2>{}</h2><p>This file can't be read: {}</p></section>", html(id), html(error));
-  if (cards.empty()) cards = "<p>There is no grid here yet. Files that end in .tcell appear on this page soon after they are put into a folder that is served.</p>";
+  if (cards.empty())
+    cards = "<p>There is no grid here yet. Files that end in .tcell appear on this page soon after they are put into a folder that is served.</p>";
   return fmt::format(
       "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>teracell</title><style>{}</style><h1>teracell</h1>{}"
       "<p><a href=\"{}/openapi.json\">description of the interface</a> &middot; <a href=\"{}/metrics\">metrics</a></p></html>",

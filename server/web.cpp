@@ -23,11 +23,16 @@ constexpr const char* kMoreFields =
     "Referrer-Policy: no-referrer\r\n";
 
 const char* type_of(std::string_view name) {
-  constexpr std::pair<std::string_view, const char*> types[] = {{".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"},
-                                                                {".css", "text/css; charset=utf-8"},   {".json", "application/json"},
-                                                                {".svg", "image/svg+xml"},             {".png", "image/png"},
-                                                                {".ico", "image/x-icon"},              {".woff2", "font/woff2"},
-                                                                {".wasm", "application/wasm"},         {".webmanifest", "application/manifest+json"}};
+  constexpr std::pair<std::string_view, const char*> types[] = {{".html", "text/html; charset=utf-8"},
+                                                                {".js", "text/javascript; charset=utf-8"},
+                                                                {".css", "text/css; charset=utf-8"},
+                                                                {".json", "application/json"},
+                                                                {".svg", "image/svg+xml"},
+                                                                {".png", "image/png"},
+                                                                {".ico", "image/x-icon"},
+                                                                {".woff2", "font/woff2"},
+                                                                {".wasm", "application/wasm"},
+                                                                {".webmanifest", "application/manifest+json"}};
   for (const auto& [end, type] : types)
     if (name.ends_with(end)) return type;
   return "application/octet-stream";
@@ -59,10 +64,16 @@ std::string inflated(std::string_view gzip) {
   return out;
 }
 
-std::string hash_of(std::string_view bytes) { return fmt::format("{:016x}", checksum({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()})); }
+std::string hash_of(std::string_view bytes) {
+  return fmt::format("{:016x}", checksum({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}));
+}
 
 Response response(std::string_view name, std::string etag, bool forever) {
-  return {.content_type = type_of(name), .etag = std::move(etag), .cache_control = forever ? "public, max-age=31536000, immutable" : "no-cache", .more_fields = kMoreFields, .route = "page"};
+  return {.content_type = type_of(name),
+          .etag = std::move(etag),
+          .cache_control = forever ? "public, max-age=31536000, immutable" : "no-cache",
+          .more_fields = kMoreFields,
+          .route = "page"};
 }
 
 Response with_body(Response r, const Request& request, Body body) {
@@ -114,7 +125,8 @@ std::optional<Response> Page::answer(const Request& request) const {
   const std::string_view name = name_of(path_of(request.target));
   if (name.empty()) return std::nullopt;
   if (const auto found = files_.find(name); found != files_.end())
-    return with_body(response(name, fmt::format("\"{}\"", found->second.etag), name.starts_with("assets/")), request, body_of(inflated(*found->second.gzip)));
+    return with_body(response(name, fmt::format("\"{}\"", found->second.etag), name.starts_with("assets/")), request,
+                     body_of(inflated(*found->second.gzip)));
   if (folder_.empty()) return std::nullopt;
   const Listing there = listing();
   const auto found = there.find(name);
@@ -135,16 +147,12 @@ Handler with_page(Handler inner, const Page& page) {
             std::optional<Response> r = page.answer(request);
             return r ? *r : handle(request);
           },
-          [&page, is_open = std::move(inner.is_open)](std::string_view path) {
-            return page.has(path) || (is_open && is_open(path));
-          }};
+          [&page, is_open = std::move(inner.is_open)](std::string_view path) { return page.has(path) || (is_open && is_open(path)); }};
 }
 
 Handler with_text(Handler inner, std::string path, Body text) {
-  const Response whole{.content_type = "text/plain; charset=utf-8",
-                       .etag = fmt::format("\"{}\"", hash_of(*text)),
-                       .cache_control = "no-cache",
-                       .route = "page"};
+  const Response whole{
+      .content_type = "text/plain; charset=utf-8", .etag = fmt::format("\"{}\"", hash_of(*text)), .cache_control = "no-cache", .route = "page"};
   const auto answer = [=](const Request& request) -> std::optional<Response> {
     if (path_of(request.target) != path) return std::nullopt;
     return with_body(whole, request, text);
@@ -157,9 +165,7 @@ Handler with_text(Handler inner, std::string path, Body text) {
             std::optional<Response> r = answer(request);
             return r ? *r : handle(request);
           },
-          [path, is_open = std::move(inner.is_open)](std::string_view asked) {
-            return asked == path || (is_open && is_open(asked));
-          }};
+          [path, is_open = std::move(inner.is_open)](std::string_view asked) { return asked == path || (is_open && is_open(asked)); }};
 }
 
 }  // namespace teracell

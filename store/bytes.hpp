@@ -33,8 +33,7 @@ class ByteReader {
     throw FormatError(what_ + ": byte " + std::to_string(at_) + ": " + message, remedy);
   }
   std::span<const uint8_t> take(uint64_t count) {
-    if (count > remaining())
-      fail("expected " + std::to_string(count) + " more bytes, found " + std::to_string(remaining()));
+    if (count > remaining()) fail("expected " + std::to_string(count) + " more bytes, found " + std::to_string(remaining()));
     at_ += count;
     return bytes_.subspan(at_ - count, count);
   }
@@ -59,8 +58,7 @@ class ByteReader {
   // A varint that must lie in [lo, hi].
   uint64_t varint(uint64_t lo, uint64_t hi, const char* name) {
     const uint64_t v = varint();
-    if (v < lo || v > hi)
-      fail(std::string(name) + " must be " + std::to_string(lo) + " to " + std::to_string(hi) + ", found " + std::to_string(v));
+    if (v < lo || v > hi) fail(std::string(name) + " must be " + std::to_string(lo) + " to " + std::to_string(hi) + ", found " + std::to_string(v));
     return v;
   }
   void expect_end() const {

@@ -13,7 +13,8 @@ void check_inside(const ByteSource& source, const DirectoryEntry& place, const s
 
 void check_sum(const DirectoryEntry& place, const std::string& what, uint64_t found) {
   if (found != place.checksum)
-    throw FormatError(fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum, found));
+    throw FormatError(
+        fmt::format("{} at byte {}: expected checksum {:016x}, found {:016x}: the file is damaged", what, place.offset, place.checksum, found));
 }
 
 void read_checked(const ByteSource& source, const DirectoryEntry& place, const std::string& what, Bytes& out) {

@@ -164,8 +164,9 @@ Bytes ChunkEncoder::encode(const RayBlock& b, const SetTable& sets) {
   s.put_exceptions(b);
   s.put_changes(b);
   if (s.body.size() > kMaxChunkBytes)
-    throw InputError(fmt::format("a chunk of {} x {} rays has {} changes of material, more than fit in {} MiB: the surface is finer than the chunks can hold",
-                                 b.nu, b.nv, b.at.size(), kMaxChunkBytes >> 20));
+    throw InputError(
+        fmt::format("a chunk of {} x {} rays has {} changes of material, more than fit in {} MiB: the surface is finer than the chunks can hold",
+                    b.nu, b.nv, b.at.size(), kMaxChunkBytes >> 20));
   return s.zstd.encode(s.body, kZstdLevel);
 }
 
@@ -229,7 +230,8 @@ void decode_pattern_of_rays(ByteReader& in, RayBlock& b) {
 void decode_changes(ByteReader& in, RayBlock& b) {
   b.at.resize(b.begin.back());
   uint64_t planar = 0;
-  walk(b, [](uint32_t, From) {}, [&](uint32_t from, uint32_t to) { planar += b.begin[to] - b.begin[from]; });
+  walk(
+      b, [](uint32_t, From) {}, [&](uint32_t from, uint32_t to) { planar += b.begin[to] - b.begin[from]; });
   const uint8_t* narrow = in.take(planar).data();
 
   const auto one = [&](uint32_t ray, From from) {
@@ -268,8 +270,7 @@ void decode_changes(ByteReader& in, RayBlock& b) {
 
 }  // namespace
 
-void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels,
-                          Chunk& out) {
+void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, Chunk& out) {
   if (uint64_t{nu} * nv > kMaxChunkRays) throw FormatError(fmt::format("a chunk of {} x {} rays is larger than FORMAT.md allows", nu, nv));
   Scratch& s = *s_;
   s.zstd.decode(frame, kMaxChunkBytes, "chunk", s.body);

@@ -11,7 +11,8 @@ void check_box(const Metadata& meta, int level, const Box& box) {
   const Index3 n = meta.grid.cells(level);
   for (int d = 0; d < 3; ++d)
     if (box.lo[d] < 0 || box.hi[d] > n[d])
-      throw UsageError(fmt::format("the box along {} must lie in 0 to {} (half open) on level {}, found {} to {}", axis_name(d), n[d], level, box.lo[d], box.hi[d]));
+      throw UsageError(fmt::format("the box along {} must lie in 0 to {} (half open) on level {}, found {} to {}", axis_name(d), n[d], level,
+                                   box.lo[d], box.hi[d]));
 }
 
 }  // namespace teracell

@@ -33,8 +33,7 @@ void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
     const ssize_t n = ::pread(fd_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) throw IoError(fmt::format("{}: byte {}: can't read: {}", name_, offset + done, std::strerror(errno)));
-    if (n == 0)
-      throw IoError(fmt::format("{}: byte {}: expected {} more bytes, found the end of the file", name_, offset + done, out.size() - done));
+    if (n == 0) throw IoError(fmt::format("{}: byte {}: expected {} more bytes, found the end of the file", name_, offset + done, out.size() - done));
     done += static_cast<size_t>(n);
   }
 }
@@ -43,13 +42,15 @@ OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep) : tar
   std::error_code ignored;  // open() will tell what else is wrong with the target
   // The rename would replace a device by a file: root must not lose /dev/null.
   if (const auto found = std::filesystem::status(target_, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
-    throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(), std::filesystem::is_directory(found) ? "a folder" : "a device or a pipe"));
+    throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(),
+                              std::filesystem::is_directory(found) ? "a folder" : "a device or a pipe"));
   fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
   if (fd_ < 0) {
     const int error = errno;
     const std::filesystem::path folder = target_.parent_path();
     const bool no_folder = error == ENOENT && !folder.empty() && !std::filesystem::exists(folder, ignored);
-    throw IoError(fmt::format("{}: can't create: {}", partial_.string(), no_folder ? fmt::format("there is no folder '{}'", folder.string()) : std::strerror(error)));
+    throw IoError(fmt::format("{}: can't create: {}", partial_.string(),
+                              no_folder ? fmt::format("there is no folder '{}'", folder.string()) : std::strerror(error)));
   }
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
     ::close(fd_);

@@ -21,7 +21,8 @@ constexpr uint64_t kMaxText = uint64_t{1} << 26;  // metadata, report, page: par
 
 Bytes compress(std::span<const uint8_t> body) {
   if (body.size() > kMaxText)
-    throw InputError(fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), kMaxText >> 20));
+    throw InputError(
+        fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), kMaxText >> 20));
   return ZstdEncoder().encode(body, body.size() < kLongText ? kIndexLevel : kLongTextLevel);
 }
 
@@ -50,9 +51,7 @@ std::string compressor_version() { return ZSTD_versionString(); }
 
 uint64_t checksum(std::span<const uint8_t> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
-Bytes encode_text(const std::string& text) {
-  return compress({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-}
+Bytes encode_text(const std::string& text) { return compress({reinterpret_cast<const uint8_t*>(text.data()), text.size()}); }
 
 std::string decode_text(std::span<const uint8_t> frame, const std::string& what) {
   const Bytes body = decompress(frame, what);
@@ -143,11 +142,13 @@ uint64_t directory_bytes(uint64_t entries) {
 
 std::vector<DirectoryEntry> decode_directory_block(std::span<const uint8_t> block) {
   ByteReader in(block, "directory block");
-  if (block.size() < 8 || (block.size() - 8) % kDirectoryEntry != 0) in.fail(fmt::format("expected whole entries and a checksum, found {} bytes", block.size()));
+  if (block.size() < 8 || (block.size() - 8) % kDirectoryEntry != 0)
+    in.fail(fmt::format("expected whole entries and a checksum, found {} bytes", block.size()));
   std::vector<DirectoryEntry> entries((block.size() - 8) / kDirectoryEntry);
   for (DirectoryEntry& e : entries) e = {in.fixed<uint64_t>(), in.fixed<uint64_t>(), in.fixed<uint64_t>()};
   const auto expected = in.fixed<uint64_t>(), found = checksum(block.first(block.size() - 8));
-  if (found != expected) throw FormatError(fmt::format("directory block: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
+  if (found != expected)
+    throw FormatError(fmt::format("directory block: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
   return entries;
 }
 
@@ -190,8 +191,7 @@ Bytes encode_footer(const Footer& footer) {
   Bytes out;
   put_skippable(out, kFooterBytes - 8);
   put_fixed(out, footer.file_bytes);
-  for (const DirectoryEntry* e : {&footer.metadata, &footer.report})
-    put_fixed(out, e->offset), put_fixed(out, e->size), put_fixed(out, e->checksum);
+  for (const DirectoryEntry* e : {&footer.metadata, &footer.report}) put_fixed(out, e->offset), put_fixed(out, e->size), put_fixed(out, e->checksum);
   out.insert(out.end(), footer.hash.begin(), footer.hash.end());
   out.resize(kFooterBytes - 16, 0);
   put_fixed(out, checksum(out));
@@ -208,8 +208,7 @@ Footer decode_footer(std::span<const uint8_t> bytes) {
   check_skippable(in, kFooterBytes - 8);
   Footer footer;
   footer.file_bytes = in.fixed<uint64_t>();
-  for (DirectoryEntry* e : {&footer.metadata, &footer.report})
-    *e = {in.fixed<uint64_t>(), in.fixed<uint64_t>(), in.fixed<uint64_t>()};
+  for (DirectoryEntry* e : {&footer.metadata, &footer.report}) *e = {in.fixed<uint64_t>(), in.fixed<uint64_t>(), in.fixed<uint64_t>()};
   std::ranges::copy(in.take(16), footer.hash.begin());
   for (const uint8_t b : in.take(in.remaining() - 16))
     if (b != 0) in.fail("reserved bytes are set");

@@ -40,8 +40,7 @@ Axis Axis::graded(std::vector<double> planes, double sample) {
 }
 
 void Axis::check() const {
-  if (cells_ < 1 || cells_ > kMaxCells)
-    throw UsageError(fmt::format("an axis has 1 to {} cells, found {}", kMaxCells, cells_));
+  if (cells_ < 1 || cells_ > kMaxCells) throw UsageError(fmt::format("an axis has 1 to {} cells, found {}", kMaxCells, cells_));
   if (!(sample_ >= 0 && sample_ < 1)) throw UsageError(fmt::format("sample must be in [0, 1), found {}", sample_));
   if (!is_graded()) {
     if (!(step_ > 0) || !usable(step_) || !usable(min_))
@@ -117,8 +116,6 @@ void Grid::check_level(int level) const {
   if (level < 0 || level >= levels()) throw UsageError(fmt::format("level must be 0 to {}, found {}", levels() - 1, level));
 }
 
-std::string cell_count_text(const Index3& cells) {
-  return fmt::format("{}", static_cast<unsigned __int128>(cells[0]) * cells[1] * cells[2]);
-}
+std::string cell_count_text(const Index3& cells) { return fmt::format("{}", static_cast<unsigned __int128>(cells[0]) * cells[1] * cells[2]); }
 
 }  // namespace teracell

@@ -48,8 +48,7 @@ class Axis {
   const std::vector<double>& planes() const { return planes_; }  // graded
 
   double centre(int64_t i) const {
-    return is_graded() ? planes_[i] + sample_ * (planes_[i + 1] - planes_[i])
-                       : min_ + (static_cast<double>(first_ + i) + sample_) * step_;
+    return is_graded() ? planes_[i] + sample_ * (planes_[i + 1] - planes_[i]) : min_ + (static_cast<double>(first_ + i) + sample_) * step_;
   }
   double plane(int64_t i) const { return is_graded() ? planes_[i] : min_ + static_cast<double>(first_ + i) * step_; }
 

@@ -41,7 +41,8 @@ ordered_json info_json(const GridReader& reader) {
   for (size_t i = 0; i < meta.materials.size(); ++i)
     j["materials"].push_back({{"id", i}, {"name", meta.materials[i].name}, {"color", meta.materials[i].color}, {"rank", meta.materials[i].rank}});
   for (int level = 0; level < reader.levels(); ++level) {
-    ordered_json l = {{"level", level}, {"cells", meta.grid.cells(level)}, {"stored", reader.stored(level)}, {"chunks", 0}, {"bytes", 0}, {"changes", 0}};
+    ordered_json l = {{"level", level}, {"cells", meta.grid.cells(level)}, {"stored", reader.stored(level)}, {"chunks", 0}, {"bytes", 0},
+                      {"changes", 0}};
     for (const LevelInfo& s : meta.levels())
       if (s.level == level) l["chunks"] = s.chunks, l["bytes"] = s.bytes, l["changes"] = s.changes;
     j["levels"].push_back(l);
@@ -71,7 +72,12 @@ ordered_json column_json(const Metadata& meta, int axis, int64_t a, int64_t b, c
   ordered_json j = {{"schema", 1}, {"axis", axis_name(axis)}, {"at", {a, b}}, {"runs", ordered_json::array()}};
   const Axis& along = meta.grid.axis[axis];
   for (const ColumnRun& r : runs)
-    j["runs"].push_back({{"from", r.from}, {"to", r.to}, {"min", along.plane(r.from)}, {"max", along.plane(r.to)}, {"material", r.material}, {"name", meta.materials[r.material].name}});
+    j["runs"].push_back({{"from", r.from},
+                         {"to", r.to},
+                         {"min", along.plane(r.from)},
+                         {"max", along.plane(r.to)},
+                         {"material", r.material},
+                         {"name", meta.materials[r.material].name}});
   return j;
 }
 

@@ -21,9 +21,7 @@ LevelShape::LevelShape(const Metadata& meta, int of_level)
   pages_v = parts(chunks_v, page_chunks);
 }
 
-uint32_t LevelShape::page_width(uint64_t page) const {
-  return std::min(page_chunks, chunks_u - static_cast<uint32_t>(page % pages_u) * page_chunks);
-}
+uint32_t LevelShape::page_width(uint64_t page) const { return std::min(page_chunks, chunks_u - static_cast<uint32_t>(page % pages_u) * page_chunks); }
 
 uint32_t LevelShape::page_height(uint64_t page) const {
   return std::min(page_chunks, chunks_v - static_cast<uint32_t>(page / pages_u % pages_v) * page_chunks);
@@ -31,8 +29,8 @@ uint32_t LevelShape::page_height(uint64_t page) const {
 
 ChunkKey LevelShape::key_of(uint64_t page, uint32_t slot) const {
   const uint32_t width = page_width(page);
-  return {level, static_cast<uint32_t>(page % pages_u) * page_chunks + slot % width, static_cast<uint32_t>(page / pages_u % pages_v) * page_chunks + slot / width,
-          static_cast<uint32_t>(page / pages_u / pages_v)};
+  return {level, static_cast<uint32_t>(page % pages_u) * page_chunks + slot % width,
+          static_cast<uint32_t>(page / pages_u % pages_v) * page_chunks + slot / width, static_cast<uint32_t>(page / pages_u / pages_v)};
 }
 
 }  // namespace teracell

@@ -29,8 +29,8 @@ T whole(const ordered_json& j, const char* key, uint64_t hi) {
 Axis axis_from(const ordered_json& j) {
   if (j.at("type") == "graded") return Axis::graded(j.at("planes").get<std::vector<double>>(), j.at("sample"));
   if (j.at("type") != "uniform") throw FormatError("metadata: an axis is uniform or graded, found " + j.at("type").dump());
-  return Axis::uniform(j.at("min"), j.at("step"), whole<int64_t>(j, "first", uint64_t{1} << 52),
-                       whole<int64_t>(j, "cells", Axis::kMaxCells), j.at("sample"));
+  return Axis::uniform(j.at("min"), j.at("step"), whole<int64_t>(j, "first", uint64_t{1} << 52), whole<int64_t>(j, "cells", Axis::kMaxCells),
+                       j.at("sample"));
 }
 
 ordered_json to_json(const Channel& c) {
@@ -52,7 +52,8 @@ Channel channel_from(const ordered_json& j, std::span<const ChannelKind> known) 
   c.required = c.name == kLabels || j.at("required").get<bool>();
   if (const auto coding = j.find("coding"); coding != j.end() && coding->is_string()) c.coding = *coding;
   if (c.required && find_kind(known, c.name, c.coding) == nullptr)
-    throw FormatError(fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know", c.name, j.at("coding").dump()));
+    throw FormatError(
+        fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know", c.name, j.at("coding").dump()));
   if (c.name != kLabels) {
     const ordered_json& cover = j.at("cover");
     c.cover = whole<uint64_t>(cover, "offset", ~uint64_t{0});

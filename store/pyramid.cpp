@@ -14,8 +14,7 @@ constexpr size_t kMostMerged = 16;  // rays that become one: 4 x 4, two levels u
 // parts lie apart, need the general sweep over intervals.
 class CoarseRay {
  public:
-  CoarseRay(const RayBlock& fine, int shift, SetTable& sets)
-      : fine_(fine), shift_(shift), last_((fine.length - 1) >> shift), sets_(sets) {}
+  CoarseRay(const RayBlock& fine, int shift, SetTable& sets) : fine_(fine), shift_(shift), last_((fine.length - 1) >> shift), sets_(sets) {}
 
   // Appends the ray that `rays` become. `one_pattern`: all of them have the same pattern.
   void merge(std::span<const uint32_t> rays, bool one_pattern, RayBlock& out) {
@@ -166,8 +165,7 @@ Chunk coarsen(const Chunk& chunk, int shift) {
   const uint32_t width = 1u << shift;
   Chunk coarse{{}, chunk.sets};  // unions get ids in this table
   RayBlock& out = coarse.rays;
-  out.reset((fine.nu + width - 1) >> shift, (fine.nv + width - 1) >> shift,
-            static_cast<uint32_t>((uint64_t{fine.length} + width - 1) >> shift));
+  out.reset((fine.nu + width - 1) >> shift, (fine.nv + width - 1) >> shift, static_cast<uint32_t>((uint64_t{fine.length} + width - 1) >> shift));
   if (fine.uniform()) {
     out.fill(out.nu, out.nv, out.length, fine.patterns.sets(0)[0]);
     return coarse;

@@ -19,7 +19,8 @@ Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t 
   std::vector<Piece> places;
   for (uint32_t v = 0; v < side; ++v)
     for (uint32_t u = 0; u < side; ++u)
-      if (const Chunk& piece = pieces[v * stride + u]; piece.rays.rays() != 0) places.push_back({u * (chunk_rays / side), v * (chunk_rays / side), 0, &piece});
+      if (const Chunk& piece = pieces[v * stride + u]; piece.rays.rays() != 0)
+        places.push_back({u * (chunk_rays / side), v * (chunk_rays / side), 0, &piece});
   return places.empty() ? Chunk() : join(places, labels);
 }
 

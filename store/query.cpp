@@ -91,8 +91,8 @@ std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a
   const Frame f = Frame::along(axis);
   const Index3 n = meta.grid.cells();
   if (a < 0 || a >= n[f.u] || b < 0 || b >= n[f.v])
-    throw UsageError(fmt::format("column ({}, {}) along {} is outside the grid: {} is 0 to {}, {} is 0 to {}", a, b, axis_name(axis),
-                                 axis_name(f.u), n[f.u] - 1, axis_name(f.v), n[f.v] - 1));
+    throw UsageError(fmt::format("column ({}, {}) along {} is outside the grid: {} is 0 to {}, {} is 0 to {}", a, b, axis_name(axis), axis_name(f.u),
+                                 n[f.u] - 1, axis_name(f.v), n[f.v] - 1));
   Box box{{0, 0, 0}, n};
   box.lo[f.u] = a, box.hi[f.u] = a + 1;
   box.lo[f.v] = b, box.hi[f.v] = b + 1;

@@ -51,7 +51,8 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
     bytes.resize(kFooterBytes);
     source_->read(size - kFooterBytes, bytes);
     footer_ = decode_footer(bytes);
-    if (footer_.file_bytes != size) throw FormatError(fmt::format("expected {} bytes, found {}: bytes are missing or were added", footer_.file_bytes, size));
+    if (footer_.file_bytes != size)
+      throw FormatError(fmt::format("expected {} bytes, found {}: bytes are missing or were added", footer_.file_bytes, size));
     read_checked(*source_, footer_.metadata, "metadata", bytes);
     meta_ = decode_metadata(bytes);
     for (const LevelInfo& l : meta_.levels()) {
@@ -78,13 +79,9 @@ std::string GridReader::report() const {
   }
 }
 
-const LevelInfo& GridReader::info(int level) const {
-  return *std::ranges::find(meta_.levels(), level, &LevelInfo::level);
-}
+const LevelInfo& GridReader::info(int level) const { return *std::ranges::find(meta_.levels(), level, &LevelInfo::level); }
 
-bool GridReader::stored(int level) const {
-  return std::ranges::find(meta_.levels(), level, &LevelInfo::level) != meta_.levels().end();
-}
+bool GridReader::stored(int level) const { return std::ranges::find(meta_.levels(), level, &LevelInfo::level) != meta_.levels().end(); }
 
 void GridReader::check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const {
   const uint64_t size = source_->size();
@@ -109,9 +106,7 @@ DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries,
   return found->block[i % kBlockEntries];
 }
 
-DirectoryEntry GridReader::page_place(int level, uint64_t page) const {
-  return directory_entry(info(level).directory, shape(level).pages(), page);
-}
+DirectoryEntry GridReader::page_place(int level, uint64_t page) const { return directory_entry(info(level).directory, shape(level).pages(), page); }
 
 DirectoryEntry GridReader::frame_place(const Channel& channel, uint64_t frame) const { return directory_entry(channel.cover, channel.frames, frame); }
 

@@ -24,9 +24,7 @@ inline bool same(std::span<const SetId> a, std::span<const SetId> b) {
 class PatternTable {
  public:
   uint32_t intern(std::span<const SetId> sets);
-  std::span<const SetId> sets(uint32_t pattern) const {
-    return {sets_.data() + begin_[pattern], begin_[pattern + 1] - begin_[pattern]};
-  }
+  std::span<const SetId> sets(uint32_t pattern) const { return {sets_.data() + begin_[pattern], begin_[pattern + 1] - begin_[pattern]}; }
   uint32_t changes(uint32_t pattern) const { return begin_[pattern + 1] - begin_[pattern] - 1; }
   uint32_t size() const { return static_cast<uint32_t>(begin_.size()) - 1; }
   void clear();

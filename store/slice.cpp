@@ -79,7 +79,9 @@ struct Picture {
     int64_t u0, u1;
     std::vector<uint16_t> cells{};
     int64_t width() const { return u1 - u0; }
-    std::span<const uint16_t> row(int64_t v) const { return std::span(cells).subspan(static_cast<size_t>((v - band.from) * width()), static_cast<size_t>(width())); }
+    std::span<const uint16_t> row(int64_t v) const {
+      return std::span(cells).subspan(static_cast<size_t>((v - band.from) * width()), static_cast<size_t>(width()));
+    }
   };
 
   // Makes the cells of parts on the threads and delivers them in order. Bands are cut at multiples of size_v, parts at
@@ -344,11 +346,12 @@ void check_view(const Metadata& meta, const SliceView& view) {
   const Index3 n = meta.grid.cells(view.level);
   const Frame f = Frame::along(view.axis);
   if (view.index < 0 || view.index >= n[view.axis])
-    throw UsageError(fmt::format("index along {} must be 0 to {} on level {}, found {}", axis_name(view.axis), n[view.axis] - 1, view.level, view.index));
+    throw UsageError(
+        fmt::format("index along {} must be 0 to {} on level {}, found {}", axis_name(view.axis), n[view.axis] - 1, view.level, view.index));
   const auto check = [&](int axis, int64_t lo, int64_t hi) {
     if (lo < 0 || hi > n[axis] || lo >= hi)
-      throw UsageError(fmt::format("the region along {} must lie in 0 to {} (half open) on level {} and not be empty, found {} to {}", axis_name(axis),
-                                   n[axis], view.level, lo, hi));
+      throw UsageError(fmt::format("the region along {} must lie in 0 to {} (half open) on level {} and not be empty, found {} to {}",
+                                   axis_name(axis), n[axis], view.level, lo, hi));
   };
   check(f.u, view.u0, view.u1);
   check(f.v, view.v0, view.v1);

@@ -66,7 +66,8 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
       return decoded->rays;
     };
     std::vector<LabelStats> counted;
-    if (entry->size == 0) counted = {{entry->uniform[0], uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0), {p.u0, p.v0, p.w0}, {p.u1, p.v1, p.w1}}};
+    if (entry->size == 0)
+      counted = {{entry->uniform[0], uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0), {p.u0, p.v0, p.w0}, {p.u1, p.v1, p.w1}}};
     else if (!p.whole) {
       auto known = stats_of_part(entry->stats, p);
       counted = known ? std::move(*known) : stats_of_part(rays(), p);
@@ -92,8 +93,8 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
     if (scattered.empty()) return;
     for_each_part_run(rays(), p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
       if (std::ranges::find(scattered, label) == scattered.end()) return;
-      stats[meta.labels[label].material].volume +=
-          length(f.u, p.first_u + u, p.first_u + u + 1) * length(f.v, p.first_v + v, p.first_v + v + 1) * length(f.w, p.first_w + from, p.first_w + to);
+      stats[meta.labels[label].material].volume += length(f.u, p.first_u + u, p.first_u + u + 1) * length(f.v, p.first_v + v, p.first_v + v + 1) *
+                                                   length(f.w, p.first_w + from, p.first_w + to);
     });
   });
   if (!graded)

@@ -44,9 +44,7 @@ class Coverage {
   }
 
  private:
-  [[noreturn]] static void overlap(uint64_t offset) {
-    throw FormatError(fmt::format("byte {} belongs to two things that the index names", offset));
-  }
+  [[noreturn]] static void overlap(uint64_t offset) { throw FormatError(fmt::format("byte {} belongs to two things that the index names", offset)); }
   std::map<uint64_t, uint64_t> ranges_;  // start -> end
   uint64_t bytes_ = 0;
 };
@@ -106,7 +104,8 @@ void verify_level(const GridReader& reader, const LevelInfo& l, int threads, Cov
 }
 
 // The frames of a channel other than the labels: first as bytes, however many, then as what the kind of the channel says.
-void verify_frames(const GridReader& reader, const Channel& c, std::span<const ChannelKind> known, Coverage& coverage, const std::function<void()>& progress) {
+void verify_frames(const GridReader& reader, const Channel& c, std::span<const ChannelKind> known, Coverage& coverage,
+                   const std::function<void()>& progress) {
   const auto name_of = [&](uint64_t i) { return fmt::format("channel '{}' frame {}", c.name, i); };
   coverage.add(c.cover, directory_bytes(c.frames));
   for (uint64_t i = 0; i < c.frames; ++i) {

@@ -31,8 +31,8 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_
     const LevelShape& s = l.shape;
     constexpr uint64_t kMaxPages = (~uint32_t{0} - 8) / (kDirectoryEntry + 1);
     if (uint64_t{s.pages_u} * s.pages_v > kMaxPages || s.pages() > kMaxPages)
-      throw UsageError(fmt::format("{} x {} rays are more than a file can index: take fewer cells across {}, or rays along the longest axes", s.nu, s.nv,
-                                   axis_name(meta_.ray_axis)));
+      throw UsageError(fmt::format("{} x {} rays are more than a file can index: take fewer cells across {}, or rays along the longest axes", s.nu,
+                                   s.nv, axis_name(meta_.ray_axis)));
     l.directory.resize(l.shape.pages());
     levels_.push_back(std::move(l));
   }
@@ -62,7 +62,8 @@ void GridWriter::save(Bytes& state) {
   }
 }
 
-GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteReader& state) : GridWriter(path, std::move(meta), state.fixed<uint64_t>()) {
+GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteReader& state)
+    : GridWriter(path, std::move(meta), state.fixed<uint64_t>()) {
   Bytes block(1 << 20);
   for (uint64_t at = 0; at < file_.size(); at += block.size()) {
     block.resize(std::min<uint64_t>(block.size(), file_.size() - at));

@@ -119,8 +119,9 @@ std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memor
     });
     append_boundary(uses, out);
     if (out.size() * sizeof(BoundaryEdge) > memory)
-      throw InputError(fmt::format("{}: the surface has more than {} open edges, too many for the memory given. If its facets are loose, weld equal vertices; if not, allow more memory",
-                                   name, out.size()));
+      throw InputError(fmt::format(
+          "{}: the surface has more than {} open edges, too many for the memory given. If its facets are loose, weld equal vertices; if not, allow more memory",
+          name, out.size()));
   }
   std::ranges::sort(out, {}, [](const BoundaryEdge& e) { return std::pair(std::min(e.from, e.to), std::max(e.from, e.to)); });
   return out;

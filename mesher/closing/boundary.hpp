@@ -10,8 +10,8 @@
 #include <functional>
 #include <vector>
 
-#include "mesher/surface/facet.hpp"
 #include "mesher/closing/vertex_hash.hpp"
+#include "mesher/surface/facet.hpp"
 
 namespace teracell {
 

@@ -51,14 +51,17 @@ bool touches_other_parts(const SceneBody& body, const std::vector<BoundaryEdge>&
   std::ranges::sort(uses);
   bool found = false;
   std::vector<uint64_t> in_all(uses.size());
-  read_facets(body.mesh, "", [&](std::span<const Facet> facets) {
-    for (const Facet& f : facets)
-      for (int i = 0; i < 3; ++i) {
-        const auto edge = key(f.vertex[i], f.vertex[(i + 1) % 3]);
-        const auto it = std::ranges::lower_bound(uses, edge, {}, [](const auto& u) { return u.first; });
-        if (it != uses.end() && it->first == edge) found |= ++in_all[it - uses.begin()] > it->second;
-      }
-  }, budget);
+  read_facets(
+      body.mesh, "",
+      [&](std::span<const Facet> facets) {
+        for (const Facet& f : facets)
+          for (int i = 0; i < 3; ++i) {
+            const auto edge = key(f.vertex[i], f.vertex[(i + 1) % 3]);
+            const auto it = std::ranges::lower_bound(uses, edge, {}, [](const auto& u) { return u.first; });
+            if (it != uses.end() && it->first == edge) found |= ++in_all[it - uses.begin()] > it->second;
+          }
+      },
+      budget);
   return found;
 }
 
@@ -87,9 +90,11 @@ class BodyCloser {
 
   // Nearly all bodies are closed, and no search for facets that lie on each other is needed.
   bool is_simple() {
-    const bool closed = body_.fill == Fill::kEvenodd ? surface_.boundary.undirected_boundary_is_empty() : surface_.boundary.directed_boundary_is_empty();
+    const bool closed =
+        body_.fill == Fill::kEvenodd ? surface_.boundary.undirected_boundary_is_empty() : surface_.boundary.directed_boundary_is_empty();
     if (!closed || body_.fill == Fill::kDistinct || (automatic() && surface_.opposites)) return false;
-    out_.fill.push_back({automatic() ? Fill::kNonzero : body_.fill, std::nullopt, automatic() ? "closed: every edge is matched by its reverse" : "asked for"});
+    out_.fill.push_back(
+        {automatic() ? Fill::kNonzero : body_.fill, std::nullopt, automatic() ? "closed: every edge is matched by its reverse" : "asked for"});
     return true;
   }
 
@@ -182,7 +187,8 @@ class BodyCloser {
         "\"-z\"}}){}{}",
         body_.mesh.string(), body_.name, parity ? "used an even number of times" : "matched by its reverse", out_.stitch,
         (count == 1 ? "is " : "are ") + plural(count, "edge"), count == 1 ? "is" : "are", text(lo), text(hi), text(first->from), text(first->to),
-        !parity && !out_.flips.empty() ? ". Some facets are oriented the other way round: orient them alike, or set \"fill\": \"auto\" or \"evenodd\"" : "",
+        !parity && !out_.flips.empty() ? ". Some facets are oriented the other way round: orient them alike, or set \"fill\": \"auto\" or \"evenodd\""
+                                       : "",
         body_.part.empty() ? "" : fmt::format(". Part '{}' may be cut off from parts of the file that the scene leaves out", body_.part)));
   }
 
@@ -223,8 +229,10 @@ class BodyCloser {
     };
     describe(Fill::kNonzero, out_.was_open || !flips_.empty() ? "facets are oriented alike" : "closed: every edge is matched by its reverse");
     describe(Fill::kEvenodd, "some facets are oriented the other way round, and by parity fewer edges stay open than by winding number");
-    describe(Fill::kDistinct, fmt::format("{} of {} facets lie on others of opposite orientation and would cancel, so each place counts once and parity decides the inside",
-                                          gone, doubled));
+    describe(
+        Fill::kDistinct,
+        fmt::format("{} of {} facets lie on others of opposite orientation and would cancel, so each place counts once and parity decides the inside",
+                    gone, doubled));
     const bool uniform = out_.fill.size() == 1 && out_.fill[0].rule != Fill::kDistinct;
     if (!uniform) out_.rules = std::make_shared<FacetRules>(std::move(shells_), std::move(stitched_.rule));
   }

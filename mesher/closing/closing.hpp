@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "mesher/closing/caps.hpp"
-#include "mesher/engines/engine.hpp"
 #include "mesher/closing/shells.hpp"
 #include "mesher/closing/stitch.hpp"
+#include "mesher/engines/engine.hpp"
 
 namespace teracell {
 

@@ -43,7 +43,8 @@ std::vector<bool> outer_loops(const std::vector<Loop>& loops, int axis, bool eve
     for (size_t i = 0; i < loops.size(); ++i) {
       const double v = least[i][f.v];
       for (size_t k = 0; k < loops.size() && out[i]; ++k)
-        if (std::abs(area[k]) > std::abs(area[i]) && extent[k].first <= v && v <= extent[k].second && surrounds(loops[k], f, least[i])) out[i] = false;
+        if (std::abs(area[k]) > std::abs(area[i]) && extent[k].first <= v && v <= extent[k].second && surrounds(loops[k], f, least[i]))
+          out[i] = false;
     }
     return out;
   }

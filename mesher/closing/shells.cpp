@@ -69,7 +69,8 @@ void Shells::end_batch() {
     if (f.three_different) by_vertices_->add(bucket_of(*by_vertices_, f.key), {f.key, facets_before_ + i, g, f.odd});
   }
   if (file_) {
-    file_->write(facets_before_ * sizeof(uint32_t), {reinterpret_cast<const uint8_t*>(group_of_facet_.data()), group_of_facet_.size() * sizeof(uint32_t)});
+    file_->write(facets_before_ * sizeof(uint32_t),
+                 {reinterpret_cast<const uint8_t*>(group_of_facet_.data()), group_of_facet_.size() * sizeof(uint32_t)});
     group_of_facet_.clear();
   }
   facets_before_ += batch_.size();

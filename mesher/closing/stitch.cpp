@@ -199,9 +199,10 @@ class Stitcher {
   void check_count(uint64_t facets) const {
     constexpr uint64_t kMostPerEdge = 64;
     if (facets > kMostPerEdge * edges_.size())
-      throw InputError(fmt::format("{}: stitching would take more than {} facets per open edge ({} edges are open), because the stitch length of {:.6g} (in the mesh's "
-                                   "own units) is too long for so fine a mesh. Set a shorter \"stitch\", or 0 for none",
-                                   name_, kMostPerEdge, edges_.size(), stitch_));
+      throw InputError(fmt::format(
+          "{}: stitching would take more than {} facets per open edge ({} edges are open), because the stitch length of {:.6g} (in the mesh's "
+          "own units) is too long for so fine a mesh. Set a shorter \"stitch\", or 0 for none",
+          name_, kMostPerEdge, edges_.size(), stitch_));
   }
 
   void add(bool parity, int64_t count, const Vec3& a, const Vec3& b, const Vec3& c) {

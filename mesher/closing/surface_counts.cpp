@@ -8,9 +8,7 @@
 namespace teracell {
 namespace {
 
-bool has_no_area(const Facet& f) {
-  return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0;
-}
+bool has_no_area(const Facet& f) { return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0; }
 
 }  // namespace
 

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesher/closing/vertex_hash.hpp"
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/populate.hpp"
-#include "mesher/closing/vertex_hash.hpp"
 
 namespace teracell {
 

@@ -69,7 +69,8 @@ std::vector<Vec3> draw_trust_points(const Vec3& lo, const Vec3& hi, const Grid& 
   return points;
 }
 
-TrustCheck::TrustCheck(std::span<const Vec3> points, const Vec3& lo, const Vec3& hi) : points_(points.begin(), points.end()), winding_(points.size()), origin_(lo) {
+TrustCheck::TrustCheck(std::span<const Vec3> points, const Vec3& lo, const Vec3& hi)
+    : points_(points.begin(), points.end()), winding_(points.size()), origin_(lo) {
   std::ranges::sort(points_, {}, [](const Vec3& p) { return p[kFrame.v]; });
   const double side = std::max({hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]});
   scale_ = side > 0 ? 1 / side : 1;
@@ -163,7 +164,8 @@ std::vector<TrustPoint> TrustCheck::points() {
   for (size_t i = 0; i < points_.size(); ++i) {
     const Block& block = blocks_[i / kBlock];
     const size_t k = i % kBlock;
-    out.push_back({points_[i], std::atan2(block.im[k] + 0.0, block.re[k]) / (2 * std::numbers::pi) + block.turns[k], winding_[i] != 0});  // + 0.0: with -0 atan2 would give -pi
+    out.push_back({points_[i], std::atan2(block.im[k] + 0.0, block.re[k]) / (2 * std::numbers::pi) + block.turns[k],
+                   winding_[i] != 0});  // + 0.0: with -0 atan2 would give -pi
   }
   return out;
 }
@@ -206,7 +208,8 @@ std::string trust_warning(const Trust& t, const std::string& body) {
       "body '{}': look at its caps. Of {} points that were tried, the cells and the surface without its caps disagree at {} ({:.1f} %): the cell is inside although "
       "the surface's winding number is not above 1/2, or the other way round. The clearest of these points is {}; all lie in the box from {} to {}. If the cells "
       "are wrong there, close the surface, set another \"stitch\" (a longer one if gaps were left open, a shorter one if it joined separate parts), or set another \"fill\"",
-      body, t.points, t.disagree, 100.0 * static_cast<double>(t.disagree) / static_cast<double>(t.points), place_text(t.at), place_text(t.lo), place_text(t.hi));
+      body, t.points, t.disagree, 100.0 * static_cast<double>(t.disagree) / static_cast<double>(t.points), place_text(t.at), place_text(t.lo),
+      place_text(t.hi));
 }
 
 }  // namespace teracell

@@ -10,9 +10,9 @@
 
 #include <fmt/format.h>
 
-#include "mesher/scene/scene.hpp"
 #include "mesher/scene/names.hpp"
 #include "mesher/scene/node.hpp"
+#include "mesher/scene/scene.hpp"
 #include "store/color.hpp"
 #include "store/error.hpp"
 #include "store/json_writer.hpp"
@@ -34,20 +34,17 @@ std::string read_text(const fs::path& path) {
   std::string text;
   for (char block[1 << 16]; in.read(block, sizeof block), in.gcount() > 0;) {
     text.append(block, static_cast<size_t>(in.gcount()));
-    if (text.size() > kMostText)
-      throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostText));
+    if (text.size() > kMostText) throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostText));
   }
   if (in.bad()) throw IoError(fmt::format("{}: can't be read", path.string()));
   return text;
 }
 
 void check_planes(const std::vector<double>& planes, const std::string& where) {
-  if (planes.size() < 2)
-    throw UsageError(fmt::format("{}: expected at least 2 planes, found {}", where, planes.size()));
+  if (planes.size() < 2) throw UsageError(fmt::format("{}: expected at least 2 planes, found {}", where, planes.size()));
   for (size_t i = 1; i < planes.size(); ++i)
     if (!(planes[i - 1] < planes[i]))
-      throw UsageError(fmt::format("{}: expected planes that ascend strictly, found {} as plane {} after {}", where,
-                                   planes[i], i, planes[i - 1]));
+      throw UsageError(fmt::format("{}: expected planes that ascend strictly, found {} as plane {} after {}", where, planes[i], i, planes[i - 1]));
 }
 
 // Numbers separated by white space or commas. A comment begins with # and lasts to the end of the line.
@@ -67,8 +64,7 @@ std::vector<double> read_planes(const fs::path& path) {
       double plane = 0;
       const auto [read, error] = std::from_chars(p + plus, stop, plane);
       if (error != std::errc{} || read != stop || !std::isfinite(plane))
-        throw InputError(fmt::format("{}:{}: expected a number, found \"{}\"", path.string(), line,
-                                     printable({p, std::min<size_t>(stop - p, 60)})));
+        throw InputError(fmt::format("{}:{}: expected a number, found \"{}\"", path.string(), line, printable({p, std::min<size_t>(stop - p, 60)})));
       planes.push_back(plane + 0.0);  // -0 is 0
       p = stop;
     }
@@ -83,8 +79,7 @@ constexpr std::pair<const char*, std::optional<double> SceneAxis::*> kAxisNumber
     {"min", &SceneAxis::min}, {"max", &SceneAxis::max}, {"step", &SceneAxis::step}};
 
 void refuse_cells_and_step(const Node& node) {
-  if (node.find("cells") && node.find("step"))
-    throw UsageError(fmt::format("{}: cells and step exclude each other: give one of them", node.where()));
+  if (node.find("cells") && node.find("step")) throw UsageError(fmt::format("{}: cells and step exclude each other: give one of them", node.where()));
 }
 
 void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
@@ -92,9 +87,7 @@ void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
   const std::optional<Node> planes = node.find("planes"), file = node.find("planes_file");
   if (planes || file) {
     for (const char* key : {"min", "max", "cells", "step", planes ? "planes_file" : "planes"})
-      if (node.find(key))
-        throw UsageError(
-            fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
+      if (node.find(key)) throw UsageError(fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
     axis = {};
     if (file) {
       axis.planes_file = folder / file->text();
@@ -124,8 +117,7 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
     for (int a = 0; a < 3; ++a) scene.axis[a].*member = is_step ? items[a].positive() : items[a].number();
   }
   if (const auto cells = grid.find("cells")) {
-    if (!cells->is_array())
-      scene.longest_cells = cells->integer(1, Axis::kMaxCells);
+    if (!cells->is_array()) scene.longest_cells = cells->integer(1, Axis::kMaxCells);
     else
       for (int a = 0; a < 3; ++a) scene.axis[a].cells = cells->items(3)[a].integer(1, Axis::kMaxCells);
   }
@@ -137,10 +129,8 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
     if (node) parse_axis(*node, folder, axis);
     const std::string where = node ? node->where() : fmt::format("{} (axis {})", grid.where(), axis_name(a));
     if (axis.min.has_value() != axis.max.has_value())
-      throw UsageError(
-          fmt::format("{}: expected min and max or neither, found only {}", where, axis.min ? "min" : "max"));
-    if (axis.min && !(*axis.min < *axis.max))
-      throw UsageError(fmt::format("{}: expected min < max, found {} and {}", where, *axis.min, *axis.max));
+      throw UsageError(fmt::format("{}: expected min and max or neither, found only {}", where, axis.min ? "min" : "max"));
+    if (axis.min && !(*axis.min < *axis.max)) throw UsageError(fmt::format("{}: expected min < max, found {} and {}", where, *axis.min, *axis.max));
     longest_used |= axis.planes.empty() && !axis.cells && !axis.step;
   }
   if (!longest_used) scene.longest_cells.reset();
@@ -185,13 +175,11 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
   scene.materials.push_back({back, color_of(back, kBackgroundColor)});
   for (const std::string& name : order) {
     if (name.empty() || printable(name) != name)
-      throw UsageError(fmt::format("{}: expected a name that is not empty and has no control characters",
-                                   child_path(materials->where(), name)));
+      throw UsageError(fmt::format("{}: expected a name that is not empty and has no control characters", child_path(materials->where(), name)));
     if (name == back) continue;
     const auto id = static_cast<uint32_t>(scene.materials.size());
     if (id > kMaxMaterials)
-      throw UsageError(
-          fmt::format("materials: expected at most {} besides the background, found {}", kMaxMaterials, order.size()));
+      throw UsageError(fmt::format("materials: expected at most {} besides the background, found {}", kMaxMaterials, order.size()));
     scene.materials.push_back({name, color_of(name, palette_color(id))});
     ids.emplace(name, id);
   }
@@ -211,8 +199,7 @@ bool is_singular(const Matrix& m) {
     for (int r = 0; r < 3; ++r) column[c][r] = m[4 * r + c] / length;
   }
   const auto& [a, b, c] = column;
-  const double det =
-      a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+  const double det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
   return !(std::abs(det) > 1e-15);
 }
 
@@ -224,13 +211,11 @@ Matrix parse_rotate(const Node& node) {
 }
 
 Matrix parse_matrix(const Node& body) {
-  const auto matrix = body.find("matrix"), scale = body.find("scale"), rotate = body.find("rotate"),
-             translate = body.find("translate");
+  const auto matrix = body.find("matrix"), scale = body.find("scale"), rotate = body.find("rotate"), translate = body.find("translate");
   Matrix m = kIdentity;
   if (matrix) {
     if (scale || rotate || translate)
-      throw UsageError(
-          fmt::format("{}: matrix excludes scale, rotate and translate: give either the matrix or the others", body.where()));
+      throw UsageError(fmt::format("{}: matrix excludes scale, rotate and translate: give either the matrix or the others", body.where()));
     const std::vector<Node> items = matrix->items(12);
     for (size_t i = 0; i < 12; ++i) m[i] = items[i].number();
     if (is_singular(m)) matrix->fail("a matrix that is not singular");
@@ -285,7 +270,9 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   if (const auto n = node.find("kind")) body.kind = static_cast<Kind>(n->choice({"solid", "sheet"}));
   if (const auto n = node.find("thin")) body.thin = static_cast<Thin>(n->choice({"ignore", "keep"}));
   if (body.kind == Kind::kSheet && (body.fill != Fill::kAuto || body.closing != Closing{} || body.stitch || body.thin != Thin::kIgnore))
-    throw UsageError(fmt::format("{}: fill, closing, stitch and thin are for solids only: a sheet is not filled, closed or stitched, and no part of it is lost between sample points", node.where()));
+    throw UsageError(fmt::format(
+        "{}: fill, closing, stitch and thin are for solids only: a sheet is not filled, closed or stitched, and no part of it is lost between sample points",
+        node.where()));
   body.matrix = parse_matrix(node);
   return body;
 }
@@ -297,8 +284,7 @@ void name_bodies(std::vector<SceneBody>& bodies) {
     const std::string& name = bodies[i].name;
     if (name.empty() || names.take(name)) continue;
     const auto first = std::find_if(bodies.begin(), bodies.end(), [&](const SceneBody& b) { return b.name == name; });
-    throw UsageError(fmt::format("bodies[{}].name: expected a name of its own, found \"{}\" as in bodies[{}]", i, name,
-                                 first - bodies.begin()));
+    throw UsageError(fmt::format("bodies[{}].name: expected a name of its own, found \"{}\" as in bodies[{}]", i, name, first - bodies.begin()));
   }
   for (SceneBody& body : bodies)
     if (body.name.empty()) body.name = names.numbered(mesh_stem(body.mesh_text));
@@ -321,8 +307,7 @@ nlohmann::ordered_json normalised_grid(const Scene& scene) {
   nlohmann::ordered_json grid = nlohmann::ordered_json::object();
   const bool counts_may_be_arrays = !scene.longest_cells;  // else the key "cells" holds that number
   if (scene.longest_cells) grid["cells"] = *scene.longest_cells;
-  for (const auto& [key, member] : kAxisNumbers)
-    put_axes<double>(grid, scene, key, member, member != &SceneAxis::step || counts_may_be_arrays);
+  for (const auto& [key, member] : kAxisNumbers) put_axes<double>(grid, scene, key, member, member != &SceneAxis::step || counts_may_be_arrays);
   put_axes<int64_t>(grid, scene, "cells", &SceneAxis::cells, counts_may_be_arrays);
   for (int a = 0; a < 3; ++a)
     if (!scene.axis[a].planes.empty()) grid[axis_name(a)]["planes"] = scene.axis[a].planes;
@@ -349,7 +334,8 @@ void write_body(JsonWriter& out, const Scene& scene, const SceneBody& b) {
   out.begin_object().field("name", b.name).field("mesh", b.mesh_text);
   if (!b.part.empty()) out.field("part", b.part);
   out.field("material", scene.materials[b.material].name).field("priority", b.priority).field("fill", fill_name(b.fill));
-  if (b.closing.way == Closing::Way::kExtrude) out.key("closing").begin_object().field("extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)).end_object();
+  if (b.closing.way == Closing::Way::kExtrude)
+    out.key("closing").begin_object().field("extrude", (b.closing.up ? "+" : "-") + axis_name(b.closing.axis)).end_object();
   else out.field("closing", b.closing.way == Closing::Way::kStrict ? "strict" : "cap");
   if (b.stitch) out.field("stitch", *b.stitch);
   if (b.kind == Kind::kSheet) out.field("kind", "sheet");
@@ -410,7 +396,8 @@ std::string normalised(const Scene& scene, size_t most) {
   std::string text = normalised_without_bodies(scene).dump();
   text.back() = ',';
   text += "\"bodies\":";
-  const size_t left_out = write_list(text, scene.bodies.size(), most, [&](JsonWriter& writer, size_t b) { write_body(writer, scene, scene.bodies[b]); });
+  const size_t left_out =
+      write_list(text, scene.bodies.size(), most, [&](JsonWriter& writer, size_t b) { write_body(writer, scene, scene.bodies[b]); });
   if (left_out > 0) text += fmt::format(",\"bodies_left_out\":{}", left_out);
   return text += '}';
 }

@@ -20,8 +20,7 @@ std::vector<uint32_t> ranks_of_bodies(const Scene& scene) {
 std::vector<MaterialInfo> ranked_materials(const Scene& scene, const std::vector<uint32_t>& body_rank) {
   std::vector<uint64_t> key(scene.materials.size());  // materials with a body, then those without, then the background
   for (size_t m = 0; m < key.size(); ++m) key[m] = (uint64_t{1} << 32) + m;
-  for (size_t b = 0; b < scene.bodies.size(); ++b)
-    key[scene.bodies[b].material] = std::min<uint64_t>(key[scene.bodies[b].material], body_rank[b]);
+  for (size_t b = 0; b < scene.bodies.size(); ++b) key[scene.bodies[b].material] = std::min<uint64_t>(key[scene.bodies[b].material], body_rank[b]);
   key[0] = ~uint64_t{0};
   std::vector<uint32_t> order(key.size());
   std::iota(order.begin(), order.end(), 0);

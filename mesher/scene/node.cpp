@@ -92,9 +92,7 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
 };
 
 bool plain(const std::string& key) {
-  return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) {
-    return std::isalnum(c) || c == '_' || c == '-' || c == '*';
-  });
+  return !key.empty() && std::all_of(key.begin(), key.end(), [](unsigned char c) { return std::isalnum(c) || c == '_' || c == '-' || c == '*'; });
 }
 
 std::string quoted(const std::string& key) { return printable(Json(key).dump()); }
@@ -120,9 +118,7 @@ std::string Node::path() const {
 
 std::string Node::where() const { return parent_ ? path() : "the scene"; }
 
-void Node::fail(const std::string& expected) const {
-  throw UsageError(fmt::format("{}: expected {}, found {}", where(), expected, found()));
-}
+void Node::fail(const std::string& expected) const { throw UsageError(fmt::format("{}: expected {}, found {}", where(), expected, found())); }
 
 std::string Node::found() const {
   if (value_->is_object()) return "an object";
@@ -210,11 +206,11 @@ const std::string& Node::text() const {
 }
 
 size_t Node::choice(std::span<const std::string_view> words) const {
-  const auto it =
-      value_->is_string() ? std::find(words.begin(), words.end(), value_->get_ref<const std::string&>()) : words.end();
+  const auto it = value_->is_string() ? std::find(words.begin(), words.end(), value_->get_ref<const std::string&>()) : words.end();
   if (it == words.end()) {
     const std::string hint =
-        value_->is_string() ? fmt::format(" (did you mean \"{}\"?)", nearest(value_->get_ref<const std::string&>(), {words.begin(), words.end()})) : "";
+        value_->is_string() ? fmt::format(" (did you mean \"{}\"?)", nearest(value_->get_ref<const std::string&>(), {words.begin(), words.end()}))
+                            : "";
     fail(fmt::format("one of {}{}", fmt::join(words, ", "), hint));
   }
   return static_cast<size_t>(it - words.begin());

@@ -58,7 +58,8 @@ class Node {
   Vec3 vec3() const;
 
  private:
-  Node(const nlohmann::json& value, const Node& parent, const std::string* key, size_t index) : value_(&value), parent_(&parent), key_(key), index_(index) {}
+  Node(const nlohmann::json& value, const Node& parent, const std::string* key, size_t index)
+      : value_(&value), parent_(&parent), key_(key), index_(index) {}
   std::string path() const;
   std::string found() const;
   const nlohmann::json* value_;

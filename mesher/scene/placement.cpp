@@ -14,6 +14,8 @@ Vec3 moved(const Vec3& p, const SceneBody& body) {
   return q;
 }
 
-Facet moved(const Facet& facet, const SceneBody& body) { return {{moved(facet.vertex[0], body), moved(facet.vertex[1], body), moved(facet.vertex[2], body)}}; }
+Facet moved(const Facet& facet, const SceneBody& body) {
+  return {{moved(facet.vertex[0], body), moved(facet.vertex[1], body), moved(facet.vertex[2], body)}};
+}
 
 }  // namespace teracell

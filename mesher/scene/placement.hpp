@@ -1,7 +1,7 @@
 // Transforms a body's vertices from the coordinates of its file to those of the grid.
 #pragma once
-#include "mesher/surface/facet.hpp"
 #include "mesher/scene/scene.hpp"
+#include "mesher/surface/facet.hpp"
 
 namespace teracell {
 

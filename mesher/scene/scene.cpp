@@ -26,35 +26,27 @@ std::array<double, 2> sine_cosine(double degrees) {
   }
   s *= x;
   switch (quarter) {
-    case 0:
-      return {s, c};
-    case 1:
-      return {c, -s};
-    case 2:
-      return {-s, -c};
-    default:
-      return {-c, s};
+    case 0: return {s, c};
+    case 1: return {c, -s};
+    case 2: return {-s, -c};
+    default: return {-c, s};
   }
 }
 
 int64_t checked_count(double cells) {
   if (!(cells <= static_cast<double>(Axis::kMaxCells)))
-    throw UsageError(fmt::format("an axis has at most {} cells, found {}: take a larger step or fewer cells",
-                                 Axis::kMaxCells, cells));
+    throw UsageError(fmt::format("an axis has at most {} cells, found {}: take a larger step or fewer cells", Axis::kMaxCells, cells));
   return static_cast<int64_t>(cells);
 }
 
 // ceil(extent / step - slack), but at least one layer.
-int64_t layers(double extent, double step, double slack) {
-  return checked_count(std::max(1.0, std::ceil(extent / step - slack)));
-}
+int64_t layers(double extent, double step, double slack) { return checked_count(std::max(1.0, std::ceil(extent / step - slack))); }
 
 // The cells of an axis without its pads.
 int64_t without_pad(int64_t cells, int64_t pad) {
   if (cells <= 2 * pad)
-    throw UsageError(fmt::format(
-        "{} cells leave none between the pads of {} on either side: give at least {} cells or a smaller pad", cells,
-        pad, 2 * pad + 1));
+    throw UsageError(
+        fmt::format("{} cells leave none between the pads of {} on either side: give at least {} cells or a smaller pad", cells, pad, 2 * pad + 1));
   return cells - 2 * pad;
 }
 
@@ -87,18 +79,14 @@ Cubic cubic_cells(const Scene& scene, const Vec3& lo, const Vec3& hi) {
     const double step = span.extent / static_cast<double>(without_pad(*scene.longest_cells, span.pad));
     if (std::tie(step, span.extent) > std::tie(best.step, best.extent)) best = {step, span.extent};
   }
-  if (!(best.step > 0))
-    throw UsageError(
-        "the bodies' box has no extent, so a number of cells gives no step: give a step or the grid's min and max");
+  if (!(best.step > 0)) throw UsageError("the bodies' box has no extent, so a number of cells gives no step: give a step or the grid's min and max");
   return best;
 }
 
 Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& cubic) {
   const SceneAxis& axis = scene.axis[a];
   if (!axis.planes.empty()) return Axis::graded(axis.planes, scene.sample[a]);
-  if (!axis.cells && !axis.step && !scene.longest_cells)
-    throw UsageError(
-        "neither a number of cells nor a step is given", Remedy::kCellsOrStep);
+  if (!axis.cells && !axis.step && !scene.longest_cells) throw UsageError("neither a number of cells nor a step is given", Remedy::kCellsOrStep);
 
   const Span span = span_of(axis, scene.pad, lo, hi);
   const double slack = span.slack ? 1e-9 : 0;
@@ -107,19 +95,16 @@ Axis resolve_axis(const Scene& scene, int a, double lo, double hi, const Cubic& 
   if (axis.cells) {
     cells = *axis.cells;
     step = span.extent / static_cast<double>(without_pad(cells, span.pad));
-    if (span.extent == 0)
-      throw UsageError(
-          "the bodies' box has no extent here, so a number of cells gives no step: give a step, or min and max");
+    if (span.extent == 0) throw UsageError("the bodies' box has no extent here, so a number of cells gives no step: give a step, or min and max");
   } else if (axis.step) {
     step = *axis.step;
     cells = checked_count(static_cast<double>(layers(span.extent, step, 1e-9)) + 2 * static_cast<double>(span.pad));
   } else {
     step = cubic.step;
     const double own = span.extent / static_cast<double>(without_pad(*scene.longest_cells, span.pad));
-    cells =
-        cubic.longest(own, span.extent)
-            ? *scene.longest_cells
-            : checked_count(static_cast<double>(layers(span.extent, step, slack)) + 2 * static_cast<double>(span.pad));
+    cells = cubic.longest(own, span.extent)
+                ? *scene.longest_cells
+                : checked_count(static_cast<double>(layers(span.extent, step, slack)) + 2 * static_cast<double>(span.pad));
   }
   return Axis::uniform(span.min - static_cast<double>(span.pad) * step, step, 0, cells, scene.sample[a]);
 }
@@ -128,15 +113,12 @@ void check_options(const GridOptions& o) {
   const int ways = o.longest_cells.has_value() + o.cells.has_value() + o.step.has_value();
   if (ways > 1) throw UsageError("cells and step exclude each other: give one of them");
   auto check_cells = [](int64_t n) {
-    if (n < 1 || n > Axis::kMaxCells)
-      throw OptionError(fmt::format("cells: expected 1 to {}, found {}", Axis::kMaxCells, n));
+    if (n < 1 || n > Axis::kMaxCells) throw OptionError(fmt::format("cells: expected 1 to {}, found {}", Axis::kMaxCells, n));
   };
   if (o.longest_cells) check_cells(*o.longest_cells);
   if (o.cells) std::for_each(o.cells->begin(), o.cells->end(), check_cells);
-  if (o.step && !(*o.step > 0 && std::isfinite(*o.step)))
-    throw OptionError(fmt::format("step: expected a number above 0, found {}", *o.step));
-  if (o.pad && (*o.pad < 0 || *o.pad > kMaxPad))
-    throw OptionError(fmt::format("pad: expected 0 to {}, found {}", kMaxPad, *o.pad));
+  if (o.step && !(*o.step > 0 && std::isfinite(*o.step))) throw OptionError(fmt::format("step: expected a number above 0, found {}", *o.step));
+  if (o.pad && (*o.pad < 0 || *o.pad > kMaxPad)) throw OptionError(fmt::format("pad: expected 0 to {}, found {}", kMaxPad, *o.pad));
 }
 
 }  // namespace
@@ -167,8 +149,9 @@ Matrix rotation(const Vec3& axis, double degrees) {
 
 Scene bare_scene(const std::vector<std::filesystem::path>& meshes) {
   if (meshes.size() > kMaxMaterials)
-    throw UsageError(fmt::format("expected at most {} meshes, each with a material of its own, found {}: write a scene file, where they can share materials",
-                                 kMaxMaterials, meshes.size()));
+    throw UsageError(
+        fmt::format("expected at most {} meshes, each with a material of its own, found {}: write a scene file, where they can share materials",
+                    kMaxMaterials, meshes.size()));
   Scene scene;
   scene.materials.push_back({"air", kBackgroundColor});
   NameBook names;
@@ -208,8 +191,8 @@ void override_grid(Scene& scene, const GridOptions& options) {
     ++graded;
     const auto cells = static_cast<int64_t>(axis.planes.size()) - 1;
     if (options.cells && (*options.cells)[a] != cells)
-      throw OptionError(fmt::format("cells: axis {} has {} cells between the planes of the scene, found {}",
-                                   axis_name(a), cells, (*options.cells)[a]));
+      throw OptionError(
+          fmt::format("cells: axis {} has {} cells between the planes of the scene, found {}", axis_name(a), cells, (*options.cells)[a]));
   }
   if (graded == 3 && !options.cells)
     throw OptionError(fmt::format("{}: the scene gives planes for all three axes, so there is nothing to override", options.step ? "step" : "cells"));

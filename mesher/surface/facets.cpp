@@ -53,11 +53,10 @@ const SurfaceReader& reader_of(Input& input) {
     if (match == Match::kPerhaps && !perhaps) perhaps = reader;
   }
   if (const auto other = other_kind(head))
-    throw InputError(fmt::format("{}: this is {}{}: expected STL, OBJ or PLY{}{}", input.name(), other->what, input.compressed() ? ", compressed by gzip" : "",
-                                 other->advice.empty() ? "" : "; ", other->advice));
+    throw InputError(fmt::format("{}: this is {}{}: expected STL, OBJ or PLY{}{}", input.name(), other->what,
+                                 input.compressed() ? ", compressed by gzip" : "", other->advice.empty() ? "" : "; ", other->advice));
   if (perhaps) return *perhaps;
-  throw InputError(fmt::format("{}: not a surface file: expected STL, OBJ or PLY, found {}", input.name(),
-                               shown(head.bytes.substr(0, 64))));
+  throw InputError(fmt::format("{}: not a surface file: expected STL, OBJ or PLY, found {}", input.name(), shown(head.bytes.substr(0, 64))));
 }
 
 }  // namespace

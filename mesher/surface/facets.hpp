@@ -28,7 +28,8 @@ class Input;
 // been passed to the sink. What the sink throws passes through.
 //
 // `helper` may do part of the parsing; it may have other jobs.
-SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget = {},
+                        Background* helper = nullptr);
 // The same for a file that is already open, or for bytes in memory.
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);
 

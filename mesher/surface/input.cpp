@@ -40,9 +40,7 @@ Input::Input(const std::filesystem::path& path) : name_(path.string()) {
   }
 }
 
-Input::Input(std::string name, std::string_view bytes) : name_(std::move(name)), memory_(bytes), size_(bytes.size()) {
-  begin();
-}
+Input::Input(std::string name, std::string_view bytes) : name_(std::move(name)), memory_(bytes), size_(bytes.size()) { begin(); }
 
 Input::~Input() {
   if (descriptor_ >= 0) close(descriptor_);
@@ -123,15 +121,10 @@ size_t Input::read_inflated(char* to, size_t room) {
     }
     switch (inflate(&z, Z_NO_FLUSH)) {
       case Z_OK:
-      case Z_BUF_ERROR:
-        break;
-      case Z_STREAM_END:
-        inside_member_ = false;
-        break;
-      case Z_MEM_ERROR:
-        throw std::bad_alloc();
-      default:
-        damaged(z.msg ? z.msg : "not gzip data");
+      case Z_BUF_ERROR: break;
+      case Z_STREAM_END: inside_member_ = false; break;
+      case Z_MEM_ERROR: throw std::bad_alloc();
+      default: damaged(z.msg ? z.msg : "not gzip data");
     }
   }
   return room - z.avail_out;
@@ -146,8 +139,7 @@ bool Input::more_compressed() {
 }
 
 void Input::damaged(const char* what) const {
-  throw InputError(fmt::format("{}: byte {} of the compressed file: damaged gzip: {}", name_,
-                               disk_bytes_ - inflate_->avail_in, what));
+  throw InputError(fmt::format("{}: byte {} of the compressed file: damaged gzip: {}", name_, disk_bytes_ - inflate_->avail_in, what));
 }
 
 bool Input::next_line(std::string_view& line) {
@@ -162,8 +154,7 @@ bool Input::next_line(std::string_view& line) {
     scanned = rest.size();
     if (scanned == buffer_.size()) {
       if (scanned >= kLongestLine)
-        throw InputError(
-            fmt::format("{}: line {}: the line is longer than {} bytes: is this a text file?", name_, line_ + 1, kLongestLine));
+        throw InputError(fmt::format("{}: line {}: the line is longer than {} bytes: is this a text file?", name_, line_ + 1, kLongestLine));
       buffer_.resize(2 * scanned);
     }
     if (window(scanned + 1).size() == scanned) {  // the contents end without a newline
@@ -180,9 +171,7 @@ bool Input::next_line(std::string_view& line) {
 
 std::string Input::at_line() const { return fmt::format("{}: line {}", name_, line_); }
 
-std::string Input::at_byte(uint64_t offset) const {
-  return fmt::format("{}: byte {}{}", name_, offset, inflate_ ? " (uncompressed)" : "");
-}
+std::string Input::at_byte(uint64_t offset) const { return fmt::format("{}: byte {}{}", name_, offset, inflate_ ? " (uncompressed)" : ""); }
 
 std::string Input::hash() const {
   XXH128_canonical_t canonical;

@@ -52,14 +52,10 @@ class ObjReader {
       if (keyword == "v") {
         read_vertex(line);
         read_plain_vertices();
-      } else if (keyword == "f" || keyword == "fo")
-        read_face(line);
-      else if (keyword == "g")
-        enter_groups(line);
-      else if (keyword == "o")
-        enter_object(line);
-      else
-        count_skipped(keyword, line);
+      } else if (keyword == "f" || keyword == "fo") read_face(line);
+      else if (keyword == "g") enter_groups(line);
+      else if (keyword == "o") enter_object(line);
+      else count_skipped(keyword, line);
     }
     warn_of_skipped();
   }
@@ -124,9 +120,7 @@ class ObjReader {
       if (word.empty() || word[0] == '#') break;
       fan.add(vertex(word));
     }
-    if (fan.vertices() < 3)
-      throw InputError(
-          fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
+    if (fan.vertices() < 3) throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", input_.at_line(), fan.vertices()));
   }
 
   // The vertex whose number is the next word of `line`, if that word is a few digits. Otherwise null, and `line` is unchanged.
@@ -151,9 +145,8 @@ class ObjReader {
     const int64_t declared = static_cast<int64_t>(vertices_.size());
     const int64_t index = number < 0 ? declared + number : number - 1;
     if (index < 0 || index >= declared)
-      throw InputError(
-          fmt::format("{}: vertex {} of a face: expected one of the {} declared so far (1 is the first, -1 the last)",
-                      input_.at_line(), number, declared));
+      throw InputError(fmt::format("{}: vertex {} of a face: expected one of the {} declared so far (1 is the first, -1 the last)", input_.at_line(),
+                                   number, declared));
     return vertices_[index];
   }
 
@@ -175,14 +168,11 @@ class ObjReader {
   }
 
   void count_skipped(std::string_view keyword, std::string_view line) {
-    if (keyword == "l")
-      ++polylines_;
+    if (keyword == "l") ++polylines_;
     else if (keyword == "p")
       for (std::string_view word = next_word(line); !word.empty() && word[0] != '#'; word = next_word(line)) ++points_;
-    else if (keyword == "curv" || keyword == "curv2" || keyword == "cdc")
-      ++curves_;
-    else if (keyword == "surf" || keyword == "bsp" || keyword == "bzp" || keyword == "cdp")
-      ++surfaces_;
+    else if (keyword == "curv" || keyword == "curv2" || keyword == "cdc") ++curves_;
+    else if (keyword == "surf" || keyword == "bsp" || keyword == "bzp" || keyword == "cdp") ++surfaces_;
   }
   void warn_of_skipped() {
     const std::pair<uint64_t, const char*> counts[] = {
@@ -217,9 +207,8 @@ class ObjReader {
 Match recognises(const Head& head) {
   if (!head.text) return Match::kNo;
   if (head.word.empty()) return head.bytes.find('#') != std::string_view::npos ? Match::kPerhaps : Match::kNo;  // nothing but comments so far
-  for (const char* known : {"v",      "vt",   "vn",    "vp",     "f",      "fo",    "g",        "o",        "s",
-                            "l",      "p",    "mtllib", "usemtl", "mg",     "lod",   "cstype",   "deg",      "surf",
-                            "maplib", "curv", "curv2", "usemap", "bevel",  "c_interp", "d_interp", "shadow_obj"})
+  for (const char* known : {"v",  "vt",  "vn",     "vp",  "f",    "fo",     "g",    "o",     "s",      "l",     "p",        "mtllib",   "usemtl",
+                            "mg", "lod", "cstype", "deg", "surf", "maplib", "curv", "curv2", "usemap", "bevel", "c_interp", "d_interp", "shadow_obj"})
     if (head.word == known) return Match::kPerhaps;
   return Match::kNo;
 }

@@ -65,7 +65,10 @@ constexpr Signature kSignatures[] = {
     {0, "\x1f\x8b\x08", "a gzip file", "decompress it first"},
     {0, "\x28\xb5\x2f\xfd", "a file compressed by zstd", kDecompress},
     {4, "1AY&SY", "a file compressed by bzip2", kDecompress},
-    {0, "\xfd" "7zXZ\0"sv, "a file compressed by xz", kDecompress},
+    {0,
+     "\xfd"
+     "7zXZ\0"sv,
+     "a file compressed by xz", kDecompress},
     {0, "\x04\x22\x4d\x18", "a file compressed by lz4", kDecompress},
     {0, "7z\xbc\xaf\x27\x1c", "a 7z archive", kUnpack},
     {0, "Rar!\x1a\x07", "a RAR archive", kUnpack},
@@ -79,7 +82,10 @@ constexpr Signature kSignatures[] = {
     {0, "II*\0"sv, "a TIFF picture", kNone},
     {0, "MM\0*"sv, "a TIFF picture", kNone},
     {0, "%PDF-", "a PDF document", kNone},
-    {0, "\x7f" "ELF", "a program (ELF)", kNone},
+    {0,
+     "\x7f"
+     "ELF",
+     "a program (ELF)", kNone},
     {0, "\xff\xfe", "text in UTF-16", "save it as plain text (UTF-8)"},
     {0, "\xfe\xff", "text in UTF-16", "save it as plain text (UTF-8)"},
 };
@@ -89,12 +95,9 @@ struct Root {
   const char *what, *advice;
 };
 constexpr Root kRoots[] = {
-    {"X3D", "an X3D scene", kExport},
-    {"COLLADA", "a Collada scene", kExport},
-    {"amf", "an AMF file", kExport},
-    {"model", "the model of a 3MF file", kExport},
-    {"VTKFile", "a VTK file", kExtract},
-    {"Xdmf", "an XDMF file", kExtract},
+    {"X3D", "an X3D scene", kExport},    {"COLLADA", "a Collada scene", kExport},
+    {"amf", "an AMF file", kExport},     {"model", "the model of a 3MF file", kExport},
+    {"VTKFile", "a VTK file", kExtract}, {"Xdmf", "an XDMF file", kExtract},
     {"svg", "an SVG picture", kNone},
 };
 constexpr const char *kPage = "a web page", *kDownload = "did a download return a page in place of the file?";
@@ -141,7 +144,8 @@ std::optional<OtherKind> text_kind(const Head& head, std::string_view start) {
   if (std::ranges::find(kOff, head.word) != kOff.end()) return OtherKind{"an OFF file", kExport};
   std::string_view rest = start;
   const std::string_view first = next_word(rest), second = next_word(rest);
-  if ((first == "0" && second == "SECTION") || (first == "999" && start.find("SECTION") != std::string_view::npos)) return OtherKind{"a DXF drawing", kExport};
+  if ((first == "0" && second == "SECTION") || (first == "999" && start.find("SECTION") != std::string_view::npos))
+    return OtherKind{"a DXF drawing", kExport};
   // IGES: lines of 80 columns; the first line has S in column 73 and the number 1 at its end.
   const std::string_view line = head.bytes.substr(0, head.bytes.find_first_of("\r\n"));
   if (line.size() == 80 && line[72] == 'S' && (line.ends_with("      1") || line.ends_with("0000001"))) return OtherKind{"an IGES file", kExport};

@@ -63,14 +63,10 @@ class HeaderReader {
     next_line();  // "ply", by which the format was recognised
     for (;;) {
       const std::string_view keyword = next_line();
-      if (keyword == "format")
-        header.format = read_format();
-      else if (keyword == "element")
-        header.elements.push_back(read_element());
-      else if (keyword == "property")
-        read_property(header);
-      else if (keyword == "end_header")
-        break;
+      if (keyword == "format") header.format = read_format();
+      else if (keyword == "element") header.elements.push_back(read_element());
+      else if (keyword == "property") read_property(header);
+      else if (keyword == "end_header") break;
       else if (keyword != "comment" && keyword != "obj_info" && !keyword.empty())
         refuse("expected format, element, property, comment, obj_info or end_header", keyword);
     }
@@ -81,8 +77,7 @@ class HeaderReader {
  private:
   // Returns the first word of the line; line_ keeps the others.
   std::string_view next_line() {
-    if (!input_.next_line(line_))
-      throw InputError(fmt::format("{}: cut short: expected end_header, found the end of the file", input_.at_line()));
+    if (!input_.next_line(line_)) throw InputError(fmt::format("{}: cut short: expected end_header, found the end of the file", input_.at_line()));
     if (input_.offset() > kLongest)
       throw InputError(fmt::format("{}: expected end_header within the first {} bytes, found a longer header", input_.at_line(), kLongest));
     return next_word(line_);
@@ -144,15 +139,14 @@ class AsciiValues {
   void begin_row(const Element& element, uint64_t row) {
     do {
       if (!input_.next_line(line_))
-        throw InputError(fmt::format("{}: cut short: expected {} {} of {}, found the end of the file", input_.at_line(),
-                                     element.name, row, element.count));
+        throw InputError(
+            fmt::format("{}: cut short: expected {} {} of {}, found the end of the file", input_.at_line(), element.name, row, element.count));
     } while (trimmed(line_).empty());
   }
   void end_row(const Element& element) {
     const std::string_view word = next_word(line_);
     if (!word.empty())
-      throw InputError(fmt::format("{}: expected no more values for this {}, found {}", input_.at_line(), element.name,
-                                   shown(word)));
+      throw InputError(fmt::format("{}: expected no more values for this {}, found {}", input_.at_line(), element.name, shown(word)));
   }
   double coordinate(Type type) {
     if (is_integer(type)) return static_cast<double>(integer(type));
@@ -170,8 +164,7 @@ class AsciiValues {
   }
   void finish() {
     while (input_.next_line(line_))
-      if (!trimmed(line_).empty())
-        throw InputError(fmt::format("{}: expected the end of the file, found {}", input_.at_line(), shown(line_)));
+      if (!trimmed(line_).empty()) throw InputError(fmt::format("{}: expected the end of the file, found {}", input_.at_line(), shown(line_)));
   }
   std::string place() const { return input_.at_line(); }
 
@@ -192,25 +185,18 @@ class BinaryValues {
   void end_row(const Element&) {}
   double coordinate(Type type) {
     if (is_integer(type)) return static_cast<double>(integer(type));
-    const double v =
-        type == Type::kFloat32 ? std::bit_cast<float>(load<uint32_t>()) : std::bit_cast<double>(load<uint64_t>());
+    const double v = type == Type::kFloat32 ? std::bit_cast<float>(load<uint32_t>()) : std::bit_cast<double>(load<uint64_t>());
     if (!is_coordinate(v)) checked_coordinate(v, place());
     return v + 0.0;
   }
   int64_t integer(Type type) {
     switch (type) {
-      case Type::kInt8:
-        return static_cast<int8_t>(load<uint8_t>());
-      case Type::kUint8:
-        return load<uint8_t>();
-      case Type::kInt16:
-        return static_cast<int16_t>(load<uint16_t>());
-      case Type::kUint16:
-        return load<uint16_t>();
-      case Type::kInt32:
-        return static_cast<int32_t>(load<uint32_t>());
-      default:
-        return load<uint32_t>();
+      case Type::kInt8: return static_cast<int8_t>(load<uint8_t>());
+      case Type::kUint8: return load<uint8_t>();
+      case Type::kInt16: return static_cast<int16_t>(load<uint16_t>());
+      case Type::kUint16: return load<uint16_t>();
+      case Type::kInt32: return static_cast<int32_t>(load<uint32_t>());
+      default: return load<uint32_t>();
     }
   }
   void skip(Type type, uint64_t values) {
@@ -223,8 +209,7 @@ class BinaryValues {
   }
   void finish() {
     if (!input_.window(1).empty())
-      throw InputError(
-          fmt::format("{}: expected the end of the file after the last element, found more bytes", input_.at_byte()));
+      throw InputError(fmt::format("{}: expected the end of the file after the last element, found more bytes", input_.at_byte()));
   }
   std::string place() const { return fmt::format("{}: {} {}", input_.at_byte(), element_->name, row_); }
 
@@ -242,8 +227,8 @@ class BinaryValues {
     return v;
   }
   [[noreturn]] void cut_short() const {
-    throw InputError(fmt::format("{}: cut short: expected {} {} of {}, found the end of the file", input_.at_byte(),
-                                 element_->name, row_, element_->count));
+    throw InputError(
+        fmt::format("{}: cut short: expected {} {} of {}, found the end of the file", input_.at_byte(), element_->name, row_, element_->count));
   }
 
   Input& input_;
@@ -269,9 +254,7 @@ struct Layout {
 // Throws InputError when the header does not describe a surface.
 Layout layout_of(const Header& header, const Input& input) {
   Layout layout;
-  const auto refuse = [&](const std::string& text) {
-    throw InputError(fmt::format("{}: PLY header: {}", input.name(), text));
-  };
+  const auto refuse = [&](const std::string& text) { throw InputError(fmt::format("{}: PLY header: {}", input.name(), text)); };
   for (const Element& element : header.elements) {
     if (element.name == "vertex") {
       if (layout.vertex) refuse("expected one element vertex, found two");
@@ -282,7 +265,8 @@ Layout layout_of(const Header& header, const Input& input) {
       Lists& lists = element.name == "face" ? layout.face : layout.strips;
       if (lists.element) refuse(fmt::format("expected one element {}, found two", element.name));
       if (!layout.vertex)
-        refuse(fmt::format("expected element vertex before element {}, found it later or not at all: write the file again with the vertices first", element.name));
+        refuse(fmt::format("expected element vertex before element {}, found it later or not at all: write the file again with the vertices first",
+                           element.name));
       lists.element = &element;
       for (const Property& p : element.properties)
         if (p.count && is_integer(p.type) && (p.name == "vertex_indices" || p.name == "vertex_index")) lists.indices = &p;
@@ -300,8 +284,7 @@ Layout layout_of(const Header& header, const Input& input) {
 template <class Values>
 uint64_t list_length(Values& values, const Property& property) {
   const int64_t n = values.integer(*property.count);
-  if (n < 0)
-    throw InputError(fmt::format("{}: expected the length of list {}, found {}", values.place(), property.name, n));
+  if (n < 0) throw InputError(fmt::format("{}: expected the length of list {}, found {}", values.place(), property.name, n));
   return static_cast<uint64_t>(n);
 }
 
@@ -315,10 +298,8 @@ void read_vertex(Values& values, const Layout& layout, VertexTable& vertices) {
   Vec3 v{};
   for (const Property& p : layout.vertex->properties) {
     const auto axis = std::find(layout.xyz.begin(), layout.xyz.end(), &p);
-    if (axis != layout.xyz.end())
-      v[axis - layout.xyz.begin()] = values.coordinate(p.type);
-    else
-      skip_property(values, p);
+    if (axis != layout.xyz.end()) v[axis - layout.xyz.begin()] = values.coordinate(p.type);
+    else skip_property(values, p);
   }
   vertices.push_back(v);
 }
@@ -384,12 +365,9 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
     if (element.properties.empty()) continue;  // its rows take no bytes, whatever their number
     for (uint64_t row = 0; row < element.count; ++row) {
       values.begin_row(element, row);
-      if (&element == layout.vertex)
-        read_vertex(values, layout, vertices);
-      else if (&element == layout.face.element)
-        read_face(values, layout.face, vertices, Fan(out, wanted));
-      else if (&element == layout.strips.element)
-        read_strips(values, layout.strips, vertices, out, wanted);
+      if (&element == layout.vertex) read_vertex(values, layout, vertices);
+      else if (&element == layout.face.element) read_face(values, layout.face, vertices, Fan(out, wanted));
+      else if (&element == layout.strips.element) read_strips(values, layout.strips, vertices, out, wanted);
       else
         for (const Property& p : element.properties) skip_property(values, p);
       values.end_row(element);

@@ -66,12 +66,12 @@ void FacetStream::finish(const std::string& name, SurfaceFile& file) {
   if (!matched_) {
     std::vector<std::string> some;
     for (size_t i = 0; i < std::min<size_t>(parts_.size(), 8); ++i) some.push_back(shown(parts_[i]));
-    throw InputError(fmt::format("{}: no part matches {}: the file has {}{} parts: {}{}", name, shown(glob_),
-                                 more_parts_ ? "more than " : "", parts_.size(), fmt::join(some, ", "),
-                                 more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
+    throw InputError(fmt::format("{}: no part matches {}: the file has {}{} parts: {}{}", name, shown(glob_), more_parts_ ? "more than " : "",
+                                 parts_.size(), fmt::join(some, ", "), more_parts_ || parts_.size() > some.size() ? ", ..." : ""));
   }
   if (facets_ == 0)
-    throw InputError(fmt::format("{}: {}{}{}", name, glob_.empty() ? "holds no facet" : fmt::format("the parts that match {} hold no facet", shown(glob_)),
+    throw InputError(fmt::format("{}: {}{}{}", name,
+                                 glob_.empty() ? "holds no facet" : fmt::format("the parts that match {} hold no facet", shown(glob_)),
                                  warnings_.empty() ? "" : ": ", fmt::join(warnings_, ". ")));
   file.facets = facets_;
   file.parts = std::move(parts_);
@@ -93,8 +93,7 @@ float round_extreme(std::string_view word, float) { return strtof_l(std::string(
 double round_extreme(std::string_view word, double) { return strtod_l(std::string(word).c_str(), nullptr, c_locale()); }
 
 void refuse_number(std::string_view word, const char* expected, const Input& input) {
-  throw InputError(fmt::format("{}: expected {}, found {}", input.at_line(), expected,
-                               word.empty() ? "the end of the line" : shown(word)));
+  throw InputError(fmt::format("{}: expected {}, found {}", input.at_line(), expected, word.empty() ? "the end of the line" : shown(word)));
 }
 
 void refuse_too_large(std::string_view word, float, const Input& input) {
@@ -102,8 +101,9 @@ void refuse_too_large(std::string_view word, float, const Input& input) {
 }
 
 void refuse_too_large(std::string_view word, double, const Input& input) {
-  throw InputError(fmt::format("{}: {}: expected a coordinate that is 0 or has a magnitude from 1e-75 to 1e75, found a number too large for float64 (at most 1.8e308)",
-                               input.at_line(), shown(word)));
+  throw InputError(fmt::format(
+      "{}: {}: expected a coordinate that is 0 or has a magnitude from 1e-75 to 1e75, found a number too large for float64 (at most 1.8e308)",
+      input.at_line(), shown(word)));
 }
 
 void refuse_coordinate(std::string_view word, double v, const Input& input) {

@@ -130,8 +130,7 @@ double text_coordinate(std::string_view word, const Input& input) {
   const std::string_view digits = without_plus(word);
   T v = 0;
   const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), v);
-  if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument)
-    refuse_number(word, "a number", input);
+  if (stop != digits.data() + digits.size() || error == std::errc::invalid_argument) refuse_number(word, "a number", input);
   if (error == std::errc::result_out_of_range) {
     v = round_extreme(digits, T{});
     if (std::isinf(v)) refuse_too_large(word, v, input);

@@ -15,9 +15,11 @@ namespace teracell {
 
 SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected) : folder_(folder.string()) {
   struct statvfs disk;
-  if (::statvfs(folder_.c_str(), &disk) != 0) throw IoError(fmt::format("{}: no folder for temporary files: {}", folder_, std::strerror(errno)), Remedy::kOtherFolder);
+  if (::statvfs(folder_.c_str(), &disk) != 0)
+    throw IoError(fmt::format("{}: no folder for temporary files: {}", folder_, std::strerror(errno)), Remedy::kOtherFolder);
   if (const uint64_t room = uint64_t{disk.f_bavail} * disk.f_frsize; room < expected)
-    throw IoError(fmt::format("{}: expected {} bytes of free space for temporary files, found {}", folder_, expected, room), Remedy::kOtherFolderOrMoreMemory);
+    throw IoError(fmt::format("{}: expected {} bytes of free space for temporary files, found {}", folder_, expected, room),
+                  Remedy::kOtherFolderOrMoreMemory);
   fd_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (fd_ < 0) {  // not every file system supports files without names
     std::string name = (folder / "teracell-XXXXXX").string();
@@ -34,7 +36,8 @@ void SpillFile::write(uint64_t offset, std::span<const uint8_t> bytes) {
     const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
     if (n < 0 && errno == EINTR) continue;
     if (n < 0)
-      throw IoError(fmt::format("{}: can't write byte {} of a temporary file: {}", folder_, offset, std::strerror(errno)), Remedy::kOtherFolderOrMoreMemory);
+      throw IoError(fmt::format("{}: can't write byte {} of a temporary file: {}", folder_, offset, std::strerror(errno)),
+                    Remedy::kOtherFolderOrMoreMemory);
     offset += static_cast<uint64_t>(n);
     bytes = bytes.subspan(static_cast<size_t>(n));
   }
@@ -44,7 +47,9 @@ void SpillFile::read(uint64_t offset, std::span<uint8_t> out) const {
   while (!out.empty()) {
     const ssize_t n = ::pread(fd_, out.data(), out.size(), static_cast<off_t>(offset));
     if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) throw IoError(fmt::format("{}: can't read byte {} of a temporary file: {}", folder_, offset, n < 0 ? std::strerror(errno) : "it has become shorter"));
+    if (n <= 0)
+      throw IoError(
+          fmt::format("{}: can't read byte {} of a temporary file: {}", folder_, offset, n < 0 ? std::strerror(errno) : "it has become shorter"));
     offset += static_cast<uint64_t>(n);
     out = out.subspan(static_cast<size_t>(n));
   }

@@ -31,8 +31,8 @@ uint32_t load32(const char* p) {
 uint64_t counted_facets(std::string_view head) { return load32(head.data() + 80); }
 
 [[noreturn]] void cut_short(const Input& input, uint64_t facets, uint64_t found) {
-  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}: cut short, or not an STL file", input.at_byte(80), facets,
-                               kHeader + kRecord * facets, found));
+  throw InputError(fmt::format("{}: the header counts {} facets ({} bytes), the file has {}: cut short, or not an STL file", input.at_byte(80),
+                               facets, kHeader + kRecord * facets, found));
 }
 
 // Decodes one record. A finite float32 is always a coordinate: its magnitude is within the limits.
@@ -64,7 +64,8 @@ class Words {
 
   void expect(std::string_view keyword) {
     const std::string_view word = next();
-    if (!is_keyword(word, keyword)) [[unlikely]] skip_lines(word, keyword);
+    if (!is_keyword(word, keyword)) [[unlikely]]
+      skip_lines(word, keyword);
   }
   [[gnu::cold]] void skip_lines(std::string_view word, std::string_view expected) {
     for (; !is_keyword(word, expected); word = next()) skip_line(word, expected);
@@ -80,9 +81,8 @@ class Words {
   }
   [[noreturn]] void refuse(std::string_view word, std::string_view keyword) const {
     const std::string skipped = since_facet_.empty() ? "" : fmt::format(" ({}, was skipped)", since_facet_);
-    throw InputError(
-        word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file{}", input_.at_line(), keyword, skipped)
-                     : fmt::format("{}: expected '{}', found {}{}", input_.at_line(), keyword, shown(word), skipped));
+    throw InputError(word.empty() ? fmt::format("{}: cut short: expected '{}', found the end of the file{}", input_.at_line(), keyword, skipped)
+                                  : fmt::format("{}: expected '{}', found {}{}", input_.at_line(), keyword, shown(word), skipped));
   }
   void facet_is_complete() { since_facet_.clear(); }
 
@@ -121,7 +121,8 @@ class Words {
   static bool is_of_stl(std::string_view word) {
     for (const char* known : {"solid", "facet", "normal", "outer", "loop", "vertex", "endloop", "endfacet", "endsolid"})
       if (is_keyword(word, known)) return true;
-    const bool cut_off = word.size() < 5 && is_keyword(word, "facet"sv.substr(0, word.size()));  // a beginning of `facet`: the end of a file that is cut short
+    const bool cut_off =
+        word.size() < 5 && is_keyword(word, "facet"sv.substr(0, word.size()));  // a beginning of `facet`: the end of a file that is cut short
     const size_t digit = word.find_first_not_of("+-.");
     return cut_off || (digit != std::string_view::npos && word[digit] >= '0' && word[digit] <= '9');
   }
@@ -178,11 +179,12 @@ void skip_rest(Input& input, FacetStream& out, uint64_t facets) {
   uint64_t bytes = 0;
   for (size_t some; (some = input.window(1).size()) > 0; bytes += some) input.consume(some);
   if (bytes > 0 && facets == 0)
-    throw InputError(fmt::format("{}: the header counts 0 facets, but {} bytes follow: the count is wrong, or this is not an STL file", input.at_byte(80), bytes));
+    throw InputError(
+        fmt::format("{}: the header counts 0 facets, but {} bytes follow: the count is wrong, or this is not an STL file", input.at_byte(80), bytes));
   if (bytes > 0)
     out.warn(fmt::format("{} after the last facet {} skipped{}", plural(bytes, "byte"), bytes == 1 ? "was" : "were",
-                         bytes % kRecord == 0 ? fmt::format(", as many as {} take{}: the header's count of {} may be wrong", plural(bytes / kRecord, "facet"),
-                                                            bytes == kRecord ? "s" : "", facets)
+                         bytes % kRecord == 0 ? fmt::format(", as many as {} take{}: the header's count of {} may be wrong",
+                                                            plural(bytes / kRecord, "facet"), bytes == kRecord ? "s" : "", facets)
                                               : ""));
 }
 
@@ -198,8 +200,7 @@ void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const Budget
     if (whole == 0) cut_short(input, facets, input.offset() + records.size());
     Facet unwanted;
     for (uint64_t i = 0; i < whole; ++i)
-      decode(records.data() + kRecord * i, done + i, input.offset() + kRecord * i, input,
-             wanted ? out.next() : unwanted);
+      decode(records.data() + kRecord * i, done + i, input.offset() + kRecord * i, input, wanted ? out.next() : unwanted);
     input.consume(kRecord * whole);
     done += whole;
   }
@@ -229,13 +230,12 @@ void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const Budget&
     } else if (inside && is_keyword(word, "endsolid")) {
       words.skip_name(name);
       inside = false;
-    } else if (word.empty() && (!inside || has_facet))
-      break;
-    else
-      words.skip_line(word, inside ? "facet" : "solid");
+    } else if (word.empty() && (!inside || has_facet)) break;
+    else words.skip_line(word, inside ? "facet" : "solid");
   }
   words.warn(out);
-  if (unended > 0) out.warn(fmt::format("{} 'endsolid' before the next", unended == 1 ? "1 solid lacks its" : fmt::format("{} solids lack their", unended)));
+  if (unended > 0)
+    out.warn(fmt::format("{} 'endsolid' before the next", unended == 1 ? "1 solid lacks its" : fmt::format("{} solids lack their", unended)));
   if (inside) out.warn("the file ends without 'endsolid': it may be cut short");
 }
 

@@ -33,8 +33,8 @@ void VertexTable::load(uint64_t number, Piece& place) {
   make_room(place);
   file_->read(number * sizeof(Piece), bytes_of(place));
   if (place.number != number || place.checksum != checksum(bytes_of(place.vertices)))
-    throw IoError(fmt::format("{}: a temporary file has changed: its {} bytes at {} are not those that were written", folder_.string(),
-                              sizeof(Piece), number * sizeof(Piece)));
+    throw IoError(fmt::format("{}: a temporary file has changed: its {} bytes at {} are not those that were written", folder_.string(), sizeof(Piece),
+                              number * sizeof(Piece)));
 }
 
 void VertexTable::make_room(Piece& place) {

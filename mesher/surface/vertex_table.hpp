@@ -43,7 +43,8 @@ class VertexTable {
   };
   Piece& piece_of(uint64_t i) {
     Piece& piece = *places_[i / kPiece & last_place_];
-    if (piece.number != i / kPiece) [[unlikely]] load(i / kPiece, piece);
+    if (piece.number != i / kPiece) [[unlikely]]
+      load(i / kPiece, piece);
     return piece;
   }
   void begin_piece();

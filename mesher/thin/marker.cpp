@@ -15,7 +15,8 @@ std::vector<bool> wide_bodies(const Scene& scene, bool count_thin) {
 Marker::Marker(const Scene& scene, const Metadata& meta, const Labels& labels, bool count_thin) : scene_(scene) {
   const auto any = [&](auto&& is) { return std::ranges::any_of(scene.bodies, is); };
   if (any([](const SceneBody& body) { return body.kind == Kind::kSheet; })) sheets_.emplace(meta.grid, meta.ray_axis);
-  if (any([&](const SceneBody& body) { return ThinParts::wanted(body, count_thin); })) thin_.emplace(scene, labels, meta.grid, meta.ray_axis, count_thin);
+  if (any([&](const SceneBody& body) { return ThinParts::wanted(body, count_thin); }))
+    thin_.emplace(scene, labels, meta.grid, meta.ray_axis, count_thin);
 }
 
 std::span<const SceneFacet* const> Marker::solids(std::span<const SceneFacet* const> facets) {

@@ -19,7 +19,8 @@ void Sheets::mark(const Box& tile, std::span<const SceneFacet* const> facets, Ma
 void Sheets::mark_along(int axis, const Box& tile, const SceneFacet& facet, Marks& marks, Tallies& tallies) {
   const auto& [a, b, c] = facet.facet.vertex;
   const double lower_side = grid_.axis[axis].min();
-  const bool touches = tile.lo[axis] == 0 && std::min(std::min(a[axis], b[axis]), c[axis]) <= lower_side && std::max(std::max(a[axis], b[axis]), c[axis]) >= lower_side;
+  const bool touches = tile.lo[axis] == 0 && std::min(std::min(a[axis], b[axis]), c[axis]) <= lower_side &&
+                       std::max(std::max(a[axis], b[axis]), c[axis]) >= lower_side;
   const int along = lines_[axis].frame().u;
   const auto nu = static_cast<uint32_t>(tile.hi[rays_.u] - tile.lo[rays_.u]);
   lines_[axis].cross(facet.facet, tile, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> above, bool) {

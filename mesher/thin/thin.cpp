@@ -70,7 +70,8 @@ void ThinParts::find_along(int axis, const Box& cells) {
   for (uint32_t f = 0; f < active_.size(); ++f)
     lines_[axis].cross(active_[f].facet->facet, cells, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> levels, bool up) {
       cell[axis] = slots.lo[axis];
-      auto line = static_cast<uint32_t>((cell[0] - slots.lo[0]) * stride[0] + (cell[1] - slots.lo[1]) * stride[1] + (cell[2] - slots.lo[2]) * stride[2]);
+      auto line =
+          static_cast<uint32_t>((cell[0] - slots.lo[0]) * stride[0] + (cell[1] - slots.lo[1]) * stride[1] + (cell[2] - slots.lo[2]) * stride[2]);
       for (const uint32_t level : levels) {
         if (level >= slots.lo[axis] && level < slots.hi[axis]) {
           const uint32_t slot = line + static_cast<uint32_t>((level - slots.lo[axis]) * stride[axis]);
@@ -88,7 +89,8 @@ void ThinParts::find_along(int axis, const Box& cells) {
     const size_t first = i;
     const int64_t slot = crossers_[i].slot;
     while (i < crossers_.size() && crossers_[i].slot == slot) ++i;
-    look_at(axis, {slots.lo[0] + slot % n[0], slots.lo[1] + slot / n[0] % n[1], slots.lo[2] + slot / stride[2]}, {crossers_.data() + first, i - first});
+    look_at(axis, {slots.lo[0] + slot % n[0], slots.lo[1] + slot / n[0] % n[1], slots.lo[2] + slot / stride[2]},
+            {crossers_.data() + first, i - first});
   }
 }
 

@@ -4,8 +4,8 @@
 #include <mutex>
 #include <unordered_map>
 
-#include "mesher/tiles/bins.hpp"
 #include "mesher/closing/surface_counts.hpp"
+#include "mesher/tiles/bins.hpp"
 
 namespace teracell {
 

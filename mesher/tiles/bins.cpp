@@ -30,7 +30,8 @@ FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const 
   // Starts with as many bins as are likely to be needed, if their buffers fit: a bin that must be split later is written twice.
   constexpr uint64_t kLeastBuffer = 4096;
   uint64_t bins = 1;
-  for (int depth = root_.place.depth; depth > 0 && bins * most_facets_ < facets * 3 / 2 && bins_at(depth - 1) <= budget.bytes / 8 / kLeastBuffer; --depth) {
+  for (int depth = root_.place.depth; depth > 0 && bins * most_facets_ < facets * 3 / 2 && bins_at(depth - 1) <= budget.bytes / 8 / kLeastBuffer;
+       --depth) {
     open_leaves(root_);
     bins = bins_at(depth - 1);
   }
@@ -44,7 +45,8 @@ uint64_t FacetBins::bins_at(int depth) const {
 
 void FacetBins::open_leaves(Bin& bin) const {
   if (bin.children.empty()) open_children(bin);
-  else for (Bin& child : bin.children) open_leaves(child);
+  else
+    for (Bin& child : bin.children) open_leaves(child);
 }
 
 void FacetBins::open_children(Bin& bin) const {
@@ -83,7 +85,8 @@ void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> rec
 void FacetBins::flush(Bin& bin) {
   if (bin.buffer.empty()) return;
   bin.extents.push_back({end_, bin.buffer.size(), checksum(bin.buffer)});
-  bin.buffer.resize((bin.buffer.size() + kPage - 1) / kPage * kPage);  // whole pages: the system would fill up partial ones, which takes a fifth of the time of writing
+  bin.buffer.resize((bin.buffer.size() + kPage - 1) / kPage *
+                    kPage);  // whole pages: the system would fill up partial ones, which takes a fifth of the time of writing
   end_ += bin.buffer.size();
   writer_.run([this, offset = bin.extents.back().offset, bytes = std::move(bin.buffer)] { file_.write(offset, bytes); });
   bin.buffer = {};
@@ -152,7 +155,8 @@ void FacetBins::take_records(Bin& bin, F&& f) {
   for (const Extent& e : bin.extents) {
     bytes.resize(e.bytes);
     file_.read(e.offset, bytes);
-    if (checksum(bytes) != e.checksum) throw IoError(fmt::format("a temporary file is damaged: the {} bytes at {} are not those that were written", e.bytes, e.offset));
+    if (checksum(bytes) != e.checksum)
+      throw IoError(fmt::format("a temporary file is damaged: the {} bytes at {} are not those that were written", e.bytes, e.offset));
     for (size_t at = 0; at < bytes.size(); at += record_bytes_) f(std::span<const uint8_t>(bytes.data() + at, record_bytes_));
   }
   bin.extents = {};

@@ -6,8 +6,8 @@
 #include <memory>
 #include <vector>
 
-#include "mesher/tiles/rays.hpp"
 #include "mesher/surface/spill.hpp"
+#include "mesher/tiles/rays.hpp"
 #include "store/background.hpp"
 
 namespace teracell {

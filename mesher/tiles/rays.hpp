@@ -22,8 +22,12 @@ class RayBounds {
     from_ = offset + margin;
     to_ = offset - margin;
   }
-  uint32_t first(double lo) const { return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(lo)) : ceil((lo - axis_.origin()) * per_ray_ - from_); }
-  uint32_t last(double hi) const { return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(hi)) : ceil((hi - axis_.origin()) * per_ray_ - to_); }
+  uint32_t first(double lo) const {
+    return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(lo)) : ceil((lo - axis_.origin()) * per_ray_ - from_);
+  }
+  uint32_t last(double hi) const {
+    return axis_.is_graded() ? static_cast<uint32_t>(axis_.first_centre_from(hi)) : ceil((hi - axis_.origin()) * per_ray_ - to_);
+  }
 
  private:
   uint32_t ceil(double t) const {
@@ -45,7 +49,6 @@ struct RayRange {
 struct ChunkRange {
   uint32_t u0, u1, v0, v1;
 };
-
 
 // A node of the tree. At `depth` 0 it is a group of 4 x 4 tiles. (cu, cv) is its place among the nodes of this depth.
 struct TreePlace {

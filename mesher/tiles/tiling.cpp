@@ -33,7 +33,8 @@ Tiling::Tiling(const Metadata& meta, std::vector<bool> wide) : rays_(meta, std::
 // times as fast.
 class Tiling::NodeBuilder {
  public:
-  explicit NodeBuilder(const RayFrame& rays) : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {}
+  explicit NodeBuilder(const RayFrame& rays)
+      : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {}
   void expect(uint64_t facets) {
     block_->chunks.reserve(facets);
     heights_.reserve(facets);
@@ -70,7 +71,8 @@ class Tiling::NodeBuilder {
 Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> wide) : Tiling(meta, std::move(wide)) {
   NodeBuilder root(rays_);
   root.expect(facets->size());
-  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_.range_of(f.facet, f.layer)); });
+  facets->for_each(0, facets->size(),
+                   [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_.range_of(f.facet, f.layer)); });
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 
@@ -122,7 +124,8 @@ void Tiling::push_children(Node node) {
   const TreePlace& at = node.place;
   const int depth = at.depth - 1;
   std::array<std::vector<ListedFacet>, kChildren> lists;
-  for (auto& list : lists) list.reserve(node.facets.size() / 8);  // memory that is reserved and unused is never touched; growing would touch all of it twice
+  for (auto& list : lists)
+    list.reserve(node.facets.size() / 8);  // memory that is reserved and unused is never touched; growing would touch all of it twice
   for (const ListedFacet& f : node.facets) {
     const ChunkRange& chunks = node.block->chunks[f.number];
     for_each_child(chunks, at.cu, at.cv, kFanOutBits * at.depth, [&](uint32_t k) {
@@ -132,7 +135,8 @@ void Tiling::push_children(Node node) {
   }
   for (uint32_t k = kChildren; k-- > 0;) {  // the last one first, because path_ is a stack
     const TreePlace child = at.child(k);
-    if (uint64_t{child.cu} << (kFanOutBits * depth) < groups_u_ && uint64_t{child.cv} << (kFanOutBits * depth) < groups_v_) path_.push_back({child, node.block, std::move(lists[k])});
+    if (uint64_t{child.cu} << (kFanOutBits * depth) < groups_u_ && uint64_t{child.cv} << (kFanOutBits * depth) < groups_v_)
+      path_.push_back({child, node.block, std::move(lists[k])});
   }
 }
 

@@ -13,10 +13,10 @@
 #include <optional>
 #include <vector>
 
+#include "mesher/surface/populate.hpp"
 #include "mesher/tiles/binned_counts.hpp"
 #include "mesher/tiles/bins.hpp"
 #include "mesher/tiles/facet_store.hpp"
-#include "mesher/surface/populate.hpp"
 #include "mesher/tiles/rays.hpp"
 
 namespace teracell {

@@ -102,7 +102,8 @@ std::string_view AccessLog::time() {
     const std::time_t t = second_;
     std::tm m{};
     gmtime_r(&t, &m);
-    fmt::format_to_n(time_.data(), time_.size(), "{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.", m.tm_year + 1900, m.tm_mon + 1, m.tm_mday, m.tm_hour, m.tm_min, m.tm_sec);
+    fmt::format_to_n(time_.data(), time_.size(), "{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.", m.tm_year + 1900, m.tm_mon + 1, m.tm_mday, m.tm_hour,
+                     m.tm_min, m.tm_sec);
   }
   constexpr size_t seconds = std::string_view("1970-01-01T00:00:00.").size(), all = seconds + 4;
   fmt::format_to_n(time_.data() + seconds, 4, "{:03}Z", now % 1000);

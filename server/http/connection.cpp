@@ -125,12 +125,9 @@ Awaitable<void> Connection::make() {
     co_return;
   }
   const Counted waiting(shared_.metrics.waiting);
-  if (shared_.metrics.waiting > o.max_waiting)
-    response_ = overloaded(fmt::format("{} other requests are being answered or wait", o.max_waiting));
-  else if (holds_too_much())
-    response_ = too_much_held();
-  else
-    co_await asio::co_spawn(shared_.pool.executor(), make_in_pool(), kAwait);
+  if (shared_.metrics.waiting > o.max_waiting) response_ = overloaded(fmt::format("{} other requests are being answered or wait", o.max_waiting));
+  else if (holds_too_much()) response_ = too_much_held();
+  else co_await asio::co_spawn(shared_.pool.executor(), make_in_pool(), kAwait);
   if (loop_.stopping) keep_ = false;
 }
 

@@ -35,7 +35,8 @@ HeadParser::Progress HeadParser::put_head(std::string_view& bytes) {
   bytes.remove_prefix(used);
   used_ += used;
   // Only excess of size and unknown versions get messages of their own.
-  if (error == http::error::body_limit) return refuse(413, "too_large", fmt::format("expected a request without a body, found more than {} bytes", kMaxBody));
+  if (error == http::error::body_limit)
+    return refuse(413, "too_large", fmt::format("expected a request without a body, found more than {} bytes", kMaxBody));
   if (error == http::error::bad_version) return refuse(505, "bad_version", "expected HTTP/1.0 or HTTP/1.1");
   if (error == http::error::header_limit || (error == http::error::need_more && used_ + bytes.size() >= kMaxHead)) {
     const std::string message = fmt::format("expected at most {} bytes of request line and header fields, found more", kMaxHead);
@@ -44,7 +45,8 @@ HeadParser::Progress HeadParser::put_head(std::string_view& bytes) {
   if (error == http::error::need_more) return kMore;
   if (error) return refuse(400, "bad_request", "malformed request: " + error.message());
   if (head_.has_transfer_encoding) return refuse(413, "too_large", "expected a request without a body, found Transfer-Encoding");
-  if (head_.hosts > 1 || (head_.http11 && head_.hosts == 0)) return refuse(400, "bad_request", fmt::format("expected one Host field, found {}", head_.hosts));
+  if (head_.hosts > 1 || (head_.http11 && head_.hosts == 0))
+    return refuse(400, "bad_request", fmt::format("expected one Host field, found {}", head_.hosts));
   body_ = content_length_remaining().value_or(0);
   return kWhole;
 }

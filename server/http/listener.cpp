@@ -96,8 +96,7 @@ void Listener::State::bind() {
   if (!error) acceptor->set_option(tcp::acceptor::reuse_address(true), error);
   if (!error) acceptor->bind(wanted, error);
   if (!error) acceptor->listen(asio::socket_base::max_listen_connections, error);
-  if (error)
-    throw IoError(fmt::format("can't listen at {} port {}: {}{}", o.host, o.port, error.message(), advice(error)));
+  if (error) throw IoError(fmt::format("can't listen at {} port {}: {}{}", o.host, o.port, error.message(), advice(error)));
   local = acceptor->local_endpoint();
 }
 

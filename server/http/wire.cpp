@@ -83,14 +83,16 @@ void append_field(std::string& out, std::string_view name, std::string_view valu
   out += name;
   const size_t at = out.size();
   out += value;
-  std::replace_if(out.begin() + static_cast<std::ptrdiff_t>(at), out.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
+  std::replace_if(
+      out.begin() + static_cast<std::ptrdiff_t>(at), out.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '?');
   out += "\r\n";
 }
 
 }  // namespace
 
 void Head::clear() {
-  for (std::string* s : {&method, &target, &host, &if_none_match, &accept_encoding, &authorization, &forwarded_proto, &forwarded_host, &forwarded_prefix})
+  for (std::string* s :
+       {&method, &target, &host, &if_none_match, &accept_encoding, &authorization, &forwarded_proto, &forwarded_host, &forwarded_prefix})
     s->clear();
   hosts = 0;
   http11 = true;
@@ -169,11 +171,13 @@ void append_head(std::string& out, const Response& r, const Sending& sending) {
   if (!r.content_encoding.empty()) append_field(out, "Content-Encoding: ", r.content_encoding);
   if (!r.location.empty()) append_field(out, "Location: ", r.location);
   out += r.more_fields;
-  if (!r.content_type.starts_with("image/") || r.content_type == "image/svg+xml") out += "Vary: Accept-Encoding\r\n";  // pixels are never compressed again
+  if (!r.content_type.starts_with("image/") || r.content_type == "image/svg+xml")
+    out += "Vary: Accept-Encoding\r\n";  // pixels are never compressed again
   switch (r.status) {
     case 204:
-      out += "Access-Control-Allow-Methods: GET, HEAD, OPTIONS\r\nAccess-Control-Allow-Headers: range, if-none-match, authorization\r\n"
-             "Access-Control-Max-Age: 86400\r\nAllow: GET, HEAD, OPTIONS\r\n";
+      out +=
+          "Access-Control-Allow-Methods: GET, HEAD, OPTIONS\r\nAccess-Control-Allow-Headers: range, if-none-match, authorization\r\n"
+          "Access-Control-Max-Age: 86400\r\nAllow: GET, HEAD, OPTIONS\r\n";
       break;
     case 401: out += "WWW-Authenticate: Bearer realm=\"teracell\"\r\n"; break;
     case 405: out += "Allow: GET, HEAD, OPTIONS\r\n"; break;
@@ -192,7 +196,8 @@ std::string http_date(int64_t unix_seconds) {
   gmtime_r(&t, &m);
   constexpr const char* day[] = {"Sun", "Mon", "Tue", "Wed", "Thu", "Fri", "Sat"};
   constexpr const char* month[] = {"Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
-  return fmt::format("{}, {:02} {} {} {:02}:{:02}:{:02} GMT", day[m.tm_wday], m.tm_mday, month[m.tm_mon], m.tm_year + 1900, m.tm_hour, m.tm_min, m.tm_sec);
+  return fmt::format("{}, {:02} {} {} {:02}:{:02}:{:02} GMT", day[m.tm_wday], m.tm_mday, month[m.tm_mon], m.tm_year + 1900, m.tm_hour, m.tm_min,
+                     m.tm_sec);
 }
 
 }  // namespace teracell

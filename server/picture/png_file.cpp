@@ -15,7 +15,8 @@ uint32_t bits_for(size_t colors) { return colors == 0 ? 32 : colors <= 2 ? 1 : c
 
 }  // namespace
 
-PngFile::PngFile(uint32_t width, uint32_t height, std::span<const Rgba> palette, Sink sink) : sink_(std::move(sink)), bits_(bits_for(palette.size())) {
+PngFile::PngFile(uint32_t width, uint32_t height, std::span<const Rgba> palette, Sink sink)
+    : sink_(std::move(sink)), bits_(bits_for(palette.size())) {
   constexpr uint8_t kSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
   sink_(kSignature);
   Bytes header;

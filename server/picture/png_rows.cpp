@@ -27,7 +27,8 @@ void append_changes(std::span<const uint16_t> above, std::span<const uint16_t> r
     }
     end += differs;
   }
-  if (whole < all && (above.empty() || !std::equal(row.begin() + static_cast<ptrdiff_t>(8 * whole), row.end(), above.begin() + static_cast<ptrdiff_t>(8 * whole))))
+  if (whole < all &&
+      (above.empty() || !std::equal(row.begin() + static_cast<ptrdiff_t>(8 * whole), row.end(), above.begin() + static_cast<ptrdiff_t>(8 * whole))))
     *end++ = static_cast<uint32_t>(whole);
   groups.resize(static_cast<size_t>(end - groups.data()));
 }

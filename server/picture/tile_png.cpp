@@ -38,7 +38,8 @@ std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t
   }
 
   std::string png;
-  PngRows rows(width, height, palette, [&](std::span<const uint8_t> bytes) { png.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); });
+  PngRows rows(width, height, palette,
+               [&](std::span<const uint8_t> bytes) { png.append(reinterpret_cast<const char*>(bytes.data()), bytes.size()); });
   size_t begin = 0;
   for (uint32_t r = 0; r < height; ++r) {
     rows.row(row(r), std::span(changes).subspan(begin, ends[r] - begin), value.data());

@@ -34,9 +34,8 @@ std::optional<Box> zarr_cube(const Metadata& meta, int level, std::span<const st
 }
 
 Service::Recipe cube_recipe(const ServedGrid& grid, int level, const Box& cube, Wrapping wrapping) {
-  return {.content_type = "application/octet-stream", .make = [&grid, level, cube, wrapping] {
-            return deflated(labels_in(grid.reader(), level, cube), wrapping);
-          }};
+  return {.content_type = "application/octet-stream",
+          .make = [&grid, level, cube, wrapping] { return deflated(labels_in(grid.reader(), level, cube), wrapping); }};
 }
 
 }  // namespace teracell

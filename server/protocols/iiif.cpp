@@ -31,7 +31,9 @@ std::optional<Name> parse_name(const std::string& text) {
 int last_scale(const ScaledSlice& slice) { return slice.scale_within(kTilePixels); }
 
 // At least one tile, whatever the limit for pictures is.
-int64_t most_pixels(const Service& service) { return static_cast<int64_t>(std::max<uint64_t>(service.options().max_pixels, kTilePixels * kTilePixels)); }
+int64_t most_pixels(const Service& service) {
+  return static_cast<int64_t>(std::max<uint64_t>(service.options().max_pixels, kTilePixels * kTilePixels));
+}
 
 ordered_json info(const ScaledSlice& slice, const std::string& address, int64_t most) {
   ordered_json sizes = ordered_json::array(), factors = ordered_json::array();
@@ -112,17 +114,18 @@ Response serve(Service& service, const Request& request, const Target& target) {
       return r;
     });
   }
-  return serve_found(service, request, target, kRoute, name->id, [&](const ServedGrid& grid, std::span<const std::string> path) -> std::optional<Service::Recipe> {
-    const auto slice = slice_at(grid.reader(), name->axis, name->index);
-    if (!slice) return std::nullopt;
-    const int64_t most = most_pixels(service);
-    if (joined(path) != "info.json") return find_picture(*slice, path, most);
-    auto recipe = json_recipe([slice = *slice, address, most] { return info(slice, address, most); });
-    recipe.content_type = R"(application/ld+json;profile="http://iiif.io/api/image/3/context.json")";
-    recipe.keep = false;
-    recipe.address = fmt::format("{} {}", address, most);
-    return recipe;
-  });
+  return serve_found(service, request, target, kRoute, name->id,
+                     [&](const ServedGrid& grid, std::span<const std::string> path) -> std::optional<Service::Recipe> {
+                       const auto slice = slice_at(grid.reader(), name->axis, name->index);
+                       if (!slice) return std::nullopt;
+                       const int64_t most = most_pixels(service);
+                       if (joined(path) != "info.json") return find_picture(*slice, path, most);
+                       auto recipe = json_recipe([slice = *slice, address, most] { return info(slice, address, most); });
+                       recipe.content_type = R"(application/ld+json;profile="http://iiif.io/api/image/3/context.json")";
+                       recipe.keep = false;
+                       recipe.address = fmt::format("{} {}", address, most);
+                       return recipe;
+                     });
 }
 
 }  // namespace

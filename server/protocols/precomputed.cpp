@@ -94,8 +94,9 @@ std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std:
   const auto level = find_level(grid.meta(), std::string_view(path[0]).substr(1));
   const auto box = level ? block_of(grid.meta(), *level, path[1]) : std::nullopt;
   if (!box) return std::nullopt;
-  return Service::Recipe{.content_type = "application/octet-stream", .compress = true,
-                         .make = [&grid, level = *level, box = *box] { return labels_in(grid.reader(), level, box); }};
+  return Service::Recipe{.content_type = "application/octet-stream", .compress = true, .make = [&grid, level = *level, box = *box] {
+                           return labels_in(grid.reader(), level, box);
+                         }};
 }
 
 }  // namespace

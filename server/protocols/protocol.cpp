@@ -18,7 +18,8 @@ Response missing(const char* route) {
   return r;
 }
 
-Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const FindRecipe& find) {
+Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id,
+                     const FindRecipe& find) {
   return or_missing(route, [&] {
     const auto grid = service.grids().find(id);
     auto recipe = find(*grid, std::span(target.path).subspan(2));

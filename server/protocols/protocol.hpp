@@ -40,7 +40,8 @@ Response or_missing(const char* route, F&& serve) {
 // The recipe for what stands at `path` of a grid; none when there is no such thing. `path` begins after the id.
 using FindRecipe = std::function<std::optional<Service::Recipe>(const ServedGrid& grid, std::span<const std::string> path)>;
 // Answers with the recipe that `find` returns, counted as `route`. REQUIRES: target.path has at least two segments.
-Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id, const FindRecipe& find);
+Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id,
+                     const FindRecipe& find);
 // Protocol::serve for addresses "/{prefix}/{id}/{path}".
 std::function<Response(Service&, const Request&, const Target&)> serve_by_id(const char* route, FindRecipe find);
 

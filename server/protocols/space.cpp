@@ -14,7 +14,7 @@ struct Unit {
   const char *ours, *name;
   double nanometres;
 };
-constexpr Unit kUnits[] = {{"m", "meter", 1e9},     {"cm", "centimeter", 1e7}, {"mm", "millimeter", 1e6}, {"um", "micrometer", 1e3},
+constexpr Unit kUnits[] = {{"m", "meter", 1e9},    {"cm", "centimeter", 1e7}, {"mm", "millimeter", 1e6}, {"um", "micrometer", 1e3},
                            {"nm", "nanometer", 1}, {"in", "inch", 2.54e7},    {"ft", "foot", 3.048e8}};
 
 // Viewers that don't clip coarse levels, such as Neuroglancer, show up to one coarse cell beyond the grid's end. So documents list

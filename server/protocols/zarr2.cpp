@@ -24,8 +24,15 @@ constexpr const char* kConsolidated = ".zmetadata";
 ordered_json group() { return {{"zarr_format", 2}}; }
 
 ordered_json array(const ordered_json& shape, const ordered_json& chunks, const char* type, const ordered_json& fill) {
-  return {{"zarr_format", 2}, {"shape", shape}, {"chunks", chunks}, {"dtype", type}, {"compressor", {{"id", "zlib"}, {"level", 1}}},
-          {"fill_value", fill}, {"order", "C"}, {"filters", nullptr}, {"dimension_separator", "/"}};
+  return {{"zarr_format", 2},
+          {"shape", shape},
+          {"chunks", chunks},
+          {"dtype", type},
+          {"compressor", {{"id", "zlib"}, {"level", 1}}},
+          {"fill_value", fill},
+          {"order", "C"},
+          {"filters", nullptr},
+          {"dimension_separator", "/"}};
 }
 
 ordered_json labels(const Metadata& meta, int level, const ordered_json& fill) {
@@ -64,7 +71,9 @@ Documents xarray_documents(const ServedGrid& grid, int level) {
   for (int axis = 0; axis < 3; ++axis) {
     const int64_t n = grid.meta().grid.cells(level)[axis];
     out.emplace_back(axis_name(axis) + "/.zarray", [n] { return array({n}, {std::min(n, kCoordinates)}, "<f8", nullptr); });
-    out.emplace_back(axis_name(axis) + "/.zattrs", [&grid, axis] { return ordered_json{{"_ARRAY_DIMENSIONS", {axis_name(axis)}}, {"units", grid.meta().units}}; });
+    out.emplace_back(axis_name(axis) + "/.zattrs", [&grid, axis] {
+      return ordered_json{{"_ARRAY_DIMENSIONS", {axis_name(axis)}}, {"units", grid.meta().units}};
+    });
   }
   return out;
 }

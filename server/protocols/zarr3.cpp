@@ -49,7 +49,8 @@ ordered_json label_group(const ServedGrid& grid) {
     if (const auto color = parse_color(material.color)) colors.push_back({{"label-value", id}, {"rgba", *color}});
   }
   const ordered_json image_label = {{"colors", colors}, {"properties", properties}, {"source", {{"image", "../../"}}}};
-  ordered_json j = group({{"version", "0.5"}, {"multiscales", ordered_json::array({multiscale_json(grid.meta(), "material")})}, {"image-label", image_label}});
+  ordered_json j =
+      group({{"version", "0.5"}, {"multiscales", ordered_json::array({multiscale_json(grid.meta(), "material")})}, {"image-label", image_label}});
   j["attributes"]["teracell"] = space_json(grid.meta());
   return j;
 }
@@ -58,7 +59,8 @@ ordered_json label_group(const ServedGrid& grid) {
 Documents nodes(const ServedGrid& grid) {
   Documents out;
   const auto add_levels = [&](const std::string& prefix) {
-    for (int level = 0; level < grid.reader().levels(); ++level) out.emplace_back(prefix + std::to_string(level), [&grid, level] { return array(grid.meta(), level); });
+    for (int level = 0; level < grid.reader().levels(); ++level)
+      out.emplace_back(prefix + std::to_string(level), [&grid, level] { return array(grid.meta(), level); });
   };
   add_levels("");
   out.emplace_back(kLabels, [] { return group({{"version", "0.5"}, {"labels", {"material"}}}); });

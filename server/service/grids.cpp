@@ -46,7 +46,8 @@ std::string with_folder(const std::string& message, const fs::path& path) {
 // resolve.
 std::string stem_of(const fs::path& path) {
   std::string stem = utf8_of(path.stem().string());
-  std::ranges::replace_if(stem, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
+  std::ranges::replace_if(
+      stem, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
   if (stem == "." || stem == "..") std::ranges::replace(stem, '.', '_');
   return stem;
 }
@@ -59,7 +60,8 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) :
     const fs::file_status status = fs::status(path, error);
     if (!fs::status_known(status)) throw IoError(fmt::format("{}: can't be read: {}", path.string(), error.message()));
     if (!fs::is_directory(status) && !fs::is_regular_file(status))
-      throw UsageError(fmt::format("{}: expected a .tcell file or a folder, found {}", path.string(), fs::exists(status) ? "something else" : "nothing"));
+      throw UsageError(
+          fmt::format("{}: expected a .tcell file or a folder, found {}", path.string(), fs::exists(status) ? "something else" : "nothing"));
     named_.push_back({path, fs::is_directory(status), {path}, ""});
   }
   look();
@@ -84,7 +86,8 @@ void Grids::look() {
   for (Named& named : named_) {
     if (named.folder) list(named);
     for (const auto& path : named.files)
-      if (const Place* place = look_at(path); place && next->by_id.try_emplace(place->id, Known::Entry{place->grid, place->error}).second && place->grid)
+      if (const Place* place = look_at(path);
+          place && next->by_id.try_emplace(place->id, Known::Entry{place->grid, place->error}).second && place->grid)
         next->readable.push_back(place->grid);
   }
   forget_gone();

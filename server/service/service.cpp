@@ -78,9 +78,13 @@ Service::Service(ServiceOptions options)
       chunks_(std::make_shared<ChunkCache>(options_.cache_bytes - options_.cache_bytes / 16)),
       index_(std::make_shared<IndexCache>(options_.cache_bytes / 16)),
       answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
-      grids_(std::make_unique<Grids>(options_.named, [counters = counters_, chunks = chunks_, index = index_](const std::filesystem::path& path, uint64_t number) {
-        return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number), index);
-      }, [this](const std::string& message) { complain(message); })) {}
+      grids_(std::make_unique<Grids>(
+          options_.named,
+          [counters = counters_, chunks = chunks_, index = index_](const std::filesystem::path& path, uint64_t number) {
+            return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number),
+                                                      index);
+          },
+          [this](const std::string& message) { complain(message); })) {}
 
 Service::AnswerCache::Pointer Service::kept(const Request& request) {
   const uint64_t epoch = grids_->epoch();
@@ -107,8 +111,11 @@ Response Service::answer(const Request& request, const Target& target, const Ser
   r.content_type = recipe.content_type;
   const std::string* version = target.find("v");
   if (version && *version != grid.hash)
-    throw not_found(fmt::format("v: the version of grid '{}' is {}, found '{}': the file was replaced, or the address belongs to another file", grid.id, grid.hash, version->substr(0, 64)));
-  r.cache_control = !version || !recipe.address.empty() ? "no-cache" : options_.anybody ? "public, max-age=31536000, immutable" : "private, max-age=31536000, immutable";
+    throw not_found(fmt::format("v: the version of grid '{}' is {}, found '{}': the file was replaced, or the address belongs to another file",
+                                grid.id, grid.hash, version->substr(0, 64)));
+  r.cache_control = !version || !recipe.address.empty() ? "no-cache"
+                    : options_.anybody                  ? "public, max-age=31536000, immutable"
+                                                        : "private, max-age=31536000, immutable";
   const bool gzip = recipe.compress && request.accepts_gzip;
   r.etag = etag_of(grid, recipe.address, gzip);
   r.compressible = recipe.compress && !gzip;

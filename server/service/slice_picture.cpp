@@ -47,7 +47,8 @@ size_t height_of(const SliceView& view) { return static_cast<size_t>(view.v1 - v
 std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets, bool top_down) {
   std::vector<uint16_t> out;
   out.reserve(width_of(view) * height_of(view));
-  for_each_row(reader, view, sets.value(), top_down, 1, [&](int64_t, std::span<const uint16_t> row) { out.insert(out.end(), row.begin(), row.end()); });
+  for_each_row(reader, view, sets.value(), top_down, 1,
+               [&](int64_t, std::span<const uint16_t> row) { out.insert(out.end(), row.begin(), row.end()); });
   return out;
 }
 
@@ -77,8 +78,8 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
 // Row by row, since a picture of more than kMostOutlined pixels is never in memory as numbers.
 std::string streamed_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
   if (style.outline)
-    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it or for a coarser level", kMostOutlined,
-                                 width_of(view), height_of(view)));
+    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it or for a coarser level",
+                                 kMostOutlined, width_of(view), height_of(view)));
   std::string out;
   SetColors colors(reader.meta(), view.level, style.shown);
   PngWriter png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), colors,
@@ -105,7 +106,8 @@ std::string raw_labels(const GridReader& reader, const SliceView& view) {
   const bool wide = wide_labels(reader.meta());
   std::string out;
   out.reserve(width_of(view) * height_of(view) * (wide ? 2 : 1));
-  for_each_row(reader, view, strongest_material(reader.meta()), false, 1, [&](int64_t, std::span<const uint16_t> row) { put_labels(out, row, wide); });
+  for_each_row(reader, view, strongest_material(reader.meta()), false, 1,
+               [&](int64_t, std::span<const uint16_t> row) { put_labels(out, row, wide); });
   return out;
 }
 

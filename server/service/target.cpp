@@ -51,14 +51,16 @@ const std::string* Target::find(std::string_view key) const {
 void Target::allow(std::initializer_list<std::string_view> known) const {
   for (const auto& [name, value] : query)
     if (std::ranges::find(known, name) == known.end())
-      throw bad_request(fmt::format("there is no parameter {}; expected {}", shown(name), known.size() == 0 ? std::string("none") : fmt::format("one of {}", fmt::join(known, ", "))));
+      throw bad_request(fmt::format("there is no parameter {}; expected {}", shown(name),
+                                    known.size() == 0 ? std::string("none") : fmt::format("one of {}", fmt::join(known, ", "))));
 }
 
 Target parse_target(std::string_view target) {
   if (!target.starts_with('/')) throw bad_request("expected an address that begins with '/'");
   Target out;
   const size_t question = target.find('?');
-  for (const std::string_view part : split(target.substr(1, question == std::string_view::npos ? question : question - 1), '/')) out.path.push_back(decoded(part));
+  for (const std::string_view part : split(target.substr(1, question == std::string_view::npos ? question : question - 1), '/'))
+    out.path.push_back(decoded(part));
   if (question != std::string_view::npos && question + 1 < target.size())
     for (const std::string_view part : split(target.substr(question + 1), '&')) {
       const size_t sign = part.find('=');
@@ -106,7 +108,8 @@ std::vector<int64_t> integers(std::string_view text, size_t count, std::string_v
     good &= !part.empty() && stop == part.data() + part.size() && error == std::errc{};
     out.push_back(value);
   }
-  if (!good || out.size() != count) throw bad_request(fmt::format("{}: expected {} whole numbers separated by commas, found {}", name, count, shown(text)));
+  if (!good || out.size() != count)
+    throw bad_request(fmt::format("{}: expected {} whole numbers separated by commas, found {}", name, count, shown(text)));
   return out;
 }
 

@@ -11,7 +11,7 @@ static long long taken;
 
 ssize_t read(int fd, void* to, size_t room) {
   static ssize_t (*real)(int, void*, size_t);
-  if (!real) real = (ssize_t (*)(int, void*, size_t))dlsym(RTLD_NEXT, "read");
+  if (!real) real = (ssize_t(*)(int, void*, size_t))dlsym(RTLD_NEXT, "read");
   const char *path = getenv("READ_FAULT_PATH"), *bytes = getenv("READ_FAULT_BYTES");
   char link[64], name[4096];
   snprintf(link, sizeof link, "/proc/self/fd/%d", fd);

@@ -113,20 +113,21 @@ const Bytes& sound_file() {
 // Edits of four bytes each: which body, where (14 bits), what to do there (2 bits), a byte to do it with.
 Bytes edited_file(std::span<const uint8_t> edits) {
   uint32_t index = 0;
-  return forge(sound_file(), {.bytes = [&](Part, Bytes& body) {
-                 for (size_t i = 0; i + 4 <= edits.size(); i += 4) {
-                   if (edits[i] != index % 256 || body.empty()) continue;
-                   const size_t at = (edits[i + 1] | edits[i + 2] << 8) % (1 << 14) % body.size();
-                   switch (edits[i + 2] >> 6) {
-                     case 0: body[at] = edits[i + 3]; break;
-                     case 1: body[at] ^= edits[i + 3]; break;
-                     case 2: body.resize(at); break;
-                     default: body.insert(body.begin() + static_cast<ptrdiff_t>(at), edits[i + 3]);
-                   }
-                 }
-                 ++index;
-               },
-               .channels = {{"unknown", {encode_text("one frame"), encode_text("and another")}}}});
+  return forge(sound_file(), {.bytes =
+                                  [&](Part, Bytes& body) {
+                                    for (size_t i = 0; i + 4 <= edits.size(); i += 4) {
+                                      if (edits[i] != index % 256 || body.empty()) continue;
+                                      const size_t at = (edits[i + 1] | edits[i + 2] << 8) % (1 << 14) % body.size();
+                                      switch (edits[i + 2] >> 6) {
+                                        case 0: body[at] = edits[i + 3]; break;
+                                        case 1: body[at] ^= edits[i + 3]; break;
+                                        case 2: body.resize(at); break;
+                                        default: body.insert(body.begin() + static_cast<ptrdiff_t>(at), edits[i + 3]);
+                                      }
+                                    }
+                                    ++index;
+                                  },
+                              .channels = {{"unknown", {encode_text("one frame"), encode_text("and another")}}}});
 }
 
 Bytes signed_again(std::span<const uint8_t> input, size_t covered, const Bytes& behind) {
@@ -163,9 +164,7 @@ void decode_structure(uint8_t which, std::span<const uint8_t> input) {
       return;
     }
     case 6: decode_footer(signed_again(input, kFooterBytes - 16, {'t', 'c', 'e', 'l', 'l', 'e', 'n', 'd'})); return;
-    default:
-      check_header(signed_again(input, kHeaderBytes - 8, {}));
-      decode_directory_block(signed_again(input, input.size(), {}));
+    default: check_header(signed_again(input, kHeaderBytes - 8, {})); decode_directory_block(signed_again(input, input.size(), {}));
   }
 }
 

@@ -43,7 +43,8 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
     options.axis = axis;
     options.threads = 1;
     const auto report = mesh_quietly(scene, folder / "g.tcell", options);
-    for (size_t b = 0; b < bodies.size(); ++b) REQUIRE(report["bodies"][b]["cells"].get<size_t>() + report["bodies"][b].value("covered_cells", size_t{0}) == in_body[b]);
+    for (size_t b = 0; b < bodies.size(); ++b)
+      REQUIRE(report["bodies"][b]["cells"].get<size_t>() + report["bodies"][b].value("covered_cells", size_t{0}) == in_body[b]);
     const GridReader reader(folder / "g.tcell");
     REQUIRE(reader.meta().grid == grid);
     const std::vector<uint32_t> found = all_cells(reader);
@@ -95,7 +96,8 @@ TEST_CASE("Decimal lattices, whose ties miss by a rounding, equal rational arith
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
     std::vector<Body> bodies;
-    for (uint32_t material = 1; material <= 3; ++material) bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
+    for (uint32_t material = 1; material <= 3; ++material)
+      bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
     expect_exact(bodies, uniform_grid(0, 1.1 / 11, 11, 11, 11));
   }
 }
@@ -132,14 +134,16 @@ TEST_CASE("Borders of tiles, of tile groups and of chunks along the rays leave n
 
 TEST_CASE("Far from the origin, where neighbouring centres share most of their digits, cells equal rational arithmetic") {
   for (const double far : {1e6, -3e9, 1e12}) {
-    auto facets = shapes::join({shapes::sphere({4, 4, 4}, 3, 2), shapes::tetrahedron({0.5, 0.5, 0.5}, {7.5, 1.5, 2.5}, {1.5, 6.5, 3.5}, {2.5, 2.5, 7.5})});
+    auto facets =
+        shapes::join({shapes::sphere({4, 4, 4}, 3, 2), shapes::tetrahedron({0.5, 0.5, 0.5}, {7.5, 1.5, 2.5}, {1.5, 6.5, 3.5}, {2.5, 2.5, 7.5})});
     expect_exact({{shapes::translate(facets, {far, far, far})}}, uniform_grid(far, 0.25, 32, 32, 32));
   }
 }
 
 TEST_CASE("Volumes of spheres and tori converge to the analytic ones") {
   const TempFolder folder;
-  for (const auto& [facets, exact] : {std::pair{shapes::sphere({0, 0, 0}, 1, 6), 4.18879020478639}, {shapes::torus({0, 0, 0}, 0.7, 0.3, 400, 200), 1.24357}}) {
+  for (const auto& [facets, exact] :
+       {std::pair{shapes::sphere({0, 0, 0}, 1, 6), 4.18879020478639}, {shapes::torus({0, 0, 0}, 0.7, 0.3, 400, 200), 1.24357}}) {
     double last = 1;
     for (const int n : {32, 128}) {
       const Grid grid = uniform_grid(-1.1, 2.2 / n, n, n, n);

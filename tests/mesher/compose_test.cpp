@@ -130,7 +130,8 @@ TEST_CASE("Bodies of one label make one run, and a body of the background's labe
 }
 
 TEST_CASE("A counter that the end of its ray leaves open is an error that says which ray") {
-  for (const std::vector<uint64_t>& open : {std::vector{up(1, 0)}, {up(1, 0), up(3, 0)}, {up(2, 1)}, {up(1, 0), down(2, 0), up(1, 2)}, {down(9, 0)}, {up(1, 0), up(1, 2), down(4, 2)}}) {
+  for (const std::vector<uint64_t>& open :
+       {std::vector{up(1, 0)}, {up(1, 0), up(3, 0)}, {up(2, 1)}, {up(1, 0), down(2, 0), up(1, 2)}, {down(9, 0)}, {up(1, 0), up(1, 2), down(4, 2)}}) {
     Composer composer = kTwo.composer();
     CHECK_THROWS_WITH(composed(composer, {{}, open}, 6), Catch::Contains("ray 1, 0") && Catch::Contains("1 of its surfaces"));
   }
@@ -141,7 +142,8 @@ TEST_CASE("A counter that the end of its ray leaves open is an error that says w
 TEST_CASE("A mark is a stretch of its body's, but no crossing that lies close to another one") {
   const auto mark = [](uint64_t c) { return c | Crossing::kMark; };
   Composer composer = kTwo.composer();
-  const RayBlock out = composed(composer, {{up(1, 0), down(5, 0), mark(up(2, 2)), mark(down(3, 2)), mark(up(4, 0)), mark(down(6, 0))}, {mark(up(2, 0)), mark(down(2, 0))}}, 8);
+  const RayBlock out = composed(
+      composer, {{up(1, 0), down(5, 0), mark(up(2, 2)), mark(down(3, 2)), mark(up(4, 0)), mark(down(6, 0))}, {mark(up(2, 0)), mark(down(2, 0))}}, 8);
   CHECK(cells_of(out, 0) == std::vector<Label>{0, 7, 9, 7, 7, 7, 0, 0});
   CHECK(composer.close_crossings().empty());
 }

@@ -1,7 +1,7 @@
 #include "mesher/report_json.hpp"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "store/error.hpp"
@@ -79,7 +79,9 @@ TEST_CASE("What one run was like stands beside the report's own keys, and its wa
   const auto json = ordered_json::parse(report_json(full_report(), small_scene(), run, {"doubtful"}));
   CHECK(json["warnings"] == ordered_json{"doubtful"});
   CHECK(json["bodies"].size() == 2);
-  CHECK(json["trust"].dump() == R"([{"body":"hull","points":100,"disagree":3,"at":[1.0,2.0,3.0],"box":[[0.0,0.0,0.0],[4.0,4.0,4.0]]},{"body":"deck","points":50,"disagree":0}])");
+  CHECK(
+      json["trust"].dump() ==
+      R"([{"body":"hull","points":100,"disagree":3,"at":[1.0,2.0,3.0],"box":[[0.0,0.0,0.0],[4.0,4.0,4.0]]},{"body":"deck","points":50,"disagree":0}])");
   CHECK(json["phases"].dump() == R"([{"name":"read","seconds":0.5},{"name":"cast","seconds":1.25}])");
   CHECK(json["file_bytes"] == 1000);
   CHECK(run.seconds() == 1.75);
@@ -97,7 +99,8 @@ TEST_CASE("Reports of earlier versions are read: keys that they lack keep their 
 }
 
 TEST_CASE("What is no report is a format error", "[report]") {
-  for (const char* text : {"", "null", "[]", "{}", R"({"bodies":3})", R"({"bodies":[{"name":1}]})", R"({"bodies":[],"ray_axis":{"axis":"w","crossings_expected":[1,2,3]}})"})
+  for (const char* text : {"", "null", "[]", "{}", R"({"bodies":3})", R"({"bodies":[{"name":1}]})",
+                           R"({"bodies":[],"ray_axis":{"axis":"w","crossings_expected":[1,2,3]}})"})
     CHECK_THROWS_AS(parse_report(text), FormatError);
   std::string json = report_json(full_report(), small_scene());
   const size_t rule = json.find("nonzero");

@@ -1,12 +1,12 @@
 // Runs that are killed, and those that go on from there: the same file, byte for byte.
 #include <catch2/catch.hpp>
 
-#include <csignal>
 #include <fcntl.h>
-#include <fstream>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -50,9 +50,12 @@ void run_and_die(const Scene& scene, const std::filesystem::path& output, const 
     die_at_rename = true;
     const std::atomic<bool> stop{false};
     int ticks = 0;
-    mesh(scene, output, options, [&](const char*, double, double) {
-      if (++ticks == tick) kill(getpid(), SIGKILL);
-    }, stop);
+    mesh(
+        scene, output, options,
+        [&](const char*, double, double) {
+          if (++ticks == tick) kill(getpid(), SIGKILL);
+        },
+        stop);
     _exit(0);
   }
   int status = 0;
@@ -170,7 +173,9 @@ TEST_CASE("A run that fails or is interrupted leaves no checkpoint") {
   const Scene scene = scene_to_kill(folder);
   std::atomic<bool> stop{false};
   int ticks = 0;
-  REQUIRE_THROWS_AS(mesh(scene, folder / "g.tcell", options_to_kill(), [&](const char*, double, double) { stop = ++ticks == 50; }, stop), Interrupted);
+  REQUIRE_THROWS_AS(mesh(
+                        scene, folder / "g.tcell", options_to_kill(), [&](const char*, double, double) { stop = ++ticks == 50; }, stop),
+                    Interrupted);
   REQUIRE_FALSE(std::filesystem::exists(checkpoint_path(folder / "g.tcell")));
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell.partial"));
 }

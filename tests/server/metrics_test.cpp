@@ -6,8 +6,8 @@
 #include <sstream>
 #include <thread>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 using namespace teracell;
 
@@ -135,8 +135,9 @@ TEST_CASE("the state of caches, files, connections and memory", "[server][metric
 TEST_CASE("health and metrics are answered before the inner handler is asked", "[server][metrics]") {
   Metrics m;
   const Response mine{.status = 200, .body = body_of("inner")};
-  const Handler h = with_operations({[&](const Request& r) { return r.target == "/warm" ? std::optional(mine) : std::nullopt; }, [&](const Request&) { return mine; }}, m,
-                                    [] { return ServerState{.version = "9"}; });
+  const Handler h = with_operations(
+      {[&](const Request& r) { return r.target == "/warm" ? std::optional(mine) : std::nullopt; }, [&](const Request&) { return mine; }}, m,
+      [] { return ServerState{.version = "9"}; });
   const auto at_once = [&](const std::string& target) { return h.at_once({.target = target}); };
   CHECK(*at_once("/healthz")->body == R"({"status":"ok"})");
   CHECK(at_once("/healthz?x")->route == std::string("healthz"));

@@ -39,9 +39,11 @@ struct Fetched {
 };
 
 TEST_CASE("The neighbours of a tile are the same tiles of the previous and the next slice", "[server]") {
-  CHECK(neighbours("/api/v1/grids/g/tile/z/7/0/1_2.png?v=x") == Targets{"/api/v1/grids/g/tile/z/8/0/1_2.png?v=x", "/api/v1/grids/g/tile/z/6/0/1_2.png?v=x"});
+  CHECK(neighbours("/api/v1/grids/g/tile/z/7/0/1_2.png?v=x") ==
+        Targets{"/api/v1/grids/g/tile/z/8/0/1_2.png?v=x", "/api/v1/grids/g/tile/z/6/0/1_2.png?v=x"});
   CHECK(neighbours("/api/v1/grids/g/tile/z/0/0/1_2.bin") == Targets{"/api/v1/grids/g/tile/z/1/0/1_2.bin"});
-  for (const char* other : {"/", "", "/api/v1/grids/g", "/api/v1/grids/g/slice/z/7.png", "/api/v1/grids/g/tile/z/x/0/0_0.png", "/api/v1/grids/g/tile/z/7", "/zarr/g/tile/z/7/0/0_0.png", "/api/v1/grids/tile"})
+  for (const char* other : {"/", "", "/api/v1/grids/g", "/api/v1/grids/g/slice/z/7.png", "/api/v1/grids/g/tile/z/x/0/0_0.png",
+                            "/api/v1/grids/g/tile/z/7", "/zarr/g/tile/z/7/0/0_0.png", "/api/v1/grids/tile"})
     CHECK(neighbours(other).empty());
 }
 

@@ -3,13 +3,13 @@
 
 #include <fstream>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "tests/support/served_cells.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/png.hpp"
+#include "tests/support/served_cells.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell {
@@ -21,7 +21,9 @@ using nlohmann::json;
 const Index3 kCells = {37, 530, 21};
 constexpr uint32_t kMaterials = 5;
 
-Grid grid() { return {{Axis::uniform(-1, 0.5, 0, kCells[0], 0.5), Axis::uniform(2, 0.25, 0, kCells[1], 0.5), Axis::uniform(0, 1, 0, kCells[2], 0.5)}}; }
+Grid grid() {
+  return {{Axis::uniform(-1, 0.5, 0, kCells[0], 0.5), Axis::uniform(2, 0.25, 0, kCells[1], 0.5), Axis::uniform(0, 1, 0, kCells[2], 0.5)}};
+}
 
 // A service over one grid "g" of random cells.
 struct Served {
@@ -79,7 +81,9 @@ TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the 
               REQUIRE(labels.body->size() == static_cast<size_t>(width * height));
               // The table of sets, then one byte per cell: 5 materials have at most 31 sets.
               const std::string& b = *with_sets.body;
-              const auto u16 = [&](size_t at) { return static_cast<unsigned>(static_cast<uint8_t>(b.at(at)) | static_cast<uint8_t>(b.at(at + 1)) << 8); };
+              const auto u16 = [&](size_t at) {
+                return static_cast<unsigned>(static_cast<uint8_t>(b.at(at)) | static_cast<uint8_t>(b.at(at + 1)) << 8);
+              };
               std::vector<Mask> table;
               size_t at = 4;
               for (unsigned i = u16(0); i > 0; --i) {
@@ -97,7 +101,8 @@ TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the 
                   cell[f.u] = col * 512 + u, cell[f.v] = row * 512 + v, cell[axis] = index;
                   const Mask set = sets[static_cast<size_t>((cell[2] * n[1] + cell[1]) * n[0] + cell[0])];
                   const auto place = static_cast<size_t>(v * width + u);
-                  same &= static_cast<unsigned>((*labels.body)[place]) == 63u - static_cast<unsigned>(__builtin_clzll(set));  // the last material is the strongest
+                  same &= static_cast<unsigned>((*labels.body)[place]) ==
+                          63u - static_cast<unsigned>(__builtin_clzll(set));  // the last material is the strongest
                   same &= table.at(static_cast<uint8_t>(b[at + place])) == set;
                 }
               REQUIRE(same);
@@ -137,24 +142,45 @@ TEST_CASE("Cells, columns and statistics are those of the grid", "[server]") {
 TEST_CASE("Values that are malformed or out of range get 400 with a message that names the range; what does not exist gets 404", "[server]") {
   Served s;
   const std::string g = "/api/v1/grids/g";
-  for (const std::string& bad : std::initializer_list<std::string>{
-           g + "/slice/w/0.png", g + "/slice/z/21.png", g + "/slice/z/-1.png", g + "/slice/z/x.png", g + "/slice/z/0.png?level=11", g + "/slice/z/0.png?level=",
-           g + "/slice/z/0.png?region=0,0,38,1", g + "/slice/z/0.png?region=0,0,0,1", g + "/slice/z/0.png?region=1,2,3", g + "/slice/z/0.png?colour=1", g + "/slice/z/0.png?materials=5",
-           g + "/slice/z/0.png?outline=2", g + "/tile/z/0/11/0_0.png", g + "/tile/z/21/0/0_0.png", g + "/tile/z/0/0/0.png", g + "/tile/z/0/0/a_b.png", g + "/cell?i=0&j=0",
-           g + "/cell?i=0&j=0&k=21", g + "/column/z/37_0", g + "/column/z/0", g + "/stats?region=0,0,0,38,1,1", g + "/stats?region=1,1,1,1,2,2", "/%", g + "/stats?a%00=1"}) {
+  for (const std::string& bad : std::initializer_list<std::string>{g + "/slice/w/0.png",
+                                                                   g + "/slice/z/21.png",
+                                                                   g + "/slice/z/-1.png",
+                                                                   g + "/slice/z/x.png",
+                                                                   g + "/slice/z/0.png?level=11",
+                                                                   g + "/slice/z/0.png?level=",
+                                                                   g + "/slice/z/0.png?region=0,0,38,1",
+                                                                   g + "/slice/z/0.png?region=0,0,0,1",
+                                                                   g + "/slice/z/0.png?region=1,2,3",
+                                                                   g + "/slice/z/0.png?colour=1",
+                                                                   g + "/slice/z/0.png?materials=5",
+                                                                   g + "/slice/z/0.png?outline=2",
+                                                                   g + "/tile/z/0/11/0_0.png",
+                                                                   g + "/tile/z/21/0/0_0.png",
+                                                                   g + "/tile/z/0/0/0.png",
+                                                                   g + "/tile/z/0/0/a_b.png",
+                                                                   g + "/cell?i=0&j=0",
+                                                                   g + "/cell?i=0&j=0&k=21",
+                                                                   g + "/column/z/37_0",
+                                                                   g + "/column/z/0",
+                                                                   g + "/stats?region=0,0,0,38,1,1",
+                                                                   g + "/stats?region=1,1,1,1,2,2",
+                                                                   "/%",
+                                                                   g + "/stats?a%00=1"}) {
     INFO(bad);
     const Response r = s.get(bad);
     REQUIRE(r.status == 400);
     REQUIRE(json::parse(*r.body)["error"]["code"] == "bad_request");
   }
-  for (const std::string& missing : std::initializer_list<std::string>{"/nothing", "/api", "/api/v2/grids", "/api/v1/grids/h", "/api/v1/grids/..", "/api/v1/grids/g.tcell", "/api/v1/grids/%2e%2e%2fg",
-                                                                      g + "/tile/z/0/0/1_0.png", g + "/tile/z/0/0/0_2.png", g + "/tile/z/0/0/0_0.jpg", g + "/slice/z/0.jpg", g + "/nothing", g + "/",
-                                                                      g + "?v=0123", "/index.html"}) {
+  for (const std::string& missing :
+       std::initializer_list<std::string>{"/nothing", "/api", "/api/v2/grids", "/api/v1/grids/h", "/api/v1/grids/..", "/api/v1/grids/g.tcell",
+                                          "/api/v1/grids/%2e%2e%2fg", g + "/tile/z/0/0/1_0.png", g + "/tile/z/0/0/0_2.png", g + "/tile/z/0/0/0_0.jpg",
+                                          g + "/slice/z/0.jpg", g + "/nothing", g + "/", g + "?v=0123", "/index.html"}) {
     INFO(missing);
     REQUIRE(s.get(missing).status == 404);
   }
   CHECK(s.error(g + "/slice/z/21.png") == "index: expected a whole number from 0 to 20, found '21'");
-  for (const char* materials : {"steel", "1,5", "1,", "-1"}) CHECK_THAT(s.error(g + "/slice/z/0.png?materials=" + materials), Catch::Contains("materials: expected ids from 0 to 4 separated by commas"));
+  for (const char* materials : {"steel", "1,5", "1,", "-1"})
+    CHECK_THAT(s.error(g + "/slice/z/0.png?materials=" + materials), Catch::Contains("materials: expected ids from 0 to 4 separated by commas"));
   CHECK_THAT(s.error(g + "?v=0123"), Catch::Contains("v: the version of grid 'g' is " + s.hash() + ", found '0123'"));
 }
 
@@ -360,8 +386,9 @@ std::string mismatch(const json& schema, const json& value, const json& all, con
   if (schema.contains("$ref")) return mismatch(all["components"]["schemas"][schema["$ref"].get<std::string>().substr(21)], value, all, where);
   if (!schema.contains("type")) return "";
   const auto is = [&](const std::string& type) {
-    return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) || (type == "string" && value.is_string()) || (type == "number" && value.is_number()) ||
-           (type == "integer" && value.is_number_integer()) || (type == "boolean" && value.is_boolean()) || (type == "null" && value.is_null());
+    return (type == "object" && value.is_object()) || (type == "array" && value.is_array()) || (type == "string" && value.is_string()) ||
+           (type == "number" && value.is_number()) || (type == "integer" && value.is_number_integer()) || (type == "boolean" && value.is_boolean()) ||
+           (type == "null" && value.is_null());
   };
   bool good = false;
   for (const json& type : schema["type"].is_array() ? schema["type"] : json::array({schema["type"]})) good |= is(type);
@@ -369,10 +396,14 @@ std::string mismatch(const json& schema, const json& value, const json& all, con
   if (value.is_object())
     for (const json& key : schema.value("required", json::array())) {
       if (!value.contains(key)) return where + " has no " + key.get<std::string>();
-      if (const auto wrong = mismatch(schema["properties"][key.get<std::string>()], value[key.get<std::string>()], all, where + "." + key.get<std::string>()); !wrong.empty()) return wrong;
+      if (const auto wrong =
+              mismatch(schema["properties"][key.get<std::string>()], value[key.get<std::string>()], all, where + "." + key.get<std::string>());
+          !wrong.empty())
+        return wrong;
     }
   if (value.is_array()) {
-    if (value.size() < schema.value("minItems", size_t{0}) || value.size() > schema.value("maxItems", ~size_t{0})) return where + " has " + std::to_string(value.size()) + " items";
+    if (value.size() < schema.value("minItems", size_t{0}) || value.size() > schema.value("maxItems", ~size_t{0}))
+      return where + " has " + std::to_string(value.size()) + " items";
     for (const json& item : value)
       if (const auto wrong = mismatch(schema.value("items", json::object()), item, all, where + "[]"); !wrong.empty()) return wrong;
   }
@@ -385,7 +416,8 @@ TEST_CASE("Every address of the description answers as the description says", "[
   s.service->grids().look();
   const json api = s.parsed("/openapi.json");
   CHECK(api["openapi"] == "3.1.0");
-  const std::map<std::string, std::string> values = {{"id", "g"}, {"axis", "z"}, {"index", "4"}, {"level", "1"}, {"col", "0"}, {"row", "0"}, {"a", "3"}, {"b", "4"}, {"i", "1"}, {"j", "2"}, {"k", "3"}};
+  const std::map<std::string, std::string> values = {{"id", "g"}, {"axis", "z"}, {"index", "4"}, {"level", "1"}, {"col", "0"}, {"row", "0"},
+                                                     {"a", "3"},  {"b", "4"},    {"i", "1"},     {"j", "2"},     {"k", "3"}};
   int seen = 0;
   for (const auto& [path, operations] : api["paths"].items()) {
     const json& responses = operations["get"]["responses"];
@@ -442,8 +474,12 @@ TEST_CASE("The start page names the grids and escapes what is in their names", "
 TEST_CASE("Whatever the address, the answer has one of the expected statuses and a body", "[server]") {
   Served s;
   std::mt19937_64 random(11);
-  const std::vector<std::string> words = {"api", "v1", "grids", "g", "tile", "slice", "cell", "column", "stats", "z", "0", "1", "-1", "99999999999999999999", "0_0.png", "0_0.bin", "0.png", "..", "", "%00",
-                                          "zarr", "zarr2", "xarray", "precomputed", "dzi", "iiif", "zarr.json", ".zarray", "info", "c", "0.dzi", "g-z-0", "full", "max", "s0", "0-64_0-64_0-1", "?level=1", "?v=x", "&i=1"};
+  const std::vector<std::string> words = {"api",           "v1",       "grids",       "g",     "tile", "slice",     "cell",
+                                          "column",        "stats",    "z",           "0",     "1",    "-1",        "99999999999999999999",
+                                          "0_0.png",       "0_0.bin",  "0.png",       "..",    "",     "%00",       "zarr",
+                                          "zarr2",         "xarray",   "precomputed", "dzi",   "iiif", "zarr.json", ".zarray",
+                                          "info",          "c",        "0.dzi",       "g-z-0", "full", "max",       "s0",
+                                          "0-64_0-64_0-1", "?level=1", "?v=x",        "&i=1"};
   for (int i = 0; i < 5000; ++i) {
     std::string target;
     for (auto n = random() % 8; n > 0; --n) target += "/" + words[random() % words.size()];

@@ -3,8 +3,8 @@
 
 #include <fstream>
 
-#include <catch2/catch.hpp>
 #include <zlib.h>
+#include <catch2/catch.hpp>
 
 #include "server/http/wire.hpp"
 #include "server/service/target.hpp"
@@ -56,13 +56,38 @@ Request request(const std::string& target, bool accepts_gzip = false, const std:
 }
 
 // Paths that no page may answer, whatever is in its folder or beside it.
-const char* const kOthers[] = {"",           "*",           "/.",            "/..",           "//",          "/../secret.txt", "/assets",       "/assets/",      "/assets/../secret.txt",
-                               "/index",     "/nowhere",    "/x.js",         "/%69ndex.html", "/page",       "/index.html/",   "/assets//etc",  "//etc/passwd",  "/etc/passwd",
-                               "/healthz",   "/api/v1/grids", "/openapi.json", "/.hidden.txt",  "/link.txt", "/assets/.git/config", "/assets/..", "/linked/secret.txt", "/assets/main-Ab3_x.js%00"};
+const char* const kOthers[] = {"",
+                               "*",
+                               "/.",
+                               "/..",
+                               "//",
+                               "/../secret.txt",
+                               "/assets",
+                               "/assets/",
+                               "/assets/../secret.txt",
+                               "/index",
+                               "/nowhere",
+                               "/x.js",
+                               "/%69ndex.html",
+                               "/page",
+                               "/index.html/",
+                               "/assets//etc",
+                               "//etc/passwd",
+                               "/etc/passwd",
+                               "/healthz",
+                               "/api/v1/grids",
+                               "/openapi.json",
+                               "/.hidden.txt",
+                               "/link.txt",
+                               "/assets/.git/config",
+                               "/assets/..",
+                               "/linked/secret.txt",
+                               "/assets/main-Ab3_x.js%00"};
 
 TEST_CASE("Clients that accept gzip get the page as it is stored, others get it inflated", "[server][web]") {
   const Page page = embedded();
-  for (const auto& [target, text] : {std::pair{"/", kIndex}, {"/?at=1", kIndex}, {"/index.html", kIndex}, {"/assets/main-Ab3_x.js", kScript}, {"/favicon.svg", kIcon}}) {
+  for (const auto& [target, text] :
+       {std::pair{"/", kIndex}, {"/?at=1", kIndex}, {"/index.html", kIndex}, {"/assets/main-Ab3_x.js", kScript}, {"/favicon.svg", kIcon}}) {
     INFO(target);
     CHECK(page.has(path_of(target)));
     const auto packed = page.at_once(request(target, true));
@@ -174,8 +199,7 @@ TEST_CASE("In front of other handlers the page answers its own paths, which need
 
 TEST_CASE("A text in front of other handlers has one path, which needs no token", "[server][web]") {
   const Page page = embedded();
-  const Handler inner{[](const Request&) { return std::optional<Response>(); },
-                      [](const Request&) { return Response{.status = 418}; }};
+  const Handler inner{[](const Request&) { return std::optional<Response>(); }, [](const Request&) { return Response{.status = 418}; }};
   const Handler with = with_page(with_text(inner, "/NOTICE", body_of("what others wrote\n")), page);
   const Response r = *with.at_once(request("/NOTICE?x=1"));
   CHECK(r.status == 200);

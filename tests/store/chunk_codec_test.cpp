@@ -89,7 +89,8 @@ Bytes bomb(uint64_t content, uint32_t blocks) {
 TEST_CASE("Random blocks of every kind and shape come back as they were") {
   std::mt19937_64 random(1);
   for (const Kind kind : kAllKinds) {
-    for (const Shape& s : {Shape{1, 1, 1, 3}, {1, 1, 2, 3}, {5, 1, 40, 3}, {1, 5, 40, 3}, {4, 4, 1, 3}, {7, 5, 2, 3}, {64, 64, 100, 5}, {13, 64, 257, 60}}) {
+    for (const Shape& s :
+         {Shape{1, 1, 1, 3}, {1, 1, 2, 3}, {5, 1, 40, 3}, {1, 5, 40, 3}, {4, 4, 1, 3}, {7, 5, 2, 3}, {64, 64, 100, 5}, {13, 64, 257, 60}}) {
       INFO("kind " << static_cast<int>(kind) << ", " << s.nu << " x " << s.nv << " rays of " << s.length << " cells");
       expect_round_trip(random_chunk(random, kind, s.nu, s.nv, s.length, s.labels));
     }

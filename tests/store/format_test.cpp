@@ -84,7 +84,9 @@ TEST_CASE("A footer comes back as it was") {
   REQUIRE(encode_footer(footer).size() == kFooterBytes);
   REQUIRE(back.file_bytes == footer.file_bytes);
   REQUIRE(back.hash == footer.hash);
-  const auto same = [](const DirectoryEntry& a, const DirectoryEntry& b) { return a.offset == b.offset && a.size == b.size && a.checksum == b.checksum; };
+  const auto same = [](const DirectoryEntry& a, const DirectoryEntry& b) {
+    return a.offset == b.offset && a.size == b.size && a.checksum == b.checksum;
+  };
   REQUIRE(same(back.metadata, footer.metadata));
   REQUIRE(same(back.report, footer.report));
 }
@@ -168,8 +170,7 @@ TEST_CASE("A page cut short is refused; with a bit flipped it is refused or keep
     const Bytes frame = encode_page(some_entries(with_stats), with_stats);
     expect_every_truncation_refused(frame, [&](const Bytes& b) { decode_page(b, 5, with_stats, 4); });
     const std::string body = decode_text(frame, "page");
-    for (size_t n = 0; n < body.size(); ++n)
-      REQUIRE_THROWS_AS(decode_page(encode_text(body.substr(0, n)), 5, with_stats, 4), FormatError);
+    for (size_t n = 0; n < body.size(); ++n) REQUIRE_THROWS_AS(decode_page(encode_text(body.substr(0, n)), 5, with_stats, 4), FormatError);
     REQUIRE_THROWS_AS(decode_page(encode_text(body + '\0'), 5, with_stats, 4), FormatError);
     const auto expect_shape = [&](const Bytes& damaged) {
       try {

@@ -43,7 +43,8 @@ TEST_CASE("No job at all, and fewer jobs than threads, end the loop", "[threads]
   for (int threads = 1; threads <= 8; ++threads)
     for (int jobs = 0; jobs <= 3; ++jobs) {
       int taken = 0;
-      in_order(threads, counting_to(jobs), [](int job, int) { return job; }, [&](int) { ++taken; });
+      in_order(
+          threads, counting_to(jobs), [](int job, int) { return job; }, [&](int) { ++taken; });
       REQUIRE(taken == jobs);
     }
 }
@@ -193,7 +194,8 @@ TEST_CASE("A thousand short loops end: no wake-up is lost", "[threads]") {
   for (int round = 0; round < 1000; ++round) {
     const int threads = 1 + round % 8, jobs = round % 23;
     int sum = 0;
-    in_order(threads, counting_to(jobs), [](int job, int) { return job; }, [&](int result) { sum += result; });
+    in_order(
+        threads, counting_to(jobs), [](int job, int) { return job; }, [&](int result) { sum += result; });
     REQUIRE(sum == jobs * (jobs - 1) / 2);
   }
 }

@@ -14,7 +14,8 @@ using nlohmann::ordered_json;
 
 TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
   const TempFolder folder;
-  Metadata meta = with_tiny_chunks(metadata_of({{Axis::uniform(-1, 0.5, 2, 9, 0.25), Axis::graded({0, 1, 3}, 0.5), Axis::uniform(0, 1, 0, 3, 0.5)}}, 0, 2));
+  Metadata meta =
+      with_tiny_chunks(metadata_of({{Axis::uniform(-1, 0.5, 2, 9, 0.25), Axis::graded({0, 1, 3}, 0.5), Axis::uniform(0, 1, 0, 3, 0.5)}}, 0, 2));
   meta.units = "mm";
   std::vector<Label> cells(54, 0);
   cells[6] = 1;
@@ -49,9 +50,7 @@ TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
   REQUIRE(j["report"] == ordered_json{{"schema", 1}});
 }
 
-TEST_CASE("A file without crossings has no bits for them") {
-  REQUIRE(bits_per_crossing(metadata_of({}, 2, 2)) == 0);
-}
+TEST_CASE("A file without crossings has no bits for them") { REQUIRE(bits_per_crossing(metadata_of({}, 2, 2)) == 0); }
 
 TEST_CASE("Counts that JSON readers would round come as text too, past 64 bits as well") {
   const Metadata meta = metadata_of({}, 2, 4);

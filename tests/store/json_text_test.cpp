@@ -1,7 +1,7 @@
 #include "store/json_text.hpp"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
 #include "store/error.hpp"
@@ -14,7 +14,8 @@ std::string nested(int levels) { return std::string(static_cast<size_t>(levels),
 }  // namespace
 
 TEST_CASE("JSON is read as the library reads it") {
-  for (const char* text : {"null", "[]", "{}", "-3", "7", "1.5e3", "\"a\\u00e4\\n\"", "[[], {}, [[1, -2], true, null, 2.5]]", R"({"b": 1, "a": {"d": [{"x": [[]]}, {}], "c": "\"}]"}, "z": false})"})
+  for (const char* text : {"null", "[]", "{}", "-3", "7", "1.5e3", "\"a\\u00e4\\n\"", "[[], {}, [[1, -2], true, null, 2.5]]",
+                           R"({"b": 1, "a": {"d": [{"x": [[]]}, {}], "c": "\"}]"}, "z": false})"})
     REQUIRE(parse_json(text, "text").dump() == nlohmann::ordered_json::parse(text).dump());
 }
 
@@ -42,7 +43,8 @@ TEST_CASE("Brackets in strings, behind escaped quotes too, are no levels") {
 
 TEST_CASE("What is no JSON is an error that says where") {
   CHECK_THROWS_WITH(parse_json("{\"a\": nan}", "metadata"), "metadata: expected JSON, found something else at byte 8");
-  for (const char* text : {"", "[", "]", "[}", "{} {}", "{\"a\": ", "{\"a\"}", "\"", "\"\\", "[1] 2"}) CHECK_THROWS_AS(parse_json(text, "text"), FormatError);
+  for (const char* text : {"", "[", "]", "[}", "{} {}", "{\"a\": ", "{\"a\"}", "\"", "\"\\", "[1] 2"})
+    CHECK_THROWS_AS(parse_json(text, "text"), FormatError);
 }
 
 TEST_CASE("JSON for others is ASCII on one line, and reads back, whatever bytes are in it") {

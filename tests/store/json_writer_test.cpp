@@ -26,8 +26,8 @@ std::string written(const T& what) {
 TEST_CASE("JSON is written as the library writes it") {
   for (const char* text : {"", "plain", "a \"quoted\" word", "back\\slash", "line\nand\ttab", "\x01\x1f\x7f", "Köln, 東京", "{[:,"})
     CHECK(written(text) == ordered_json(text).dump());
-  for (const double number : {0.0, -0.0, 1.0, -7.0, 0.1, 1e14, 999999999999999.0, 1e15, 1e16, 123456789012345678.0, 1e-5, 5e-324, 1.7976931348623157e308, -1e300,
-                              std::numeric_limits<double>::infinity(), std::nan("")})
+  for (const double number : {0.0, -0.0, 1.0, -7.0, 0.1, 1e14, 999999999999999.0, 1e15, 1e16, 123456789012345678.0, 1e-5, 5e-324,
+                              1.7976931348623157e308, -1e300, std::numeric_limits<double>::infinity(), std::nan("")})
     CHECK(written(number) == ordered_json(number).dump());
   std::mt19937_64 random(7);
   for (int i = 0; i < 1000; ++i) {
@@ -43,7 +43,18 @@ TEST_CASE("JSON is written as the library writes it") {
 TEST_CASE("Commas stand between members and between elements, whatever these end with") {
   std::string text;
   JsonWriter out(text);
-  out.begin_object().field("a", "{").field("b", nullptr).key("c").begin_array().value("[").value(",").begin_object().end_object().begin_array().end_array().end_array();
+  out.begin_object()
+      .field("a", "{")
+      .field("b", nullptr)
+      .key("c")
+      .begin_array()
+      .value("[")
+      .value(",")
+      .begin_object()
+      .end_object()
+      .begin_array()
+      .end_array()
+      .end_array();
   out.key("d").begin_object().field("e", ":").field("f", 1).end_object().key("g").raw("true").end_object();
   CHECK(text == R"({"a":"{","b":null,"c":["[",",",{},[]],"d":{"e":":","f":1},"g":true})");
   CHECK(ordered_json::parse(text).dump() == text);

@@ -40,7 +40,8 @@ TEST_CASE("Metadata come back to the last bit") {
 
 TEST_CASE("Metadata cut short, as a frame or as text, are refused") {
   const Bytes frame = encode_metadata(some_metadata());
-  for (size_t n = 0; n < frame.size(); ++n) REQUIRE_THROWS_AS(decode_metadata(Bytes(frame.begin(), frame.begin() + static_cast<ptrdiff_t>(n))), FormatError);
+  for (size_t n = 0; n < frame.size(); ++n)
+    REQUIRE_THROWS_AS(decode_metadata(Bytes(frame.begin(), frame.begin() + static_cast<ptrdiff_t>(n))), FormatError);
   const std::string text = decode_text(frame, "metadata");
   for (size_t n = 0; n < text.size(); ++n) REQUIRE_THROWS_AS(decode_metadata(encode_text(text.substr(0, n))), FormatError);
 }
@@ -75,9 +76,11 @@ TEST_CASE("Unknown keys of the metadata are skipped; of unknown optional channel
   REQUIRE(decode_metadata(edited([](ordered_json& j) {
             j["new"] = {1, 2, 3};
             j["chunk"]["new"] = "x";
-            j["channels"].push_back({{"name", "last"}, {"required", false}, {"coding", "bytes"}, {"strange", 7}, {"cover", {{"offset", 9}, {"frames", 10}}}});
-            j["channels"].insert(j["channels"].begin(),
-                                 ordered_json::object({{"name", "first"}, {"required", false}, {"cover", {{"offset", 7}, {"frames", 8}, {"new", 1}}}}));
+            j["channels"].push_back(
+                {{"name", "last"}, {"required", false}, {"coding", "bytes"}, {"strange", 7}, {"cover", {{"offset", 9}, {"frames", 10}}}});
+            j["channels"].insert(
+                j["channels"].begin(),
+                ordered_json::object({{"name", "first"}, {"required", false}, {"cover", {{"offset", 7}, {"frames", 8}, {"new", 1}}}}));
           })) == plain);
 }
 
@@ -90,7 +93,9 @@ TEST_CASE("Of two successive levels one must be stored: a reader would derive th
 }
 
 TEST_CASE("Required channels that are unknown, labels in an unknown coding, twice or not at all are refused by name") {
-  REQUIRE_THROWS_WITH(decode_metadata(edited([](ordered_json& j) { j["channels"].push_back({{"name", "fractions"}, {"required", true}, {"coding", "bytes"}}); })),
+  REQUIRE_THROWS_WITH(decode_metadata(edited([](ordered_json& j) {
+                        j["channels"].push_back({{"name", "fractions"}, {"required", true}, {"coding", "bytes"}});
+                      })),
                       Catch::Contains("fractions"));
   REQUIRE_THROWS_WITH(decode_metadata(edited([](ordered_json& j) { j["channels"][0]["coding"] = "octrees"; })), Catch::Contains("octrees"));
   REQUIRE_THROWS_AS(decode_metadata(edited([](ordered_json& j) { j["channels"].push_back(j["channels"][0]); })), FormatError);
@@ -114,11 +119,34 @@ TEST_CASE("A required channel is read if its kind is known in this coding, and c
 
 TEST_CASE("Every key of the metadata is needed and no value of another type is taken for it") {
   const ordered_json wrong[] = {nullptr, "text", -1, 1.5, ordered_json::array(), ordered_json::object(), true};
-  for (const char* path : {"/units", "/ray_axis", "/axes", "/axes/0/type", "/axes/0/cells", "/axes/0/first", "/axes/1/planes", "/materials",
-                           "/materials/0/name", "/materials/0/color", "/materials/0/rank", "/labels", "/labels/0/material", "/chunk", "/chunk/rays",
-                           "/chunk/cells", "/chunk/page", "/crossings", "/channels", "/channels/0/name", "/channels/0/levels",
-                           "/channels/0/levels/0/level", "/channels/0/levels/0/directory", "/channels/0/levels/0/bytes", "/channels/1/required",
-                           "/channels/1/cover", "/channels/1/cover/offset", "/channels/1/cover/frames"}) {
+  for (const char* path : {"/units",
+                           "/ray_axis",
+                           "/axes",
+                           "/axes/0/type",
+                           "/axes/0/cells",
+                           "/axes/0/first",
+                           "/axes/1/planes",
+                           "/materials",
+                           "/materials/0/name",
+                           "/materials/0/color",
+                           "/materials/0/rank",
+                           "/labels",
+                           "/labels/0/material",
+                           "/chunk",
+                           "/chunk/rays",
+                           "/chunk/cells",
+                           "/chunk/page",
+                           "/crossings",
+                           "/channels",
+                           "/channels/0/name",
+                           "/channels/0/levels",
+                           "/channels/0/levels/0/level",
+                           "/channels/0/levels/0/directory",
+                           "/channels/0/levels/0/bytes",
+                           "/channels/1/required",
+                           "/channels/1/cover",
+                           "/channels/1/cover/offset",
+                           "/channels/1/cover/frames"}) {
     INFO(path);
     const ordered_json::json_pointer pointer(path);
     REQUIRE_THROWS_AS(decode_metadata(edited([&](ordered_json& j) { j[pointer.parent_pointer()].erase(pointer.back()); })), FormatError);
@@ -137,7 +165,8 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
     REQUIRE_THROWS_AS(decode_metadata(edited([&](ordered_json& j) { j[ordered_json::json_pointer(path)] = value; })), FormatError);
   };
   for (const uint64_t rays : {0, 2, 3, 6, 66, 260, 1 << 20}) refused("/chunk/rays", rays);
-  for (const uint64_t cells : {uint64_t{0}, uint64_t{1}, uint64_t{3}, uint64_t{66}, (uint64_t{1} << 31) + 4, ~uint64_t{0}}) refused("/chunk/cells", cells);
+  for (const uint64_t cells : {uint64_t{0}, uint64_t{1}, uint64_t{3}, uint64_t{66}, (uint64_t{1} << 31) + 4, ~uint64_t{0}})
+    refused("/chunk/cells", cells);
   for (const uint64_t page : {uint64_t{0}, uint64_t{65}, uint64_t{1} << 32}) refused("/chunk/page", page);
   for (const uint64_t cells : {uint64_t{0}, (uint64_t{1} << 31) - 1, ~uint64_t{0}}) refused("/axes/0/cells", cells);
   for (const uint64_t first : {(uint64_t{1} << 52) + 1, ~uint64_t{0}}) refused("/axes/0/first", first);

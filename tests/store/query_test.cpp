@@ -82,7 +82,8 @@ TEST_CASE("Levels that are not there, and columns outside the grid, are usage er
     REQUIRE_THROWS_AS(read_box<uint32_t>(reader, level, {{0, 0, 0}, {1, 1, 1}}, strongest_material(meta), 0, &cell, {1, 1, 1}), UsageError);
     REQUIRE_THROWS_AS(for_each_run(reader, level, {{0, 0, 0}, {1, 1, 1}}, [](const BoxRun&) {}), UsageError);
   }
-  for (const auto& [a, b] : {std::pair<int64_t, int64_t>{-1, 0}, {8, 0}, {0, -1}, {0, 9}}) REQUIRE_THROWS_WITH(read_column(reader, 2, a, b), Catch::Contains("0 to 7") && Catch::Contains("0 to 8"));
+  for (const auto& [a, b] : {std::pair<int64_t, int64_t>{-1, 0}, {8, 0}, {0, -1}, {0, 9}})
+    REQUIRE_THROWS_WITH(read_column(reader, 2, a, b), Catch::Contains("0 to 7") && Catch::Contains("0 to 8"));
 }
 
 TEST_CASE("A box beyond the grid is refused by all that do not fill what lies outside") {

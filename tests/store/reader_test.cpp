@@ -33,7 +33,9 @@ TEST_CASE("A reader tells what the file holds") {
 
 TEST_CASE("A file of a newer minor version is read, and the version told is its own") {
   REQUIRE(reader_of(chunked_file()).version() == "1.0");
-  const Bytes newer = forge(chunked_file(), {.bytes = [](Part part, Bytes& body) { if (part == Part::kHeader) body[18] = 7; }});
+  const Bytes newer = forge(chunked_file(), {.bytes = [](Part part, Bytes& body) {
+                              if (part == Part::kHeader) body[18] = 7;
+                            }});
   REQUIRE(reader_of(newer).version() == "1.7");
   REQUIRE(info_json(reader_of(newer))["file"]["version"] == "1.7");
   REQUIRE_NOTHROW(verify_quietly(reader_of(newer)));
@@ -60,12 +62,14 @@ TEST_CASE("The file read by threads at once is the file read by one", "[threads]
         }
         const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1], nz = box.hi[2] - box.lo[2];
         std::vector<uint32_t> cells(static_cast<size_t>(nx * ny * nz));
-        read_box<uint32_t>(shared, level, box, [](const std::vector<Label>& s) { return static_cast<uint32_t>(mask_of(s)); }, 0, cells.data(), {1, nx, nx * ny});
+        read_box<uint32_t>(shared, level, box, [](const std::vector<Label>& s) { return static_cast<uint32_t>(mask_of(s)); }, 0, cells.data(),
+                           {1, nx, nx * ny});
         for (int64_t z = 0; z < nz; ++z)
           for (int64_t y = 0; y < ny; ++y)
             for (int64_t x = 0; x < nx; ++x)
-              wrong += cells[static_cast<size_t>((z * ny + y) * nx + x)] !=
-                       expected[static_cast<size_t>(level)][static_cast<size_t>(((z + box.lo[2]) * size[1] + y + box.lo[1]) * size[0] + x + box.lo[0])];
+              wrong +=
+                  cells[static_cast<size_t>((z * ny + y) * nx + x)] !=
+                  expected[static_cast<size_t>(level)][static_cast<size_t>(((z + box.lo[2]) * size[1] + y + box.lo[1]) * size[0] + x + box.lo[0])];
       }
     });
   pool.clear();
@@ -138,8 +142,9 @@ TEST_CASE("A file with further optional channels is read like one without, and s
   std::mt19937_64 random(3);
   Bytes large(5 << 20);
   for (uint8_t& b : large) b = static_cast<uint8_t>(random());
-  for (const std::vector<ForgedChannel>& channels :
-       {std::vector<ForgedChannel>{{"one", {encode_text("x")}}}, {{"one", {encode_text("x")}}, {"many", frames}}, {{"large", {large}}, {"", {encode_text("y")}}}}) {
+  for (const std::vector<ForgedChannel>& channels : {std::vector<ForgedChannel>{{"one", {encode_text("x")}}},
+                                                     {{"one", {encode_text("x")}}, {"many", frames}},
+                                                     {{"large", {large}}, {"", {encode_text("y")}}}}) {
     const Bytes more = forge(file, {.channels = channels});
     const GridReader reader = reader_of(more);
     REQUIRE(reader.meta().others().size() == channels.size());
@@ -170,16 +175,16 @@ TEST_CASE("A cell of level 0 with a set of several labels is refused, by verify 
   const Bytes file = meshed_file();
   bool done = false;
   const Bytes forged = forge(file, {.bytes = [&](Part part, Bytes& body) {
-                                      if (part != Part::kChunk || done) return;
-                                      Chunk honest, lie{{}, SetTable(3)};
-                                      ChunkDecoder().decode(encode_text({body.begin(), body.end()}), 12, 9, 8, 3, honest);
-                                      std::vector<Mask> cells = expand(honest);
-                                      for (Mask& cell : cells) cell |= cell == 4 ? 2 : 0;
-                                      lie = block_of_cells(12, 9, 8, 3, cells);
-                                      const std::string text = decode_text(ChunkEncoder().encode(lie.rays, lie.sets), "chunk");
-                                      body.assign(text.begin(), text.end());
-                                      done = true;
-                                    }});
+                               if (part != Part::kChunk || done) return;
+                               Chunk honest, lie{{}, SetTable(3)};
+                               ChunkDecoder().decode(encode_text({body.begin(), body.end()}), 12, 9, 8, 3, honest);
+                               std::vector<Mask> cells = expand(honest);
+                               for (Mask& cell : cells) cell |= cell == 4 ? 2 : 0;
+                               lie = block_of_cells(12, 9, 8, 3, cells);
+                               const std::string text = decode_text(ChunkEncoder().encode(lie.rays, lie.sets), "chunk");
+                               body.assign(text.begin(), text.end());
+                               done = true;
+                             }});
   REQUIRE(done);
   expect_verify_refuses(forged, "level 0");
   REQUIRE_THROWS_WITH(level_as_read(reader_of(forged), 0), Catch::Contains("level 0"));
@@ -188,7 +193,8 @@ TEST_CASE("A cell of level 0 with a set of several labels is refused, by verify 
 
 TEST_CASE("Offsets outside the file, and sizes beyond it, are refused wherever they stand") {
   const Bytes file = chunked_file();
-  for (const uint64_t bad : {uint64_t{file.size()} - 1, uint64_t{file.size()}, uint64_t{file.size()} + 1, uint64_t{1} << 40, uint64_t{1} << 63, ~uint64_t{0} - 7, ~uint64_t{0}}) {
+  for (const uint64_t bad : {uint64_t{file.size()} - 1, uint64_t{file.size()}, uint64_t{file.size()} + 1, uint64_t{1} << 40, uint64_t{1} << 63,
+                             ~uint64_t{0} - 7, ~uint64_t{0}}) {
     INFO(bad);
     REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.metadata.offset = bad; }})), FormatError);
     REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.metadata.size = bad; }})), FormatError);
@@ -200,8 +206,13 @@ TEST_CASE("Offsets outside the file, and sizes beyond it, are refused wherever t
     for (const Bytes& lie : {report, forge(file, {.footer = [&](Footer& f) { f.report.size = bad; }}),
                              forge(file, {.directory = [&](int, std::vector<DirectoryEntry>& pages) { pages[0].offset = bad; }}),
                              forge(file, {.directory = [&](int, std::vector<DirectoryEntry>& pages) { pages[0].size = bad; }}),
-                             forge(file, {.page = [&](int, std::vector<ChunkEntry>& entries) { for (ChunkEntry& e : entries) e.offset = bad; }}),
-                             forge(file, {.page = [&](int, std::vector<ChunkEntry>& entries) { for (ChunkEntry& e : entries) e.size = e.size == 0 ? 0 : static_cast<uint32_t>(bad) | 1; }})}) {
+                             forge(file, {.page =
+                                              [&](int, std::vector<ChunkEntry>& entries) {
+                                                for (ChunkEntry& e : entries) e.offset = bad;
+                                              }}),
+                             forge(file, {.page = [&](int, std::vector<ChunkEntry>& entries) {
+                                     for (ChunkEntry& e : entries) e.size = e.size == 0 ? 0 : static_cast<uint32_t>(bad) | 1;
+                                   }})}) {
       expect_verify_refuses(lie, "");
       read_hostile(lie);
     }
@@ -215,11 +226,16 @@ TEST_CASE("Structures that name each other in loops are refused") {
   // The footer as its own metadata; the metadata as a page; the report as a chunk; one directory for two levels; ...
   REQUIRE_THROWS_AS(reader_of(forge(file, {.footer = [&](Footer& f) { f.metadata = {f.file_bytes - kFooterBytes, kFooterBytes, 0}; }})), FormatError);
   expect_verify_refuses(forge(file, {.directory = [&](int, std::vector<DirectoryEntry>& pages) { pages[0] = honest.metadata; }}), "");
-  expect_verify_refuses(forge(file, {.page = [&](int, std::vector<ChunkEntry>& entries) {
-                          for (ChunkEntry& e : entries)
-                            if (e.size != 0) e.offset = honest.report.offset, e.size = static_cast<uint32_t>(honest.report.size), e.checksum = honest.report.checksum;
-                        }}), "");
-  REQUIRE_THROWS_AS(verify_quietly(reader_of(forge(file, {.metadata = [](Metadata& m) { m.levels()[1].directory = m.levels()[0].directory; }}))), FormatError);
+  expect_verify_refuses(forge(file, {.page =
+                                         [&](int, std::vector<ChunkEntry>& entries) {
+                                           for (ChunkEntry& e : entries)
+                                             if (e.size != 0)
+                                               e.offset = honest.report.offset, e.size = static_cast<uint32_t>(honest.report.size),
+                                               e.checksum = honest.report.checksum;
+                                         }}),
+                        "");
+  REQUIRE_THROWS_AS(verify_quietly(reader_of(forge(file, {.metadata = [](Metadata& m) { m.levels()[1].directory = m.levels()[0].directory; }}))),
+                    FormatError);
   expect_verify_refuses(forge(file, {.footer = [](Footer& f) { f.report = f.metadata; }}), "two things");
 }
 
@@ -238,7 +254,9 @@ TEST_CASE("A file whose chunks, pages or labels are counted otherwise than they 
       for (const uint32_t chunk_cells : {4u, 8u, 65536u, 1u << 31})
         for (const uint32_t page_chunks : {1u, 2u, 64u})
           for (const int axis : {0, 1, 2})
-            read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.chunk_rays = chunk_rays, m.chunk_cells = chunk_cells, m.page_chunks = page_chunks, m.ray_axis = axis; }}));
+            read_hostile(forge(file, {.metadata = [&](Metadata& m) {
+                                 m.chunk_rays = chunk_rays, m.chunk_cells = chunk_cells, m.page_chunks = page_chunks, m.ray_axis = axis;
+                               }}));
     for (const size_t labels : {1, 2, 4, 60'000})
       read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.labels.resize(labels), m.materials.resize(std::max<size_t>(labels, 3)); }}));
     for (const Index3& n : {Index3{1, 1, 1}, Index3{12, 9, 7}, Index3{5, 6, 10}, Index3{64, 64, 65536}})
@@ -256,7 +274,9 @@ TEST_CASE("Any byte of the plain bodies changed under right checksums is refused
     for (size_t at = 0; at < bodies[target].second; at += step * kStride)
       for (const uint8_t change : {0x01, 0x80, 0xFF}) {
         size_t index = 0;
-        read_hostile(forge(file, {.bytes = [&](Part, Bytes& body) { if (index++ == target) body[at] ^= change; }}));
+        read_hostile(forge(file, {.bytes = [&](Part, Bytes& body) {
+                             if (index++ == target) body[at] ^= change;
+                           }}));
       }
   }
 }

@@ -37,9 +37,8 @@ TEST_CASE("Appended rays come back as their runs") {
   block.append(std::array<SetId, 1>{3}, {});
   block.append(std::array<SetId, 2>{1, 0}, std::array<uint32_t, 1>{4});
   REQUIRE(block.pattern == std::vector<uint32_t>{0, 1, 0, 2});
-  REQUIRE(expand(block, SetTable(4)) ==
-          std::vector<Mask>{8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 1, 2, 2, 2, 2, 2, 2, 2, 2, 1,  //
-                            8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1});
+  REQUIRE(expand(block, SetTable(4)) == std::vector<Mask>{8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 1, 2, 2, 2, 2, 2, 2, 2, 2, 1,  //
+                                                          8, 8, 8, 8, 8, 8, 8, 8, 8, 8, 2, 2, 2, 2, 1, 1, 1, 1, 1, 1});
   REQUIRE_FALSE(block.uniform());
 }
 

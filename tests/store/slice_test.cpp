@@ -22,9 +22,10 @@ TEST_CASE("An exception of the sink ends the slice, whatever the threads") {
     for (const int threads : {1, 3}) {
       int rows = 0;
       const auto run = [&] {
-        for_each_row(reader, whole_slice(reader.meta(), slice, 7, 0), strongest_material(reader.meta()), true, threads, [&](int64_t, std::span<const uint16_t>) {
-          if (++rows == 9) throw IoError("full disk");
-        });
+        for_each_row(reader, whole_slice(reader.meta(), slice, 7, 0), strongest_material(reader.meta()), true, threads,
+                     [&](int64_t, std::span<const uint16_t>) {
+                       if (++rows == 9) throw IoError("full disk");
+                     });
       };
       REQUIRE_THROWS_AS(run(), IoError);
       REQUIRE(rows == 9);
@@ -39,11 +40,13 @@ TEST_CASE("Levels, indices and regions of slices out of range are usage errors t
   const Metadata& meta = reader.meta();
   REQUIRE(reader.levels() == 5);
   for (const int level : {-1, 5, 31, 1000}) REQUIRE_THROWS_WITH(whole_slice(meta, 2, 0, level), Catch::Contains("0 to 4"));
-  for (const int64_t index : {int64_t{-1}, int64_t{10}, std::numeric_limits<int64_t>::max()}) REQUIRE_THROWS_WITH(whole_slice(meta, 2, index, 0), Catch::Contains("0 to 9"));
+  for (const int64_t index : {int64_t{-1}, int64_t{10}, std::numeric_limits<int64_t>::max()})
+    REQUIRE_THROWS_WITH(whole_slice(meta, 2, index, 0), Catch::Contains("0 to 9"));
   REQUIRE_THROWS_WITH(whole_slice(meta, 0, 4, 1), Catch::Contains("0 to 3"));
   const SliceView whole = whole_slice(meta, 2, 0, 0);
-  for (const auto& edit : std::initializer_list<void (*)(SliceView&)>{[](SliceView& v) { v.u0 = -1; }, [](SliceView& v) { v.u1 = 9; }, [](SliceView& v) { v.v0 = 9; },
-                                                                      [](SliceView& v) { v.v1 = 10; }, [](SliceView& v) { v.u0 = 5, v.u1 = 5; }, [](SliceView& v) { v.index = 10; }}) {
+  for (const auto& edit : std::initializer_list<void (*)(SliceView&)>{[](SliceView& v) { v.u0 = -1; }, [](SliceView& v) { v.u1 = 9; },
+                                                                      [](SliceView& v) { v.v0 = 9; }, [](SliceView& v) { v.v1 = 10; },
+                                                                      [](SliceView& v) { v.u0 = 5, v.u1 = 5; }, [](SliceView& v) { v.index = 10; }}) {
     SliceView view = whole;
     edit(view);
     REQUIRE_THROWS_AS(for_each_row(reader, view, strongest_material(meta), true, 1, [](int64_t, std::span<const uint16_t>) {}), UsageError);

@@ -1,8 +1,8 @@
 // verify: it passes sound files, and it sees every damage and every lie.
 #include "store/verify.hpp"
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "store/chunk_codec.hpp"
 #include "tests/support/sanitized.hpp"
@@ -14,7 +14,8 @@ namespace {
 using namespace testing;
 
 TEST_CASE("A sound file is verified by any number of threads, with shares of 1 that ascend", "[threads]") {
-  for (const Bytes& file : {meshed_file(), chunked_file(0), chunked_file(1), chunked_file(2), chunked_file(2, {1, 1, 1}), chunked_file(0, {40, 30, 33})}) {
+  for (const Bytes& file :
+       {meshed_file(), chunked_file(0), chunked_file(1), chunked_file(2), chunked_file(2, {1, 1, 1}), chunked_file(0, {40, 30, 33})}) {
     const GridReader reader = reader_of(file);
     for (const int threads : {1, 2, 5}) {
       double last = 0;
@@ -47,8 +48,10 @@ TEST_CASE("A block of a file overwritten, or two of them swapped, is reported by
     Bytes damaged = file;
     const size_t size = random() % 64 + 1, a = random() % (file.size() - size), b = random() % (file.size() - size);
     if (round % 2 == 0) std::fill_n(damaged.begin() + static_cast<ptrdiff_t>(a), size, uint8_t{0});
-    else std::swap_ranges(damaged.begin() + static_cast<ptrdiff_t>(std::min(a, b)), damaged.begin() + static_cast<ptrdiff_t>(std::min(a, b) + std::min(size, std::max(a, b) - std::min(a, b))),
-                          damaged.begin() + static_cast<ptrdiff_t>(std::max(a, b)));
+    else
+      std::swap_ranges(damaged.begin() + static_cast<ptrdiff_t>(std::min(a, b)),
+                       damaged.begin() + static_cast<ptrdiff_t>(std::min(a, b) + std::min(size, std::max(a, b) - std::min(a, b))),
+                       damaged.begin() + static_cast<ptrdiff_t>(std::max(a, b)));
     if (damaged != file) expect_noticed(damaged, undamaged, "round", static_cast<size_t>(round));
   }
 }
@@ -65,7 +68,11 @@ TEST_CASE("Bytes that nothing names, or that two things name, are found by verif
   const Bytes file = chunked_file();
   expect_verify_refuses(forge(file, {.gap = 1}), "belongs to nothing");
   expect_verify_refuses(forge(file, {.gap = 1000}), "belongs to nothing");
-  expect_verify_refuses(forge(file, {.directory = [](int, std::vector<DirectoryEntry>& pages) { if (pages.size() > 1) pages[1] = pages[0]; }}), "");
+  expect_verify_refuses(forge(file, {.directory =
+                                         [](int, std::vector<DirectoryEntry>& pages) {
+                                           if (pages.size() > 1) pages[1] = pages[0];
+                                         }}),
+                        "");
   bool done = false;
   const auto share_a_frame = [&](int, std::vector<ChunkEntry>& entries) {
     ChunkEntry* first = nullptr;
@@ -82,10 +89,13 @@ TEST_CASE("Bytes that nothing names, or that two things name, are found by verif
 
 TEST_CASE("A cover that lies is refused when the file is opened, or by verify") {
   const Bytes file = chunked_file();
-  const auto says = [&](const std::function<void(Channel&)>& lie) { return with_channel(file, {.metadata = [=](Metadata& m) { lie(m.channels[1]); }}); };
+  const auto says = [&](const std::function<void(Channel&)>& lie) {
+    return with_channel(file, {.metadata = [=](Metadata& m) { lie(m.channels[1]); }});
+  };
   const uint64_t size = with_channel(file).size();
   REQUIRE_THROWS_WITH(reader_of(says([](Channel& c) { c.frames = 0; })), Catch::Contains("at least one frame"));
-  for (const uint64_t count : {uint64_t{1}, uint64_t{2}, uint64_t{4}, size, size / kDirectoryEntry, uint64_t{1} << 32, uint64_t{1} << 61, ~uint64_t{0}})
+  for (const uint64_t count :
+       {uint64_t{1}, uint64_t{2}, uint64_t{4}, size, size / kDirectoryEntry, uint64_t{1} << 32, uint64_t{1} << 61, ~uint64_t{0}})
     REQUIRE_THROWS_AS(reader_of(says([&](Channel& c) { c.frames = count; })), FormatError);
   for (const uint64_t offset : {uint64_t{0}, size - 1, size, size + 1, uint64_t{1} << 63, ~uint64_t{0} - 7, ~uint64_t{0}})
     REQUIRE_THROWS_AS(reader_of(says([&](Channel& c) { c.cover = offset; })), FormatError);
@@ -111,17 +121,22 @@ TEST_CASE("A cover that lies is refused when the file is opened, or by verify") 
 TEST_CASE("Sums, statistics, coarse sets and the content hash that lie are found by verify") {
   const Bytes file = chunked_file();
   for (const int which : {0, 1, 2})
-    expect_verify_refuses(forge(file, {.metadata = [&](Metadata& m) { ++(which == 0 ? m.levels()[0].chunks : which == 1 ? m.levels()[1].bytes : m.levels()[0].changes); }}),
+    expect_verify_refuses(forge(file, {.metadata =
+                                           [&](Metadata& m) {
+                                             ++(which == 0 ? m.levels()[0].chunks : which == 1 ? m.levels()[1].bytes : m.levels()[0].changes);
+                                           }}),
                           "the metadata counts");
-  expect_verify_refuses(forge(file, {.page = [](int level, std::vector<ChunkEntry>& entries) {
-                                       for (ChunkEntry& e : entries)
-                                         if (level == 0 && !e.stats.empty()) e.stats[0].cells += 1;
-                                     }}),
+  expect_verify_refuses(forge(file, {.page =
+                                         [](int level, std::vector<ChunkEntry>& entries) {
+                                           for (ChunkEntry& e : entries)
+                                             if (level == 0 && !e.stats.empty()) e.stats[0].cells += 1;
+                                         }}),
                         "statistics");
-  expect_verify_refuses(forge(file, {.page = [](int level, std::vector<ChunkEntry>& entries) {
-                                       for (ChunkEntry& e : entries)
-                                         if (level == 4 && e.size == 0) e.uniform = {0};
-                                     }}),
+  expect_verify_refuses(forge(file, {.page =
+                                         [](int level, std::vector<ChunkEntry>& entries) {
+                                           for (ChunkEntry& e : entries)
+                                             if (level == 4 && e.size == 0) e.uniform = {0};
+                                         }}),
                         "sets");
   expect_verify_refuses(forge(file, {.footer = [](Footer& f) { f.hash[15] ^= 1; }}), "content hash");
 }
@@ -137,10 +152,14 @@ void check_fractions(const Metadata& meta, const Channel& channel, const std::fu
 
 TEST_CASE("A channel of a known kind and coding is checked by its kind, any other one as bytes") {
   const auto file = [](const std::string& coding, const std::string& last) {
-    return forge(chunked_file(), {.metadata = [=](Metadata& m) { m.channels[1].coding = coding; }, .channels = {{"fractions", {encode_text("half"), encode_text(last)}}}});
+    return forge(chunked_file(), {.metadata = [=](Metadata& m) { m.channels[1].coding = coding; },
+                                  .channels = {{"fractions", {encode_text("half"), encode_text(last)}}}});
   };
   constexpr ChannelKind kKinds[] = {{kLabels, kRuns, nullptr}, {"fractions", "text", check_fractions}};
-  const auto verify_with_kinds = [&](const Bytes& bytes) { verify(reader_of(bytes), 1, [](double) {}, kKinds); };
+  const auto verify_with_kinds = [&](const Bytes& bytes) {
+    verify(
+        reader_of(bytes), 1, [](double) {}, kKinds);
+  };
   REQUIRE_NOTHROW(verify_with_kinds(file("text", "a quarter")));
   REQUIRE(checked == "fractions of 3 labels: half a quarter");
   REQUIRE_THROWS_WITH(verify_with_kinds(file("text", "all of it")), "memory.tcell: a fraction of 1");

@@ -128,7 +128,8 @@ TEST_CASE("A file that lacks a chunk of an open page is not finished") {
 TEST_CASE("A grid with more rays than a directory can name is refused before anything is written") {
   const TempFolder folder;
   const Axis longest = Axis::uniform(0, 1, 0, Axis::kMaxCells, 0.5);
-  REQUIRE_THROWS_WITH(GridWriter(folder / "g.tcell", with_tiny_chunks(metadata_of({{longest, longest, longest}}, 2, 2))), Catch::Contains("more than a file can index"));
+  REQUIRE_THROWS_WITH(GridWriter(folder / "g.tcell", with_tiny_chunks(metadata_of({{longest, longest, longest}}, 2, 2))),
+                      Catch::Contains("more than a file can index"));
 }
 
 TEST_CASE("A uniform chunk has no frame, any other one its frame's checksum and, on level 0, statistics") {

@@ -107,8 +107,7 @@ bool same_runs(const Chunk& a, const Chunk& b) {
   if (a.rays.nu != b.rays.nu || a.rays.nv != b.rays.nv || a.rays.length != b.rays.length) return false;
   if (a.rays.begin != b.rays.begin || a.rays.at != b.rays.at) return false;
   for (uint32_t ray = 0; ray < a.rays.rays(); ++ray)
-    if (!std::ranges::equal(a.rays.sets(ray), b.rays.sets(ray),
-                            [&](SetId x, SetId y) { return a.sets.members(x) == b.sets.members(y); }))
+    if (!std::ranges::equal(a.rays.sets(ray), b.rays.sets(ray), [&](SetId x, SetId y) { return a.sets.members(x) == b.sets.members(y); }))
       return false;
   return true;
 }

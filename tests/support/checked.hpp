@@ -171,7 +171,8 @@ struct Checked {
       if (u == view.u1) u = view.u0, next += top_down ? -1 : 1;
     };
     for_each_row(reader, view, as_mask, top_down, threads, take, held);
-    INFO("slice across " << axis_name(view.axis) << " at " << view.index << ", top down " << top_down << ", " << threads << " threads, " << held << " cells held");
+    INFO("slice across " << axis_name(view.axis) << " at " << view.index << ", top down " << top_down << ", " << threads << " threads, " << held
+                         << " cells held");
     REQUIRE(good);
     REQUIRE((u == view.u0 && next == (top_down ? view.v0 - 1 : view.v1)));
   }

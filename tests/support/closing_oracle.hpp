@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "mesher/surface/facet.hpp"
 #include "mesher/scene/scene.hpp"
+#include "mesher/surface/facet.hpp"
 
 namespace teracell::oracle {
 

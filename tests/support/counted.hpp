@@ -61,7 +61,9 @@ inline Counted counted(const std::vector<Facet>& facets) {
 // corners that are no multiple of the lattice and are on a line but for a rounding.
 inline std::vector<Facet> tangle(std::mt19937_64& random, size_t count, int size) {
   std::vector<Facet> out;
-  const auto point = [&] { return Vec3{double(random_int(random, 0, size - 1)), double(random_int(random, 0, 3)), double(random_int(random, 0, 3))}; };
+  const auto point = [&] {
+    return Vec3{double(random_int(random, 0, size - 1)), double(random_int(random, 0, 3)), double(random_int(random, 0, 3))};
+  };
   while (out.size() < count) {
     Facet f{{point(), point(), point()}};
     const int kind = random_int(random, 0, 9);

@@ -37,7 +37,8 @@ enum class Coordinates {
   kLimits,    // 0, or about 1e75 or 1e-75, of either sign
   kAnywhere,  // any magnitude between the limits
 };
-inline constexpr Coordinates kAllCoordinates[] = {Coordinates::kLattice, Coordinates::kDecimal, Coordinates::kFar, Coordinates::kLimits, Coordinates::kAnywhere};
+inline constexpr Coordinates kAllCoordinates[] = {Coordinates::kLattice, Coordinates::kDecimal, Coordinates::kFar, Coordinates::kLimits,
+                                                  Coordinates::kAnywhere};
 
 inline double draw(std::mt19937_64& random, Coordinates kind) {
   switch (kind) {

@@ -59,8 +59,7 @@ void write_stl(const std::filesystem::path& path, const Facets& facets, Encoding
     for (const Facet& f : facets) {
       out += "facet normal 0 0 0\n  outer loop\n";
       for (const Vec3& v : f.vertex) {
-        out += fmt::format("    vertex {} {} {}\n", static_cast<float>(v[0]), static_cast<float>(v[1]),
-                           static_cast<float>(v[2]));
+        out += fmt::format("    vertex {} {} {}\n", static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
       }
       out += "  endloop\nendfacet\n";
     }
@@ -90,9 +89,7 @@ void write_obj(const std::filesystem::path& path, const Facets& facets) {
 
 void write_ply(const std::filesystem::path& path, const Facets& facets, Encoding encoding, bool doubles) {
   const Indexed mesh(facets);
-  const char* format = encoding == Encoding::kAscii          ? "ascii"
-                       : encoding == Encoding::kLittleEndian ? "binary_little_endian"
-                                                             : "binary_big_endian";
+  const char* format = encoding == Encoding::kAscii ? "ascii" : encoding == Encoding::kLittleEndian ? "binary_little_endian" : "binary_big_endian";
   const char* type = doubles ? "double" : "float";
   std::string out = fmt::format(
       "ply\nformat {} 1.0\nelement vertex {}\nproperty {} x\nproperty {} y\nproperty {} z\n"

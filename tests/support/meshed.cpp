@@ -54,7 +54,8 @@ Scene scene_of(const TempFolder& folder, const std::vector<oracle::Body>& bodies
 
 nlohmann::ordered_json mesh_quietly(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options) {
   const std::atomic<bool> stop{false};
-  const MeshReport found = mesh(scene, output, options, [](const char*, double, double) {}, stop);
+  const MeshReport found = mesh(
+      scene, output, options, [](const char*, double, double) {}, stop);
   return nlohmann::ordered_json::parse(report_json(found.report, scene, found.run, found.warnings()));
 }
 

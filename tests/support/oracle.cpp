@@ -110,9 +110,7 @@ std::pair<int64_t, int64_t> centres_within(const Axis& axis, double lo, double h
 
 template <class Int>
 std::vector<int> windings(const std::vector<Facet>& facets, const Grid& grid, const Vec3& apex, const Scale& scale) {
-  const auto point = [&](const Vec3& v) {
-    return Point<Int>{scaled<Int>(v[0], scale), scaled<Int>(v[1], scale), scaled<Int>(v[2], scale)};
-  };
+  const auto point = [&](const Vec3& v) { return Point<Int>{scaled<Int>(v[0], scale), scaled<Int>(v[1], scale), scaled<Int>(v[2], scale)}; };
   const Index3 n = grid.cells();
   std::array<std::vector<Int>, 3> centre;
   for (int a = 0; a < 3; ++a) {
@@ -124,8 +122,7 @@ std::vector<int> windings(const std::vector<Facet>& facets, const Grid& grid, co
   for (const Facet& facet : facets) {
     const Point<Int> a = point(facet.vertex[0]), b = point(facet.vertex[1]), c = point(facet.vertex[2]);
     // Each plane with the tetrahedron's fourth corner: its side is the inner one.
-    const std::array<Plane<Int>, 4> plane = {Plane<Int>(a, b, c), Plane<Int>(o, a, b), Plane<Int>(o, b, c),
-                                             Plane<Int>(o, c, a)};
+    const std::array<Plane<Int>, 4> plane = {Plane<Int>(a, b, c), Plane<Int>(o, a, b), Plane<Int>(o, b, c), Plane<Int>(o, c, a)};
     const std::array<int, 4> inner = {plane[0].side(o), plane[1].side(c), plane[2].side(a), plane[3].side(b)};
     // Of a facet that faces away from O, O is on the negative side: such a tetrahedron counts +1.
     const int orientation = -inner[0];
@@ -161,7 +158,11 @@ template <class Int>
 class LinesAndFacet {
  public:
   LinesAndFacet(const Facet& facet, int axis, const Scale& scale)
-      : a_(exact_point<Int>(facet.vertex[0], scale)), b_(exact_point<Int>(facet.vertex[1], scale)), c_(exact_point<Int>(facet.vertex[2], scale)), plane_(a_, b_, c_), turn_(sign(plane_.n[axis])) {
+      : a_(exact_point<Int>(facet.vertex[0], scale)),
+        b_(exact_point<Int>(facet.vertex[1], scale)),
+        c_(exact_point<Int>(facet.vertex[2], scale)),
+        plane_(a_, b_, c_),
+        turn_(sign(plane_.n[axis])) {
     if (turn_ == 0) return;
     const auto beside = [&](Point<Int> p) {
       p[axis] += 1;
@@ -300,9 +301,7 @@ bool is_closed(const std::vector<Facet>& facets, Rule rule) {
     }
   }
   // One use either way changes the count by 1, so its parity is that of the number of uses.
-  return std::all_of(uses.begin(), uses.end(), [&](const auto& edge) {
-    return rule == Rule::kNonzero ? edge.second == 0 : edge.second % 2 == 0;
-  });
+  return std::all_of(uses.begin(), uses.end(), [&](const auto& edge) { return rule == Rule::kNonzero ? edge.second == 0 : edge.second % 2 == 0; });
 }
 
 std::vector<int> winding_numbers(const std::vector<Facet>& facets, const Grid& grid, const Vec3& apex) {
@@ -312,8 +311,7 @@ std::vector<int> winding_numbers(const std::vector<Facet>& facets, const Grid& g
   add_centres(scale, grid);
   // Coordinates below 2^40 differ by less than 2^41; a normal's entries stay below 2 * 2^82 and n . p and n . a below
   // 3 * 2^83 * 2^40 < 2^125 each: their sum fits 128 bits.
-  return scale.bits() <= 40 ? windings<Int128>(facets, grid, apex, scale)
-                            : windings<cpp_int>(facets, grid, apex, scale);
+  return scale.bits() <= 40 ? windings<Int128>(facets, grid, apex, scale) : windings<cpp_int>(facets, grid, apex, scale);
 }
 
 std::vector<uint32_t> materials(const std::vector<Body>& bodies, const Grid& grid) {

@@ -40,9 +40,7 @@ Grid graded_grid(int64_t n, double widening) {
   return {{axis, axis, axis}};
 }
 
-std::vector<uint32_t> cells(const Facets& facets, const Grid& grid, Rule rule = Rule::kNonzero) {
-  return oracle::materials({{facets, rule}}, grid);
-}
+std::vector<uint32_t> cells(const Facets& facets, const Grid& grid, Rule rule = Rule::kNonzero) { return oracle::materials({{facets, rule}}, grid); }
 
 // The cells with lo <= index < hi on every axis.
 std::vector<uint32_t> index_box(const Grid& grid, const Index3& lo, const Index3& hi) {
@@ -59,8 +57,7 @@ std::vector<uint32_t> index_box(const Grid& grid, const Index3& lo, const Index3
 }
 
 double filled_volume(const std::vector<uint32_t>& material, double cell_volume) {
-  return static_cast<double>(std::count_if(material.begin(), material.end(), [](uint32_t m) { return m != 0; })) *
-         cell_volume;
+  return static_cast<double>(std::count_if(material.begin(), material.end(), [](uint32_t m) { return m != 0; })) * cell_volume;
 }
 
 // A second way to the winding number: crossings of the ray from the shifted point along +x, in rationals. In the yz
@@ -185,8 +182,7 @@ TEST_CASE("the highest priority wins, and the later body at equal priority", "[o
   const Grid grid = integer_grid(6);
   const Facets box = shapes::box({0, 0, 0}, {6, 6, 6});
   const auto top = [&](int64_t p1, int64_t p2, int64_t p3) {
-    return oracle::materials({{box, Rule::kNonzero, 1, p1}, {box, Rule::kNonzero, 2, p2}, {box, Rule::kEvenodd, 3, p3}},
-                             grid)[0];
+    return oracle::materials({{box, Rule::kNonzero, 1, p1}, {box, Rule::kNonzero, 2, p2}, {box, Rule::kEvenodd, 3, p3}}, grid)[0];
   };
   CHECK(top(0, 0, 0) == 3);
   CHECK(top(1, 0, 0) == 1);
@@ -197,8 +193,7 @@ TEST_CASE("the highest priority wins, and the later body at equal priority", "[o
 TEST_CASE("volumes of cells converge to the surface's volume", "[oracle]") {
   const auto error = [](const Facets& facets, int64_t n) {
     const Grid grid = cube_grid(-1, 1, n);
-    return std::abs(
-        filled_volume(cells(facets, grid), std::pow(2.0 / static_cast<double>(n), 3)) / shapes::volume(facets) - 1);
+    return std::abs(filled_volume(cells(facets, grid), std::pow(2.0 / static_cast<double>(n), 3)) / shapes::volume(facets) - 1);
   };
   const Facets sphere = shapes::sphere({0.03, -0.02, 0.01}, 0.9, 3);
   CHECK(error(sphere, 6) < 0.1);
@@ -247,8 +242,7 @@ TEST_CASE("coordinates at both ends of the allowed range are exact", "[oracle]")
   const Grid grid = integer_grid(5);
   CHECK(cells(shapes::box({-1e75, 1e-75, -1e-75}, {1e75, 3, 2}), grid) == index_box(grid, {0, 1, 0}, {5, 3, 2}));
   // One unit in the last place on either side of a centre.
-  CHECK(cells(shapes::box({std::nextafter(1.0, 2.0), 1, 1}, {std::nextafter(3.0, 4.0), 3, 3}), grid) ==
-        index_box(grid, {2, 1, 1}, {4, 3, 3}));
+  CHECK(cells(shapes::box({std::nextafter(1.0, 2.0), 1, 1}, {std::nextafter(3.0, 4.0), 3, 3}), grid) == index_box(grid, {2, 1, 1}, {4, 3, 3}));
 }
 
 TEST_CASE("degenerate facets keep a surface closed and hold nothing", "[oracle]") {
@@ -268,8 +262,8 @@ TEST_CASE("every shape is closed and faces outward", "[oracle]") {
   CHECK(shapes::volume(shapes::l_shape({1, 1, 1}, 4, 1, 2)) == 14);
   CHECK(shapes::volume(shapes::tetrahedron({0, 0, 0}, {0, 6, 0}, {6, 0, 0}, {0, 0, 1})) == 6);
   for (const double lattice : {0.0, 0.25}) {
-    for (const Facets& shape : {shapes::sphere({1, 2, 3}, 2, 2, lattice), shapes::torus({1, 2, 3}, 3, 1, 8, 6, lattice),
-                                shapes::prism({1, 2, 3}, 2, 5, 3, lattice)}) {
+    for (const Facets& shape :
+         {shapes::sphere({1, 2, 3}, 2, 2, lattice), shapes::torus({1, 2, 3}, 3, 1, 8, 6, lattice), shapes::prism({1, 2, 3}, 2, 5, 3, lattice)}) {
       CHECK(oracle::is_closed(shape, Rule::kNonzero));
       CHECK(shapes::volume(shape) > 0);
     }

@@ -29,7 +29,9 @@ inline Png expected_picture(const ServedCells& served, int axis, int64_t index, 
 inline bool shows(const Png& part, const Png& whole, int64_t x, int64_t y) {
   if (x + part.width > whole.width || y + part.height > whole.height) return false;
   for (int64_t r = 0; r < part.height; ++r)
-    if (!std::equal(part.pixels.begin() + r * part.width, part.pixels.begin() + (r + 1) * part.width, whole.pixels.begin() + (y + r) * whole.width + x)) return false;
+    if (!std::equal(part.pixels.begin() + r * part.width, part.pixels.begin() + (r + 1) * part.width,
+                    whole.pixels.begin() + (y + r) * whole.width + x))
+      return false;
   return true;
 }
 

@@ -4,8 +4,8 @@
 
 #include <bit>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "server/picture/picture.hpp"
 #include "server/routes.hpp"
@@ -20,7 +20,8 @@ ServedCells::ServedCells(const Grid& grid, int ray_axis, uint32_t labels, uint32
   meta_.page_chunks = 2;
   meta_.labels.resize(labels);
   for (uint32_t label = 1; label < labels; ++label) meta_.labels[label].material = label + shift;
-  for (uint32_t m = 0; m < meta_.materials.size(); ++m) meta_.materials[m].color = fmt::format("#{:06x}{}", (m * 0x9E3779u) & 0xFFFFFF, m == 0 ? "00" : "ff");
+  for (uint32_t m = 0; m < meta_.materials.size(); ++m)
+    meta_.materials[m].color = fmt::format("#{:06x}{}", (m * 0x9E3779u) & 0xFFFFFF, m == 0 ? "00" : "ff");
   std::mt19937_64 random(labels + shift + static_cast<uint32_t>(ray_axis));
   cells_ = random_cells(random, grid.cells(), labels);
   store_cells(path_, meta_, cells_);
@@ -46,7 +47,8 @@ nlohmann::ordered_json ServedCells::json(const std::string& target) {
 
 std::vector<uint32_t> ServedCells::materials(int level) const {
   std::vector<uint32_t> out;
-  for (const Mask mask : level_by_hand(meta_.grid, cells_, level)) out.push_back(meta_.labels[static_cast<size_t>(63 - std::countl_zero(mask))].material);  // later ones are stronger
+  for (const Mask mask : level_by_hand(meta_.grid, cells_, level))
+    out.push_back(meta_.labels[static_cast<size_t>(63 - std::countl_zero(mask))].material);  // later ones are stronger
   return out;
 }
 

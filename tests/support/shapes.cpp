@@ -11,8 +11,7 @@ Vec3 add(const Vec3& a, const Vec3& b) { return {a[0] + b[0], a[1] + b[1], a[2] 
 
 Vec3 snapped(const Vec3& v, double lattice) {
   if (lattice == 0) return v;
-  return {std::round(v[0] / lattice) * lattice, std::round(v[1] / lattice) * lattice,
-          std::round(v[2] / lattice) * lattice};
+  return {std::round(v[0] / lattice) * lattice, std::round(v[1] / lattice) * lattice, std::round(v[2] / lattice) * lattice};
 }
 
 // Six times the signed volume of the tetrahedron from the origin to a, b, c.
@@ -34,9 +33,7 @@ void add_quad(Facets& facets, const Vec3& a, const Vec3& b, const Vec3& c, const
 
 }  // namespace
 
-Facets box(const Vec3& lo, const Vec3& hi) {
-  return extruded({{lo[0], lo[1]}, {hi[0], lo[1]}, {hi[0], hi[1]}, {lo[0], hi[1]}}, lo[2], hi[2]);
-}
+Facets box(const Vec3& lo, const Vec3& hi) { return extruded({{lo[0], lo[1]}, {hi[0], lo[1]}, {hi[0], hi[1]}, {lo[0], hi[1]}}, lo[2], hi[2]); }
 
 std::vector<Facets> box_in_tetrahedra(const Vec3& lo, const Vec3& hi) {
   std::vector<Facets> parts;
@@ -57,8 +54,7 @@ Facets tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }
 
 std::vector<Facets> random_tetrahedra(std::mt19937_64& random, int count, double lo, double hi, double lattice) {
-  std::uniform_int_distribution<int64_t> step(static_cast<int64_t>(std::ceil(lo / lattice)),
-                                              static_cast<int64_t>(std::floor(hi / lattice)));
+  std::uniform_int_distribution<int64_t> step(static_cast<int64_t>(std::ceil(lo / lattice)), static_cast<int64_t>(std::floor(hi / lattice)));
   const auto corner = [&] {
     Vec3 v;
     for (double& x : v) x = static_cast<double>(step(random)) * lattice;
@@ -86,8 +82,7 @@ Facets sphere(const Vec3& centre, double radius, int levels, double lattice) {
     Facets finer;
     for (const Facet& f : facets) {
       const auto& [a, b, c] = f.vertex;
-      const Vec3 ab = midpoint_on_unit_sphere(a, b), bc = midpoint_on_unit_sphere(b, c),
-                 ca = midpoint_on_unit_sphere(c, a);
+      const Vec3 ab = midpoint_on_unit_sphere(a, b), bc = midpoint_on_unit_sphere(b, c), ca = midpoint_on_unit_sphere(c, a);
       finer.insert(finer.end(), {{{a, ab, ca}}, {{ab, b, bc}}, {{ca, bc, c}}, {{ab, bc, ca}}});
     }
     facets = std::move(finer);
@@ -98,8 +93,7 @@ Facets sphere(const Vec3& centre, double radius, int levels, double lattice) {
   return facets;
 }
 
-Facets torus(const Vec3& centre, double ring_radius, double tube_radius, int ring_steps, int tube_steps,
-             double lattice) {
+Facets torus(const Vec3& centre, double ring_radius, double tube_radius, int ring_steps, int tube_steps, double lattice) {
   const auto vertex = [&](int ring, int tube) {
     const double u = 2 * std::numbers::pi * (ring % ring_steps) / ring_steps;
     const double v = 2 * std::numbers::pi * (tube % tube_steps) / tube_steps;
@@ -141,13 +135,9 @@ Facets prism(const Vec3& centre, double radius, int sides, double height, double
 
 Facets l_shape(const Vec3& corner, double length, double thickness, double height) {
   const auto [x, y, z] = corner;
-  return extruded({{x, y},
-                   {x + length, y},
-                   {x + length, y + thickness},
-                   {x + thickness, y + thickness},
-                   {x + thickness, y + length},
-                   {x, y + length}},
-                  z, z + height);
+  return extruded(
+      {{x, y}, {x + length, y}, {x + length, y + thickness}, {x + thickness, y + thickness}, {x + thickness, y + length}, {x, y + length}}, z,
+      z + height);
 }
 
 Facets flip(Facets facets) {

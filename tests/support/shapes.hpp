@@ -24,8 +24,7 @@ std::vector<Facets> random_tetrahedra(std::mt19937_64& random, int count, double
 // An octahedron whose facets are cut in four `levels` times: 8 * 4^levels facets.
 Facets sphere(const Vec3& centre, double radius, int levels, double lattice = 0);
 // Around the z axis through `centre`.
-Facets torus(const Vec3& centre, double ring_radius, double tube_radius, int ring_steps, int tube_steps,
-             double lattice = 0);
+Facets torus(const Vec3& centre, double ring_radius, double tube_radius, int ring_steps, int tube_steps, double lattice = 0);
 // A polygon of xy points, anticlockwise, star-shaped as seen from its first point, extruded from z0 to z1.
 Facets extruded(const std::vector<std::array<double, 2>>& polygon, double z0, double z1);
 // A regular polygon extruded.

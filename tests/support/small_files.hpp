@@ -24,8 +24,11 @@ inline Bytes meshed_file() {
   MeshOptions options;
   options.axis = 2;
   options.threads = 1;
-  mesh_quietly(scene_of(folder, {{shapes::box({1, 1, 1}, {9, 7, 6})}, {shapes::tetrahedron({2, 2, 2}, {11, 3, 2}, {3, 8, 3}, {4, 4, 7}), oracle::Rule::kNonzero, 2}}, cubic(12, 9, 8)),
-               folder / "g.tcell", options);
+  mesh_quietly(
+      scene_of(folder,
+               {{shapes::box({1, 1, 1}, {9, 7, 6})}, {shapes::tetrahedron({2, 2, 2}, {11, 3, 2}, {3, 8, 3}, {4, 4, 7}), oracle::Rule::kNonzero, 2}},
+               cubic(12, 9, 8)),
+      folder / "g.tcell", options);
   return file_bytes(folder / "g.tcell");
 }
 

@@ -61,16 +61,14 @@ inline std::string ascii_stl(const Facets& facets, const std::string& name) {
 inline const std::string kObj = "# a tetrahedron\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 0.5\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
 inline std::string ply_header(const std::string& format, const std::string& scalar = "float") {
-  return "ply\nformat " + format + " 1.0\ncomment made by a test\nelement vertex 4\nproperty " + scalar +
-         " x\nproperty " + scalar + " y\nproperty " + scalar +
-         " z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
+  return "ply\nformat " + format + " 1.0\ncomment made by a test\nelement vertex 4\nproperty " + scalar + " x\nproperty " + scalar + " y\nproperty " +
+         scalar + " z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
 }
 inline const std::string kPlyBody = "0 0 0\n1 0 0\n0 1 0\n0 0 0.5\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
 
 template <class Scalar>
 inline std::string binary_ply(std::endian order) {
-  std::string s = ply_header(order == std::endian::little ? "binary_little_endian" : "binary_big_endian",
-                             sizeof(Scalar) == 4 ? "float" : "double");
+  std::string s = ply_header(order == std::endian::little ? "binary_little_endian" : "binary_big_endian", sizeof(Scalar) == 4 ? "float" : "double");
   for (const Scalar x : {0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 0.5}) s += bytes_of(static_cast<Scalar>(x), order);
   for (const std::array<int32_t, 3> face : {std::array{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}) {
     s += '\3';
@@ -101,9 +99,12 @@ struct Result {
 inline Result read(const std::string& bytes, const std::string& part = "", const Budget& budget = {}, Background* helper = nullptr) {
   Result r;
   Input input("mesh", bytes);
-  r.file = read_facets(input, part, [&](std::span<const Facet> some) {
-    for (const Facet& f : some) r.facets.push_back(f.vertex);
-  }, budget, helper);
+  r.file = read_facets(
+      input, part,
+      [&](std::span<const Facet> some) {
+        for (const Facet& f : some) r.facets.push_back(f.vertex);
+      },
+      budget, helper);
   return r;
 }
 
@@ -124,19 +125,15 @@ inline std::string replaced(std::string text, const std::string& old, const std:
 }
 
 // The same coordinate through a text format.
-inline double through_obj(const std::string& word) {
-  return read("v 0 0 0\nv 1 0 0\nv 0 1 " + word + "\nf 1 2 3\n").facets[0][2][2];
-}
+inline double through_obj(const std::string& word) { return read("v 0 0 0\nv 1 0 0\nv 0 1 " + word + "\nf 1 2 3\n").facets[0][2][2]; }
 inline std::string one_facet_stl(const std::string& word) {
-  return "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 " + word +
-         "\nendloop\nendfacet\nendsolid\n";
+  return "solid\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 " + word + "\nendloop\nendfacet\nendsolid\n";
 }
 inline double through_stl(const std::string& word) { return read(one_facet_stl(word)).facets[0][2][2]; }
 
 class TemporaryFile {
  public:
-  explicit TemporaryFile(const std::string& bytes)
-      : path(std::filesystem::temp_directory_path() / ("teracell-facets-" + std::to_string(getpid()))) {
+  explicit TemporaryFile(const std::string& bytes) : path(std::filesystem::temp_directory_path() / ("teracell-facets-" + std::to_string(getpid()))) {
     std::ofstream(path, std::ios::binary) << bytes;
   }
   ~TemporaryFile() { std::filesystem::remove(path); }

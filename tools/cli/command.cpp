@@ -107,16 +107,21 @@ std::string bytes_text(double bytes) {
 }
 
 CLI::Validator one_of(std::vector<std::string> words) {
-  return CLI::Validator([words = std::move(words)](std::string& found) {
-    return std::ranges::count(words, found) > 0 ? "" : fmt::format("expected {}, found '{}'", fmt::join(words, ", "), found);
-  }, "");
+  return CLI::Validator(
+      [words = std::move(words)](std::string& found) {
+        return std::ranges::count(words, found) > 0 ? "" : fmt::format("expected {}, found '{}'", fmt::join(words, ", "), found);
+      },
+      "");
 }
 
 void add_threads(CLI::App& app, int& threads) {
-  app.add_option("--threads", threads, "how many threads, 1 to 1024 (default: one per core)")->check(CLI::Validator([](std::string& found) {
-    const auto n = parse_integers(found, 1, "--threads")[0];
-    return n >= 1 && n <= 1024 ? "" : fmt::format("expected 1 to 1024, found {}", n);
-  }, ""));
+  app.add_option("--threads", threads, "how many threads, 1 to 1024 (default: one per core)")
+      ->check(CLI::Validator(
+          [](std::string& found) {
+            const auto n = parse_integers(found, 1, "--threads")[0];
+            return n >= 1 && n <= 1024 ? "" : fmt::format("expected 1 to 1024, found {}", n);
+          },
+          ""));
 }
 
 int threads_or_all(int threads) { return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }

@@ -22,7 +22,8 @@ std::vector<std::string> format_names() {
 
 std::string list_of_formats() {
   std::string list;
-  for (const ExportFormat& f : export_formats()) list += fmt::format("{}{:<8} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::join(f.extensions, " "), f.holds);
+  for (const ExportFormat& f : export_formats())
+    list += fmt::format("{}{:<8} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::join(f.extensions, " "), f.holds);
   return list;
 }
 
@@ -50,12 +51,15 @@ Run setup_export(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_option("-o,--output", o->output, "the file to write")->required();
-  app.add_option("--format", o->format, fmt::format("{} (default: by the ending of the name)", fmt::join(format_names(), ", ")))->check(one_of(format_names()));
+  app.add_option("--format", o->format, fmt::format("{} (default: by the ending of the name)", fmt::join(format_names(), ", ")))
+      ->check(one_of(format_names()));
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells of the level (default: all)");
   app.add_option("--level", o->level, "the level of the pyramid (default 0)");
-  app.add_flag_callback("--list", [] { throw CLI::CallForVersion(list_of_formats(), 0); }, "Print the formats and exit");
-  app.footer("Arrays hold material ids in C order [z][y][x]: uint8, or uint16 when there are more than 256 materials. Example:\n"
-             "  teracell export g.tcell --region 0,0,0,256,256,256 -o box.npy");
+  app.add_flag_callback(
+      "--list", [] { throw CLI::CallForVersion(list_of_formats(), 0); }, "Print the formats and exit");
+  app.footer(
+      "Arrays hold material ids in C order [z][y][x]: uint8, or uint16 when there are more than 256 materials. Example:\n"
+      "  teracell export g.tcell --region 0,0,0,256,256,256 -o box.npy");
   return [o] { run(*o); };
 }
 

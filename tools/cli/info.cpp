@@ -38,18 +38,21 @@ void print_holes(const std::vector<HoleReport>& holes, const std::string& units)
   for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
     const HoleReport& h = sorted[i];
     const auto gap = h.width > 0 ? fmt::format("gap {:.4g} {} ({:.3g} cells), ", h.width, units, h.width_cells) : "";
-    detail(std::exchange(title, ""), fmt::format("{:.4g} {} across ({:.3g} cells), {}at {}, {}, {} {:.4g} {}²", h.diameter, units, h.diameter_cells, gap, place(h.at),
-                                                 plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", h.cap_area, units));
+    detail(std::exchange(title, ""),
+           fmt::format("{:.4g} {} across ({:.3g} cells), {}at {}, {}, {} {:.4g} {}²", h.diameter, units, h.diameter_cells, gap, place(h.at),
+                       plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", h.cap_area, units));
   }
-  if (sorted.size() > kShown) detail("", fmt::format("and {} more, none wider than {:.4g} {}", sorted.size() - kShown, sorted[kShown].diameter, units));
+  if (sorted.size() > kShown)
+    detail("", fmt::format("and {} more, none wider than {:.4g} {}", sorted.size() - kShown, sorted[kShown].diameter, units));
 }
 
 void print_seams(const BodyReport& body, const std::string& units) {
   const Seams& seams = body.seams;
   if (seams.number == 0 && seams.collapsed == 0) return;
-  detail("seams", fmt::format("{} stitched, {:.4g} {} in all{}, over gaps of up to {:.3g} {} (stitch length {:.3g} {})", plural(seams.number, "seam"), seams.length, units,
-                              seams.collapsed > 0 ? fmt::format(", and {} closed to a point", plural(seams.collapsed, "open edge")) : "", seams.widest_gap, units,
-                              body.stitch, units));
+  detail("seams",
+         fmt::format("{} stitched, {:.4g} {} in all{}, over gaps of up to {:.3g} {} (stitch length {:.3g} {})", plural(seams.number, "seam"),
+                     seams.length, units, seams.collapsed > 0 ? fmt::format(", and {} closed to a point", plural(seams.collapsed, "open edge")) : "",
+                     seams.widest_gap, units, body.stitch, units));
 }
 
 void print_flips(const std::vector<Flip>& flips) {
@@ -79,8 +82,8 @@ std::string lost_text(const LostReport& lost, const std::string& units) {
 void print_lost(const BodyReport& b, const std::string& units) {
   std::string title = "thin parts";
   if (b.lost_pairs > 0)
-    detail(std::exchange(title, ""), fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}", axis_name(b.lost_axis),
-                                                 plural(b.lost_pairs, "place"), place(b.first_lost_pair.value_or(Vec3{}))));
+    detail(std::exchange(title, ""), fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}",
+                                                 axis_name(b.lost_axis), plural(b.lost_pairs, "place"), place(b.first_lost_pair.value_or(Vec3{}))));
   if (!b.lost) return;
   for (int axis = 0; axis < 3; ++axis)
     if (const LostReport& lost = (*b.lost)[axis]; lost.number > 0)
@@ -101,9 +104,10 @@ void print_body(const std::string& title, const BodyReport& b, const std::string
   print_lost(b, units);
   if (b.covered > 0) detail("overlap", fmt::format("{} cell{}, owned by stronger bodies", b.covered, b.covered == 1 ? "" : "s"));
   if (const uint64_t n = b.counts.duplicates; n > 0)
-    detail("duplicates", fmt::format("{} with the vertices of an earlier one: {} the same way round, {} the other way", plural(n, "facet"), n - b.counts.opposite,
-                                     b.counts.opposite));
-  if (b.counts.degenerate > 0) detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", plural(b.counts.degenerate, "facet")));
+    detail("duplicates", fmt::format("{} with the vertices of an earlier one: {} the same way round, {} the other way", plural(n, "facet"),
+                                     n - b.counts.opposite, b.counts.opposite));
+  if (b.counts.degenerate > 0)
+    detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", plural(b.counts.degenerate, "facet")));
 }
 
 void print_report(const Report& report, const std::string& units) {
@@ -112,7 +116,8 @@ void print_report(const Report& report, const std::string& units) {
   title = "gaps";
   if (report.lost_gaps)
     for (const GapReport& gap : *report.lost_gaps)
-      row(std::exchange(title, ""), fmt::format("of {} between two sample points along {}: {}", gap.material, axis_name(gap.axis), lost_text(gap.lost, units)));
+      row(std::exchange(title, ""),
+          fmt::format("of {} between two sample points along {}: {}", gap.material, axis_name(gap.axis), lost_text(gap.lost, units)));
   if (report.bodies_left_out > 0) row("", fmt::format("and {} more bodies, too many for the report", report.bodies_left_out));
   title = "warnings";
   for (const std::string& w : report.warnings) row(std::exchange(title, ""), w);
@@ -128,12 +133,12 @@ void print(const GridReader& reader) {
   for (int d = 0; d < 3; ++d) {
     const Axis& a = meta.grid.axis[d];
     row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,
-                                             a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
+                                            a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
   }
   row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis), meta.crossings,
                           bits_per_crossing(meta)));
-  row("dense", fmt::format("one byte per cell would take {}{}", bytes_text(cells),
-                           cells < size ? "" : fmt::format(", {:.0f} times as much", cells / size)));
+  row("dense",
+      fmt::format("one byte per cell would take {}{}", bytes_text(cells), cells < size ? "" : fmt::format(", {:.0f} times as much", cells / size)));
   size_t width = 0;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
   for (size_t i = 0; i < meta.materials.size(); ++i)

@@ -55,10 +55,12 @@ Scene scene_from(const Options& o) {
   override_grid(scene, grid);
   const std::optional<Closing> closing = parse_closing(o.closing.empty() ? "cap" : o.closing);
   if (!closing) throw UsageError(fmt::format("--closing: expected cap, strict, or extrude: and a direction such as -z, found '{}'", o.closing));
-  if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75)) throw UsageError(fmt::format("--stitch: expected a length from 0 to 1e75, found {}", *o.stitch));
+  if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75))
+    throw UsageError(fmt::format("--stitch: expected a length from 0 to 1e75, found {}", *o.stitch));
   const char* const for_solids = !o.fill.empty() ? "--fill" : !o.closing.empty() ? "--closing" : o.stitch ? "--stitch" : nullptr;
   if (for_solids && !scene.bodies.empty() && std::ranges::all_of(scene.bodies, [](const SceneBody& body) { return body.kind == Kind::kSheet; }))
-    throw UsageError(fmt::format("{}: expected a scene with solids, found sheets only, which are not filled, closed or stitched: leave it out", for_solids));
+    throw UsageError(
+        fmt::format("{}: expected a scene with solids, found sheets only, which are not filled, closed or stitched: leave it out", for_solids));
   for (SceneBody& body : scene.bodies) {
     if (body.kind == Kind::kSheet) continue;
     if (!o.fill.empty()) body.fill = static_cast<Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
@@ -81,7 +83,8 @@ void check_outputs(const Options& o, const Scene& scene) {
   if (!o.caps.empty())
     for (const auto& name : caps_names(scene, o.caps)) outputs.push_back(name.string());
   for (size_t i = 2; i < outputs.size(); ++i)
-    if (outputs[i] == o.output || outputs[i] == o.report) throw UsageError(fmt::format("--write-caps: expected a name of its own, found {}", outputs[i]));
+    if (outputs[i] == o.output || outputs[i] == o.report)
+      throw UsageError(fmt::format("--write-caps: expected a name of its own, found {}", outputs[i]));
   std::vector<std::string> inputs = o.inputs;
   for (const SceneBody& body : scene.bodies) inputs.push_back(body.mesh.string());
   for (const SceneAxis& axis : scene.axis) inputs.push_back(axis.planes_file.string());
@@ -96,8 +99,8 @@ void summarise(const Options& o, const MeshReport& report) {
   const GridReader reader(o.output);
   const Index3 n = reader.meta().grid.cells();
   say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
-                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), report.run.seconds(), bytes_text(reader.file_bytes()),
-                  bytes_text(static_cast<double>(report.run.peak_memory_bytes)), axis_name(reader.meta().ray_axis)));
+                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), report.run.seconds(),
+                  bytes_text(reader.file_bytes()), bytes_text(static_cast<double>(report.run.peak_memory_bytes)), axis_name(reader.meta().ray_axis)));
   if (!o.caps.empty() && report.caps_written == 0) warn(fmt::format("warning: --write-caps: no surface was open, so {} was not written", o.caps));
   const std::vector<std::string> warnings = report.warnings();
   for (size_t i = 0; i < std::min(warnings.size(), kShown); ++i) warn("warning: " + warnings[i]);
@@ -122,7 +125,10 @@ void run(const Options& o) {
   options.engine = o.engine;
   options.threads = o.threads;
   options.memory = o.memory.empty() ? machine_memory() / 4 : parse_size(o.memory, "--memory");
-  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp)) throw IoError(fmt::format("{}: no folder for temporary files: {}", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"), Remedy::kOtherFolder);
+  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp))
+    throw IoError(
+        fmt::format("{}: no folder for temporary files: {}", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"),
+        Remedy::kOtherFolder);
   if (options.memory == 0) throw UsageError("--memory: expected a size like 512M or 8G, found 0");
   options.tmp = o.tmp;
   options.write_caps = o.caps;
@@ -134,16 +140,19 @@ void run(const Options& o) {
   MeshReport report;
   {
     ProgressLine line(o.progress, "mesh");
-    report = mesh(scene, o.output, options, [&](const char* phase, double share, double cells) {
-      line.set_cells(cells);
-      line(phase, share);
-    }, interrupted);
+    report = mesh(
+        scene, o.output, options,
+        [&](const char* phase, double share, double cells) {
+          line.set_cells(cells);
+          line(phase, share);
+        },
+        interrupted);
   }
   if (report_file) try {
-    write_report(report, scene, *report_file);
-  } catch (const IoError& e) {
-    throw IoError(fmt::format("{} ({} is complete all the same)", e.what(), o.output));
-  }
+      write_report(report, scene, *report_file);
+    } catch (const IoError& e) {
+      throw IoError(fmt::format("{} ({} is complete all the same)", e.what(), o.output));
+    }
   summarise(o, report);
 }
 
@@ -151,27 +160,41 @@ void run(const Options& o) {
 
 Run setup_mesh(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("inputs", o->inputs, "a scene (.json), or surfaces: STL, OBJ, PLY, plain or compressed by gzip; each is a body, and later ones win where they overlap")
+  app.add_option("inputs", o->inputs,
+                 "a scene (.json), or surfaces: STL, OBJ, PLY, plain or compressed by gzip; each is a body, and later ones win where they overlap")
       ->required();
   app.add_option("-o,--output", o->output, "the .tcell file to write")->required();
   app.add_option("--cells", o->cells, "N: cubic cells, N along the longest axis with its pad; NX,NY,NZ: this many cells along each axis");
   app.add_option("--step", o->step, "the edge of a cell, in the units of the mesh");
   app.add_option("--pad", o->pad, "cells around the bodies' box (default 1)");
-  app.add_option("--axis", o->axis, "the axis along which rays run: auto (the cheapest), x, y or z; the cells are the same")->check(one_of({"auto", "x", "y", "z"}));
+  app.add_option("--axis", o->axis, "the axis along which rays run: auto (the cheapest), x, y or z; the cells are the same")
+      ->check(one_of({"auto", "x", "y", "z"}));
   app.add_option("--fill", o->fill, "the rule that says what is inside, for all solids: auto, nonzero, evenodd or distinct")->check(one_of(kFills));
-  app.add_option("--closing", o->closing, "what happens to solids whose surface is open after stitching: cap closes it, strict refuses it, extrude:-z (or +z, -x ...) extends it beyond the domain");
-  app.add_option("--stitch", o->stitch, "open edges of solids that are closer than this are joined; in the units of the grid (default: a quarter of the shortest cell edge; 0 joins none)");
-  app.add_flag("--thin", o->thin, "count, along x, y and z, the parts of every solid and of the gaps between solids that lie between sample points and are lost; the cells are the same");
-  app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")->check(one_of(engine_names()));
+  app.add_option(
+      "--closing", o->closing,
+      "what happens to solids whose surface is open after stitching: cap closes it, strict refuses it, extrude:-z (or +z, -x ...) extends it beyond the domain");
+  app.add_option(
+      "--stitch", o->stitch,
+      "open edges of solids that are closer than this are joined; in the units of the grid (default: a quarter of the shortest cell edge; 0 joins none)");
+  app.add_flag(
+      "--thin", o->thin,
+      "count, along x, y and z, the parts of every solid and of the gaps between solids that lie between sample points and are lost; the cells are the same");
+  app.add_option("--engine", o->engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")
+      ->check(one_of(engine_names()));
   add_threads(app, o->threads);
-  app.add_option("--memory", o->memory, "how much memory the run may take, such as 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled to a temporary file");
+  app.add_option(
+      "--memory", o->memory,
+      "how much memory the run may take, such as 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled to a temporary file");
   app.add_option("--tmp", o->tmp, "the folder for temporary files (default: the folder of the output)");
-  app.add_flag("--resume", o->resume, "go on with what a killed run with the same inputs and options has left; if there is nothing, start from the beginning");
-  app.add_option("--write-caps", o->caps, "write the facets that close open surfaces: .stl, or .ply in double precision; one file per body when there are several");
+  app.add_flag("--resume", o->resume,
+               "go on with what a killed run with the same inputs and options has left; if there is nothing, start from the beginning");
+  app.add_option("--write-caps", o->caps,
+                 "write the facets that close open surfaces: .stl, or .ply in double precision; one file per body when there are several");
   app.add_option("--report", o->report, "write the report, with times and memory, as JSON");
   add_progress(app, o->progress);
-  app.footer("Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n"
-             "  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
+  app.footer(
+      "Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n"
+      "  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
   return [o] { run(*o); };
 }
 

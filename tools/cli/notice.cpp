@@ -4,7 +4,8 @@
 
 asm(".pushsection .rodata\n"
     "teracell_notice:\n"
-    ".incbin \"" TERACELL_NOTICE "\"\n"
+    ".incbin \"" TERACELL_NOTICE
+    "\"\n"
     "teracell_notice_end:\n"
     ".popsection");
 extern "C" const char teracell_notice[] asm("teracell_notice");

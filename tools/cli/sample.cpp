@@ -1,9 +1,9 @@
 // teracell sample: writes a built-in scene.
 #include <fmt/format.h>
 
-#include "tools/sample/stadium.hpp"
 #include "store/error.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/sample/stadium.hpp"
 
 namespace teracell {
 namespace {

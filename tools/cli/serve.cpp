@@ -34,10 +34,14 @@ struct Options {
 std::chrono::milliseconds milliseconds(double seconds) { return std::chrono::milliseconds(std::llround(seconds * 1000)); }
 
 CLI::Validator in_range(double lo, double hi) {
-  return CLI::Validator([=](std::string& found) {
-    double value;
-    return CLI::detail::lexical_cast(found, value) && value >= lo && value <= hi ? "" : fmt::format("expected {:.15g} to {:.15g}, found '{}'", lo, hi, found);
-  }, "");
+  return CLI::Validator(
+      [=](std::string& found) {
+        double value;
+        return CLI::detail::lexical_cast(found, value) && value >= lo && value <= hi
+                   ? ""
+                   : fmt::format("expected {:.15g} to {:.15g}, found '{}'", lo, hi, found);
+      },
+      "");
 }
 
 // What make() returns. The library's messages begin with the file; people also want to know which option named it.
@@ -52,7 +56,8 @@ auto for_option(const char* option, const Make& make) try {
 
 std::string base_path(std::string text) {
   while (text.ends_with('/')) text.pop_back();
-  if (!is_base_path(text)) throw UsageError(fmt::format("--base-path: expected a path like /grids, of letters, digits and . _ ~ -, found '{}'", text));
+  if (!is_base_path(text))
+    throw UsageError(fmt::format("--base-path: expected a path like /grids, of letters, digits and . _ ~ -, found '{}'", text));
   return text;
 }
 
@@ -74,7 +79,13 @@ ServerState state_of(Service& service, const AccessLog& log) {
   const auto cache = [](const char* name, const auto& counts) { return CacheState{name, counts.bytes, counts.limit, counts.hits, counts.misses}; };
   const Service::Counters& c = service.counters();
   return {{cache("chunks", service.chunks().counts()), cache("index", service.index().counts()), cache("answers", service.answers().counts())},
-          service.grids().all().size(), c.reads, c.bytes, c.damaged, log.dropped(), resident_bytes(), TERACELL_VERSION};
+          service.grids().all().size(),
+          c.reads,
+          c.bytes,
+          c.damaged,
+          log.dropped(),
+          resident_bytes(),
+          TERACELL_VERSION};
 }
 
 void run(const Options& o) {
@@ -107,7 +118,8 @@ void run(const Options& o) {
   const Body licences = body_of(std::string(notice()));
   Listener listener = listen_with(listen, with_page(with_text(routes, "/NOTICE", licences), page), metrics, log);
   if (!listener.loopback() && listen.token.empty())
-    note(fmt::format("warning: anybody who can reach {} can read these grids: give a --token-file, or put a server in front that asks for a password", o.host));
+    note(fmt::format("warning: anybody who can reach {} can read these grids: give a --token-file, or put a server in front that asks for a password",
+                     o.host));
   say(fmt::format("teracell: serving {} at {}", plural(service.grids().all().size(), "grid"), listener.url()));
   std::fflush(stdout);
   if (listener.run()) return;
@@ -124,18 +136,22 @@ Run setup_serve(CLI::App& app) {
   app.add_option("--host", o->host, "the address to listen at (default 127.0.0.1: this machine only)");
   app.add_option("--port", o->port, "the port to listen at (default 8080); 0: any that is free")->check(in_range(0, 65535));
   add_threads(app, o->threads);
-  app.add_option("--cache", o->cache, "memory for decoded chunks and index pages of all grids (default 256M); encoded answers take up to an eighth of this on top");
+  app.add_option("--cache", o->cache,
+                 "memory for decoded chunks and index pages of all grids (default 256M); encoded answers take up to an eighth of this on top");
   app.add_option("--max-pixels", o->max_pixels, "the most pixels of one picture (default 67108864)")->check(in_range(1, 1e12));
   app.add_option("--base-path", o->base_path, "serve below this path, such as /grids (default: at the root)");
   app.add_option("--token-file", o->token_file, "a file whose first line is the token that clients must send (Authorization: Bearer TOKEN)");
   app.add_option("--web", o->web, "serve the page at / from this folder instead of the program's own, for work on it");
   app.add_option("--log", o->log, "one line per request on stderr: text (default), json or none")->check(one_of({"text", "json", "none"}));
   app.add_option("--max-connections", o->max_connections, "the most connections at once (default 1024)")->check(in_range(1, 1e6));
-  app.add_option("--request-timeout", o->request_timeout, "seconds that a client may take to send a request (default 10)")->check(in_range(0.1, 86400));
+  app.add_option("--request-timeout", o->request_timeout, "seconds that a client may take to send a request (default 10)")
+      ->check(in_range(0.1, 86400));
   app.add_option("--idle-timeout", o->idle_timeout, "seconds that a connection is kept between requests (default 60)")->check(in_range(0.1, 86400));
-  app.add_option("--drain-timeout", o->drain_timeout, "seconds that requests under way are given when it is stopped (default 10)")->check(in_range(0, 86400));
-  app.footer("SIGTERM or SIGINT stops the server: requests under way are answered first. A second signal ends it at once.\n"
-             "Examples:\n  teracell serve g.tcell\n  teracell serve grids/ --host 0.0.0.0 --token-file token --log json");
+  app.add_option("--drain-timeout", o->drain_timeout, "seconds that requests under way are given when it is stopped (default 10)")
+      ->check(in_range(0, 86400));
+  app.footer(
+      "SIGTERM or SIGINT stops the server: requests under way are answered first. A second signal ends it at once.\n"
+      "Examples:\n  teracell serve g.tcell\n  teracell serve grids/ --host 0.0.0.0 --token-file token --log json");
   return [o] { run(*o); };
 }
 

@@ -96,10 +96,11 @@ int main(int argc, char** argv) {
   app.add_flag_callback("--licenses", print_notice, "Print what is embedded and linked, with its licences, and exit");
   app.require_subcommand(1);
   app.get_formatter()->label("SUBCOMMAND", "COMMAND");
-  app.footer("teracell COMMAND --help explains a command. Start with:\n"
-             "  teracell sample stadium -o stadium\n"
-             "  teracell mesh stadium/scene.json -o stadium.tcell\n"
-             "  teracell slice stadium.tcell --axis z --at 3.5 -o plan.png");
+  app.footer(
+      "teracell COMMAND --help explains a command. Start with:\n"
+      "  teracell sample stadium -o stadium\n"
+      "  teracell mesh stadium/scene.json -o stadium.tcell\n"
+      "  teracell slice stadium.tcell --axis z --at 3.5 -o plan.png");
   Run run;
   std::vector<std::string> names;
   for (const Command& c : commands()) {
@@ -128,8 +129,8 @@ int main(int argc, char** argv) {
       return done();
     }
     const auto subs = app.get_subcommands();
-    return fail(2, fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]),
-                               subs.empty() ? "" : subs[0]->get_name() + " "));
+    return fail(2,
+                fmt::format("{}. See: teracell {}--help", explain(e, subs.empty() ? app : *subs[0]), subs.empty() ? "" : subs[0]->get_name() + " "));
   } catch (const UsageError& e) {
     return fail(2, with_hint(e));
   } catch (const Interrupted& e) {

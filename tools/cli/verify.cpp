@@ -22,8 +22,8 @@ void run(const Options& o) {
   }
   uint64_t chunks = 0;
   for (const LevelInfo& l : reader.meta().levels()) chunks += l.chunks;
-  say(fmt::format("{}: sound. {}, {} on {}: every checksum holds, every level is the union of the one below, every byte is accounted for.",
-                  o.grid, bytes_text(reader.file_bytes()), plural(chunks, "chunk"), plural(reader.meta().levels().size(), "stored level")));
+  say(fmt::format("{}: sound. {}, {} on {}: every checksum holds, every level is the union of the one below, every byte is accounted for.", o.grid,
+                  bytes_text(reader.file_bytes()), plural(chunks, "chunk"), plural(reader.meta().levels().size(), "stored level")));
 }
 
 }  // namespace

@@ -3,9 +3,7 @@
 #include <algorithm>
 
 // One line per format NAME: the file NAME.cpp defines NAME_format().
-#define TERACELL_EXPORT_FORMATS(format) \
-  format(npy)                           \
-  format(raw)
+#define TERACELL_EXPORT_FORMATS(format) format(npy) format(raw)
 
 namespace teracell {
 

@@ -17,13 +17,10 @@ void run(const Arguments& arguments) {
   const size_t size = libdeflate_zlib_compress(compressor, labels.data(), labels.size(), packed.data(), packed.size());
   const double seconds = packing.seconds();
   libdeflate_free_compressor(compressor);
-  std::printf("{\"peer\": \"libdeflate-1\", \"bytes_in\": %zu, \"bytes_out\": %zu, \"seconds\": %.4f}\n", labels.size(),
-              size, seconds);
+  std::printf("{\"peer\": \"libdeflate-1\", \"bytes_in\": %zu, \"bytes_out\": %zu, \"seconds\": %.4f}\n", labels.size(), size, seconds);
 }
 
 }  // namespace
 }  // namespace teracell::bench
 
-int main(int argc, char** argv) {
-  return teracell::bench::peer_main(argc, argv, "deflate_peer labels.raw", 1, 1, teracell::bench::run);
-}
+int main(int argc, char** argv) { return teracell::bench::peer_main(argc, argv, "deflate_peer labels.raw", 1, 1, teracell::bench::run); }

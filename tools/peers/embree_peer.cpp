@@ -96,8 +96,7 @@ struct Block {
       shadow ? rtcOccludedNM(scene, context, rays, kWidth, kPackets, sizeof *first)
              : rtcIntersectNM(scene, context, hits, kWidth, kPackets, sizeof *first);
     } else if constexpr (kWidth == 1) {
-      shadow ? rtcOccluded1(scene, context, reinterpret_cast<RTCRay*>(first))
-             : rtcIntersect1(scene, context, reinterpret_cast<RTCRayHit*>(first));
+      shadow ? rtcOccluded1(scene, context, reinterpret_cast<RTCRay*>(first)) : rtcIntersect1(scene, context, reinterpret_cast<RTCRayHit*>(first));
     } else if constexpr (kWidth == 4) {
       shadow ? rtcOccluded4(valid, scene, context, reinterpret_cast<RTCRay4*>(first))
              : rtcIntersect4(valid, scene, context, reinterpret_cast<RTCRayHit4*>(first));
@@ -156,20 +155,19 @@ struct Way {
   bool shadow;
 };
 constexpr Way kWays[] = {
-    {"rtcIntersect1", cast_bands<1, 1>, false},   {"rtcOccluded1", cast_bands<1, 1>, true},
-    {"rtcIntersect4", cast_bands<4, 1>, false},   {"rtcOccluded4", cast_bands<4, 1>, true},
-    {"rtcIntersect8", cast_bands<8, 1>, false},   {"rtcOccluded8", cast_bands<8, 1>, true},
-    {"rtcIntersect16", cast_bands<16, 1>, false}, {"rtcOccluded16", cast_bands<16, 1>, true},
-    {"rtcIntersectNM", cast_bands<16, 4>, false}, {"rtcOccludedNM", cast_bands<16, 4>, true},
+    {"rtcIntersect1", cast_bands<1, 1>, false},   {"rtcOccluded1", cast_bands<1, 1>, true},   {"rtcIntersect4", cast_bands<4, 1>, false},
+    {"rtcOccluded4", cast_bands<4, 1>, true},     {"rtcIntersect8", cast_bands<8, 1>, false}, {"rtcOccluded8", cast_bands<8, 1>, true},
+    {"rtcIntersect16", cast_bands<16, 1>, false}, {"rtcOccluded16", cast_bands<16, 1>, true}, {"rtcIntersectNM", cast_bands<16, 4>, false},
+    {"rtcOccludedNM", cast_bands<16, 4>, true},
 };
 
 RTCScene build_scene(RTCDevice device, const Mesh& mesh) {
   const RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                               3 * sizeof(float), mesh.vertices.size()));
+  auto* vertices =
+      static_cast<float*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
   for (const auto& v : mesh.vertices) vertices = std::copy(v.begin(), v.end(), vertices);
-  auto* corners = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                 3 * sizeof(uint32_t), mesh.triangles.size()));
+  auto* corners = static_cast<uint32_t*>(
+      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), mesh.triangles.size()));
   for (const auto& t : mesh.triangles) corners = std::copy(t.begin(), t.end(), corners);
   rtcCommitGeometry(geometry);
 
@@ -198,8 +196,7 @@ const Way& fastest_way(RTCScene scene, const CubicDomain& domain) {
     const Stopwatch sampling;
     const Tally tally = way.cast(scene, domain, way.shadow, kSampling);
     const double seconds = sampling.seconds();
-    std::fprintf(stderr, "  %-15s sample %.3f s, %llu hits\n", way.name, seconds,
-                 static_cast<unsigned long long>(tally.hits));
+    std::fprintf(stderr, "  %-15s sample %.3f s, %llu hits\n", way.name, seconds, static_cast<unsigned long long>(tally.hits));
     if (seconds >= least) continue;
     least = seconds;
     fastest = &way;
@@ -232,6 +229,4 @@ void run(const Arguments& arguments) {
 }  // namespace
 }  // namespace teracell::bench
 
-int main(int argc, char** argv) {
-  return teracell::bench::peer_main(argc, argv, "embree_peer mesh.obj N [way]", 2, 3, teracell::bench::run);
-}
+int main(int argc, char** argv) { return teracell::bench::peer_main(argc, argv, "embree_peer mesh.obj N [way]", 2, 3, teracell::bench::run); }

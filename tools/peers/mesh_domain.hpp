@@ -74,8 +74,7 @@ inline Mesh load_obj(const std::string& path) {
         int64_t index = 0;
         at = std::from_chars(at, line_end, index).ptr;
         while (at < line_end && *at != ' ' && *at != '\r') ++at;  // texture and normal indices
-        corners.push_back(
-            static_cast<uint32_t>(index < 0 ? static_cast<int64_t>(mesh.vertices.size()) + index : index - 1));
+        corners.push_back(static_cast<uint32_t>(index < 0 ? static_cast<int64_t>(mesh.vertices.size()) + index : index - 1));
       }
       for (size_t i = 2; i < corners.size(); ++i) mesh.triangles.push_back({corners[0], corners[i - 1], corners[i]});
     }

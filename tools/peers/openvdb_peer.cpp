@@ -38,13 +38,11 @@ void run(const Arguments& arguments) {
   openvdb::io::File file(arguments[2]);
   file.write({mask});
   file.close();
-  std::printf("{\"peer\": \"openvdb\", \"field_seconds\": %.4f, \"seconds\": %.4f, \"cells_inside\": %llu}\n",
-              field_seconds, whole.seconds(), static_cast<unsigned long long>(mask->activeVoxelCount()));
+  std::printf("{\"peer\": \"openvdb\", \"field_seconds\": %.4f, \"seconds\": %.4f, \"cells_inside\": %llu}\n", field_seconds, whole.seconds(),
+              static_cast<unsigned long long>(mask->activeVoxelCount()));
 }
 
 }  // namespace
 }  // namespace teracell::bench
 
-int main(int argc, char** argv) {
-  return teracell::bench::peer_main(argc, argv, "openvdb_peer mesh.obj N out.vdb", 3, 3, teracell::bench::run);
-}
+int main(int argc, char** argv) { return teracell::bench::peer_main(argc, argv, "openvdb_peer mesh.obj N out.vdb", 3, 3, teracell::bench::run); }

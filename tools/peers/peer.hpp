@@ -21,7 +21,8 @@ int peer_main(int argc, char** argv, const std::string& usage, size_t least, siz
   const std::string name = usage.substr(0, usage.find(' '));
   const Arguments arguments(argv + 1, argv + argc);
   if (arguments.size() < least || arguments.size() > most) {
-    std::fprintf(stderr, "%s: expected %zu%s arguments, found %zu. Usage: %s\n", name.c_str(), least, most > least ? " or more" : "", arguments.size(), usage.c_str());
+    std::fprintf(stderr, "%s: expected %zu%s arguments, found %zu. Usage: %s\n", name.c_str(), least, most > least ? " or more" : "",
+                 arguments.size(), usage.c_str());
     return 2;
   }
   try {

@@ -48,11 +48,13 @@ Tile load(const std::string& path) {
   Tile tile;
   const size_t shape = dict.find("'shape': (");
   if (dict.find("|u1") == std::string::npos || shape == std::string::npos ||
-      std::sscanf(dict.c_str() + shape, "'shape': (%u, %u", &tile.height, &tile.width) != 2 || bytes.size() != head + size_t{tile.width} * tile.height)
+      std::sscanf(dict.c_str() + shape, "'shape': (%u, %u", &tile.height, &tile.width) != 2 ||
+      bytes.size() != head + size_t{tile.width} * tile.height)
     throw std::runtime_error(path + ": expected an array of u1 with two axes, found something else");
   for (size_t i = head; i < bytes.size(); ++i) tile.numbers.push_back(static_cast<uint8_t>(bytes[i]));
   const uint32_t most = *std::max_element(tile.numbers.begin(), tile.numbers.end()) + 1u;
-  for (uint32_t n = 0; n < most; ++n) tile.colors.push_back({static_cast<uint8_t>(40 * n), static_cast<uint8_t>(90 * n), 200, static_cast<uint8_t>(n ? 255 : 0)});
+  for (uint32_t n = 0; n < most; ++n)
+    tile.colors.push_back({static_cast<uint8_t>(40 * n), static_cast<uint8_t>(90 * n), 200, static_cast<uint8_t>(n ? 255 : 0)});
   tile.bits = most <= 2 ? 1 : most <= 4 ? 2 : most <= 16 ? 4 : 8;
   return tile;
 }
@@ -123,7 +125,8 @@ size_t with_stb(const Tile& t, int channels) {
   static std::vector<uint8_t> pixels;
   pixels.resize(t.numbers.size() * static_cast<size_t>(channels));
   for (size_t i = 0; i < t.numbers.size(); ++i)
-    for (int c = 0; c < channels; ++c) pixels[i * static_cast<size_t>(channels) + static_cast<size_t>(c)] = t.colors[t.numbers[i]][static_cast<size_t>(c)];
+    for (int c = 0; c < channels; ++c)
+      pixels[i * static_cast<size_t>(channels) + static_cast<size_t>(c)] = t.colors[t.numbers[i]][static_cast<size_t>(c)];
   stbi_write_force_png_filter = 0;
   size_t size = 0;
   stbi_write_png_to_func([](void* sum, void*, int n) { *static_cast<size_t*>(sum) += static_cast<size_t>(n); }, &size, static_cast<int>(t.width),
@@ -144,7 +147,8 @@ size_t with_spng(const Tile& t, int level) {
   for (size_t i = 0; i < t.colors.size(); ++i) palette.entries[i] = {t.colors[i][0], t.colors[i][1], t.colors[i][2], 255};
   spng_set_ihdr(context, &head);
   spng_set_plte(context, &palette);
-  if (const int error = spng_encode_image(context, pixels.data(), pixels.size(), SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE)) throw std::runtime_error(spng_strerror(error));
+  if (const int error = spng_encode_image(context, pixels.data(), pixels.size(), SPNG_FMT_PNG, SPNG_ENCODE_FINALIZE))
+    throw std::runtime_error(spng_strerror(error));
   size_t size = 0;
   int error = 0;
   std::free(spng_get_png_buffer(context, &size, &error));
@@ -161,7 +165,8 @@ void time(const std::string& file, const std::string& encoder, const std::functi
     seconds.push_back(one.seconds());
   }
   std::nth_element(seconds.begin(), seconds.begin() + static_cast<ptrdiff_t>(seconds.size() / 2), seconds.end());
-  std::printf("{\"file\": \"%s\", \"encoder\": \"%s\", \"ms\": %.4f, \"bytes\": %zu}\n", file.c_str(), encoder.c_str(), 1e3 * seconds[seconds.size() / 2], bytes);
+  std::printf("{\"file\": \"%s\", \"encoder\": \"%s\", \"ms\": %.4f, \"bytes\": %zu}\n", file.c_str(), encoder.c_str(),
+              1e3 * seconds[seconds.size() / 2], bytes);
 }
 
 void run(const std::string& path) {

@@ -33,7 +33,6 @@ void write(std::FILE* out, const Point& a, const Point& b, const Point& c, int64
   std::fwrite(facet, 50, 1, out);
 }
 
-
 void run(const teracell::bench::Arguments& arguments) {
   const int64_t depth = teracell::bench::whole_number(arguments[2]);
   if (depth < 0 || depth > 8) throw std::runtime_error("expected a depth of 0 to 8, found " + arguments[2]);

@@ -43,13 +43,10 @@ void run(const Arguments& arguments) {
 
   const auto* cells = static_cast<const uint8_t*>(image->GetOutput()->GetScalarPointer());
   if (arguments.size() > 2) std::ofstream(arguments[2], std::ios::binary).write(reinterpret_cast<const char*>(cells), n * n * n);
-  std::printf("{\"peer\": \"vtk\", \"seconds\": %.4f, \"centre_cell\": %d}\n", seconds,
-              int{cells[(n / 2 * n + n / 2) * n + n / 2]});
+  std::printf("{\"peer\": \"vtk\", \"seconds\": %.4f, \"centre_cell\": %d}\n", seconds, int{cells[(n / 2 * n + n / 2) * n + n / 2]});
 }
 
 }  // namespace
 }  // namespace teracell::bench
 
-int main(int argc, char** argv) {
-  return teracell::bench::peer_main(argc, argv, "vtk_peer mesh.obj N [out.raw]", 2, 3, teracell::bench::run);
-}
+int main(int argc, char** argv) { return teracell::bench::peer_main(argc, argv, "vtk_peer mesh.obj N [out.raw]", 2, 3, teracell::bench::run); }

@@ -26,9 +26,7 @@ Section polygon(const Vec3& centre, const Vec3& u, const Vec3& v, double radius,
   return section;
 }
 
-Vec3 cross(const Vec3& a, const Vec3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
+Vec3 cross(const Vec3& a, const Vec3& b) { return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}; }
 
 Vec3 unit(const Vec3& a) {
   const double length = std::sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
@@ -58,9 +56,7 @@ void Solid::loft(const std::vector<Section>& sections, bool ring) {
 }
 
 void Solid::box(const Vec3& lo, const Vec3& hi) {
-  const auto at = [&](double z) {
-    return Section{{{lo[0], lo[1], z}, {hi[0], lo[1], z}}, {{lo[0], hi[1], z}, {hi[0], hi[1], z}}};
-  };
+  const auto at = [&](double z) { return Section{{{lo[0], lo[1], z}, {hi[0], lo[1], z}}, {{lo[0], hi[1], z}, {hi[0], hi[1], z}}}; };
   loft({at(lo[2]), at(hi[2])});
 }
 
@@ -78,8 +74,7 @@ void Solid::capsule(const Vec3& centre, double half, double radius) {
     if (i == 0) continue;
     const Matrix turn = rotation({0, 0, 1}, (std::abs(i) - 1) * 80.0 / (kCircles - 1));
     const double x = half + radius * turn[4];
-    sections.push_back(
-        polygon({centre[0] + (i < 0 ? -x : x), centre[1], centre[2]}, {0, 1, 0}, {0, 0, 1}, radius * turn[0], kRungs));
+    sections.push_back(polygon({centre[0] + (i < 0 ? -x : x), centre[1], centre[2]}, {0, 1, 0}, {0, 0, 1}, radius * turn[0], kRungs));
   }
   loft(sections);
 }

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "tools/sample/solid.hpp"
 #include "mesher/scene/scene.hpp"
 #include "store/error.hpp"
+#include "tools/sample/solid.hpp"
 
 namespace teracell {
 namespace {
@@ -32,22 +32,16 @@ class Oval {
     const auto [end_c, end_s] = direction(kEnd);
     const auto [corner_c, corner_s] = direction(kCorner);
     const double end_x = kHalfLength - kEndRadius;
-    const double corner_x = end_x + (kEndRadius - kCornerRadius) * end_c,
-                 corner_y = (kEndRadius - kCornerRadius) * end_s;
+    const double corner_x = end_x + (kEndRadius - kCornerRadius) * end_c, corner_y = (kEndRadius - kCornerRadius) * end_s;
     const double side_radius = kCornerRadius + corner_x / corner_c;  // its centre lies on x = 0
     const double side_y = corner_y - (side_radius - kCornerRadius) * corner_s;
 
     std::vector<Station> quarter;
     for (int i = 0; i <= kQuarter; ++i) {
       const int in_corner = i - kEndStations, on_side = in_corner - kCornerStations;
-      if (in_corner <= 0)
-        quarter.push_back(on_arc(end_x, 0, kEndRadius, kEnd * i / kEndStations));
-      else if (on_side <= 0)
-        quarter.push_back(
-            on_arc(corner_x, corner_y, kCornerRadius, kEnd + (kCorner - kEnd) * in_corner / kCornerStations));
-      else
-        quarter.push_back(on_arc(0, side_y, side_radius,
-                                 kCorner + (90 - kCorner) * on_side / (kQuarter - kEndStations - kCornerStations)));
+      if (in_corner <= 0) quarter.push_back(on_arc(end_x, 0, kEndRadius, kEnd * i / kEndStations));
+      else if (on_side <= 0) quarter.push_back(on_arc(corner_x, corner_y, kCornerRadius, kEnd + (kCorner - kEnd) * in_corner / kCornerStations));
+      else quarter.push_back(on_arc(0, side_y, side_radius, kCorner + (90 - kCorner) * on_side / (kQuarter - kEndStations - kCornerStations)));
     }
     for (int s = 0; s < kStations; ++s) {  // mirrored, so that the symmetry is exact
       const int q = s / kQuarter, r = s % kQuarter;
@@ -170,18 +164,14 @@ class Stadium {
     const Profile wall = strip(
         9, 25, 8, [](double) { return -0.5; }, under_lower);
     const Profile raker = strip(
-        21.4, 43, 8, [](double d) { return kUpper.underside(d) - 1.6; },
-        [](double d) { return kUpper.underside(d) + 0.4; });
+        21.4, 43, 8, [](double d) { return kUpper.underside(d) - 1.6; }, [](double d) { return kUpper.underside(d) + 0.4; });
     const std::vector<int> tunnels = mirrored({4}), cores = mirrored({2, 6, 10});
-    const auto among = [](const std::vector<int>& bays, int bay) {
-      return std::find(bays.begin(), bays.end(), bay) != bays.end();
-    };
+    const auto among = [](const std::vector<int>& bays, int bay) { return std::find(bays.begin(), bays.end(), bay) != bays.end(); };
     for (int bay = 0; bay < kBays; ++bay) {
       const int frame = bay * kBay;
       plate(solid, wall, frame, 1);
       plate(solid, raker, frame, 1);
-      for (const double d : {27.0, 34.5, 42.0})
-        plate(solid, rectangle(d - 0.8, d + 0.8, -0.5, kUpper.underside(d)), frame, 1.6);
+      for (const double d : {27.0, 34.5, 42.0}) plate(solid, rectangle(d - 0.8, d + 0.8, -0.5, kUpper.underside(d)), frame, 1.6);
       plate(solid, rectangle(26.4, 33, 15, 23), frame, 1);
       sweep(solid, rectangle(32, 33, 15, 23), frame + 1, frame + 4);
       if (!among(tunnels, bay)) sweep(solid, rectangle(26.4, 27.6, -0.5, 14), frame + 1, frame + 4);
@@ -189,8 +179,7 @@ class Stadium {
       for (const int side : {1, 4}) plate(solid, rectangle(34, 43, -0.5, 31), frame + side, 1);
       sweep(solid, rectangle(34, 35, -0.5, 31), frame + 1, frame + 4);
     }
-    for (const auto& [d, z] : {std::pair{18.0, 7.0}, {24.6, 14.0}, {31.5, 23.0}, {42.0, 31.0}})
-      ring(solid, rectangle(d, 50, z, z + 1));
+    for (const auto& [d, z] : {std::pair{18.0, 7.0}, {24.6, 14.0}, {31.5, 23.0}, {42.0, 31.0}}) ring(solid, rectangle(d, 50, z, z + 1));
     return solid;
   }
 
@@ -201,8 +190,7 @@ class Stadium {
     for (int bay = 0; bay < kBays; ++bay) {
       plate(solid, rectangle(48.5, 51.2, -0.5, 42), bay * kBay, 1.6);
       for (int fin = 1; fin < kBay; ++fin) plate(solid, rectangle(49.8, 51, 8, 36), bay * kBay + fin, 0.8);
-      if (std::find(gates.begin(), gates.end(), bay) == gates.end())
-        sweep(solid, rectangle(49.6, 51, -0.5, 7), bay * kBay, bay * kBay + kBay);
+      if (std::find(gates.begin(), gates.end(), bay) == gates.end()) sweep(solid, rectangle(49.6, 51, -0.5, 7), bay * kBay, bay * kBay + kBay);
     }
     for (const auto& [z0, z1] : {std::pair{6.0, 9.0}, {14.0, 16.0}, {22.5, 24.5}, {30.5, 32.5}, {35.0, 37.0}})
       ring(solid, rectangle(49.5, 51, z0, z1));
@@ -213,11 +201,9 @@ class Stadium {
   Solid roof_ring() const {
     Solid solid;
     ring(solid, strip(3, 54, 16, roof, [](double d) { return roof(d) + 1; }));
-    for (const auto& [d0, d1, depth] :
-         {std::array{3.0, 4.4, 2.0}, {24.4, 25.6, 2.6}, {45.4, 46.6, 5.0}, {50.4, 52.0, 2.0}})
+    for (const auto& [d0, d1, depth] : {std::array{3.0, 4.4, 2.0}, {24.4, 25.6, 2.6}, {45.4, 46.6, 5.0}, {50.4, 52.0, 2.0}})
       ring(solid, strip(
-                      d0, d1, 1, [depth = depth](double d) { return roof(d) - depth; },
-                      [](double d) { return roof(d) + 0.2; }));
+                      d0, d1, 1, [depth = depth](double d) { return roof(d) - depth; }, [](double d) { return roof(d) + 0.2; }));
 
     const Profile chord = strip(4, 53, 12, truss, [](double d) { return truss(d) + 0.9; });
     for (int bay = 0; bay < kBays; ++bay) {
@@ -249,8 +235,7 @@ class Stadium {
     Solid solid;
     for (const int station : {0, kStations / 2}) {
       plate(solid, {{{7, 30.5}, {8.5, 30.5}}, {{5.8, 38.5}, {7.3, 38.5}}}, station, 20);
-      for (const double aside : {-7.0, 7.0})
-        solid.bar(oval_.at(station, 6.6, 38, aside), oval_.at(station, 6.6, roof(6.6) + 0.4, aside), 0.5, 0.5);
+      for (const double aside : {-7.0, 7.0}) solid.bar(oval_.at(station, 6.6, 38, aside), oval_.at(station, 6.6, roof(6.6) + 0.4, aside), 0.5, 0.5);
     }
     return solid;
   }
@@ -263,10 +248,8 @@ class Stadium {
     solid.box({x - 7, y - 1.2, 0.9}, {x + 8, y + 1.2, 1.7});
     solid.box({x + 7.6, y - 1.4, 0.8}, {x + 10.2, y + 1.4, 3.8});
     for (const double axle : {-5.6, -4.0, -2.4, 5.4, 8.9})
-      for (const double side : {-1.45, 0.75})
-        solid.bar({x + axle, y + side, 0.65}, {x + axle, y + side + 0.7, 0.65}, 0.7, 0.7);
-    for (const double saddle : {-4.5, 0.0, 4.5})
-      solid.box({x + saddle - 0.5, y - 1.3, 1.5}, {x + saddle + 0.5, y + 1.3, 2.3});
+      for (const double side : {-1.45, 0.75}) solid.bar({x + axle, y + side, 0.65}, {x + axle, y + side + 0.7, 0.65}, 0.7, 0.7);
+    for (const double saddle : {-4.5, 0.0, 4.5}) solid.box({x + saddle - 0.5, y - 1.3, 1.5}, {x + saddle + 0.5, y + 1.3, 2.3});
     return solid;
   }
   Solid charge() const {

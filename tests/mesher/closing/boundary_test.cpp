@@ -83,7 +83,8 @@ Facets shuffled(Facets facets, uint64_t seed) {
 
 TEST_CASE("A closed surface has no boundary of either kind, in any order of its facets, moved and inside out too") {
   const Facets sphere = shapes::sphere({0.1, 0.2, 0.3}, 1, 3);
-  for (const Facets& facets : {sphere, shapes::flip(sphere), shuffled(sphere, 1), shapes::join({sphere, sphere}), shapes::box({0, 0, 0}, {1, 2, 3})}) {
+  for (const Facets& facets :
+       {sphere, shapes::flip(sphere), shuffled(sphere, 1), shapes::join({sphere, sphere}), shapes::box({0, 0, 0}, {1, 2, 3})}) {
     REQUIRE(proof_of(facets).directed_boundary_is_empty());
     REQUIRE(proof_of(facets).undirected_boundary_is_empty());
     REQUIRE(edges_of(facets, 1 << 20).empty());

@@ -54,7 +54,8 @@ Facets filled(const Facets& top, int axis, double floor) {
 
 Grid grid_of(bool graded) {
   const Axis uniform = Axis::uniform(-0.5, 0.5, 0, 18, 0.5);
-  return {{graded ? Axis::graded({-1, 0, 1, 1.5, 3, 4.25, 5, 7, 9}, 0.5) : uniform, uniform, graded ? Axis::graded({-0.5, 1, 2, 3.5, 4.5, 8.5}, 0.5) : uniform}};
+  return {{graded ? Axis::graded({-1, 0, 1, 1.5, 3, 4.25, 5, 7, 9}, 0.5) : uniform, uniform,
+           graded ? Axis::graded({-0.5, 1, 2, 3.5, 4.5, 8.5}, 0.5) : uniform}};
 }
 
 TEST_CASE("An extruded relief has the cells of the relief closed by hand, along every axis, on either side") {
@@ -130,7 +131,8 @@ TEST_CASE("An extruded relief that is moved by a matrix is drawn out along the g
 }
 
 TEST_CASE("Of a shell's loops those go whose signed area has the sign of the largest one's") {
-  const Loop large = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, hole = {{1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}}, beside = {{5, 0, 0}, {6, 0, 0}, {6, 1, 0}};
+  const Loop large = {{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, hole = {{1, 1, 0}, {1, 2, 0}, {2, 2, 0}, {2, 1, 0}},
+             beside = {{5, 0, 0}, {6, 0, 0}, {6, 1, 0}};
   CHECK(outer_loops({hole, large, beside}, 2, false) == std::vector<bool>{false, true, true});
   CHECK(outer_loops({hole, large, beside}, 2, true) == std::vector<bool>{false, true, true});
   const Loop turned(hole.rbegin(), hole.rend());

@@ -100,9 +100,7 @@ TEST_CASE("A sphere of six patches has the closed one's cells when seams deviate
     check_sphere(cells_of_six([&](const Facets& patch, size_t) { return patchworks::moved(patch, random, kStitch / 2); }));
   }
   SECTION("by chords") {
-    check_sphere(cells_of_six([&](const Facets& patch, size_t i) {
-      return i % 2 == 0 ? patchworks::chords(patch, random, 1, kStitch) : patch;
-    }));
+    check_sphere(cells_of_six([&](const Facets& patch, size_t i) { return i % 2 == 0 ? patchworks::chords(patch, random, 1, kStitch) : patch; }));
   }
   SECTION("by both") {
     check_sphere(cells_of_six([&](const Facets& patch, size_t i) {
@@ -122,7 +120,8 @@ TEST_CASE("Random patchworks have the cells that their winding number is above o
     const std::vector<Facets> closed = {shapes::sphere({0.1, 0.2, 0.3}, 3.5, 3), shapes::torus({0, 0.1, 0}, 2.5, 1.3, 24, 16),
                                         patchworks::refined(shapes::l_shape({-3, -3, -2}, 6, 2.5, 4), 2),
                                         patchworks::refined(shapes::box({-3.1, -2.9, -2}, {3.3, 3.2, 3.4}), 2)};
-    Patches patches = seed / 4 % 2 == 0 ? patchworks::cut_by_planes(closed[seed % 4], random, 3) : patchworks::cut_by_seeds(closed[seed % 4], random, 6);
+    Patches patches =
+        seed / 4 % 2 == 0 ? patchworks::cut_by_planes(closed[seed % 4], random, 3) : patchworks::cut_by_seeds(closed[seed % 4], random, 6);
     for (Facets& patch : patches) {
       if (random_int(random, 0, 1) == 0) patch = patchworks::chords(patch, random, 0.5, stitch / 2);
       if (random_int(random, 0, 1) == 0) patch = patchworks::split(patch, random, 0.7, stitch / 4, random_int(random, 1, 3));

@@ -40,7 +40,9 @@ void expect_all_near(const PointTree& tree, const std::vector<Vec3>& points, con
   }
 }
 
-Vec3 any_point(std::mt19937_64& random, double size) { return {random_in(random, -size, size), random_in(random, -size, size), random_in(random, -size, size)}; }
+Vec3 any_point(std::mt19937_64& random, double size) {
+  return {random_in(random, -size, size), random_in(random, -size, size), random_in(random, -size, size)};
+}
 
 TEST_CASE("Every point within reach of a segment is given once, near and far from the origin, for points in a line or all equal too") {
   std::mt19937_64 random(1);
@@ -55,7 +57,9 @@ TEST_CASE("Every point within reach of a segment is given once, near and far fro
     }
     const PointTree tree(points);
     for (size_t round = 0; round < rounds(50); ++round) {
-      const Vec3 a = points[round % points.size()], b = round % 3 == 0 ? a : round % 3 == 1 ? points[(7 * round) % points.size()] : any_point(random, 3);
+      const Vec3 a = points[round % points.size()], b = round % 3 == 0   ? a
+                                                        : round % 3 == 1 ? points[(7 * round) % points.size()]
+                                                                         : any_point(random, 3);
       // Up to exactly the distance of a point.
       const double reach = round % 2 == 0 ? random_in(random, 0, 0.2) : distance(points[(3 * round) % points.size()], a, b);
       expect_all_near(tree, points, a, b, reach);

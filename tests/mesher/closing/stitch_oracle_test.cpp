@@ -44,7 +44,8 @@ Facets torn(std::mt19937_64& random, double gap) {
                                        : patchworks::cut_by_planes(whole, random, random_int(random, 1, 2));
   for (Facets& patch : patches) {
     if (chance(random, 30)) patch = patchworks::chords(patch, random, 0.5, gap);
-    if (chance(random, 40)) patch = patchworks::split(patch, random, one_of<double>(random, {0.3, 1}), chance(random, 50) ? gap : 0, random_int(random, 1, 2));
+    if (chance(random, 40))
+      patch = patchworks::split(patch, random, one_of<double>(random, {0.3, 1}), chance(random, 50) ? gap : 0, random_int(random, 1, 2));
     if (chance(random, 70)) patch = patchworks::moved(patch, random, gap);
     if (chance(random, 15)) patch = shapes::flip(patch);
     if (chance(random, 10)) patch = shapes::join({patch, shapes::flip(patch)});

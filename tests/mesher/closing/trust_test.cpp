@@ -111,7 +111,8 @@ TEST_CASE("Winding numbers are the sums of solid angles, inside is what rational
 TEST_CASE("Sample points on a closed surface are no doubt, on its edges and vertices neither") {
   const Grid grid = cube_grid(-0.5, 7.5, 8);
   const Facets box = shapes::box({1, 2, 1}, {5, 5, 6});
-  for (const Facets& facets : {box, shapes::flip(box), shapes::join({box, box}), shapes::sphere({3, 3, 3}, 2, 2, 1), shapes::l_shape({0, 1, 2}, 6, 2, 3)})
+  for (const Facets& facets :
+       {box, shapes::flip(box), shapes::join({box, box}), shapes::sphere({3, 3, 3}, 2, 2, 1), shapes::l_shape({0, 1, 2}, 6, 2, 3)})
     CHECK(Closed{facets, {}}.trust(grid).disagree == 0);
 }
 

@@ -160,7 +160,8 @@ TEST_CASE("A facet winds around a ray when the shifted ray passes through its pr
     for (int axis = 0; axis < 3; ++axis) {
       const Frame f = Frame::along(axis);
       const int s = turn(a[f.u], a[f.v], b[f.u], b[f.v], ip[f.u], ip[f.v]);
-      const bool inside = s != 0 && turn(b[f.u], b[f.v], c[f.u], c[f.v], ip[f.u], ip[f.v]) == s && turn(c[f.u], c[f.v], a[f.u], a[f.v], ip[f.u], ip[f.v]) == s;
+      const bool inside =
+          s != 0 && turn(b[f.u], b[f.v], c[f.u], c[f.v], ip[f.u], ip[f.v]) == s && turn(c[f.u], c[f.v], a[f.u], a[f.v], ip[f.u], ip[f.v]) == s;
       ++seen[(inside ? s : 0) + 1];
       REQUIRE(turn_around_ray(facet, f, p[f.u], p[f.v]) == (inside ? s : 0));
     }

@@ -20,8 +20,7 @@ namespace fs = std::filesystem;
 
 // A scene with one steel body; `grid` and `body` are further text for their places.
 std::string scene_text(const std::string& grid = "", const std::string& body = "") {
-  return R"({"grid": {)" + grid +
-         R"(}, "materials": {"steel": {"color": "#8899aa"}}, "bodies": [{"mesh": "hull.stl", "material": "steel")" +
+  return R"({"grid": {)" + grid + R"(}, "materials": {"steel": {"color": "#8899aa"}}, "bodies": [{"mesh": "hull.stl", "material": "steel")" +
          (body.empty() ? "" : ", " + body) + "}]}";
 }
 Scene parse(const std::string& text) { return parse_scene(text, "models"); }
@@ -54,9 +53,7 @@ Grid resolve(const std::string& grid, const GridOptions& options, const Vec3& lo
 // A folder that goes with the test.
 class TempFolder {
  public:
-  TempFolder()
-      : path_(fs::temp_directory_path() /
-              fmt::format("teracell-scene-{}-{}", getpid(), reinterpret_cast<uintptr_t>(this))) {
+  TempFolder() : path_(fs::temp_directory_path() / fmt::format("teracell-scene-{}-{}", getpid(), reinterpret_cast<uintptr_t>(this))) {
     fs::create_directories(path_);
   }
   ~TempFolder() { fs::remove_all(path_); }
@@ -97,8 +94,7 @@ TEST_CASE("what a scene leaves out has the specified default", "[scene]") {
   CHECK(s.pad == 1);
   CHECK_FALSE(s.label_by_body);
   CHECK(s.materials[0] == SceneMaterial{"air", "#00000000"});
-  CHECK(s.bodies[0] ==
-        SceneBody{"hull", "models/hull.stl", "hull.stl", "", 1, 0, Fill::kAuto, {}, {}, {}, {}, kIdentity});
+  CHECK(s.bodies[0] == SceneBody{"hull", "models/hull.stl", "hull.stl", "", 1, 0, Fill::kAuto, {}, {}, {}, {}, kIdentity});
 }
 
 TEST_CASE("materials are numbered in the scene's order, the background is 0", "[scene]") {
@@ -120,8 +116,7 @@ TEST_CASE("an unknown key is named with its place and the nearest known one", "[
   check_error(scene_text(R"("cell": [1,1,1])"), {"grid", "\"cell\"", "\"cells\""});
   check_error(scene_text(R"("x": {"plane": [0,1]})"), {"grid.x", "\"plane\"", "\"planes\""});
   check_error(scene_text("", R"("rotate": {"axis": [0,0,1], "degree": 3})"), {"bodies[0].rotate", "\"degrees\""});
-  check_error(R"({"materials": {"odd name": {"colour": ""}}, "bodies": []})",
-              {"materials[\"odd name\"]", "\"colour\"", "\"color\""});
+  check_error(R"({"materials": {"odd name": {"colour": ""}}, "bodies": []})", {"materials[\"odd name\"]", "\"colour\"", "\"color\""});
 }
 
 TEST_CASE("a wrong value says where, expected, found", "[scene]") {
@@ -138,8 +133,7 @@ TEST_CASE("a wrong value says where, expected, found", "[scene]") {
   check_error(R"({"materials": {"a": {"color": "#12345"}}, "bodies": []})", {"materials.a.color", "#rrggbb", "#12345"});
   check_error(R"({"materials": {"a": "red"}, "bodies": []})", {"materials.a", "an object", "\"red\""});
   check_error(R"({"materials": {"": {}}, "bodies": []})", {"materials", "not empty"});
-  check_error(scene_text(R"("min": [0,0,0], "max": [1,1], "cells": [1,1,1])"),
-              {"grid.max", "an array of 3", "an array of 2"});
+  check_error(scene_text(R"("min": [0,0,0], "max": [1,1], "cells": [1,1,1])"), {"grid.max", "an array of 3", "an array of 2"});
   check_error(scene_text(R"("cells": [1,0,1])"), {"grid.cells[1]", "an integer from 1", "found 0"});
   check_error(scene_text(R"("cells": [1,1.5,1])"), {"grid.cells[1]", "an integer", "found 1.5"});
   check_error(scene_text(R"("cells": 3000000000)"), {"grid.cells", "found 3000000000"});
@@ -154,8 +148,7 @@ TEST_CASE("a wrong value says where, expected, found", "[scene]") {
 TEST_CASE("a material that is not in the scene is an error naming the nearest", "[scene]") {
   check_error(R"({"materials": {"steel": {}, "water": {}}, "bodies": [{"mesh": "a", "material": "steal"}]})",
               {"bodies[0].material", "\"steel\"", "\"steal\""});
-  check_error(R"({"background": "watre", "materials": {"steel": {}, "water": {}}, "bodies": []})",
-              {"background", "\"water\"", "\"watre\""});
+  check_error(R"({"background": "watre", "materials": {"steel": {}, "water": {}}, "bodies": []})", {"background", "\"water\"", "\"watre\""});
 }
 
 TEST_CASE("cells with step, min without max, and a matrix with scale exclude each other", "[scene]") {
@@ -185,8 +178,7 @@ TEST_CASE("a syntax error has its line and column", "[scene]") {
 
 TEST_CASE("a key given twice is refused", "[scene]") {
   check_error(R"({"bodies": [], "bodies": []})", {"bodies", "twice"});
-  check_error(R"({"bodies": [{"mesh": "a"}, {"mesh": "a", "rotate": {"axis": [0,0,1], "axis": 1}}]})",
-              {"bodies[1].rotate.axis", "twice"});
+  check_error(R"({"bodies": [{"mesh": "a"}, {"mesh": "a", "rotate": {"axis": [0,0,1], "axis": 1}}]})", {"bodies[1].rotate.axis", "twice"});
   check_error(R"({"materials": {"a": {}, "b": {}, "a": {}}, "bodies": []})", {"materials.a", "twice"});
 }
 
@@ -198,8 +190,7 @@ TEST_CASE("65,535 materials besides the background, not one more", "[scene]") {
 }
 
 TEST_CASE("bodies without a name are named after their mesh and numbered", "[scene]") {
-  const Scene s =
-      parse(R"({"bodies": [{"mesh": "a/hull.stl", "material": "air"}, {"mesh": "b/hull.stl.gz", "material": "air"},
+  const Scene s = parse(R"({"bodies": [{"mesh": "a/hull.stl", "material": "air"}, {"mesh": "b/hull.stl.gz", "material": "air"},
     {"mesh": "x.ply", "name": "hull-2", "material": "air"}, {"mesh": "hull.obj", "material": "air"}]})");
   CHECK(s.bodies[0].name == "hull");
   CHECK(s.bodies[1].name == "hull-3");
@@ -220,7 +211,8 @@ TEST_CASE("names that a terminal would obey are refused, in messages they are ha
 
 TEST_CASE("two bodies of one name are refused with both places", "[scene]") {
   check_error(R"({"bodies": [{"mesh": "a", "name": "x", "material": "air"}, {"mesh": "x", "material": "air"},
-    {"mesh": "b", "name": "x", "material": "air"}]})", {"bodies[2].name", "\"x\"", "bodies[0]"});
+    {"mesh": "b", "name": "x", "material": "air"}]})",
+              {"bodies[2].name", "\"x\"", "bodies[0]"});
 }
 
 TEST_CASE("bare meshes are one body and one material a file", "[scene]") {
@@ -259,8 +251,7 @@ TEST_CASE("a rotation agrees with sine and cosine and is orthogonal", "[scene]")
     CHECK(m[10] == 1);
     const Matrix r = rotation({1, -2, 0.5}, degrees);
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        CHECK(std::abs(r[i] * r[j] + r[4 + i] * r[4 + j] + r[8 + i] * r[8 + j] - (i == j)) < 1e-15);
+      for (int j = 0; j < 3; ++j) CHECK(std::abs(r[i] * r[j] + r[4 + i] * r[4 + j] + r[8 + i] * r[8 + j] - (i == j)) < 1e-15);
   }
   // 120 degrees about the diagonal: x -> y -> z -> x.
   const Vec3 y = transform(rotation({1, 1, 1}, 120), {1, 0, 0});
@@ -268,8 +259,7 @@ TEST_CASE("a rotation agrees with sine and cosine and is orthogonal", "[scene]")
 }
 
 TEST_CASE("scale comes first, then rotate, then translate", "[scene]") {
-  const Matrix m =
-      matrix_of(R"("translate": [10, 20, 30], "rotate": {"axis": [0,0,1], "degrees": 90}, "scale": [2, 3, -4])");
+  const Matrix m = matrix_of(R"("translate": [10, 20, 30], "rotate": {"axis": [0,0,1], "degrees": 90}, "scale": [2, 3, -4])");
   CHECK(transform(m, {1, 1, 1}) == Vec3{7, 22, 26});
   CHECK(matrix_of(R"("matrix": [1,2,3,4, 0,1,5,6, 0,0,1,7])") == Matrix{1, 2, 3, 4, 0, 1, 5, 6, 0, 0, 1, 7});
 }
@@ -281,8 +271,8 @@ TEST_CASE("a singular matrix is refused, a mirror and a needle are not", "[scene
 }
 
 TEST_CASE("an axis entry overrides that axis", "[scene]") {
-  const Scene s = parse(scene_text(
-      R"("min": [0,0,0], "max": [10,10,10], "cells": [10,10,10], "x": {"step": 2}, "y": {"planes": [0, 1, 3]}, "z": {"max": 20})"));
+  const Scene s =
+      parse(scene_text(R"("min": [0,0,0], "max": [10,10,10], "cells": [10,10,10], "x": {"step": 2}, "y": {"planes": [0, 1, 3]}, "z": {"max": 20})"));
   CHECK(s.axis[0] == SceneAxis{0.0, 10.0, 2.0, std::nullopt, {}});
   CHECK(s.axis[1] == SceneAxis{std::nullopt, std::nullopt, std::nullopt, std::nullopt, {0, 1, 3}});
   CHECK(s.axis[2] == SceneAxis{0.0, 20.0, std::nullopt, 10, {}});
@@ -357,8 +347,7 @@ TEST_CASE("--cells NX,NY,NZ divides the box between the pads", "[scene][grid]") 
   CHECK(g.axis[2].step() == 3);
   CHECK(g.axis[1].origin() == -2);
   CHECK(resolve(R"("min": [0,0,0], "max": [3,1.5,0.25], "step": 1)", {{}, {{3, 3, 1}}}, {}, {}).axis[1].step() == 0.5);
-  CHECK_THROWS_WITH(resolve("", {{}, {{12, 12, 12}}}, {0, 0, 0}, {1, 0, 1}),
-                    Catch::Contains("axis y") && Catch::Contains("no extent"));
+  CHECK_THROWS_WITH(resolve("", {{}, {{12, 12, 12}}}, {0, 0, 0}, {1, 0, 1}), Catch::Contains("axis y") && Catch::Contains("no extent"));
   CHECK_THROWS_WITH(resolve("", {{}, {{12, 2, 12}}}, {0, 0, 0}, {1, 1, 1}), Catch::Contains("axis y"));
 }
 
@@ -396,8 +385,7 @@ TEST_CASE("options that contradict, are out of range, or are missing are usage e
 }
 
 TEST_CASE("sample points reach the axes", "[scene][grid]") {
-  Scene s =
-      parse(R"({"sample": [0, 0.25, 0.5], "grid": {"min": [0,0,0], "max": [4,4,4], "cells": [4,4,4]}, "bodies": []})");
+  Scene s = parse(R"({"sample": [0, 0.25, 0.5], "grid": {"min": [0,0,0], "max": [4,4,4], "cells": [4,4,4]}, "bodies": []})");
   const Grid g = resolve_grid(s, {}, {});
   CHECK(g.axis[0].centre(0) == 0);
   CHECK(g.axis[1].centre(1) == 1.25);
@@ -413,8 +401,7 @@ TEST_CASE("the normalised scene reads back equal and is its own normal form", "[
                          R"("step": [1,2,3], "x": {"cells": 3}, "z": {"planes": [0, 0.1, 0.30000000000000004]})",
                          R"("cells": 9, "x": {"step": 1}, "y": {"step": 1}, "z": {"planes": [1, 2]})"};
   for (const char* grid : grids) {
-    const Scene s =
-        parse(scene_text(grid, R"("part": "a*", "priority": 9223372036854775807, "fill": "nonzero", "closing": "strict",
+    const Scene s = parse(scene_text(grid, R"("part": "a*", "priority": 9223372036854775807, "fill": "nonzero", "closing": "strict",
                                               "scale": 0.1, "rotate": {"axis": [1,2,3], "degrees": 33.3}, "translate": [0.1,0,1e-9])"));
     const std::string text = normalised(s);
     INFO(text);
@@ -423,10 +410,9 @@ TEST_CASE("the normalised scene reads back equal and is its own normal form", "[
   }
   const Scene bare = bare_scene({"a.stl", "b.stl"});
   CHECK(parse_scene(normalised(bare), "") == bare);
-  CHECK(
-      normalised(parse(scene_text(R"("min": [0,0,0], "max": [1,2,3], "step": 0.5)"))) ==
-      R"({"units":"m","grid":{"min":[0.0,0.0,0.0],"max":[1.0,2.0,3.0],"step":[0.5,0.5,0.5],"pad":1},"sample":[0.5,0.5,0.5],)"
-      R"("background":"air","materials":{"air":{"color":"#00000000"},"steel":{"color":"#8899aa"}},"label_by":"material",)"
-      R"("bodies":[{"name":"hull","mesh":"hull.stl","material":"steel","priority":0,"fill":"auto","closing":"cap",)"
-      R"("matrix":[1.0,0.0,0.0,0.0,0.0,1.0,0.0,0.0,0.0,0.0,1.0,0.0]}]})");
+  CHECK(normalised(parse(scene_text(R"("min": [0,0,0], "max": [1,2,3], "step": 0.5)"))) ==
+        R"({"units":"m","grid":{"min":[0.0,0.0,0.0],"max":[1.0,2.0,3.0],"step":[0.5,0.5,0.5],"pad":1},"sample":[0.5,0.5,0.5],)"
+        R"("background":"air","materials":{"air":{"color":"#00000000"},"steel":{"color":"#8899aa"}},"label_by":"material",)"
+        R"("bodies":[{"name":"hull","mesh":"hull.stl","material":"steel","priority":0,"fill":"auto","closing":"cap",)"
+        R"("matrix":[1.0,0.0,0.0,0.0,0.0,1.0,0.0,0.0,0.0,0.0,1.0,0.0]}]})");
 }

@@ -35,8 +35,8 @@ TEST_CASE("The same surface in every format gives the same facets") {
   CHECK(plain.file.bytes == bytes.size());
   CHECK(zipped.file.bytes == gzipped(bytes).size());
   CHECK(zipped.file.hash != plain.file.hash);
-  CHECK(plain.file.float32 == (format != "OBJ" && bytes.find("property float64") == std::string::npos &&
-                               bytes.find("property double") == std::string::npos));
+  CHECK(plain.file.float32 ==
+        (format != "OBJ" && bytes.find("property float64") == std::string::npos && bytes.find("property double") == std::string::npos));
 }
 
 TEST_CASE("Line ends of every system, and a byte order mark, change nothing") {
@@ -47,8 +47,7 @@ TEST_CASE("Line ends of every system, and a byte order mark, change nothing") {
       CHECK(read(other).facets == tetrahedron());
       if (!text.starts_with("ply")) CHECK(read("\xef\xbb\xbf" + other).facets == tetrahedron());
     }
-  CHECK(read(replaced(binary_ply<float>(std::endian::little), "end_header\n", "end_header\r\n")).facets ==
-        tetrahedron());
+  CHECK(read(replaced(binary_ply<float>(std::endian::little), "end_header\n", "end_header\r\n")).facets == tetrahedron());
 }
 
 TEST_CASE("A file is read, hashed as xxhsum does, and closed again") {
@@ -62,16 +61,14 @@ TEST_CASE("A file is read, hashed as xxhsum does, and closed again") {
   CHECK(found.bytes == gzipped(kObj).size());
   const XXH128_hash_t hash = XXH3_128bits(gzipped(kObj).data(), gzipped(kObj).size());
   char hex[33];
-  std::snprintf(hex, sizeof hex, "%016llx%016llx", static_cast<unsigned long long>(hash.high64),
-                static_cast<unsigned long long>(hash.low64));
+  std::snprintf(hex, sizeof hex, "%016llx%016llx", static_cast<unsigned long long>(hash.high64), static_cast<unsigned long long>(hash.low64));
   CHECK(found.hash == hex);
 
   const TemporaryFile broken(binary_stl(tetrahedron()).substr(0, 200));
   CHECK_THROWS_AS(read_facets(broken.path, "", [](auto) {}), InputError);
   CHECK_THROWS_AS(read_facets("/nowhere/hull.stl", "", [](auto) {}), IoError);
   CHECK_THROWS_AS(read_facets("/", "", [](auto) {}), IoError);
-  CHECK_THROWS_WITH(read_facets("/nowhere/hull.stl", "", [](auto) {}),
-                    Contains("/nowhere/hull.stl") && Contains("No such file"));
+  CHECK_THROWS_WITH(read_facets("/nowhere/hull.stl", "", [](auto) {}), Contains("/nowhere/hull.stl") && Contains("No such file"));
   CHECK(testing::open_descriptors() == before);
 }
 
@@ -110,14 +107,12 @@ TEST_CASE("Signs, exponents and points may be written in every usual way") {
   CHECK(through_obj("-5.e-1") == -0.5);
   for (const char* bad : {"", "+", "+-1", "--1", "1,5", "0x10", "1e", "1.5.2", "abc", "1d3"}) {
     CAPTURE(bad);
-    CHECK_THAT(refusal("v 0 0 0\nv 1 0 0\nv 0 1 " + std::string(bad) + "\nf 1 2 3\n"),
-               Contains("mesh: line 3: expected a number"));
+    CHECK_THAT(refusal("v 0 0 0\nv 1 0 0\nv 0 1 " + std::string(bad) + "\nf 1 2 3\n"), Contains("mesh: line 3: expected a number"));
   }
 }
 
 TEST_CASE("Minus zero is read as zero") {
-  for (double v :
-       {through_obj("-0"), through_obj("-0.0e5"), through_stl("-0"), through_stl("-1e-60"), through_obj("-1e-400")})
+  for (double v : {through_obj("-0"), through_obj("-0.0e5"), through_stl("-0"), through_stl("-1e-60"), through_obj("-1e-400")})
     CHECK((v == 0 && !std::signbit(v)));
   Facets facets = tetrahedron();
   facets[0][0] = {-0., -0., -0.};
@@ -134,8 +129,7 @@ TEST_CASE("A coordinate is 0 or between 1e-75 and 1e75 once it is rounded") {
   CHECK(through_stl("0.8e-45") == std::numeric_limits<float>::denorm_min());
   CHECK(through_stl("1.17549421e-38") == 0x7fffffp-149);
   CHECK(through_stl("3.4028235e38") == std::numeric_limits<float>::max());
-  for (const char* bad :
-       {"1.1e75", "1e-76", "5e-324", "3e-324", "1e400", "-1e400", "1e99999999999999999999", "inf", "-inf", "nan"}) {
+  for (const char* bad : {"1.1e75", "1e-76", "5e-324", "3e-324", "1e400", "-1e400", "1e99999999999999999999", "inf", "-inf", "nan"}) {
     CAPTURE(bad);
     CHECK_THAT(refusal("v 0 0 0\nv 1 0 0\nv 0 1 " + std::string(bad) + "\nf 1 2 3\n"),
                Contains("mesh: line 3: '" + std::string(bad) + "': expected a"));
@@ -163,8 +157,7 @@ TEST_CASE("A coordinate is 0 or between 1e-75 and 1e75 once it is rounded") {
 
 TEST_CASE("What is no surface is refused with a look at it") {
   CHECK_THAT(refusal(""), Contains("mesh: the file is empty"));
-  CHECK_THAT(refusal("Dear reader,\nthis is a letter\n"),
-             Contains("expected STL, OBJ or PLY, found 'Dear reader,?this is a letter?'"));
+  CHECK_THAT(refusal("Dear reader,\nthis is a letter\n"), Contains("expected STL, OBJ or PLY, found 'Dear reader,?this is a letter?'"));
   CHECK_THAT(refusal("unheard of" + std::string(200, '\1') + std::string(1, '\0')), Contains("byte 80") && Contains("or not an STL file"));
   CHECK_THAT(refusal(std::string(20, '\0')), Contains("expected STL, OBJ or PLY"));
   CHECK_THAT(refusal("# only a remark\n"), Contains("mesh: holds no facet"));
@@ -188,8 +181,7 @@ TEST_CASE("A part of an OBJ is a group or an object, and the names may be a glob
   CHECK(count("big mast") == 2);  // and the object outside the group
   CHECK(count("[dh]*") == 3);
   CHECK(count("?*") == 4);  // those with a name
-  CHECK_THAT(refusal(text, "Deck"),
-             Contains("no part matches 'Deck': the file has 4 parts: 'deck', 'aft', 'hull', 'big mast'"));
+  CHECK_THAT(refusal(text, "Deck"), Contains("no part matches 'Deck': the file has 4 parts: 'deck', 'aft', 'hull', 'big mast'"));
   CHECK_THAT(refusal(kObj, "deck"), Contains("no part matches 'deck': the file names no parts"));
   CHECK_THAT(refusal(text + "g last\n", "last"), Contains("the parts that match 'last' hold no facet"));
 }
@@ -228,14 +220,14 @@ TEST_CASE("Gzip members one after the other are one file; damage is found") {
   std::string flipped = gzipped(bytes);
   flipped[flipped.size() - 7] ^= 1;  // in the check sum
   CHECK_THAT(refusal(flipped), Contains("of the compressed file: damaged gzip: incorrect data check"));
-  CHECK_THAT(refusal(gzipped(gzipped(bytes))), Contains("mesh: this is a gzip file, compressed by gzip: expected STL, OBJ or PLY; decompress it first"));
+  CHECK_THAT(refusal(gzipped(gzipped(bytes))),
+             Contains("mesh: this is a gzip file, compressed by gzip: expected STL, OBJ or PLY; decompress it first"));
 }
 
 TEST_CASE("A file cut short anywhere is refused, or nothing but its last blanks was lost") {
   const bool zip = GENERATE(false, true);
-  for (const std::string& plain :
-       {binary_stl(tetrahedron()), ascii_stl(tetrahedron(), ""), ply_header("ascii") + kPlyBody,
-        binary_ply<float>(std::endian::little), binary_ply<double>(std::endian::big)}) {
+  for (const std::string& plain : {binary_stl(tetrahedron()), ascii_stl(tetrahedron(), ""), ply_header("ascii") + kPlyBody,
+                                   binary_ply<float>(std::endian::little), binary_ply<double>(std::endian::big)}) {
     if (!zip && plain.starts_with("solid")) continue;  // see below
     const std::string bytes = zip ? gzipped(plain) : plain;
     for (size_t n = 0; n < bytes.size(); ++n) {
@@ -255,7 +247,8 @@ TEST_CASE("An ASCII STL cut short is refused, or gives the facets that are whole
     const std::string text = whole.substr(0, n);
     size_t facets = 0;
     for (size_t at = text.find("endfacet"); at != std::string::npos; at = text.find("endfacet", at + 1)) ++facets;
-    const bool between = facets > 0 && text.rfind("endfacet") + 8 > text.find_last_not_of(" \n") && text.find("facet", text.rfind("endfacet") + 8) == std::string::npos;
+    const bool between = facets > 0 && text.rfind("endfacet") + 8 > text.find_last_not_of(" \n") &&
+                         text.find("facet", text.rfind("endfacet") + 8) == std::string::npos;
     if (!between && facets < 4) {
       CHECK(refusal(text) != "");
       continue;
@@ -312,8 +305,7 @@ TEST_CASE("Real surfaces hold the facets that their makers say") {
   for (const auto& [name, format, facets, parts] : known) {
     CAPTURE(name);
     uint64_t seen = 0;
-    const SurfaceFile file =
-        read_facets(shared / "meshes" / name, "", [&](std::span<const Facet> some) { seen += some.size(); });
+    const SurfaceFile file = read_facets(shared / "meshes" / name, "", [&](std::span<const Facet> some) { seen += some.size(); });
     CHECK(file.format == format);
     CHECK(file.facets == facets);
     CHECK(seen == facets);

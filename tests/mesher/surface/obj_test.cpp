@@ -9,8 +9,7 @@ using Catch::Matchers::Contains;
 
 TEST_CASE("OBJ: every way to name a vertex") {
   const std::string vertices = "v 0 0 0 1.0\nv 1 0 0 0.1 0.2 0.3\nvt 0 0\nvn 0 0 1\nv 0 1 0\nv 0 0 0.5\n";
-  CHECK(read(vertices + "f 1 3 2\nf 1/1 2/1 4/1\nf 1//1 4//1 3//1\nf -3/-1/-1 -2/1/1 -1/1/1 # the last\n").facets ==
-        tetrahedron());
+  CHECK(read(vertices + "f 1 3 2\nf 1/1 2/1 4/1\nf 1//1 4//1 3//1\nf -3/-1/-1 -2/1/1 -1/1/1 # the last\n").facets == tetrahedron());
   CHECK(read(vertices + "f 1 \\\n3 2\nf 1 2\\\r\n4\n# in C:\\\nf 1 4 3\nf 2 3 \\\n \\\n4").facets == tetrahedron());
 }
 
@@ -41,7 +40,8 @@ TEST_CASE("OBJ: what is decoration is skipped; lines, points and free-form parts
   CHECK(warnings("mtllib a.mtl\nusemtl steel\ns off\nvp 1 2\nsomething new 1 2 3\n\n  \t\n").empty());
   CHECK(warnings("l 1 2 3\n") == one("2 polylines were skipped"));
   CHECK(warnings("p 1 2 \\\n3 # 4\n") == one("6 points were skipped"));
-  CHECK(warnings("l 1 2\np 1\ncstype bezier\ndeg 3 3\ncurv 0 1 1 2\nparm u 0 1\nend\ncurv2 1 2\n") == one("2 polylines, 2 points and 4 free-form curves were skipped"));
+  CHECK(warnings("l 1 2\np 1\ncstype bezier\ndeg 3 3\ncurv 0 1 1 2\nparm u 0 1\nend\ncurv2 1 2\n") ==
+        one("2 polylines, 2 points and 4 free-form curves were skipped"));
   CHECK(warnings("l 1 2\ncstype rat bspline\ndeg 3 3\nsurf 0 1 0 1 1 2 3 4\nparm u 0 1\ntrim 0 1 1\nhole 0 1 1\nscrv 0 1 1\nsp 1\nend\n") ==
         one("2 polylines and 2 free-form surfaces were skipped: convert surfaces to polygons where the body needs them"));
   CHECK(read(kObj + "l 1 2").file.warnings == one("1 polyline was skipped"));
@@ -49,9 +49,7 @@ TEST_CASE("OBJ: what is decoration is skipped; lines, points and free-form parts
 }
 
 TEST_CASE("OBJ: what is wrong is named with its line") {
-  const auto with_face = [](const std::string& face) {
-    return refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + face + "\nv 0 0 1\n");
-  };
+  const auto with_face = [](const std::string& face) { return refusal("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + face + "\nv 0 0 1\n"); };
   CHECK_THAT(with_face("f 1 2 0"), Contains("mesh: line 4: vertex 0 of a face"));
   CHECK_THAT(with_face("f 1 2 4"), Contains("mesh: line 4: vertex 4 of a face: expected one of the 3 declared so far"));
   CHECK_THAT(with_face("f 1 2 -4"), Contains("mesh: line 4: vertex -4"));
@@ -77,9 +75,12 @@ TEST_CASE("OBJ: a helper that parses half of the plain vertices changes neither 
     std::pair<Facets, std::string> found;
     Input input("mesh", bytes);
     try {
-      read_facets(input, "", [&](std::span<const Facet> some) {
-        for (const Facet& f : some) found.first.push_back(f.vertex);
-      }, {}, helper);
+      read_facets(
+          input, "",
+          [&](std::span<const Facet> some) {
+            for (const Facet& f : some) found.first.push_back(f.vertex);
+          },
+          {}, helper);
     } catch (const InputError& e) {
       found.second = e.what();
     }
@@ -87,8 +88,9 @@ TEST_CASE("OBJ: a helper that parses half of the plain vertices changes neither 
   };
   for (const int odd_at : {0, 1, 5'000, 12'345, 30'000, kVertices - 1}) {
     if (kSanitized && odd_at % 2 == 0) continue;
-    for (const std::string odd : {"v 1 2 3\n", "  v 1 2 3\n", "v\t1  2\t3 \r\n", "v 1 2 3 0.5\n", "v 1 2 3 # red\n", "v 1 \\\n2 3\n", "# v 1 2 3\nv 1 2 3\n", "vn 0 0 1\nv 1 2 3\n",
-                                  "f 1 1 1\nv 1 2 3\n", "v 1 2\n", "v 1 2 x\n", "v 1 2 3x\n", "v 1 2-3\n", "v 1 2 inf\n", "v +1 2 3\n", "v 1e-400 2 3\n", "v1 2 3\n", "\n\nv 1 2 3\n"}) {
+    for (const std::string odd : {"v 1 2 3\n", "  v 1 2 3\n", "v\t1  2\t3 \r\n", "v 1 2 3 0.5\n", "v 1 2 3 # red\n", "v 1 \\\n2 3\n",
+                                  "# v 1 2 3\nv 1 2 3\n", "vn 0 0 1\nv 1 2 3\n", "f 1 1 1\nv 1 2 3\n", "v 1 2\n", "v 1 2 x\n", "v 1 2 3x\n",
+                                  "v 1 2-3\n", "v 1 2 inf\n", "v +1 2 3\n", "v 1e-400 2 3\n", "v1 2 3\n", "\n\nv 1 2 3\n"}) {
       INFO("'" << odd << "' at " << odd_at);
       const std::string bytes = text(odd_at, odd);
       const auto alone = outcome(bytes, nullptr);
@@ -100,5 +102,6 @@ TEST_CASE("OBJ: a helper that parses half of the plain vertices changes neither 
     }
   }
   Background helper(true);
-  CHECK_THAT(outcome(text(5'000, "v 1 2 3 # red\n") + "f 1 2 nothing\n", &helper).second, Contains("mesh: line " + std::to_string(kVertices + kVertices / 1000 + 1) + ":"));
+  CHECK_THAT(outcome(text(5'000, "v 1 2 3 # red\n") + "f 1 2 nothing\n", &helper).second,
+             Contains("mesh: line " + std::to_string(kVertices + kVertices / 1000 + 1) + ":"));
 }

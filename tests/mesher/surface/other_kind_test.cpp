@@ -40,13 +40,19 @@ TEST_CASE("A file of another kind is named as what it is, with what to do") {
       {"a PNG picture", "\x89PNG\r\n\x1a\n" + kZeros},
       {"a JPEG picture", "\xff\xd8\xff\xe0" + kZeros},
       {"a PDF document", "%PDF-1.7\n"},
-      {"a program (ELF)", "\x7f" "ELF\2" + kZeros},
+      {"a program (ELF)",
+       "\x7f"
+       "ELF\2" +
+           kZeros},
       {"a grid that teracell made", "\x5e\x2a\x4d\x18" + std::string(4, '\0') + "teracell" + kZeros},
       {"a scene", "{\n \"bodies\": []}"},
       {"a JSON file", "[1, 2]"},
       {"a file compressed by zstd", "\x28\xb5\x2f\xfd" + kZeros},
       {"a file compressed by bzip2", "BZh91AY&SY" + kZeros},
-      {"a file compressed by xz", "\xfd" "7zXZ" + kZeros},
+      {"a file compressed by xz",
+       "\xfd"
+       "7zXZ" +
+           kZeros},
       {"a tar archive", "hull.stl" + std::string(249, '\0') + "ustar" + kZeros},
       {"a DXF drawing", "  0\r\nSECTION\r\n  2\r\nHEADER\r\n"},
       {"an AutoCAD drawing (DWG)", "AC1032" + kZeros},

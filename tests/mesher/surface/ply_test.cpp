@@ -23,8 +23,7 @@ TEST_CASE("PLY: elements and properties of no use are skipped, lists too") {
 
   for (const std::endian order : {std::endian::little, std::endian::big}) {
     const auto put = [&](auto v) { return bytes_of(v, order); };
-    std::string bytes =
-        "ply\nformat binary_" + std::string(order == std::endian::little ? "little" : "big") + "_endian 1.0\n" + header;
+    std::string bytes = "ply\nformat binary_" + std::string(order == std::endian::little ? "little" : "big") + "_endian 1.0\n" + header;
     bytes += put(2u) + put(1e99) + put(std::nan("")) + "\7" + put(0u) + "\7";
     for (const Vec3 v : {Vec3{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.5}})
       bytes += "\11" + put(static_cast<float>(v[2])) + "\1" + put(short{6}) + put(static_cast<float>(v[0])) + put(v[1]);
@@ -50,7 +49,8 @@ TEST_CASE("PLY: integer coordinates are exact, polygons are fans") {
 }
 
 TEST_CASE("PLY: coordinates and lists of every type") {
-  const std::vector<std::string> integers = {"char", "uchar", "short", "ushort", "int", "uint", "int8", "uint8", "int16", "uint16", "int32", "uint32"};
+  const std::vector<std::string> integers = {"char", "uchar", "short", "ushort", "int",   "uint",
+                                             "int8", "uint8", "int16", "uint16", "int32", "uint32"};
   const std::string body = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   const Facets expected = read(ply_header("ascii") + body).facets;
   for (const std::string& a : integers)
@@ -73,9 +73,11 @@ TEST_CASE("PLY: comments, obj_info and empty lines may stand anywhere in the hea
 TEST_CASE("PLY: triangle strips turn every other facet, and begin anew behind -1") {
   Facets grid;  // of 2 x 3 vertices, as a strip goes
   const auto corner = [](int i) { return Vec3{static_cast<double>(i / 2), static_cast<double>(i % 2), 0}; };
-  for (const std::array<int, 3> t : {std::array{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}}) grid.push_back({corner(t[0]), corner(t[1]), corner(t[2])});
+  for (const std::array<int, 3> t : {std::array{0, 1, 2}, {2, 1, 3}, {2, 3, 4}, {4, 3, 5}})
+    grid.push_back({corner(t[0]), corner(t[1]), corner(t[2])});
   const auto file = [&](const std::string& format, const std::string& element, const std::string& body) {
-    return "ply\nformat " + format + " 1.0\nelement vertex 6\nproperty uchar x\nproperty double y\nproperty float z\n" + element + "end_header\n" + body;
+    return "ply\nformat " + format + " 1.0\nelement vertex 6\nproperty uchar x\nproperty double y\nproperty float z\n" + element + "end_header\n" +
+           body;
   };
   std::string vertices;
   for (int i = 0; i < 6; ++i) vertices += std::to_string(i / 2) + " " + std::to_string(i % 2) + " 0\n";
@@ -89,7 +91,8 @@ TEST_CASE("PLY: triangle strips turn every other facet, and begin anew behind -1
   CHECK(strips(1, "7 -1 0 1 2 -1 2 1\n") == Facets{grid[0]});
   const Facets turned = {grid[0], {corner(3), corner(2), corner(4)}, {corner(3), corner(4), corner(5)}};
   CHECK(strips(1, "7 0 1 2 2 3 4 5\n") == turned);  // a repeated vertex turns the strip, and is no facet
-  const std::string both = "element face 1\nproperty list uchar int vertex_index\nelement tristrips 1\nproperty float w\nproperty list uchar short vertex_index\n";
+  const std::string both =
+      "element face 1\nproperty list uchar int vertex_index\nelement tristrips 1\nproperty float w\nproperty list uchar short vertex_index\n";
   CHECK(read(file("ascii", both, vertices + "3 0 1 2\n0.5 5 2 1 3 -1 0\n")).facets == Facets{grid[0], Facets{{corner(2), corner(1), corner(3)}}[0]});
 
   for (const std::endian order : {std::endian::little, std::endian::big}) {
@@ -97,7 +100,8 @@ TEST_CASE("PLY: triangle strips turn every other facet, and begin anew behind -1
     for (int i = 0; i < 6; ++i) body += std::string(1, static_cast<char>(i / 2)) + bytes_of(static_cast<double>(i % 2), order) + bytes_of(0.f, order);
     body += bytes_of(7, order);
     for (const int i : {0, 1, 2, 3, 4, 5, -1}) body += bytes_of(i, order);
-    const std::string bytes = file(order == std::endian::little ? "binary_little_endian" : "binary_big_endian", "element tristrips 1\nproperty list int int vertex_indices\n", body);
+    const std::string bytes = file(order == std::endian::little ? "binary_little_endian" : "binary_big_endian",
+                                   "element tristrips 1\nproperty list int int vertex_indices\n", body);
     CHECK(read(bytes).facets == grid);
     CHECK_THAT(refusal(bytes.substr(0, bytes.size() - 1)), Contains("cut short: expected tristrips 0 of 1"));
   }
@@ -123,7 +127,8 @@ TEST_CASE("PLY: a header that is wrong is named with its line") {
   CHECK_THAT(message("float z", "float w"), Contains("expected the properties x, y and z"));
   CHECK_THAT(message("element face", "element edge"), Contains("expected an element face or tristrips, found none: points alone are not a surface"));
   CHECK_THAT(message("list uchar int", "list uchar float"), Contains("expected a list of integers vertex_indices"));
-  CHECK_THAT(message("element vertex", "element point"), Contains("expected element vertex before element face, found it later or not at all: write the file again with the vertices first"));
+  CHECK_THAT(message("element vertex", "element point"),
+             Contains("expected element vertex before element face, found it later or not at all: write the file again with the vertices first"));
   CHECK_THAT(message("format ascii 1.0\n", ""), Contains("expected a format line"));
   CHECK_THAT(refusal("ply\nformat ascii 1.0\n"), Contains("line 2: cut short: expected end_header"));
 }
@@ -141,8 +146,7 @@ TEST_CASE("PLY: values that are wrong are named with their place") {
   CHECK_THAT(message("3 1 2 3\n", "3 1 2 -1\n"), Contains("expected a vertex number below 4, found -1"));
   CHECK_THAT(message("3 1 2 3\n", "3 1 2\n"), Contains("line 18: expected an integer, found the end of the line"));
   CHECK_THAT(message("3 1 2 3\n", "2 1 2\n"), Contains("expected a face of 3 or more vertices, found 2"));
-  CHECK_THAT(message("3 1 2 3\n", "3 1 2 3 255\n"),
-             Contains("line 18: expected no more values for this face, found '255'"));
+  CHECK_THAT(message("3 1 2 3\n", "3 1 2 3 255\n"), Contains("line 18: expected no more values for this face, found '255'"));
   CHECK_THAT(message("3 1 2 3\n", ""), Contains("line 17: cut short: expected face 3 of 4"));
   CHECK_THAT(refusal(whole + "1\n"), Contains("line 19: expected the end of the file, found '1'"));
 
@@ -159,8 +163,7 @@ TEST_CASE("PLY: values that are wrong are named with their place") {
 
 TEST_CASE("PLY: a count that lies costs no memory") {
   for (const std::string& text : {binary_ply<float>(std::endian::little), ply_header("ascii") + kPlyBody})
-    for (const std::string element : {"vertex", "face"})
-      CHECK(refusal(replaced(text, element + " 4", element + " 18446744073709551615")) != "");
+    for (const std::string element : {"vertex", "face"}) CHECK(refusal(replaced(text, element + " 4", element + " 18446744073709551615")) != "");
   std::string list = replaced(binary_ply<float>(std::endian::little), "list uchar", "list uint");
   list.replace(list.size() - 52, 4, "\xff\xff\xff\xff");
   CHECK(refusal(list) != "");

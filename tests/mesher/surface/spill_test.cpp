@@ -107,7 +107,11 @@ TEST_CASE("Buckets that fit into memory need no folder") {
   Buckets<Record> buckets(2, 1000, "/nowhere");
   buckets.add(1, {5, 1, 9});
   CHECK(buckets.load(1) == std::vector<Record>{{5, 1, 9}});
-  CHECK_THROWS_AS([&] { for (uint64_t i = 0; i < 1000; ++i) buckets.add(0, {i, 0, 0}); }(), IoError);
+  CHECK_THROWS_AS(
+      [&] {
+        for (uint64_t i = 0; i < 1000; ++i) buckets.add(0, {i, 0, 0});
+      }(),
+      IoError);
 }
 
 }  // namespace

@@ -9,16 +9,14 @@ TEST_CASE("Binary STL: a file with fewer facets than the header counts is refuse
   const std::string whole = binary_stl(tetrahedron());
   for (const bool zip : {false, true}) {
     const auto message = [&](const std::string& bytes) { return refusal(zip ? gzipped(bytes) : bytes); };
-    CHECK_THAT(message(whole.substr(0, 200)),
-               Contains("byte 80") && Contains("the header counts 4 facets (284 bytes), the file has 200: cut short"));
+    CHECK_THAT(message(whole.substr(0, 200)), Contains("byte 80") && Contains("the header counts 4 facets (284 bytes), the file has 200: cut short"));
   }
   std::string liar = whole;
   liar.replace(80, 4, "\xff\xff\xff\xff");
   CHECK_THAT(refusal(liar), Contains("4294967295 facets (214748364834 bytes), the file has 284"));
   // Long enough that the size of the gzip contents isn't known at the first look.
   const std::string large = binary_stl(Facets(5000, tetrahedron()[0]));
-  CHECK_THAT(refusal(gzipped(large.substr(0, 100'000))),
-             Contains("byte 80 (uncompressed)") && Contains("the file has 100000: cut short"));
+  CHECK_THAT(refusal(gzipped(large.substr(0, 100'000))), Contains("byte 80 (uncompressed)") && Contains("the file has 100000: cut short"));
   CHECK_THAT(refusal(binary_stl({})), Contains("mesh: holds no facet"));
 }
 
@@ -36,7 +34,8 @@ TEST_CASE("Binary STL: bytes after the last facet are skipped and counted") {
         const Result r = result(more);
         CHECK((r.facets == facets));
         REQUIRE(r.file.warnings.size() == 1);
-        CHECK(r.file.warnings[0] == std::to_string(more.size()) + (more.size() == 1 ? " byte after the last facet was skipped" : " bytes after the last facet were skipped"));
+        CHECK(r.file.warnings[0] == std::to_string(more.size()) +
+                                        (more.size() == 1 ? " byte after the last facet was skipped" : " bytes after the last facet were skipped"));
       }
       const std::string count = std::to_string(facets.size());
       CHECK(result(std::string(50, 'x')).file.warnings[0] ==
@@ -89,7 +88,8 @@ TEST_CASE("ASCII STL: a solid may lack its endsolid, if its last facet is whole"
   CHECK(warnings(two) == std::vector<std::string>{"1 solid lacks its 'endsolid' before the next"});
   CHECK(warnings(open + two + open) == std::vector<std::string>{"2 solids lack their 'endsolid' before the next", at_end});
   CHECK_THAT(refusal(whole + "solid b\n"), Contains("line 31: cut short: expected 'facet'"));
-  for (const std::string end : {" fac", " facet", " facet normal 0 0 0 outer loop vertex 1"}) CHECK_THAT(refusal(open + end), Contains("mesh: line 30"));
+  for (const std::string end : {" fac", " facet", " facet normal 0 0 0 outer loop vertex 1"})
+    CHECK_THAT(refusal(open + end), Contains("mesh: line 30"));
 }
 
 TEST_CASE("ASCII STL: lines that begin with no word of STL are skipped and counted") {
@@ -107,19 +107,19 @@ TEST_CASE("ASCII STL: lines that begin with no word of STL are skipped and count
   all += "that is all\n";
   CHECK(read(all).facets == tetrahedron());
   CHECK(read(all).file.warnings == std::vector<std::string>{"8 lines that are not STL were skipped, the first is line 1, '# made by a test'"});
-  CHECK_THAT(refusal(replaced(whole, "outer", "color 1\n  outer color 1")), Contains("line 4: expected 'loop', found 'color' (line 3, 'color 1', was skipped)"));
+  CHECK_THAT(refusal(replaced(whole, "outer", "color 1\n  outer color 1")),
+             Contains("line 4: expected 'loop', found 'color' (line 3, 'color 1', was skipped)"));
 }
 
 TEST_CASE("ASCII STL: what is wrong is named with its line") {
   const std::string whole = ascii_stl(tetrahedron(), "t");
-  CHECK_THAT(refusal("solid as a rock\nnothing else\n"), Contains("line 2: cut short: expected 'facet'") && Contains("(line 2, 'nothing else', was skipped)"));
-  CHECK_THAT(refusal(replaced(whole, "normal 0 0 0", "normal 0 0")),
-             Contains("line 3: expected 'outer', found 'loop'"));
-  CHECK_THAT(refusal(replaced(whole, "vertex 0 0 0", "vertex 0 0")),
-             Contains("line 5: expected a number, found 'vertex'"));
-  CHECK_THAT(refusal(replaced(whole, "  endloop", "vertex 1 1 1\n  endloop")),
-             Contains("line 7: expected 'endloop', found 'vertex'"));
-  CHECK_THAT(refusal(replaced(whole, " facet", " faced")), Contains("line 3: expected 'facet', found 'outer' (line 2, 'faced normal 0 0 0', was skipped)"));
+  CHECK_THAT(refusal("solid as a rock\nnothing else\n"),
+             Contains("line 2: cut short: expected 'facet'") && Contains("(line 2, 'nothing else', was skipped)"));
+  CHECK_THAT(refusal(replaced(whole, "normal 0 0 0", "normal 0 0")), Contains("line 3: expected 'outer', found 'loop'"));
+  CHECK_THAT(refusal(replaced(whole, "vertex 0 0 0", "vertex 0 0")), Contains("line 5: expected a number, found 'vertex'"));
+  CHECK_THAT(refusal(replaced(whole, "  endloop", "vertex 1 1 1\n  endloop")), Contains("line 7: expected 'endloop', found 'vertex'"));
+  CHECK_THAT(refusal(replaced(whole, " facet", " faced")),
+             Contains("line 3: expected 'facet', found 'outer' (line 2, 'faced normal 0 0 0', was skipped)"));
   CHECK_THAT(refusal(whole + "facet normal\n"), Contains("line 31: expected 'solid', found 'facet'"));
   CHECK_THAT(refusal("solid Empty\nendsolid Empty\n"), Contains("holds no facet"));
 }

@@ -37,8 +37,10 @@ std::string binary(T v, bool little) {
 }
 
 std::string ply(const std::string& format, const std::vector<std::vector<uint64_t>>& faces) {
-  std::string text = fmt::format("ply\nformat {} 1.0\nelement vertex {}\nproperty double x\nproperty float y\nproperty int z\nelement face {}\n"
-                                 "property list uchar uint vertex_indices\nend_header\n", format, kMany, faces.size());
+  std::string text = fmt::format(
+      "ply\nformat {} 1.0\nelement vertex {}\nproperty double x\nproperty float y\nproperty int z\nelement face {}\n"
+      "property list uchar uint vertex_indices\nend_header\n",
+      format, kMany, faces.size());
   const bool little = format == "binary_little_endian";
   for (uint64_t i = 0; i < kMany; ++i) {
     const Vec3 v = vertex(i);

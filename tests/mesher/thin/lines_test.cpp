@@ -47,7 +47,8 @@ Lines found(FacetLines& lines, const Facet& facet, const Box& cells) {
   const Frame f = lines.frame();
   uint64_t exact = 0;
   lines.cross(facet, cells, exact, [&](const Index3& first, std::span<const uint32_t> levels, bool up) {
-    for (size_t i = 0; i < levels.size(); ++i) REQUIRE(out.try_emplace({first[f.u] + static_cast<int64_t>(i), first[f.v]}, Met{levels[i], up}).second);
+    for (size_t i = 0; i < levels.size(); ++i)
+      REQUIRE(out.try_emplace({first[f.u] + static_cast<int64_t>(i), first[f.v]}, Met{levels[i], up}).second);
   });
   return out;
 }
@@ -94,7 +95,8 @@ TEST_CASE("A facet that crosses more lines than are looked at together crosses a
 }
 
 TEST_CASE("The sample points of an axis of planes are the planes of the axis, bit by bit, and one more than its cells") {
-  for (const Axis& axis : {Axis::uniform(0.1, 0.3, 0, 50, 0.5), Axis::uniform(-7, 0.1, 12345, 20, 0.25), graded({0.1, 0.3, 0.7, 1.9}, 0.5), graded({-5, 5}, 0)}) {
+  for (const Axis& axis :
+       {Axis::uniform(0.1, 0.3, 0, 50, 0.5), Axis::uniform(-7, 0.1, 12345, 20, 0.25), graded({0.1, 0.3, 0.7, 1.9}, 0.5), graded({-5, 5}, 0)}) {
     const Axis planes = plane_axis(axis);
     REQUIRE(planes.cells() == axis.cells() + 1);
     for (int64_t i = 0; i <= axis.cells(); ++i) REQUIRE(planes.centre(i) == axis.plane(i));

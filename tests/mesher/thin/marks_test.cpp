@@ -17,7 +17,8 @@ Tile tile_of(uint32_t rays) { return {Frame::along(2), std::vector<double>(rays)
 
 std::vector<std::vector<uint64_t>> by_ray(const Crossings& crossings) {
   std::vector<std::vector<uint64_t>> out;
-  for (size_t ray = 0; ray + 1 < crossings.begin.size(); ++ray) out.emplace_back(crossings.all.begin() + crossings.begin[ray], crossings.all.begin() + crossings.begin[ray + 1]);
+  for (size_t ray = 0; ray + 1 < crossings.begin.size(); ++ray)
+    out.emplace_back(crossings.all.begin() + crossings.begin[ray], crossings.all.begin() + crossings.begin[ray + 1]);
   return out;
 }
 
@@ -82,14 +83,16 @@ TEST_CASE("Marks join the crossings of their rays behind them, and crossings sta
     const auto rays = static_cast<uint32_t>(random_int(random, 1, 20));
     Crossings crossings{{0}, {}};
     for (uint32_t ray = 0; ray < rays; ++ray) {
-      for (int i = random_int(random, 0, 3); i > 0; --i) crossings.all.push_back(Crossing::pack(random() % 50, static_cast<uint32_t>(random() % 9), random() % 2));
+      for (int i = random_int(random, 0, 3); i > 0; --i)
+        crossings.all.push_back(Crossing::pack(random() % 50, static_cast<uint32_t>(random() % 9), random() % 2));
       crossings.begin.push_back(static_cast<uint32_t>(crossings.all.size()));
     }
     const auto before = by_ray(crossings);
     marks.reset(rays);
     std::vector<std::set<std::pair<uint32_t, uint32_t>>> cells(rays), found(rays);  // layer and cell
     for (int i = random_int(random, 0, 60); i > 0; --i) {
-      const auto ray = static_cast<uint32_t>(random() % rays), layer = static_cast<uint32_t>(random() % 2), from = static_cast<uint32_t>(random() % 10);
+      const auto ray = static_cast<uint32_t>(random() % rays), layer = static_cast<uint32_t>(random() % 2),
+                 from = static_cast<uint32_t>(random() % 10);
       const uint32_t to = from + 1 + static_cast<uint32_t>(random() % 3);
       marks.add(ray, layer, from, to);
       for (uint32_t cell = from; cell < to; ++cell) cells[ray].insert({layer, cell});

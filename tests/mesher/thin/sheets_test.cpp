@@ -136,12 +136,16 @@ TEST_CASE("Sheets whose crossings miss planes by a rounding, and needles, equal 
 TEST_CASE("The file of sheets does not depend on threads, memory or borders of tiles", "[sheet]") {
   std::mt19937_64 random(300);
   const TempFolder folder;
-  const Grid grid{{Axis::uniform(0, 0.5, 0, 41, 0.5), Axis::uniform(-1, 1, 0, 22, 0.25), Axis::graded([] {
-                     std::vector<double> planes = {-0.5};
-                     while (planes.size() < 40) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
-                     return planes;
-                   }(), 0.5)}};
-  const std::vector<Body> bodies = {sheet(soup(random, 25, 20)), {shapes::shell_of_ties(random, 20), Rule::kNonzero, 2}, sheet(shapes::sphere({10, 9, 8}, 7, 3, 0.25), 3)};
+  const Grid grid{{Axis::uniform(0, 0.5, 0, 41, 0.5), Axis::uniform(-1, 1, 0, 22, 0.25),
+                   Axis::graded(
+                       [] {
+                         std::vector<double> planes = {-0.5};
+                         while (planes.size() < 40) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
+                         return planes;
+                       }(),
+                       0.5)}};
+  const std::vector<Body> bodies = {
+      sheet(soup(random, 25, 20)), {shapes::shell_of_ties(random, 20), Rule::kNonzero, 2}, sheet(shapes::sphere({10, 9, 8}, 7, 3, 0.25), 3)};
   const Scene scene = scene_of(folder, bodies, grid);
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
   for (int axis = 0; axis < 3; ++axis)
@@ -186,7 +190,8 @@ std::vector<bool> flooded(const std::vector<uint32_t>& cells, const Index3& n) {
 TEST_CASE("A closed sheet lets no flood through", "[sheet]") {
   const TempFolder folder;
   const Grid grid = cube_grid(-5, 0.25, 40);
-  for (const Facets& surface : {shapes::sphere({0, 0, 0}, 4, 4, 0x1p-20), shapes::sphere({0.25, 0.125, 0}, 3.7, 0, 0x1p-20), shapes::torus({0, 0, 0}, 3, 1, 30, 20, 0x1p-20), shapes::box({-3, -3, -3}, {3, 3, 3})}) {
+  for (const Facets& surface : {shapes::sphere({0, 0, 0}, 4, 4, 0x1p-20), shapes::sphere({0.25, 0.125, 0}, 3.7, 0, 0x1p-20),
+                                shapes::torus({0, 0, 0}, 3, 1, 30, 20, 0x1p-20), shapes::box({-3, -3, -3}, {3, 3, 3})}) {
     const auto cells = meshed(folder, scene_of(folder, {sheet(surface)}, grid), {});
     const auto inside = oracle::winding_numbers(surface, grid, surface[0].vertex[0]);
     const auto wet = flooded(cells, grid.cells());

@@ -65,7 +65,8 @@ TEST_CASE("What is not tallied is not found, what is differs by kind, body and a
   tallies.add(key, {3, 4, 5, {6, 7, 8}});
   REQUIRE(tallies.find(key) != nullptr);
   CHECK(same(*tallies.find(key), {3, 4, 5, {6, 7, 8}}));
-  for (const TallyKey& other : {TallyKey{TallyKey::What::kStretches, 2, 1}, TallyKey{TallyKey::What::kGaps, 3, 1}, TallyKey{TallyKey::What::kGaps, 2, 0}})
+  for (const TallyKey& other :
+       {TallyKey{TallyKey::What::kStretches, 2, 1}, TallyKey{TallyKey::What::kGaps, 3, 1}, TallyKey{TallyKey::What::kGaps, 2, 0}})
     CHECK(tallies.find(other) == nullptr);
 }
 

@@ -225,7 +225,8 @@ TEST_CASE("Needles, and plates that miss sub-positions by a rounding, are kept a
   for (uint64_t seed = 100; seed < 104; ++seed) {
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
-    expect_exact({{shapes::join(shapes::decimal_tetrahedra(random, 4))}, {shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kEvenodd, 2}}, cube_grid(0, 1.1 / 5, 5));
+    expect_exact({{shapes::join(shapes::decimal_tetrahedra(random, 4))}, {shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kEvenodd, 2}},
+                 cube_grid(0, 1.1 / 5, 5));
     expect_exact({{shapes::join({shapes::needle(random), shapes::sheet(random)})}}, cube_grid(0, 1, 10));
   }
 }
@@ -272,12 +273,17 @@ TEST_CASE("A gap narrower than a cell is counted by its material with --thin", "
 TEST_CASE("What is lost and kept does not depend on threads, memory or borders of tiles", "[thin]") {
   std::mt19937_64 random(300);
   const TempFolder folder;
-  const Grid grid{{Axis::uniform(0, 0.5, 0, 37, 0.5), Axis::uniform(-1, 1, 0, 20, 0.25), Axis::graded([] {
-                     std::vector<double> planes = {-0.5};
-                     while (planes.size() < 34) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
-                     return planes;
-                   }(), 0.5)}};
-  const std::vector<Body> bodies = {{shapes::join(shapes::random_tetrahedra(random, 40, 0, 18, 0.125))}, {shapes::shell_of_ties(random, 16), Rule::kEvenodd, 2}, {shapes::box({0.1, 0.2, 3.3}, {17, 18, 3.4}), Rule::kNonzero, 1}};
+  const Grid grid{{Axis::uniform(0, 0.5, 0, 37, 0.5), Axis::uniform(-1, 1, 0, 20, 0.25),
+                   Axis::graded(
+                       [] {
+                         std::vector<double> planes = {-0.5};
+                         while (planes.size() < 34) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
+                         return planes;
+                       }(),
+                       0.5)}};
+  const std::vector<Body> bodies = {{shapes::join(shapes::random_tetrahedra(random, 40, 0, 18, 0.125))},
+                                    {shapes::shell_of_ties(random, 16), Rule::kEvenodd, 2},
+                                    {shapes::box({0.1, 0.2, 3.3}, {17, 18, 3.4}), Rule::kNonzero, 1}};
   const Scene scene = keeping(folder, bodies, grid);
   const Expected expected = expected_of(bodies, grid);
   for (int axis = 0; axis < 3; ++axis)
@@ -331,7 +337,8 @@ TEST_CASE("A body with few cells or none says why", "[thin]") {
   const Facets ball = shapes::sphere({5, 5, 5}, 3, 3);
   CHECK(warnings({{ball}}).empty());
   const std::string plate = warnings({{shapes::box({1, 1, 3.6}, {9, 9, 3.7})}});
-  CHECK_THAT(plate, Catch::Contains("owns no cell") && Catch::Contains("8 x 8 x 0.1 cells") && Catch::Contains("64 times") && Catch::Contains("keep"));
+  CHECK_THAT(plate,
+             Catch::Contains("owns no cell") && Catch::Contains("8 x 8 x 0.1 cells") && Catch::Contains("64 times") && Catch::Contains("keep"));
   CHECK_THAT(warnings({{shapes::box({11, 1, 1}, {12, 2, 2})}}), Catch::Contains("outside the domain") && Catch::Contains("x from 11 to 12"));
   CHECK_THAT(warnings({{ball}, {shapes::box({1, 1, 1}, {9, 9, 9}), Rule::kNonzero, 2}}), Catch::Contains("owns no cell: stronger bodies own"));
   const Facets square = {{{Vec3{1, 1, 3}, Vec3{9, 1, 3}, Vec3{9, 9, 3}}}, {{Vec3{1, 1, 3}, Vec3{9, 9, 3}, Vec3{1, 9, 3}}}};

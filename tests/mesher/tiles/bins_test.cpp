@@ -45,7 +45,8 @@ struct Filling {
 };
 
 std::unique_ptr<FacetBins> filled(const Metadata& meta, const std::vector<Added>& facets, const TempFolder& folder, const Filling& how = {}) {
-  auto out = std::make_unique<FacetBins>(meta, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move, std::vector<bool>{});
+  auto out =
+      std::make_unique<FacetBins>(meta, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move, std::vector<bool>{});
   for (const Added& f : facets) out->add(f.facet, f.layer | (f.ignored ? kIgnored : 0), f.origin);
   out->finish();
   return out;
@@ -121,7 +122,8 @@ void expect_bins(const Metadata& meta, const std::vector<Added>& facets, FacetBi
     const RayRange met = exact_range(meta, where);
     for (const TreePlace& place : places) {
       const uint64_t size = rays.size(place.depth), u = place.cu * size, v = place.cv * size;
-      const auto times = std::ranges::count_if(taken[i], [&](const Taken& t) { return t.place.depth == place.depth && t.place.cu == place.cu && t.place.cv == place.cv; });
+      const auto times = std::ranges::count_if(
+          taken[i], [&](const Taken& t) { return t.place.depth == place.depth && t.place.cu == place.cu && t.place.cv == place.cv; });
       REQUIRE(times <= 1);
       if (met.u0 < u + size && met.u1 > u && met.v0 < v + size && met.v1 > v && !met.empty()) REQUIRE(times == 1);
     }
@@ -137,7 +139,8 @@ TEST_CASE("Facets come back bit for bit from every bin with a ray that they meet
       f.origin = f.layer % 7 == 0 ? FacetBins::kAdded : f.layer % 11 == 0 ? FacetBins::kPlaced : FacetBins::kOfFile;
       f.ignored = f.layer % 13 == 0;
     }
-    for (const Filling& how : {Filling{}, Filling{1, facets.size(), false, true}, Filling{1 << 20, 100 * facets.size()}, Filling{uint64_t{1} << 40, facets.size()}}) {
+    for (const Filling& how :
+         {Filling{}, Filling{1, facets.size(), false, true}, Filling{1 << 20, 100 * facets.size()}, Filling{uint64_t{1} << 40, facets.size()}}) {
       for (const auto& move : {FacetBins::Move(unmoved), FacetBins::Move(moved_if_odd)}) {
         Filling filling = how;
         filling.move = move;
@@ -177,7 +180,8 @@ TEST_CASE("Facets that share a vertex share a bin, beside the grid too") {
   const auto taken = by_facet(take_all(meta, *bins), facets.size());
   const auto key = [](const Taken& t) { return std::tuple(t.place.depth, t.place.cu, t.place.cv); };
   for (size_t i = 1; i < facets.size(); i += 2)
-    REQUIRE(std::ranges::any_of(taken[i], [&](const Taken& t) { return std::ranges::any_of(taken[i - 1], [&](const Taken& s) { return key(s) == key(t); }); }));
+    REQUIRE(std::ranges::any_of(taken[i],
+                                [&](const Taken& t) { return std::ranges::any_of(taken[i - 1], [&](const Taken& s) { return key(s) == key(t); }); }));
 }
 
 TEST_CASE("Facets with the same vertices are at home in the same bin, however they are turned") {
@@ -193,7 +197,8 @@ TEST_CASE("Facets with the same vertices are at home in the same bin, however th
   std::vector<TreePlace> home(facets.size());
   for (const Taken& t : take_all(meta, *bins))
     if (t.facet.at_home) home[t.facet.layer] = t.place;
-  for (size_t i = 0; i < 600; ++i) REQUIRE((home[i].depth == home[i + 600].depth && home[i].cu == home[i + 600].cu && home[i].cv == home[i + 600].cv));
+  for (size_t i = 0; i < 600; ++i)
+    REQUIRE((home[i].depth == home[i + 600].depth && home[i].cu == home[i + 600].cu && home[i].cv == home[i + 600].cv));
 }
 
 TEST_CASE("Single precision takes half the room, and gives back coordinates that are single ones") {

@@ -49,7 +49,8 @@ TEST_CASE("A stretch of facets is walked in order, from anywhere to anywhere, an
   FacetStore store;
   store.append_all(facets(0, 10000), 5);
   REQUIRE(store.size() == 10000);
-  for (const auto& [first, last] : {std::pair<uint64_t, uint64_t>{0, 10000}, {0, 0}, {4095, 4097}, {4096, 8192}, {8191, 8192}, {9999, 10000}, {17, 9000}}) {
+  for (const auto& [first, last] :
+       {std::pair<uint64_t, uint64_t>{0, 10000}, {0, 0}, {4095, 4097}, {4096, 8192}, {8191, 8192}, {9999, 10000}, {17, 9000}}) {
     uint64_t next = first;
     std::as_const(store).for_each(first, last, [&](const SceneFacet& f) { REQUIRE(f.facet.vertex == facet(next++).vertex); });
     REQUIRE(next == last);

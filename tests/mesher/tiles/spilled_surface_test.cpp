@@ -26,11 +26,14 @@ Scene scene_of_many_kinds(const TempFolder& folder) {
   mixed.push_back(mixed[7]);
   std::swap(mixed.back().vertex[0], mixed.back().vertex[1]);
   const Facets small = shapes::join(shapes::random_tetrahedra(random, 400, 0, 100, 0.5));  // many shells, some flat
-  const Grid grid{{Axis::uniform(0, 0.5, 0, 210, 0.5), Axis::uniform(-3, 0.37, 0, 300, 0.25), Axis::graded([] {
-                    std::vector<double> planes;
-                    for (int i = 0; i <= 170; ++i) planes.push_back(i * 0.5 + i * i * 0.0005);
-                    return planes;
-                  }(), 0.5)}};
+  const Grid grid{{Axis::uniform(0, 0.5, 0, 210, 0.5), Axis::uniform(-3, 0.37, 0, 300, 0.25),
+                   Axis::graded(
+                       [] {
+                         std::vector<double> planes;
+                         for (int i = 0; i <= 170; ++i) planes.push_back(i * 0.5 + i * i * 0.0005);
+                         return planes;
+                       }(),
+                       0.5)}};
   Scene scene = scene_of(folder, {{open}, {mixed, Rule::kNonzero, 2}, {small, Rule::kNonzero, 3}}, grid);
   for (SceneBody& body : scene.bodies) body.fill = Fill::kAuto;
   scene.bodies[1].matrix = {0, -1, 0, 100, 1, 0, 0, 0, 0, 0, 0.9, 3};

@@ -60,7 +60,9 @@ inline std::vector<Facet> facets_over(std::mt19937_64& random, const Metadata& m
     for (int d = 0; d < 3; ++d) {
       const Axis& axis = meta.grid.axis[d];
       const double cell = axis.shortest_cell(), width = axis.max() - axis.min();
-      const double at = random_in(random, axis.min() - 2 * cell, axis.max() + 2 * cell), size = kind < 7 ? 1.5 * cell : kind < 9 ? width / 8 : 2 * width;
+      const double at = random_in(random, axis.min() - 2 * cell, axis.max() + 2 * cell), size = kind < 7   ? 1.5 * cell
+                                                                                                : kind < 9 ? width / 8
+                                                                                                           : 2 * width;
       for (Vec3& v : f.vertex) {
         v[d] = at + random_in(random, -size, size);
         const int64_t i = random_int(random, 0, static_cast<int>(axis.cells()) - 1);

@@ -54,7 +54,8 @@ void expect_given(const Metadata& meta, const std::vector<Facet>& facets, const 
       }
       const auto meets = [&](const RayRange& r, uint32_t by) {
         const auto from = [by](uint32_t x) { return x - std::min(x, by); };
-        return overlap(from(r.u0), r.u1 + by, cu * shape.chunk_rays, shape.rays_u(cu)) && overlap(from(r.v0), r.v1 + by, cv * shape.chunk_rays, shape.rays_v(cv));
+        return overlap(from(r.u0), r.u1 + by, cu * shape.chunk_rays, shape.rays_u(cu)) &&
+               overlap(from(r.v0), r.v1 + by, cv * shape.chunk_rays, shape.rays_v(cv));
       };
       for (size_t i = 0; i < facets.size(); ++i) {
         const RayRange r = exact_range(meta, facets[i]);
@@ -99,7 +100,8 @@ TEST_CASE("A facet that only touches a tile's last ray is handed to that tile, o
 TEST_CASE("A facet between two rays, or beside the grid, is handed to no tile") {
   const Axis axis = Axis::uniform(0, 1, 0, 32, 0.5);
   const Metadata meta = tile_grid(2, axis, axis, axis, 4);
-  for (const Facet& f : {facet_between(3.6, 4.4, 0, 9), facet_between(0, 9, 7.75, 8.25), facet_between(-5, 0.25, 0, 9), facet_between(31.75, 40, 0, 9), facet_between(0, 9, 32, 33)})
+  for (const Facet& f : {facet_between(3.6, 4.4, 0, 9), facet_between(0, 9, 7.75, 8.25), facet_between(-5, 0.25, 0, 9),
+                         facet_between(31.75, 40, 0, 9), facet_between(0, 9, 32, 33)})
     CHECK(given(meta, {f}).empty());
   CHECK(given(meta, {facet_between(-1000, 1000, -1000, 1000)}).size() == 64);
 }
@@ -179,7 +181,8 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
     const std::vector<Facet> facets = facets_over(random, meta, 1200);  // a bin takes 1024
     Given expected = given(meta, facets);
     for (const int ahead : {0, 3}) {
-      auto bins = std::make_unique<FacetBins>(meta, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<bool>{});
+      auto bins = std::make_unique<FacetBins>(
+          meta, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<bool>{});
       for (uint32_t i = 0; i < facets.size(); ++i) bins->add(facets[i], i, FacetBins::kOfFile);
       bins->finish();
       BinnedCounter survey(facets.size());

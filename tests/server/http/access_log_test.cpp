@@ -63,7 +63,10 @@ TEST_CASE("a line of text", "[server][log]") {
 
 TEST_CASE("a line of JSON", "[server][log]") {
   const auto j = nlohmann::json::parse(line(LogFormat::kJson, "/a"));
-  CHECK(j == nlohmann::json{{"time", "TIME"}, {"client", "::1"}, {"method", "GET"}, {"target", "/a"}, {"status", 200}, {"bytes", 12}, {"ms", 0.25}, {"route", "tile"}});
+  CHECK(
+      j ==
+      nlohmann::json{
+          {"time", "TIME"}, {"client", "::1"}, {"method", "GET"}, {"target", "/a"}, {"status", 200}, {"bytes", 12}, {"ms", 0.25}, {"route", "tile"}});
 }
 
 TEST_CASE("every byte of a target is written as printable ASCII, and JSON stays valid", "[server][log]") {
@@ -91,7 +94,8 @@ TEST_CASE("lines and notes begin with the time, and finish() writes all of them"
     log.write({"::1", "GET", "/b", 200, 1, 1, "x"});
   }
   std::string out = pipe.rest();
-  std::ranges::replace_if(out, [](char c) { return c >= '0' && c <= '9'; }, '0');
+  std::ranges::replace_if(
+      out, [](char c) { return c >= '0' && c <= '9'; }, '0');
   const std::string time = "0000-00-00T00:00:00.000Z";
   CHECK(out == time + " ::0 GET /a 000 0 0.000 x\nteracell: a note\n" + time + " ::0 GET /b 000 0 0.000 x\n");
 }

@@ -13,8 +13,8 @@
 #include <mutex>
 #include <thread>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "tests/support/stored.hpp"
 
@@ -180,7 +180,8 @@ TEST_CASE("a connection serves one request after the other, also when they arriv
   CHECK(c.answer().body == "GET /one http://h  false");
   c.get("/cold", "Accept-Encoding: br, gzip\r\nIf-None-Match: \"a\"\r\nIf-None-Match: \"b\"\r\n");
   CHECK(c.answer().body == "GET /cold http://h \"a\", \"b\" true");
-  c.send("GET /1 HTTP/1.1\r\nHost: h\r\n\r\nGET /held HTTP/1.1\r\nHost: h\r\n\r\nGET /2 HTTP/1.1\r\nHost: h\r\nContent-Length: 3\r\n\r\nabcGET /3 HT");
+  c.send(
+      "GET /1 HTTP/1.1\r\nHost: h\r\n\r\nGET /held HTTP/1.1\r\nHost: h\r\n\r\nGET /2 HTTP/1.1\r\nHost: h\r\nContent-Length: 3\r\n\r\nabcGET /3 HT");
   CHECK(c.answer().body == "GET /1 http://h  false");
   f.door.open();
   CHECK(c.answer().body == "GET /held http://h  false");
@@ -343,7 +344,8 @@ TEST_CASE("below a base path", "[server][listener]") {
   Fixture f({.base_path = "/base"});
   CHECK(f.listener->url().ends_with("/base/"));
   CHECK(f.get("/base/a?b").body == "GET /a?b http://h/base  false");
-  CHECK(f.get("/base/a", "X-Forwarded-Prefix: /sub\r\nX-Forwarded-Proto: https\r\nX-Forwarded-Host: p\r\n").body == "GET /a https://p/sub/base  false");
+  CHECK(f.get("/base/a", "X-Forwarded-Prefix: /sub\r\nX-Forwarded-Proto: https\r\nX-Forwarded-Host: p\r\n").body ==
+        "GET /a https://p/sub/base  false");
   CHECK(f.get("/base/healthz").status == 200);
   CHECK(f.get("/a").status == 404);
   CHECK(f.get("/based").status == 404);
@@ -546,7 +548,9 @@ TEST_CASE("many clients at once, answers that change meanwhile, then a stop", "[
   ListenerOptions o;
   o.port = 0;
   o.threads = 3;
-  Listener listener(o, with_operations({[&](const Request& r) { return turn++ % 3 ? std::optional(answer(r)) : std::nullopt; }, answer}, metrics, [] { return ServerState{}; }),
+  Listener listener(o,
+                    with_operations({[&](const Request& r) { return turn++ % 3 ? std::optional(answer(r)) : std::nullopt; }, answer}, metrics,
+                                    [] { return ServerState{}; }),
                     metrics, log);
   auto result = std::async(std::launch::async, [&] { return listener.run(); });
   std::atomic<bool> stop{false};

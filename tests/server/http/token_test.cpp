@@ -34,7 +34,8 @@ TEST_CASE("A line that no header field can carry is refused", "[server]") {
     CHECK_THROWS_AS(read_token(TokenFile(text).path), UsageError);
   }
   const TokenFile empty("\n"), long_one(std::string(4097, 'x'));
-  CHECK_THROWS_WITH(read_token(empty.path), Catch::StartsWith(empty.path.string() + ": expected a first line") && Catch::EndsWith("found an empty one"));
+  CHECK_THROWS_WITH(read_token(empty.path),
+                    Catch::StartsWith(empty.path.string() + ": expected a first line") && Catch::EndsWith("found an empty one"));
   CHECK_THROWS_WITH(read_token(long_one.path), Catch::EndsWith("found 4097 characters"));
 }
 

@@ -32,7 +32,8 @@ bool has_line(const std::string& head, const std::string& line) { return head.fi
 }  // namespace
 
 TEST_CASE("a client accepts gzip when it names it and does not refuse it", "[server][wire]") {
-  for (const char* yes : {"gzip", "GZIP", "deflate, gzip;q=0.5", "br;q=1, x-gzip", "gzip ; q=0.001", "*", "identity;q=0, *;q=0.1", "gzip;q=1, *;q=0"}) {
+  for (const char* yes :
+       {"gzip", "GZIP", "deflate, gzip;q=0.5", "br;q=1, x-gzip", "gzip ; q=0.001", "*", "identity;q=0, *;q=0.1", "gzip;q=1, *;q=0"}) {
     INFO(yes);
     CHECK(accepts_gzip(yes));
   }
@@ -101,20 +102,26 @@ TEST_CASE("the base path is removed in whole segments only", "[server][wire]") {
 TEST_CASE("only the exact token is accepted", "[server][wire]") {
   CHECK(bears_token("Bearer secret", "secret"));
   CHECK(bears_token("bearer   secret ", "secret"));
-  for (const char* bad : {"", "Bearer", "Bearer ", "secret", "Basic secret", "Bearer secre", "Bearer secrets", "Bearer secretsecret", "Bearer Secret", "Bearer s"}) {
+  for (const char* bad :
+       {"", "Bearer", "Bearer ", "secret", "Basic secret", "Bearer secre", "Bearer secrets", "Bearer secretsecret", "Bearer Secret", "Bearer s"}) {
     INFO(bad);
     CHECK_FALSE(bears_token(bad, "secret"));
   }
 }
 
 TEST_CASE("a response's head", "[server][wire]") {
-  Response r{.status = 200, .content_type = "application/json", .body = body_of("{}"), .etag = "\"e\"", .cache_control = "no-cache", .content_encoding = "gzip"};
+  Response r{.status = 200,
+             .content_type = "application/json",
+             .body = body_of("{}"),
+             .etag = "\"e\"",
+             .cache_control = "no-cache",
+             .content_encoding = "gzip"};
   const std::string head = head_of(r);
   CHECK(head.starts_with("HTTP/1.1 200 OK\r\n"));
   CHECK(head.ends_with("\r\n\r\n"));
-  for (const char* line : {"Server: teracell", "Date: DATE", "Content-Type: application/json", "Content-Length: 2", "ETag: \"e\"", "Cache-Control: no-cache",
-                           "Content-Encoding: gzip", "Vary: Accept-Encoding", "Access-Control-Allow-Origin: *", "Access-Control-Expose-Headers: *",
-                           "X-Content-Type-Options: nosniff"})
+  for (const char* line : {"Server: teracell", "Date: DATE", "Content-Type: application/json", "Content-Length: 2", "ETag: \"e\"",
+                           "Cache-Control: no-cache", "Content-Encoding: gzip", "Vary: Accept-Encoding", "Access-Control-Allow-Origin: *",
+                           "Access-Control-Expose-Headers: *", "X-Content-Type-Options: nosniff"})
     CHECK(has_line(head, line));
   CHECK(head.find("Connection:") == std::string::npos);
   CHECK(has_line(head_of(r, {false, true, "DATE"}), "Connection: close"));

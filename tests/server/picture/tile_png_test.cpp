@@ -16,7 +16,8 @@ using Random = std::mt19937;
 
 std::vector<Rgba> different_colors(uint32_t count) {
   std::vector<Rgba> colors;
-  for (uint32_t i = 0; i < count; ++i) colors.push_back({static_cast<uint8_t>(i), static_cast<uint8_t>(i >> 8), 7, static_cast<uint8_t>(i % 3 == 0 ? i : 255)});
+  for (uint32_t i = 0; i < count; ++i)
+    colors.push_back({static_cast<uint8_t>(i), static_cast<uint8_t>(i >> 8), 7, static_cast<uint8_t>(i % 3 == 0 ? i : 255)});
   return colors;
 }
 

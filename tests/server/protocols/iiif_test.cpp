@@ -1,6 +1,6 @@
 // IIIF, level 0: all that info.json offers exists, with the right pixels, and nothing else does.
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "tests/support/pixels.hpp"
 
@@ -95,11 +95,30 @@ TEST_CASE("IIIF: the address of a slice leads to its info.json, whose id is abso
 
 TEST_CASE("IIIF: what is not offered is a 404 without a body", "[server]") {
   ServedCells served(odd_grid(), 1, 6);
-  for (const char* path : {"/iiif", "/iiif/g", "/iiif/g-z", "/iiif/-z-0", "/iiif/g-z-67", "/iiif/g-w-0", "/iiif/other-z-0", "/iiif/other-z-0/info.json", "/iiif/g-z-67/info.json", "/iiif/g-z-0/",
-                           "/iiif/g-z-0/full/max/0/default.jpg", "/iiif/g-z-0/full/max/90/default.png", "/iiif/g-z-0/full/max/0/gray.png", "/iiif/g-z-0/full/71,131/0/default.png",
-                           "/iiif/g-z-0/full/%5Emax/0/default.png", "/iiif/g-z-0/full/pct:50/0/default.png", "/iiif/g-z-0/square/max/0/default.png", "/iiif/g-z-0/0,0,10,10/10,10/0/default.png",
-                           "/iiif/g-z-0/0,0,70/max/0/default.png", "/iiif/g-z-0/0,0,0,0/max/0/default.png", "/iiif/g-z-0/512,0,1,1/1,1/0/default.png", "/iiif/g-z-0/full//0/default.png",
-                           "/iiif/g-z-0/full/,/0/default.png", "/iiif/g-z-0/0,0,999999999999999999,999999999999999999/1,1/0/default.png"}) {
+  for (const char* path : {"/iiif",
+                           "/iiif/g",
+                           "/iiif/g-z",
+                           "/iiif/-z-0",
+                           "/iiif/g-z-67",
+                           "/iiif/g-w-0",
+                           "/iiif/other-z-0",
+                           "/iiif/other-z-0/info.json",
+                           "/iiif/g-z-67/info.json",
+                           "/iiif/g-z-0/",
+                           "/iiif/g-z-0/full/max/0/default.jpg",
+                           "/iiif/g-z-0/full/max/90/default.png",
+                           "/iiif/g-z-0/full/max/0/gray.png",
+                           "/iiif/g-z-0/full/71,131/0/default.png",
+                           "/iiif/g-z-0/full/%5Emax/0/default.png",
+                           "/iiif/g-z-0/full/pct:50/0/default.png",
+                           "/iiif/g-z-0/square/max/0/default.png",
+                           "/iiif/g-z-0/0,0,10,10/10,10/0/default.png",
+                           "/iiif/g-z-0/0,0,70/max/0/default.png",
+                           "/iiif/g-z-0/0,0,0,0/max/0/default.png",
+                           "/iiif/g-z-0/512,0,1,1/1,1/0/default.png",
+                           "/iiif/g-z-0/full//0/default.png",
+                           "/iiif/g-z-0/full/,/0/default.png",
+                           "/iiif/g-z-0/0,0,999999999999999999,999999999999999999/1,1/0/default.png"}) {
     INFO(path);
     require_missing(served.get(path));
   }

@@ -1,8 +1,8 @@
 // Neuroglancer precomputed: every block of every size on every level, smaller at the edges.
 #include <algorithm>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "store/slice.hpp"
 #include "tests/support/served_cells.hpp"
@@ -20,7 +20,8 @@ void check_blocks(ServedCells& served, const ordered_json& scale, const Index3& 
     for (int64_t y = 0; y < n[1]; y += block[1])
       for (int64_t x = 0; x < n[0]; x += block[0]) {
         const Index3 hi = {std::min(x + block[0], n[0]), std::min(y + block[1], n[1]), std::min(z + block[2], n[2])};
-        const Response r = served.get(fmt::format("/precomputed/g/{}/{}-{}_{}-{}_{}-{}", scale["key"].get<std::string>(), x, hi[0], y, hi[1], z, hi[2]));
+        const Response r =
+            served.get(fmt::format("/precomputed/g/{}/{}-{}_{}-{}_{}-{}", scale["key"].get<std::string>(), x, hi[0], y, hi[1], z, hi[2]));
         REQUIRE(r.status == 200);
         REQUIRE(r.body->size() == static_cast<size_t>((hi[0] - x) * (hi[1] - y) * (hi[2] - z)) * width);
         const auto ids = ids_of(*r.body, width);
@@ -79,7 +80,8 @@ TEST_CASE("Precomputed: segments have the materials' names and volumes; volumes 
   REQUIRE(j["inline"]["properties"][0] == ordered_json{{"id", "label"}, {"type", "label"}, {"values", {"m1", "m2", "m3"}}});
   REQUIRE(j["inline"]["properties"][1]["id"] == "volume_mm3");
   const auto cells = served.materials(0);
-  for (uint32_t m = 1; m < 4; ++m) REQUIRE(j["inline"]["properties"][1]["values"][m - 1] == Approx(0.001 * static_cast<double>(std::ranges::count(cells, m))));
+  for (uint32_t m = 1; m < 4; ++m)
+    REQUIRE(j["inline"]["properties"][1]["values"][m - 1] == Approx(0.001 * static_cast<double>(std::ranges::count(cells, m))));
   ServedCells graded(graded_grid(), 2, 4);
   REQUIRE(graded.json("/precomputed/g/segprops/info")["inline"]["properties"].size() == 1);
 }
@@ -87,11 +89,28 @@ TEST_CASE("Precomputed: segments have the materials' names and volumes; volumes 
 TEST_CASE("Precomputed: what is not there is a 404 without a body", "[server]") {
   ServedCells served(odd_grid(), 2, 3);
   REQUIRE(served.get("/precomputed/g/s0/0-70_0-130_66-67").status == 200);
-  for (const char* path : {"/precomputed", "/precomputed/g", "/precomputed/other/info", "/precomputed/g/info/", "/precomputed/g/s9/0-1_0-1_0-1", "/precomputed/g/0/0-70_0-130_66-67",
-                           "/precomputed/g/s0/0-70_0-130_67-68", "/precomputed/g/s0/0-256_0-256_0-1", "/precomputed/g/s0/0-70_0-130_0-2", "/precomputed/g/s0/0-70_0-129_0-1",
-                           "/precomputed/g/s0/1-70_0-130_0-1", "/precomputed/g/s0/00-70_0-130_0-1", "/precomputed/g/s0/0-70_0-130", "/precomputed/g/s0/0-70_0-130_0", "/precomputed/g/s0/",
-                           "/precomputed/g/s0/70-70_0-130_0-1", "/precomputed/g/s0/0-70-70_0-130_0-1", "/precomputed/g/s/0-70_0-130_0-1", "/precomputed/g/manifest.ocdbt", "/precomputed/g/segprops",
-                           "/precomputed/g/s0/0-70_0-130_0-1_0-1", "/precomputed/g/s0/0-70_0-130_999999999999999999-1000000000000000000"}) {
+  for (const char* path : {"/precomputed",
+                           "/precomputed/g",
+                           "/precomputed/other/info",
+                           "/precomputed/g/info/",
+                           "/precomputed/g/s9/0-1_0-1_0-1",
+                           "/precomputed/g/0/0-70_0-130_66-67",
+                           "/precomputed/g/s0/0-70_0-130_67-68",
+                           "/precomputed/g/s0/0-256_0-256_0-1",
+                           "/precomputed/g/s0/0-70_0-130_0-2",
+                           "/precomputed/g/s0/0-70_0-129_0-1",
+                           "/precomputed/g/s0/1-70_0-130_0-1",
+                           "/precomputed/g/s0/00-70_0-130_0-1",
+                           "/precomputed/g/s0/0-70_0-130",
+                           "/precomputed/g/s0/0-70_0-130_0",
+                           "/precomputed/g/s0/",
+                           "/precomputed/g/s0/70-70_0-130_0-1",
+                           "/precomputed/g/s0/0-70-70_0-130_0-1",
+                           "/precomputed/g/s/0-70_0-130_0-1",
+                           "/precomputed/g/manifest.ocdbt",
+                           "/precomputed/g/segprops",
+                           "/precomputed/g/s0/0-70_0-130_0-1_0-1",
+                           "/precomputed/g/s0/0-70_0-130_999999999999999999-1000000000000000000"}) {
     INFO(path);
     require_missing(served.get(path));
   }

@@ -2,8 +2,8 @@
 #include <fstream>
 #include <set>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "server/protocols/protocols.hpp"
 #include "server/routes.hpp"
@@ -12,11 +12,23 @@
 namespace teracell::testing {
 namespace {
 
-const std::vector<std::string> kAddresses = {
-    "/zarr/g/zarr.json",   "/zarr/g/1/zarr.json",     "/zarr/g/labels/material/0/c/1/2/1", "/zarr/g/0/c/1/2/1",         "/zarr2/g/.zattrs",
-    "/zarr2/g/.zmetadata", "/zarr2/g/0/0/1/1",        "/xarray/g/0/.zmetadata",            "/xarray/g/1/label/0/1/0",   "/xarray/g/0/y/0",
-    "/precomputed/g/info", "/precomputed/g/segprops/info", "/precomputed/g/s1/0-35_0-65_3-4", "/dzi/g/z/12.dzi",         "/dzi/g/z/12_files/7/0_0.png",
-    "/iiif/g-y-3/info.json", "/iiif/g-y-3/0,0,70,67/70,67/0/default.png"};
+const std::vector<std::string> kAddresses = {"/zarr/g/zarr.json",
+                                             "/zarr/g/1/zarr.json",
+                                             "/zarr/g/labels/material/0/c/1/2/1",
+                                             "/zarr/g/0/c/1/2/1",
+                                             "/zarr2/g/.zattrs",
+                                             "/zarr2/g/.zmetadata",
+                                             "/zarr2/g/0/0/1/1",
+                                             "/xarray/g/0/.zmetadata",
+                                             "/xarray/g/1/label/0/1/0",
+                                             "/xarray/g/0/y/0",
+                                             "/precomputed/g/info",
+                                             "/precomputed/g/segprops/info",
+                                             "/precomputed/g/s1/0-35_0-65_3-4",
+                                             "/dzi/g/z/12.dzi",
+                                             "/dzi/g/z/12_files/7/0_0.png",
+                                             "/iiif/g-y-3/info.json",
+                                             "/iiif/g-y-3/0,0,70,67/70,67/0/default.png"};
 
 TEST_CASE("Protocols: an answer has a strong ETag and is not sent twice; with a version in its address it may be cached for ever", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
@@ -46,7 +58,8 @@ TEST_CASE("Protocols: what does not exist stays missing when a client claims to 
   ServedCells served(odd_grid(), 2, 4);
   Request request;
   request.if_none_match = "*";
-  for (const char* address : {"/zarr/g/0/c/9/9/9", "/zarr2/g/0/9/9/9", "/xarray/g/0/x/9", "/precomputed/g/s0/0-1_0-1_0-1", "/dzi/g/z/0_files/99/0_0.png", "/iiif/g-y-3/1,1,1,1/1,1/0/default.png"}) {
+  for (const char* address : {"/zarr/g/0/c/9/9/9", "/zarr2/g/0/9/9/9", "/xarray/g/0/x/9", "/precomputed/g/s0/0-1_0-1_0-1",
+                              "/dzi/g/z/0_files/99/0_0.png", "/iiif/g-y-3/1,1,1,1/1,1/0/default.png"}) {
     request.target = address;
     require_missing(served.get(request));
   }
@@ -80,9 +93,12 @@ TEST_CASE("Protocols: where a damaged chunk is needed the answer is an error, ne
   for (int z = 0; z < 2; ++z)
     for (int y = 0; y < 3; ++y)
       for (int x = 0; x < 2; ++x)
-        for (const std::string& address : {fmt::format("/zarr/g/0/c/{}/{}/{}", z, y, x), fmt::format("/zarr2/g/0/{}/{}/{}", z, y, x), fmt::format("/xarray/g/0/label/{}/{}/{}", z, y, x)})
+        for (const std::string& address : {fmt::format("/zarr/g/0/c/{}/{}/{}", z, y, x), fmt::format("/zarr2/g/0/{}/{}/{}", z, y, x),
+                                           fmt::format("/xarray/g/0/label/{}/{}/{}", z, y, x)})
           sound.emplace_back(address, expected(address));
-  for (int z = 0; z < 67; ++z) sound.emplace_back(fmt::format("/precomputed/g/s0/0-70_0-130_{}-{}", z, z + 1), expected(fmt::format("/precomputed/g/s0/0-70_0-130_{}-{}", z, z + 1)));
+  for (int z = 0; z < 67; ++z)
+    sound.emplace_back(fmt::format("/precomputed/g/s0/0-70_0-130_{}-{}", z, z + 1),
+                       expected(fmt::format("/precomputed/g/s0/0-70_0-130_{}-{}", z, z + 1)));
   sound.emplace_back("/dzi/g/z/3_files/8/0_0.png", expected("/dzi/g/z/3_files/8/0_0.png"));
   damage(served.file(), 32 + 100);  // in the first frame after the header: a chunk at the origin
   Service service({.named = {served.file()}});

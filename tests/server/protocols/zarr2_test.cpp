@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <bit>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "tests/support/served_cells.hpp"
 
@@ -127,9 +127,30 @@ TEST_CASE("Zarr v2: xarray finds dimensions, no fill value, and the consolidated
 
 TEST_CASE("Zarr v2: what is not there is a 404 without a body", "[server]") {
   ServedCells served(odd_grid(), 2, 3);
-  for (const char* path : {"/zarr2", "/zarr2/g", "/zarr2/g/zarr.json", "/zarr2/g/9/.zarray", "/zarr2/other/.zgroup", "/zarr2/g/0/2/0/0", "/zarr2/g/0/0/3/0", "/zarr2/g/0/0/0/2", "/zarr2/g/0/0/0",
-                           "/zarr2/g/0/0/0/0/0", "/zarr2/g/0/0/0/+0", "/zarr2/g/0/0.0.0", "/xarray", "/xarray/g", "/xarray/g/.zgroup", "/xarray/g/9/.zgroup", "/xarray/g/0/.zarray",
-                           "/xarray/g/0/label/2/0/0", "/xarray/g/0/label/0/0", "/xarray/g/0/x/1", "/xarray/g/0/w/0", "/xarray/g/0/x/-0", "/xarray/g/0/label/0", "/xarray/g/x/.zarray"}) {
+  for (const char* path : {"/zarr2",
+                           "/zarr2/g",
+                           "/zarr2/g/zarr.json",
+                           "/zarr2/g/9/.zarray",
+                           "/zarr2/other/.zgroup",
+                           "/zarr2/g/0/2/0/0",
+                           "/zarr2/g/0/0/3/0",
+                           "/zarr2/g/0/0/0/2",
+                           "/zarr2/g/0/0/0",
+                           "/zarr2/g/0/0/0/0/0",
+                           "/zarr2/g/0/0/0/+0",
+                           "/zarr2/g/0/0.0.0",
+                           "/xarray",
+                           "/xarray/g",
+                           "/xarray/g/.zgroup",
+                           "/xarray/g/9/.zgroup",
+                           "/xarray/g/0/.zarray",
+                           "/xarray/g/0/label/2/0/0",
+                           "/xarray/g/0/label/0/0",
+                           "/xarray/g/0/x/1",
+                           "/xarray/g/0/w/0",
+                           "/xarray/g/0/x/-0",
+                           "/xarray/g/0/label/0",
+                           "/xarray/g/x/.zarray"}) {
     INFO(path);
     require_missing(served.get(path));
   }

@@ -1,8 +1,8 @@
 // Zarr v3: a client that knows only the documents reads every cell of every level.
 #include <algorithm>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "tests/support/served_cells.hpp"
 
@@ -78,7 +78,8 @@ TEST_CASE("Zarr v3: OME-Zarr gives the centre of each level's first cell, so tha
   REQUIRE(ome["version"] == "0.5");
   const ordered_json& scales = ome["multiscales"][0];
   REQUIRE(scales["name"] == "g");
-  for (size_t i = 0; i < 3; ++i) REQUIRE(scales["axes"][i] == ordered_json{{"name", std::string(1, "zyx"[i])}, {"type", "space"}, {"unit", "millimeter"}});
+  for (size_t i = 0; i < 3; ++i)
+    REQUIRE(scales["axes"][i] == ordered_json{{"name", std::string(1, "zyx"[i])}, {"type", "space"}, {"unit", "millimeter"}});
   for (int level = 0; level < 3; ++level)
     for (int axis = 0; axis < 3; ++axis) {
       const ordered_json& to_space = scales["datasets"][static_cast<size_t>(level)]["coordinateTransformations"];
@@ -134,11 +135,36 @@ TEST_CASE("Zarr v3: labels have names and colours", "[server]") {
 
 TEST_CASE("Zarr v3: what is not there is a 404 without a body", "[server]") {
   ServedCells served(odd_grid(), 2, 3);
-  for (const char* path : {"/zarr/g/.zattrs", "/zarr/g/.zarray", "/zarr/g/.zgroup", "/zarr/g/0/.zarray", "/zarr/g", "/zarr/g/", "/zarr", "/zarr/", "/zarr/other/zarr.json",
-                           "/zarr/g/9/zarr.json", "/zarr/g/00/zarr.json", "/zarr/g/-1/zarr.json", "/zarr/g/0/c/2/0/0", "/zarr/g/0/c/0/3/0", "/zarr/g/0/c/0/0/2", "/zarr/g/0/c/-1/0/0",
-                           "/zarr/g/0/c/0/0", "/zarr/g/0/c/0/0/0/0", "/zarr/g/0/c/0/0/00", "/zarr/g/0/c/0/0/", "/zarr/g/0/d/0/0/0", "/zarr/g/1/c/0/1/1", "/zarr/g/9/c/0/0/0",
-                           "/zarr/g/0/c/0/0/999999999999999999", "/zarr/g/0/c/0/0/99999999999999999999", "/zarr/g/labels/other/zarr.json", "/zarr/g/labels/material/9/zarr.json",
-                           "/zarr/g/labels/0/c/0/0/0", "/zarr/../g/zarr.json", "/zarr/g/zarr.json?v=0123"}) {
+  for (const char* path : {"/zarr/g/.zattrs",
+                           "/zarr/g/.zarray",
+                           "/zarr/g/.zgroup",
+                           "/zarr/g/0/.zarray",
+                           "/zarr/g",
+                           "/zarr/g/",
+                           "/zarr",
+                           "/zarr/",
+                           "/zarr/other/zarr.json",
+                           "/zarr/g/9/zarr.json",
+                           "/zarr/g/00/zarr.json",
+                           "/zarr/g/-1/zarr.json",
+                           "/zarr/g/0/c/2/0/0",
+                           "/zarr/g/0/c/0/3/0",
+                           "/zarr/g/0/c/0/0/2",
+                           "/zarr/g/0/c/-1/0/0",
+                           "/zarr/g/0/c/0/0",
+                           "/zarr/g/0/c/0/0/0/0",
+                           "/zarr/g/0/c/0/0/00",
+                           "/zarr/g/0/c/0/0/",
+                           "/zarr/g/0/d/0/0/0",
+                           "/zarr/g/1/c/0/1/1",
+                           "/zarr/g/9/c/0/0/0",
+                           "/zarr/g/0/c/0/0/999999999999999999",
+                           "/zarr/g/0/c/0/0/99999999999999999999",
+                           "/zarr/g/labels/other/zarr.json",
+                           "/zarr/g/labels/material/9/zarr.json",
+                           "/zarr/g/labels/0/c/0/0/0",
+                           "/zarr/../g/zarr.json",
+                           "/zarr/g/zarr.json?v=0123"}) {
     INFO(path);
     require_missing(served.get(path));
   }

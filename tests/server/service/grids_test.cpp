@@ -19,15 +19,14 @@ using namespace testing;
 
 const Grid kGrid{{Axis::uniform(0, 1, 0, 5, 0.5), Axis::uniform(0, 1, 0, 6, 0.5), Axis::uniform(0, 1, 0, 7, 0.5)}};
 
-void store(const std::filesystem::path& path, Label filling) {
-  store_cells(path, metadata_of(kGrid, 2, 3), std::vector<Label>(5 * 6 * 7, filling));
-}
+void store(const std::filesystem::path& path, Label filling) { store_cells(path, metadata_of(kGrid, 2, 3), std::vector<Label>(5 * 6 * 7, filling)); }
 
 // Grids and their complaints.
 struct Watched {
   explicit Watched(const std::vector<std::filesystem::path>& named)
-      : grids(named, [](const std::filesystem::path& path, uint64_t) { return std::make_unique<const GridReader>(path); },
-              [this](const std::string& message) { complaints.push_back(message); }) {}
+      : grids(
+            named, [](const std::filesystem::path& path, uint64_t) { return std::make_unique<const GridReader>(path); },
+            [this](const std::string& message) { complaints.push_back(message); }) {}
   std::vector<std::string> complaints;
   Grids grids;
 };
@@ -180,7 +179,11 @@ TEST_CASE("A file that becomes a folder is gone, a folder that can't be read kee
 
 TEST_CASE("Every name has an id that an address can hold", "[server]") {
   TempFolder folder;
-  for (const char* name : {"..tcell", "...tcell", "a\nb.tcell", "a\x7f" "b.tcell", "\xff.tcell", "\xc3\xbc %?#.tcell"}) store(folder / name, 0);
+  for (const char* name : {"..tcell", "...tcell", "a\nb.tcell",
+                           "a\x7f"
+                           "b.tcell",
+                           "\xff.tcell", "\xc3\xbc %?#.tcell"})
+    store(folder / name, 0);
   const Watched w({folder.path()});
   CHECK(ids(w.grids) == Ids{"__", "_", "a_b", "a_b-2", "\xc3\xbc %?#", "\xef\xbf\xbd"});
 }

@@ -55,7 +55,8 @@ TEST_CASE("Numbers: the message names the parameter, the range and what was foun
     CHECK_FALSE(plain_integer(bad));
   }
   CHECK(integers("1,-2,3", 3, "region") == std::vector<int64_t>{1, -2, 3});
-  for (const char* bad : {"", "1,2", "1,2,3,4", "1,,3", "1,2,", "a,b,c"}) CHECK_THROWS_WITH(integers(bad, 3, "region"), Catch::StartsWith("region: expected 3 whole numbers"));
+  for (const char* bad : {"", "1,2", "1,2,3,4", "1,,3", "1,2,", "a,b,c"})
+    CHECK_THROWS_WITH(integers(bad, 3, "region"), Catch::StartsWith("region: expected 3 whole numbers"));
   CHECK(plain_integer("0") == 0);
   CHECK(plain_integer("120") == 120);
   CHECK_FALSE(plain_integer("012"));

@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "tools/sample/solid.hpp"
 #include "mesher/scene/scene.hpp"
 #include "store/error.hpp"
+#include "tools/sample/solid.hpp"
 
 using namespace teracell;
 
@@ -25,9 +25,7 @@ using Triangle = std::array<Corner, 3>;
 
 class StadiumFolder {
  public:
-  StadiumFolder()
-      : path_(fs::temp_directory_path() /
-              fmt::format("teracell-sample-{}-{}", getpid(), reinterpret_cast<uintptr_t>(this)) / "new") {
+  StadiumFolder() : path_(fs::temp_directory_path() / fmt::format("teracell-sample-{}-{}", getpid(), reinterpret_cast<uintptr_t>(this)) / "new") {
     write_stadium(path_);
   }
   ~StadiumFolder() { fs::remove_all(path_.parent_path()); }
@@ -64,16 +62,14 @@ std::vector<int> shells(const std::vector<Triangle>& triangles) {
   };
   std::map<Corner, int> owner;
   for (size_t i = 0; i < triangles.size(); ++i)
-    for (const Corner& c : triangles[i])
-      parent[root(static_cast<int>(i))] = root(owner.try_emplace(c, static_cast<int>(i)).first->second);
+    for (const Corner& c : triangles[i]) parent[root(static_cast<int>(i))] = root(owner.try_emplace(c, static_cast<int>(i)).first->second);
   for (size_t i = 0; i < triangles.size(); ++i) parent[i] = root(static_cast<int>(i));
   return parent;
 }
 
 double six_volumes(const Triangle& t) {
   const auto& [a, b, c] = t;
-  return double{a[0]} * (double{b[1]} * c[2] - double{b[2]} * c[1]) +
-         double{a[1]} * (double{b[2]} * c[0] - double{b[0]} * c[2]) +
+  return double{a[0]} * (double{b[1]} * c[2] - double{b[2]} * c[1]) + double{a[1]} * (double{b[2]} * c[0] - double{b[0]} * c[2]) +
          double{a[2]} * (double{b[0]} * c[1] - double{b[1]} * c[0]);
 }
 
@@ -116,8 +112,7 @@ TEST_CASE("the stadium is a scene of closed, outward oriented surfaces inside it
       volume[shell[i]] += six_volumes(triangles[i]);
       degenerate += a == b || b == c || c == a;
       for (const Corner& corner : triangles[i])
-        for (int axis = 0; axis < 3; ++axis)
-          outside += corner[axis] < grid.axis[axis].min() || corner[axis] > grid.axis[axis].max();
+        for (int axis = 0; axis < 3; ++axis) outside += corner[axis] < grid.axis[axis].min() || corner[axis] > grid.axis[axis].max();
     }
     CHECK(degenerate == 0);
     CHECK(outside == 0);
