@@ -1,21 +1,25 @@
-// The surface formats. A new format is a file that defines its reader, a declaration here, and a line in the table.
+// The surface formats. A new one is a file that defines its SurfaceReader, and a line here. A reader that is sure takes the file,
+// wherever it stands in the list: no file is of two formats. Of several that may read a file, the first one does.
 #pragma once
 #include "mesher/surface/reader.hpp"
 
+// clang-format off
+#define TERACELL_SURFACE_READERS(reader) \
+  reader(kBinaryStlReader) \
+  reader(kPlyReader) \
+  reader(kAsciiStlReader) \
+  reader(kObjReader)
+// clang-format on
+
 namespace teracell {
 
-extern const SurfaceReader kBinaryStlReader;
-extern const SurfaceReader kPlyReader;
-extern const SurfaceReader kAsciiStlReader;
-extern const SurfaceReader kObjReader;
+#define DECLARED(name) extern const SurfaceReader name;
+#define LISTED(name) &name,
 
-// A reader that is sure takes the file, wherever it stands in the table: no file is of two formats. Of several that may read a
-// file, the first one does.
-inline constexpr const SurfaceReader* kReaders[] = {
-    &kBinaryStlReader,
-    &kPlyReader,
-    &kAsciiStlReader,
-    &kObjReader,
-};
+TERACELL_SURFACE_READERS(DECLARED)
+inline constexpr const SurfaceReader* kReaders[] = {TERACELL_SURFACE_READERS(LISTED)};
+
+#undef DECLARED
+#undef LISTED
 
 }  // namespace teracell

@@ -1,12 +1,18 @@
 #include "tools/cli/commands.hpp"
 
 // One line per command NAME: the file NAME.cpp defines setup_NAME().
-#define TERACELL_COMMANDS(command)                                                                                                \
-  command(mesh, "mesh a scene or bare surfaces into a .tcell file") command(info, "what a .tcell file holds")                     \
-      command(slice, "one slice as a picture (.png) or an array (.npy)") command(column, "the runs of one column along any axis") \
-          command(stats, "exact cells, volume and box of every material") command(export, "a box of cells as a dense array")      \
-              command(verify, "check every byte and every invariant of a file") command(sample, "write a built-in scene")         \
-                  command(serve, "grids over HTTP: pictures, numbers, the formats of other viewers")
+// clang-format off
+#define TERACELL_COMMANDS(command) \
+  command(mesh, "mesh a scene or bare surfaces into a .tcell file") \
+  command(info, "what a .tcell file holds") \
+  command(slice, "one slice as a picture (.png) or an array (.npy)") \
+  command(column, "the runs of one column along any axis") \
+  command(stats, "exact cells, volume and box of every material") \
+  command(export, "a box of cells as a dense array") \
+  command(verify, "check every byte and every invariant of a file") \
+  command(sample, "write a built-in scene") \
+  command(serve, "grids over HTTP: pictures, numbers, the formats of other viewers")
+// clang-format on
 
 namespace teracell {
 

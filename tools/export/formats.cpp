@@ -3,7 +3,11 @@
 #include <algorithm>
 
 // One line per format NAME: the file NAME.cpp defines NAME_format().
-#define TERACELL_EXPORT_FORMATS(format) format(npy) format(raw)
+// clang-format off
+#define TERACELL_EXPORT_FORMATS(format) \
+  format(npy) \
+  format(raw)
+// clang-format on
 
 namespace teracell {
 
