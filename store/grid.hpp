@@ -1,6 +1,6 @@
 // Cells and coordinates: an Axis is a row of cells, a Grid is three of them.
 //
-// Every double here is specified to the last bit (README, "What a cell is"): operations round one by one, and none are
+// Every double here is specified to the last bit (mesher/SCENES.md, "What a cell is"): operations round one by one, and none are
 // fused. Centres and planes are computed when they are asked for, so a uniform axis takes the same memory for 10 cells and
 // for 10^9.
 #pragma once

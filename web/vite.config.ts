@@ -2,7 +2,7 @@ import { defineConfig } from "vite";
 
 // Addresses are relative, because the page may be served below any path. `npm run dev` takes the data from a server at TERACELL_URL.
 const server = process.env.TERACELL_URL ?? "http://127.0.0.1:8080";
-const routes = ["/api", "/metrics", "/healthz", "/zarr", "/zarr2", "/xarray", "/precomputed", "/dzi", "/iiif", "/openapi.json"];
+const routes = ["/api", "/metrics", "/healthz", "/zarr", "/zarr2", "/xarray", "/precomputed", "/dzi", "/iiif", "/openapi.json", "/NOTICE"];
 
 export default defineConfig({
   base: "./",

@@ -19,9 +19,9 @@ using namespace testing;
 // The bodies of a scene, and the layers of their surfaces.
 struct Bodies {
   std::vector<Layer> layers;
-  std::vector<uint32_t> strength;
+  std::vector<uint32_t> rank;
   std::vector<Label> label;
-  Composer composer() const { return {layers, strength, label}; }
+  Composer composer() const { return {layers, rank, label}; }
 };
 
 // A tile of one row of rays, each a list of crossings.
@@ -77,7 +77,7 @@ std::vector<bool> holders(const Bodies& bodies, const std::vector<uint64_t>& cro
 std::optional<uint32_t> strongest(const Bodies& bodies, const std::vector<bool>& holds) {
   std::optional<uint32_t> out;
   for (uint32_t b = 0; b < holds.size(); ++b)
-    if (holds[b] && (!out || bodies.strength[b] < bodies.strength[*out])) out = b;
+    if (holds[b] && (!out || bodies.rank[b] < bodies.rank[*out])) out = b;
   return out;
 }
 
@@ -115,7 +115,7 @@ TEST_CASE("Where bodies overlap the strongest owns the cells, whatever its numbe
   const std::vector<uint64_t> both = {up(1, 0), down(5, 0), up(3, 2), down(7, 2)};
   CHECK(one_ray(kTwo, both, 8) == std::vector<Label>{0, 7, 7, 9, 9, 9, 9, 0});
   Bodies first_stronger = kTwo;
-  std::swap(first_stronger.strength[0], first_stronger.strength[1]);
+  std::swap(first_stronger.rank[0], first_stronger.rank[1]);
   CHECK(one_ray(first_stronger, both, 8) == std::vector<Label>{0, 7, 7, 7, 7, 9, 9, 0});
 }
 
@@ -195,11 +195,11 @@ TEST_CASE("Cells, and what bodies own and cover, are those of looking at every c
     Bodies bodies;
     const int count = random_int(random, 1, 5);
     for (int b = 0; b < count; ++b) {
-      bodies.strength.push_back(static_cast<uint32_t>(b));
+      bodies.rank.push_back(static_cast<uint32_t>(b));
       bodies.label.push_back(static_cast<Label>(random_int(random, 0, 3)));
       for (const bool evenodd : {false, true}) bodies.layers.push_back({static_cast<uint32_t>(b), evenodd});
     }
-    std::ranges::shuffle(bodies.strength, random);
+    std::ranges::shuffle(bodies.rank, random);
     Composer composer = bodies.composer();
     for (int tile = 0; tile < 4; ++tile) {  // of a composer that has made others
       const auto length = static_cast<uint32_t>(random_int(random, 1, 30));

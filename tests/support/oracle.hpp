@@ -1,4 +1,4 @@
-// The strong oracle: which cells are inside which body (README, "What a cell is"), in exact arithmetic, written so that it can
+// The strong oracle: which cells are inside which body (mesher/SCENES.md, "What a cell is"), in exact arithmetic, written so that it can
 // be checked by reading rather than to be fast. It shares nothing with the mesher: it casts no ray and scans no facet.
 #pragma once
 #include <cstdint>
