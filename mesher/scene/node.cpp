@@ -27,7 +27,7 @@ class TreeBuilder final : public nlohmann::json_sax<Json> {
     const auto [member, fresh] = object.value->get_ref<Json::object_t&>().try_emplace(std::move(name));
     if (!fresh) throw UsageError(fmt::format("{}: this key is given twice: keep one of them", child_path(path(levels_.size() - 1), member->first)));
     object.member = &*member;
-    if (levels_.size() == 2 && levels_[0].member->first == "materials") out_.material_order.push_back(member->first);
+    if (levels_.size() == 2 && levels_[0].member && levels_[0].member->first == "materials") out_.material_order.push_back(member->first);
     return true;
   }
   bool start_object(size_t) override { return open(Json::object()); }

@@ -174,6 +174,7 @@ TEST_CASE("a syntax error has its line and column", "[scene]") {
   check_error("{\"bodies\": [1e999]}", {"line 1", "1e999"});
   check_error("{\"bodies\": []} x", {"line 1"});
   check_error("{\"units\": \"\xff\"}", {"line 1", "UTF-8"});
+  check_error("[{\"a\": 1}]", {"expected an object", "an array of 1"});
 }
 
 TEST_CASE("a key given twice is refused", "[scene]") {
