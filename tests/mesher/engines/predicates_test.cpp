@@ -86,7 +86,7 @@ TEST_CASE("Three points turn as integer arithmetic says, on a line and a roundin
     REQUIRE(orient2d(b[0], b[1], p[0], p[1], a[0], a[1]) == expected);
     REQUIRE(orient2d(b[0], b[1], a[0], a[1], p[0], p[1]) == -expected);
   });
-  for (const int n : seen) REQUIRE(n > 20);
+  for (const int n : seen) REQUIRE(n > static_cast<int>(rounds(100)));
 }
 
 TEST_CASE("A point lies on the side of a facet that integer arithmetic says, on its plane and a rounding beside it, up to the limits") {
@@ -100,7 +100,7 @@ TEST_CASE("A point lies on the side of a facet that integer arithmetic says, on 
     REQUIRE(orient3d({{v1, v0, v2}}, c.point) == -expected);
     REQUIRE(orient3d({{v0, c.point, v2}}, v1) == -expected);  // an odd permutation of all four
   });
-  for (const int n : seen) REQUIRE(n > 20);
+  for (const int n : seen) REQUIRE(n > static_cast<int>(rounds(100)));
 }
 
 TEST_CASE("A facet's normal has the signs that integer arithmetic says, 0 among them") {
@@ -113,7 +113,7 @@ TEST_CASE("A facet's normal has the signs that integer arithmetic says, 0 among 
       REQUIRE(normal_sign(c.facet, d) == expected);
     }
   });
-  for (const int n : seen) REQUIRE(n > 20);
+  for (const int n : seen) REQUIRE(n > static_cast<int>(rounds(100)));
 }
 
 TEST_CASE("A point is above a facet when it is after a shift by (e, e^2, e^3), along every axis") {
@@ -130,7 +130,7 @@ TEST_CASE("A point is above a facet when it is after a shift by (e, e^2, e^3), a
       REQUIRE(is_above({{v0, v2, v1}}, axis, c.point) == is_above(c.facet, axis, c.point));  // whichever way it faces
     }
   });
-  REQUIRE(ties > 20);
+  REQUIRE(ties > static_cast<int>(rounds(100)));
 }
 
 TEST_CASE("A ray on an edge passes right of it, as the shifted ray does, along every axis") {
@@ -149,7 +149,7 @@ TEST_CASE("A ray on an edge passes right of it, as the shifted ray does, along e
       REQUIRE(right_of_edge(lo[f.u], lo[f.v], hi[f.u], hi[f.v], c.point[f.u], c.point[f.v]) == (side < 0));
     }
   });
-  REQUIRE(ties > 20);
+  REQUIRE(ties > static_cast<int>(rounds(100)));
 }
 
 TEST_CASE("A facet winds around a ray when the shifted ray passes through its projection, through edges and vertices too") {
@@ -172,7 +172,7 @@ TEST_CASE("A facet winds around a ray when the shifted ray passes through its pr
     const Frame z = Frame::along(2);
     through_vertices += turn_around_ray(c.facet, z, c.facet.vertex[0][z.u], c.facet.vertex[0][z.v]) != 0;
   });
-  for (const int n : seen) REQUIRE(n > 20);
+  for (const int n : seen) REQUIRE(n > static_cast<int>(rounds(100)));
   REQUIRE(through_vertices > 50);
 }
 
