@@ -5,7 +5,10 @@ import { createServer, request as http_request } from "node:http";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import test from "node:test";
-import { close, decoded_png, folder, grid_file, grids, info_of, open_grid, open_page, packed, pixels, point_of, quiet, screenshot, serve, server_and_browser, settled, shares, state, view } from "./support.mjs";
+import {
+  close, decoded_png, folder, grid_file, grids, info_of, open_grid, open_page, packed, pixels, point_of, quiet, screenshot, serve, server_and_browser,
+  settled, shares, state, view,
+} from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 
@@ -114,7 +117,12 @@ test("the page works below a path, behind a proxy that puts another path in fron
   const based = await serve(grids, "--base-path", "/base");
   const proxy = createServer((request, response) => {
     const asked = http_request(
-      { port: based.port, path: request.url.replace(/^\/front\/way/, ""), method: request.method, headers: { ...request.headers, "x-forwarded-prefix": "/front/way" } },
+      {
+        port: based.port,
+        path: request.url.replace(/^\/front\/way/, ""),
+        method: request.method,
+        headers: { ...request.headers, "x-forwarded-prefix": "/front/way" },
+      },
       (answer) => {
         response.writeHead(answer.statusCode, answer.headers);
         answer.pipe(response);
@@ -165,7 +173,13 @@ test("a server with a token gives out the page, which asks for the token and sen
   assert.deepEqual(other.errors, []);
   // Frames of other sites may have no storage. The page knows the token until it is left.
   const frame = await open_page(browser, "about:blank", { expected: (url, status) => status === 401 });
-  await frame.addInitScript(() => Object.defineProperty(window, "sessionStorage", { get: () => { throw new DOMException("denied", "SecurityError"); } }));
+  await frame.addInitScript(() =>
+    Object.defineProperty(window, "sessionStorage", {
+      get: () => {
+        throw new DOMException("denied", "SecurityError");
+      },
+    }),
+  );
   await frame.goto(guarded.url);
   await frame.getByLabel("Access token").fill("open-sesame");
   await frame.getByRole("button", { name: "Open" }).click();
@@ -242,7 +256,9 @@ test("a damaged file: the parts that can't be read are striped, a message says s
   const { healthy, striped } = await page.evaluate(async () => {
     // Asks the server for the same tiles: it can read some of them, and others not.
     const { viewer } = teracell;
-    const asked = await Promise.all([0, 1, 2, 3].flatMap((c) => [0, 1, 2].map((r) => fetch(viewer.address.tile(2, viewer.cell.value[2], 0, c, r)).then((answer) => answer.ok))));
+    const asked = await Promise.all(
+      [0, 1, 2, 3].flatMap((c) => [0, 1, 2].map((r) => fetch(viewer.address.tile(2, viewer.cell.value[2], 0, c, r)).then((answer) => answer.ok))),
+    );
     return { healthy: asked.filter((ok) => ok).length, striped: asked.filter((ok) => !ok).length };
   });
   assert.ok(healthy > 0 && striped > 0, `${healthy} whole tiles, ${striped} damaged ones`);
@@ -388,7 +404,12 @@ test("with the keyboard alone, every control can be reached, seen and used", asy
       const e = document.activeElement;
       const style = getComputedStyle(e);
       const rings = [style, getComputedStyle(e, "::after")];
-      const ring = rings.some((s) => (s.outlineStyle !== "none" && Number.parseFloat(s.outlineWidth) > 0) || s.boxShadow !== "none" || (s.content !== "none" && s.content !== "normal" && Number.parseFloat(s.borderWidth) > 0));
+      const ring = rings.some(
+        (s) =>
+          (s.outlineStyle !== "none" && Number.parseFloat(s.outlineWidth) > 0) ||
+          s.boxShadow !== "none" ||
+          (s.content !== "none" && s.content !== "normal" && Number.parseFloat(s.borderWidth) > 0),
+      );
       return { name: e.getAttribute("aria-label") ?? e.innerText ?? "", role: e.getAttribute("role") ?? e.tagName.toLowerCase(), ring };
     });
   const names = [];
@@ -410,8 +431,13 @@ test("with the keyboard alone, every control can be reached, seen and used", asy
     }
   }
   assert.deepEqual(used, { slice: true, hidden: true });
-  for (const expected of ["Only the slice across x", "Help", "Slice across z", "Play the slices across x", "Column along y", "Pin this cell", "Materials", "Colour of"])
-    assert.ok(names.some((name) => name.includes(expected)), `${expected} was not reached: ${names.join("; ")}`);
+  for (const expected of [
+    "Only the slice across x", "Help", "Slice across z", "Play the slices across x", "Column along y", "Pin this cell", "Materials", "Colour of",
+  ])
+    assert.ok(
+      names.some((name) => name.includes(expected)),
+      `${expected} was not reached: ${names.join("; ")}`,
+    );
   await page.getByRole("tab", { name: "Materials" }).focus();
   await page.keyboard.press("ArrowRight");
   assert.equal(await state(page, "panel"), "report");

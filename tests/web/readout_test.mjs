@@ -3,7 +3,10 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
-import { close, column_of, decoded_png, exported_cell, folder, info_of, offset_in, open_grid, packed, point_of, server_and_browser, settled, state, stats_of, view } from "./support.mjs";
+import {
+  close, column_of, decoded_png, exported_cell, folder, info_of, offset_in, open_grid, packed, point_of, server_and_browser, settled, state, stats_of,
+  view,
+} from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 
@@ -25,7 +28,9 @@ for (const grid of ["stadium", "graded"])
         const hover = await page.evaluate(() => teracell.viewer.hover.value);
         if (!hover) continue; // outside the grid
         assert.equal(hover.axis, "xyz".indexOf(axis));
-        const { zoom, centre, cell } = await page.evaluate(() => ({ zoom: teracell.viewer.zoom.value, centre: teracell.viewer.centre.value, cell: teracell.viewer.cell.value }));
+        const { zoom, centre, cell } = await page.evaluate(() => ({
+          zoom: teracell.viewer.zoom.value, centre: teracell.viewer.centre.value, cell: teracell.viewer.cell.value,
+        }));
         const [u, v, w] = [[1, 2, 0], [0, 2, 1], [0, 1, 2]][hover.axis];
         assert.equal(hover.cell[w], cell[w]);
         for (const [d, expected] of [[u, centre[u] + right / zoom], [v, centre[v] - down / zoom]]) {
@@ -41,7 +46,8 @@ for (const grid of ["stadium", "graded"])
         const text = await part.innerText();
         assert.ok(text.includes(materials[material].name), text);
         assert.equal(text.includes("mixed:"), hover.materials.length > 1, text);
-        for (const [d, row] of (await part.getByRole("row").all()).entries()) assert.equal(digits(await row.getByRole("cell").first().innerText()), hover.cell[d]);
+        for (const [d, row] of (await part.getByRole("row").all()).entries())
+          assert.equal(digits(await row.getByRole("cell").first().innerText()), hover.cell[d]);
       }
     assert.ok(seen.size >= 2, "the pointer met only one material");
     await close(page);
@@ -54,13 +60,21 @@ for (const grid of ["stadium", "graded"])
     const cell = await state(page, "pinned");
     assert.deepEqual(cell, await state(page, "cell"));
     const pinned = page.getByRole("region", { name: "Pinned cell" });
-    await page.waitForFunction((name) => document.querySelector(`[aria-label="Pinned cell"] .dock-material`).innerText.includes(name), info_of(grid).materials[exported_cell(grid, cell)].name);
-    for (const [d, row] of (await pinned.getByRole("row").all()).entries()) assert.equal(digits(await row.getByRole("cell").first().innerText()), cell[d]);
+    await page.waitForFunction(
+      (name) => document.querySelector(`[aria-label="Pinned cell"] .dock-material`).innerText.includes(name),
+      info_of(grid).materials[exported_cell(grid, cell)].name,
+    );
+    for (const [d, row] of (await pinned.getByRole("row").all()).entries())
+      assert.equal(digits(await row.getByRole("cell").first().innerText()), cell[d]);
     await page.getByRole("button", { name: "Copy the runs of the three columns as CSV" }).click();
     const csv = (await page.evaluate(() => navigator.clipboard.readText())).trim().split("\n").slice(1).map((line) => line.split(","));
     const expected = ["x", "y", "z"].flatMap((axis) => {
       const others = [[1, 2], [0, 2], [0, 1]]["xyz".indexOf(axis)];
-      return column_of(grid, axis, others.map((d) => cell[d])).runs.map((r) => [axis, r.from, r.to, r.min, r.max, r.max - r.min, r.material, r.name].map(String));
+      return column_of(
+        grid,
+        axis,
+        others.map((d) => cell[d]),
+      ).runs.map((r) => [axis, r.from, r.to, r.min, r.max, r.max - r.min, r.material, r.name].map(String));
     });
     assert.deepEqual(csv, expected);
     // The pin stays when the pointer and the slice move on. The button removes it.
@@ -306,19 +320,24 @@ test("four views are saved completely: crosshairs from edge to edge, and the ove
   const boxes = await page.evaluate(() => {
     const { left, top } = document.querySelector(".views").getBoundingClientRect();
     const box = (panel) => panel.getBoundingClientRect();
-    return Object.fromEntries([...document.querySelectorAll(".view-panel")].map((p) => [p.dataset.view, [box(p).left - left, box(p).top - top, box(p).width, box(p).height]]));
+    return Object.fromEntries(
+      [...document.querySelectorAll(".view-panel")].map((p) => [p.dataset.view, [box(p).left - left, box(p).top - top, box(p).width, box(p).height]]),
+    );
   });
   const [ratio, head] = [2, 44];
   // The pixels of a part of a panel, in CSS pixels.
   const part = (view, x0, y0, width, height) => {
     const [left, top] = [Math.round(ratio * (boxes[view][0] + x0)), Math.round(ratio * (boxes[view][1] + y0 + head))];
-    return Array.from({ length: ratio * height }, (_, y) => [...picture.data.subarray((top + y) * picture.width + left, (top + y) * picture.width + left + ratio * Math.floor(width))]).flat();
+    return Array.from({ length: ratio * height }, (_, y) => [
+      ...picture.data.subarray((top + y) * picture.width + left, (top + y) * picture.width + left + ratio * Math.floor(width)),
+    ]).flat();
   };
   const inks = { x: packed(0xc8, 0x10, 0x2e), y: packed(0x0b, 0x7a, 0x34), z: packed(0x1f, 0x4f, 0xe0) }; // base.css
   for (const [axis, vertical] of [["x", "y"], ["y", "x"], ["z", "x"]]) {
     const [, , width, height] = boxes[axis];
     // At the lower edge, the number and the tick of a ruler may cover the line, but not the place between them.
-    for (const y of [0, height - 8]) assert.ok(part(axis, 0, y, width, 1).includes(inks[vertical]), `the crosshair ends before ${y} of ${height} in the view across ${axis}`);
+    for (const y of [0, height - 8])
+      assert.ok(part(axis, 0, y, width, 1).includes(inks[vertical]), `the crosshair ends before ${y} of ${height} in the view across ${axis}`);
   }
   const [, , width, height] = boxes["3d"];
   const triad = part("3d", 8, height - 90, 80, 80);

@@ -23,7 +23,9 @@ process.on("exit", () => children.forEach((child) => child.kill("SIGKILL")));
 // answers 5xx that were not expected, and lines in the log that are no requests.
 export async function serve(...args) {
   const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${children.size}.log`);
-  const child = spawn(program, ["serve", ...args, ...(args.includes("--port") ? [] : ["--port", "0"]), "--log", "json"], { stdio: ["ignore", "pipe", "pipe"] });
+  const child = spawn(program, ["serve", ...args, ...(args.includes("--port") ? [] : ["--port", "0"]), "--log", "json"], {
+    stdio: ["ignore", "pipe", "pipe"],
+  });
   children.add(child);
   const lines = [];
   let rest = "";
@@ -164,7 +166,8 @@ export function decoded_png(file) {
   const channels = { 2: 3, 6: 4 }[color];
   if (depth !== 8 || !channels) throw new Error(`a PNG of color type ${color}, ${depth} bits`);
   const parts = [];
-  for (let at = 8; at < file.length; at += 12 + file.readUInt32BE(at)) if (file.toString("latin1", at + 4, at + 8) === "IDAT") parts.push(file.subarray(at + 8, at + 8 + file.readUInt32BE(at)));
+  for (let at = 8; at < file.length; at += 12 + file.readUInt32BE(at))
+    if (file.toString("latin1", at + 4, at + 8) === "IDAT") parts.push(file.subarray(at + 8, at + 8 + file.readUInt32BE(at)));
   const raw = inflateSync(Buffer.concat(parts));
   const stride = width * channels;
   const rows = Buffer.alloc(stride * height);

@@ -1,7 +1,10 @@
 // The slice views: whatever gesture or key led there, they show what `teracell slice` gives.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { close, expected_labels, grids, info_of, offset_in, open_grid, open_page, packed, pixels, point_of, quiet, screenshot, server_and_browser, settled, state, view } from "./support.mjs";
+import {
+  close, expected_labels, grids, info_of, offset_in, open_grid, open_page, packed, pixels, point_of, quiet, screenshot, server_and_browser, settled,
+  state, view,
+} from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
 
@@ -16,7 +19,9 @@ const color_of = (material) => {
 // is visible, otherwise that of the ground. Returns the share of each material.
 async function expect_cells(page, grid, axis, shown = () => true) {
   await settled(page);
-  const where = await page.evaluate(() => ({ cell: teracell.viewer.cell.value, centre: teracell.viewer.centre.value, zoom: teracell.viewer.zoom.value }));
+  const where = await page.evaluate(() => ({
+    cell: teracell.viewer.cell.value, centre: teracell.viewer.centre.value, zoom: teracell.viewer.zoom.value,
+  }));
   const { width, height, data } = await pixels(page, axis);
   const labels = expected_labels(grid, axis, where, width, height);
   const { materials } = info_of(grid);
@@ -303,7 +308,11 @@ test("keys act on the view whose panel is in use, including its bar and the over
     box.type = "checkbox";
     box.id = "box";
   });
-  for (const control of [page.locator("#box"), page.getByLabel(/^Colour of/).first(), page.getByRole("slider", { name: "Slice across x", exact: true })]) {
+  for (const control of [
+    page.locator("#box"),
+    page.getByLabel(/^Colour of/).first(),
+    page.getByRole("slider", { name: "Slice across x", exact: true }),
+  ]) {
     await control.focus();
     const outlines = await state(page, "show_outline");
     await page.keyboard.press("o");

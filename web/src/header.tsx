@@ -87,7 +87,12 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
             <Icon name="panel" />
           </button>
         )}
-        <button class="icon-button" title={dark ? "Use light colours" : "Use dark colours"} aria-label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme}>
+        <button
+          class="icon-button"
+          title={dark ? "Use light colours" : "Use dark colours"}
+          aria-label={dark ? "Use light colours" : "Use dark colours"}
+          onClick={switch_theme}
+        >
           <Icon name={dark ? "sun" : "moon"} />
         </button>
         {viewer && (

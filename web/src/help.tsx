@@ -14,7 +14,14 @@ export function Help({ viewer }: { viewer: Viewer }) {
   const close = () => (viewer.help.value = false);
   const on_key = (event: KeyboardEvent) => event.key === "h" && close();
   return (
-    <dialog ref={dialog} class="dialog" aria-labelledby="help-title" onClose={close} onKeyDown={on_key} onClick={(e) => e.target === dialog.current && close()}>
+    <dialog
+      ref={dialog}
+      class="dialog"
+      aria-labelledby="help-title"
+      onClose={close}
+      onKeyDown={on_key}
+      onClick={(e) => e.target === dialog.current && close()}
+    >
       <div class="dialog-body">
         <div class="dialog-head">
           <h2 id="help-title">Gestures and keys</h2>

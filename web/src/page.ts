@@ -58,7 +58,8 @@ async function open(id: string): Promise<void> {
     stop_keeping = keep_address(next);
   } catch (error) {
     if (signal.aborted) return;
-    trouble.value = error instanceof ServerError && error.status === 404 ? `There is no grid “${id}” here.` : `“${id}” can't be opened: ${words_of(error)}`;
+    trouble.value =
+      error instanceof ServerError && error.status === 404 ? `There is no grid “${id}” here.` : `“${id}” can't be opened: ${words_of(error)}`;
   }
   opening.value = null;
 }
@@ -84,7 +85,10 @@ export async function start_page(): Promise<void> {
   if (grid_in_address()) follow_address();
   await look();
   if (!viewer.value && !opening.value && !trouble.value) follow_address();
-  setInterval(() => document.visibilityState === "visible" && connection.value.state === "there" && void (grids.value ? look() : look_again()), LOOK_EVERY);
+  setInterval(
+    () => document.visibilityState === "visible" && connection.value.state === "there" && void (grids.value ? look() : look_again()),
+    LOOK_EVERY,
+  );
   effect(() => {
     if (version_gone.value + returned.value > 0) void look_again();
   });

@@ -108,7 +108,8 @@ function headline(readable: number, broken: number): string {
 export function StartPage({ waiting, trouble }: { waiting: string | null; trouble: string | null }) {
   const list = grids.value;
   const broken = unreadable.value;
-  if (waiting || (list === null && !trouble)) return <main class="start" aria-busy="true" aria-label={waiting ? `Opening ${waiting}` : "Looking for grids"} />;
+  if (waiting || (list === null && !trouble))
+    return <main class="start" aria-busy="true" aria-label={waiting ? `Opening ${waiting}` : "Looking for grids"} />;
   return (
     <main class="start">
       {trouble && (

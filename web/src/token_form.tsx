@@ -20,7 +20,14 @@ export function TokenForm() {
         <p>{has_token() ? "The server refused this token." : "This server asks for a token."}</p>
         <label>
           Access token
-          <input type="password" name="token" autocomplete="current-password" autofocus value={text} onInput={(e) => set_text(e.currentTarget.value)} />
+          <input
+            type="password"
+            name="token"
+            autocomplete="current-password"
+            autofocus
+            value={text}
+            onInput={(e) => set_text(e.currentTarget.value)}
+          />
         </label>
         <button class="button primary" type="submit" disabled={!token || fault !== null}>
           Open

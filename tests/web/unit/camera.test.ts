@@ -14,7 +14,15 @@ const axes = [long, graded, flat] as const;
 
 function random_camera(): Camera {
   const centre = axes.map((a) => a.min + random() * (a.max - a.min)) as [number, number, number];
-  return new Camera(whole(random, 0, 2) as 0 | 1 | 2, axes, whole(random, 10, 900), whole(random, 10, 900), 1 + random(), centre, 10 ** (6 * random() - 3));
+  return new Camera(
+    whole(random, 0, 2) as 0 | 1 | 2,
+    axes,
+    whole(random, 10, 900),
+    whole(random, 10, 900),
+    1 + random(),
+    centre,
+    10 ** (6 * random() - 3),
+  );
 }
 
 test("a place on the view is found again from its coordinates", () => {
@@ -66,7 +74,11 @@ test("zooming in ends where the finest cell is as large as a thumb, even if most
 });
 
 test("a grid that fits lies within all views, and fills the room in one of them", () => {
-  const box = [new Axis({ type: "uniform", min: -5, step: 1, first: 0, cells: 300 }, 0.5), graded, new Axis({ type: "uniform", min: 0, step: 1, first: 0, cells: 20 }, 0.5)] as const;
+  const box = [
+    new Axis({ type: "uniform", min: -5, step: 1, first: 0, cells: 300 }, 0.5),
+    graded,
+    new Axis({ type: "uniform", min: 0, step: 1, first: 0, cells: 20 }, 0.5),
+  ] as const;
   const views = ([0, 1, 2] as const).map((axis) => ({ axis, width: 500, height: 300 }));
   const zoom = fitting_zoom(box, views);
   let most = 0;

@@ -37,7 +37,9 @@ test("what is in sight is covered once, by tiles of the slice", () => {
     let area = 0;
     for (const place of places) {
       const e = extent_of(place, cells);
-      area += Math.max(0, Math.min(e.u1, sight.seen.u1) - Math.max(e.u0, sight.seen.u0)) * Math.max(0, Math.min(e.v1, sight.seen.v1) - Math.max(e.v0, sight.seen.v0));
+      area +=
+        Math.max(0, Math.min(e.u1, sight.seen.u1) - Math.max(e.u0, sight.seen.u0)) *
+        Math.max(0, Math.min(e.v1, sight.seen.v1) - Math.max(e.v0, sight.seen.v0));
       assert.equal(place.index, sight.slice >> place.level);
       assert.equal(place.axis, sight.axis);
     }
@@ -52,7 +54,9 @@ test("a tile's cells are large enough, and those of the next finer level would n
     const sight = random_sight();
     const { u, v } = FRAMES[sight.axis];
     const pixels = (axis: Axis, from: number, to: number, level: number) =>
-      cells_of_level(axis.cells, level) === 1 ? Number.POSITIVE_INFINITY : ((axis.plane(to) - axis.plane(from)) * sight.scale) / Math.ceil((to - from) / 2 ** level);
+      cells_of_level(axis.cells, level) === 1
+        ? Number.POSITIVE_INFINITY
+        : ((axis.plane(to) - axis.plane(from)) * sight.scale) / Math.ceil((to - from) / 2 ** level);
     const cells = sight.axes.map((a) => a.cells) as [number, number, number];
     for (const place of cover(sight)) {
       const e = extent_of(place, cells);

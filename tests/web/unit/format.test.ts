@@ -1,7 +1,9 @@
 // Numbers as the page writes and reads them.
 import assert from "node:assert/strict";
 import test from "node:test";
-import { about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name } from "@page/base/format";
+import {
+  about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name,
+} from "@page/base/format";
 
 // Writes narrow spaces as plain ones, so that people can read them here.
 const plain = (text: string) => text.replaceAll("\u202f", " ");
@@ -51,7 +53,9 @@ test("bytes come in decimal units", () => {
 });
 
 test("a share is 0 or 100 % only when it is", () => {
-  assert.deepEqual([0, 1e-9, 0.00003, 0.0123, 0.9023, 0.999999, 1].map(percent), ["0 %", "< 0.001 %", "0.003 %", "1.23 %", "90.2 %", "> 99.99 %", "100 %"]);
+  assert.deepEqual([0, 1e-9, 0.00003, 0.0123, 0.9023, 0.999999, 1].map(percent), [
+    "0 %", "< 0.001 %", "0.003 %", "1.23 %", "90.2 %", "> 99.99 %", "100 %",
+  ]);
 });
 
 test("times are as fine as they are short", () => {
@@ -86,5 +90,11 @@ test("numbers are read as this page writes them, and as people type them", () =>
 });
 
 test("names in a CSV file are not taken for formulas, and stand in quotes where they must", () => {
-  assert.deepEqual(["steel", "a, b", 'say "so"', "=HYPERLINK(1)", "-1,2"].map(csv_name), ["steel", '"a, b"', '"say ""so"""', "'=HYPERLINK(1)", '"\'-1,2"']);
+  assert.deepEqual(["steel", "a, b", 'say "so"', "=HYPERLINK(1)", "-1,2"].map(csv_name), [
+    "steel",
+    '"a, b"',
+    '"say ""so"""',
+    "'=HYPERLINK(1)",
+    '"\'-1,2"',
+  ]);
 });

@@ -35,9 +35,16 @@ test("from any view, numbers lie in the panel and overlap neither each other nor
       if (!edge) return [];
       const [x, y] = [edge.to.x - edge.from.x, edge.to.y - edge.from.y];
       const length = Math.hypot(x, y);
-      return [edge.from, edge.to].map((end, i) => ({ size: [60, 14], end, outward: edge.outward, beyond: { x: ((2 * i - 1) * x) / length, y: ((2 * i - 1) * y) / length } }));
+      return [edge.from, edge.to].map((end, i) => ({
+        size: [60, 14],
+        end,
+        outward: edge.outward,
+        beyond: { x: ((2 * i - 1) * x) / length, y: ((2 * i - 1) * y) / length },
+      }));
     });
-    const rects = place_numbers(wishes, width, height, [triad]).flatMap((p) => (p ? [{ left: p.x - 30, top: p.y - 7, right: p.x + 30, bottom: p.y + 7 }] : []));
+    const rects = place_numbers(wishes, width, height, [triad]).flatMap((p) =>
+      p ? [{ left: p.x - 30, top: p.y - 7, right: p.x + 30, bottom: p.y + 7 }] : [],
+    );
     rects.forEach((rect, i) => {
       assert.ok(rect.left >= 0 && rect.top >= 0 && rect.right <= width && rect.bottom <= height, "cut off");
       assert.ok(!overlap(rect, triad), "under the triad");

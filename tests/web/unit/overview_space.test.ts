@@ -45,7 +45,12 @@ test("levels are chosen by their longest side", () => {
 test("cubes are put together without their padding", () => {
   const volume = empty_volume([70, 2, 1], false);
   assert.deepEqual(cubes_of(volume.size), [[0, 0, 0], [1, 0, 0]]);
-  for (const place of cubes_of(volume.size)) place_cube(volume, place, Uint8Array.from({ length: CUBE ** 3 }, (_, i) => (i % CUBE) + 100 * place[0]!));
+  for (const place of cubes_of(volume.size))
+    place_cube(
+      volume,
+      place,
+      Uint8Array.from({ length: CUBE ** 3 }, (_, i) => (i % CUBE) + 100 * place[0]!),
+    );
   assert.deepEqual([volume.labels[63], volume.labels[64], volume.labels[69], volume.labels[70 + 65]], [63, 100, 105, 101]);
 });
 
@@ -129,7 +134,8 @@ test("each axis has one numbered edge on the outline, or none when it points at 
 test("a slow machine draws coarser bodies while they move, and a fast one draws everything", () => {
   const play = (ms: (pixels: number, coarser: number) => number) => {
     const ladder = make_ladder(1);
-    for (let i = 0; i < 40; ++i) for (const rest of [0, 1] as const) ladder.measured(ladder.quality(rest), ms(ladder.quality(rest).ratio ** 2, ladder.quality(rest).coarser));
+    for (let i = 0; i < 40; ++i)
+      for (const rest of [0, 1] as const) ladder.measured(ladder.quality(rest), ms(ladder.quality(rest).ratio ** 2, ladder.quality(rest).coarser));
     return ladder;
   };
   const fast = play(() => 2);

@@ -8,7 +8,8 @@ type Size = [number, number, number];
 
 function volume_of(size: Size, label: (x: number, y: number, z: number) => number): Volume {
   const labels = new Uint8Array(size[0] * size[1] * size[2]);
-  for (let z = 0, at = 0; z < size[2]; ++z) for (let y = 0; y < size[1]; ++y) for (let x = 0; x < size[0]; ++x, ++at) labels[at] = label(x + 0.5, y + 0.5, z + 0.5);
+  for (let z = 0, at = 0; z < size[2]; ++z)
+    for (let y = 0; y < size[1]; ++y) for (let x = 0; x < size[0]; ++x, ++at) labels[at] = label(x + 0.5, y + 0.5, z + 0.5);
   return { size, labels };
 }
 
@@ -32,7 +33,8 @@ function surfaces(volume: Volume, inward = 0, rounds = 8) {
 }
 
 type Positions = Float32Array;
-const corner = (positions: Positions, { vertices, indices }: Faces, i: number) => positions.subarray(3 * vertices[indices[i]!]!, 3 * vertices[indices[i]!]! + 3);
+const corner = (positions: Positions, { vertices, indices }: Faces, i: number) =>
+  positions.subarray(3 * vertices[indices[i]!]!, 3 * vertices[indices[i]!]! + 3);
 
 function enclosed(positions: Positions, faces: Faces): number {
   let sum = 0;
@@ -55,7 +57,8 @@ function assert_closed({ vertices, indices }: Faces): void {
   for (const [name, balance] of edges) assert.equal(balance, 0, `edge ${name}`);
 }
 
-const sphere = (size: Size, radius: number) => volume_of(size, (x, y, z) => Number(Math.hypot(x - size[0] / 2, y - size[1] / 2, z - size[2] / 2) < radius));
+const sphere = (size: Size, radius: number) =>
+  volume_of(size, (x, y, z) => Number(Math.hypot(x - size[0] / 2, y - size[1] / 2, z - size[2] / 2) < radius));
 const ball = (radius: number) => (4 / 3) * Math.PI * radius ** 3;
 
 test("a sphere's surface is closed, faces outward, and encloses the sphere's volume", () => {
@@ -114,7 +117,9 @@ test("sheets and wires one cell thick keep some of their thickness", () => {
 
 test("cells that touch along an edge or at a corner alone still make closed surfaces", () => {
   for (const other of [[3, 3, 2], [3, 3, 3]]) {
-    const { faces } = surfaces(volume_of([6, 6, 6], (x, y, z) => Number([x, y, z].every((c) => Math.floor(c) === 2) || [x, y, z].every((c, d) => Math.floor(c) === other[d]))));
+    const { faces } = surfaces(
+      volume_of([6, 6, 6], (x, y, z) => Number([x, y, z].every((c) => Math.floor(c) === 2) || [x, y, z].every((c, d) => Math.floor(c) === other[d]))),
+    );
     assert_closed(faces[0]!);
     assert.equal(faces[0]!.indices.length, 12 * 2 * 3);
   }

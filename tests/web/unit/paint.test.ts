@@ -28,7 +28,8 @@ function tile_of(place: Place): Tile {
   const labels = new Uint8Array(width * height);
   const sets = Uint32Array.from({ length: 11 }, (_, i) => 2 + i);
   for (let r = 0; r < height; ++r)
-    for (let c = 0; c < width; ++c) labels[r * width + c] = pattern(place.level, (place.column * 512 + c) * 2 ** place.level, (place.row * 512 + r) * 2 ** place.level) - 2;
+    for (let c = 0; c < width; ++c)
+      labels[r * width + c] = pattern(place.level, (place.column * 512 + c) * 2 ** place.level, (place.row * 512 + r) * 2 ** place.level) - 2;
   return { place, name: place_name(place), width, height, sets, labels, bytes: 0 };
 }
 
@@ -65,8 +66,20 @@ for (const each of [1, 2] as const)
     test(`${each} sample${each === 1 ? "" : "s"} per pixel ${whole_tiles ? "from the right tiles" : "where coarser tiles stand in"}: every pixel is the mean of its cells`, () => {
       for (let round = 0; round < 12; ++round) {
         const centre: [number, number, number] = [3 + 750 * random(), 1900 * random(), 0];
-        const camera = new Camera(2, axes, whole(random, 20, 160), whole(random, 20, 160), 1 + whole(random, 0, 1) / 2, centre, 10 ** (2.5 * random() - 1));
-        const { out, samples, regions, width, height, expected } = painted(camera, each, (place) => whole_tiles || (place.column + place.row) % 2 === 0);
+        const camera = new Camera(
+          2,
+          axes,
+          whole(random, 20, 160),
+          whole(random, 20, 160),
+          1 + whole(random, 0, 1) / 2,
+          centre,
+          10 ** (2.5 * random() - 1),
+        );
+        const { out, samples, regions, width, height, expected } = painted(
+          camera,
+          each,
+          (place) => whole_tiles || (place.column + place.row) % 2 === 0,
+        );
         for (let y = 0; y < height; ++y)
           for (let x = 0; x < width; ++x) {
             const all: number[] = [];

@@ -30,7 +30,24 @@ const info = {
   file: { bytes: 1, version: "1.0", hash: "0" },
   crossings: 0,
   bits_per_crossing: 0,
-  report: { bodies: [{ name: "tin", facets: 1, degenerate: 0, duplicates: 0, shells: 1, fill: [], holes: [{ at: [1, 0, 1], edges: 3, diameter: 1, cap_area: 1 }], flips: [], cells: 1 }], crossings: 0, warnings: [], inputs: [] },
+  report: {
+    bodies: [
+      {
+        name: "tin",
+        facets: 1,
+        degenerate: 0,
+        duplicates: 0,
+        shells: 1,
+        fill: [],
+        holes: [{ at: [1, 0, 1], edges: 3, diameter: 1, cap_area: 1 }],
+        flips: [],
+        cells: 1,
+      },
+    ],
+    crossings: 0,
+    warnings: [],
+    inputs: [],
+  },
 } as unknown as GridInfo;
 
 function read(address: string): Viewer {
@@ -63,7 +80,10 @@ function changed(): Viewer {
 test("a changed state is read back completely, to the last bit of its numbers", () => {
   const before = changed();
   const after = read(address_of(before));
-  for (const name of ["cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "box", "pinned", "measure", "markers", "looks"] as const)
+  for (const name of [
+    "cell", "centre", "zoom", "layout", "panel", "show_axes", "show_scale", "show_lines", "show_outline", "box", "pinned", "measure", "markers",
+    "looks",
+  ] as const)
     assert.deepEqual(after[name].value, before[name].value, name);
   assert.equal(address_of(after), address_of(before));
   assert.equal(new URLSearchParams(address_of(before).slice(1)).get("g"), info.id);

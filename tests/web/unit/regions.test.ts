@@ -13,7 +13,8 @@ const tile_of = (place: Place): Tile => ({ place, name: place_name(place), width
 function places_of(level: number, slice: number): Place[] {
   const size = 512 * 2 ** level;
   const places: Place[] = [];
-  for (let row = 0; row * size < cells[1]; ++row) for (let column = 0; column * size < cells[0]; ++column) places.push({ axis: 2, index: slice >> level, level, column, row });
+  for (let row = 0; row * size < cells[1]; ++row)
+    for (let column = 0; column * size < cells[0]; ++column) places.push({ axis: 2, index: slice >> level, level, column, row });
   return places;
 }
 
@@ -28,7 +29,8 @@ test("whatever tiles are there, every cell of the view is drawn once, from a til
   for (let round = 0; round < 60; ++round) {
     const [level, slice, before] = [whole(random, 1, 4), whole(random, 0, 699), whole(random, 0, 699)];
     const there: Place[] = [];
-    for (const s of [slice, before]) for (let l = 0; l < levels; ++l) for (const place of places_of(l, s)) if (random() < [0.05, 0.3, 0.6][round % 3]!) there.push(place);
+    for (const s of [slice, before])
+      for (let l = 0; l < levels; ++l) for (const place of places_of(l, s)) if (random() < [0.05, 0.3, 0.6][round % 3]!) there.push(place);
     const places = places_of(level, slice);
     const shown = regions_of(places, slice, levels, cells, holder(there), { slice: round % 5 ? before : null, patient: round % 2 === 0 });
     const area = shown.regions.reduce((sum, r) => sum + (r.u1 - r.u0) * (r.v1 - r.v0), 0);

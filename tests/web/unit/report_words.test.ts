@@ -7,10 +7,24 @@ import { places_found } from "@page/state/places";
 
 const hole = (diameter: number, cells: number): Hole => ({ at: [0, 0, 0], edges: 3, diameter, diameter_cells: cells, cap_area: 1 });
 const body = (name: string, more: Partial<BodyReport> = {}): BodyReport => ({
-  name, facets: 12, degenerate: 0, duplicates: 0, shells: 1, fill: [{ rule: "nonzero", shells: 1, why: "asked for" }], holes: [], flips: [], cells: 8, ...more,
+  name,
+  facets: 12,
+  degenerate: 0,
+  duplicates: 0,
+  shells: 1,
+  fill: [{ rule: "nonzero", shells: 1, why: "asked for" }],
+  holes: [],
+  flips: [],
+  cells: 8,
+  ...more,
 });
 const info = (bodies: BodyReport[], warnings: string[] = []): GridInfo =>
-  ({ units: "mm", grid: { cells: [10000, 10000, 10000] }, file: { bytes: 15645947 }, report: { bodies, warnings, crossings: 0, inputs: [] } }) as unknown as GridInfo;
+  ({
+    units: "mm",
+    grid: { cells: [10000, 10000, 10000] },
+    file: { bytes: 15645947 },
+    report: { bodies, warnings, crossings: 0, inputs: [] },
+  }) as unknown as GridInfo;
 
 test("closed bodies with cells are nothing to worry about", () => {
   assert.deepEqual(care_of(info([body("hull")])), { level: "fine", text: "Nothing to worry about: the surface of “hull” is closed." });
@@ -19,7 +33,9 @@ test("closed bodies with cells are nothing to worry about", () => {
 
 test("a wide hole is a reason to look", () => {
   const care = care_of(info([body("hull", { holes: [hole(0.3, 2.5), hole(4, 33.21), hole(1, 8)] }), body("deck")]));
-  assert.deepEqual(care, { level: "bad", text: "Look here: “hull” is open. The widest hole is 4.000 mm wide, 33.2 cells. Caps close all of them, and a cap is a guess." });
+  assert.deepEqual(care, {
+    level: "bad", text: "Look here: “hull” is open. The widest hole is 4.000 mm wide, 33.2 cells. Caps close all of them, and a cap is a guess.",
+  });
 });
 
 test("holes narrower than two cells are harmless", () => {

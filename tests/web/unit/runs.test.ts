@@ -6,7 +6,14 @@ import { Axis } from "@page/base/axis";
 import { next_change, run_at, run_text, runs_csv, ticks } from "@page/dock/runs";
 
 const axis = new Axis({ type: "uniform", min: -1, step: 0.5, first: 0, cells: 20 }, 0.5);
-const run = (from: number, to: number, material: number, name: string): ColumnRun => ({ from, to, min: axis.plane(from), max: axis.plane(to), material, name });
+const run = (from: number, to: number, material: number, name: string): ColumnRun => ({
+  from,
+  to,
+  min: axis.plane(from),
+  max: axis.plane(to),
+  material,
+  name,
+});
 const runs = [run(0, 4, 0, "air"), run(4, 5, 1, "steel"), run(5, 17, 0, "air"), run(17, 20, 2, 'say "tin", thin')];
 
 test("every cell is in the run that holds it", () => {

@@ -8,8 +8,20 @@ import { type ViewNeeds, wants_of } from "@page/tiles/wants";
 const cells: Index3 = [10_000, 10_000, 10_000];
 const levels = 15;
 const place = (axis: 0 | 1 | 2, column: number, level = 2, index = 100): Place => ({ axis, index, level, column, row: 0 });
-const view = (more: Partial<ViewNeeds> = {}): ViewNeeds => ({ places: [], missing: [], blank: [], slice: 401, stride: 0, first: false, focus: [0, 0], ...more });
-const names = (views: ViewNeeds[], ahead: boolean) => wants_of(views, levels, cells).filter((want) => want.ahead === ahead).map((want) => place_name(want.place));
+const view = (more: Partial<ViewNeeds> = {}): ViewNeeds => ({
+  places: [],
+  missing: [],
+  blank: [],
+  slice: 401,
+  stride: 0,
+  first: false,
+  focus: [0, 0],
+  ...more,
+});
+const names = (views: ViewNeeds[], ahead: boolean) =>
+  wants_of(views, levels, cells)
+    .filter((want) => want.ahead === ahead)
+    .map((want) => place_name(want.place));
 
 test("tiles in sight are wanted nearest first, in the view in use before the others, and each only once", () => {
   const missing = [place(2, 0), place(2, 1), place(2, 2)];
@@ -28,8 +40,12 @@ test("where much is blank, a coarse tile comes first, for all views", () => {
 
 test("then come the next slices in the direction in which slices moved, and one in the other direction", () => {
   const places = [place(2, 0)];
-  assert.deepEqual(names([view({ places, first: true, stride: 1 })], true), ["2/101/2/0_0", "2/102/2/0_0", "2/103/2/0_0", "2/104/2/0_0", "2/99/2/0_0"]);
-  assert.deepEqual(names([view({ places, first: true, stride: -10 })], true), ["2/97/2/0_0", "2/95/2/0_0", "2/92/2/0_0", "2/90/2/0_0", "2/102/2/0_0"]);
+  assert.deepEqual(names([view({ places, first: true, stride: 1 })], true), [
+    "2/101/2/0_0", "2/102/2/0_0", "2/103/2/0_0", "2/104/2/0_0", "2/99/2/0_0",
+  ]);
+  assert.deepEqual(names([view({ places, first: true, stride: -10 })], true), [
+    "2/97/2/0_0", "2/95/2/0_0", "2/92/2/0_0", "2/90/2/0_0", "2/102/2/0_0",
+  ]);
   assert.deepEqual(names([view({ places })], true), ["2/101/2/0_0", "2/99/2/0_0"]);
 });
 

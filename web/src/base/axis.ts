@@ -18,7 +18,9 @@ export class Axis {
     this.cells = json.type === "graded" ? json.planes.length - 1 : json.cells;
     this.min = this.plane(0);
     this.max = this.plane(this.cells);
-    this.finest = this.planes ? this.planes.reduce((least, plane, i, all) => (i > 0 ? Math.min(least, plane - all[i - 1]!) : least), Number.POSITIVE_INFINITY) : (this.max - this.min) / this.cells;
+    this.finest = this.planes
+      ? this.planes.reduce((least, plane, i, all) => (i > 0 ? Math.min(least, plane - all[i - 1]!) : least), Number.POSITIVE_INFINITY)
+      : (this.max - this.min) / this.cells;
   }
 
   // Cell i lies between plane(i) and plane(i + 1).

@@ -18,7 +18,12 @@ export const drop = (text: string) => (toasts.value = toasts.value.filter((t) =>
 export function say(text: string, detail?: string): void {
   const before = toasts.value.find((t) => t.text === text);
   clearTimeout(before?.timer);
-  const toast = { text, detail: before?.detail ?? detail, times: (before?.times ?? 0) + 1, timer: window.setTimeout(() => drop(text), 1000 * SECONDS) };
+  const toast = {
+    text,
+    detail: before?.detail ?? detail,
+    times: (before?.times ?? 0) + 1,
+    timer: window.setTimeout(() => drop(text), 1000 * SECONDS),
+  };
   toasts.value = before ? toasts.value.map((t) => (t === before ? toast : t)) : [...toasts.value.slice(-3), toast];
 }
 

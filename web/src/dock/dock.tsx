@@ -56,7 +56,12 @@ export function Dock({ viewer }: { viewer: Viewer }) {
           <span class="dock-actions">
             {pinned ? (
               <>
-                <button class="icon-button small" title="Look at the pinned cell" aria-label="Look at the pinned cell" onClick={() => viewer.go_to_cell(pinned)}>
+                <button
+                  class="icon-button small"
+                  title="Look at the pinned cell"
+                  aria-label="Look at the pinned cell"
+                  onClick={() => viewer.go_to_cell(pinned)}
+                >
                   <Icon name="target" />
                 </button>
                 <button class="icon-button small" title="Unpin the cell" aria-label="Unpin the cell" onClick={() => (viewer.pinned.value = null)}>

@@ -51,7 +51,13 @@ export function Profiles({ viewer, cell, profiles }: { viewer: Viewer; cell: Ind
       {AXES.map((d) => (
         <div class={`profile axis-${AXIS_NAMES[d]}`} key={d}>
           <span class="profile-axis">{AXIS_NAMES[d]}</span>
-          <ProfileBar viewer={viewer} axis={d} cell={cell} column={profiles.columns[d] ?? null} point_at={(n) => set_pointed(n === null ? null : { axis: d, run: n })} />
+          <ProfileBar
+            viewer={viewer}
+            axis={d}
+            cell={cell}
+            column={profiles.columns[d] ?? null}
+            point_at={(n) => set_pointed(n === null ? null : { axis: d, run: n })}
+          />
         </div>
       ))}
     </section>

@@ -63,7 +63,14 @@ export function make_body_material(cut: Cut, up: { value: Vector3 }): RawShaderM
     vertexShader,
     fragmentShader,
     premultipliedAlpha: true,
-    uniforms: { cut_at: cut.at, cut_toward: cut.toward, up, color: { value: new Vector3(0.5, 0.5, 0.5) }, opacity: { value: 1 }, glass: { value: 0 } },
+    uniforms: {
+      cut_at: cut.at,
+      cut_toward: cut.toward,
+      up,
+      color: { value: new Vector3(0.5, 0.5, 0.5) },
+      opacity: { value: 1 },
+      glass: { value: 0 },
+    },
   });
 }
 

@@ -53,7 +53,8 @@ export class BodyMeshes {
 
   // Orders transparent bodies from far to near, so that none hides what is drawn later.
   sort(eye: Vector3): void {
-    for (const mesh of this.all()) if (mesh.material.transparent) mesh.renderOrder = clear_order(mesh.geometry.boundingSphere!.center.distanceTo(eye));
+    for (const mesh of this.all())
+      if (mesh.material.transparent) mesh.renderOrder = clear_order(mesh.geometry.boundingSphere!.center.distanceTo(eye));
   }
 
   // Shows one level only: the finest, or one that is coarser by this many levels.

@@ -55,7 +55,11 @@ export async function load_bodies(viewer: Viewer, space: Space, signal: AbortSig
       const cubes = await fetch_cubes(viewer, level, signal);
       const { materials } = viewer.info;
       const ranks = materials.map((material) => material.rank);
-      const answer = await ask(worker, { size: cells, level, ranks, wide: materials.length > 256, planes, cubes, most_triangles: MOST_TRIANGLES }, signal);
+      const answer = await ask(
+        worker,
+        { size: cells, level, ranks, wide: materials.length > 256, planes, cubes, most_triangles: MOST_TRIANGLES },
+        signal,
+      );
       if ("failed" in answer) throw new Error(answer.failed);
       if ("too_many" in answer) return; // the coarser bodies stay
       show({ level, surfaces: answer.surfaces });

@@ -7,16 +7,23 @@ const MODES: Record<BodyMode, { text: string; title: string }> = {
   whole: { text: "Whole", title: "Show the bodies whole" },
   glass: { text: "Glass", title: "Show the bodies like glass" },
 };
-const HELP = "3D overview. The arrow keys turn it, plus and minus move closer or farther away, Home shows everything. A double click sets the crosshair.";
+const HELP =
+  "3D overview. The arrow keys turn it, plus and minus move closer or farther away, Home shows everything. A double click sets the crosshair.";
 
 export type Chrome = ReturnType<typeof make_chrome>;
 
 export function make_chrome(host: HTMLElement) {
   const canvas = element("canvas", { tabindex: "0", role: "application", "aria-label": HELP });
   const home = element("button", { type: "button", title: "Show everything (Home)", "aria-label": "Show everything" });
-  home.innerHTML = '<svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d="M2 8 8 2.5 14 8M4 6.8V13h8V6.8" fill="none" stroke="currentColor" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round"/></svg>';
+  home.innerHTML =
+    '<svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d="M2 8 8 2.5 14 8M4 6.8V13h8V6.8" fill="none" stroke="currentColor" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round"/></svg>';
   const modes = BODY_MODES.map((mode) => ({ mode, button: element("button", { type: "button", title: MODES[mode].title }, MODES[mode].text) }));
-  const bar = element("div", { class: "overview-bar", role: "toolbar", "aria-label": "Overview" }, home, element("div", { class: "overview-modes", role: "group", "aria-label": "Bodies" }, ...modes.map((m) => m.button)));
+  const bar = element(
+    "div",
+    { class: "overview-bar", role: "toolbar", "aria-label": "Overview" },
+    home,
+    element("div", { class: "overview-modes", role: "group", "aria-label": "Bodies" }, ...modes.map((m) => m.button)),
+  );
   const busy = element("div", { class: "overview-busy", role: "status" });
   const message = element("div", { class: "overview-message", role: "alert" });
   message.hidden = true;

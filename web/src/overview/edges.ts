@@ -16,7 +16,9 @@ export interface LabelledEdge {
 // the box, all edges are behind it.
 export function edge_depths(view: Projection, half: Readonly<Vec3>): number[] {
   const faces_eye = (d: number, upper: boolean) => (upper ? view.eye[d]! > half[d]! : view.eye[d]! < -half[d]!);
-  return box_edges([0, 0, 0], [1, 1, 1]).map(({ axis, place }) => Number(faces_eye((axis + 1) % 3, (place & 1) !== 0)) + Number(faces_eye((axis + 2) % 3, (place & 2) !== 0)));
+  return box_edges([0, 0, 0], [1, 1, 1]).map(
+    ({ axis, place }) => Number(faces_eye((axis + 1) % 3, (place & 1) !== 0)) + Number(faces_eye((axis + 2) % 3, (place & 2) !== 0)),
+  );
 }
 
 const SHORTEST = 36; // pixels: an edge that is seen end-on has no room for numbers

@@ -39,7 +39,9 @@ export function figure(view: Projection, half: Readonly<Vec3>, scenery: Scenery,
   const over: Segment[] = [];
   const low = half.map((h) => -h) as Vec3;
   const depths = edge_depths(view, half);
-  box_edges(low, half).forEach(({ a, b }, i) => under.push({ a, b, color: depths[i] === 2 ? faint(theme.edge, 0.45) : theme.edge, width: depths[i] === 1 ? 1.5 : 1 }));
+  box_edges(low, half).forEach(({ a, b }, i) =>
+    under.push({ a, b, color: depths[i] === 2 ? faint(theme.edge, 0.45) : theme.edge, width: depths[i] === 1 ? 1.5 : 1 }),
+  );
 
   for (let d = 0; d < 3; ++d) {
     const color = theme.axes[d]!;

@@ -25,7 +25,11 @@ export function space_of(axes: Axes): Space {
 
 export const to_space = (space: Space, d: number, coordinate: number): number => (coordinate - space.middle[d]!) * space.scale;
 export const from_space = (space: Space, d: number, x: number): number => x / space.scale + space.middle[d]!;
-export const point_to_space = (space: Space, p: readonly number[]): Vec3 => [to_space(space, 0, p[0]!), to_space(space, 1, p[1]!), to_space(space, 2, p[2]!)];
+export const point_to_space = (space: Space, p: readonly number[]): Vec3 => [
+  to_space(space, 0, p[0]!),
+  to_space(space, 1, p[1]!),
+  to_space(space, 2, p[2]!),
+];
 
 // The planes between the cells of a level.
 export function level_planes(axis: Axis, level: number): Float64Array {

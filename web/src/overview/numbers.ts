@@ -36,9 +36,15 @@ export function end_text(axis: Axis, x: number): string {
   return text.replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
 }
 
-const around = ({ x, y }: Point, [w, h]: readonly [number, number]): Rect => ({ left: x - w / 2, top: y - h / 2, right: x + w / 2, bottom: y + h / 2 });
+const around = ({ x, y }: Point, [w, h]: readonly [number, number]): Rect => ({
+  left: x - w / 2,
+  top: y - h / 2,
+  right: x + w / 2,
+  bottom: y + h / 2,
+});
 const clamp = (x: number, low: number, high: number) => Math.min(Math.max(x, low), Math.max(low, high));
-const apart = (a: Rect, b: Rect) => a.left >= b.right + MARGIN || b.left >= a.right + MARGIN || a.top >= b.bottom + MARGIN || b.top >= a.bottom + MARGIN;
+const apart = (a: Rect, b: Rect) =>
+  a.left >= b.right + MARGIN || b.left >= a.right + MARGIN || a.top >= b.bottom + MARGIN || b.top >= a.bottom + MARGIN;
 
 // The places where a number may be, the best one first: beside its end, beyond it, or one of the two pushed into the
 // panel.
@@ -55,7 +61,9 @@ function places({ size: [w, h], end, outward, beyond }: Wish, width: number, hei
 // sight. All numbers that can have their best place get it before others look for another one.
 export function place_numbers(wishes: readonly Wish[], width: number, height: number, taken: readonly Rect[]): (Point | null)[] {
   const used = [...taken];
-  const choices = wishes.map((wish) => (wish.end.x < 0 || wish.end.y < 0 || wish.end.x > width || wish.end.y > height ? [] : places(wish, width, height)));
+  const choices = wishes.map((wish) =>
+    wish.end.x < 0 || wish.end.y < 0 || wish.end.x > width || wish.end.y > height ? [] : places(wish, width, height),
+  );
   const found: (Point | null)[] = wishes.map(() => null);
   for (const most of [1, Infinity])
     wishes.forEach(({ size }, i) => {

@@ -2,7 +2,10 @@
 // so they blend correctly when they are drawn from far to near. A plane shows its picture over a tint so faint that it
 // marks the plane and hides nothing. Every quad is drawn twice: first the nearly opaque parts of its picture, which
 // hide bodies of glass behind them, and then the rest, which hides nothing.
-import { BufferAttribute, BufferGeometry, DataTexture, GLSL3, Group, LinearFilter, LinearMipmapNearestFilter, Mesh, NearestFilter, RawShaderMaterial, Vector4, DoubleSide } from "three";
+import {
+  BufferAttribute, BufferGeometry, DataTexture, GLSL3, Group, LinearFilter, LinearMipmapNearestFilter, Mesh, NearestFilter, RawShaderMaterial,
+  Vector4, DoubleSide,
+} from "three";
 import { FRAMES } from "../base/axis";
 import type { AxisIndex } from "../base/grid";
 import type { Vec3 } from "./level_axis";
@@ -110,7 +113,8 @@ export function make_planes(half: Readonly<Vec3>): Planes {
       const position = quad.geometry.getAttribute("position") as BufferAttribute;
       const uv = quad.geometry.getAttribute("uv") as BufferAttribute;
       for (let corner = 0; corner < 4; ++corner) {
-        const end = (axis: AxisIndex, upper_half: boolean, upper_end: boolean) => (upper_half === upper_end ? (upper_half ? half[axis] : -half[axis]) : at[axis]);
+        const end = (axis: AxisIndex, upper_half: boolean, upper_end: boolean) =>
+          upper_half === upper_end ? (upper_half ? half[axis] : -half[axis]) : at[axis];
         const p: Vec3 = [...at];
         p[u] = end(u, (q & 1) === 1, (corner & 1) === 1);
         p[v] = end(v, (q & 2) === 2, (corner & 2) === 2);
@@ -152,7 +156,8 @@ export function make_planes(half: Readonly<Vec3>): Planes {
       const picture = pictures[d];
       if (!picture) return 0;
       const { u, v } = FRAMES[d];
-      const pixel = (axis: AxisIndex, cells: number, used: number) => Math.min(Math.max(Math.floor(((p[axis] + half[axis]) / (2 * half[axis])) * used * cells), 0), cells - 1);
+      const pixel = (axis: AxisIndex, cells: number, used: number) =>
+        Math.min(Math.max(Math.floor(((p[axis] + half[axis]) / (2 * half[axis])) * used * cells), 0), cells - 1);
       const x = pixel(u, picture.width, picture.used[0]);
       const y = pixel(v, picture.height, picture.used[1]);
       return picture.pixels[4 * (y * picture.width + x) + 3]! / 255;

@@ -32,7 +32,18 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
     const name = AXIS_NAMES[d];
     const low = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, end_text(axis, axis.min));
     const high = element("span", { class: `overview-number ${name}`, "aria-hidden": "true" }, `${end_text(axis, axis.max)} ${units}`);
-    const knob = element("div", { class: `overview-knob ${name}`, role: "slider", tabindex: "0", "aria-label": `Slice across ${name}, in the overview`, "aria-valuemin": "0", "aria-valuemax": String(axis.cells - 1) }, name);
+    const knob = element(
+      "div",
+      {
+        class: `overview-knob ${name}`,
+        role: "slider",
+        tabindex: "0",
+        "aria-label": `Slice across ${name}, in the overview`,
+        "aria-valuemin": "0",
+        "aria-valuemax": String(axis.cells - 1),
+      },
+      name,
+    );
     listen_knob(knob, viewer, d, slid, (x, y) => {
       const edge = view && labelled_edges(view, space.half)[d];
       const p = edge && along_axis(view!, edge.a, d, x, y);

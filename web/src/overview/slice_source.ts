@@ -11,7 +11,12 @@ export interface SliceSource {
   update(): void;
 }
 
-export function follow_slices(viewer: Viewer, signal: AbortSignal, show: (axis: AxisIndex, picture: Picture) => void, failed: (error: unknown) => void): SliceSource {
+export function follow_slices(
+  viewer: Viewer,
+  signal: AbortSignal,
+  show: (axis: AxisIndex, picture: Picture) => void,
+  failed: (error: unknown) => void,
+): SliceSource {
   const slots = ([0, 1, 2] as const).map((axis) => ({ axis, shown: -1, asking: false, slice: null as Slice | null, looks: viewer.looks.value }));
 
   const update = () => {

@@ -19,7 +19,8 @@ interface Hit {
   readonly p: Vector3;
 }
 
-const nearest = (hits: readonly Hit[]): Hit | undefined => hits.reduce<Hit | undefined>((best, hit) => (best && best.far <= hit.far ? best : hit), undefined);
+const nearest = (hits: readonly Hit[]): Hit | undefined =>
+  hits.reduce<Hit | undefined>((best, hit) => (best && best.far <= hit.far ? best : hit), undefined);
 
 export class Stage {
   readonly planes: Planes;
@@ -111,7 +112,15 @@ export class Stage {
     const away = Math.hypot(...eye);
     const radius = Math.hypot(...this.half);
     const near = Math.max(away - 1.2 * radius, 0.004);
-    camera.projectionMatrix.makePerspective(-x * near, x * near, y * near, -y * near, near, Math.max(away + 1.2 * radius, 2 * near), renderer.coordinateSystem);
+    camera.projectionMatrix.makePerspective(
+      -x * near,
+      x * near,
+      y * near,
+      -y * near,
+      near,
+      Math.max(away + 1.2 * radius, 2 * near),
+      renderer.coordinateSystem,
+    );
     camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
     this.sky.value.set(right[2], up[2], back[2]);
     const toward = this.at.map((x, d) => (eye[d]! >= x ? 1 : -1)) as Vec3;
@@ -135,7 +144,8 @@ export class Stage {
   // Where a ray meets bodies that are not cut away there.
   private bodies_on(eye: Vector3, direction: Vector3): Hit[] {
     const { at, toward } = this.cut;
-    const is_cut = (p: Vector3) => toward.value.x !== 0 && [0, 1, 2].every((d) => (p.getComponent(d) - at.value.getComponent(d)) * toward.value.getComponent(d) > 0);
+    const is_cut = (p: Vector3) =>
+      toward.value.x !== 0 && [0, 1, 2].every((d) => (p.getComponent(d) - at.value.getComponent(d)) * toward.value.getComponent(d) > 0);
     const hits = new Raycaster(eye, direction).intersectObjects(this.bodies.visible(), false);
     return hits.filter(({ point }) => !is_cut(point)).map(({ distance, point }) => ({ far: distance, p: point }));
   }

@@ -67,7 +67,8 @@ function bordered({ labels, size }: Volume): { labels: Uint16Array; stride: read
   const [nx, ny, nz] = size;
   const stride = [1, nx + 2, (nx + 2) * (ny + 2)] as const;
   const out = new Uint16Array(stride[2] * (nz + 2));
-  for (let z = 0; z < nz; ++z) for (let y = 0; y < ny; ++y) out.set(labels.subarray((z * ny + y) * nx, (z * ny + y + 1) * nx), 1 + (y + 1) * stride[1] + (z + 1) * stride[2]);
+  for (let z = 0; z < nz; ++z)
+    for (let y = 0; y < ny; ++y) out.set(labels.subarray((z * ny + y) * nx, (z * ny + y + 1) * nx), 1 + (y + 1) * stride[1] + (z + 1) * stride[2]);
   return { labels: out, stride };
 }
 
@@ -199,7 +200,8 @@ export function faces_of(volume: Volume, net: Net, vertex_at: Int32Array): Faces
     for (const corner of ring) list.corners[list.length++] = vertex_at[corner]!;
   });
   const p = net.positions;
-  const distance = (a: number, b: number) => (p[3 * a]! - p[3 * b]!) ** 2 + (p[3 * a + 1]! - p[3 * b + 1]!) ** 2 + (p[3 * a + 2]! - p[3 * b + 2]!) ** 2;
+  const distance = (a: number, b: number) =>
+    (p[3 * a]! - p[3 * b]!) ** 2 + (p[3 * a + 1]! - p[3 * b + 1]!) ** 2 + (p[3 * a + 2]! - p[3 * b + 2]!) ** 2;
   const local = new Int32Array(net.corners.length / 3).fill(-1);
   return [...quads].map(([material, { corners }]) => {
     const used: number[] = [];

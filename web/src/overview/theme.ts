@@ -25,7 +25,15 @@ export function read_theme(element: HTMLElement): Theme {
   const style = getComputedStyle(element);
   const context = document.createElement("canvas").getContext("2d", { willReadFrequently: true })!;
   const color = (name: string) => color_of(context, style.getPropertyValue(`--overview-${name}`));
-  return { ground: [color("inner"), color("middle"), color("outer")], edge: color("edge"), axes: [color("x"), color("y"), color("z")], crosshair: color("crosshair"), box: color("box"), marker: color("marker"), measure: color("measure") };
+  return {
+    ground: [color("inner"), color("middle"), color("outer")],
+    edge: color("edge"),
+    axes: [color("x"), color("y"), color("z")],
+    crosshair: color("crosshair"),
+    box: color("box"),
+    marker: color("marker"),
+    measure: color("measure"),
+  };
 }
 
 // Calls when the page's colours may have changed. Returns what ends this.

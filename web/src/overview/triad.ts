@@ -17,7 +17,11 @@ export function make_triad(look_from: (axis: number, from_above: boolean) => voi
     [true, false].map((upper) => {
       const name = AXIS_NAMES[axis];
       const label = `Look along ${upper ? "−" : "+"}${name}, from the ${upper ? "upper" : "lower"} end of ${name}`;
-      const button = element("button", { type: "button", class: `overview-end ${name} ${upper ? "upper" : "lower"}`, "aria-label": label, title: label }, upper ? name : "");
+      const button = element(
+        "button",
+        { type: "button", class: `overview-end ${name} ${upper ? "upper" : "lower"}`, "aria-label": label, title: label },
+        upper ? name : "",
+      );
       button.addEventListener("click", () => look_from(axis, upper));
       const arm = upper ? element("div", { class: `overview-arm ${name}` }) : null;
       root.append(...(arm ? [arm, button] : [button]));

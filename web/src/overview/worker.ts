@@ -42,7 +42,8 @@ async function surfaces_of(job: SurfaceJob): Promise<SurfaceAnswer> {
   const block = Math.max(2, Math.round(Math.max(...job.size) / 40));
   const surfaces = faces.map(({ material, vertices, indices }, rank): Surface => {
     const positions = new Float32Array(3 * vertices.length);
-    for (let i = 0; i < vertices.length; ++i) for (let d = 0; d < 3; ++d) positions[3 * i + d] = coordinate_at(job.planes[d]!, net.positions[3 * vertices[i]! + d]!);
+    for (let i = 0; i < vertices.length; ++i)
+      for (let d = 0; d < 3; ++d) positions[3 * i + d] = coordinate_at(job.planes[d]!, net.positions[3 * vertices[i]! + d]!);
     const normals = normals_of(positions, indices);
     const density = rank < MOST_DENSITIES ? density_of(volume, material, block) : null;
     const shades = new Int16Array(4 * vertices.length);

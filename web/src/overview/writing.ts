@@ -54,7 +54,10 @@ export function draw_picture(context: CanvasRenderingContext2D, root: HTMLElemen
   context.drawImage(canvas, 0, 0, frame.width, frame.height);
   context.textAlign = "center";
   context.textBaseline = "middle";
-  for (const element of root.querySelectorAll<HTMLElement>(".overview-number:not([hidden]), .overview-knob:not([hidden])")) draw_element(context, frame, element);
-  const triad = [...root.querySelectorAll<HTMLElement>(".overview-arm, .overview-end")].sort((a, b) => Number(a.style.zIndex) - Number(b.style.zIndex));
+  for (const element of root.querySelectorAll<HTMLElement>(".overview-number:not([hidden]), .overview-knob:not([hidden])"))
+    draw_element(context, frame, element);
+  const triad = [...root.querySelectorAll<HTMLElement>(".overview-arm, .overview-end")].sort(
+    (a, b) => Number(a.style.zIndex) - Number(b.style.zIndex),
+  );
   for (const element of triad) (element.matches(".overview-arm") ? draw_arm : draw_element)(context, frame, element);
 }

@@ -28,12 +28,31 @@ function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisI
     <tr class={`axis-${name}`}>
       <th scope="row">{name}</th>
       <td>
-        <input class="number-input" type="number" aria-label={`First cell along ${name}`} min={0} max={axis.cells - 1} value={low} onChange={set("low")} />
+        <input
+          class="number-input"
+          type="number"
+          aria-label={`First cell along ${name}`}
+          min={0}
+          max={axis.cells - 1}
+          value={low}
+          onChange={set("low")}
+        />
       </td>
       <td>
-        <input class="number-input" type="number" aria-label={`Last cell along ${name}`} min={0} max={axis.cells - 1} value={high - 1} onChange={set("high")} />
+        <input
+          class="number-input"
+          type="number"
+          aria-label={`Last cell along ${name}`}
+          min={0}
+          max={axis.cells - 1}
+          value={high - 1}
+          onChange={set("high")}
+        />
       </td>
-      <td class="extent" title={`${coordinate(axis.plane(low), axis.width(low))} to ${coordinate(axis.plane(high), axis.width(high - 1))} ${viewer.units}`}>
+      <td
+        class="extent"
+        title={`${coordinate(axis.plane(low), axis.width(low))} to ${coordinate(axis.plane(high), axis.width(high - 1))} ${viewer.units}`}
+      >
         {significant(axis.plane(high) - axis.plane(low), 5)} {viewer.units}
       </td>
     </tr>
@@ -110,7 +129,11 @@ function Distance({ viewer }: { viewer: Viewer }) {
     <section>
       <h3>Distance</h3>
       <div class="toolbar">
-        <button class="button" aria-pressed={viewer.tool.value === "measure"} onClick={() => (viewer.tool.value = viewer.tool.value === "measure" ? "look" : "measure")}>
+        <button
+          class="button"
+          aria-pressed={viewer.tool.value === "measure"}
+          onClick={() => (viewer.tool.value = viewer.tool.value === "measure" ? "look" : "measure")}
+        >
           Measure in a view
         </button>
         <span class="spacer" />
@@ -183,7 +206,9 @@ export function BoxPanel({ viewer }: { viewer: Viewer }) {
             <Content viewer={viewer} box={box} />
           </>
         ) : (
-          <p class="note">Draw a box in a view, or take the whole grid and type its ends. The cells and the volume of every material in it are counted exactly.</p>
+          <p class="note">
+            Draw a box in a view, or take the whole grid and type its ends. The cells and the volume of every material in it are counted exactly.
+          </p>
         )}
       </section>
       <Distance viewer={viewer} />

@@ -18,6 +18,7 @@ export function with_end(box: Box, axis: AxisIndex, end: "low" | "high", to: num
 
 export function stats_csv(stats: Stats, units: string): string {
   const lines = [`id,material,cells,volume_${units}3,x0,y0,z0,x1,y1,z1`];
-  for (const m of stats.materials) lines.push([m.id, csv_name(m.name), m.cells_text ?? m.cells, m.volume, ...(m.box ?? ["", "", "", "", "", ""])].join(","));
+  for (const m of stats.materials)
+    lines.push([m.id, csv_name(m.name), m.cells_text ?? m.cells, m.volume, ...(m.box ?? ["", "", "", "", "", ""])].join(","));
   return `${lines.join("\n")}\n`;
 }

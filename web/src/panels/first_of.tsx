@@ -2,7 +2,11 @@
 import { useState } from "preact/hooks";
 import { grouped } from "../base/format";
 
-export function FirstOf<T>({ list, step, children }: { list: readonly T[]; step: number; children: (item: T, n: number) => preact.ComponentChildren }) {
+export function FirstOf<T>({ list, step, children }: {
+  list: readonly T[];
+  step: number;
+  children: (item: T, n: number) => preact.ComponentChildren;
+}) {
   const [most, set_most] = useState(step);
   const more = list.length - most;
   return (

@@ -104,7 +104,14 @@ function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
   return (
     <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
       <div class="material-head">
-        <input type="color" title={`Colour of ${name}`} aria-label={`Colour of ${name}`} value={hex_color(look)} style={{ "--opacity": look.opacity }} onInput={(e) => recolour(viewer, id, e.currentTarget.value)} />
+        <input
+          type="color"
+          title={`Colour of ${name}`}
+          aria-label={`Colour of ${name}`}
+          value={hex_color(look)}
+          style={{ "--opacity": look.opacity }}
+          onInput={(e) => recolour(viewer, id, e.currentTarget.value)}
+        />
         {short ? (
           <button class="material-title" title={name} aria-expanded={opened} onClick={() => set_opened(!opened)}>
             {title}
@@ -115,10 +122,22 @@ function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
           </span>
         )}
         {whole ? <Opacity viewer={viewer} id={id} /> : <span class="share">{stats ? percent(stats.cells / all) : "…"}</span>}
-        <button class="icon-button" title={look.visible ? "Hide" : "Show"} aria-label={`Show ${name}`} aria-pressed={look.visible} onClick={() => change(viewer, id, { visible: !look.visible })}>
+        <button
+          class="icon-button"
+          title={look.visible ? "Hide" : "Show"}
+          aria-label={`Show ${name}`}
+          aria-pressed={look.visible}
+          onClick={() => change(viewer, id, { visible: !look.visible })}
+        >
           <Icon name={look.visible ? "eye" : "hidden"} />
         </button>
-        <button class="icon-button" title="Only this one" aria-label={`Only ${name}`} aria-pressed={is_solo(viewer, id)} onClick={() => solo(viewer, id)}>
+        <button
+          class="icon-button"
+          title="Only this one"
+          aria-label={`Only ${name}`}
+          aria-pressed={is_solo(viewer, id)}
+          onClick={() => solo(viewer, id)}
+        >
           <Icon name="solo" />
         </button>
       </div>
@@ -154,17 +173,38 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
           </button>
         )}
         <span class="spacer" />
-        <button class="button" disabled={looks.every((look, id) => same_look(look, viewer.standard_looks[id]!))} title="Put colours, opacity and visibility back to what they were" onClick={() => (viewer.looks.value = viewer.standard_looks)}>
+        <button
+          class="button"
+          disabled={looks.every((look, id) => same_look(look, viewer.standard_looks[id]!))}
+          title="Put colours, opacity and visibility back to what they were"
+          onClick={() => (viewer.looks.value = viewer.standard_looks)}
+        >
           Reset
         </button>
       </div>
       {materials.length > MANY && (
-        <input class="text-input" type="search" placeholder={`Filter ${grouped(materials.length)} materials`} aria-label="Filter materials by name" value={filter} onInput={(e) => set_filter(e.currentTarget.value)} />
+        <input
+          class="text-input"
+          type="search"
+          placeholder={`Filter ${grouped(materials.length)} materials`}
+          aria-label="Filter materials by name"
+          value={filter}
+          onInput={(e) => set_filter(e.currentTarget.value)}
+        />
       )}
       {stats.error && <p class="problem">The cells can't be counted: {stats.error}</p>}
       <ul class="materials">
         <FirstOf list={found} step={STEP}>
-          {(m) => <MaterialCard key={m.id} short={materials.length > MANY} viewer={viewer} id={m.id} stats={stats.value?.materials[m.id] ?? null} all={all} />}
+          {(m) => (
+            <MaterialCard
+              key={m.id}
+              short={materials.length > MANY}
+              viewer={viewer}
+              id={m.id}
+              stats={stats.value?.materials[m.id] ?? null}
+              all={all}
+            />
+          )}
         </FirstOf>
       </ul>
       {found.length === 0 && <p class="note">No material has this in its name.</p>}

@@ -25,7 +25,11 @@ function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: 
           <span class="body-name" title={body.name}>
             {body.name}
           </span>
-          {problem && <span class={`tag ${body.cells === 0 ? "bad" : "look"}`}>{body.cells === 0 ? "no cells" : body.holes.length ? plural(body.holes.length, "hole") : "flipped"}</span>}
+          {problem && (
+            <span class={`tag ${body.cells === 0 ? "bad" : "look"}`}>
+              {body.cells === 0 ? "no cells" : body.holes.length ? plural(body.holes.length, "hole") : "flipped"}
+            </span>
+          )}
           <span class="body-cells">{body_cells(body)}</span>
         </summary>
         {opened && <BodyDetails viewer={viewer} body={body} />}
@@ -72,7 +76,9 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
         {bodies.length === 0 && <p class="note">There is no body: the whole grid is background.</p>}
         <ul class="bodies">
           <FirstOf list={bodies} step={MANY}>
-            {(body, n) => <Body key={body.name} viewer={viewer} body={body} open={bodies.length === 1 || (has_something_to_say(body) && (few || n < 3))} />}
+            {(body, n) => (
+              <Body key={body.name} viewer={viewer} body={body} open={bodies.length === 1 || (has_something_to_say(body) && (few || n < 3))} />
+            )}
           </FirstOf>
         </ul>
       </section>

@@ -83,7 +83,11 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
           Inside of {plural(fill.shells, "shell")}: <b>{fill.rule}</b>, {fill.why}
         </p>
       ))}
-      {body.cells === 0 && <p class="problem">It owns no cell: it encloses nothing, lies outside the grid or between the sample points, or stronger bodies own all of its cells.</p>}
+      {body.cells === 0 && (
+        <p class="problem">
+          It owns no cell: it encloses nothing, lies outside the grid or between the sample points, or stronger bodies own all of its cells.
+        </p>
+      )}
       {holes.length > 0 && (
         <ul class="places">
           <FirstOf list={holes} step={MANY}>

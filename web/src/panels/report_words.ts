@@ -13,10 +13,15 @@ const HARMLESS = 2; // cells: a narrower hole does no harm, as in the warnings o
 const quoted = (bodies: readonly BodyReport[]) => {
   const names = bodies.slice(0, 3).map((b) => `“${b.name}”`);
   const more = bodies.length - names.length;
-  return more > 0 ? `${names.join(", ")} and ${grouped(more)} more` : names.length > 1 ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}` : names.join("");
+  return more > 0
+    ? `${names.join(", ")} and ${grouped(more)} more`
+    : names.length > 1
+      ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`
+      : names.join("");
 };
 
-export const widest = (holes: readonly Hole[]): Hole | undefined => holes.reduce<Hole | undefined>((w, h) => (w && w.diameter >= h.diameter ? w : h), undefined);
+export const widest = (holes: readonly Hole[]): Hole | undefined =>
+  holes.reduce<Hole | undefined>((w, h) => (w && w.diameter >= h.diameter ? w : h), undefined);
 
 // "3 seams, 12 m in all, stitched over gaps of up to 1e-7 m"
 export function seams_text(body: BodyReport, units: string): string {
@@ -44,12 +49,21 @@ export function care_of(info: GridInfo): Care {
     return { level: "bad", text: `Look here: ${quoted(open)} ${is} open. ${worst}, and a cap is a guess.` };
   }
   if (holes.length === 1) return { level: "look", text: `Harmless: ${quoted(open)} had a hole narrower than ${HARMLESS} cells, which a cap closes.` };
-  if (holes.length) return { level: "look", text: `Harmless: ${quoted(open)} had ${plural(holes.length, "hole")} narrower than ${HARMLESS} cells, which caps close.` };
+  if (holes.length)
+    return {
+      level: "look",
+      text: `Harmless: ${quoted(open)} had ${plural(holes.length, "hole")} narrower than ${HARMLESS} cells, which caps close.`,
+    };
   if (flipped.length)
-    return { level: "look", text: `Probably fine: ${quoted(flipped)} ${flipped.length === 1 ? "has" : "have"} facets that face the wrong way, so the inside was decided by parity.` };
-  if (info.report.warnings.length) return { level: "look", text: `All surfaces are closed, but read the ${plural(info.report.warnings.length, "warning")} below.` };
+    return {
+      level: "look",
+      text: `Probably fine: ${quoted(flipped)} ${flipped.length === 1 ? "has" : "have"} facets that face the wrong way, so the inside was decided by parity.`,
+    };
+  if (info.report.warnings.length)
+    return { level: "look", text: `All surfaces are closed, but read the ${plural(info.report.warnings.length, "warning")} below.` };
   if (bodies.length === 0) return { level: "fine", text: "There is no body in this grid." };
-  const closed = bodies.length === 1 ? `the surface of ${quoted(bodies)} is closed` : `all ${grouped(bodies.length)} bodies are closed and have cells`;
+  const closed =
+    bodies.length === 1 ? `the surface of ${quoted(bodies)} is closed` : `all ${grouped(bodies.length)} bodies are closed and have cells`;
   return { level: "fine", text: `Nothing to worry about: ${closed}.` };
 }
 

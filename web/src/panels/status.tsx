@@ -52,7 +52,8 @@ function use_moments(): { moments: readonly Moment[]; error: string | null } {
   return { moments, error };
 }
 
-const median = (list: readonly number[], q = 0.5): number => [...list].sort((a, b) => a - b)[Math.min(list.length - 1, Math.floor(q * list.length))] ?? NaN;
+const median = (list: readonly number[], q = 0.5): number =>
+  [...list].sort((a, b) => a - b)[Math.min(list.length - 1, Math.floor(q * list.length))] ?? NaN;
 
 function Curve({ label, value, values, title }: { label: string; value: string; values: readonly number[]; title?: string }) {
   return (
@@ -159,8 +160,18 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
       </p>
       <section>
         <h3>This page</h3>
-        <Curve label="a tile" value={latencies.length ? milliseconds(latencies.at(-1)!) : "–"} values={latencies.slice(-KEPT)} title="From the request for a tile to its last byte" />
-        <Curve label="a small request" value={moments.length ? milliseconds(moments.at(-1)!.answer) : "–"} values={moments.map((m) => m.answer)} title="The time of a small request, as seen from here" />
+        <Curve
+          label="a tile"
+          value={latencies.length ? milliseconds(latencies.at(-1)!) : "–"}
+          values={latencies.slice(-KEPT)}
+          title="From the request for a tile to its last byte"
+        />
+        <Curve
+          label="a small request"
+          value={moments.length ? milliseconds(moments.at(-1)!.answer) : "–"}
+          values={moments.map((m) => m.answer)}
+          title="The time of a small request, as seen from here"
+        />
         <dl class="numbers">
           <div>
             <dt>median, 95th percentile</dt>

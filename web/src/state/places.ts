@@ -16,8 +16,12 @@ export function hole_text(hole: Hole, units: string): string {
 // The places that can be marked in the views, the widest holes first.
 export function places_found(info: GridInfo): Marker[] {
   const { bodies } = info.report;
-  const holes = bodies.flatMap((b) => b.holes.map((h) => ({ at: h.at, size: h.diameter, text: `hole in ${b.name}: ${hole_text(h, unit_name(info.units))}` })));
+  const holes = bodies.flatMap((b) =>
+    b.holes.map((h) => ({ at: h.at, size: h.diameter, text: `hole in ${b.name}: ${hole_text(h, unit_name(info.units))}` })),
+  );
   holes.sort((a, b) => b.size - a.size);
-  const flips = bodies.flatMap((b) => b.flips.map((f) => ({ at: f.at, text: `${b.name}: facets face the other way along ${plural(f.edges, "edge")}` })));
+  const flips = bodies.flatMap((b) =>
+    b.flips.map((f) => ({ at: f.at, text: `${b.name}: facets face the other way along ${plural(f.edges, "edge")}` })),
+  );
   return [...holes.map(({ at, text }) => ({ at, text })), ...flips].slice(0, MOST_MARKERS);
 }

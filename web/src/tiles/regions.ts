@@ -64,7 +64,13 @@ export function regions_of(places: readonly Place[], slice: number, levels: numb
   };
   const quarters = (place: Place): Place[] =>
     [0, 1, 2, 3]
-      .map((q) => ({ ...place, index: slice >> (place.level - 1), level: place.level - 1, column: 2 * place.column + (q & 1), row: 2 * place.row + (q >> 1) }))
+      .map((q) => ({
+        ...place,
+        index: slice >> (place.level - 1),
+        level: place.level - 1,
+        column: 2 * place.column + (q & 1),
+        row: 2 * place.row + (q >> 1),
+      }))
       .filter((quarter) => extent_of(quarter, cells).u0 < cells[FRAMES[place.axis].u] && extent_of(quarter, cells).v0 < cells[FRAMES[place.axis].v]);
   const has_finer = (place: Place, depth: number): boolean =>
     depth > 0 && place.level > 0 && quarters(place).some((quarter) => held.find(quarter) !== null || has_finer(quarter, depth - 1));

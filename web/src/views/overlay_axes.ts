@@ -46,7 +46,8 @@ export function draw_rulers(pen: Pen): void {
   const marks = (axis: Axis, low: number, high: number, draw: (at: number, text: string) => void) => {
     const [from, to] = [Math.max(low, axis.min), Math.min(high, axis.max)];
     const first = Math.ceil(from / step - 1e-9);
-    for (let k = 0; k < 64 && (first + k) * step <= to * (1 + 1e-12) + 1e-12 * step; ++k) draw((first + k) * step, coordinate((first + k) * step, 10 * step));
+    for (let k = 0; k < 64 && (first + k) * step <= to * (1 + 1e-12) + 1e-12 * step; ++k)
+      draw((first + k) * step, coordinate((first + k) * step, 10 * step));
   };
   const low = camera.height - 1;
   const tick = (x: number, y: number, width: number, height: number) => {

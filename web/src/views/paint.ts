@@ -59,7 +59,14 @@ export function number_at(samples: SampleCells, regions: readonly Region[], x: n
 const mean = (a: number, b: number): number => ((a | b) - (((a ^ b) & 0xfefefefe) >>> 1)) >>> 0;
 
 // The colours of one row of samples. Samples of the same pixel are averaged.
-function fill_line(line: Uint32Array, y: number, samples: SampleCells, regions: readonly Region[], patches: readonly Patch[], colors: Uint32Array): void {
+function fill_line(
+  line: Uint32Array,
+  y: number,
+  samples: SampleCells,
+  regions: readonly Region[],
+  patches: readonly Patch[],
+  colors: Uint32Array,
+): void {
   const { each } = samples;
   line.fill(colors[OUTSIDE]!);
   for (const { region, x0, x1, y0, y1, columns, colors: own } of patches) {

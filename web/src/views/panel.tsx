@@ -16,7 +16,12 @@ export function activating(stage: Stage, view: ViewName) {
 
 export function MaximiseButton({ what, alone, toggle }: { what: string; alone: boolean; toggle: () => void }) {
   return (
-    <button class="view-maximise" aria-label={alone ? "All four views" : `${what} alone`} title={alone ? "All four views (space)" : "This view alone (space)"} onClick={toggle}>
+    <button
+      class="view-maximise"
+      aria-label={alone ? "All four views" : `${what} alone`}
+      title={alone ? "All four views (space)" : "This view alone (space)"}
+      onClick={toggle}
+    >
       <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="1.6">
         <path d={alone ? "M6.5 2v4.5H2M9.5 14V9.5H14" : "M9.5 2.5h4v4M6.5 13.5h-4v-4"} />
       </svg>
@@ -43,7 +48,10 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         slice {grouped(slice)} (0–{grouped(a.cells - 1)})
       </span>
       {level > 0 && (
-        <span class="view-level" title={`At this zoom each square shows the materials of ${together} × ${together} × ${together} cells (level ${level}). Zoom in to see single cells.`}>
+        <span
+          class="view-level"
+          title={`At this zoom each square shows the materials of ${together} × ${together} × ${together} cells (level ${level}). Zoom in to see single cells.`}
+        >
           level {level}
         </span>
       )}
@@ -71,8 +79,21 @@ export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: View
     };
   }, [stage, axis]);
   return (
-    <section class="view-panel" data-view={name} hidden={layout !== "four" && layout !== name} aria-label={`Slices across ${name}`} {...activating(stage, name)}>
-      <div class={`view-body view-tool-${viewer.tool.value}`} ref={body} tabIndex={0} role="application" aria-roledescription="slice view" aria-label={`Slice ${viewer.slice[axis].value} across ${name}; press h for its keys`} />
+    <section
+      class="view-panel"
+      data-view={name}
+      hidden={layout !== "four" && layout !== name}
+      aria-label={`Slices across ${name}`}
+      {...activating(stage, name)}
+    >
+      <div
+        class={`view-body view-tool-${viewer.tool.value}`}
+        ref={body}
+        tabIndex={0}
+        role="application"
+        aria-roledescription="slice view"
+        aria-label={`Slice ${viewer.slice[axis].value} across ${name}; press h for its keys`}
+      />
       <header class="view-head">
         <Title stage={stage} viewer={viewer} axis={axis} />
         <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, name)} />

@@ -53,8 +53,17 @@ export class Pen {
     const [top, bottom] = [this.crisp(this.camera.y_of(up.plane(v1))), this.crisp(this.camera.y_of(up.plane(v0)))];
     // Clipped here, because a dashed line that reaches far outside the canvas costs time.
     const clip = (x: number, most: number) => Math.min(Math.max(x, -16), most + 16);
-    const [l, r, t, b] = [clip(left, this.camera.width), clip(right, this.camera.width), clip(top, this.camera.height), clip(bottom, this.camera.height)];
-    this.path([[l, t], [r, t], [r, b], [l, b]], color, { ...options, close: true });
+    const [l, r, t, b] = [
+      clip(left, this.camera.width),
+      clip(right, this.camera.width),
+      clip(top, this.camera.height),
+      clip(bottom, this.camera.height),
+    ];
+    this.path(
+      [[l, t], [r, t], [r, b], [l, b]],
+      color,
+      { ...options, close: true },
+    );
   }
 
   text(text: string, x: number, y: number, color = this.ink.text, align: CanvasTextAlign = "left", baseline: CanvasTextBaseline = "middle"): void {
@@ -73,7 +82,9 @@ export class Pen {
     const c = this.context;
     c.textAlign = align;
     c.textBaseline = baseline;
-    const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } = c.measureText(text);
+    const {
+      actualBoundingBoxLeft: left, actualBoundingBoxRight: right, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down,
+    } = c.measureText(text);
     c.fillStyle = this.ink.plate;
     c.beginPath();
     c.roundRect(x - left - 3, y - up - 3, left + right + 6, up + down + 6, 3);

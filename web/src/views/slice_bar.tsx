@@ -56,7 +56,13 @@ function NumberBox({ text, label, width, suffix, whole = false, take }: NumberBo
 function Step({ axis, by, take, disabled }: { axis: AxisIndex; by: 1 | -1; take: () => void; disabled: boolean }) {
   const what = `${by > 0 ? "Next" : "Previous"} slice`;
   return (
-    <button class="slice-button slice-step" aria-label={`${what} across ${AXIS_NAMES[axis]}`} title={`${what} (${by > 0 ? "." : ","})`} onClick={take} disabled={disabled}>
+    <button
+      class="slice-button slice-step"
+      aria-label={`${what} across ${AXIS_NAMES[axis]}`}
+      title={`${what} (${by > 0 ? "." : ","})`}
+      onClick={take}
+      disabled={disabled}
+    >
       <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true" fill="none" stroke="currentColor" stroke-width="1.8">
         <path d={by > 0 ? "M6 3.5 10.5 8 6 12.5" : "M10 3.5 5.5 8l4.5 4.5"} />
       </svg>
@@ -77,13 +83,28 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
   const widest = Math.max(coordinate(0).length, coordinate(a.cells - 1).length, coordinate(slice).length);
   return (
     <div class="slice-bar">
-      <button class="slice-button slice-play" aria-label={playing ? `Pause ${name}` : `Play the slices across ${name}`} aria-pressed={playing} title={playing ? "Pause (p)" : "Play (p)"} onClick={() => toggle_sweep(viewer, axis)}>
+      <button
+        class="slice-button slice-play"
+        aria-label={playing ? `Pause ${name}` : `Play the slices across ${name}`}
+        aria-pressed={playing}
+        title={playing ? "Pause (p)" : "Play (p)"}
+        onClick={() => toggle_sweep(viewer, axis)}
+      >
         <svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true">
           <path d={playing ? "M4 3h3v10H4zM9 3h3v10H9z" : "M4 2.5v11l9-5.5z"} fill="currentColor" />
         </svg>
       </button>
       <Step axis={axis} by={-1} take={() => take(slice - 1)} disabled={slice === 0} />
-      <input type="range" aria-label={`Slice across ${name}`} min={0} max={a.cells - 1} step={1} value={slice} onInput={(e) => take(e.currentTarget.valueAsNumber)} disabled={a.cells === 1} />
+      <input
+        type="range"
+        aria-label={`Slice across ${name}`}
+        min={0}
+        max={a.cells - 1}
+        step={1}
+        value={slice}
+        onInput={(e) => take(e.currentTarget.valueAsNumber)}
+        disabled={a.cells === 1}
+      />
       <Step axis={axis} by={1} take={() => take(slice + 1)} disabled={slice === a.cells - 1} />
       <NumberBox label={`Slice across ${name}, from 0 to ${a.cells - 1}`} text={String(slice)} width={String(a.cells - 1).length} take={take} whole />
       <NumberBox

@@ -63,7 +63,11 @@ function draw_title(context: CanvasRenderingContext2D, viewer: Viewer, { axis, l
   const a = viewer.axes[axis];
   const i = viewer.cell.value[axis];
   const parts = [
-    { text: `${AXIS_NAMES[axis]} = ${coordinate(a.centre(i), a.plane(i + 1) - a.plane(i))} ${viewer.units}`, font: `600 ${FONT}`, color: `--view-${AXIS_NAMES[axis]}` },
+    {
+      text: `${AXIS_NAMES[axis]} = ${coordinate(a.centre(i), a.plane(i + 1) - a.plane(i))} ${viewer.units}`,
+      font: `600 ${FONT}`,
+      color: `--view-${AXIS_NAMES[axis]}`,
+    },
     ...(level > 0 ? [{ text: `level ${level}`, font: FONT, color: "--view-text" }] : []),
   ];
   const widths = parts.map(({ text, font }) => {

@@ -67,7 +67,9 @@ export class Stage {
     const { viewer: v } = this;
     this.stops.push(
       effect(() => {
-        for (const s of [v.cell, v.centre, v.zoom, v.layout, v.looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.box, v.measure, v.pinned, v.markers])
+        for (const s of [
+          v.cell, v.centre, v.zoom, v.layout, v.looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.box, v.measure, v.pinned, v.markers,
+        ])
           s.value;
         this.draft.value;
         this.invalidate();
@@ -276,7 +278,12 @@ export class Stage {
     point[w] = viewer.axes[w].centre(cell[w]);
     const set = view.finest_at(this.store, cell[w], cell[u], cell[v], viewer.info.levels.length);
     const materials = set === null ? null : this.sets.members(set);
-    const same = before && before.axis === view.axis && before.materials === materials && before.point.every((x, d) => x === point[d]) && before.cell[w] === cell[w];
+    const same =
+      before &&
+      before.axis === view.axis &&
+      before.materials === materials &&
+      before.point.every((x, d) => x === point[d]) &&
+      before.cell[w] === cell[w];
     if (!same) viewer.hover.value = { axis: view.axis, cell, point, materials };
   }
 

@@ -16,7 +16,17 @@ async function copy_text(text: string): Promise<void> {
   if (!done) throw new Error("the browser refused");
 }
 
-export function CopyButton({ text, what, label, disabled = false }: { text: string | (() => string); what: string; label?: string; disabled?: boolean }) {
+export function CopyButton({
+  text,
+  what,
+  label,
+  disabled = false,
+}: {
+  text: string | (() => string);
+  what: string;
+  label?: string;
+  disabled?: boolean;
+}) {
   const [copied, set_copied] = useState(false);
   const copy = async () => {
     try {
