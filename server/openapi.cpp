@@ -67,6 +67,10 @@ ordered_json object(ordered_json properties) {
   for (const auto& [key, value] : properties.items()) required.push_back(key);
   return {{"type", "object"}, {"required", required}, {"properties", std::move(properties)}};
 }
+ordered_json described(ordered_json schema, const char* description) {
+  schema["description"] = description;
+  return schema;
+}
 ordered_json array(ordered_json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
 const ordered_json kNumber = {{"type", "number"}};
 
@@ -80,7 +84,16 @@ ordered_json schemas() {
       {"Error", object({{"error", object({{"code", text}, {"message", text}})}})},
       {"Grids",
        object({{"schema", kInteger},
-               {"grids", array(object({{"id", text}, {"name", text}, {"cells", index}, {"bytes", kInteger}, {"hash", text}, {"units", text}}))},
+               {"grids",
+                array(object({{"id", text},
+                              {"name", text},
+                              {"cells", index},
+                              {"bytes", kInteger},
+                              {"hash", text},
+                              {"units", text},
+                              {"protocols",
+                               array(object({{"title", text},
+                                             {"path", described(text, "below the server's base path, for programs that read this protocol")}}))}}))},
                {"unreadable", array(object({{"id", text}, {"error", text}}))}})},
       {"Info",
        object({{"schema", kInteger},

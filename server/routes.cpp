@@ -204,13 +204,17 @@ Response stats(const GridRequest& r) {
 Response list(Service& service, const Target& target) {
   target.allow({});
   ordered_json j = {{"schema", 1}, {"grids", ordered_json::array()}, {"unreadable", ordered_json::array()}};
-  for (const auto& grid : service.grids().all())
+  for (const auto& grid : service.grids().all()) {
+    ordered_json addresses = ordered_json::array();
+    for (const Protocol& p : protocols()) addresses.push_back({{"title", p.title}, {"path", address_of(p, *grid)}});
     j["grids"].push_back({{"id", grid->id},
                           {"name", grid->id},
                           {"cells", grid->meta().grid.cells()},
                           {"bytes", grid->reader().file_bytes()},
                           {"hash", grid->hash},
-                          {"units", grid->meta().units}});
+                          {"units", grid->meta().units},
+                          {"protocols", std::move(addresses)}});
+  }
   for (const auto& [id, error] : service.grids().unreadable()) j["unreadable"].push_back({{"id", id}, {"error", error}});
   return plain("grids", kJson, ascii_json(j));
 }

@@ -49,7 +49,7 @@ std::string card(const ServedGrid& grid, const Request& request) {
   };
   row("JSON", fmt::format("/api/v1/grids/{}", id));
   row("statistics", fmt::format("/api/v1/grids/{}/stats", id));
-  for (const Protocol& p : protocols()) row(p.title, fmt::format("/{}{}", p.prefix, p.example(grid)));
+  for (const Protocol& p : protocols()) row(p.title, fmt::format("{}{}", address_of(p, grid), p.document));
   return fmt::format(
       "<section><h2>{}</h2><p>{} &times; {} &times; {} = {} cells in {:.1f} MB</p><div class=\"slices\">{}</div><table>{}</table></section>",
       html(grid.id), n[0], n[1], n[2], cell_count_text(n), static_cast<double>(grid.reader().file_bytes()) / 1e6, pictures, rows);

@@ -54,7 +54,8 @@ Protocol deep_zoom() {
   return {.prefix = "dzi",
           .route = "deep_zoom",
           .title = "Deep Zoom",
-          .example = [](const ServedGrid& g) { return fmt::format("/{}/z/{}.dzi", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
+          .address = [](const ServedGrid& g) { return fmt::format("/{}/z/{}.dzi", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
+          .document = "",
           .serve = serve_by_id("deep_zoom", find)};
 }
 

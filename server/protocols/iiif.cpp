@@ -134,7 +134,8 @@ Protocol iiif() {
   return {.prefix = kPrefix,
           .route = kRoute,
           .title = "IIIF",
-          .example = [](const ServedGrid& g) { return fmt::format("/{}-z-{}/info.json", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
+          .address = [](const ServedGrid& g) { return fmt::format("/{}-z-{}/info.json", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
+          .document = "",
           .serve = serve};
 }
 

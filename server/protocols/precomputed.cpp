@@ -105,7 +105,8 @@ Protocol precomputed() {
   return {.prefix = "precomputed",
           .route = "precomputed",
           .title = "Neuroglancer",
-          .example = [](const ServedGrid& g) { return fmt::format("/{}/info", percent_encoded(g.id)); },
+          .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
+          .document = "/info",
           .serve = serve_by_id("precomputed", find)};
 }
 

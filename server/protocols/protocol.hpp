@@ -18,10 +18,14 @@ namespace teracell {
 struct Protocol {
   const char* prefix;                           // the first segment of its addresses: "zarr" of "/zarr/{id}/..."
   const char* route;                            // in metrics and the log
-  const char* title;                            // on the start page
-  std::string (*example)(const ServedGrid& g);  // the rest of an address that shows that the grid is there: "/g/zarr.json"
+  const char* title;                            // for people
+  std::string (*address)(const ServedGrid& g);  // the rest of the address that the other program is given: "/g"
+  const char* document;                         // what to append for an address that a browser can open: "/zarr.json"
   std::function<Response(Service&, const Request&, const Target&)> serve;  // threads call it at once
 };
+
+// Below the server's base path: "/zarr/g".
+inline std::string address_of(const Protocol& p, const ServedGrid& g) { return std::string("/") + p.prefix + p.address(g); }
 
 // Status 404 with an empty body.
 Response missing(const char* route);

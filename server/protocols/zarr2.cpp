@@ -138,7 +138,8 @@ Protocol zarr2() {
   return {.prefix = "zarr2",
           .route = "zarr2",
           .title = "Zarr 2",
-          .example = [](const ServedGrid& g) { return fmt::format("/{}/.zattrs", percent_encoded(g.id)); },
+          .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
+          .document = "/.zattrs",
           .serve = serve_by_id("zarr2", find_ome)};
 }
 
@@ -146,7 +147,8 @@ Protocol xarray() {
   return {.prefix = "xarray",
           .route = "xarray",
           .title = "xarray",
-          .example = [](const ServedGrid& g) { return fmt::format("/{}/0/{}", percent_encoded(g.id), kConsolidated); },
+          .address = [](const ServedGrid& g) { return fmt::format("/{}/0", percent_encoded(g.id)); },
+          .document = "/.zmetadata",
           .serve = serve_by_id("xarray", find_xarray)};
 }
 

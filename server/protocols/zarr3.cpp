@@ -96,7 +96,8 @@ Protocol zarr3() {
   return {.prefix = "zarr",
           .route = "zarr3",
           .title = "Zarr 3, OME-Zarr",
-          .example = [](const ServedGrid& g) { return fmt::format("/{}/zarr.json", percent_encoded(g.id)); },
+          .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
+          .document = "/zarr.json",
           .serve = serve_by_id("zarr3", find)};
 }
 

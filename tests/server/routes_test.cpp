@@ -326,6 +326,17 @@ TEST_CASE("JSON is ASCII, whatever the names", "[server]") {
   CHECK(json::parse(*list.body)["grids"][0]["id"] == "\xc3\xbcn\xef\xbf\xbd");
 }
 
+TEST_CASE("The list of grids tells other programs where they find each, whatever its name", "[server]") {
+  Served s;
+  s.rename("a b%.tcell");
+  CHECK(s.parsed("/api/v1/grids")["grids"][0]["protocols"] == json({{{"title", "Zarr 3, OME-Zarr"}, {"path", "/zarr/a%20b%25"}},
+                                                                    {{"title", "Zarr 2"}, {"path", "/zarr2/a%20b%25"}},
+                                                                    {{"title", "xarray"}, {"path", "/xarray/a%20b%25/0"}},
+                                                                    {{"title", "Neuroglancer"}, {"path", "/precomputed/a%20b%25"}},
+                                                                    {{"title", "Deep Zoom"}, {"path", "/dzi/a%20b%25/z/10.dzi"}},
+                                                                    {{"title", "IIIF"}, {"path", "/iiif/a%20b%25-z-10/info.json"}}}));
+}
+
 TEST_CASE("Files that can't be read are listed beside the grids and on the plain start page", "[server]") {
   Served s;
   std::ofstream(s.folder / "a<b>.tcell") << "nothing of a grid";

@@ -5,6 +5,7 @@ import type { GridInfo, GridSummary, UnreadableFile } from "./base/grid";
 import { grids, unreadable } from "./page";
 import { Preview } from "./preview";
 import { use_answer } from "./server/answer";
+import { server_root } from "./server/api";
 import { CopyButton } from "./widgets/copy";
 import { Icon } from "./widgets/icons";
 
@@ -42,17 +43,8 @@ function Materials({ info }: { info: GridInfo | null }) {
 function Card({ grid }: { grid: GridSummary }) {
   const info = use_answer<GridInfo>(`api/v1/grids/${encodeURIComponent(grid.id)}?v=${grid.hash}`).value;
   const cells = product(grid.cells);
-  const root = new URL(".", location.href.split("#")[0]).href;
   const id = encodeURIComponent(grid.id);
-  const addresses: readonly (readonly [string, string])[] = [
-    ["JSON", `api/v1/grids/${id}`],
-    ["Zarr 3, OME-Zarr", `zarr/${id}`],
-    ["Zarr 2", `zarr2/${id}`],
-    ["xarray", `xarray/${id}/0`],
-    ["Neuroglancer", `precomputed/${id}`],
-    ["Deep Zoom", `dzi/${id}/z/${Math.floor(grid.cells[2] / 2)}.dzi`],
-    ["IIIF", `iiif/${id}-z-${Math.floor(grid.cells[2] / 2)}/info.json`],
-  ];
+  const addresses = [{ title: "JSON", path: `/api/v1/grids/${id}` }, ...grid.protocols];
   return (
     <li class="card">
       <a class="card-main" href={`#g=${id}`}>
@@ -71,14 +63,14 @@ function Card({ grid }: { grid: GridSummary }) {
         <summary>Addresses for other programs</summary>
         <table class="addresses">
           <tbody>
-            {addresses.map(([name, path]) => (
-              <tr key={name}>
-                <th scope="row">{name}</th>
+            {addresses.map(({ title, path }) => (
+              <tr key={title}>
+                <th scope="row">{title}</th>
                 <td>
-                  <code>{root + path}</code>
+                  <code>{server_root() + path}</code>
                 </td>
                 <td>
-                  <CopyButton text={root + path} what={`the address for ${name}`} />
+                  <CopyButton text={server_root() + path} what={`the address for ${title}`} />
                 </td>
               </tr>
             ))}

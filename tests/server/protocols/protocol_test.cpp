@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include "server/protocols/protocols.hpp"
 #include "server/routes.hpp"
@@ -156,19 +157,22 @@ TEST_CASE("Protocols: whatever the address, the answer is 200, 303, 400 or 404, 
   REQUIRE(met[404] > 1000);
 }
 
-TEST_CASE("Protocols: each has a prefix of its own, and its example exists", "[server]") {
+TEST_CASE("Protocols: each has a prefix of its own, and the list of grids gives an address of each that exists", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
-  Service service({.named = {served.file()}});
+  const auto listed = nlohmann::json::parse(*served.get("/api/v1/grids").body)["grids"][0]["protocols"];
+  REQUIRE(listed.size() == protocols().size());
   std::set<std::string> prefixes;
   for (const Protocol& p : protocols()) {
     INFO(p.prefix);
     CHECK(prefixes.insert(p.prefix).second);
-    const std::string example = p.example(*service.grids().find("g"));
-    CHECK(example.starts_with("/g"));
-    const Response r = served.get(std::string("/") + p.prefix + example);
+    const auto& entry = listed[prefixes.size() - 1];
+    const std::string path = entry["path"];
+    CHECK(entry["title"] == p.title);
+    CHECK(path.starts_with(fmt::format("/{}/g", p.prefix)));
+    const Response r = served.get(path + p.document);
     CHECK(r.status == 200);
     CHECK(r.route == std::string(p.route));
-    CHECK(served.get(std::string("/") + p.prefix + "/nowhere/x").route == std::string(p.route));
+    CHECK(served.get(fmt::format("/{}/nowhere/x", p.prefix)).route == std::string(p.route));
   }
   CHECK(prefixes.size() == 6);
 }

@@ -25,7 +25,7 @@ export interface Hole {
   extruded?: boolean; // closed by walls and a floor, not by a cap
 }
 
-// A curve of edges along which facets face the other way than their neighbours.
+// A curve of edges along which facets face the opposite way from their neighbours.
 export interface Flip {
   at: [number, number, number];
   edges: number;
@@ -36,7 +36,7 @@ export interface BodyReport {
   facets: number;
   degenerate: number;
   duplicates: number;
-  opposite?: number; // duplicates that face the other way than the first of them
+  opposite?: number; // duplicates whose orientation is opposite to that of the first of them
   shells: number;
   stitch?: number; // length
   seams?: { number: number; length: number; widest_gap: number };
@@ -76,6 +76,7 @@ export interface GridSummary {
   bytes: number;
   hash: string;
   units: string;
+  protocols: { title: string; path: string }[]; // the addresses for other programs, below the server's base path
 }
 
 // A file in the served folder that cannot be read as a grid, and why.

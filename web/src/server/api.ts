@@ -24,6 +24,9 @@ async function error_of(response: Response): Promise<ServerError> {
   }
 }
 
+// The server's address with its base path, without a '/' at its end.
+export const server_root = (): string => new URL(".", location.href).href.slice(0, -1);
+
 // A server may demand a token (--token-file). It gives out the page without one, because browsers send none when they
 // open an address. The page then asks for the token: the form is shown while `token_wanted`, and it passes what was
 // typed to give_token(). The token is kept for this tab alone; where storage is forbidden, as in frames of other sites,
