@@ -284,7 +284,7 @@ test("a zoom in the address is kept within the limits of zooming", async () => {
   }
 });
 
-test("keys act on the view whose panel is in use, including its bar and the overview, and controls let pass the keys that they don't use", async () => {
+test("keys act on the view whose panel is in use, with its bar and the overview, and controls let pass the keys that they don't use", async () => {
   const page = await open("stadium");
   const [i, j, k] = await state(page, "cell");
   await page.mouse.move(...(await point_of(page, "z")));

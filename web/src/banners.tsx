@@ -39,7 +39,7 @@ export function Banners() {
       {!lost && stale.value === "replaced" && (
         <div class="banner">
           <Icon name="reload" />
-          <span>This grid was meshed again. You still see the former one.</span>
+          <span>This grid was meshed again. You still see the earlier one.</span>
           <button class="button" onClick={reload}>
             Reload
           </button>

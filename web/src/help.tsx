@@ -1,4 +1,4 @@
-// The dialog with gestures and keys. The list is the views' own, so that it says what they do.
+// The dialog that lists gestures and keys, as the views declare them.
 import { useEffect, useRef } from "preact/hooks";
 import type { Viewer } from "./state/viewer";
 import { bindings } from "./views/bindings";
@@ -39,7 +39,7 @@ export function Help({ viewer }: { viewer: Viewer }) {
         </dl>
         <p>
           <a href="NOTICE" target="_blank" rel="noreferrer">
-            What others have written that is part of this page and its server, with the licences
+            Licences of the third-party software in this page and its server
           </a>
         </p>
       </div>

@@ -63,7 +63,7 @@ const random = random_of(8);
 
 for (const each of [1, 2] as const)
   for (const whole_tiles of [true, false])
-    test(`${each} sample${each === 1 ? "" : "s"} per pixel ${whole_tiles ? "from the right tiles" : "where coarser tiles stand in"}: every pixel is the mean of its cells`, () => {
+    test(`${each} x ${each} samples per pixel, from ${whole_tiles ? "the right" : "coarser"} tiles: every pixel is the mean of its cells`, () => {
       for (let round = 0; round < 12; ++round) {
         const centre: [number, number, number] = [3 + 750 * random(), 1900 * random(), 0];
         const camera = new Camera(

@@ -5,7 +5,7 @@ import { element } from "./dom";
 const MODES: Record<BodyMode, { text: string; title: string }> = {
   cut: { text: "Cut", title: "Cut the bodies open at the crosshair" },
   whole: { text: "Whole", title: "Show the bodies whole" },
-  glass: { text: "Glass", title: "Show the bodies like glass" },
+  glass: { text: "Glass", title: "Show the bodies as glass" },
 };
 const HELP =
   "3D overview. The arrow keys turn it, plus and minus move closer or farther away, Home shows everything. A double click sets the crosshair.";
@@ -16,7 +16,8 @@ export function make_chrome(host: HTMLElement) {
   const canvas = element("canvas", { tabindex: "0", role: "application", "aria-label": HELP });
   const home = element("button", { type: "button", title: "Show everything (Home)", "aria-label": "Show everything" });
   home.innerHTML =
-    '<svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d="M2 8 8 2.5 14 8M4 6.8V13h8V6.8" fill="none" stroke="currentColor" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round"/></svg>';
+    '<svg viewBox="0 0 16 16" width="14" height="14" aria-hidden="true"><path d="M2 8 8 2.5 14 8M4 6.8V13h8V6.8" fill="none"' +
+    ' stroke="currentColor" stroke-width="1.5" stroke-linejoin="round" stroke-linecap="round"/></svg>';
   const modes = BODY_MODES.map((mode) => ({ mode, button: element("button", { type: "button", title: MODES[mode].title }, MODES[mode].text) }));
   const bar = element(
     "div",

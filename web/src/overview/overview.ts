@@ -1,4 +1,4 @@
-// The overview in three dimensions: it mounts into an element, follows the signals of the viewer, and takes itself away
+// The overview in three dimensions: it mounts into an element, follows the signals of the viewer, and removes itself
 // again. It is loaded together with three.js when it is first shown, so no other part of the page may import it, except
 // by import().
 import { effect, untracked } from "@preact/signals";
@@ -26,7 +26,7 @@ import "./overview.css";
 const TINT = 0.045; // opacity of a plane where it shows nothing
 const MARKER = 9; // pixels around a marker that belong to it
 
-// Returns what takes it away.
+// Returns a function that removes it.
 export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   const space = space_of(viewer.axes);
   const chrome = make_chrome(host);
@@ -266,7 +266,7 @@ class Overview {
   private lose(event: Event): void {
     event.preventDefault(); // otherwise the browser never restores it
     this.lost = true;
-    this.chrome.say("The browser has lost its memory on the graphics card. The overview waits until it is back.");
+    this.chrome.say("The browser has lost access to the graphics card. The overview returns as soon as access does.");
   }
 
   private restore(): void {

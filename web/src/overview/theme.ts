@@ -36,7 +36,7 @@ export function read_theme(element: HTMLElement): Theme {
   };
 }
 
-// Calls when the page's colours may have changed. Returns what ends this.
+// Calls when the page's colours may have changed. Returns a function that ends this.
 export function on_theme(call: () => void): () => void {
   const observer = new MutationObserver(call);
   observer.observe(document.documentElement, { attributes: true, attributeFilter: ["class", "data-theme", "style"] });

@@ -8,7 +8,7 @@ const FLIGHT = 320; // milliseconds from view to view
 
 export class Viewpoint {
   aspect = 1; // the panel's width divided by its height
-  own = false; // whether the viewer's orbit is being changed here, and not by somebody else
+  own = false; // whether the viewer's orbit is being changed here, and not elsewhere on the page
   private flight: { from: Orbit; to: Orbit; began: number; goes_home: boolean } | null = null;
 
   constructor(

@@ -1,10 +1,11 @@
-// A box of cells, drawn in a view or typed, and what is in it, counted exactly. Also the distance that was measured
-// last.
+// A box of cells, drawn in a view or typed, and what is in it, counted exactly. Also the last measured
+// distance.
 import { coordinate, grouped, percent, product, significant } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex, type Stats } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
 import type { Box, Viewer } from "../state/viewer";
 import { CopyButton } from "../widgets/copy";
+import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
 import { Swatch } from "../widgets/swatch";
 import { stats_csv, with_end } from "./box_cells";
@@ -17,38 +18,30 @@ const MOST = 200; // materials that are listed
 function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisIndex }) {
   const axis = viewer.axes[d];
   const [low, high] = [box[d], box[d + 3]!];
-  const set = (end: "low" | "high") => (event: Event) => {
-    const field = event.currentTarget as HTMLInputElement;
+  const set = (end: "low" | "high", field: HTMLInputElement) => {
     const value = Math.round(Number(field.value));
     if (field.value.trim() && Number.isFinite(value)) viewer.box.value = with_end(box, d, end, end === "high" ? value + 1 : value, axis.cells);
     field.value = String(end === "high" ? viewer.box.value![d + 3]! - 1 : viewer.box.value![d]);
   };
   const name = AXIS_NAMES[d];
+  const field = (end: "low" | "high", value: number) => (
+    <td>
+      <input
+        class="number-input"
+        type="number"
+        aria-label={`${end === "low" ? "First" : "Last"} cell along ${name}`}
+        min={0}
+        max={axis.cells - 1}
+        value={value}
+        onChange={(e) => set(end, e.currentTarget)}
+      />
+    </td>
+  );
   return (
     <tr class={`axis-${name}`}>
       <th scope="row">{name}</th>
-      <td>
-        <input
-          class="number-input"
-          type="number"
-          aria-label={`First cell along ${name}`}
-          min={0}
-          max={axis.cells - 1}
-          value={low}
-          onChange={set("low")}
-        />
-      </td>
-      <td>
-        <input
-          class="number-input"
-          type="number"
-          aria-label={`Last cell along ${name}`}
-          min={0}
-          max={axis.cells - 1}
-          value={high - 1}
-          onChange={set("high")}
-        />
-      </td>
+      {field("low", low)}
+      {field("high", high - 1)}
       <td
         class="extent"
         title={`${coordinate(axis.plane(low), axis.width(low))} to ${coordinate(axis.plane(high), axis.width(high - 1))} ${viewer.units}`}
@@ -65,9 +58,10 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
   const answer = use_answer<Stats>(path);
   const counting = answer.path !== viewer.address.stats(box);
   const stats = answer.value;
-  const all = Number(product(AXES.map((d) => box[d + 3]! - box[d])));
+  const all = product(AXES.map((d) => box[d + 3]! - box[d]));
   const { units } = viewer;
   const present = stats?.materials.filter((m) => m.cells > 0) ?? [];
+  const volume = present.reduce((sum, m) => sum + m.volume, 0);
   return (
     <>
       {answer.error && <p class="problem">The cells can't be counted: {answer.error}</p>}
@@ -88,7 +82,7 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
                 <span title={m.name}>{m.name}</span>
               </th>
               <td>{cells_of(m)}</td>
-              <td>{percent(m.cells / all)}</td>
+              <td>{percent(m.cells / Number(all))}</td>
               <td>{significant(m.volume, 5)}</td>
             </tr>
           ))}
@@ -101,9 +95,9 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
         <tfoot>
           <tr>
             <th scope="row">all</th>
-            <td>{grouped(product(AXES.map((d) => box[d + 3]! - box[d])))}</td>
+            <td>{grouped(all)}</td>
             <td />
-            <td>{significant(present.reduce((v, m) => v + m.volume, 0), 5)}</td>
+            <td>{significant(volume, 5)}</td>
           </tr>
         </tfoot>
       </table>
@@ -145,21 +139,15 @@ function Distance({ viewer }: { viewer: Viewer }) {
       </div>
       {m ? (
         <dl class="numbers">
-          <div>
-            <dt>distance</dt>
-            <dd>
-              <b>
-                {significant(Math.hypot(...parts), 6)} {units}
-              </b>
-            </dd>
-          </div>
+          <Fact name="distance">
+            <b>
+              {significant(Math.hypot(...parts), 6)} {units}
+            </b>
+          </Fact>
           {AXES.filter((d) => d !== m.axis).map((d) => (
-            <div key={d}>
-              <dt>along {AXIS_NAMES[d]}</dt>
-              <dd>
-                {significant(Math.abs(parts[d]!), 6)} {units}
-              </dd>
-            </div>
+            <Fact key={d} name={`along ${AXIS_NAMES[d]}`}>
+              {significant(Math.abs(parts[d]!), 6)} {units}
+            </Fact>
           ))}
         </dl>
       ) : (

@@ -5,6 +5,7 @@ import type { MaterialStats, Stats } from "../base/grid";
 import { type MaterialLook, css_color, hex_color, same_look } from "../base/materials";
 import { use_answer } from "../server/answer";
 import type { Viewer } from "../state/viewer";
+import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
 import { FirstOf } from "./first_of";
 import { all_distinct, with_colors_of, with_distinct_colors } from "./palette";
@@ -64,16 +65,10 @@ function Amount({ viewer, id, stats, all }: CardProps) {
         <span style={{ width: `${100 * share}%`, background: look.opacity > 0 ? css_color(look) : "var(--line-strong)" }} />
       </div>
       <dl class="numbers">
-        <div>
-          <dt>cells</dt>
-          <dd>
-            {stats ? cells_of(stats) : "…"} <span class="share">{stats ? percent(share) : ""}</span>
-          </dd>
-        </div>
-        <div>
-          <dt>volume</dt>
-          <dd>{stats ? `${significant(stats.volume, 6)} ${viewer.units}³` : "…"}</dd>
-        </div>
+        <Fact name="cells">
+          {stats ? cells_of(stats) : "…"} <span class="share">{stats ? percent(share) : ""}</span>
+        </Fact>
+        <Fact name="volume">{stats ? `${significant(stats.volume, 6)} ${viewer.units}³` : "…"}</Fact>
       </dl>
       {stats?.box ? (
         <details class="material-box">
@@ -133,7 +128,7 @@ function MaterialCard({ short, ...props }: CardProps & { short: boolean }) {
         </button>
         <button
           class="icon-button"
-          title="Only this one"
+          title="Show only this material"
           aria-label={`Only ${name}`}
           aria-pressed={is_solo(viewer, id)}
           onClick={() => solo(viewer, id)}
@@ -176,7 +171,7 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
         <button
           class="button"
           disabled={looks.every((look, id) => same_look(look, viewer.standard_looks[id]!))}
-          title="Put colours, opacity and visibility back to what they were"
+          title="Restore the original colours, opacity and visibility"
           onClick={() => (viewer.looks.value = viewer.standard_looks)}
         >
           Reset
@@ -207,12 +202,9 @@ export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
           )}
         </FirstOf>
       </ul>
-      {found.length === 0 && <p class="note">No material has this in its name.</p>}
+      {found.length === 0 && <p class="note">The name of no material contains this text.</p>}
       <dl class="numbers total">
-        <div>
-          <dt>all cells</dt>
-          <dd>{grouped(product(viewer.cells))}</dd>
-        </div>
+        <Fact name="all cells">{grouped(product(viewer.cells))}</Fact>
       </dl>
     </>
   );

@@ -34,7 +34,7 @@ export const label_values = (samples: readonly Sample[], name: string, label: st
   ...new Set(samples.filter((s) => s.name === name).map((s) => s.labels[label] ?? "")),
 ];
 
-// A bucket of a histogram with the count of its own. Requests that only watch the server (NOT_WORK) are left out.
+// A bucket of a histogram. Its count is its own, not cumulative. Requests that only watch the server (NOT_WORK) are left out.
 export interface Bucket {
   le: number;
   count: number;

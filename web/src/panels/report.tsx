@@ -4,7 +4,8 @@ import { bytes_text, grouped, plural, product, significant } from "../base/forma
 import type { BodyReport } from "../base/grid";
 import { places_found } from "../state/places";
 import type { Viewer } from "../state/viewer";
-import { CopyButton } from "../widgets/copy";
+import { CodeLine } from "../widgets/copy";
+import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
@@ -27,7 +28,7 @@ function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: 
           </span>
           {problem && (
             <span class={`tag ${body.cells === 0 ? "bad" : "look"}`}>
-              {body.cells === 0 ? "no cells" : body.holes.length ? plural(body.holes.length, "hole") : "flipped"}
+              {body.cells === 0 ? "no cells" : body.holes.length ? plural(body.holes.length, "hole") : "opposite facets"}
             </span>
           )}
           <span class="body-cells">{body_cells(body)}</span>
@@ -85,40 +86,22 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
       <section>
         <h3>File</h3>
         <dl class="numbers">
-          <div>
-            <dt>size</dt>
-            <dd title={`${grouped(info.file.bytes)} bytes`}>{bytes_text(info.file.bytes)}</dd>
-          </div>
-          <div>
-            <dt>one byte per cell</dt>
-            <dd title={`${grouped(product(info.grid.cells))} bytes`}>{size_text(info)}</dd>
-          </div>
-          <div>
-            <dt>crossings</dt>
-            <dd>{grouped(info.crossings)}</dd>
-          </div>
-          <div>
-            <dt>bits per crossing</dt>
-            <dd>{significant(info.bits_per_crossing, 3)}</dd>
-          </div>
-          <div>
-            <dt>rays</dt>
-            <dd>
-              along {info.ray_axis}
-              {report.ray_axis ? `: ${report.ray_axis.why}` : ""}
-            </dd>
-          </div>
-          <div>
-            <dt>levels</dt>
-            <dd>{levels_text(info.levels.length)}</dd>
-          </div>
-          <div>
-            <dt>content hash</dt>
-            <dd class="hash">
-              <code title={info.file.hash}>{info.file.hash}</code>
-              <CopyButton text={info.file.hash} what="the content hash" />
-            </dd>
-          </div>
+          <Fact name="size" title={`${grouped(info.file.bytes)} bytes`}>
+            {bytes_text(info.file.bytes)}
+          </Fact>
+          <Fact name="one byte per cell" title={`${grouped(product(info.grid.cells))} bytes`}>
+            {size_text(info)}
+          </Fact>
+          <Fact name="crossings">{grouped(info.crossings)}</Fact>
+          <Fact name="bits per crossing">{significant(info.bits_per_crossing, 3)}</Fact>
+          <Fact name="rays">
+            along {info.ray_axis}
+            {report.ray_axis ? `: ${report.ray_axis.why}` : ""}
+          </Fact>
+          <Fact name="levels">{levels_text(info.levels.length)}</Fact>
+          <Fact name="content hash">
+            <CodeLine class="hash" text={info.file.hash} what="the content hash" />
+          </Fact>
         </dl>
       </section>
       <section>
@@ -133,10 +116,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
                 <span class="faint">
                   {input.format}, {bytes_text(input.bytes)}
                 </span>
-                <span class="hash">
-                  <code title={input.hash}>{input.hash}</code>
-                  <CopyButton text={input.hash} what={`the hash of ${input.path}`} />
-                </span>
+                <CodeLine class="hash" text={input.hash} what={`the hash of ${input.path}`} />
               </li>
             )}
           </FirstOf>

@@ -1,9 +1,10 @@
-// One body of the report: its facets, how its inside was decided, its holes, and where its facets are flipped.
+// One body of the report: its facets, how its inside was decided, its holes, and where its facets face opposite ways.
 import { batch } from "@preact/signals";
 import { grouped, plural, significant } from "../base/format";
 import type { BodyReport, Hole } from "../base/grid";
 import { hole_text } from "../state/places";
 import type { Viewer } from "../state/viewer";
+import { Fact } from "../widgets/fact";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
 import { seams_text } from "./report_words";
@@ -40,43 +41,19 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
   return (
     <div class="body-details">
       <dl class="numbers">
-        <div>
-          <dt>facets</dt>
-          <dd>
-            {grouped(body.facets)} in {plural(body.shells, "shell")}
-          </dd>
-        </div>
-        {body.covered_cells && (
-          <div>
-            <dt>overlap</dt>
-            <dd>{plural(body.covered_cells, "cell")}, owned by stronger bodies</dd>
-          </div>
-        )}
-        {body.degenerate > 0 && (
-          <div>
-            <dt>without area</dt>
-            <dd>{grouped(body.degenerate)}; they change no cell of a closed surface</dd>
-          </div>
-        )}
+        <Fact name="facets">
+          {grouped(body.facets)} in {plural(body.shells, "shell")}
+        </Fact>
+        {body.covered_cells && <Fact name="overlap">{plural(body.covered_cells, "cell")}, owned by stronger bodies</Fact>}
+        {body.degenerate > 0 && <Fact name="without area">{grouped(body.degenerate)}; they change no cell of a closed surface</Fact>}
         {body.duplicates > 0 && (
-          <div>
-            <dt>duplicates</dt>
-            <dd>
-              {grouped(body.duplicates)}
-              {body.opposite ? `, ${grouped(body.opposite)} of them facing the other way` : ""}
-            </dd>
-          </div>
+          <Fact name="duplicates">
+            {grouped(body.duplicates)}
+            {body.opposite ? `, ${grouped(body.opposite)} of them with the opposite orientation` : ""}
+          </Fact>
         )}
-        <div>
-          <dt>surface</dt>
-          <dd>{holes.length ? `open: ${plural(holes.length, "hole")}` : body.seams?.number ? "closed by stitches" : "closed"}</dd>
-        </div>
-        {seams_text(body, viewer.units) && (
-          <div>
-            <dt>seams</dt>
-            <dd>{seams_text(body, viewer.units)}</dd>
-          </div>
-        )}
+        <Fact name="surface">{holes.length ? `open: ${plural(holes.length, "hole")}` : body.seams?.number ? "closed by stitches" : "closed"}</Fact>
+        {seams_text(body, viewer.units) && <Fact name="seams">{seams_text(body, viewer.units)}</Fact>}
       </dl>
       {body.fill.map((fill) => (
         <p class="note" key={fill.rule}>
@@ -97,7 +74,7 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
       )}
       {body.flips.length > 0 && (
         <>
-          <p class="note">Along {plural(body.flips.length, "curve")}, facets face the other way than their neighbours:</p>
+          <p class="note">Along {plural(body.flips.length, "curve")}, facets face the opposite way from their neighbours:</p>
           <ul class="places">
             <FirstOf list={body.flips} step={MANY}>
               {(flip, n) => {

@@ -1,5 +1,5 @@
 // What meshing found, in words.
-import { about, bytes_text, grouped, plural, product, significant, unit_name } from "../base/format";
+import { about, bytes_text, grouped, noun, plural, product, significant, unit_name } from "../base/format";
 import type { BodyReport, GridInfo, Hole } from "../base/grid";
 import { hole_text } from "../state/places";
 
@@ -13,11 +13,8 @@ const HARMLESS = 2; // cells: a narrower hole does no harm, as in the warnings o
 const quoted = (bodies: readonly BodyReport[]) => {
   const names = bodies.slice(0, 3).map((b) => `“${b.name}”`);
   const more = bodies.length - names.length;
-  return more > 0
-    ? `${names.join(", ")} and ${grouped(more)} more`
-    : names.length > 1
-      ? `${names.slice(0, -1).join(", ")} and ${names.at(-1)}`
-      : names.join("");
+  const last = more > 0 ? `${grouped(more)} more` : names.pop()!;
+  return names.length ? `${names.join(", ")} and ${last}` : last;
 };
 
 export const widest = (holes: readonly Hole[]): Hole | undefined =>
@@ -27,38 +24,36 @@ export const widest = (holes: readonly Hole[]): Hole | undefined =>
 export function seams_text(body: BodyReport, units: string): string {
   const { seams } = body;
   if (!seams?.number) return "";
-  return `${plural(seams.number, "seam")}, ${significant(seams.length, 4)} ${units} in all, stitched over gaps of up to ${significant(seams.widest_gap, 3)} ${units}`;
+  const [length, gap] = [significant(seams.length, 4), significant(seams.widest_gap, 3)];
+  return `${plural(seams.number, "seam")}, ${length} ${units} in all, stitched over gaps of up to ${gap} ${units}`;
 }
 
-// Whether to care: a sentence about the worst that was found.
+// Whether anything needs attention: a sentence about the worst that was found.
 export function care_of(info: GridInfo): Care {
   const { bodies } = info.report;
   const empty = bodies.filter((b) => b.cells === 0);
   const open = bodies.filter((b) => b.holes.some((h) => !h.extruded));
   const holes = open.flatMap((b) => b.holes).filter((h) => !h.extruded);
   const large = holes.filter((h) => (h.diameter_cells ?? Infinity) >= HARMLESS);
-  const flipped = bodies.filter((b) => b.flips.length > 0);
+  const opposite = bodies.filter((b) => b.flips.length > 0);
   if (empty.length) {
     const owns = empty.length === 1 ? "owns no cell. Is it" : "own no cell. Are they";
     return { level: "bad", text: `Look here: ${quoted(empty)} ${owns} in the right place, and wider than a cell?` };
   }
   if (large.length) {
-    const is = open.length === 1 ? "is" : "are";
     const hole = hole_text(widest(large)!, unit_name(info.units));
     const worst = large.length === 1 ? `It has a hole ${hole}. A cap closes it` : `The widest hole is ${hole}. Caps close all of them`;
-    return { level: "bad", text: `Look here: ${quoted(open)} ${is} open. ${worst}, and a cap is a guess.` };
+    return { level: "bad", text: `Look here: ${quoted(open)} ${noun(open.length, "is", "are")} open. ${worst}, and a cap is a guess.` };
   }
-  if (holes.length === 1) return { level: "look", text: `Harmless: ${quoted(open)} had a hole narrower than ${HARMLESS} cells, which a cap closes.` };
-  if (holes.length)
-    return {
-      level: "look",
-      text: `Harmless: ${quoted(open)} had ${plural(holes.length, "hole")} narrower than ${HARMLESS} cells, which caps close.`,
-    };
-  if (flipped.length)
-    return {
-      level: "look",
-      text: `Probably fine: ${quoted(flipped)} ${flipped.length === 1 ? "has" : "have"} facets that face the wrong way, so the inside was decided by parity.`,
-    };
+  const have = (list: readonly BodyReport[]) => `${quoted(list)} ${noun(list.length, "has", "have")}`;
+  if (holes.length) {
+    const [found, close] = holes.length === 1 ? ["a hole", "a cap closes"] : [plural(holes.length, "hole"), "caps close"];
+    return { level: "look", text: `Harmless: ${have(open)} ${found} narrower than ${HARMLESS} cells, which ${close}.` };
+  }
+  if (opposite.length) {
+    const text = `Probably fine: ${have(opposite)} facets that face the opposite way from their neighbours, so parity decides the inside.`;
+    return { level: "look", text };
+  }
   if (info.report.warnings.length)
     return { level: "look", text: `All surfaces are closed, but read the ${plural(info.report.warnings.length, "warning")} below.` };
   if (bodies.length === 0) return { level: "fine", text: "There is no body in this grid." };
@@ -67,7 +62,7 @@ export function care_of(info: GridInfo): Care {
   return { level: "fine", text: `Nothing to worry about: ${closed}.` };
 }
 
-// The size with one byte per cell, and how many times as large as the file that is.
+// The size with one byte per cell, and how many times the size of the file that is.
 export function compression(info: GridInfo): { dense: number; times: number } {
   const dense = Number(product(info.grid.cells));
   return { dense, times: dense / info.file.bytes };

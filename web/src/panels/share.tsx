@@ -1,15 +1,14 @@
 // Ways to share: a link to what is shown, a picture of it, and the addresses of the grid for other programs.
 import { useState } from "preact/hooks";
 import { say, words_of } from "../base/messages";
-import { has_token } from "../server/api";
+import { has_token, server_root } from "../server/api";
 import { address_of } from "../state/permalink";
 import type { Viewer } from "../state/viewer";
 import { save_picture } from "../views/picture";
-import { CopyButton } from "../widgets/copy";
+import { CodeLine, CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
 import { type Door, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
 
-const root = () => new URL(".", location.href.split("#")[0]).href.replace(/\/$/, "");
 const link = (viewer: Viewer) => `${location.href.split("#")[0]}${address_of(viewer)}`;
 
 function DoorCard({ door }: { door: Door }) {
@@ -17,10 +16,7 @@ function DoorCard({ door }: { door: Door }) {
     <div class="door">
       <h4>{door.name}</h4>
       {door.note && <p class="note">{door.note}</p>}
-      <div class="code-line">
-        <code title={door.address}>{door.address}</code>
-        <CopyButton text={door.address} what={`the address for ${door.name}`} />
-      </div>
+      <CodeLine class="code-line" text={door.address} what={`the address for ${door.name}`} />
       {door.lines && (
         <div class="code-line">
           <pre>{door.lines}</pre>
@@ -49,11 +45,20 @@ function SavePicture({ viewer }: { viewer: Viewer }) {
   );
 }
 
+function neuroglancer_note(): string {
+  if (has_token()) return "Neuroglancer can't send this server's token, so the server will refuse it.";
+  const fetches = "Neuroglancer runs in your browser and fetches the cells from this server";
+  if (["localhost", "127.0.0.1", "[::1]"].includes(location.hostname))
+    return `${fetches}. That works on this machine; the browser may ask for your permission.`;
+  if (location.protocol === "https:") return `${fetches}, so your browser must be able to reach the server.`;
+  const under_https = "Neuroglancer is a page under https, and browsers don't let such a page fetch from a server under plain http.";
+  return `${under_https} Put a server with https in front of this one.`;
+}
+
 export function SharePanel({ viewer }: { viewer: Viewer }) {
   const { info } = viewer;
-  const here = ["localhost", "127.0.0.1", "[::1]"].includes(location.hostname);
   const cell = viewer.cell.value;
-  const state = neuroglancer_state(info, root(), cell, viewer.looks.value, viewer.zoom.value);
+  const state = neuroglancer_state(info, server_root(), cell, viewer.looks.value, viewer.zoom.value);
   return (
     <>
       <section>
@@ -69,20 +74,12 @@ export function SharePanel({ viewer }: { viewer: Viewer }) {
         <a class="button" href={neuroglancer_link(state)} target="_blank" rel="noreferrer">
           <Icon name="away" /> Open in Neuroglancer
         </a>
-        <p class="note">
-          {has_token()
-            ? "Neuroglancer can't send this server's token, so the server will refuse it."
-            : here
-              ? "Neuroglancer runs in your browser and fetches the cells from this server. That works on this machine; the browser may ask for your permission."
-              : location.protocol === "https:"
-                ? "Neuroglancer runs in your browser and fetches the cells from this server, so your browser must be able to reach the server."
-                : "Neuroglancer runs in your browser under https, and browsers don't let such a page fetch from a server under plain http. Put a server with https in front of this one."}
-        </p>
+        <p class="note">{neuroglancer_note()}</p>
       </section>
       <section>
         <h3>Other programs</h3>
         {has_token() && <p class="note">Each program must send the token in a header: “Authorization: Bearer …”</p>}
-        {doors(info, root(), cell).map((door) => (
+        {doors(info, server_root(), cell).map((door) => (
           <DoorCard key={door.name} door={door} />
         ))}
       </section>

@@ -34,14 +34,14 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       name: "Python: zarr",
       address: zarr2,
       lines: `import zarr\ncells = zarr.open("${zarr2}", mode="r")["${level}"][${at(z)}]  # [y, x] of level ${level}`,
-      note: "Zarr v2, with fsspec and aiohttp (Debian's python3-zarr)",
+      note: "Zarr v2; needs fsspec and aiohttp",
     },
     {
       ...python,
       name: "Python: xarray",
       address: xarray,
       lines: `import xarray\nlabel = xarray.open_zarr("${xarray}").label`,
-      note: `with coordinates, for graded grids as well; level ${level}`,
+      note: `with coordinates, also those of graded grids; level ${level}`,
     },
     {
       ...python,
@@ -61,7 +61,11 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       language: "javascript",
       name: "JavaScript: zarrita",
       address: zarr3,
-      lines: `import * as zarr from "zarrita";\nconst cells = await zarr.get(await zarr.open(new zarr.FetchStore("${zarr3}/${level}"), { kind: "array" }), [${at(z)}, null, null]);`,
+      lines: [
+        `import * as zarr from "zarrita";`,
+        `const array = await zarr.open(new zarr.FetchStore("${zarr3}/${level}"), { kind: "array" });`,
+        `const cells = await zarr.get(array, [${at(z)}, null, null]);`,
+      ].join("\n"),
       note: "Zarr v3, OME-Zarr 0.5",
     },
     {
@@ -76,7 +80,10 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       language: "shell",
       name: "curl",
       address: api,
-      lines: `curl -s "${api}/column/z/${x}_${y}"  # the runs along z through the crosshair\ncurl -so slice.png "${api}/slice/z/${at(z)}.png?level=${level}"`,
+      lines: [
+        `curl -s "${api}/column/z/${x}_${y}"  # the runs along z through the crosshair`,
+        `curl -so slice.png "${api}/slice/z/${at(z)}.png?level=${level}"`,
+      ].join("\n"),
     },
   ];
 }

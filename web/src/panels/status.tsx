@@ -6,6 +6,7 @@ import { words_of } from "../base/messages";
 import { get } from "../server/api";
 import { connection } from "../server/connection";
 import type { Viewer } from "../state/viewer";
+import { Fact } from "../widgets/fact";
 import { type Bucket, type Sample, buckets, label_values, parse_metrics, quantile, since, total } from "./prometheus";
 import { Sparkline } from "./sparkline";
 
@@ -84,41 +85,20 @@ function Server({ moments }: { moments: readonly Moment[] }) {
         <Curve label="answers per second" value={grouped((rates.at(-1) ?? 0).toFixed(0))} values={rates} />
         <Curve label="memory" value={bytes_text(memory.at(-1)!)} values={memory} title="Resident memory of the server" />
         <dl class="numbers">
-          <div>
-            <dt>time per answer, median</dt>
-            <dd>{range(quantile(times, 0.5))}</dd>
-          </div>
-          <div>
-            <dt>95th percentile</dt>
-            <dd>{range(quantile(times, 0.95))}</dd>
-          </div>
-          <div>
-            <dt>answers so far</dt>
-            <dd>{grouped(answered(now))}</dd>
-          </div>
-          <div>
-            <dt>connections</dt>
-            <dd>
-              {grouped(one("teracell_connections"))}, {plural(one("teracell_waiting_requests"), "request")} in progress
-            </dd>
-          </div>
-          <div>
-            <dt>read from files</dt>
-            <dd>
-              {bytes_text(one("teracell_read_bytes_total"))} in {plural(one("teracell_reads_total"), "read")}
-            </dd>
-          </div>
-          {one("teracell_overloaded_total") > 0 && (
-            <div>
-              <dt>refused because busy</dt>
-              <dd>{grouped(one("teracell_overloaded_total"))}</dd>
-            </div>
-          )}
+          <Fact name="time per answer, median">{range(quantile(times, 0.5))}</Fact>
+          <Fact name="95th percentile">{range(quantile(times, 0.95))}</Fact>
+          <Fact name="answers so far">{grouped(answered(now))}</Fact>
+          <Fact name="connections">
+            {grouped(one("teracell_connections"))}, {plural(one("teracell_waiting_requests"), "request")} in progress
+          </Fact>
+          <Fact name="read from files">
+            {bytes_text(one("teracell_read_bytes_total"))} in {plural(one("teracell_reads_total"), "read")}
+          </Fact>
+          {one("teracell_overloaded_total") > 0 && <Fact name="refused because busy">{grouped(one("teracell_overloaded_total"))}</Fact>}
           {one("teracell_damaged_total") > 0 && (
-            <div class="problem">
-              <dt>damaged data found</dt>
-              <dd>{grouped(one("teracell_damaged_total"))}</dd>
-            </div>
+            <Fact name="damaged data found" problem>
+              {grouped(one("teracell_damaged_total"))}
+            </Fact>
           )}
         </dl>
       </section>
@@ -173,35 +153,20 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
           title="The time of a small request, as seen from here"
         />
         <dl class="numbers">
-          <div>
-            <dt>median, 95th percentile</dt>
-            <dd>
-              {latencies.length ? `${milliseconds(median(latencies))}, ${milliseconds(median(latencies, 0.95))}` : "–"}
-            </dd>
-          </div>
-          <div>
-            <dt>on their way</dt>
-            <dd>
-              {tiles.in_flight.value}, {tiles.waiting.value} waiting
-            </dd>
-          </div>
-          <div>
-            <dt>kept here</dt>
-            <dd>
-              {plural(tiles.tiles.value, "tile")}, {bytes_text(tiles.bytes.value)}
-            </dd>
-          </div>
-          {tiles.failed.value > 0 && (
-            <div>
-              <dt>failed, to be tried again</dt>
-              <dd>{grouped(tiles.failed.value)}</dd>
-            </div>
-          )}
+          <Fact name="median, 95th percentile">
+            {latencies.length ? `${milliseconds(median(latencies))}, ${milliseconds(median(latencies, 0.95))}` : "–"}
+          </Fact>
+          <Fact name="on their way">
+            {tiles.in_flight.value}, {tiles.waiting.value} waiting
+          </Fact>
+          <Fact name="kept here">
+            {plural(tiles.tiles.value, "tile")}, {bytes_text(tiles.bytes.value)}
+          </Fact>
+          {tiles.failed.value > 0 && <Fact name="failed, to be tried again">{grouped(tiles.failed.value)}</Fact>}
           {tiles.damaged.value > 0 && (
-            <div class="problem">
-              <dt>damaged</dt>
-              <dd>{plural(tiles.damaged.value, "tile")}: run “teracell verify”</dd>
-            </div>
+            <Fact name="damaged" problem>
+              {plural(tiles.damaged.value, "tile")}: run “teracell verify”
+            </Fact>
           )}
         </dl>
       </section>

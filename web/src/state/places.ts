@@ -21,7 +21,7 @@ export function places_found(info: GridInfo): Marker[] {
   );
   holes.sort((a, b) => b.size - a.size);
   const flips = bodies.flatMap((b) =>
-    b.flips.map((f) => ({ at: f.at, text: `${b.name}: facets face the other way along ${plural(f.edges, "edge")}` })),
+    b.flips.map((f) => ({ at: f.at, text: `${b.name}: facets face opposite ways along ${plural(f.edges, "edge")}` })),
   );
   return [...holes.map(({ at, text }) => ({ at, text })), ...flips].slice(0, MOST_MARKERS);
 }

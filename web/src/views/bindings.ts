@@ -9,7 +9,7 @@ export const bindings: readonly Binding[] = [
   { keys: "shift + wheel", does: "10 slices at once" },
   { keys: "alt + wheel", does: "next slice that looks different: one cell of the level shown" },
   { keys: "ctrl + wheel, pinch", does: "zoom at the pointer" },
-  { keys: "drag, one finger", does: "move the picture; the middle button does so while measuring, too" },
+  { keys: "drag, one finger", does: "move the picture; while measuring, use the middle button" },
   { keys: "click, tap", does: "put the crosshair on the cell and pin it; a second click unpins it" },
   { keys: "right click, long press", does: "put the crosshair there and centre all views on it" },
   { keys: "double click", does: "show this view alone, or all four" },

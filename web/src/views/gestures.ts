@@ -111,7 +111,7 @@ class Gestures {
     this.pointers.set(event.pointerId, at);
     clearTimeout(this.long_press);
     if (this.pointers.size > 1) {
-      this.let_go(); // two fingers: no click comes of it
+      this.let_go(); // two fingers are no click
       return;
     }
     this.presses = [{ cell: viewer.cell.value, pinned: viewer.pinned.value }, ...this.presses.slice(0, 1)];
@@ -121,7 +121,7 @@ class Gestures {
     if (event.pointerType === "touch" && !this.drag) this.long_press = window.setTimeout(() => this.recentre(at), LONG);
   }
 
-  // Forgets the press that began, so that neither a click nor a drag comes of it.
+  // Forgets the press that began, so that it becomes neither a click nor a drag.
   private let_go(): void {
     this.drag?.end(false);
     this.drag = null;

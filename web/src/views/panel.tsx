@@ -1,6 +1,6 @@
 // One slice view: its title, the picture, the bar below.
 import { useEffect, useRef } from "preact/hooks";
-import { coordinate, grouped } from "../base/format";
+import { coordinate, grouped, sizes } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import type { ViewName, Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
@@ -50,7 +50,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
       {level > 0 && (
         <span
           class="view-level"
-          title={`At this zoom each square shows the materials of ${together} × ${together} × ${together} cells (level ${level}). Zoom in to see single cells.`}
+          title={`Each square shows the materials of ${sizes([together, together, together])} cells (level ${level}). Zoom in to see single cells.`}
         >
           level {level}
         </span>

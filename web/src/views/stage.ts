@@ -60,7 +60,7 @@ export class Stage {
     this.store.on_change = () => this.invalidate();
   }
 
-  // Starts to draw, with the colours that the style sheet gives to `host`. Returns what ends it.
+  // Starts to draw, with the colours that the style sheet gives to `host`. Returns a function that ends it.
   start(host: HTMLElement): () => void {
     this.host = host;
     stages.set(this.viewer, this);
@@ -225,9 +225,9 @@ export class Stage {
       painted = view.paint(scene) || painted;
       painted = draw_overlay(scene, view, this.draft.value) || painted;
       viewer.level[view.axis].value = view.level;
-      this.waiting[view.axis].value = !view.sharp;
       this.damaged[view.axis].value = view.shown.regions.some((region) => region.damaged);
     }
+    for (const view of this.views) this.waiting[view.axis].value = !view.sharp; // a hidden view waits for nothing
     this.say_what_is_under_the_pointer();
     this.wait_for_patience(views, began);
     if (painted) this.watch_cost(performance.now() - began);

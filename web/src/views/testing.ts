@@ -1,4 +1,4 @@
-// `window.teracell`, for tests in a browser and for the curious: what the page shows, without reading pixels.
+// `window.teracell`, for tests in a browser and for curious people: what the page shows, without reading pixels.
 import type { AxisIndex } from "../base/grid";
 import type { Viewer } from "../state/viewer";
 import type { Stage } from "./stage";

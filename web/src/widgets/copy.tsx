@@ -3,7 +3,7 @@ import { useState } from "preact/hooks";
 import { say } from "../base/messages";
 import { Icon } from "./icons";
 
-// Pages that came over plain http from another machine may not use the clipboard. There the old way still works.
+// Pages that came over plain http from another machine may not use the clipboard. The older command still works there.
 async function copy_text(text: string): Promise<void> {
   if (navigator.clipboard && isSecureContext) return navigator.clipboard.writeText(text);
   const area = document.createElement("textarea");
@@ -16,17 +16,14 @@ async function copy_text(text: string): Promise<void> {
   if (!done) throw new Error("the browser refused");
 }
 
-export function CopyButton({
-  text,
-  what,
-  label,
-  disabled = false,
-}: {
+interface CopyButtonProps {
   text: string | (() => string);
-  what: string;
+  what: string; // goes after "Copy"
   label?: string;
   disabled?: boolean;
-}) {
+}
+
+export function CopyButton({ text, what, label, disabled = false }: CopyButtonProps) {
   const [copied, set_copied] = useState(false);
   const copy = async () => {
     try {
@@ -42,5 +39,15 @@ export function CopyButton({
       <Icon name={copied ? "done" : "copy"} />
       {label && <span>{copied ? "Copied" : label}</span>}
     </button>
+  );
+}
+
+// A line of code or a hash, which may be cut off on the screen, with the button that copies all of it.
+export function CodeLine({ text, what, ...props }: { text: string; what: string; class: string }) {
+  return (
+    <span {...props}>
+      <code title={text}>{text}</code>
+      <CopyButton text={text} what={what} />
+    </span>
   );
 }
