@@ -15,7 +15,10 @@ await build({
   outdir: process.argv[2],
   outExtension: { ".js": ".mjs" },
   nodePaths: [join(web, "node_modules")],
-  alias: { "@page": join(web, "src") },
+  alias: {
+    "@page": join(web, "src"),
+    "@preact/signals": join(web, "node_modules/@preact/signals/dist/signals.mjs"), // one copy for the tests and the page
+  },
   bundle: true,
   platform: "node",
   format: "esm",

@@ -63,6 +63,29 @@ test("several grids: a start page; each opens, and the browser's back button lea
   await close(page);
 });
 
+test("the start page lists the addresses for other programs that the server names", async () => {
+  const context = await browser.newContext();
+  let named;
+  await context.route("**/api/v1/grids", async (route) => {
+    const response = await route.fetch();
+    const json = await response.json();
+    for (const { id, protocols } of json.grids) protocols.push({ title: "a new protocol", path: `/new/${id}/all` });
+    named = json.grids.find(({ id }) => id === "graded").protocols;
+    await route.fulfill({ response, json });
+  });
+  const page = await open_page(browser, server.url, { context });
+  const card = page.getByRole("listitem").filter({ has: page.getByRole("heading", { name: "graded" }) });
+  await card.getByText("Addresses for other programs").click();
+  const shown = await card
+    .getByRole("row")
+    .evaluateAll((rows) => rows.map((row) => [row.querySelector("th").innerText, row.querySelector("code").innerText]));
+  const expected = [{ title: "JSON", path: "/api/v1/grids/graded" }, ...named].map(({ title, path }) => [title, server.url.slice(0, -1) + path]);
+  assert.ok(expected.length >= 8);
+  assert.deepEqual(shown, expected);
+  await screenshot(page, "addresses");
+  await close(page);
+});
+
 test("the address of a grid that is not there: the page says so, and shows the grids that are", async () => {
   const page = await open_page(browser, `${server.url}#g=nobody`, { expected: (url, status) => status === 404 && url.includes("nobody") });
   await page.getByRole("alert").waitFor();

@@ -40,12 +40,12 @@ test("a wide hole is a reason to look", () => {
 
 test("holes narrower than two cells are harmless", () => {
   const care = care_of(info([body("hull", { holes: [hole(0.1, 1.99), hole(0.1, 0.5)] })], ["is open"]));
-  assert.deepEqual(care, { level: "look", text: "Harmless: “hull” had 2 holes narrower than 2 cells, which caps close." });
+  assert.deepEqual(care, { level: "look", text: "Harmless: “hull” has 2 holes narrower than 2 cells, which caps close." });
 });
 
 test("one harmless hole is named as one, and units are written as people write them", () => {
   const one = (diameter: number, cells: number) => ({ ...info([body("hull", { holes: [hole(diameter, cells)] })]), units: "um" });
-  assert.equal(care_of(one(0.1, 1.99)).text, "Harmless: “hull” had a hole narrower than 2 cells, which a cap closes.");
+  assert.equal(care_of(one(0.1, 1.99)).text, "Harmless: “hull” has a hole narrower than 2 cells, which a cap closes.");
   assert.match(care_of(one(4, 33)).text, /4\.000 µm wide/);
   assert.match(places_found(one(4, 33))[0]!.text, /4\.000 µm wide/);
 });
@@ -61,8 +61,10 @@ test("of many bodies only some are named", () => {
   assert.match(care_of(info(empty.slice(0, 2))).text, /“a” and “b” own/);
 });
 
-test("facets the wrong way round are probably fine, and other warnings are counted", () => {
-  assert.equal(care_of(info([body("hull", { flips: [{ at: [0, 0, 0], edges: 72 }] })], ["has facets"])).level, "look");
+test("facets that face opposite ways are probably fine, and other warnings are counted", () => {
+  const care = care_of(info([body("hull", { flips: [{ at: [0, 0, 0], edges: 72 }] })], ["has facets"]));
+  assert.equal(care.level, "look");
+  assert.match(care.text, /“hull” has facets that face the opposite way from their neighbours, so parity decides the inside/);
   assert.equal(care_of(info([body("hull")], ["one", "two"])).text, "All surfaces are closed, but read the 2 warnings below.");
   assert.equal(care_of(info([])).level, "fine");
 });
