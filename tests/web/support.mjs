@@ -20,7 +20,7 @@ const children = new Set();
 process.on("exit", () => children.forEach((child) => child.kill("SIGKILL")));
 
 // Starts `teracell serve` with these arguments, on a free port unless they name one. stop() returns what was wrong: an exit status,
-// answers 5xx that were not expected, and lines in the log that are no requests.
+// answers 5xx that were not expected, and lines in the log that are not requests.
 export async function serve(...args) {
   const log = join(folder, `server-${process.argv[1].match(/(\w+)_test/)?.[1] ?? "x"}-${children.size}.log`);
   const child = spawn(program, ["serve", ...args, ...(args.includes("--port") ? [] : ["--port", "0"]), "--log", "json"], {

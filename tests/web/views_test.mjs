@@ -141,7 +141,7 @@ test("ctrl and the wheel zoom at the pointer, a drag moves the picture by its ow
   await settled(page);
   const moved = await state(page, "centre");
   assert.ok(Math.abs((moved[0] - near.centre[0]) * near.zoom - 50) < 1.5 && Math.abs((moved[1] - near.centre[1]) * near.zoom - 30) < 1.5);
-  assert.deepEqual(await state(page, "pinned"), null, "a drag is no click");
+  assert.deepEqual(await state(page, "pinned"), null, "a drag is not a click");
 
   await page.mouse.click(x - 100, y + 60, { button: "right" });
   await settled(page);
@@ -352,7 +352,7 @@ test("on a touch screen a long press recentres, unless the finger moves or a sec
   const offset = await offset_in(page, "z", [x, y]);
   const { step } = info_of("stadium").grid.axes[0];
   assert.ok(Math.abs(there[0] - centre[0] - offset[0] / zoom) <= step && Math.abs(there[1] - centre[1] + offset[1] / zoom) <= step);
-  assert.equal(await state(page, "pinned"), null, "a long press is no tap");
+  assert.equal(await state(page, "pinned"), null, "a long press is not a tap");
   assert.ok(!(await page.getByRole("region", { name: "Under the pointer" }).isVisible()), "a finger points at nothing while it is not down");
   await touch("touchStart", [x, y]);
   await touch("touchMove", [x + 30, y]);

@@ -84,7 +84,7 @@ export const product = (cells: readonly number[]): bigint => cells.reduce((n, c)
 export const sizes = (cells: readonly number[]): string => cells.map((c) => grouped(c)).join(" × ");
 
 // The number that somebody typed or copied from this page: with spaces between digits, a true minus sign, and commas
-// where they can have only one meaning. null when it is no number.
+// where they can have only one meaning. null when it is not a number.
 export function number_of(text: string, whole = false): number | null {
   const plain = text.trim().replace("−", "-").replace(/(\d)\s+(?=\d)/g, "$1");
   const thousands = /^-?[1-9]\d{0,2}(,\d{3})+(\.\d*)?$/.test(plain);

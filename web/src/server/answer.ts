@@ -1,5 +1,5 @@
 // The answer of the server at an address, for a component. It is fetched when the address changes. Until it comes the
-// former answer stays, so that nothing flickers. When a lost server is back, it is fetched again.
+// earlier answer stays, so that nothing flickers. When a lost server is back, it is fetched again.
 import { useEffect, useState } from "preact/hooks";
 import { words_of } from "../base/messages";
 import { get_json, is_version_gone } from "./api";

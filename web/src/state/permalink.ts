@@ -1,6 +1,6 @@
 // The state of the page as its address. It stands behind '#', so that a link shows what its sender saw and the state is
 // never sent to the server. People can read it: #g=nefertiti&at=5000,4000,3000&look=0.5,1.25,-3&zoom=2.5&layout=z ...
-// It holds where the views look and, of everything else, only what differs from the start. Numbers are written such
+// It holds where the views look and, of everything else, only what differs from the start. Numbers are written so
 // that they are read back unchanged.
 import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "../base/grid";
@@ -90,8 +90,8 @@ export function address_of(viewer: Viewer): string {
   return `#${start.toString().replaceAll("%2C", ",").replaceAll("%3A", ":").replaceAll("%3B", ";")}`;
 }
 
-// Keeps the address up to date, with a short delay, because browsers limit how often it may change. Returns what ends
-// this.
+// Keeps the address up to date, with a short delay, because browsers limit how often it may change. Returns a function
+// that ends this.
 export function keep_address(viewer: Viewer): () => void {
   let timer = 0;
   const stop = effect(() => {

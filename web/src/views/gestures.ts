@@ -111,7 +111,7 @@ class Gestures {
     this.pointers.set(event.pointerId, at);
     clearTimeout(this.long_press);
     if (this.pointers.size > 1) {
-      this.let_go(); // two fingers are no click
+      this.let_go(); // two fingers are not a click
       return;
     }
     this.presses = [{ cell: viewer.cell.value, pinned: viewer.pinned.value }, ...this.presses.slice(0, 1)];
@@ -210,7 +210,7 @@ class Gestures {
     const cell = this.cell_at(at);
     if (cell) this.stage.viewer.go_to_cell(cell);
     clearTimeout(this.long_press);
-    this.let_go(); // a long press is no tap
+    this.let_go(); // a long press is not a tap
   }
 
   private open_menu(event: MouseEvent): void {

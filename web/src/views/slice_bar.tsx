@@ -14,8 +14,8 @@ interface NumberBoxProps {
   take: (n: number) => void;
 }
 
-// A field for a number. What is typed takes effect on Enter, or when the field is left. If it is no number, the field
-// flashes and shows the former one again.
+// A field for a number. What is typed takes effect on Enter, or when the field is left. If it is not a number, the field
+// flashes and shows the earlier one again.
 function NumberBox({ text, label, width, suffix, whole = false, take }: NumberBoxProps) {
   const typed = useSignal<string | null>(null);
   const refused = useSignal(false);
