@@ -228,13 +228,13 @@ class MeshRun {
           job.work->make_row(job.row, *workers[worker]);
           return job;
         },
-        [&](Job job) {
+        [&](const Job& job) {
           if (job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
           store(*job.work);
           checkpoints.maybe([&] { save(); });
           tick("mesh", static_cast<double>(groups_) / static_cast<double>(tiling.groups()));
         },
-        2 * TileGroupWork::kRows);
+        size_t{2} * TileGroupWork::kRows);
   }
 
   void store(TileGroupWork& work) {

@@ -15,7 +15,7 @@ uint64_t hash_of(std::span<const SetId> sets) {
 }  // namespace
 
 uint32_t PatternTable::intern(std::span<const SetId> sets) {
-  if (slots_.size() < 2 * (size() + 1)) grow();
+  if (slots_.size() < size_t{2} * (size() + 1)) grow();
   const size_t mask = slots_.size() - 1;
   size_t slot = hash_of(sets) & mask;
   for (; slots_[slot] != 0; slot = (slot + 1) & mask)

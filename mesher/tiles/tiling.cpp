@@ -115,12 +115,12 @@ std::optional<TileGroup> Tiling::next() {
     path_.pop_back();
     if (!node.block && !bins_->is_split(node.place)) node = take_bin(node.place);
     if (node.place.depth == 0) return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
-    push_children(std::move(node));
+    push_children(node);
   }
   return std::nullopt;
 }
 
-void Tiling::push_children(Node node) {
+void Tiling::push_children(const Node& node) {
   const TreePlace& at = node.place;
   const int depth = at.depth - 1;
   std::array<std::vector<ListedFacet>, kChildren> lists;

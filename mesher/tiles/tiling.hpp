@@ -66,7 +66,7 @@ class Tiling {
   explicit Tiling(const Metadata& meta, std::vector<bool> wide = {});
   Node load(const TreePlace& place) const;
   Node take_bin(const TreePlace& place);
-  void push_children(Node node);
+  void push_children(const Node& node);
 
   RayFrame rays_;
   uint32_t groups_u_, groups_v_;
