@@ -127,7 +127,8 @@ class Nginx:
 
 
 def warm_row(row, server, info, folder, runs):
-    rng = random.Random(5)  # the largest of 300, which has much in it
+    rng = random.Random(5)
+    # The largest of 300 tiles, because it has the most in it.
     path = max((random_tile(rng, info) for _ in range(300)), key=lambda p: len(server.get(p)))
     body = server.get(path)
     with Nginx(folder, body) as nginx:

@@ -47,7 +47,7 @@ def cases():
             yield from ((name, ("cut", 0), n, engine) for engine in ("tree", "slice", "scan", "brute"))
 
 
-FACET = struct.Struct("<12fH")  # of a binary STL: normal, three vertices, nothing
+FACET = struct.Struct("<12fH")  # of a binary STL: normal, three vertices, two unused bytes
 
 
 def facet_count(stl):
