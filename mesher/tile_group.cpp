@@ -29,7 +29,7 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
   if (facets.empty() && !worker.engine->searches_scene()) {  // most tiles of a large grid
     fine.rays.fill(nu, nv, shape_.nw, 0);
   } else {
-    const Frame f = meta_.frame();
+    const RayFrame f = meta_.frame();
     Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
     Box cells;
     cells.lo[f.u] = int64_t{cu} * shape_.chunk_rays, cells.hi[f.u] = cells.lo[f.u] + nu;
@@ -48,7 +48,7 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
 }
 
 void TileGroupWork::tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const {
-  const Frame f = meta_.frame();
+  const RayFrame f = meta_.frame();
   const int64_t nu = cells.hi[f.u] - cells.lo[f.u];
   for (size_t i = 0; i < all.size();) {
     const TallyKey key{TallyKey::What::kPairs, all[i].body, static_cast<uint8_t>(f.w)};

@@ -62,7 +62,7 @@ struct Metadata {
   std::vector<LevelInfo>& levels() { return channels.front().levels; }
   const std::vector<LevelInfo>& levels() const { return channels.front().levels; }  // those of the labels that are stored
   std::span<const Channel> others() const { return std::span(channels).subspan(1); }  // all channels but the labels
-  Frame frame() const { return Frame::along(ray_axis); }
+  RayFrame frame() const { return RayFrame::along(ray_axis); }
   friend bool operator==(const Metadata&, const Metadata&) = default;
 };
 

@@ -14,7 +14,7 @@ class FacetLines {
  public:
   // A crossing lies below a sample point of `levels`: the grid's own axis, or its planes (plane_axis). Keeps references to both.
   FacetLines(const Grid& grid, int axis, const Axis& levels)
-      : frame_(Frame::along(axis)), grid_(grid), levels_(levels), find_u_(grid.axis[frame_.u]), find_v_(grid.axis[frame_.v]) {}
+      : frame_(RayFrame::along(axis)), grid_(grid), levels_(levels), find_u_(grid.axis[frame_.u]), find_v_(grid.axis[frame_.v]) {}
 
   // Calls f(cell, levels, up) for the lines through `cells` (of any extent along the axis) that cross the facet, in rows: the line
   // of `cell` and those after it along frame().u, for each the first level above the facet; `up` as in rows.hpp. Adds to `exact`
@@ -46,7 +46,7 @@ class FacetLines {
       }
     }
   }
-  const Frame& frame() const { return frame_; }
+  const RayFrame& frame() const { return frame_; }
 
  private:
   // Lines are handled in blocks, because a facet may be as long as the grid.
@@ -61,7 +61,7 @@ class FacetLines {
             std::min<int64_t>(cells.hi[d], rays.last(std::max(std::max(a[d], b[d]), c[d])))};
   }
 
-  const Frame frame_;
+  const RayFrame frame_;
   const Grid& grid_;
   const Axis& levels_;
   const RayBounds find_u_, find_v_;

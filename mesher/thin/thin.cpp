@@ -19,7 +19,7 @@ ThinParts::ThinParts(const Scene& scene, const Labels& labels, const Grid& grid,
     : scene_(scene),
       labels_(labels),
       grid_(grid),
-      rays_(Frame::along(ray_axis)),
+      rays_(RayFrame::along(ray_axis)),
       count_all_(count_all),
       lines_{FacetLines{grid, 0, grid.axis[0]}, FacetLines{grid, 1, grid.axis[1]}, FacetLines{grid, 2, grid.axis[2]}} {}
 

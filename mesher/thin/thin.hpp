@@ -69,7 +69,7 @@ class ThinParts {
   const Scene& scene_;
   const Labels& labels_;
   const Grid& grid_;
-  const Frame rays_;
+  const RayFrame rays_;
   const bool count_all_;
   std::array<FacetLines, 3> lines_;
   uint64_t exact_decisions_ = 0;

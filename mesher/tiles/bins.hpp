@@ -76,7 +76,7 @@ class FacetBins {
   void encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const;
   Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
 
-  RayFrame rays_;
+  GridRays rays_;
   const bool float32_;
   const size_t record_bytes_;
   const uint64_t most_facets_;  // of a bin that is loaded

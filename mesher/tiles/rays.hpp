@@ -58,8 +58,8 @@ struct TreePlace {
   TreePlace child(uint32_t k) const { return {depth - 1, cu * kFanOut + k % kFanOut, cv * kFanOut + k / kFanOut}; }
 };
 
-struct RayFrame {
-  Frame frame;
+struct GridRays {
+  RayFrame frame;
   const Axis& w;
   RayBounds u, v;
   LevelShape shape;
@@ -67,7 +67,7 @@ struct RayFrame {
 
   // Keeps references to the axes. The facets of `wide` bodies reach one ray further on each side, because they may own cells
   // whose rays they do not meet (marker.hpp).
-  explicit RayFrame(const Metadata& meta, std::vector<bool> wide_bodies = {})
+  explicit GridRays(const Metadata& meta, std::vector<bool> wide_bodies = {})
       : frame(meta.frame()),
         w(meta.grid.axis[frame.w]),
         u(meta.grid.axis[frame.u]),

@@ -33,7 +33,7 @@ Tiling::Tiling(const Metadata& meta, std::vector<bool> wide) : rays_(meta, std::
 // times as fast.
 class Tiling::NodeBuilder {
  public:
-  explicit NodeBuilder(const RayFrame& rays)
+  explicit NodeBuilder(const GridRays& rays)
       : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {}
   void expect(uint64_t facets) {
     block_->chunks.reserve(facets);
@@ -60,7 +60,7 @@ class Tiling::NodeBuilder {
  private:
   static constexpr uint32_t kHeights = 4096;
   static constexpr uint16_t kNone = kHeights;  // the facet lies between rays
-  const RayFrame& rays_;
+  const GridRays& rays_;
   const int w_;
   const double lowest_, per_height_;
   std::shared_ptr<FacetBlock> block_ = std::make_shared<FacetBlock>();

@@ -68,7 +68,7 @@ class Tiling {
   Node take_bin(const TreePlace& place);
   void push_children(Node node);
 
-  RayFrame rays_;
+  GridRays rays_;
   uint32_t groups_u_, groups_v_;
   uint64_t groups_;
   std::unique_ptr<FacetBins> bins_;

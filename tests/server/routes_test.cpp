@@ -68,7 +68,7 @@ TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the 
       const auto sets = level_by_hand(meta.grid, s.cells, level);
       const Index3 n = meta.grid.cells(level);
       for (int axis = 0; axis < 3; ++axis) {
-        const Frame f = Frame::along(axis);
+        const RayFrame f = RayFrame::along(axis);
         for (const int64_t index : {int64_t{0}, n[axis] / 2, n[axis] - 1})
           for (int64_t row = 0; row * 512 < n[f.v]; ++row)
             for (int64_t col = 0; col * 512 < n[f.u]; ++col) {

@@ -24,7 +24,7 @@ struct Met {
 using Lines = std::map<std::pair<int64_t, int64_t>, Met>;  // by the cells along u and v
 
 // Line by line.
-Lines expected(const Grid& grid, const Frame& f, const Axis& levels, const Facet& facet, const Box& cells) {
+Lines expected(const Grid& grid, const RayFrame& f, const Axis& levels, const Facet& facet, const Box& cells) {
   Lines out;
   for (int64_t u = cells.lo[f.u]; u < cells.hi[f.u]; ++u)
     for (int64_t v = cells.lo[f.v]; v < cells.hi[f.v]; ++v) {
@@ -44,7 +44,7 @@ Lines expected(const Grid& grid, const Frame& f, const Axis& levels, const Facet
 
 Lines found(FacetLines& lines, const Facet& facet, const Box& cells) {
   Lines out;
-  const Frame f = lines.frame();
+  const RayFrame f = lines.frame();
   uint64_t exact = 0;
   lines.cross(facet, cells, exact, [&](const Index3& first, std::span<const uint32_t> levels, bool up) {
     for (size_t i = 0; i < levels.size(); ++i)
