@@ -243,7 +243,7 @@ Response route(Service& service, const Request& request) {
 
 }  // namespace
 
-std::optional<Response> handle_at_once(Service& service, const Request& request) { return service.recall(request); }
+std::optional<Response> handle_at_once(Service& service, const Request& request) { return service.from_cache(request); }
 
 Response handle(Service& service, const Request& request) {
   try {

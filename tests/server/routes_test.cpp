@@ -365,13 +365,13 @@ TEST_CASE("Neither a look before prefetching nor waiting for an answer counts as
   Served s;
   Request request;
   request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
-  CHECK_FALSE(s.service->keeps(request));
+  CHECK_FALSE(s.service->is_cached(request));
   handle(*s.service, request);
-  CHECK(s.service->keeps(request));
+  CHECK(s.service->is_cached(request));
   CHECK(s.service->answers().counts().hits == 0);
   CHECK(s.service->answers().counts().misses == 1);
   request.accepts_gzip = true;
-  CHECK_FALSE(s.service->keeps(request));  // it would get another answer
+  CHECK_FALSE(s.service->is_cached(request));  // it would get another answer
   CHECK_FALSE(handle_at_once(*s.service, request));
   CHECK(s.service->answers().counts().hits == 0);
   request.accepts_gzip = false;
