@@ -41,13 +41,13 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
     totals_[i / kFanOut].crossings += worker.crossings.all.size();
     worker.marker.mark(tile, cells, worker.crossings);
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
-    tally_close(worker.composer.close_crossings(), cells, totals_[i / kFanOut].tallies);
+    tally_pairs(worker.composer.crossing_pairs(), cells, totals_[i / kFanOut].tallies);
   }
   pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
 }
 
-void TileGroupWork::tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const {
+void TileGroupWork::tally_pairs(const std::vector<CrossingPairs>& all, const Box& cells, Tallies& tallies) const {
   const RayFrame f = meta_.frame();
   const int64_t nu = cells.hi[f.u] - cells.lo[f.u];
   for (size_t i = 0; i < all.size();) {

@@ -17,7 +17,7 @@
 
 #include <fmt/format.h>
 
-#include "mesher/closing/numbers.hpp"
+#include "mesher/closing/number_text.hpp"
 #include "mesher/engines/ray.hpp"
 #include "store/in_order.hpp"
 

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "mesher/closing/extrude.hpp"
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
