@@ -88,7 +88,7 @@ struct LevelShape {
   uint32_t page_width(uint64_t page) const;
   uint32_t page_height(uint64_t page) const;
   size_t page_size(uint64_t page) const { return size_t{page_width(page)} * page_height(page); }
-  // The page of a chunk, its number among the chunks of the page (raster order, u fastest), and back.
+  // The page of a chunk, its slot (its number among the chunks of the page in raster order, u fastest), and back.
   uint64_t page_of(const ChunkKey& key) const { return (uint64_t{key.segment} * pages_v + key.cv / page_chunks) * pages_u + key.cu / page_chunks; }
   uint32_t slot_of(const ChunkKey& key, uint64_t page) const { return (key.cv % page_chunks) * page_width(page) + key.cu % page_chunks; }
   ChunkKey key_of(uint64_t page, uint32_t slot) const;
