@@ -7,7 +7,7 @@
 
 namespace teracell {
 
-FacetHeight::FacetHeight(const Facet& facet, const Frame& frame, const Axis& axis) : facet_(facet), frame_(frame), axis_(axis) {
+FacetHeight::FacetHeight(const Facet& facet, const RayFrame& frame, const Axis& axis) : facet_(facet), frame_(frame), axis_(axis) {
   const auto& [a, b, c] = facet.vertex;
   u0_ = a[frame.u], v0_ = a[frame.v], w0_ = a[frame.w];
   flat_ = b[frame.w] == w0_ && c[frame.w] == w0_;
@@ -18,7 +18,7 @@ FacetHeight::FacetHeight(const Facet& facet, const Frame& frame, const Axis& axi
 
 void FacetHeight::bound_plane() {
   const auto& [a, b, c] = facet_.vertex;
-  const Frame& f = frame_;
+  const RayFrame& f = frame_;
   const double d1u = b[f.u] - u0_, d1v = b[f.v] - v0_, d1w = b[f.w] - w0_;
   const double d2u = c[f.u] - u0_, d2v = c[f.v] - v0_, d2w = c[f.w] - w0_;
   // The normal. The error of each component is at most four roundings of its two products.

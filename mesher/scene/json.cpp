@@ -34,7 +34,8 @@ std::string read_text(const fs::path& path) {
   std::string text;
   for (char block[1 << 16]; in.read(block, sizeof block), in.gcount() > 0;) {
     text.append(block, static_cast<size_t>(in.gcount()));
-    if (text.size() > kMostSceneText) throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostSceneText));
+    if (text.size() > kMostSceneText)
+      throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostSceneText));
   }
   if (in.bad()) throw IoError(fmt::format("{}: can't be read", path.string()));
   return text;

@@ -57,7 +57,7 @@ std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view
 std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets) {
   SliceView wider = view;
   const Index3 n = reader.meta().grid.cells(view.level);
-  const Frame f = Frame::along(view.axis);
+  const RayFrame f = RayFrame::along(view.axis);
   wider.u1 = std::min(n[f.u], view.u1 + 1);
   wider.v1 = std::min(n[f.v], view.v1 + 1);
   std::vector<uint16_t> numbers = numbers_of(reader, wider, sets, true);

@@ -25,7 +25,7 @@ void run(const ColumnArguments& o) {
     std::cout << column_json(meta, axis, at[0], at[1], runs).dump() << "\n";
     return;
   }
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   say(fmt::format("column along {} at {} = {}, {} = {}", o.axis, axis_name(f.u), at[0], axis_name(f.v), at[1]));
   say("");
   say(fmt::format("{:>12} {:>12} {:>14} {:>14}  material", "from cell", "to cell", "from " + meta.units, "to " + meta.units));

@@ -110,7 +110,7 @@ void run(const ServeArguments& o) {
   const auto note = [&](const std::string& message) { log.note(printable(message)); };
   Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, listen.token.empty(), note});
   Prefetch prefetch([&](const Request& request) {
-    if (!service.keeps(request)) handle(service, request);
+    if (!service.is_cached(request)) handle(service, request);
   });
   Metrics metrics;
   const Page page = o.web.empty() ? Page(embedded_page()) : for_option("--web", [&] { return Page(o.web); });

@@ -36,8 +36,8 @@ SliceView view_of(const SliceArguments& o, const Metadata& meta) {
   if (!o.region.empty()) {
     const auto n = parse_integers(o.region, 4, "--region");
     view.u0 = n[0], view.v0 = n[1], view.u1 = n[2], view.v1 = n[3];
-    check_region(meta.grid, o.level, Frame::along(axis).u, view.u0, view.u1);
-    check_region(meta.grid, o.level, Frame::along(axis).v, view.v0, view.v1);
+    check_region(meta.grid, o.level, RayFrame::along(axis).u, view.u0, view.u1);
+    check_region(meta.grid, o.level, RayFrame::along(axis).v, view.v0, view.v1);
   }
   return view;
 }

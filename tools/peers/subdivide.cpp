@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstring>
 
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "tools/peers/peer.hpp"
 
 namespace {

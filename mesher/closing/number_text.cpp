@@ -1,4 +1,4 @@
-#include "mesher/closing/numbers.hpp"
+#include "mesher/closing/number_text.hpp"
 
 #include <cmath>
 #include <cstdlib>
