@@ -8,7 +8,7 @@
 
 #include "mesher/closing/extrude.hpp"
 #include "mesher/scene/placement.hpp"
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
@@ -83,7 +83,7 @@ class BodyReader {
   BodyReader(const Scene& scene, const Budget& budget, Bodies& out)
       : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), out_(out), counts_(out.counts) {}
 
-  void read(const std::function<void(double)>& tick) {
+  void read(const std::function<void(double)>& progress) {
     out_.bodies.reserve(scene_.bodies.size());
     for (size_t b = 0; b < scene_.bodies.size(); ++b) {
       const SceneBody& body = scene_.bodies[b];
@@ -94,7 +94,7 @@ class BodyReader {
           body.mesh, body.part,
           [&](std::span<const Facet> facets) {
             take(b, layer, facets);
-            tick(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+            progress(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
           },
           budget_, out_.helper.get());
       if (!found.file.regular) once_.push_back(b);
@@ -210,29 +210,29 @@ std::vector<SurfaceCounts> Bodies::wait_for_counts() {
   return *counts;
 }
 
-Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick) {
+Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& progress) {
   Bodies out;
   out.helper = std::make_unique<Background>(threads > 1);
-  BodyReader(scene, budget, out).read(tick);
+  BodyReader(scene, budget, out).read(progress);
   return out;
 }
 
-void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& tick) {
-  ClosingFrame frame{HUGE_VAL, {}};
-  for (const Axis& axis : grid.axis) frame.shortest_edge = std::min(frame.shortest_edge, axis.shortest_cell());
+void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress) {
+  ClosingGrid closing_grid{HUGE_VAL, {}};
+  for (const Axis& axis : grid.axis) closing_grid.shortest_edge = std::min(closing_grid.shortest_edge, axis.shortest_cell());
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     BodyFacets& found = bodies.bodies[b];
     if (body.kind == Kind::kSheet) continue;
-    tick(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
-    if (body.closing.way == Closing::Way::kExtrude) frame.beyond = beyond(body.closing.axis, grid, bodies.lo, bodies.hi);
+    progress(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
+    if (body.closing.way == Closing::Way::kExtrude) closing_grid.beyond = beyond(body.closing.axis, grid, bodies.lo, bodies.hi);
     const Surface surface = {[&](const auto& f) { for_each_facet(body, found, bodies, budget, f); },
                              found.file.facets,
                              found.file.float32,
                              bodies.in_memory,
                              found.boundary,
                              found.opposites};
-    found.closed = close_body(body, surface, frame, budget);
+    found.closed = close_body(body, surface, closing_grid, budget);
     if (!bodies.in_memory) continue;
     const ClosedBody& closed = found.closed;
     const uint64_t last = found.first + found.file.facets;

@@ -38,11 +38,11 @@ struct Bodies {
 };
 
 // Reads every mesh, on one thread or two. Facets are kept in memory as long as they fit into `budget`; if they don't, they must be
-// read again later. `tick` is called every few thousand facets with the bodies read so far, as a share of 1.
-Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& tick);
+// read again later. `progress` is called every few thousand facets with the bodies read so far, as a share of 1.
+Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& progress);
 
 // Closes every solid (closing.hpp). The facets that this adds are appended to those in memory, except for walls.
-void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& tick);
+void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress);
 
 // Calls f with the facets of a body as its file has them: from memory, or from the file. REQUIRES: they were not handed on.
 void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,

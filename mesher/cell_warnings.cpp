@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "mesher/closing/numbers.hpp"
+#include "mesher/closing/number_text.hpp"
 #include "mesher/warnings.hpp"
 #include "store/text.hpp"
 

@@ -71,7 +71,7 @@ void Composer::step(uint64_t crossing, uint32_t cell) {
   else inside_.erase(place);
 }
 
-void Composer::note_close(std::span<const uint64_t> crossings, uint32_t length) {
+void Composer::note_pairs(std::span<const uint64_t> crossings, uint32_t length) {
   const uint32_t cell = Crossing::cell(crossings[0]);
   if (cell == 0 || cell >= length) return;
   for (size_t i = 0; i < crossings.size();) {
@@ -79,7 +79,7 @@ void Composer::note_close(std::span<const uint64_t> crossings, uint32_t length) 
     const uint32_t body = layers_[Crossing::layer(crossings[i])].body;
     while (i < crossings.size() && !Crossing::is_mark(crossings[i]) && layers_[Crossing::layer(crossings[i])].body == body) ++i;
     if (i == first) return;  // marks are sorted last
-    if (i - first > 1) close_.push_back({ray_, cell, body, (i - first) / 2});
+    if (i - first > 1) pairs_.push_back({ray_, cell, body, (i - first) / 2});
   }
 }
 
@@ -89,7 +89,7 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
   out.begin.resize(out.rays() + 1);
   out.at.resize(crossings.all.size());  // as many changes at most
   alternating_.assign(2, {});
-  close_.clear();
+  pairs_.clear();
   uint32_t* at = out.at.data();
   for (uint32_t ray = 0; ray < out.rays(); ++ray) {
     ray_ = ray;
@@ -117,7 +117,7 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
     const uint32_t cell = Crossing::cell(all[i]);
     do counter += Crossing::step(all[i++]);
     while (i < all.size() && Crossing::cell(all[i]) == cell);
-    if (i - begin > 1) note_close(all.subspan(begin, i - begin), length);
+    if (i - begin > 1) note_pairs(all.subspan(begin, i - begin), length);
     const bool is = layer.evenodd ? counter & 1 : counter != 0;
     if (is == was || cell >= length) continue;
     was = is;
@@ -155,7 +155,7 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
     since = until;
     const size_t begin = i;
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i], until);
-    if (i - begin > 1) note_close(all.subspan(begin, i - begin), length);
+    if (i - begin > 1) note_pairs(all.subspan(begin, i - begin), length);
     if (cell >= length) continue;
     const Label label = inside_.empty() ? 0 : bodies_[inside_.back()].label;
     if (cell == 0) {

@@ -16,7 +16,7 @@ struct Layer {
 };
 
 // Pairs of crossings of one body between the sample points of cells `cell` - 1 and `cell` of a ray.
-struct CloseCrossings {
+struct CrossingPairs {
   uint32_t ray, cell, body;
   uint64_t pairs;
 };
@@ -37,7 +37,7 @@ class Composer {
   // is closed, so its counter is back at zero where the ray ends. Throws Error when it is not.
   void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
   // Of the tile that was composed last, ascending by ray. Marks don't count as crossings here.
-  const std::vector<CloseCrossings>& close_crossings() const { return close_; }
+  const std::vector<CrossingPairs>& crossing_pairs() const { return pairs_; }
   // Of the bodies that rays have met since the last call. REQUIRES: it is called at least once per 2^63 cells.
   std::vector<BodyCells> take_cells();
 
@@ -63,7 +63,7 @@ class Composer {
     return b;
   }
   // REQUIRES: the crossings are of one cell, and sorted.
-  void note_close(std::span<const uint64_t> crossings, uint32_t length);
+  void note_pairs(std::span<const uint64_t> crossings, uint32_t length);
 
   std::vector<Layer> layers_;
   std::vector<Body> bodies_;
@@ -72,7 +72,7 @@ class Composer {
   std::vector<uint32_t> inside_; // bodies that the ray is inside of, the one of the lowest rank last
   int open_ = 0;                 // layers that the ray is inside of
   uint32_t ray_ = 0;             // the one that is being composed
-  std::vector<CloseCrossings> close_;
+  std::vector<CrossingPairs> pairs_;
   std::vector<SetId> sets_;
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]
 };

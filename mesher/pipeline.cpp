@@ -78,18 +78,18 @@ class MeshRun {
 
   MeshReport run() {
     give_back_memory();
-    bodies_ = read_bodies(scene_, threads_, budget_, [&](double share) { tick("read", share); });
+    bodies_ = read_bodies(scene_, threads_, budget_, [&](double share) { progress("read", share); });
     give_back_memory();
     end_phase("read");
     plan_ = make_plan(scene_, bodies_, options_.axis, options_.chunk_rays);
-    close_bodies(scene_, plan_.meta.grid, budget_, bodies_, [&](double share) { tick("close", share); });
+    close_bodies(scene_, plan_.meta.grid, budget_, bodies_, [&](double share) { progress("close", share); });
     if (!options_.write_caps.empty()) caps_ = write_caps(scene_, bodies_, options_.write_caps, budget_);
     end_phase("close");
     check_caps();
     end_phase("check");
     open_output();
-    TiledFacets facets(scene_, bodies_, plan_.meta, wide_bodies(scene_, options_.thin), budget_, threads_,
-                       [&](double share) { tick("spill", share); });
+    TiledFacets facets(scene_, bodies_, plan_.meta, widened_bodies(scene_, options_.thin), budget_, threads_,
+                       [&](double share) { progress("spill", share); });
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return of_solids(facets.in_memory()); });
     end_phase("prepare");
     cast(facets.tiling(), make_engine);
@@ -111,7 +111,7 @@ class MeshRun {
     phase_began_ = now;
   }
 
-  void tick(const char* phase, double share) {
+  void progress(const char* phase, double share) {
     if (stop_) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output_.string()));
     double cells = 1;
     for (const int64_t n : plan_.meta.grid.cells()) cells *= static_cast<double>(n);
@@ -130,7 +130,7 @@ class MeshRun {
       const SceneBody& body = scene_.bodies[b];
       const BodyFacets& found = bodies_.bodies[b];
       const ClosedBody& closed = found.closed;
-      tick("check", static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+      progress("check", static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
       const std::vector<Vec3> points = draw_trust_points(found.lo, found.hi, plan_.meta.grid, trust_points(found.file.facets, doubtful.size()));
       if (points.empty()) continue;
       // Each thread goes through all facets. Where that means reading the file, there is one thread.
@@ -205,7 +205,7 @@ class MeshRun {
       workers.push_back(std::make_unique<Worker>(make_engine(), layers, plan_.labels, scene_, plan_.meta, options_.thin));
     for (uint64_t done = 0; done < groups_; ++done) {
       tiling.next();
-      tick("resume", static_cast<double>(done) / static_cast<double>(groups_));
+      progress("resume", static_cast<double>(done) / static_cast<double>(groups_));
     }
 
     struct Job {
@@ -228,13 +228,13 @@ class MeshRun {
           job.work->make_row(job.row, *workers[worker]);
           return job;
         },
-        [&](Job job) {
+        [&](const Job& job) {
           if (job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
           store(*job.work);
           checkpoints.maybe([&] { save(); });
-          tick("mesh", static_cast<double>(groups_) / static_cast<double>(tiling.groups()));
+          progress("mesh", static_cast<double>(groups_) / static_cast<double>(tiling.groups()));
         },
-        2 * TileGroupWork::kRows);
+        size_t{2} * TileGroupWork::kRows);
   }
 
   void store(TileGroupWork& work) {
@@ -253,7 +253,7 @@ class MeshRun {
   }
 
   void finish(const std::string& report) {
-    tick("write", 0);
+    progress("write", 0);
     writer_->finish(report, totals_.crossings);
     remove_checkpoint(output_);
     for (const auto& file : caps_) file->commit();

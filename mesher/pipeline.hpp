@@ -3,7 +3,8 @@
 //   scene -> facets -> (closed? box? cost?) -> grid -> groups of tiles, several threads:
 //   tiles -> crossings -> runs -> chunks of level 0 and 2 -> in order: pyramid above, file
 //
-// The file depends on the scene alone, not on the number of threads, and not on timing.
+// The file depends on the scene, its surfaces, the options axis, thin and chunk_rays, and the version of zstd. It does not depend on
+// the number of threads, the memory, the engine or timing.
 #pragma once
 #include <atomic>
 #include <filesystem>

@@ -15,7 +15,7 @@ uint32_t chunk_length(double crossings, double rays, int64_t cells, uint32_t chu
 }
 
 double rays_along(const Grid& grid, int axis) {
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   return static_cast<double>(grid.axis[f.u].cells()) * static_cast<double>(grid.axis[f.v].cells());
 }
 
@@ -25,7 +25,7 @@ AxisChoice choose_axis(const Grid& grid, const Vec3& area, std::optional<int> as
   AxisChoice out;
   Vec3 cost;
   for (int w = 0; w < 3; ++w) {
-    const Frame f = Frame::along(w);
+    const RayFrame f = RayFrame::along(w);
     double rays_per_area = 1;
     for (const int d : {f.u, f.v}) rays_per_area *= static_cast<double>(grid.axis[d].cells()) / (grid.axis[d].max() - grid.axis[d].min());
     out.crossings[w] = area[w] * rays_per_area;

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr size_t kMostText = (size_t{1} << 26) - 1024;
+constexpr size_t kMostReportText = (size_t{1} << 26) - 1024;
 constexpr size_t kMostOfBodies = size_t{34} << 20, kMostOfInputs = size_t{11} << 20, kMostOfScene = size_t{15} << 20;
 constexpr size_t kMostPlaces = 30000;  // holes and flips, of all bodies together
 constexpr size_t kBytesOfABody = 620;  // in all lists, when there is nothing special about it
@@ -220,7 +220,7 @@ std::string open_report(const Report& report, const Scene& scene, const std::vec
   for (const double crossings : report.crossings_expected) out.value(static_cast<uint64_t>(std::min(crossings, 0x1p63)));
   out.end_array().end_object();
   const auto add_if_it_fits = [&](const char* key, const std::string& json) {
-    out.key(key).raw(text.size() + json.size() < kMostText ? json : "null");
+    out.key(key).raw(text.size() + json.size() < kMostReportText ? json : "null");
   };
   add_if_it_fits("scene", normalised(scene, kMostOfScene));  // materials and planes alone may be long
   if (report.lost_gaps) add_if_it_fits("lost_gaps", gaps_json(*report.lost_gaps));

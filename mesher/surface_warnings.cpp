@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "mesher/closing/numbers.hpp"
+#include "mesher/closing/number_text.hpp"
 #include "mesher/warnings.hpp"
 #include "store/text.hpp"
 

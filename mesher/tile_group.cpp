@@ -29,7 +29,7 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
   if (facets.empty() && !worker.engine->searches_scene()) {  // most tiles of a large grid
     fine.rays.fill(nu, nv, shape_.nw, 0);
   } else {
-    const Frame f = meta_.frame();
+    const RayFrame f = meta_.frame();
     Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
     Box cells;
     cells.lo[f.u] = int64_t{cu} * shape_.chunk_rays, cells.hi[f.u] = cells.lo[f.u] + nu;
@@ -41,14 +41,14 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
     totals_[i / kFanOut].crossings += worker.crossings.all.size();
     worker.marker.mark(tile, cells, worker.crossings);
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
-    tally_close(worker.composer.close_crossings(), cells, totals_[i / kFanOut].tallies);
+    tally_pairs(worker.composer.crossing_pairs(), cells, totals_[i / kFanOut].tallies);
   }
   pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
 }
 
-void TileGroupWork::tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const {
-  const Frame f = meta_.frame();
+void TileGroupWork::tally_pairs(const std::vector<CrossingPairs>& all, const Box& cells, Tallies& tallies) const {
+  const RayFrame f = meta_.frame();
   const int64_t nu = cells.hi[f.u] - cells.lo[f.u];
   for (size_t i = 0; i < all.size();) {
     const TallyKey key{TallyKey::What::kPairs, all[i].body, static_cast<uint8_t>(f.w)};

@@ -59,7 +59,7 @@ class TileGroupWork {
 
  private:
   void make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker);
-  void tally_close(const std::vector<CloseCrossings>& all, const Box& cells, Tallies& tallies) const;
+  void tally_pairs(const std::vector<CrossingPairs>& all, const Box& cells, Tallies& tallies) const;
   void make_level2(Worker& worker);
 
   const TileGroup group_;

@@ -16,19 +16,19 @@ std::vector<bool> which_move(const Scene& scene) {
 
 }  // namespace
 
-TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
-                         const std::function<void(double)>& tick)
+TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const Budget& budget,
+                         int threads, const std::function<void(double)>& progress)
     : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()) {
   if (bodies.in_memory) {
-    use_memory(wide);
+    use_memory(widened);
     return;
   }
-  auto bins = fill_bins(wide, budget, threads, tick);
+  auto bins = fill_bins(widened, budget, threads, progress);
   spilled_ = bins->bytes();
   tiling_.emplace(std::move(bins), binned_, threads > 1 ? threads : 0, meta);
 }
 
-void TiledFacets::use_memory(const std::vector<bool>& wide) {
+void TiledFacets::use_memory(const std::vector<bool>& widened) {
   const std::vector<bool> moves = which_move(scene_);
   const bool any_moves = std::ranges::count(moves, true) > 0;
   if (any_moves) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
@@ -42,21 +42,21 @@ void TiledFacets::use_memory(const std::vector<bool>& wide) {
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
     for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
   for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
-  tiling_.emplace(facets_, meta_, wide);
+  tiling_.emplace(facets_, meta_, widened);
 }
 
 std::vector<SurfaceCounts> TiledFacets::counts() { return bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals(); }
 
 // They are read once more, from their files.
-std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads,
-                                                  const std::function<void(double)>& tick) {
+std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& widened, const Budget& budget, int threads,
+                                                  const std::function<void(double)>& progress) {
   const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
     const uint32_t body = body_of_layer(layer);
     return moves[body] ? moved(f, scene.bodies[body]) : f;
   };
   const bool walls =
       std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
-  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, wide);
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, widened);
   struct Stretch {  // of facets that are alike
     size_t facets;
     uint32_t layer;
@@ -93,7 +93,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& wide,
       else
         for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile);
       done += facets.size();
-      tick(static_cast<double>(done) / all);
+      progress(static_cast<double>(done) / all);
     });
     for (const bool parity : {false, true}) {
       add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded);

@@ -11,10 +11,10 @@ namespace teracell {
 
 class TiledFacets {
  public:
-  // Takes the facets out of `bodies`. Keeps references to scene, bodies and meta; `tick` is called with shares of 1 while facets
-  // are spilled. `wide` bodies as in rays.hpp.
-  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& wide, const Budget& budget, int threads,
-              const std::function<void(double)>& tick);
+  // Takes the facets out of `bodies`. Keeps references to scene, bodies and meta; `progress` is called with shares of 1 while facets
+  // are spilled. `widened` bodies as in rays.hpp.
+  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const Budget& budget, int threads,
+              const std::function<void(double)>& progress);
 
   Tiling& tiling() { return *tiling_; }
   const GridFacets* in_memory() const { return facets_.get(); }  // null when they were spilled
@@ -23,8 +23,9 @@ class TiledFacets {
   std::vector<SurfaceCounts> counts();
 
  private:
-  void use_memory(const std::vector<bool>& wide);
-  std::unique_ptr<FacetBins> fill_bins(const std::vector<bool>& wide, const Budget& budget, int threads, const std::function<void(double)>& tick);
+  void use_memory(const std::vector<bool>& widened);
+  std::unique_ptr<FacetBins> fill_bins(const std::vector<bool>& widened, const Budget& budget, int threads,
+                                       const std::function<void(double)>& progress);
 
   const Scene& scene_;
   Bodies& bodies_;

@@ -158,7 +158,7 @@ std::string openapi_json(const Request& request) {
           {id, axis(), parameter("index", "path", "the index of the slice, in cells of the level", kInteger), level("query"),
            parameter("region", "query", "U0,V0,U1,V1: half open, in cells of the level", kString), materials(), outline(), version()},
           "image/png", nullptr);
-  const auto tile = [&](ordered_json more) {
+  const auto tile = [&](const ordered_json& more) {
     ordered_json p = {id,
                       axis(),
                       parameter("index", "path", "the index of the slice, in cells of the level", kInteger),

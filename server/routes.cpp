@@ -178,7 +178,7 @@ Response cell(const GridRequest& r) {
 Response column(const GridRequest& r) {
   r.target.allow({"v"});
   const int axis = axis_of(r.rest[1]);
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   const Index3 n = r.meta().grid.cells();
   const auto [a_text, b_text] = split_pair(r.rest[2], "column");
   const int64_t a = integer_in(a_text, axis_name(f.u), 0, n[f.u] - 1), b = integer_in(b_text, axis_name(f.v), 0, n[f.v] - 1);
@@ -247,7 +247,7 @@ Response route(Service& service, const Request& request) {
 
 }  // namespace
 
-std::optional<Response> handle_at_once(Service& service, const Request& request) { return service.recall(request); }
+std::optional<Response> handle_at_once(Service& service, const Request& request) { return service.from_cache(request); }
 
 Response handle(Service& service, const Request& request) {
   try {

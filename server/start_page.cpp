@@ -25,7 +25,7 @@ std::string html(std::string_view text) {
 // The finest level at which a slice across `axis` fits into a small picture.
 int preview_level(const Grid& grid, int axis) {
   constexpr int64_t kMost = 480;
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   int level = 0;
   while (std::max(grid.cells(level)[f.u], grid.cells(level)[f.v]) > kMost) ++level;
   return level;

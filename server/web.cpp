@@ -150,7 +150,7 @@ Handler with_page(Handler inner, const Page& page) {
           [&page, is_open = std::move(inner.is_open)](std::string_view path) { return page.has(path) || (is_open && is_open(path)); }};
 }
 
-Handler with_text(Handler inner, std::string path, Body text) {
+Handler with_text(Handler inner, const std::string& path, const Body& text) {
   const Response whole{
       .content_type = "text/plain; charset=utf-8", .etag = fmt::format("\"{}\"", hash_of(*text)), .cache_control = "no-cache", .route = "page"};
   const auto answer = [=](const Request& request) -> std::optional<Response> {

@@ -48,6 +48,6 @@ class Page {
 Handler with_page(Handler inner, const Page& page);
 
 // `inner`, behind a plain text at one path. Like the page, the text needs no token.
-Handler with_text(Handler inner, std::string path, Body text);
+Handler with_text(Handler inner, const std::string& path, const Body& text);
 
 }  // namespace teracell

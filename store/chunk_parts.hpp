@@ -14,7 +14,7 @@ void check_box(const Metadata& meta, int level, const Box& box);
 // A box in the frame of the rays.
 struct RayBox {
   int64_t u0, u1, v0, v1, w0, w1;
-  RayBox(const Box& b, const Frame& f) : u0(b.lo[f.u]), u1(b.hi[f.u]), v0(b.lo[f.v]), v1(b.hi[f.v]), w0(b.lo[f.w]), w1(b.hi[f.w]) {}
+  RayBox(const Box& b, const RayFrame& f) : u0(b.lo[f.u]), u1(b.hi[f.u]), v0(b.lo[f.v]), v1(b.hi[f.v]), w0(b.lo[f.w]), w1(b.hi[f.w]) {}
 };
 
 // A chunk and the part of it that lies in a box, in the chunk's own rays and cells.

@@ -83,9 +83,9 @@ struct Grid {
 inline int64_t ceil_shift(int64_t n, int bits) { return (n + (int64_t{1} << bits) - 1) >> bits; }
 
 // The axes of a picture across `axis`: z -> (x, y), y -> (x, z), x -> (y, z). Rays along `axis` are numbered (u, v) too.
-struct Frame {
+struct RayFrame {
   int u, v, w;
-  static constexpr Frame along(int axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, axis}; }
+  static constexpr RayFrame along(int axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, axis}; }
 };
 
 // "x", "y" or "z".

@@ -23,14 +23,14 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   }
   using Job = typename decltype(next())::value_type;
   using Result = decltype(make(std::declval<Job>(), 0));
-  struct Slot {
+  struct Outcome {
     std::optional<Result> result;
     std::exception_ptr error;
     bool done = false;
   };
-  // Job i has slot i modulo their number until it is taken. All slots are made here, so that a thread does nothing outside a
-  // try that may throw.
-  std::vector<Slot> slots(ahead * static_cast<uint64_t>(threads));
+  // Job i writes into outcome i modulo their number, which stays until it is taken. All outcomes are made here, so that a thread
+  // does nothing outside a try that may throw.
+  std::vector<Outcome> outcomes(ahead * static_cast<uint64_t>(threads));
   std::mutex mutex;
   std::condition_variable changed;
   uint64_t started = 0, taken = 0;
@@ -40,23 +40,23 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   const auto work = [&](int worker) {
     for (;;) {
       std::optional<Job> job;
-      Slot* slot;
+      Outcome* outcome;
       {
         std::lock_guard in_next(next_mutex);
         {
           std::unique_lock lock(mutex);
-          changed.wait(lock, [&] { return stop || exhausted || started < taken + slots.size(); });
+          changed.wait(lock, [&] { return stop || exhausted || started < taken + outcomes.size(); });
           if (stop || exhausted) return;
-          slot = &slots[started % slots.size()];
+          outcome = &outcomes[started % outcomes.size()];
         }
         try {
           job = next();
         } catch (...) {
-          slot->error = std::current_exception();
+          outcome->error = std::current_exception();
         }
         std::lock_guard lock(mutex);
         if (!job) exhausted = true;
-        if (!job && !slot->error) {
+        if (!job && !outcome->error) {
           changed.notify_all();
           return;
         }
@@ -64,13 +64,13 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
       }
       if (job) {
         try {
-          slot->result.emplace(make(std::move(*job), worker));
+          outcome->result.emplace(make(std::move(*job), worker));
         } catch (...) {
-          slot->error = std::current_exception();
+          outcome->error = std::current_exception();
         }
       }
       std::lock_guard lock(mutex);
-      slot->done = true;
+      outcome->done = true;
       changed.notify_all();
     }
   };
@@ -87,17 +87,17 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   } at_exit{mutex, changed, stop};
   for (int i = 0; i < threads; ++i) pool.emplace_back(work, i);
   for (;;) {
-    Slot& slot = slots[taken % slots.size()];
+    Outcome& outcome = outcomes[taken % outcomes.size()];
     {
       std::unique_lock lock(mutex);
-      changed.wait(lock, [&] { return slot.done || (exhausted && taken == started); });
-      if (!slot.done) break;
+      changed.wait(lock, [&] { return outcome.done || (exhausted && taken == started); });
+      if (!outcome.done) break;
     }
-    if (slot.error) std::rethrow_exception(slot.error);
-    take(std::move(*slot.result));
-    slot.result.reset();
+    if (outcome.error) std::rethrow_exception(outcome.error);
+    take(std::move(*outcome.result));
+    outcome.result.reset();
     std::lock_guard lock(mutex);
-    slot.done = false;
+    outcome.done = false;
     ++taken;
     changed.notify_all();
   }

@@ -50,7 +50,7 @@ size_t SetTable::memory() const {
   size_t members = 0;
   for (const auto& set : sets_) members += set.capacity() * sizeof(Label) + 16;
   // Each set counts twice: in the list, and in a node of the map with its id, its hash and a bucket.
-  return 2 * members + sets_.capacity() * sizeof(sets_[0]) + ids_.size() * (sizeof(sets_[0]) + 48);
+  return 2 * members + sets_.capacity() * sizeof(std::vector<Label>) + ids_.size() * (sizeof(std::vector<Label>) + 48);
 }
 
 }  // namespace teracell

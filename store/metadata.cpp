@@ -9,7 +9,7 @@ std::string chunk_name(const ChunkKey& key) { return fmt::format("level {} chunk
 LevelShape::LevelShape(const Metadata& meta, int of_level)
     : level(of_level), chunk_rays(meta.chunk_rays), chunk_cells(meta.chunk_cells), page_chunks(meta.page_chunks) {
   const Index3 n = meta.grid.cells(level);
-  const Frame f = meta.frame();
+  const RayFrame f = meta.frame();
   nu = static_cast<uint32_t>(n[f.u]);
   nv = static_cast<uint32_t>(n[f.v]);
   nw = static_cast<uint32_t>(n[f.w]);

@@ -62,7 +62,7 @@ struct Metadata {
   std::vector<LevelInfo>& levels() { return channels.front().levels; }
   const std::vector<LevelInfo>& levels() const { return channels.front().levels; }  // those of the labels that are stored
   std::span<const Channel> others() const { return std::span(channels).subspan(1); }  // all channels but the labels
-  Frame frame() const { return Frame::along(ray_axis); }
+  RayFrame frame() const { return RayFrame::along(ray_axis); }
   friend bool operator==(const Metadata&, const Metadata&) = default;
 };
 
@@ -88,7 +88,7 @@ struct LevelShape {
   uint32_t page_width(uint64_t page) const;
   uint32_t page_height(uint64_t page) const;
   size_t page_size(uint64_t page) const { return size_t{page_width(page)} * page_height(page); }
-  // The page of a chunk, its number among the chunks of the page (raster order, u fastest), and back.
+  // The page of a chunk, its slot (its number among the chunks of the page in raster order, u fastest), and back.
   uint64_t page_of(const ChunkKey& key) const { return (uint64_t{key.segment} * pages_v + key.cv / page_chunks) * pages_u + key.cu / page_chunks; }
   uint32_t slot_of(const ChunkKey& key, uint64_t page) const { return (key.cv % page_chunks) * page_width(page) + key.cu % page_chunks; }
   ChunkKey key_of(uint64_t page, uint32_t slot) const;

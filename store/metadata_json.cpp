@@ -147,7 +147,7 @@ Bytes encode_metadata(const Metadata& meta) {
 }
 
 Metadata decode_metadata(std::span<const uint8_t> frame, std::span<const ChannelKind> known) {
-  const Metadata meta = metadata_from(parse_json(decode_text(frame, "metadata"), "metadata"), known);
+  Metadata meta = metadata_from(parse_json(decode_text(frame, "metadata"), "metadata"), known);
   check(meta);
   return meta;
 }

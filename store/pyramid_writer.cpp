@@ -46,7 +46,7 @@ void PyramidWriter::add_to_level_above(int level, uint32_t cu, uint32_t cv, Chun
   const auto labels = static_cast<uint32_t>(meta.labels.size());
   std::array<Chunk, 4> quarters;
   for (uint32_t q = 0; q < 4; ++q) {
-    const Chunk rays = join_pieces(&open.pieces[(q / 2 * kFanOut + q % 2) * 2], 2, kFanOut, meta.chunk_rays, labels);
+    const Chunk rays = join_pieces(&open.pieces[size_t{2} * (q / 2 * kFanOut + q % 2)], 2, kFanOut, meta.chunk_rays, labels);
     if (rays.rays.rays() == 0) continue;
     put(encode_level(encoder_, meta, level + 1, parent_u * 2 + q % 2, parent_v * 2 + q / 2, rays));
     if (level + 2 < levels) quarters[q] = coarsen(rays, 1);

@@ -32,7 +32,7 @@ void read_box(const GridReader& reader, int level, const Box& box, const SetValu
         for (int64_t x = 0; x < box.hi[0] - box.lo[0]; ++x) data[x * stride[0] + y * stride[1] + z * stride[2]] = outside;
   }
   if (inside.empty()) return;
-  const Frame f = reader.meta().frame();
+  const RayFrame f = reader.meta().frame();
   const int64_t step_u = stride[f.u], step_v = stride[f.v], step_w = stride[f.w];
   std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(inside, f), [&](const ChunkPart& p) {
@@ -64,7 +64,7 @@ template void read_box(const GridReader&, int, const Box&, const SetValue&, uint
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f) {
   check_box(reader.meta(), level, box);
   if (box.empty()) return;
-  const Frame frame = reader.meta().frame();
+  const RayFrame frame = reader.meta().frame();
   std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(box, frame), [&](const ChunkPart& p) {
     const auto tell = [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, const std::vector<Label>& set) {
@@ -88,7 +88,7 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
 
 std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b) {
   const Metadata& meta = reader.meta();
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   const Index3 n = meta.grid.cells();
   if (a < 0 || a >= n[f.u] || b < 0 || b >= n[f.v])
     throw UsageError(fmt::format("column ({}, {}) along {} is outside the grid: {} is 0 to {}, {} is 0 to {}", a, b, axis_name(axis), axis_name(f.u),

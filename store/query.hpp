@@ -27,7 +27,7 @@ struct ColumnRun {
   int64_t from, to;
   uint32_t material;
 };
-// The column of level-0 cells along `axis` through (a, b) of Frame::along(axis), as runs of one material each. Throws
+// The column of level-0 cells along `axis` through (a, b) of RayFrame::along(axis), as runs of one material each. Throws
 // UsageError unless it lies in the grid.
 std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b);
 

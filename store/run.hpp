@@ -28,13 +28,13 @@ class PatternTable {
   uint32_t changes(uint32_t pattern) const { return begin_[pattern + 1] - begin_[pattern] - 1; }
   uint32_t size() const { return static_cast<uint32_t>(begin_.size()) - 1; }
   void clear();
-  size_t memory() const { return (begin_.capacity() + sets_.capacity() + slots_.capacity()) * 4; }  // bytes on the heap
+  size_t memory() const { return (begin_.capacity() + sets_.capacity() + table_.capacity()) * 4; }  // bytes on the heap
 
  private:
   void grow();
   std::vector<uint32_t> begin_{0};
   std::vector<SetId> sets_;
-  std::vector<uint32_t> slots_;  // open addressing; pattern + 1, 0 is free
+  std::vector<uint32_t> table_;  // open addressing; pattern + 1, 0 is free
 };
 
 // The rays of a block, u fastest: ray = v * nu + u. All have `length` cells.

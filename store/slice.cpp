@@ -55,7 +55,7 @@ struct Picture {
   const RowSink& row;
   const int64_t held;  // cells
   LevelShape shape;
-  Frame rays;
+  RayFrame rays;
 
   int64_t width() const { return view.u1 - view.u0; }
 
@@ -335,7 +335,7 @@ struct Picture {
 SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level) {
   meta.grid.check_level(level);
   const Index3 n = meta.grid.cells(level);
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   const SliceView view{axis, index, level, 0, 0, n[f.u], n[f.v]};
   check_view(meta, view);
   return view;
@@ -344,7 +344,7 @@ SliceView whole_slice(const Metadata& meta, int axis, int64_t index, int level) 
 void check_view(const Metadata& meta, const SliceView& view) {
   meta.grid.check_level(view.level);
   const Index3 n = meta.grid.cells(view.level);
-  const Frame f = Frame::along(view.axis);
+  const RayFrame f = RayFrame::along(view.axis);
   if (view.index < 0 || view.index >= n[view.axis])
     throw UsageError(
         fmt::format("index along {} must be 0 to {} on level {}, found {}", axis_name(view.axis), n[view.axis] - 1, view.level, view.index));
@@ -360,10 +360,10 @@ void check_view(const Metadata& meta, const SliceView& view) {
 void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row,
                   int64_t held) {
   check_view(reader.meta(), view);
-  const Frame rays = reader.meta().frame();
+  const RayFrame rays = reader.meta().frame();
   const Picture picture{reader, view, value, top_down, threads, row, held, reader.shape(view.level), rays};
   if (rays.w == view.axis) picture.across();
-  else if (rays.w == Frame::along(view.axis).v) picture.upright();
+  else if (rays.w == RayFrame::along(view.axis).v) picture.upright();
   else picture.lying();
 }
 

@@ -5,7 +5,7 @@
 
 namespace teracell {
 
-// A rectangle of a slice across `axis` at `index`, in cells of `level`: u in [u0, u1), v in [v0, v1) of Frame::along(axis).
+// A rectangle of a slice across `axis` at `index`, in cells of `level`: u in [u0, u1), v in [v0, v1) of RayFrame::along(axis).
 struct SliceView {
   int axis = 2;
   int64_t index = 0;

@@ -51,7 +51,7 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
   const Metadata& meta = reader.meta();
   check_box(meta, 0, box);
   const Grid& grid = meta.grid;
-  const Frame f = meta.frame();
+  const RayFrame f = meta.frame();
   std::vector<MaterialStats> stats(meta.materials.size());
   if (box.empty()) return stats;
   const bool graded = std::ranges::any_of(grid.axis, &Axis::is_graded);

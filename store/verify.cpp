@@ -74,7 +74,7 @@ uint64_t check_chunk(const GridReader& reader, const ChunkKey& key, const ChunkE
   return chunk.rays.at.size();
 }
 
-void verify_level(const GridReader& reader, const LevelInfo& l, int threads, Coverage& coverage, const std::function<void()>& progress) {
+void verify_level(const GridReader& reader, const LevelInfo& l, int threads, Coverage& coverage, const std::function<void()>& tell_progress) {
   const LevelShape s = reader.shape(l.level);
   coverage.add(l.directory, directory_bytes(s.pages()));
   LevelInfo sum = {l.level, l.directory, 0, 0, 0};
@@ -96,7 +96,7 @@ void verify_level(const GridReader& reader, const LevelInfo& l, int threads, Cov
       sum.bytes += e.size;
       sum.changes += done.second;
     });
-    progress();
+    tell_progress();
   }
   if (!(sum == l))
     throw FormatError(fmt::format("level {}: the metadata counts {} chunks, {} bytes, {} changes; found {}, {}, {}", l.level, l.chunks, l.bytes,
@@ -105,7 +105,7 @@ void verify_level(const GridReader& reader, const LevelInfo& l, int threads, Cov
 
 // The frames of a channel other than the labels: first as bytes, however many, then as what the kind of the channel says.
 void verify_frames(const GridReader& reader, const Channel& c, std::span<const ChannelKind> known, Coverage& coverage,
-                   const std::function<void()>& progress) {
+                   const std::function<void()>& tell_progress) {
   const auto name_of = [&](uint64_t i) { return fmt::format("channel '{}' frame {}", c.name, i); };
   coverage.add(c.cover, directory_bytes(c.frames));
   for (uint64_t i = 0; i < c.frames; ++i) {
@@ -117,7 +117,7 @@ void verify_frames(const GridReader& reader, const Channel& c, std::span<const C
     RunningChecksum sum;
     read_in_pieces(reader.source(), place.offset, place.size, [&](auto bytes) { sum.add(bytes); });
     check_sum(place, what, sum.value());
-    progress();
+    tell_progress();
   }
   const ChannelKind* kind = find_kind(known, c.name, c.coding);
   if (kind == nullptr || kind->check == nullptr) return;
@@ -140,9 +140,9 @@ void verify(const GridReader& reader, int threads, const std::function<void(doub
     coverage.add(footer.report.offset, footer.report.size);
     coverage.add(size - kFooterBytes, kFooterBytes);
     reader.report();
-    const auto tell = [&] { progress(static_cast<double>(coverage.bytes()) / static_cast<double>(size)); };
-    for (const LevelInfo& l : reader.meta().levels()) verify_level(reader, l, threads, coverage, tell);
-    for (const Channel& c : reader.meta().others()) verify_frames(reader, c, known, coverage, tell);
+    const auto tell_progress = [&] { progress(static_cast<double>(coverage.bytes()) / static_cast<double>(size)); };
+    for (const LevelInfo& l : reader.meta().levels()) verify_level(reader, l, threads, coverage, tell_progress);
+    for (const Channel& c : reader.meta().others()) verify_frames(reader, c, known, coverage, tell_progress);
     coverage.expect_whole(size);
     check_content_hash(reader);
   } catch (const FormatError& e) {

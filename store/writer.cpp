@@ -42,7 +42,7 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_
 void GridWriter::save(Bytes& state) {
   file_.sync();
   put_fixed(state, file_.size());
-  const auto hash = written_.digest();
+  const auto hash = hash_.digest();
   state.insert(state.end(), hash.begin(), hash.end());
   for (const Level& l : levels_) {
     for (const uint64_t n : {l.info.chunks, l.info.bytes, l.info.changes}) put_varint(state, n);
@@ -68,9 +68,9 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteRea
   for (uint64_t at = 0; at < file_.size(); at += block.size()) {
     block.resize(std::min<uint64_t>(block.size(), file_.size() - at));
     file_.read_kept(at, block);
-    written_.add(block);
+    hash_.add(block);
   }
-  if (!std::ranges::equal(state.take(16), written_.digest())) {
+  if (!std::ranges::equal(state.take(16), hash_.digest())) {
     file_.abandon();
     state.fail("the partial file has other bytes than it had: it is damaged", Remedy::kFreshStart);
   }
@@ -97,7 +97,7 @@ uint64_t GridWriter::chunks() const {
 }
 
 void GridWriter::append_bytes(std::span<const uint8_t> bytes) {
-  written_.add(bytes);
+  hash_.add(bytes);
   file_.append(bytes);
 }
 
@@ -108,7 +108,7 @@ DirectoryEntry GridWriter::append(std::span<const uint8_t> frame) {
 }
 
 void GridWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
-  Level& l = levels_[slot(key.level)];
+  Level& l = levels_[index_of(key.level)];
   const uint64_t page = l.shape.page_of(key);
   const auto [it, fresh] = l.open.try_emplace(page);
   OpenPage& open = it->second;

@@ -55,9 +55,9 @@ class GridWriter {
 
   Metadata meta_;
   OutputFile file_;
-  ContentHash written_;  // of all bytes
-  static size_t slot(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }
-  std::vector<Level> levels_;  // by slot()
+  ContentHash hash_;  // of all bytes so far
+  static size_t index_of(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }
+  std::vector<Level> levels_;  // by index_of()
 };
 
 }  // namespace teracell

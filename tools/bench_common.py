@@ -1,11 +1,11 @@
-"""What the measurements of tools/bench share: where things are, how they are built, and the options that all take."""
+"""What the measurements of tools/bench share: where things are, how they are built, and the options of all."""
 import argparse
 import os
 import subprocess
 import sys
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-# Real surfaces are no part of the project. Measurements, and the tests that use them, look for them here.
+# Real surfaces are not part of the project. Measurements, and the tests that use them, look for them here.
 MESHES = os.path.join(os.path.dirname(ROOT), "shared/meshes")
 TERACELL = os.path.join(ROOT, "build/bench/teracell")
 
@@ -22,7 +22,7 @@ def build(packages, *targets):
 
 
 def peer(name):
-    """The path of a peer, None if it was not built."""
+    """The path of a peer; None if it was not built."""
     path = os.path.join(ROOT, "build/bench/tools/peers", name)
     return path if os.path.exists(path) else None
 
@@ -40,7 +40,7 @@ def count(text):
 
 
 def parser(name, doc, runs=None):
-    """A parser with the options that all have; --runs where a number of them is given."""
+    """A parser with the options of all measurements, and with --runs if `runs` gives its default."""
     made = argparse.ArgumentParser(prog=name, description=doc, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False)
     if runs:
         made.add_argument("--runs", type=count, default=runs, metavar="K", help=f"how often each is measured; medians are shown (default {runs})")

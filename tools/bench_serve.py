@@ -1,4 +1,4 @@
-"""The slice server on a grid of 10,000^3 = 10^12 cells, against nginx and against its own promises."""
+"""Measures the slice server on a grid of 10,000^3 = 10^12 cells, and nginx with a file for comparison."""
 import concurrent.futures
 import http.client
 import json
@@ -48,13 +48,13 @@ class Server:
         return body
 
     def rss(self):
-        """MB."""
+        """Resident memory, in MB."""
         with open(f"/proc/{self.process.pid}/statm") as f:
             return int(f.read().split()[1]) * 4096 / 1e6
 
 
 def random_tile(rng, info):
-    """Any tile of levels 0 to 5."""
+    """The address of a tile of one of the levels 0 to 5."""
     axis = rng.randrange(3)
     level = rng.choice([l for l in info["levels"] if l["level"] <= 5])
     n = level["cells"]
@@ -64,7 +64,7 @@ def random_tile(rng, info):
 
 
 def fetch_random(server, info, seed, count, connections):
-    """Seconds in all and of each tile."""
+    """The seconds in all, and those of each tile in ascending order."""
     took = []
 
     def work(part):
@@ -94,7 +94,7 @@ def wrk(url, seconds):
 
 
 class Nginx:
-    """A static file, as nginx serves it."""
+    """nginx on a free port, with one static file."""
 
     def __init__(self, folder, body):
         with open(os.path.join(folder, "tile.png"), "wb") as f:
@@ -127,7 +127,8 @@ class Nginx:
 
 
 def warm_row(row, server, info, folder, runs):
-    rng = random.Random(5)  # one of those with most in them
+    rng = random.Random(5)
+    # The largest of 300 tiles, because it has the most in it.
     path = max((random_tile(rng, info) for _ in range(300)), key=lambda p: len(server.get(p)))
     body = server.get(path)
     with Nginx(folder, body) as nginx:
@@ -137,12 +138,12 @@ def warm_row(row, server, info, folder, runs):
             theirs = wrk(f"http://127.0.0.1:{nginx.port}/tile.png", 4)
             rates.append((ours, theirs))
     ratio = statistics.median(a / b for a, b in rates)
-    row(f"a warm tile of {len(body)} bytes, wrk -c16 / nginx, the same file", f"{rates[-1][0]:.0f} / {rates[-1][1]:.0f} a second = {ratio:.2f}", ">= 0.5")
+    row(f"a warm tile of {len(body)} bytes, wrk -c16 / nginx, the same file", f"{rates[-1][0]:.0f} / {rates[-1][1]:.0f} per second = {ratio:.2f}", ">= 0.5")
 
 
 def cold_row(row, server, info):
     seconds, took = fetch_random(server, info, 1, 2000, 4)
-    row("cold random tiles, all axes, levels 0 to 5, 4 connections", f"{len(took) / seconds:.0f} a second, p99 {1e3 * took[int(len(took) * 0.99)]:.0f} ms", ">= 300, <= 50 ms")
+    row("cold random tiles, all axes, levels 0 to 5, 4 connections", f"{len(took) / seconds:.0f} per second, p99 {1e3 * took[int(len(took) * 0.99)]:.0f} ms", ">= 300, <= 50 ms")
 
 
 def memory_row(row, server, info, count):
@@ -150,7 +151,7 @@ def memory_row(row, server, info, count):
     for part in range(10):
         fetch_random(server, info, 100 + part, count // 10, 4)
         peaks.append(server.rss())
-    row(f"{count} random tiles, caches of 256 MB: RSS at half and at the end", f"{peaks[4]:.0f} MB, {peaks[-1]:.0f} MB", "<= 512, flat")
+    row(f"{count} random tiles, caches of 256 MB: RSS halfway and at the end", f"{peaks[4]:.0f} MB, {peaks[-1]:.0f} MB", "<= 512, flat")
 
 
 def idle_row(row, server):
@@ -168,12 +169,12 @@ def idle_row(row, server):
         took.append(time.perf_counter() - began)
     grown = server.rss() - before
     began = time.perf_counter()
-    for s in sockets:  # they are closed by the server
+    for s in sockets:  # the server closes them
         s.settimeout(120)
         while s.recv(4096):
             pass
         s.close()
-    row("health beside 800 idle and half-sent connections", f"{1e3 * max(took):.1f} ms at most, {grown:.0f} MB more; all dropped after {time.perf_counter() - began:.0f} s", "at once")
+    row("/healthz beside 800 idle and half-sent connections", f"{1e3 * max(took):.1f} ms at most, {grown:.0f} MB more; all dropped after {time.perf_counter() - began:.0f} s", "at once")
 
 
 def main(arguments):

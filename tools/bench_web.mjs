@@ -1,5 +1,5 @@
-// What `tools/bench web` measures, in Chromium with software rendering. Usage: bench_web.mjs URL; prints a row a line, as JSON:
-// what, found, bar. The page is used by its own gestures: real wheel events over the view across z, in a window of 1400 x 900.
+// What `tools/bench web` measures, in Chromium with software rendering. Usage: bench_web.mjs URL; prints one row per line, as
+// JSON: what, found, bar. The page gets real wheel events over the view across z, in a window of 1400 x 900.
 import { createRequire } from "node:module";
 import { launch_options } from "../tests/support/chromium.mjs";
 
@@ -11,8 +11,8 @@ const median = (list) => [...list].sort((a, b) => a - b)[Math.floor(list.length 
 const share = (list, part) => [...list].sort((a, b) => a - b)[Math.min(list.length - 1, Math.floor(list.length * part))];
 const ms = (value) => `${value.toFixed(0)} ms`;
 
-// In the page: follows one slice change from its wheel event on. Each frame the picture of the view is looked at: how many of its
-// pixels have the body's colour, and whether they are of another slice.
+// In the page: follows one change of slice, beginning with its wheel event. For each frame it finds how many pixels of the view have
+// the body's colour, and whether the view still shows parts of another slice.
 function install() {
   const pixels = () => {
     const canvas = document.querySelector('[data-view="z"] .view-cells');
@@ -25,8 +25,9 @@ function install() {
   };
   window.bench = {
     bodies,
-    // Makes `found` a promise of { sharp, right, fewest }: milliseconds from the next wheel event to the frame in which the view is
-    // sharp, and to the one in which it shows nothing of another slice; the fewest pixels of the body in any frame between.
+    // Makes `found` a promise of { sharp, right, fewest }. `sharp` and `right` are the milliseconds from the next wheel event to the
+    // frame in which the view is sharp, and to the one in which it shows nothing of another slice. `fewest` is the smallest number
+    // of the body's pixels in any frame until then.
     found: null,
     watch(look_at_pixels) {
       this.found = new Promise((done) => {
@@ -36,7 +37,7 @@ function install() {
             const began = event.timeStamp;
             const found = { right: null, fewest: Number.POSITIVE_INFINITY };
             const frame = () => {
-              // A task after the frame's callbacks: the picture is that of this frame.
+              // This task runs after the frame's callbacks, so the picture is that of this frame.
               setTimeout(() => {
                 const now = performance.now();
                 const state = teracell.shown(2);
@@ -85,7 +86,7 @@ async function go(page, slice) {
   await idle(page);
 }
 
-// Slices from the middle half of the grid, each asked for the first time: steps of one and of ten.
+// Steps of one slice and of ten, from slices in the middle half of the grid that were not asked for before.
 let visited = 0;
 async function steps(page, count, pixels = false) {
   const depth = await page.evaluate(() => teracell.viewer.cells[2]);
@@ -96,15 +97,15 @@ async function steps(page, count, pixels = false) {
     for (const [name, key] of [["one", null], ["ten", "Shift"]]) {
       const found = await step(page, key, pixels);
       const least = pixels ? Math.min(before, await page.evaluate(() => bench.bodies())) : 0;
-      found.kept = least > 1000 ? found.fewest / least : 1; // where there is something to lose
+      found.kept = least > 1000 ? found.fewest / least : 1; // with fewer pixels there is nothing to lose
       results[name].push(found);
     }
   }
   return results;
 }
 
-// The view across z alone, its cells of level 0 a pixel and a half wide, at the first change of material along x: every step needs
-// other tiles than the one before. Without this a whole grid of 10^12 cells is seen at a level whose slices are 16 cells thick.
+// Shows the view across z alone, at the first change of material along x, with cells of level 0 that are 1.5 pixels wide. So every
+// step needs new tiles. A view of a whole grid of 10^12 cells takes them from a level whose slices are 16 cells thick.
 async function close_up(page) {
   await page.evaluate(async () => {
     const { viewer } = teracell;
@@ -118,7 +119,7 @@ async function close_up(page) {
   await over_z(page);
 }
 
-// Addresses of tiles that came over the network, and how often.
+// Returns a function that counts the tiles that came over the network more than once.
 function watch_tiles(cdp) {
   const flights = new Map();
   const fetched = new Map();
@@ -133,7 +134,7 @@ function watch_tiles(cdp) {
 
 const browser = await chromium.launch(launch_options);
 try {
-  // The first load, with nothing in the cache: what of it is the page's own files.
+  // The first load, with nothing in the cache: the bytes of the page's own files.
   {
     const context = await browser.newContext({ viewport: window_size });
     const page = await context.newPage();
@@ -200,14 +201,14 @@ try {
   row("300 slices swept by wheel: frame time, median and 95 of 100", `${median(frames).toFixed(1)} ms, ${share(frames, 0.95).toFixed(1)} ms (${frames.length} frames)`, "p95 <= 33 ms");
   row("  JavaScript heap before, after 100, 200, 300 slices", `${heaps.map((h) => h.toFixed(1)).join(", ")} MB`, "flat");
 
-  // The same slices again: in the page, and by a page loaded anew.
+  // The same slices again, in the page and after it was reloaded.
   for (const slice of [6000, 6400, 6000]) {
     await go(page, slice);
     await new Promise((done) => setTimeout(done, 1500));
   }
   await page.reload();
   await idle(page);
-  row("tiles fetched a second time, by the page and by one loaded anew", String(twice()), "none");
+  row("tiles fetched a second time, by the page and after a reload", String(twice()), "none");
 
   await cdp.send("Network.emulateNetworkConditions", { offline: false, latency: 80, downloadThroughput: 20e6 / 8, uploadThroughput: 20e6 / 8 });
   for (const [what, prepare] of [["the whole grid", over_z], ["single cells", close_up]]) {

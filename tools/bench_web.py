@@ -11,8 +11,8 @@ from bench_serve import Server
 
 def main(arguments):
     options_of = parser("tools/bench web", __doc__)
-    options_of.add_argument("--grid", help="a .tcell file instead, so that nothing is meshed")
-    options_of.add_argument("--url", help="a server's address instead, so that nothing is served")
+    options_of.add_argument("--grid", help="a .tcell file to serve; without it the surface is meshed")
+    options_of.add_argument("--url", help="the address of a server that runs already")
     options = options_of.parse_args(arguments)
     build("chromium", "teracell")
 

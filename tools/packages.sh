@@ -8,7 +8,7 @@ need() {
   echo "installing ${missing[*]}" >&2
   local root=()
   if [[ $(id -u) -ne 0 ]]; then
-    command -v sudo >/dev/null || { echo "run this as root, or install sudo: ${missing[*]} must be installed" >&2; return 1; }
+    command -v sudo >/dev/null || { echo "${missing[*]} must be installed: run this as root, or install sudo" >&2; return 1; }
     root=(sudo)
   fi
   "${root[@]}" apt-get update -qq
@@ -17,6 +17,6 @@ need() {
 
 build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libboost-dev)
 test_packages=(catch2 clang-16 libclang-rt-16-dev python3 zstd nginx-light curl openssl)
-# Node.js may come from elsewhere, and then has an npm of its own: Debian's would not fit it.
+# A Node.js from elsewhere has an npm of its own, and Debian's npm would not fit it.
 command -v npm >/dev/null || build_packages+=(nodejs npm)
 client_packages=(chromium libvips-tools python3-dask python3-fsspec python3-aiohttp python3-netcdf4 python3-pil python3-xarray python3-zarr)

@@ -71,13 +71,13 @@ void OppositeSample::shrink() {
 
 bool OppositeSample::take_answer() {
   shrink();
-  std::vector<uint64_t> slots(std::bit_ceil(2 * facets_.size() + 1));
+  std::vector<uint64_t> table(std::bit_ceil(2 * facets_.size() + 1));
   bool found = false;
   for (const uint64_t f : facets_) {
-    size_t i = f >> 1 & (slots.size() - 1);
-    while (slots[i] != 0 && (slots[i] ^ f) > 1) i = (i + 1) & (slots.size() - 1);
-    found |= slots[i] != 0 && slots[i] != f;
-    slots[i] = f;
+    size_t i = f >> 1 & (table.size() - 1);
+    while (table[i] != 0 && (table[i] ^ f) > 1) i = (i + 1) & (table.size() - 1);
+    found |= table[i] != 0 && table[i] != f;
+    table[i] = f;
   }
   facets_.clear();
   most_ = ~uint64_t{0};

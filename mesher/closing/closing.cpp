@@ -9,7 +9,7 @@
 
 #include "mesher/closing/extrude.hpp"
 #include "mesher/scene/placement.hpp"
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "store/error.hpp"
 #include "store/text.hpp"
 
@@ -67,11 +67,11 @@ bool touches_other_parts(const SceneBody& body, const std::vector<BoundaryEdge>&
 
 class BodyCloser {
  public:
-  BodyCloser(const SceneBody& body, const Surface& surface, const ClosingFrame& frame, const Budget& budget)
-      : body_(body), surface_(surface), frame_(frame), budget_(budget) {}
+  BodyCloser(const SceneBody& body, const Surface& surface, const ClosingGrid& grid, const Budget& budget)
+      : body_(body), surface_(surface), grid_(grid), budget_(budget) {}
 
   ClosedBody run() {
-    out_.stitch = body_.stitch.value_or(frame_.shortest_edge / 4);
+    out_.stitch = body_.stitch.value_or(grid_.shortest_edge / 4);
     if (is_simple()) return std::move(out_);
     find_boundary();
     choose_rules();
@@ -207,7 +207,7 @@ class BodyCloser {
       }
       Caps caps;
       for (size_t i = 0; i < loops.size(); ++i) {
-        if (extruded[i]) extrude_loop(placed[i], body_.closing.axis, frame_.beyond[body_.closing.up], out_.walls[parity], caps.holes);
+        if (extruded[i]) extrude_loop(placed[i], body_.closing.axis, grid_.beyond[body_.closing.up], out_.walls[parity], caps.holes);
         else cap_loop(loops[i], surface_.float32, body_.matrix, caps);
       }
       out_.added[parity].insert(out_.added[parity].end(), caps.facets.begin(), caps.facets.end());
@@ -239,7 +239,7 @@ class BodyCloser {
 
   const SceneBody& body_;
   const Surface& surface_;
-  const ClosingFrame& frame_;
+  const ClosingGrid& grid_;
   const Budget& budget_;
   ClosedBody out_;
   std::shared_ptr<Shells> shells_;
@@ -252,8 +252,8 @@ class BodyCloser {
 
 }  // namespace
 
-ClosedBody close_body(const SceneBody& body, const Surface& surface, const ClosingFrame& frame, const Budget& budget) {
-  return BodyCloser(body, surface, frame, budget).run();
+ClosedBody close_body(const SceneBody& body, const Surface& surface, const ClosingGrid& grid, const Budget& budget) {
+  return BodyCloser(body, surface, grid, budget).run();
 }
 
 }  // namespace teracell

@@ -81,14 +81,14 @@ struct Surface {
   bool opposites;         // a sample of the facets holds facets that lie on each other with opposite orientation
 };
 
-// What closing needs to know about the grid.
-struct ClosingFrame {
+// What closing needs to know of the grid.
+struct ClosingGrid {
   double shortest_edge;          // of all cells
   std::array<double, 2> beyond;  // coordinates below and above everything, along the body's axis of extrusion
 };
 
 // Throws InputError when the body is open and must not be (`strict`), when its boundary does not fit into memory, and when the
 // stitch length is too long.
-ClosedBody close_body(const SceneBody& body, const Surface& surface, const ClosingFrame& frame, const Budget& budget);
+ClosedBody close_body(const SceneBody& body, const Surface& surface, const ClosingGrid& grid, const Budget& budget);
 
 }  // namespace teracell

@@ -6,7 +6,7 @@
 namespace teracell {
 namespace {
 
-double signed_area(const Loop& loop, const Frame& f) {
+double signed_area(const Loop& loop, const RayFrame& f) {
   double sum = 0;
   for (size_t i = 1; i + 1 < loop.size(); ++i)
     sum += (loop[i][f.u] - loop[0][f.u]) * (loop[i + 1][f.v] - loop[0][f.v]) - (loop[i][f.v] - loop[0][f.v]) * (loop[i + 1][f.u] - loop[0][f.u]);
@@ -14,7 +14,7 @@ double signed_area(const Loop& loop, const Frame& f) {
 }
 
 // Whether the loop surrounds p as seen along the axis, by the parity of its edges to the right of p.
-bool surrounds(const Loop& loop, const Frame& f, const Vec3& p) {
+bool surrounds(const Loop& loop, const RayFrame& f, const Vec3& p) {
   bool inside = false;
   for (size_t i = 0; i < loop.size(); ++i) {
     const Vec3 &a = loop[i], &b = loop[(i + 1) % loop.size()];
@@ -27,7 +27,7 @@ bool surrounds(const Loop& loop, const Frame& f, const Vec3& p) {
 }  // namespace
 
 std::vector<bool> outer_loops(const std::vector<Loop>& loops, int axis, bool evenodd) {
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   std::vector<double> area;
   std::vector<std::pair<double, double>> extent;  // along v
   std::vector<Vec3> least;

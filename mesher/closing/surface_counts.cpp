@@ -21,45 +21,45 @@ uint32_t VertexNumbers::operator()(const VertexHash& hash) {
 }
 
 uint32_t VertexNumbers::find(const VertexHash& hash) const {
-  const size_t mask = slots_.size() - 1;
+  const size_t mask = table_.size() - 1;
   size_t i = hash.low & mask;
-  while (hashes_[slots_[i] - 1] != hash) i = (i + 1) & mask;
-  return slots_[i] - 1;
+  while (hashes_[table_[i] - 1] != hash) i = (i + 1) & mask;
+  return table_[i] - 1;
 }
 
 uint32_t VertexNumbers::find_or_add(const VertexHash& hash) {
-  if (2 * hashes_.size() >= slots_.size()) grow();
-  const size_t mask = slots_.size() - 1;
+  if (2 * hashes_.size() >= table_.size()) grow();
+  const size_t mask = table_.size() - 1;
   size_t i = hash.low & mask;
-  for (; slots_[i] != 0; i = (i + 1) & mask)
-    if (hashes_[slots_[i] - 1] == hash) return slots_[i] - 1;
+  for (; table_[i] != 0; i = (i + 1) & mask)
+    if (hashes_[table_[i] - 1] == hash) return table_[i] - 1;
   hashes_.push_back(hash);
-  slots_[i] = count();
+  table_[i] = count();
   return count() - 1;
 }
 
-void VertexNumbers::grow() { rehash(std::max<size_t>(kFewSlots, 4 * slots_.size())); }
+void VertexNumbers::grow() { rehash(std::max<size_t>(kSmallTable, 4 * table_.size())); }
 
-void VertexNumbers::rehash(size_t slots) {
-  if (slots >= kManySlots && recent_.size() < 512) {
+void VertexNumbers::rehash(size_t size) {
+  if (size >= kLargeTable && recent_.size() < 512) {
     recent_.assign(512, {});
     recent_shift_ = 55;
   }
-  slots_.assign(slots, 0);
-  const size_t mask = slots_.size() - 1;
+  table_.assign(size, 0);
+  const size_t mask = table_.size() - 1;
   for (uint32_t number = 0; number < count(); ++number) {
     size_t i = hashes_[number].low & mask;
-    while (slots_[i] != 0) i = (i + 1) & mask;
-    slots_[i] = number + 1;
+    while (table_[i] != 0) i = (i + 1) & mask;
+    table_[i] = number + 1;
   }
 }
 
-// A hash is inserted a few calls later, when its slot has reached the cache. On a large mesh nearly every look-up misses the
-// cache, and waiting for memory took most of the time.
+// A hash is inserted a few calls later, when its place in the table has reached the cache. On a large mesh nearly every look-up
+// misses the cache, and waiting for memory took most of the time.
 void DistinctCount::add(uint64_t hash) {
-  hash |= uint64_t{hash < 2} << 1;  // 0 marks a free slot
-  if (2 * (count_ + kWaiting) >= slots_.size()) grow();
-  __builtin_prefetch(&slots_[hash >> 1 & (slots_.size() - 1)]);
+  hash |= uint64_t{hash < 2} << 1;  // 0 marks a free place
+  if (2 * (count_ + kWaiting) >= table_.size()) grow();
+  __builtin_prefetch(&table_[hash >> 1 & (table_.size() - 1)]);
   std::swap(hash, waiting_[turn_++ % kWaiting]);
   if (hash != 0) count_ += insert(hash);
 }
@@ -73,22 +73,22 @@ uint64_t DistinctCount::count() {
 }
 
 bool DistinctCount::insert(uint64_t hash) {
-  const size_t mask = slots_.size() - 1;
+  const size_t mask = table_.size() - 1;
   size_t i = hash >> 1 & mask;
-  while (slots_[i] != 0 && (slots_[i] ^ hash) > 1) i = (i + 1) & mask;
-  if (slots_[i] != 0) {
-    otherwise_ += slots_[i] != hash;
+  while (table_[i] != 0 && (table_[i] ^ hash) > 1) i = (i + 1) & mask;
+  if (table_[i] != 0) {
+    otherwise_ += table_[i] != hash;
     return false;
   }
-  slots_[i] = hash;
+  table_[i] = hash;
   return true;
 }
 
-void DistinctCount::grow() { rehash(std::max<size_t>(64, 4 * slots_.size())); }
+void DistinctCount::grow() { rehash(std::max<size_t>(64, 4 * table_.size())); }
 
-void DistinctCount::rehash(size_t slots) {
-  decltype(slots_) old(slots);
-  old.swap(slots_);
+void DistinctCount::rehash(size_t size) {
+  decltype(table_) old(size);
+  old.swap(table_);
   for (const uint64_t hash : old)
     if (hash != 0) insert(hash);
 }

@@ -27,7 +27,7 @@ class VertexNumbers {
  private:
   // Successive facets often share vertices, so a small cache avoids two of three look-ups. It has its full size only after some
   // hundred vertices, because scenes of 100,000 bodies mostly have bodies with few.
-  static constexpr size_t kFewSlots = 64, kManySlots = 1024;
+  static constexpr size_t kSmallTable = 64, kLargeTable = 1024;
   static constexpr uint32_t kNone = ~uint32_t{0};
   struct Recent {
     VertexHash hash;
@@ -35,11 +35,11 @@ class VertexNumbers {
   };
   uint32_t find_or_add(const VertexHash& hash);
   void grow();
-  void rehash(size_t slots);
+  void rehash(size_t size);
   std::vector<Recent> recent_ = std::vector<Recent>(8);
   int recent_shift_ = 61;  // recent_ has 2^(64 - shift) entries
   std::vector<VertexHash> hashes_;     // by number
-  std::vector<uint32_t, Populated<uint32_t>> slots_;  // number + 1; 0 is free
+  std::vector<uint32_t, Populated<uint32_t>> table_;  // number + 1; 0 is free
 };
 
 // Counts distinct hashes. The lowest bit of a hash is an orientation and does not distinguish it. Of the hashes that come again,
@@ -55,8 +55,8 @@ class DistinctCount {
   static constexpr size_t kWaiting = 16;
   bool insert(uint64_t hash);
   void grow();
-  void rehash(size_t slots);
-  std::vector<uint64_t, Populated<uint64_t>> slots_;
+  void rehash(size_t size);
+  std::vector<uint64_t, Populated<uint64_t>> table_;
   std::array<uint64_t, kWaiting> waiting_{};
   uint64_t count_ = 0, turn_ = 0, otherwise_ = 0;
 };

@@ -17,14 +17,14 @@
 
 #include <fmt/format.h>
 
-#include "mesher/closing/numbers.hpp"
+#include "mesher/closing/number_text.hpp"
 #include "mesher/engines/ray.hpp"
 #include "store/in_order.hpp"
 
 namespace teracell {
 namespace {
 
-constexpr Frame kFrame = Frame::along(2);  // of the rays that decide whether a point is inside; every axis gives the same answer
+constexpr RayFrame kFrame = RayFrame::along(2);  // of the rays that decide whether a point is inside; every axis gives the same answer
 
 // A sample point on the surface is decided as if it were shifted by (e, e^2, e^3). The winding number jumps at the surface, so
 // there the shift is a number: this fraction of the longest side of the body's box.

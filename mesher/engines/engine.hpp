@@ -19,7 +19,7 @@ inline constexpr uint32_t kIgnored = uint32_t{1} << 30;
 
 // A rectangle of rays. Ray (i, j) passes through (u[i], v[j]) along frame.w; its cells are those of `axis`.
 struct Tile {
-  Frame frame;
+  RayFrame frame;
   std::vector<double> u, v;
   const Axis* axis;
   uint32_t rays() const { return static_cast<uint32_t>(u.size() * v.size()); }

@@ -16,7 +16,7 @@ const std::vector<std::string>& engine_names() {
   return names;
 }
 
-EngineMaker engine_maker(const std::string& name, const Frame& frame, const std::function<std::vector<const SceneFacet*>()>& all_facets) {
+EngineMaker engine_maker(const std::string& name, const RayFrame& frame, const std::function<std::vector<const SceneFacet*>()>& all_facets) {
   if (name == "scan") return [] { return std::make_unique<ScanEngine>(); };
   if (name == "slice") return [] { return std::make_unique<SliceEngine>(); };
   if (name == "tree") return [tree = std::make_shared<const FacetTree>(all_facets(), frame)] { return std::make_unique<TreeEngine>(tree); };

@@ -17,6 +17,6 @@ using EngineMaker = std::function<std::unique_ptr<Engine>()>;
 
 // A maker of engines for rays of `frame`. If the engine searches the scene, `all_facets` is called once, by this function, and
 // the facets that it returns must outlive the engines. Throws UsageError unless `name` is one of engine_names().
-EngineMaker engine_maker(const std::string& name, const Frame& frame, const std::function<std::vector<const SceneFacet*>()>& all_facets);
+EngineMaker engine_maker(const std::string& name, const RayFrame& frame, const std::function<std::vector<const SceneFacet*>()>& all_facets);
 
 }  // namespace teracell

@@ -13,7 +13,7 @@ namespace teracell {
 class FacetHeight {
  public:
   // `axis` is that of the cells, along frame.w.
-  FacetHeight(const Facet& facet, const Frame& frame, const Axis& axis);
+  FacetHeight(const Facet& facet, const RayFrame& frame, const Axis& axis);
 
   // For the rays u[i] of the row v: cells[i] = the first cell whose sample point, shifted by the tie rule, lies above the facet, or
   // the number of cells. Adds to `exact` how often the exact predicate was called. REQUIRES: all of the rays cross the facet.
@@ -25,7 +25,7 @@ class FacetHeight {
   bool above(double u, double v, int64_t cell, uint64_t& exact) const;
 
   const Facet& facet_;
-  const Frame frame_;
+  const RayFrame frame_;
   const Axis& axis_;
   double u0_, v0_, w0_, gu_ = 0, gv_ = 0;
   double slack_;  // bounds |computed w - true w| over the projection of the facet; infinite: there is no bound

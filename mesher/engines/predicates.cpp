@@ -7,10 +7,9 @@
 namespace teracell {
 namespace {
 
-constexpr double kUnit = 0x1p-53;  // the unit roundoff
 // Shewchuk's bounds for the first stage of orient2d and orient3d.
-constexpr double kOrient2dBound = (3 + 16 * kUnit) * kUnit;
-constexpr double kOrient3dBound = (7 + 56 * kUnit) * kUnit;
+constexpr double kOrient2dBound = (3 + 16 * kRoundoff) * kRoundoff;
+constexpr double kOrient3dBound = (7 + 56 * kRoundoff) * kRoundoff;
 
 // Arithmetic that detects rounding: while `error` is 0, every result so far is exact. On a lattice it stays 0.
 struct Watched {

@@ -8,6 +8,9 @@
 
 namespace teracell {
 
+// The unit roundoff of doubles.
+inline constexpr double kRoundoff = 0x1p-53;
+
 // The sign of (b - a) x (p - a): +1 when a, b, p turn left.
 int orient2d(double ax, double ay, double bx, double by, double px, double py);
 

@@ -8,7 +8,7 @@ namespace teracell {
 
 // How the projected facet turns around the ray through (u, v): +1 to the left, -1 to the right, 0 when they don't cross. There is
 // no division. An edge counts when the row v meets it, its lower end included, and the edge passes on the right of the ray.
-inline int turn_around_ray(const Facet& facet, const Frame& f, double u, double v) {
+inline int turn_around_ray(const Facet& facet, const RayFrame& f, double u, double v) {
   const auto& p = facet.vertex;
   const bool below[3] = {p[0][f.v] <= v, p[1][f.v] <= v, p[2][f.v] <= v};
   if (below[0] == below[1] && below[1] == below[2]) return 0;

@@ -39,7 +39,7 @@ class RayFinder {
 class FacetEdge {
  public:
   FacetEdge() {}  // not set: most facets need only two of their three edges
-  FacetEdge(const Vec3& lo, const Vec3& hi, const Frame& f)
+  FacetEdge(const Vec3& lo, const Vec3& hi, const RayFrame& f)
       : lo_u_(lo[f.u]), lo_v_(lo[f.v]), hi_u_(hi[f.u]), hi_v_(hi[f.v]), slope_((hi_u_ - lo_u_) / (hi_v_ - lo_v_)) {
     // u(v) = lo_u + (v - lo_v) * slope: six roundings relative to at most |hi_u - lo_u|, and one relative to |lo_u| more. An edge
     // of constant u is exact.
@@ -73,7 +73,7 @@ class FacetRows {
   };
 
   // `rows` are the v of the tile. Keeps no reference.
-  FacetRows(const Facet& facet, const Frame& f, const RayFinder& rows) {
+  FacetRows(const Facet& facet, const RayFrame& f, const RayFinder& rows) {
     const Vec3 *lo = &facet.vertex[0], *mid = &facet.vertex[1], *hi = &facet.vertex[2];
     const auto order = [&](const Vec3*& a, const Vec3*& b) {  // without a branch, which would be mispredicted half of the time
       const bool swap = (*b)[f.v] < (*a)[f.v];

@@ -18,7 +18,7 @@
 
 namespace teracell {
 
-FacetTree::FacetTree(std::span<const SceneFacet* const> facets, const Frame& frame) {
+FacetTree::FacetTree(std::span<const SceneFacet* const> facets, const RayFrame& frame) {
   std::vector<Point> points;
   points.reserve(facets.size());
   for (const SceneFacet* facet : facets) {

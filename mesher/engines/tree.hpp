@@ -11,7 +11,7 @@ namespace teracell {
 class FacetTree {
  public:
   // Keeps the pointers, not the span: the facets must outlive the tree.
-  FacetTree(std::span<const SceneFacet* const> facets, const Frame& frame);
+  FacetTree(std::span<const SceneFacet* const> facets, const RayFrame& frame);
 
   // Calls f(facet) for every facet whose box contains (u, v), and for a few others.
   template <class F>

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kMostText = 64'000'000;  // as many planes as fit into a .tcell file; a device would never end
+constexpr size_t kMostSceneText = 64'000'000;  // as many planes as fit into a .tcell file; a device would never end
 
 std::string read_text(const fs::path& path) {
   std::error_code ignored;
@@ -34,7 +34,8 @@ std::string read_text(const fs::path& path) {
   std::string text;
   for (char block[1 << 16]; in.read(block, sizeof block), in.gcount() > 0;) {
     text.append(block, static_cast<size_t>(in.gcount()));
-    if (text.size() > kMostText) throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostText));
+    if (text.size() > kMostSceneText)
+      throw InputError(fmt::format("{}: expected at most {} bytes of text, found more", path.string(), kMostSceneText));
   }
   if (in.bad()) throw IoError(fmt::format("{}: can't be read", path.string()));
   return text;

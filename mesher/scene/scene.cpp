@@ -125,7 +125,7 @@ void check_options(const GridOptions& o) {
 
 Vec3 transform(const Matrix& m, const Vec3& p) {
   Vec3 q;
-  for (int r = 0; r < 3; ++r) q[r] = ((m[4 * r] * p[0] + m[4 * r + 1] * p[1]) + m[4 * r + 2] * p[2]) + m[4 * r + 3];
+  for (size_t r = 0; r < 3; ++r) q[r] = ((m[4 * r] * p[0] + m[4 * r + 1] * p[1]) + m[4 * r + 2] * p[2]) + m[4 * r + 3];
   return q;
 }
 

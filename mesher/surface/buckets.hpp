@@ -22,7 +22,8 @@ class Buckets {
   size_t count() const { return buckets_.size(); }
   void add(size_t bucket, const Record& record) {
     buckets_[bucket].waiting.push_back(record);
-    if ((waiting_ += sizeof(Record)) > memory_) spill();
+    waiting_ += sizeof(Record);
+    if (waiting_ > memory_) spill();
   }
   // The records of a bucket, in the order in which they were added.
   std::vector<Record> load(size_t bucket) const {

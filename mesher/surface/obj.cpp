@@ -204,7 +204,7 @@ class ObjReader {
   uint64_t polylines_ = 0, points_ = 0, curves_ = 0, surfaces_ = 0;  // skipped
 };
 
-Match recognises(const Head& head) {
+Match recognises_obj(const Head& head) {
   if (!head.text) return Match::kNo;
   if (head.word.empty()) return head.bytes.find('#') != std::string_view::npos ? Match::kPerhaps : Match::kNo;  // nothing but comments so far
   for (const char* known : {"v",  "vt",  "vn",     "vp",  "f",    "fo",     "g",    "o",     "s",      "l",     "p",        "mtllib",   "usemtl",
@@ -213,7 +213,7 @@ Match recognises(const Head& head) {
   return Match::kNo;
 }
 
-void read(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background* helper) {
+void read_obj(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background* helper) {
   file.format = "OBJ";
   file.float32 = false;
   ObjReader(input, out, budget, helper).read();
@@ -221,6 +221,6 @@ void read(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budge
 
 }  // namespace
 
-const SurfaceReader kObjReader = {recognises, read};
+const SurfaceReader kObjReader = {recognises_obj, read_obj};
 
 }  // namespace teracell

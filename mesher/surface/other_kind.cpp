@@ -139,7 +139,7 @@ std::optional<OtherKind> json_kind(std::string_view text) {
 
 // Text formats whose first words are too short to be a signature by themselves.
 std::optional<OtherKind> text_kind(const Head& head, std::string_view start) {
-  if (const auto json = json_kind(start)) return json;
+  if (auto json = json_kind(start)) return json;
   constexpr std::array kOff = {"OFF"sv, "COFF"sv, "NOFF"sv, "CNOFF"sv, "STOFF"sv, "4OFF"sv, "nOFF"sv};
   if (std::ranges::find(kOff, head.word) != kOff.end()) return OtherKind{"an OFF file", kExport};
   std::string_view rest = start;
@@ -163,12 +163,12 @@ std::optional<OtherKind> zip_kind(std::string_view bytes) {
 }  // namespace
 
 std::optional<OtherKind> other_kind(const Head& head) {
-  if (const auto zip = zip_kind(head.bytes)) return zip;
+  if (auto zip = zip_kind(head.bytes)) return zip;
   const std::string_view start = head.bytes.substr(std::min(head.bytes.find_first_not_of(" \t\r\n"), head.bytes.size()));
   for (const Signature& s : kSignatures)
     if ((s.at == 0 ? start : head.bytes.substr(std::min(s.at, head.bytes.size()))).starts_with(s.bytes)) return OtherKind{s.what, s.advice};
   if (start.starts_with("AC10") && start.size() > 6 && start[6] == '\0') return OtherKind{"an AutoCAD drawing (DWG)", kExport};
-  if (const auto xml = xml_kind(head, start)) return xml;
+  if (auto xml = xml_kind(head, start)) return xml;
   return head.text ? text_kind(head, start) : std::optional<OtherKind>();
 }
 

@@ -376,12 +376,12 @@ void read_body(Values values, const Header& header, const Layout& layout, FacetS
   values.finish();
 }
 
-Match recognises(const Head& head) {
+Match recognises_ply(const Head& head) {
   std::string_view line = first_line(head.bytes);
   return line.size() < head.bytes.size() && next_word(line) == "ply" && trimmed(line).empty() ? Match::kSure : Match::kNo;
 }
 
-void read(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background*) {
+void read_ply(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background*) {
   const std::string_view start = input.window(3);
   const size_t stop = start.find_first_of("\r\n");
   if (!start.substr(stop).starts_with("\r\n") && start[stop] == '\r') input.set_newline('\r');
@@ -404,6 +404,6 @@ void read(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budge
 
 }  // namespace
 
-const SurfaceReader kPlyReader = {recognises, read};
+const SurfaceReader kPlyReader = {recognises_ply, read_ply};
 
 }  // namespace teracell

@@ -15,7 +15,7 @@ inline void populate(void* memory, size_t bytes) {
   constexpr uintptr_t kPage = 4096;
   const uintptr_t first = (reinterpret_cast<uintptr_t>(memory) + kPage - 1) / kPage * kPage,
                   last = (reinterpret_cast<uintptr_t>(memory) + bytes) / kPage * kPage;
-  if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_POPULATE_WRITE);
+  if (last > first) ::madvise(reinterpret_cast<void*>(first), last - first, MADV_POPULATE_WRITE);  // NOLINT(performance-no-int-to-ptr)
 #else
   static_cast<void>(memory), static_cast<void>(bytes);
 #endif

@@ -1,5 +1,5 @@
 // What the surface readers (stl, obj, ply) share: how a reader is chosen, where facets go, how words and numbers of a text are
-// read. Private to the readers; others include facets.hpp.
+// read. Private to the readers; others include read_facets.hpp.
 #pragma once
 #include <algorithm>
 #include <charconv>
@@ -164,7 +164,7 @@ inline int64_t text_integer(std::string_view word, const char* expected, const I
 struct Head {
   std::string_view bytes;        // up to 64 KiB; a byte order mark of UTF-8 is left out
   std::optional<uint64_t> size;  // of the whole contents, where it is known
-  bool text;                     // no byte of the first 1024 is zero, so it is no binary STL (see facets.cpp)
+  bool text;                     // no byte of the first 1024 is zero, so it is no binary STL (see read_facets.cpp)
   std::string_view word;         // of a text: the first word that is not in a comment ("#")
 };
 

@@ -39,7 +39,7 @@ uint64_t counted_facets(std::string_view head) { return load32(head.data() + 80)
 void decode(const char* record, uint64_t number, uint64_t offset, const Input& input, Facet& facet) {
   bool finite = true;
   for (int i = 0; i < 9; ++i) {
-    const uint32_t bits = load32(record + 12 + 4 * i);
+    const uint32_t bits = load32(record + 12 + size_t{4} * i);
     finite &= (bits & 0x7f800000) != 0x7f800000;
     facet.vertex[i / 3][i % 3] = std::bit_cast<float>(bits) + 0.0;
   }

@@ -12,13 +12,13 @@ namespace teracell {
 // Not thread-safe.
 class FacetLines {
  public:
-  // A crossing lies below a sample point of `levels`: the grid's own axis, or its planes (plane_axis). Keeps references to both.
-  FacetLines(const Grid& grid, int axis, const Axis& levels)
-      : frame_(Frame::along(axis)), grid_(grid), levels_(levels), find_u_(grid.axis[frame_.u]), find_v_(grid.axis[frame_.v]) {}
+  // A crossing lies below a sample point of `points`: the grid's own axis, or its planes (plane_axis). Keeps references to both.
+  FacetLines(const Grid& grid, int axis, const Axis& points)
+      : frame_(RayFrame::along(axis)), grid_(grid), points_(points), find_u_(grid.axis[frame_.u]), find_v_(grid.axis[frame_.v]) {}
 
-  // Calls f(cell, levels, up) for the lines through `cells` (of any extent along the axis) that cross the facet, in rows: the line
-  // of `cell` and those after it along frame().u, for each the first level above the facet; `up` as in rows.hpp. Adds to `exact`
-  // as FacetHeight does.
+  // Calls f(cell, above, up) for the lines through `cells` (of any extent along the axis) that cross the facet, in rows: the line
+  // of `cell` and those after it along frame().u. `above` has the number of the first sample point above the facet for each of
+  // them; `up` as in rows.hpp. Adds to `exact` as FacetHeight does.
   template <class F>
   void cross(const Facet& facet, const Box& cells, uint64_t& exact, F&& f) {
     const auto [u0, u1] = range(facet, frame_.u, find_u_, cells);
@@ -36,17 +36,17 @@ class FacetLines {
         for (uint32_t row = rows.begin(); row < rows.end(); ++row) {
           const FacetRows::Rays met = rows.at(row, v_[row], lines, exact);
           if (met.from == met.to) continue;
-          if (!height) height.emplace(facet, frame_, levels_);
+          if (!height) height.emplace(facet, frame_, points_);
           const std::span<const double> u(u_.data() + met.from, met.to - met.from);
-          height->first_cells(u, v_[row], first_levels_.data(), exact);
+          height->first_cells(u, v_[row], above_.data(), exact);
           cell[frame_.u] = first_u + met.from;
           cell[frame_.v] = first_v + row;
-          f(cell, std::span<const uint32_t>(first_levels_.data(), u.size()), met.up);
+          f(cell, std::span<const uint32_t>(above_.data(), u.size()), met.up);
         }
       }
     }
   }
-  const Frame& frame() const { return frame_; }
+  const RayFrame& frame() const { return frame_; }
 
  private:
   // Lines are handled in blocks, because a facet may be as long as the grid.
@@ -61,12 +61,12 @@ class FacetLines {
             std::min<int64_t>(cells.hi[d], rays.last(std::max(std::max(a[d], b[d]), c[d])))};
   }
 
-  const Frame frame_;
+  const RayFrame frame_;
   const Grid& grid_;
-  const Axis& levels_;
+  const Axis& points_;
   const RayBounds find_u_, find_v_;
   std::vector<double> u_, v_;
-  std::vector<uint32_t> first_levels_ = std::vector<uint32_t>(kBlock);
+  std::vector<uint32_t> above_ = std::vector<uint32_t>(kBlock);
 };
 
 // An axis whose sample points are exactly the planes of another axis.

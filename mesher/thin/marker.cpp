@@ -6,10 +6,10 @@
 
 namespace teracell {
 
-std::vector<bool> wide_bodies(const Scene& scene, bool count_thin) {
-  std::vector<bool> wide;
-  for (const SceneBody& body : scene.bodies) wide.push_back(body.kind == Kind::kSheet || ThinParts::wanted(body, count_thin));
-  return std::ranges::count(wide, true) > 0 ? wide : std::vector<bool>{};
+std::vector<bool> widened_bodies(const Scene& scene, bool count_thin) {
+  std::vector<bool> widened;
+  for (const SceneBody& body : scene.bodies) widened.push_back(body.kind == Kind::kSheet || ThinParts::wanted(body, count_thin));
+  return std::ranges::count(widened, true) > 0 ? widened : std::vector<bool>{};
 }
 
 Marker::Marker(const Scene& scene, const Metadata& meta, const Labels& labels, bool count_thin) : scene_(scene) {

@@ -10,7 +10,7 @@ namespace teracell {
 
 // For each body, whether its facets matter to rays that they do not meet (rays.hpp); empty if this is so for no body.
 // `count_thin` as in ThinParts.
-std::vector<bool> wide_bodies(const Scene& scene, bool count_thin);
+std::vector<bool> widened_bodies(const Scene& scene, bool count_thin);
 
 // Not thread-safe.
 class Marker {

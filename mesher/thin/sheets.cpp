@@ -7,7 +7,7 @@ namespace teracell {
 
 Sheets::Sheets(const Grid& grid, int ray_axis)
     : grid_(grid),
-      rays_(Frame::along(ray_axis)),
+      rays_(RayFrame::along(ray_axis)),
       planes_{plane_axis(grid.axis[0]), plane_axis(grid.axis[1]), plane_axis(grid.axis[2])},
       lines_{FacetLines{grid, 0, planes_[0]}, FacetLines{grid, 1, planes_[1]}, FacetLines{grid, 2, planes_[2]}} {}
 

@@ -27,7 +27,7 @@ class Sheets {
   void tally_lower_side(int axis, const Index3& cell, const SceneFacet& facet, Tallies& tallies) const;
 
   const Grid& grid_;
-  const Frame rays_;
+  const RayFrame rays_;
   const std::array<Axis, 3> planes_;
   std::array<FacetLines, 3> lines_;
   uint64_t exact_decisions_ = 0;

@@ -7,8 +7,8 @@
 namespace teracell {
 namespace {
 
-// The slots of a block. So few that their bits stay in a core's cache.
-constexpr int64_t kBlockSlots = int64_t{1} << 20;
+// The most intervals of a block: so few that their bits stay in a core's cache.
+constexpr int64_t kBlockIntervals = int64_t{1} << 20;
 
 // The change of the winding number at a step up along an axis has the sign of the frame's handedness, which differs for y.
 int handedness(int axis) { return axis == 1 ? -1 : 1; }
@@ -19,7 +19,7 @@ ThinParts::ThinParts(const Scene& scene, const Labels& labels, const Grid& grid,
     : scene_(scene),
       labels_(labels),
       grid_(grid),
-      rays_(Frame::along(ray_axis)),
+      rays_(RayFrame::along(ray_axis)),
       count_all_(count_all),
       lines_{FacetLines{grid, 0, grid.axis[0]}, FacetLines{grid, 1, grid.axis[1]}, FacetLines{grid, 2, grid.axis[2]}} {}
 
@@ -36,7 +36,7 @@ void ThinParts::find(const Box& tile, std::span<const SceneFacet* const> facets,
   }
   std::ranges::stable_sort(reaches_, {}, &Reach::first);
   const int64_t length = grid_.axis[w].cells(), rays = (tile.hi[rays_.u] - tile.lo[rays_.u]) * (tile.hi[rays_.v] - tile.lo[rays_.v]);
-  const int64_t block = std::max<int64_t>(kBlockSlots / rays, 1);
+  const int64_t block = std::max<int64_t>(kBlockIntervals / rays, 1);
   auto next = reaches_.begin();
   for (int64_t from = 0; from < length; from += block) {
     std::erase_if(active_, [&](const Reach& r) { return r.end <= from; });
@@ -55,41 +55,41 @@ void ThinParts::find_in_block(const Box& cells) {
   for (int axis = 0; axis < 3; ++axis) find_along(axis, cells);
 }
 
-// A slot has the number of its upper cell, the first one whose sample point is above a facet there.
+// An interval has the number of its upper cell, the first one whose sample point is above a facet there.
 void ThinParts::find_along(int axis, const Box& cells) {
-  Box slots = cells;
-  slots.lo[axis] = std::max<int64_t>(slots.lo[axis], 1);
-  if (axis != rays_.w) slots.hi[axis] = std::min(slots.hi[axis] + 1, grid_.axis[axis].cells());
-  if (slots.empty()) return;
-  const Index3 n = {slots.hi[0] - slots.lo[0], slots.hi[1] - slots.lo[1], slots.hi[2] - slots.lo[2]};
+  Box intervals = cells;
+  intervals.lo[axis] = std::max<int64_t>(intervals.lo[axis], 1);
+  if (axis != rays_.w) intervals.hi[axis] = std::min(intervals.hi[axis] + 1, grid_.axis[axis].cells());
+  if (intervals.empty()) return;
+  const Index3 n = {intervals.hi[0] - intervals.lo[0], intervals.hi[1] - intervals.lo[1], intervals.hi[2] - intervals.lo[2]};
   const Index3 stride = {1, n[0], n[0] * n[1]};
   const auto words = static_cast<size_t>((n[0] * n[1] * n[2] + 63) / 64);
   once_.assign(words, 0), twice_.assign(words, 0);
   crossers_.clear();
   const int along = lines_[axis].frame().u;
   for (uint32_t f = 0; f < active_.size(); ++f)
-    lines_[axis].cross(active_[f].facet->facet, cells, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> levels, bool up) {
-      cell[axis] = slots.lo[axis];
-      auto line =
-          static_cast<uint32_t>((cell[0] - slots.lo[0]) * stride[0] + (cell[1] - slots.lo[1]) * stride[1] + (cell[2] - slots.lo[2]) * stride[2]);
-      for (const uint32_t level : levels) {
-        if (level >= slots.lo[axis] && level < slots.hi[axis]) {
-          const uint32_t slot = line + static_cast<uint32_t>((level - slots.lo[axis]) * stride[axis]);
-          const uint64_t bit = uint64_t{1} << (slot % 64);
-          twice_[slot / 64] |= once_[slot / 64] & bit;
-          once_[slot / 64] |= bit;
-          crossers_.push_back({slot, f, up});
+    lines_[axis].cross(active_[f].facet->facet, cells, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> above, bool up) {
+      cell[axis] = intervals.lo[axis];
+      auto line = static_cast<uint32_t>((cell[0] - intervals.lo[0]) * stride[0] + (cell[1] - intervals.lo[1]) * stride[1] +
+                                        (cell[2] - intervals.lo[2]) * stride[2]);
+      for (const uint32_t upper : above) {
+        if (upper >= intervals.lo[axis] && upper < intervals.hi[axis]) {
+          const uint32_t interval = line + static_cast<uint32_t>((upper - intervals.lo[axis]) * stride[axis]);
+          const uint64_t bit = uint64_t{1} << (interval % 64);
+          twice_[interval / 64] |= once_[interval / 64] & bit;
+          once_[interval / 64] |= bit;
+          crossers_.push_back({interval, f, up});
         }
         line += static_cast<uint32_t>(stride[along]);
       }
     });
-  std::erase_if(crossers_, [&](const Crosser& c) { return (twice_[c.slot / 64] >> (c.slot % 64) & 1) == 0; });
+  std::erase_if(crossers_, [&](const Crosser& c) { return (twice_[c.interval / 64] >> (c.interval % 64) & 1) == 0; });
   std::ranges::sort(crossers_);
   for (size_t i = 0; i < crossers_.size();) {
     const size_t first = i;
-    const int64_t slot = crossers_[i].slot;
-    while (i < crossers_.size() && crossers_[i].slot == slot) ++i;
-    look_at(axis, {slots.lo[0] + slot % n[0], slots.lo[1] + slot / n[0] % n[1], slots.lo[2] + slot / stride[2]},
+    const int64_t interval = crossers_[i].interval;
+    while (i < crossers_.size() && crossers_[i].interval == interval) ++i;
+    look_at(axis, {intervals.lo[0] + interval % n[0], intervals.lo[1] + interval / n[0] % n[1], intervals.lo[2] + interval / stride[2]},
             {crossers_.data() + first, i - first});
   }
 }

@@ -1,8 +1,9 @@
-// Finds what is lost between sample points. On a line through sample points, a *slot* lies between two neighbouring ones. A
-// stretch of a body is lost in a slot when some sub-position (tally.hpp) is inside the body and neither end of the slot is. A gap
-// in a material is lost when both ends have the material and some sub-position is in no body. Only slots that facets cross at
-// least twice can lose anything. They are found by casting the facets along all three axes. The crossings of the tile's own rays
-// tell what is inside at one end of a slot, and the slot's crossings what is inside at the other. So no tile needs another one.
+// Finds what is lost between sample points. On a line through sample points, an *interval* lies between two neighbouring ones. A
+// stretch of a body is lost in an interval when some sub-position (tally.hpp) is inside the body and neither end of the interval
+// is. A gap in a material is lost when both ends have the material and some sub-position is in no body. Only intervals that facets
+// cross at least twice can lose anything. They are found by casting the facets along all three axes. The crossings of the tile's
+// own rays tell what is inside at one end of an interval, and the interval's crossings what is inside at the other. So no tile
+// needs another one.
 //
 // A body that keeps its thin parts gets the cell that holds the first sub-position of a lost stretch. So a plate thinner than a
 // cell has no hole where it crosses the lines. A part that crosses no line stays lost.
@@ -21,20 +22,20 @@ class ThinParts {
   ThinParts(const Scene& scene, const Labels& labels, const Grid& grid, int ray_axis, bool count_all);
   ThinParts(const ThinParts&) = delete;
   static bool wanted(const SceneBody& body, bool count_all) { return body.kind == Kind::kSolid && (count_all || body.thin == Thin::kKeep); }
-  // Examines the slots in and beside a tile, which is as long as the grid along the rays. A slot is tallied by the tile of its
-  // lower cell. `facets` are those of solids that may lie there, `crossings` those of the tile's rays.
+  // Examines the intervals in and beside a tile, which is as long as the grid along the rays. An interval is tallied by the tile
+  // of its lower cell. `facets` are those of solids that may lie there, `crossings` those of the tile's rays.
   void find(const Box& tile, std::span<const SceneFacet* const> facets, const Crossings& crossings, Marks& marks, Tallies& tallies);
   uint64_t exact_decisions() const { return exact_decisions_; }
 
  private:
-  // A facet, and the cells along the rays whose slots or lines it may cross: [first, end).
+  // A facet, and the cells along the rays whose intervals or lines it may cross: [first, end).
   struct Reach {
     int64_t first, end;
     const SceneFacet* facet;
   };
-  // A facet crosses a slot of the block.
+  // A facet crosses an interval of the block.
   struct Crosser {
-    uint32_t slot, facet;
+    uint32_t interval, facet;
     bool up;
     friend auto operator<=>(const Crosser&, const Crosser&) = default;
   };
@@ -43,7 +44,7 @@ class ThinParts {
     uint32_t layer;
     int sum;
   };
-  // In a slot: at sub-position k the layer's sum changes by `step`.
+  // In an interval: at sub-position k the layer's sum changes by `step`.
   struct Step {
     uint32_t k, layer;
     int step;
@@ -69,7 +70,7 @@ class ThinParts {
   const Scene& scene_;
   const Labels& labels_;
   const Grid& grid_;
-  const Frame rays_;
+  const RayFrame rays_;
   const bool count_all_;
   std::array<FacetLines, 3> lines_;
   uint64_t exact_decisions_ = 0;
@@ -81,9 +82,9 @@ class ThinParts {
   Tallies* tallies_ = nullptr;
   std::vector<Reach> reaches_, active_;
   // Of a block, along an axis.
-  std::vector<uint64_t> once_, twice_;  // bit: the slot is crossed
+  std::vector<uint64_t> once_, twice_;  // bit: the interval is crossed
   std::vector<Crosser> crossers_;
-  // Of a slot.
+  // Of an interval.
   std::vector<Sum> lower_, upper_, sums_;
   std::vector<Step> steps_;
   std::vector<uint32_t> bodies_;

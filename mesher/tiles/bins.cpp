@@ -18,8 +18,8 @@ constexpr uint64_t kLoadedBytes = 200;
 
 }  // namespace
 
-FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> wide)
-    : rays_(meta, std::move(wide)),
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened)
+    : rays_(meta, std::move(widened)),
       float32_(float32),
       record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + sizeof(uint32_t)),
       most_facets_(std::max<uint64_t>(budget.bytes / 16 / kLoadedBytes, 1024)),
@@ -53,7 +53,7 @@ void FacetBins::open_children(Bin& bin) const {
   for (uint32_t k = 0; k < kChildren; ++k) bin.children.push_back({bin.place.child(k), 0, {}, {}, {}});
 }
 
-FacetBins::Places FacetBins::places_of(const RayRange& r) const {
+FacetBins::GroupRange FacetBins::groups_of(const RayRange& r) const {
   const auto group = static_cast<uint32_t>(rays_.size(0));
   const uint32_t u = rays_.shape.nu - 1, v = rays_.shape.nv - 1;
   return {std::min(r.u0, u) / group, std::min(r.u1, u) / group, std::min(r.v0, v) / group, std::min(r.v1, v) / group};
@@ -63,10 +63,10 @@ void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin) {
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
   std::array<uint8_t, 9 * sizeof(double) + sizeof(uint32_t)> record;
   encode(facet, tag, {record.data(), record_bytes_});
-  put(root_, places_of(rays_.range_of(placed(facet, tag), layer_in(tag))), {record.data(), record_bytes_});
+  put(root_, groups_of(rays_.range_of(placed(facet, tag), layer_in(tag))), {record.data(), record_bytes_});
 }
 
-void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> record) {
+void FacetBins::put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record) {
   if (bin.children.empty()) {
     ++bin.facets;
     if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_ + kPage);
@@ -76,10 +76,10 @@ void FacetBins::put(Bin& bin, const Places& places, std::span<const uint8_t> rec
   }
   const int shift = kFanOutBits * (bin.place.depth - 1);
   const uint32_t u = bin.place.cu * kFanOut, v = bin.place.cv * kFanOut;
-  const uint32_t u0 = std::max(places.u0 >> shift, u), u1 = std::min(places.u1 >> shift, u + kFanOut - 1);
-  const uint32_t v0 = std::max(places.v0 >> shift, v), v1 = std::min(places.v1 >> shift, v + kFanOut - 1);
-  for (uint32_t cv = v0; cv <= v1; ++cv)
-    for (uint32_t cu = u0; cu <= u1; ++cu) put(bin.children[(cv - v) * kFanOut + cu - u], places, record);
+  const uint32_t first_u = std::max(groups.first_u >> shift, u), last_u = std::min(groups.last_u >> shift, u + kFanOut - 1);
+  const uint32_t first_v = std::max(groups.first_v >> shift, v), last_v = std::min(groups.last_v >> shift, v + kFanOut - 1);
+  for (uint32_t cv = first_v; cv <= last_v; ++cv)
+    for (uint32_t cu = first_u; cu <= last_u; ++cu) put(bin.children[(cv - v) * kFanOut + cu - u], groups, record);
 }
 
 void FacetBins::flush(Bin& bin) {
@@ -108,7 +108,7 @@ void FacetBins::split_large(Bin& bin) {
     take_records(whole, [&](std::span<const uint8_t> record) {
       uint32_t tag;
       const Facet facet = decode(record, tag);
-      put(bin, places_of(rays_.range_of(placed(facet, tag), layer_in(tag))), record);
+      put(bin, groups_of(rays_.range_of(placed(facet, tag), layer_in(tag))), record);
     });
   }
   for (Bin& child : bin.children) split_large(child);
@@ -136,14 +136,14 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
     out.added = (tag & kNotOfFile) != 0;
     const Facet moved = placed(out.facet, tag);
     const RayRange range = rays_.range_of(moved, out.layer);
-    const Places places = places_of(range);
-    out.shared = !inside(places.u0, places.v0) || !inside(places.u1, places.v1);
+    const GroupRange groups = groups_of(range);
+    out.shared = !inside(groups.first_u, groups.first_v) || !inside(groups.last_u, groups.last_v);
     out.at_home = true;
     if (out.shared) {
       // A facet is at home in the bin of its least vertex, so facets with the same vertices have the same home.
       const Vec3& p = moved.vertex[std::ranges::min_element(out.facet.vertex) - out.facet.vertex.begin()];
-      const Places home = places_of(rays_.range_of({{p, p, p}}, out.layer));
-      out.at_home = inside(home.u0, home.v0);
+      const GroupRange home = groups_of(rays_.range_of({{p, p, p}}, out.layer));
+      out.at_home = inside(home.first_u, home.first_v);
     }
     f(out, moved, out.ignored ? RayRange{} : range);
   });

@@ -28,8 +28,8 @@ class FacetBins {
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, in single precision if `float32`. `move` transforms a facet to where the grid sees it. A loaded
   // bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
-  // thread writes to the disk. `wide` bodies as in rays.hpp.
-  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> wide);
+  // thread writes to the disk. `widened` bodies as in rays.hpp.
+  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened);
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
@@ -59,12 +59,12 @@ class FacetBins {
   uint64_t bins_at(int depth) const;
   void open_children(Bin& bin) const;
   void open_leaves(Bin& bin) const;  // gives every leaf children
-  // The range of tile groups with a facet's rays and vertices, both ends included.
-  struct Places {
-    uint32_t u0, u1, v0, v1;
+  // The tile groups with a facet's rays and vertices. Unlike RayRange it includes the last ones.
+  struct GroupRange {
+    uint32_t first_u, last_u, first_v, last_v;
   };
-  Places places_of(const RayRange& rays) const;
-  void put(Bin& bin, const Places& places, std::span<const uint8_t> record);
+  GroupRange groups_of(const RayRange& rays) const;
+  void put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record);
   void flush(Bin& bin);
   void split_large(Bin& bin);
   template <class F>
@@ -76,7 +76,7 @@ class FacetBins {
   void encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const;
   Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
 
-  RayFrame rays_;
+  GridRays rays_;
   const bool float32_;
   const size_t record_bytes_;
   const uint64_t most_facets_;  // of a bin that is loaded

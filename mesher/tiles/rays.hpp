@@ -45,9 +45,9 @@ struct RayRange {
   bool empty() const { return u0 >= u1 || v0 >= v1; }
 };
 
-// The chunks of level 0 that a facet may have rays in: [u0, u1] x [v0, v1].
+// The chunks of level 0 that a facet may have rays in. Unlike RayRange it includes the last ones, so it can't be empty.
 struct ChunkRange {
-  uint32_t u0, u1, v0, v1;
+  uint32_t first_u, last_u, first_v, last_v;
 };
 
 // A node of the tree. At `depth` 0 it is a group of 4 x 4 tiles. (cu, cv) is its place among the nodes of this depth.
@@ -58,22 +58,22 @@ struct TreePlace {
   TreePlace child(uint32_t k) const { return {depth - 1, cu * kFanOut + k % kFanOut, cv * kFanOut + k / kFanOut}; }
 };
 
-struct RayFrame {
-  Frame frame;
+struct GridRays {
+  RayFrame frame;
   const Axis& w;
   RayBounds u, v;
   LevelShape shape;
-  std::vector<bool> wide;  // for each body; empty if no body is wide
+  std::vector<bool> widened;  // for each body; empty if this is so for no body
 
-  // Keeps references to the axes. The facets of `wide` bodies reach one ray further on each side, because they may own cells
+  // Keeps references to the axes. Facets of `widened` bodies reach one ray further on each side, because they may own cells
   // whose rays they do not meet (marker.hpp).
-  explicit RayFrame(const Metadata& meta, std::vector<bool> wide_bodies = {})
+  explicit GridRays(const Metadata& meta, std::vector<bool> widened_bodies = {})
       : frame(meta.frame()),
         w(meta.grid.axis[frame.w]),
         u(meta.grid.axis[frame.u]),
         v(meta.grid.axis[frame.v]),
         shape(meta, 0),
-        wide(std::move(wide_bodies)) {}
+        widened(std::move(widened_bodies)) {}
 
   RayRange range_of(const Facet& facet, uint32_t layer) const {
     const auto& [a, b, c] = facet.vertex;
@@ -81,7 +81,7 @@ struct RayFrame {
     const auto least = [&](int d) { return std::min(std::min(a[d], b[d]), c[d]); };
     const auto most = [&](int d) { return std::max(std::max(a[d], b[d]), c[d]); };
     const RayRange r = {u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))};
-    if (wide.empty() || !wide[body_of_layer(layer)]) return r;
+    if (widened.empty() || !widened[body_of_layer(layer)]) return r;
     return {r.u0 - (r.u0 > 0), std::min(r.u1 + 1, shape.nu), r.v0 - (r.v0 > 0), std::min(r.v1 + 1, shape.nv)};
   }
   // REQUIRES: !range.empty().

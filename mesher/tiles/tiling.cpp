@@ -8,21 +8,22 @@ namespace {
 // Calls f(child) for the children of a place that a facet with chunks `r` may meet. A child has 2^shift x 2^shift chunks.
 template <class F>
 void for_each_child(const ChunkRange& r, uint32_t cu, uint32_t cv, int shift, F&& f) {
-  const uint32_t first_u = cu * kFanOut, first_v = cv * kFanOut;
-  const uint32_t u0 = std::max(r.u0 >> shift, first_u), u1 = std::min(r.u1 >> shift, first_u + kFanOut - 1);
-  const uint32_t v0 = std::max(r.v0 >> shift, first_v), v1 = std::min(r.v1 >> shift, first_v + kFanOut - 1);
-  for (uint32_t v = v0; v <= v1; ++v)
-    for (uint32_t u = u0; u <= u1; ++u) f((v - first_v) * kFanOut + u - first_u);
+  const uint32_t u0 = cu * kFanOut, v0 = cv * kFanOut;
+  const uint32_t first_u = std::max(r.first_u >> shift, u0), last_u = std::min(r.last_u >> shift, u0 + kFanOut - 1);
+  const uint32_t first_v = std::max(r.first_v >> shift, v0), last_v = std::min(r.last_v >> shift, v0 + kFanOut - 1);
+  for (uint32_t v = first_v; v <= last_v; ++v)
+    for (uint32_t u = first_u; u <= last_u; ++u) f((v - v0) * kFanOut + u - u0);
 }
 
 ListedFacet listed(uint32_t number, const ChunkRange& r, uint32_t cu, uint32_t cv) {
   const auto within = [](uint32_t chunk, uint32_t first) { return static_cast<uint8_t>(std::clamp(chunk, first, first + kFanOut) - first); };
-  return {number, within(r.u0, cu * kFanOut), within(r.u1 + 1, cu * kFanOut), within(r.v0, cv * kFanOut), within(r.v1 + 1, cv * kFanOut)};
+  return {number, within(r.first_u, cu * kFanOut), within(r.last_u + 1, cu * kFanOut), within(r.first_v, cv * kFanOut),
+          within(r.last_v + 1, cv * kFanOut)};
 }
 
 }  // namespace
 
-Tiling::Tiling(const Metadata& meta, std::vector<bool> wide) : rays_(meta, std::move(wide)) {
+Tiling::Tiling(const Metadata& meta, std::vector<bool> widened) : rays_(meta, std::move(widened)) {
   groups_u_ = (rays_.shape.chunks_u + kFanOut - 1) / kFanOut;
   groups_v_ = (rays_.shape.chunks_v + kFanOut - 1) / kFanOut;
   groups_ = uint64_t{groups_u_} * groups_v_;
@@ -33,7 +34,7 @@ Tiling::Tiling(const Metadata& meta, std::vector<bool> wide) : rays_(meta, std::
 // times as fast.
 class Tiling::NodeBuilder {
  public:
-  explicit NodeBuilder(const RayFrame& rays)
+  explicit NodeBuilder(const GridRays& rays)
       : rays_(rays), w_(rays.frame.w), lowest_(rays.w.min()), per_height_(kHeights / (rays.w.max() - lowest_)) {}
   void expect(uint64_t facets) {
     block_->chunks.reserve(facets);
@@ -60,7 +61,7 @@ class Tiling::NodeBuilder {
  private:
   static constexpr uint32_t kHeights = 4096;
   static constexpr uint16_t kNone = kHeights;  // the facet lies between rays
-  const RayFrame& rays_;
+  const GridRays& rays_;
   const int w_;
   const double lowest_, per_height_;
   std::shared_ptr<FacetBlock> block_ = std::make_shared<FacetBlock>();
@@ -68,7 +69,7 @@ class Tiling::NodeBuilder {
   std::vector<uint32_t> order_ = std::vector<uint32_t>(kHeights + 2);
 };
 
-Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> wide) : Tiling(meta, std::move(wide)) {
+Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened) : Tiling(meta, std::move(widened)) {
   NodeBuilder root(rays_);
   root.expect(facets->size());
   facets->for_each(0, facets->size(),
@@ -115,12 +116,12 @@ std::optional<TileGroup> Tiling::next() {
     path_.pop_back();
     if (!node.block && !bins_->is_split(node.place)) node = take_bin(node.place);
     if (node.place.depth == 0) return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
-    push_children(std::move(node));
+    push_children(node);
   }
   return std::nullopt;
 }
 
-void Tiling::push_children(Node node) {
+void Tiling::push_children(const Node& node) {
   const TreePlace& at = node.place;
   const int depth = at.depth - 1;
   std::array<std::vector<ListedFacet>, kChildren> lists;

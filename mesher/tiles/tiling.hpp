@@ -44,8 +44,8 @@ struct TileGroup {
 // next() is not thread-safe; split() may run on any thread, also while next() runs.
 class Tiling {
  public:
-  // Of facets in memory; `wide` bodies as in rays.hpp.
-  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> wide);
+  // Of facets in memory; `widened` bodies as in rays.hpp.
+  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened);
   // `counter` counts the facets of every bin when it is loaded. While the groups of one bin are taken, the next `ahead` bins are
   // loaded by other threads.
   Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter& counter, int ahead, const Metadata& meta);
@@ -63,12 +63,12 @@ class Tiling {
     std::vector<ListedFacet> facets;
   };
   class NodeBuilder;
-  explicit Tiling(const Metadata& meta, std::vector<bool> wide = {});
+  explicit Tiling(const Metadata& meta, std::vector<bool> widened = {});
   Node load(const TreePlace& place) const;
   Node take_bin(const TreePlace& place);
-  void push_children(Node node);
+  void push_children(const Node& node);
 
-  RayFrame rays_;
+  GridRays rays_;
   uint32_t groups_u_, groups_v_;
   uint64_t groups_;
   std::unique_ptr<FacetBins> bins_;

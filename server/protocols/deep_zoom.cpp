@@ -36,7 +36,7 @@ std::optional<Service::Recipe> find_tile(const ScaledSlice& slice, int scale, st
 }
 
 // {axis}/{index}.dzi and {axis}/{index}_files/{level}/{column}_{row}.png
-std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std::string> path) {
+std::optional<Service::Recipe> find_in_deep_zoom(const ServedGrid& grid, std::span<const std::string> path) {
   if (path.size() != 2 && path.size() != 4) return std::nullopt;
   const bool tile = path.size() == 4;
   const auto index = without(path[1], tile ? kFolder : kDocument);
@@ -56,7 +56,7 @@ Protocol deep_zoom() {
           .title = "Deep Zoom",
           .address = [](const ServedGrid& g) { return fmt::format("/{}/z/{}.dzi", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
           .document = "",
-          .serve = serve_by_id("deep_zoom", find)};
+          .serve = serve_by_id("deep_zoom", find_in_deep_zoom)};
 }
 
 }  // namespace teracell

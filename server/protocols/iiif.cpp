@@ -122,7 +122,7 @@ Response serve(Service& service, const Request& request, const Target& target) {
                        if (joined(path) != "info.json") return find_picture(*slice, path, most);
                        auto recipe = json_recipe([slice = *slice, address, most] { return info(slice, address, most); });
                        recipe.content_type = R"(application/ld+json;profile="http://iiif.io/api/image/3/context.json")";
-                       recipe.keep = false;
+                       recipe.cacheable = false;
                        recipe.address = fmt::format("{} {}", address, most);
                        return recipe;
                      });

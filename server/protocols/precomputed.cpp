@@ -86,7 +86,7 @@ std::optional<Box> block_of(const Metadata& meta, int level, std::string_view na
   return std::nullopt;
 }
 
-std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std::string> path) {
+std::optional<Service::Recipe> find_in_precomputed(const ServedGrid& grid, std::span<const std::string> path) {
   const std::string name = joined(path);
   if (name == "info") return json_recipe([&grid] { return info(grid); });
   if (name == "segprops/info") return json_recipe([&grid] { return segment_properties(grid); });
@@ -107,7 +107,7 @@ Protocol precomputed() {
           .title = "Neuroglancer",
           .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
           .document = "/info",
-          .serve = serve_by_id("precomputed", find)};
+          .serve = serve_by_id("precomputed", find_in_precomputed)};
 }
 
 }  // namespace teracell

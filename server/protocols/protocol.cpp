@@ -26,7 +26,7 @@ Response serve_found(Service& service, const Request& request, const Target& tar
     if (!recipe) return missing(route);
     recipe->route = route;
     // The cache finds answers by their addresses: with queries that mean nothing here it would hold copies of one answer.
-    if (std::ranges::any_of(target.query, [](const auto& q) { return q.first != "v"; })) recipe->keep = false;
+    if (std::ranges::any_of(target.query, [](const auto& q) { return q.first != "v"; })) recipe->cacheable = false;
     return service.answer(request, target, *grid, *recipe);
   });
 }

@@ -4,8 +4,8 @@
 
 namespace teracell {
 
-int64_t ScaledSlice::width(int scale) const { return ceil_shift(reader->meta().grid.cells()[Frame::along(axis).u], scale); }
-int64_t ScaledSlice::height(int scale) const { return ceil_shift(reader->meta().grid.cells()[Frame::along(axis).v], scale); }
+int64_t ScaledSlice::width(int scale) const { return ceil_shift(reader->meta().grid.cells()[RayFrame::along(axis).u], scale); }
+int64_t ScaledSlice::height(int scale) const { return ceil_shift(reader->meta().grid.cells()[RayFrame::along(axis).v], scale); }
 
 int ScaledSlice::scale_within(int64_t pixels) const {
   int scale = 0;

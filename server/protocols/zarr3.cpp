@@ -76,7 +76,7 @@ ordered_json root(const ServedGrid& grid) {
   return j;
 }
 
-std::optional<Service::Recipe> find(const ServedGrid& grid, std::span<const std::string> path) {
+std::optional<Service::Recipe> find_in_zarr3(const ServedGrid& grid, std::span<const std::string> path) {
   if (path.empty()) return std::nullopt;
   if (path.back() == kDocument) {
     if (path.size() == 1) return json_recipe([&grid] { return root(grid); });
@@ -98,7 +98,7 @@ Protocol zarr3() {
           .title = "Zarr 3, OME-Zarr",
           .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
           .document = "/zarr.json",
-          .serve = serve_by_id("zarr3", find)};
+          .serve = serve_by_id("zarr3", find_in_zarr3)};
 }
 
 }  // namespace teracell

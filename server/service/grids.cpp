@@ -62,19 +62,20 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) :
     if (!fs::is_directory(status) && !fs::is_regular_file(status))
       throw UsageError(
           fmt::format("{}: expected a .tcell file or a folder, found {}", path.string(), fs::exists(status) ? "something else" : "nothing"));
-    named_.push_back({path, fs::is_directory(status), {path}, ""});
+    served_.push_back({path, fs::is_directory(status), {path}, ""});
   }
   look();
-  for (const Named& n : named_) {
-    if (!n.error.empty()) throw IoError(n.error);
-    if (n.folder) continue;
-    if (const auto it = places_.find(n.path); it != places_.end() && !it->second.grid) throw FormatError(with_folder(it->second.error, n.path));
+  for (const ServedPath& served : served_) {
+    if (!served.error.empty()) throw IoError(served.error);
+    if (served.folder) continue;
+    if (const auto it = files_.find(served.path); it != files_.end() && !it->second.grid)
+      throw FormatError(with_folder(it->second.error, served.path));
   }
   watch_ = std::jthread([this](const std::stop_token& stop) {
     std::unique_lock lock(waiting_);
     while (!stopped_.wait_for(lock, stop, kEvery, [&] { return stop.stop_requested(); })) try {
         look();
-      } catch (const std::exception&) {  // out of memory: what was known before stays
+      } catch (const std::exception&) {  // out of memory: the last snapshot stays
       }
   });
 }
@@ -82,85 +83,85 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) :
 void Grids::look() {
   std::lock_guard lock(looking_);
   ++looks_;
-  auto next = std::make_shared<Known>();
-  for (Named& named : named_) {
-    if (named.folder) list(named);
-    for (const auto& path : named.files)
-      if (const Place* place = look_at(path);
-          place && next->by_id.try_emplace(place->id, Known::Entry{place->grid, place->error}).second && place->grid)
-        next->readable.push_back(place->grid);
+  auto next = std::make_shared<Snapshot>();
+  for (ServedPath& served : served_) {
+    if (served.folder) list(served);
+    for (const auto& path : served.files)
+      if (const WatchedFile* file = check_file(path);
+          file && next->by_id.try_emplace(file->id, Snapshot::GridOrError{file->grid, file->error}).second && file->grid)
+        next->readable.push_back(file->grid);
   }
   forget_gone();
-  if (next->by_id == known_->by_id && next->readable == known_->readable) return;
+  if (next->by_id == snapshot_->by_id && next->readable == snapshot_->readable) return;
   next->epoch = epoch_ + 1;
-  std::lock_guard publishing(known_mutex_);
+  std::lock_guard publishing(snapshot_mutex_);
   epoch_ = next->epoch;
-  known_ = std::move(next);
+  snapshot_ = std::move(next);
 }
 
 // A folder that can't be read at the moment keeps its files: clients would take status 404 for empty cells.
-void Grids::list(Named& named) {
+void Grids::list(ServedPath& served) {
   std::error_code error;
-  auto found = grids_in(named.path, error);
-  if (!error) named.files = std::move(found);
-  else if (looks_ == 1) named.files.clear();
-  if (error && named.error.empty() && looks_ > 1) complain_(fmt::format("{}: can't be read: {}", named.path.string(), error.message()));
-  named.error = error ? fmt::format("{}: can't be read: {}", named.path.string(), error.message()) : "";
+  auto found = grids_in(served.path, error);
+  if (!error) served.files = std::move(found);
+  else if (looks_ == 1) served.files.clear();
+  if (error && served.error.empty() && looks_ > 1) complain_(fmt::format("{}: can't be read: {}", served.path.string(), error.message()));
+  served.error = error ? fmt::format("{}: can't be read: {}", served.path.string(), error.message()) : "";
 }
 
-Grids::Place* Grids::look_at(const fs::path& path) {
+Grids::WatchedFile* Grids::check_file(const fs::path& path) {
   struct stat s;
   const int error = stat(path.c_str(), &s) == 0 ? 0 : errno;
   if (error == ENOENT || error == ENOTDIR || (error == 0 && !S_ISREG(s.st_mode))) return nullptr;
-  auto it = places_.find(path);
-  if (it == places_.end()) {
-    it = places_.emplace(path, Place{new_id(path)}).first;
+  auto it = files_.find(path);
+  if (it == files_.end()) {
+    it = files_.emplace(path, WatchedFile{new_id(path)}).first;
     ids_.insert(it->second.id);
   }
-  Place& place = it->second;
-  place.seen = looks_;
+  WatchedFile& file = it->second;
+  file.seen = looks_;
   if (error != 0) {  // perhaps for a moment only; a file that was opened can still be read
-    if (!place.grid) place.error = fmt::format("{}: {}", path.filename().string(), std::generic_category().message(error));
-    return &place;
+    if (!file.grid) file.error = fmt::format("{}: {}", path.filename().string(), std::generic_category().message(error));
+    return &file;
   }
-  const Stamp stamp{s.st_dev, s.st_ino, static_cast<uint64_t>(s.st_size), int64_t{s.st_mtim.tv_sec} * 1000000000 + s.st_mtim.tv_nsec};
-  if (!place.grid || place.stamp != stamp) open(path, place, stamp);  // a file that could not be opened is tried again
-  return &place;
+  const FileState state{s.st_dev, s.st_ino, static_cast<uint64_t>(s.st_size), int64_t{s.st_mtim.tv_sec} * 1000000000 + s.st_mtim.tv_nsec};
+  if (!file.grid || file.state != state) open(path, file, state);  // a file that could not be opened is tried again
+  return &file;
 }
 
-void Grids::open(const fs::path& path, Place& place, const Stamp& stamp) {
-  const bool changed = place.stamp != stamp;
-  place.stamp = stamp;
-  place.grid = nullptr;
-  place.error = "its file could not be opened";
-  if (changed) place.complained = false;
+void Grids::open(const fs::path& path, WatchedFile& file, const FileState& state) {
+  const bool changed = file.state != state;
+  file.state = state;
+  file.grid = nullptr;
+  file.error = "its file could not be opened";
+  if (changed) file.complained = false;
   try {
     const uint64_t number = next_number_++;
-    auto file = open_(path, number);
-    const std::string hash = file->hash();
-    place.grid = std::make_shared<const ServedGrid>(ServedGrid{place.id, number, hash, std::move(file)});
+    auto reader = open_(path, number);
+    const std::string hash = reader->hash();
+    file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader)});
   } catch (const std::exception& e) {
-    place.error = without_folder(e.what(), path);
-    if (changed || place.complained) return;
-    place.complained = true;
-    complain_(with_folder(place.error, path));
+    file.error = without_folder(e.what(), path);
+    if (changed || file.complained) return;
+    file.complained = true;
+    complain_(with_folder(file.error, path));
   }
 }
 
 void Grids::forget_gone() {
   std::vector<std::pair<uint64_t, fs::path>> gone;
-  for (auto& [path, place] : places_)
-    if (place.seen != looks_) {
-      place.grid = nullptr;
-      gone.emplace_back(place.seen, path);
+  for (auto& [path, file] : files_)
+    if (file.seen != looks_) {
+      file.grid = nullptr;
+      gone.emplace_back(file.seen, path);
     }
   if (gone.size() <= kMostGone) return;
   std::ranges::sort(gone);
   gone.resize(gone.size() - kMostGone);  // leaves those that have been gone longest
   for (const auto& [seen, path] : gone) {
-    const auto it = places_.find(path);
+    const auto it = files_.find(path);
     ids_.erase(it->second.id);
-    places_.erase(it);
+    files_.erase(it);
   }
 }
 
@@ -171,32 +172,32 @@ std::string Grids::new_id(const fs::path& path) const {
   return id;
 }
 
-std::shared_ptr<const Grids::Known> Grids::known() const {
-  std::lock_guard lock(known_mutex_);
-  return known_;
+std::shared_ptr<const Grids::Snapshot> Grids::snapshot() const {
+  std::lock_guard lock(snapshot_mutex_);
+  return snapshot_;
 }
 
 std::optional<uint64_t> Grids::epoch_of(const ServedGrid& grid) const {
-  const auto now = known();
-  const auto it = now->by_id.find(grid.id);
-  if (it == now->by_id.end() || it->second.grid.get() != &grid) return std::nullopt;
-  return now->epoch;
+  const auto current = snapshot();
+  const auto it = current->by_id.find(grid.id);
+  if (it == current->by_id.end() || it->second.grid.get() != &grid) return std::nullopt;
+  return current->epoch;
 }
 
 std::shared_ptr<const ServedGrid> Grids::find(const std::string& id) const {
-  const auto now = known();
-  const auto it = now->by_id.find(id);
-  if (it == now->by_id.end()) throw not_found(fmt::format("there is no grid '{}'", id.substr(0, 64)));
+  const auto current = snapshot();
+  const auto it = current->by_id.find(id);
+  if (it == current->by_id.end()) throw not_found(fmt::format("there is no grid '{}'", id.substr(0, 64)));
   if (!it->second.grid) throw HttpError(500, "unreadable", it->second.error);
   return it->second.grid;
 }
 
-std::vector<std::shared_ptr<const ServedGrid>> Grids::all() const { return known()->readable; }
+std::vector<std::shared_ptr<const ServedGrid>> Grids::all() const { return snapshot()->readable; }
 
 std::vector<Grids::Unreadable> Grids::unreadable() const {
   std::vector<Unreadable> out;
-  const auto now = known();
-  for (const auto& [id, entry] : now->by_id)
+  const auto current = snapshot();
+  for (const auto& [id, entry] : current->by_id)
     if (!entry.grid) out.push_back({id, entry.error});
   return out;
 }

@@ -1,5 +1,5 @@
 // The grids that are served: files named at the start, and every *.tcell directly in a folder named there. A thread looks at the
-// files twice per second, so that no request waits for a disk: a caller gets what was known at the last look. A file that is
+// files twice per second, so that no request waits for a disk: a caller gets what was found by the last look. A file that is
 // replaced, added or removed is noticed within a second; a caller that holds the old grid goes on reading it.
 #pragma once
 #include <atomic>
@@ -59,56 +59,56 @@ class Grids {
 
  private:
   // Tells one state of a file from another.
-  struct Stamp {
+  struct FileState {
     uint64_t device = 0, inode = 0, size = 0;
     int64_t changed = 0;  // nanoseconds
-    friend bool operator==(const Stamp&, const Stamp&) = default;
+    friend bool operator==(const FileState&, const FileState&) = default;
   };
-  struct Place {
+  struct WatchedFile {
     std::string id;
     uint64_t seen = 0;  // the number of the last look that found it
-    Stamp stamp;
+    FileState state;
     std::shared_ptr<const ServedGrid> grid;  // null: `error` says why
     std::string error;
     bool complained = false;
   };
-  struct Named {
+  struct ServedPath {
     std::filesystem::path path;
     bool folder;
     std::vector<std::filesystem::path> files;  // the file itself, or what the folder held when it was last readable
     std::string error;                         // why the folder can't be read now
   };
   // What is served at some time. Immutable.
-  struct Known {
-    struct Entry {
+  struct Snapshot {
+    struct GridOrError {
       std::shared_ptr<const ServedGrid> grid;  // null: `error` says why
       std::string error;
-      friend bool operator==(const Entry&, const Entry&) = default;
+      friend bool operator==(const GridOrError&, const GridOrError&) = default;
     };
-    std::map<std::string, Entry> by_id;
+    std::map<std::string, GridOrError> by_id;
     std::vector<std::shared_ptr<const ServedGrid>> readable;
     uint64_t epoch = 0;
   };
 
-  void list(Named& named);
-  Place* look_at(const std::filesystem::path& path);  // null when it is not there
-  void open(const std::filesystem::path& path, Place& place, const Stamp& stamp);
+  void list(ServedPath& served);
+  WatchedFile* check_file(const std::filesystem::path& path);  // null when it is not there
+  void open(const std::filesystem::path& path, WatchedFile& file, const FileState& state);
   void forget_gone();
   std::string new_id(const std::filesystem::path& path) const;
-  std::shared_ptr<const Known> known() const;
+  std::shared_ptr<const Snapshot> snapshot() const;
 
   const Open open_;
   const Complain complain_;
 
-  std::mutex looking_;  // guards the members down to known_mutex_, which only look() uses
-  std::vector<Named> named_;
-  std::map<std::filesystem::path, Place> places_;  // files that are gone are kept, with their ids
-  std::set<std::string> ids_;                      // of places_
+  std::mutex looking_;  // guards the members down to snapshot_mutex_, which only look() uses
+  std::vector<ServedPath> served_;
+  std::map<std::filesystem::path, WatchedFile> files_;  // files that are gone are kept, with their ids
+  std::set<std::string> ids_;                      // of files_
   uint64_t looks_ = 0, next_number_ = 1;
 
-  mutable std::mutex known_mutex_;  // held only while known_ is copied or replaced
-  std::shared_ptr<const Known> known_ = std::make_shared<const Known>();
-  std::atomic<uint64_t> epoch_ = 0;  // of known_
+  mutable std::mutex snapshot_mutex_;  // held only while snapshot_ is copied or replaced
+  std::shared_ptr<const Snapshot> snapshot_ = std::make_shared<const Snapshot>();
+  std::atomic<uint64_t> epoch_ = 0;  // of snapshot_
 
   std::mutex waiting_;
   std::condition_variable_any stopped_;

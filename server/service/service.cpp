@@ -86,7 +86,7 @@ Service::Service(ServiceOptions options)
           },
           [this](const std::string& message) { complain(message); })) {}
 
-Service::AnswerCache::Pointer Service::kept(const Request& request) {
+Service::AnswerCache::Pointer Service::find_cached(const Request& request) {
   const uint64_t epoch = grids_->epoch();
   if (request.accepts_gzip)
     if (auto gzip = answers_->find(cache_key(epoch, true, request.target))) return gzip;
@@ -94,8 +94,8 @@ Service::AnswerCache::Pointer Service::kept(const Request& request) {
   return plain && request.accepts_gzip && plain->compressible ? nullptr : plain;
 }
 
-std::optional<Response> Service::recall(const Request& request) {
-  const auto answer = kept(request);
+std::optional<Response> Service::from_cache(const Request& request) {
+  const auto answer = find_cached(request);
   if (!answer) return std::nullopt;
   answers_->hit();
   Response r = *answer;
@@ -130,7 +130,7 @@ Response Service::answer(const Request& request, const Target& target, const Ser
     made.body = body_of(gzip ? deflated(text, Wrapping::kGzip) : std::move(text));
     return made;
   };
-  if (!recipe.keep || !epoch) return make();
+  if (!recipe.cacheable || !epoch) return make();
   const std::string key = cache_key(*epoch, gzip, request.target);
   return *answers_->get(key, [&] {
     auto made = std::make_shared<const Response>(make());

@@ -42,7 +42,7 @@ class Service {
   struct Recipe {
     const char* route = "other";  // for the metrics
     std::string content_type;
-    bool keep = true;             // in the cache
+    bool cacheable = true;
     bool compress = false;        // with gzip, for clients that accept it; false for what is compressed already
     std::function<std::string()> make;
     std::string address = {};     // set when the answer contains its own address: its ETag then depends on it
@@ -50,11 +50,11 @@ class Service {
   // The answer; or status 304, without making it, when the client has it. Clients may keep it for ever when the address names
   // this version of the grid ("v=<hash>" in its query); otherwise they must ask each time. Throws HttpError 404 for a version
   // that is no longer served, and what make() throws. REQUIRES: the answer depends on the grid and on request.target alone,
-  // unless `keep` is false.
+  // unless it is not cacheable.
   Response answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe);
-  // The earlier answer to the same address, if the cache still has it.
-  std::optional<Response> recall(const Request& request);
-  bool keeps(const Request& request) { return kept(request) != nullptr; }  // whether the cache has it; not counted as a hit
+  // The earlier answer to the same address, if the cache still has it; counted as a hit.
+  std::optional<Response> from_cache(const Request& request);
+  bool is_cached(const Request& request) { return find_cached(request) != nullptr; }  // not counted as a hit
 
   struct Counters {
     std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
@@ -73,7 +73,7 @@ class Service {
 
  private:
   void complain(const std::string& message);
-  AnswerCache::Pointer kept(const Request& request);
+  AnswerCache::Pointer find_cached(const Request& request);
 
   const ServiceOptions options_;
   std::shared_ptr<Counters> counters_;

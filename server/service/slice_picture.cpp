@@ -57,7 +57,7 @@ std::vector<uint16_t> numbers_of(const GridReader& reader, const SliceView& view
 std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceView& view, SetNumbers& sets) {
   SliceView wider = view;
   const Index3 n = reader.meta().grid.cells(view.level);
-  const Frame f = Frame::along(view.axis);
+  const RayFrame f = RayFrame::along(view.axis);
   wider.u1 = std::min(n[f.u], view.u1 + 1);
   wider.v1 = std::min(n[f.v], view.v1 + 1);
   std::vector<uint16_t> numbers = numbers_of(reader, wider, sets, true);
@@ -67,7 +67,7 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
   for (size_t r = height_of(wider); r-- > margin;) {  // upwards, since the row above must not have changed yet
     uint16_t* here = &numbers[r * wide];
     const uint16_t* above = r > 0 ? here - wide : here;
-    for (size_t c = 0; c < inner; ++c) here[c] = (here[c + 1] != here[c]) | (above[c] != here[c]) ? outline : here[c];
+    for (size_t c = 0; c < inner; ++c) here[c] = ((here[c + 1] != here[c]) | (above[c] != here[c])) ? outline : here[c];
     if (inner < width) here[inner] = above[inner] != here[inner] ? outline : here[inner];
   }
   for (size_t r = 0; r < height_of(view); ++r) std::copy_n(&numbers[(r + margin) * wide], width, &numbers[r * width]);

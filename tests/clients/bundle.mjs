@@ -1,4 +1,4 @@
-// Bundles Neuroglancer for the browser, with only what the test shows: segmentation layers, precomputed and Zarr sources, HTTP.
+// Bundles Neuroglancer for the browser with only what the test needs: segmentation layers, precomputed and Zarr sources, HTTP.
 // Usage: bundle.mjs FOLDER
 import { build } from "esbuild";
 import { dirname } from "node:path";
@@ -12,7 +12,7 @@ const blank_icons = {
     bundler.onLoad({ filter: /.*/, namespace: "icon" }, () => ({ contents: "<svg/>", loader: "text" }));
   },
 };
-// Vite's way of asking for a file's text.
+// With ?raw Vite imports a file as text.
 const raw_text = {
   name: "raw text",
   setup(bundler) {

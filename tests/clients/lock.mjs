@@ -1,8 +1,8 @@
-// Writes package-lock.json again after a change of package.json. Usage: node lock.mjs, with npm 10 or later.
+// Renews package-lock.json after a change of package.json. Usage: node lock.mjs, with npm 10 or later.
 //
 // Two packages are left out of it, so that `npm ci` installs the others from the registry alone. Neuroglancer takes its icons
-// from a repository (bundle.mjs makes them blank), and msgpackr can do without its native part. Rejected: overrides, since the
-// npm of Debian 12 fails at an override for a package that does not come from the registry.
+// from a repository (bundle.mjs makes them blank), and msgpackr can do without its native part. Overrides in package.json
+// were rejected: the npm of Debian 12 fails at an override for a package that does not come from the registry.
 import { execFileSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";

@@ -1,4 +1,4 @@
-// What bundle.mjs bundles: Neuroglancer as it is, with its viewer within the test's reach.
+// bundle.mjs bundles this page: Neuroglancer unchanged, with its viewer as a global for the test.
 import "neuroglancer";
 import { setupDefaultViewer } from "neuroglancer/unstable/ui/default_viewer_setup.js";
 

@@ -1,5 +1,5 @@
 // npm's neuroglancer in Chromium, with precomputed volumes and with Zarr v3 and v2. It shows three cross-sections. The test reads
-// what it has decoded for them through its own functions.
+// the cells that it has decoded for them through Neuroglancer's own functions.
 import assert from "node:assert/strict";
 import test, { after, before } from "node:test";
 import { expect_same, exported, grids, open_browser, screenshot, server } from "./support.mjs";
@@ -10,7 +10,7 @@ after(() => browser.close());
 
 const kMetres = { m: 1, mm: 1e-3 };
 
-// Where cells are for Neuroglancer: the unit and the edge of a cell, and the lower corner of the first cell, in cells. Graded grids
+// How Neuroglancer places the cells: the unit and the edge of a cell, and the lower corner of the first cell, in cells. Graded grids
 // are in index space; in OME-Zarr the origin is the centre of a cell.
 function space_of(info, protocol) {
   const precomputed = protocol === "precomputed";
@@ -128,7 +128,7 @@ for (const [grid, info] of Object.entries(grids)) {
       const told = await page.evaluate(({ places, first }) => {
         const { layer } = viewer.layerManager.managedLayers[0];
         return places.map((cell) => layer.getValueAt(Float32Array.from(cell, (c, i) => c + 0.5 + first[i]), { pickedRenderLayer: null }))
-          .map((value) => Number(value?.key ?? value ?? -1));  // with its material's name when segments have properties
+          .map((value) => Number(value?.key ?? value ?? -1));  // an object with the material's name when segments have properties
       }, { places, first: space.first });
       expect_same(told, places.map(label), "labels of cells in view");
 
@@ -147,8 +147,8 @@ for (const [grid, info] of Object.entries(grids)) {
       assert.ok(cell.every((c, i) => Math.abs(c - at[i]) <= 1), `the mouse is on cell ${cell}, expected ${at}`);
       assert.equal(shown, label(cell));
 
-      // Every level that it is told of, as the view is zoomed out: all that the viewer has decoded by then. (OME-Zarr lists those
-      // down to a single block.)
+      // The view is zoomed out through every level that the viewer knows. Then all that it has decoded is compared. (OME-Zarr lists
+      // the levels down to the first that is a single block.)
       const many = protocol === "precomputed" ? info.levels.length : 1 + info.levels.findIndex((level) => Math.max(...level.cells) <= 64);
       for (const { level, cells: size } of info.levels.slice(1, many)) {
         await page.evaluate((scale) => (viewer.navigationState.zoomFactor.value = scale), 2 ** level * space.scale[0]);

@@ -7,7 +7,7 @@ let browser;
 before(async () => (browser = await open_browser()));
 after(() => browser.close());
 
-// Shows a slice in `width` pixels, in a window of its own shape, and waits until it is complete.
+// Shows a slice in an element of width x height pixels and waits until it is complete.
 async function show(page, source, width, height) {
   await page.evaluate(async ({ source, width, height }) => {
     const element = document.getElementById("picture");
@@ -29,8 +29,9 @@ async function show(page, source, width, height) {
   }, { source, width, height });
 }
 
-// Compares what OpenSeadragon has drawn with another picture: the size, and the number of pixels that differ. Tiles without overlap
-// are drawn one pixel wider and higher than they are, so that no gaps show; so the left or the upper neighbour counts as equal.
+// Compares what OpenSeadragon has drawn with another picture: the size, and the number of pixels that differ. OpenSeadragon draws
+// tiles without overlap one pixel wider and higher than they are, so that no gaps show. So a pixel may also equal a neighbour of
+// the expected one, on the left or above.
 function differences(page, picture) {
   return page.evaluate(async (url) => {
     const shown = viewer.drawer.canvas, { width, height } = shown;

@@ -1,4 +1,4 @@
-"""Deep Zoom and IIIF tiles: they have the names that vips gives to its own, and every pixel equals that of `teracell slice`.
+"""Deep Zoom and IIIF tiles have the names that vips gives to its own tiles, and every pixel equals that of `teracell slice`.
 
 No program in Debian reads the two protocols; vips writes them, and Pillow decodes the tiles.
 """
@@ -56,7 +56,7 @@ def size_of(file):
 
 
 class DeepZoom(Case):
-    def test_the_document_tells_the_slice(self):
+    def test_the_document_describes_the_slice(self):
         for grid, axis, index in SLICES:
             image = xml.etree.ElementTree.fromstring(get(f"dzi/{grid}/{axis}/{index}.dzi"))
             space = "{http://schemas.microsoft.com/deepzoom/2008}"
@@ -92,7 +92,7 @@ class DeepZoom(Case):
 
 
 class Iiif(Case):
-    def test_the_document_tells_the_slice(self):
+    def test_the_document_describes_the_slice(self):
         for grid, axis, index in SLICES:
             name = f"iiif/{grid}-{axis}-{index}"
             info = json.loads(get(f"{name}/info.json"))

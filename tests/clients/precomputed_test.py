@@ -37,7 +37,7 @@ class Precomputed(Case):
                 self.assertEqual((scale["encoding"], scale["voxel_offset"]), ("raw", [0, 0, 0]))
                 self.assertEqual(scale["size"], list(expected.shape[::-1]))
                 for block in scale["chunk_sizes"]:
-                    # The flat blocks of a thick level are too many; those of the next level test the same.
+                    # A thick level has too many flat blocks. Those of the next level test the same.
                     if numpy.prod([len(ends(n, b)) for n, b in zip(scale["size"], block)]) > 1000:
                         continue
                     with self.subTest(grid=grid, level=level, block=block):

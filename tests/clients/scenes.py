@@ -1,4 +1,4 @@
-"""The two grids that the clients read. Neither has a size that is a multiple of chunks or tiles, or that can be halved evenly.
+"""The two grids that the clients read. No size is a multiple of that of a chunk or a tile, and none can be halved evenly.
 
 stadium: the built-in scene, three materials, in chunks of 64 cells whose edges cut bodies.
 parts: 300 materials, so that a cell takes two bytes, and a graded axis, in slices of several tiles.

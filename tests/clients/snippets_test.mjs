@@ -23,14 +23,14 @@ const cell = grids[grid].grid.cells.map((n) => n >> 1);
 const all = doors({ ...grids[grid], id: grid }, server, cell);
 const door = (name) => all.find((d) => d.name.startsWith(name));
 
-// Debian's Python runs the lines, then `rest`, which writes bytes to `file`.
+// Debian's Python runs the lines and then `rest`, which writes snippet.raw.
 function python(lines, rest) {
   execFileSync("/usr/bin/python3", ["-c", `${lines}\nimport numpy\n${rest}`], { cwd: folder, stdio: ["ignore", "inherit", "inherit"] });
   return new Uint8Array(readFileSync(join(folder, "snippet.raw")));
 }
 const write = (what) => `numpy.asarray(${what}).astype("u1").tofile("snippet.raw")`;
 
-// The whole grid is small enough to be level 0 of every snippet.
+// The grid is so small that every snippet asks for level 0.
 const cells = exported(grid, 0);
 const [, ny, nx] = cells.shape;
 const slice = cells.data.subarray(cell[2] * ny * nx, (cell[2] + 1) * ny * nx);
@@ -98,7 +98,7 @@ test("the link into Neuroglancer shows the materials in their colours", async ()
   const near = (color, colors) => colors.some((c) => color.every((v, i) => Math.abs(((c >> (8 * i)) & 255) - v) <= 2));
   let unseen;
   for (let n = 0; n < 40; ++n) {
-    await page.waitForTimeout(250); // a frame of the software renderer
+    await page.waitForTimeout(250); // time for a frame of the software renderer
     const colors = await screenshot(page, "snippet-neuroglancer");
     unseen = [...new Set(slice)].filter((id) => id > 0 && !near(looks[id].color, colors)).map((id) => grids[grid].materials[id].name);
     if (unseen.length === 0) break;

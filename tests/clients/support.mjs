@@ -25,7 +25,7 @@ export function expect_same(found, expected, what) {
 const kTypes = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm" };
 const kZarrDocument = /\/(\.zarray|\.zattrs|\.zgroup|\.zmetadata|zarr\.json)$/;
 
-// Chromium with the pages of `folder`. Like pages of other projects they come from another origin than the cells.
+// Chromium with the pages of `folder`. Like pages of other projects, they have another origin than the cells.
 export async function open_browser() {
   const pages = createServer((request, response) => {
     const file = createReadStream(join(folder, "pages", new URL(request.url, "http://pages").pathname));
@@ -38,8 +38,8 @@ export async function open_browser() {
   await new Promise((listening) => pages.listen(0, "127.0.0.1", listening));
   const browser = await chromium.launch(launch_options);
   return {
-    // A page on which every error of its own, and every failed request to the server, is in `errors`. Zarr's clients look
-    // for documents of both versions.
+    // A page, and in `errors` all errors of the page and all failed requests to the server. Zarr's clients look for documents of
+    // both versions, so those may be missing.
     async open(path) {
       const page = await browser.newPage({ viewport: { width: 1500, height: 900 } });
       const errors = errors_of(page, server, (url, status) => status === 404 && kZarrDocument.test(url));

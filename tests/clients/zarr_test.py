@@ -68,7 +68,7 @@ class Xarray(Case):
             with self.subTest(grid=grid, level=level):
                 label = open_level(grid, level)["label"]
                 self.assertEqual(label.dims, ("z", "y", "x"))
-                self.assert_same(label.values, exported(grid, level))  # integers, not floats with holes
+                self.assert_same(label.values, exported(grid, level))  # integers: no cell is taken for a missing value, which would make them floats
 
     def test_coordinates_are_those_of_the_cells(self):
         for grid in GRIDS:

@@ -93,7 +93,7 @@ for (const [grid, info] of Object.entries(grids)) {
   });
 }
 
-test("what is not there is not found, and is not made up", async () => {
+test("arrays that do not exist are not found", async () => {
   for (const path of ["zarr/nothing", "zarr2/nothing", "zarr/stadium/99", "zarr2/stadium/99"]) {
     await assert.rejects(zarr.open(new zarr.FetchStore(`${server}/${path}`), { kind: "array" }), { name: "NotFoundError" }, path);
   }

@@ -1,4 +1,4 @@
-"""One grid, the stadium, asked in every way: export, slice, column and stats tell of the same cells."""
+"""export, slice, column and stats must agree on the cells of one grid, the stadium."""
 import json
 import os
 import random
@@ -70,7 +70,7 @@ class Stadium(Case):
                 v = rows - 1 - r
                 self.assertEqual(picture.rows[r], [blends[s] for s in expected[v * columns : (v + 1) * columns]], f"{axis} {index} level {level} row {r}")
 
-    def test_every_level_is_exactly_the_sets_below(self):
+    def test_every_level_holds_the_union_of_the_level_below(self):
         self.assertEqual(len(self.levels), 10)
         for level in range(10):
             self.assertEqual(self.export(self.grid, "--level", level), self.level_cells(level), f"level {level}")
@@ -106,7 +106,7 @@ class Stadium(Case):
                     self.assertEqual(picture.rows[0], [self.colors[m] for m in top])
 
     def test_at_takes_the_cell_that_holds_the_coordinate(self):
-        # z runs from -3 to 57 in steps of 1: a plane belongs to the cell above it, the domain's max to the last cell.
+        # z runs from -3 to 57 in steps of 1: a plane belongs to the cell above it, and the domain's upper end to the last cell.
         for at, index in ((-3, 0), (-2.0000001, 0), (-2, 1), (3.5, 6), (56.999, 59), (57, 59)):
             _, _, expected = pyramid.plane(self.shape, self.cells, "z", index)
             self.assertEqual(self.slice_npy(self.grid, "--axis", "z", "--at", at)[1], expected, at)
@@ -115,7 +115,7 @@ class Stadium(Case):
             _, _, expected = pyramid.plane(shape, cells, "x", index)
             self.assertEqual(self.slice_npy(self.grid, "--axis", "x", "--at", at, "--level", 3)[1], expected, at)
 
-    def test_columns_are_the_lines_of_the_export(self):
+    def test_columns_are_rows_of_the_export(self):
         nz, ny, nx = self.shape
         rng = random.Random(11)
         low = (-150, -120, -3)
@@ -134,7 +134,7 @@ class Stadium(Case):
                     self.assertEqual((run["min"], run["max"]), (low[w] + run["from"], low[w] + run["to"]))
                     self.assertEqual(run["name"], names[run["material"]])
                     if i:
-                        self.assertNotEqual(run["material"], j["runs"][i - 1]["material"], "runs are as long as can be")
+                        self.assertNotEqual(run["material"], j["runs"][i - 1]["material"], "neighbouring runs have different materials")
                     found += [run["material"]] * (run["to"] - run["from"])
                     end = run["to"]
                 start = a * stride[u] + b * stride[v]

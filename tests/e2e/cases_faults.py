@@ -1,4 +1,4 @@
-"""What fails while a surface is read, closed and spilled: one paragraph that names what and where, and nothing left behind."""
+"""Failures while a surface is read, closed or spilled: one paragraph says what failed and where, and no file is left behind."""
 import gzip
 import os
 import resource
@@ -28,7 +28,7 @@ class Spilling(Case):
         os.mkdir(self.path("tmp"))
 
     def fails(self, phrases, *args, mesh="s.stl", **options):
-        """One paragraph with the phrases, and the folder is as it was."""
+        """The run fails with one paragraph that has the phrases, and leaves no file."""
         before = sorted(os.listdir(self.folder))
         r = teracell("mesh", mesh, *SPILLED, *args, cwd=self.folder, **options)
         self.assertEqual((r.status, r.out), (1, ""), r.err)
@@ -38,7 +38,7 @@ class Spilling(Case):
         self.assertEqual([n for n in sorted(os.listdir(self.folder)) if n not in before], [])
         self.assertEqual(os.listdir(self.path("tmp")), [])
 
-    def test_what_is_spilled_has_no_name(self):
+    def test_the_spilled_file_has_no_name(self):
         self.run_ok("mesh", "s.stl", *SPILLED, "--tmp", "tmp", "--report", "r.json")
         self.assertEqual(os.listdir(self.path("tmp")), [])
         self.run_ok("mesh", "s.stl", "--cells", 2000, "--axis", "x", "-o", "y.tcell")
@@ -50,7 +50,7 @@ class Spilling(Case):
         self.fails(["s.stl: no folder for temporary files: Not a directory", "--tmp"], "--tmp", "s.stl")
         self.fails(["/proc: ", "temporary files", "--tmp"], "--tmp", "/proc")
         if os.geteuid() == 0:
-            return  # who may write everywhere
+            return  # root may write everywhere
         os.chmod(self.path("tmp"), 0o500)
         self.fails(["tmp: can't create a temporary file: Permission denied", "--tmp"], "--tmp", "tmp")
 
@@ -60,15 +60,15 @@ class Spilling(Case):
         self.write("open.stl", solids.binary_stl(OPEN))
         self.fails([*full, "File too large"], "--tmp", "tmp", "--write-caps", "caps.stl", mesh="open.stl", preexec_fn=limit_files, restore_signals=False)
         if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.path("tmp")], capture_output=True).returncode != 0:
-            return  # not root
+            return  # only root may mount
         try:
             self.fails(["tmp: expected", "of free space for temporary files", "--tmp"], "--tmp", "tmp")
             subprocess.run(["mount", "-o", "remount,size=96k", self.path("tmp")], check=True)
-            self.fails([*full, "No space left"], "--tmp", "tmp")  # several bins take more than was foreseen
+            self.fails([*full, "No space left"], "--tmp", "tmp")  # facets that lie in several bins take more space than was checked for
         finally:
             subprocess.run(["umount", self.path("tmp")], check=True)
 
-    def test_ctrl_c_while_much_is_spilled(self):
+    def test_ctrl_c_while_a_large_surface_is_spilled(self):
         process = subprocess.Popen([PROGRAM, "mesh", "s.stl", "--cells", "200000", "-o", "x.tcell", "--memory", "1K", "--tmp", "tmp", "--threads", "1"],
                                    cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         with self.assertRaises(subprocess.TimeoutExpired):
@@ -81,14 +81,14 @@ class Spilling(Case):
 
 
 class Readings(Case):
-    """Surfaces that don't fit are read twice, open ones more often; the first reading is served through a pipe."""
+    """A surface that doesn't fit into memory is read twice, an open one more often. The tests serve the first reading through a pipe."""
 
     def meshed(self, name, first, then, *args):
-        """The file holds `first` when it is opened, and from then on `then`, or is gone if that is None."""
+        """Meshes a file that holds `first` when it is opened for the first time, and `then` afterwards. With None it is gone."""
         os.mkfifo(self.path(name))
 
         def serve():
-            with open(self.path(name), "wb") as pipe:  # waits for the program
+            with open(self.path(name), "wb") as pipe:  # until the program opens it
                 if then is None:
                     os.unlink(self.path(name))
                 else:
@@ -125,7 +125,7 @@ class Readings(Case):
         self.refused(1, ["s.stl.gz", "cut short", "byte"], "mesh", "s.stl.gz", *SPILLED)
         self.assertEqual(os.listdir(self.folder), ["s.stl.gz"])
 
-    @unittest.skipUnless(os.path.exists(READ_FAULT), "no libread_fault.so beside the program: built by CMake with the tests")
+    @unittest.skipUnless(os.path.exists(READ_FAULT), "there is no libread_fault.so beside the program; CMake builds it with the tests")
     def test_a_disk_that_fails_while_it_is_read(self):
         for facets in (STALKS, OPEN):
             self.write("s.stl", solids.binary_stl(facets))
@@ -139,7 +139,7 @@ class Readings(Case):
 
 
 class MemoryAndCaps(Case):
-    def test_sizes_that_are_none(self):
+    def test_invalid_sizes(self):
         self.write("s.stl", solids.binary_stl(STALKS))
         for size in (-1, "many", "1.5G", "8Q", "G", "18446744073709551616", "16777216T"):
             self.refused(2, ["--memory", "size like 512M", f"'{size}'"], "mesh", "s.stl", "--cells", 20, "-o", "x.tcell", f"--memory={size}")

@@ -1,4 +1,4 @@
-"""What happens to files: damage is noticed, outputs appear whole or not at all, whatever goes wrong on the way."""
+"""Files: damage is noticed, and whatever goes wrong, outputs appear whole or not at all."""
 import fcntl
 import os
 import random
@@ -41,7 +41,7 @@ class Damage(Case):
                 self.assertEqual(r.status, 1, f"byte {place}: {r.err}")
                 self.assert_paragraph(r.err)
                 self.assertIn("d.tcell", r.err)
-                self.assertFalse(os.path.exists(self.path("s.npy")), "no picture of a damaged file")
+                self.assertFalse(os.path.exists(self.path("s.npy")), "no slice of a damaged file")
         self.no_debris()
 
     def test_no_command_overwrites_what_it_reads(self):
@@ -49,7 +49,7 @@ class Damage(Case):
         for output in ("g.tcell", "./g.tcell"):
             self.refused(2, ["overwritten"], "export", "g.tcell", "--format", "raw", "-o", output)
         self.refused(2, ["overwritten"], "slice", "g.tcell", "--axis", "z", "--index", 3, "-o", "k.npy")
-        # Nor through the name that the output has while it is written.
+        # A link under the temporary name of the output must not redirect it either.
         self.write("precious", b"precious")
         for target, status, phrase in (("g.tcell", 2, "overwritten"), ("precious", 1, "x.npy.partial")):
             os.symlink(target, self.path("x.npy.partial"))
@@ -84,7 +84,7 @@ class Outputs(Case):
         self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "g.tcell")
 
     def every_writer(self, name):
-        """Commands that write `name` with a fitting ending."""
+        """Commands that write `name`, each with the ending of its format."""
         return [["mesh", "box.stl", "--cells", 10, "-o", name + ".tcell"], ["slice", "g.tcell", "--axis", "z", "--index", 0, "-o", name + ".png"],
                 ["slice", "g.tcell", "--axis", "z", "--index", 0, "-o", name + ".npy"], ["export", "g.tcell", "-o", name + ".raw"]]
 
@@ -113,9 +113,9 @@ class Outputs(Case):
                 self.assertEqual((r.status, r.out), (1, ""), r.err)
                 self.assert_paragraph(r.err)
                 self.assertIn("another process is writing", r.err)
-                self.assertTrue(os.path.exists(partial), "it is the other writer's")
+                self.assertTrue(os.path.exists(partial), "the partial file belongs to the other writer")
             self.assertEqual(self.bytes(args[-1]) if os.path.exists(self.path(args[-1])) else None, before)
-            self.run_ok(*args)  # what a killed writer leaves is no obstacle
+            self.run_ok(*args)  # a partial file without a writer does not stop it
             self.no_debris()
 
     def interrupt(self, args, ready, sent=signal.SIGINT):
@@ -169,21 +169,21 @@ class Outputs(Case):
         self.write("many.json", {"grid": {"cells": 3}, "materials": {"a": {}}, "bodies": [{"mesh": "box.stl", "material": "a"}] * 40})
         os.mkdir(self.path("small"))
 
-        def limit():  # to every file, where no disk can be made small
+        def limit():  # of every file's size: only root may mount a small disk
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             resource.setrlimit(resource.RLIMIT_FSIZE, (16384, resource.RLIM_INFINITY))
 
         self.full_disk_refuses("small", preexec_fn=limit, restore_signals=False)
         self.assertEqual(os.listdir(self.path("small")), [])
         if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.path("small")], capture_output=True).returncode != 0:
-            return  # not root
+            return  # only root may mount
         try:
             self.full_disk_refuses("small")
             self.assertEqual(os.listdir(self.path("small")), [])
         finally:
             subprocess.run(["umount", self.path("small")], check=True)
 
-    def test_results_that_nobody_takes(self):
+    def test_results_that_can_not_be_printed(self):
         printing = [["--help"], ["--version"], ["info", "g.tcell"], ["info", "g.tcell", "--json"], ["stats", "g.tcell"],
                     ["column", "g.tcell", "--axis", "x", "--at", "1,1", "--json"], ["verify", "g.tcell"], ["mesh", "box.stl", "--cells", 9, "-o", "x.tcell"]]
         for args in printing:
@@ -201,7 +201,7 @@ class Outputs(Case):
         self.assertEqual(r.status, 1, f"{r.args}: {r.err}")
         self.assert_paragraph(r.err)
 
-    def test_errors_that_nobody_reads(self):
+    def test_errors_that_can_not_be_printed(self):
         for closed in (lambda: os.close(2), lambda: os.dup2(os.open("/dev/full", os.O_WRONLY), 2)):
             run = lambda *args: subprocess.run([PROGRAM, *args], cwd=self.folder, stdout=subprocess.PIPE, preexec_fn=closed).returncode
             self.assertEqual(run("info", "no.tcell"), 1)

@@ -1,4 +1,4 @@
-"""Surfaces that can't be meshed: exit 1, and the message says what, where, expected, found."""
+"""Surfaces that can't be meshed: exit status 1, and the message says what is wrong, where, what was expected and what was found."""
 import gzip
 import math
 import struct
@@ -47,7 +47,7 @@ class Inputs(Case):
         self.run_ok("mesh", "flipped.stl", "--cells", 10, "-o", "x.tcell")
         self.assertEqual(self.json_of("info", "x.tcell")["report"]["bodies"][0]["fill"][0]["rule"], "evenodd")
 
-    def test_nothing_in_it(self):
+    def test_files_without_facets(self):
         self.refuse("empty.stl", b"", ["empty"])
         self.refuse("none.stl", solids.binary_stl([]), ["no facet"])
         self.refuse("none.obj", OBJ, ["no facet"])
@@ -68,7 +68,7 @@ class Inputs(Case):
         self.run_ok("mesh", "box.stl", "--cells", 10, "-o", "box.tcell")
         self.refuse("grid.stl", self.bytes("box.tcell"), ["a grid that teracell made", "teracell info"])
 
-    def test_what_readers_put_up_with_is_warned_of_once(self):
+    def test_what_readers_skip_is_warned_of_once(self):
         self.write("box.stl", solids.binary_stl(BOX))
         self.run_ok("mesh", "box.stl", "--cells", 10, "-o", "box.tcell")
         cells = self.json_of("stats", "box.tcell")["materials"][1]["cells"]
@@ -90,7 +90,7 @@ class Inputs(Case):
                 self.assertIn(w, self.run_ok("info", "x.tcell").out)
             self.assertEqual(self.json_of("stats", "x.tcell")["materials"][2]["cells"], cells, name)
 
-    def test_numbers_that_are_none(self):
+    def test_invalid_numbers(self):
         for bad, shown in ((math.nan, "nan"), (math.inf, "inf"), (-math.inf, "-inf")):
             (a, b, c), *rest = BOX
             self.refuse("bad.stl", solids.binary_stl([((bad, 0.0, 0.0), b, c), *rest]), ["facet 0", "finite", shown])
@@ -129,7 +129,7 @@ class Inputs(Case):
         self.write("s.json", {**scene, "grid": {"cells": 9, "x": {"planes_file": "/dev/zero"}}})
         self.refused(1, ["/dev/zero", "at most"], "mesh", "s.json", "-o", "x.tcell")
 
-    def test_no_name_steers_the_terminal(self):
+    def test_names_send_no_control_characters_to_the_terminal(self):
         box = solids.binary_stl(BOX)
         for name, shown in ((b"e\x1b[31m\n.stl", "e?[31m?"), (b"a\xff.stl", "a\ufffd"), ("\u00e5\u009b.stl".encode(), "\u00e5?")):
             self.write(name.decode(errors="surrogateescape"), box)

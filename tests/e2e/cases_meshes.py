@@ -1,4 +1,4 @@
-"""Bare surfaces on the command line: formats, --cells, --step, --pad, several bodies. Boxes are the oracle."""
+"""Bare surfaces on the command line: formats, --cells, --step, --pad, several bodies. The surfaces are boxes, whose cells are known."""
 import solids
 from program import Case
 
@@ -11,7 +11,7 @@ class BareMeshes(Case):
         self.assertEqual(self.export(grid), (shape, solids.cells_of(axes, boxes)))
 
     def axes_of(self, grid="g.tcell"):
-        """Sample points as info describes them, to compare with what the options mean."""
+        """(min, step, first, cells) of each axis, as info prints them."""
         return [(a["min"], a["step"], a["first"], a["cells"]) for a in self.json_of("info", grid)["grid"]["axes"]]
 
     def test_every_format_gives_the_same_cells(self):

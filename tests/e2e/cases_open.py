@@ -1,4 +1,4 @@
-"""Open surfaces: closed by caps whatever their shape, described in words; and the same on surfaces that nobody here made."""
+"""Open surfaces of any shape are closed by caps and described in words. RealSurfaces does the same with surfaces from elsewhere."""
 import math
 import os
 import subprocess
@@ -29,7 +29,7 @@ def moebius(n):
 
 
 def checkered(n):
-    """A box with every other square of its top missing: the holes touch at corners, and along the rim vertices lie on edges."""
+    """A box without every other square of its top. The holes touch at corners, and along the rim vertices lie on edges."""
     lo, hi = LARGE
     at = lambda i, j: (lo[0] + 6 * i / n, lo[1] + 6 * j / n, hi[2])
     squares = [(at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)) for i in range(n) for j in range(n) if (i + j) % 2 == 0]
@@ -61,7 +61,7 @@ class OpenSurfaces(Case):
         self.run_ok("mesh", "s.json", "-o", "g.tcell", "--memory", memory, *args)
         return self.export("g.tcell")[1]
 
-    def test_torn_surfaces_have_the_cells_of_surface_and_caps_along_every_axis_whatever_the_memory(self):
+    def test_torn_surfaces_have_the_cells_of_surface_and_caps_for_every_axis_and_memory(self):
         for name, facets in TORN.items():
             self.write("s.ply", solids.ply_of(facets))
             for fill in ("nonzero", "evenodd", "auto"):
@@ -81,7 +81,7 @@ class OpenSurfaces(Case):
                         os.unlink(self.path("caps.ply"))
         self.no_debris()
 
-    def test_torn_surfaces_have_the_same_file_whatever_the_memory(self):
+    def test_torn_surfaces_have_the_same_file_for_every_memory(self):
         for name, facets in TORN.items():
             self.write("s.ply", solids.ply_of(facets))
             for fill in ("nonzero", "evenodd", "auto"):
@@ -99,7 +99,7 @@ class OpenSurfaces(Case):
         self.refused(2, ["--write-caps", ".stl or .ply"], "mesh", "a.stl", "--cells", 20, "-o", "z.tcell", "--write-caps", "caps.obj")
         self.assertEqual(self.bytes("caps-a.stl"), before)
 
-    def test_a_pipe_that_does_not_fit_the_memory(self):
+    def test_a_surface_from_a_pipe_that_does_not_fit_into_memory(self):
         self.write("box.stl", solids.binary_stl(BOX))
         command = f"{PROGRAM} mesh <(cat box.stl) --cells 10 -o z.tcell"
         run = lambda *more: subprocess.run(["bash", "-c", " ".join([command, *more])], cwd=self.folder, capture_output=True, timeout=60)
@@ -129,7 +129,7 @@ class OpenSurfaces(Case):
         self.refused(1, ["s.ply", "1e75"], "mesh", "s.ply", "--cells", 10, "-o", "x.tcell")
 
     def told(self, name, contents, *args):
-        """What stderr and info say."""
+        """(stderr of mesh, output of info)."""
         self.write(name, contents)
         err = self.run_ok("mesh", name, "--cells", 42, "-o", "g.tcell", *args).err
         return err, self.run_ok("info", "g.tcell").out
@@ -162,7 +162,7 @@ class OpenSurfaces(Case):
         self.assertRegex(info, r"duplicates +12 facets with the vertices of an earlier one: 12 the same way round, 0 the other way\n")
         self.assertRegex(info, r"degenerate +1 facet without area: they change nothing")
 
-    def test_loose_facets_are_told_from_holes(self):
+    def test_loose_facets_are_distinguished_from_holes(self):
         err, _ = self.told("soup.stl", solids.binary_stl([tuple((v[0] + 5 * i, v[1], v[2]) for v in f) for i, f in enumerate(BOX)]))
         self.assertIn("No two facets share an edge, so they enclose nothing", err)
 
@@ -193,7 +193,7 @@ class RealSurfaces(Case):
                 broken = body["holes"] or body["flips"] or body["seams"]["number"]
                 self.assertEqual(len(report["warnings"]) > 0, bool(broken), name)
                 told = "".join(f"warning: {w}\n" for w in report["warnings"])
-                self.assertEqual(r.err[:len(told)], told)  # behind it at most what the file doesn't hold, as it rounds
+                self.assertEqual(r.err[:len(told)], told)  # then at most one warning that the file doesn't hold, because it comes from sums that round
                 self.assertRegex(r.err[len(told):], r"^(warning: body '.*': look at its caps\. .*\n)?$")
 
     def test_the_bunny_with_its_caps_is_closed_and_has_the_same_cells_and_volume(self):
@@ -212,9 +212,9 @@ class RealSurfaces(Case):
         self.run_ok("export", "whole.tcell", "-o", "whole.raw")
         self.assertEqual(self.bytes("open.raw"), self.bytes("whole.raw"))
         volume = self.json_of("stats", "open.tcell")["materials"][1]["volume"]
-        self.assertAlmostEqual(volume / abs(solids.volume(whole)), 1, delta=0.003)  # it is inside out
+        self.assertAlmostEqual(volume / abs(solids.volume(whole)), 1, delta=0.003)  # its facets face inwards
 
-    def test_caps_of_doubles_want_ply(self):
+    def test_caps_in_doubles_need_ply(self):
         with open(self.mesh_of("rocker-arm.obj")) as f:
             obj = "\n".join(f.read().split("\n")[:-40])
         self.write("open.obj", obj)

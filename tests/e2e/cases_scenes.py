@@ -21,7 +21,7 @@ class Scenes(Case):
         axes = axes or [solids.centres(-1, 0.5, n) for n in (16, 12, 14)]
         self.assertEqual(self.export("g.tcell"), (tuple(len(axes[d]) for d in (2, 1, 0)), solids.cells_of(axes, boxes)))
 
-    def test_the_later_body_wins_at_equal_priority_else_the_higher_one(self):
+    def test_the_higher_priority_wins_and_at_equal_priority_the_later_body(self):
         a, b = {"mesh": "a.stl", "material": "steel"}, {"mesh": "b.obj", "material": "oil"}
         self.mesh([a, b])
         self.assert_cells([(*A, 1), (*B, 2)])
@@ -117,7 +117,7 @@ class Scenes(Case):
         self.mesh([{"mesh": "b.obj", "material": "oil", "kind": "sheet"}])
         (lo, hi), ns = B, (16, 12, 14)
 
-        def in_sheet(cell):  # the cell whose planes hold a face, upper plane included
+        def in_sheet(cell):  # whether a face of the box lies between the cell's planes or on the upper one
             planes = [-1 + 0.5 * i for i in cell]
             return any(planes[d] < face <= planes[d] + 0.5 and all(lo[e] <= planes[e] + 0.25 < hi[e] for e in range(3) if e != d)
                        for d in range(3) for face in (lo[d], hi[d]))
@@ -149,7 +149,7 @@ class Scenes(Case):
         self.assertEqual(self.json_of("info", "g.tcell")["report"]["bodies"][0]["lost"]["z"], {"number": 64, "widest_65536ths": 16384, "widest": 0.125, "at": [0.25, 0.25, 2.0625]})
         self.assertIn("stretches between two sample points along z: 64, the widest 0.125 mm at (0.25, 0.25, 2.0625)", self.run_ok("info", "g.tcell").out)
 
-    def test_thin_counts_what_is_lost_of_bodies_and_between_them(self):
+    def test_thin_counts_what_is_lost_in_bodies_and_between_them(self):
         self.write("upper.stl", solids.binary_stl(solids.box_facets((0.0, 0.0, 4.125), (4.0, 4.0, 5.0))))
         self.mesh([{"mesh": "a.stl", "material": "steel"}, {"mesh": "upper.stl", "material": "steel"}])
         cells = self.export("g.tcell")

@@ -185,7 +185,7 @@ class Serving(ServeCase):
 
 
 class ServeUsage(ServeCase):
-    def test_what_it_refuses(self):
+    def test_usage_that_is_refused(self):
         self.grid()
         self.write("empty", "\n")
         self.write("spaced", "a token")

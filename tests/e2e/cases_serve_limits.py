@@ -1,4 +1,4 @@
-"""`teracell serve` with clients that are slow, many, wrong or gone, and how it stops."""
+"""How `teracell serve` treats clients that are slow, malformed, gone or too many, and how it stops."""
 import signal
 import time
 
@@ -85,7 +85,7 @@ class Ending(ServeCase):
         time.sleep(0.5)
         return s
 
-    def test_what_is_under_way_is_answered(self):
+    def test_requests_under_way_are_answered(self):
         self.grid(hi=(600, 600, 20))
         server = self.serve("g.tcell")
         body = server.get(TILE + ".bin").body
@@ -123,7 +123,7 @@ class Ending(ServeCase):
             server = self.serve("g.tcell")
             with self.slow_download(server), server.socket() as idle:
                 server.signal(number)
-                self.assertEqual(read_all(idle), b"")  # it has seen the first one
+                self.assertEqual(read_all(idle), b"")  # the server has seen the first signal
                 began = time.monotonic()
                 server.signal(number)
                 self.assertEqual(server.wait(), -number)

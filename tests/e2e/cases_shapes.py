@@ -1,4 +1,4 @@
-"""The JSON that other programs read: every key that the README and --help promise, with its type."""
+"""The JSON that other programs read: the keys that the documents promise, with their types."""
 import json
 
 import solids
@@ -8,7 +8,7 @@ INT, NUMBER, TEXT, BOOL = "int", "number", "text", "bool"
 
 
 def fits(value, shape, where=""):
-    """Throws unless `value` has at least the keys of `shape`, with values of its kinds. [x] is a list of x."""
+    """Throws unless `value` has the keys of `shape`, with values of the same types. Other keys are allowed. [x] is a list of x."""
     if isinstance(shape, dict):
         assert isinstance(value, dict), f"{where}: expected an object, found {value!r}"
         for key, inner in shape.items():

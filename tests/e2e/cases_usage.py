@@ -1,4 +1,4 @@
-"""Wrong usage: exit 2, one paragraph that names what is wrong, the range or the nearest known name."""
+"""Wrong usage: exit status 2 and one paragraph that names what is wrong, and the allowed range or the nearest known name."""
 import os
 
 import solids
@@ -13,7 +13,7 @@ class Usage(Case):
     def setUp(self):
         super().setUp()
         self.write("box.stl", solids.binary_stl(solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0))))
-        self.run_ok("mesh", "box.stl", "--cells", "12,10,8", "-o", "g.tcell")  # 4 levels: 12, 6, 3, 2, 1
+        self.run_ok("mesh", "box.stl", "--cells", "12,10,8", "-o", "g.tcell")  # levels 0 to 4 have 12, 6, 3, 2 and 1 cells along x
 
     def test_help_and_version(self):
         for args in (["--help"], *[[c, "--help"] for c in COMMANDS], ["--version"]):
@@ -33,7 +33,7 @@ class Usage(Case):
         for name in ("three.js", "Preact", "Boost.Asio", "CLI11", "Zstandard", "xxHash", "zlib"):
             self.assertIn(name, notice)
 
-    def test_tables_count_in_words(self):
+    def test_tables_use_singular_and_plural(self):
         told = self.run_ok("info", "g.tcell").out
         for phrase in ("1 chunk ", "0 chunks", "12 facets in 1 shell,", " B\n"):
             self.assertIn(phrase, told)
@@ -150,7 +150,7 @@ class Usage(Case):
             self.write("s.json", {"grid": GRID, "materials": {"steel": {}}, "bodies": [BODY], **change})
             self.refused(2, ["s.json: ", *phrases], "mesh", "s.json", "-o", "x.tcell")
 
-    def test_a_scene_that_is_no_json(self):
+    def test_a_scene_that_is_not_json(self):
         for text, phrase in (("{", "line 1"), ('{"grid": {},\n "bodies": [}', "line 2"), ("[]", "expected an object"), ("", "line 1")):
             self.write("s.json", text)
             self.refused(2, ["s.json: ", phrase], "mesh", "s.json", "-o", "x.tcell")

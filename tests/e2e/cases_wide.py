@@ -1,4 +1,4 @@
-"""Slices so wide that not even a row of them fits into memory."""
+"""Slices whose rows are too wide to be held in memory."""
 import os
 import subprocess
 import zlib
@@ -6,7 +6,7 @@ import zlib
 import solids
 from program import PROGRAM, Case
 
-WIDTH, LO, HI = 200_000_000, 60_000_000, 140_000_000  # of the grid; the box's cells
+WIDTH, LO, HI = 200_000_000, 60_000_000, 140_000_000  # cells of the grid; the first cell of the box and the one behind it
 
 
 class Wide(Case):
@@ -23,17 +23,17 @@ class Wide(Case):
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         self.assertEqual(process.returncode, 0)
-        self.assertLess(used.ru_maxrss << 10, 2 * WIDTH, "two bytes per cell. The number counts this process too, before its child began, so it must stay small.")
+        self.assertLess(used.ru_maxrss << 10, 2 * WIDTH, "more than two bytes per cell; the memory of this process when it forked counts too, so it must stay small")
 
-    def assert_row(self, blocks, cells_a_byte, rock):
-        """Bytes of value 0, of value `rock` where the box is, 0 again."""
-        at, lo, hi = 0, LO // cells_a_byte, HI // cells_a_byte
+    def assert_row(self, blocks, cells_per_byte, rock):
+        """Expects 0, then `rock` where the box is, then 0 again."""
+        at, lo, hi = 0, LO // cells_per_byte, HI // cells_per_byte
         for block in blocks:
             begin, end = (min(max(n - at, 0), len(block)) for n in (lo, hi))
             self.assertEqual(block.count(rock, begin, end), end - begin)
             self.assertEqual(block.count(0), len(block) - (end - begin))
             at += len(block)
-        self.assertEqual(at, WIDTH // cells_a_byte)
+        self.assertEqual(at, WIDTH // cells_per_byte)
 
     def test_arrays(self):
         for args in (["slice", "g.tcell", "--axis", "z", "--index", 0, "--threads", 2], ["export", "g.tcell"]):

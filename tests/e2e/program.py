@@ -10,7 +10,7 @@ import tempfile
 import unittest
 import zlib
 
-PROGRAM = None  # its path: set by main(), before the cases are imported
+PROGRAM = None  # the path; main() sets it before it imports the cases
 
 
 def main(*modules):
@@ -73,7 +73,7 @@ class Case(unittest.TestCase):
         return json.loads(out)
 
     def refused(self, status, phrases, *args, **options):
-        """It fails with `status` and says so in one paragraph with all the phrases; nothing else is left or printed."""
+        """The program fails with `status` and one paragraph that has all the phrases. It prints nothing else and leaves no partial file."""
         r = teracell(*args, cwd=self.folder, **options)
         said = f"{r.args}: {r.status}, stdout {r.out!r}, stderr {r.err!r}"
         self.assertEqual(r.status, status, said)
@@ -112,7 +112,7 @@ def read_npy(data):
     assert data[:8] == b"\x93NUMPY\x01\x00", data[:8]
     size = struct.unpack("<H", data[8:10])[0]
     assert (10 + size) % 64 == 0 and data[9 + size : 10 + size] == b"\n"
-    header = eval(data[10 : 10 + size].decode(), {"__builtins__": {}}, {})  # a literal by the format's definition
+    header = eval(data[10 : 10 + size].decode(), {"__builtins__": {}}, {})  # the format defines it as a literal of Python
     assert set(header) == {"descr", "fortran_order", "shape"} and header["fortran_order"] is False, header
     count = 1
     for n in header["shape"]:
@@ -130,7 +130,7 @@ def read_npy(data):
 class Picture:
     def __init__(self, width, height, bits, kind):
         self.width, self.height, self.bits, self.kind = width, height, bits, kind
-        self.rows = []  # lists of (r, g, b, a), the top first
+        self.rows = []  # lists of (r, g, b, a), from the top
 
 
 def unfilter(kind, line, above, step):

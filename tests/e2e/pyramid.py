@@ -2,7 +2,7 @@
 
 
 def masks(cells):
-    """Cells as sets: a byte with one bit a material."""
+    """Cells as sets: one byte per cell, one bit per material."""
     return cells.translate(bytes(1 << i if i < 8 else 0 for i in range(256)))
 
 
@@ -27,7 +27,7 @@ def halve(shape, sets):
 
 
 def strongest(sets, order):
-    """Material ids; `order` lists the materials, the strongest first."""
+    """The strongest material of each set; `order` lists the materials, the strongest first."""
     table = bytes(next((m for m in order if s >> m & 1), 255) for s in range(256))
     return sets.translate(table)
 
@@ -53,7 +53,7 @@ def color(text):
 
 
 def blend(colors):
-    """Equal-weight mean of premultiplied 8-bit colours, half up, back to straight alpha for a PNG."""
+    """The mean of premultiplied 8-bit colours with equal weights. Halves are rounded up, and the result has straight alpha, as in a PNG."""
     if len(colors) == 1:
         return colors[0]
     half_up = lambda a, b: (2 * a + b) // (2 * b)

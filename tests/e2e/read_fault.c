@@ -1,4 +1,4 @@
-// Preloaded, it makes reading the file READ_FAULT_PATH fail once READ_FAULT_BYTES of it were read, however often it was opened.
+// To be preloaded. Reading the file READ_FAULT_PATH fails after READ_FAULT_BYTES bytes in all, however often it is opened.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>

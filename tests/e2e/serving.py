@@ -1,4 +1,4 @@
-"""`teracell serve` on a free port, and clients for it: http.client for what is well formed, plain sockets for what is not."""
+"""`teracell serve` on a free port, and clients for it: http.client for well-formed requests, plain sockets for all others."""
 import http.client
 import json
 import os
@@ -42,11 +42,11 @@ class Server:
         return [line for line in self.lines if not LINE.fullmatch(line)]
 
     def log_line(self):
-        """The next line of the access log, which must come within a second or so."""
+        """The next line on stderr."""
         return self.queue.get(timeout=20)
 
     def problem(self):
-        """The next line that is not one of the access log."""
+        """The next line on stderr that is not one of the access log."""
         while LINE.fullmatch(line := self.queue.get(timeout=20)):
             pass
         return line

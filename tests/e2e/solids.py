@@ -1,5 +1,5 @@
-"""Boxes: surfaces in every format, and the cells they must have. A box owns its lower faces and not its upper ones, so
-its cells are those with low <= sample point < high: an oracle without geometry."""
+"""Boxes: surfaces in every format, and the cells that they must have. A box owns its lower faces and not its upper ones, so
+its cells are those with low <= sample point < high."""
 import gzip
 import math
 import struct
@@ -86,7 +86,7 @@ def walls(lo, hi):
 
 
 def ply_of(facets):
-    """Binary, in doubles."""
+    """A binary PLY file with doubles."""
     head = (f"ply\nformat binary_little_endian 1.0\nelement vertex {3 * len(facets)}\nproperty double x\nproperty double y\nproperty double z\n"
             f"element face {len(facets)}\nproperty list uchar uint vertex_indices\nend_header\n").encode()
     return (head + b"".join(struct.pack("<9d", *[x for v in f for x in v]) for f in facets)
@@ -94,7 +94,7 @@ def ply_of(facets):
 
 
 def read_facets(data):
-    """Of a surface that the program wrote, or of a simple one that it reads: STL (binary), PLY (ASCII; or doubles as above), OBJ."""
+    """The facets of a file: STL (binary), PLY (ASCII, or binary as ply_of() writes it) or a simple OBJ."""
     if data[:4] == b"ply\n":
         head, body = data.split(b"end_header\n", 1)
         vertices, faces = (int(head.split(f"element {what} ".encode())[1].split()[0]) for what in ("vertex", "face"))

@@ -2,7 +2,7 @@
 // nothing else.
 #include <cstdlib>
 
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "mesher/surface/reader.hpp"
 #include "store/error.hpp"
 #include "store/text.hpp"

@@ -145,7 +145,7 @@ TEST_CASE("A mark is a stretch of its body's, but no crossing that lies close to
   const RayBlock out = composed(
       composer, {{up(1, 0), down(5, 0), mark(up(2, 2)), mark(down(3, 2)), mark(up(4, 0)), mark(down(6, 0))}, {mark(up(2, 0)), mark(down(2, 0))}}, 8);
   CHECK(cells_of(out, 0) == std::vector<Label>{0, 7, 9, 7, 7, 7, 0, 0});
-  CHECK(composer.close_crossings().empty());
+  CHECK(composer.crossing_pairs().empty());
 }
 
 TEST_CASE("Close crossings are pairs of one body between the same two sample points, not beyond the ends of the ray") {
@@ -162,13 +162,13 @@ TEST_CASE("Close crossings are pairs of one body between the same two sample poi
     uint64_t pairs;
   };
   const std::vector<Expected> expected = {{0, 2, 0, 1}, {3, 1, 0, 2}, {4, 2, 0, 1}, {4, 2, 1, 1}, {4, 4, 1, 1}};
-  REQUIRE(composer.close_crossings().size() == expected.size());
+  REQUIRE(composer.crossing_pairs().size() == expected.size());
   for (size_t i = 0; i < expected.size(); ++i) {
-    const CloseCrossings& c = composer.close_crossings()[i];
+    const CrossingPairs& c = composer.crossing_pairs()[i];
     CHECK((c.ray == expected[i].ray && c.cell == expected[i].cell && c.body == expected[i].body && c.pairs == expected[i].pairs));
   }
   composed(composer, {{}}, 5);
-  CHECK(composer.close_crossings().empty());
+  CHECK(composer.crossing_pairs().empty());
 }
 
 // Crossings of some of the layers, closed by their rules.

@@ -42,18 +42,18 @@ MeshOptions options_to_kill() {
   return options;
 }
 
-// Runs in a child that dies at the given tick, or while it renames the finished file when there is none such.
-void run_and_die(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, int tick) {
+// Runs in a child that dies at the given call of progress, or while it renames the finished file when there is none such.
+void run_and_die(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, int call) {
   const pid_t child = fork();
   REQUIRE(child >= 0);
   if (child == 0) {
     die_at_rename = true;
     const std::atomic<bool> stop{false};
-    int ticks = 0;
+    int calls = 0;
     mesh(
         scene, output, options,
         [&](const char*, double, double) {
-          if (++ticks == tick) kill(getpid(), SIGKILL);
+          if (++calls == call) kill(getpid(), SIGKILL);
         },
         stop);
     _exit(0);
@@ -71,10 +71,10 @@ TEST_CASE("A run killed anywhere resumes to the bytes of an undisturbed one") {
   mesh_quietly(scene, folder / "whole.tcell", options);
   const std::string expected = bytes_of(folder / "whole.tcell");
   uint64_t least = ~uint64_t{0}, most = 0;
-  for (const int tick : {1, 3, 4, 5, 20, 100, 200, 258, 259, 260, 1 << 20}) {
-    INFO("tick " << tick);
+  for (const int call : {1, 3, 4, 5, 20, 100, 200, 258, 259, 260, 1 << 20}) {
+    INFO("call " << call);
     options.resume = false;
-    run_and_die(scene, folder / "g.tcell", options, tick);
+    run_and_die(scene, folder / "g.tcell", options, call);
     options.resume = true;
     const auto report = mesh_quietly(scene, folder / "g.tcell", options);
     REQUIRE(bytes_of(folder / "g.tcell") == expected);
@@ -172,9 +172,9 @@ TEST_CASE("A run that fails or is interrupted leaves no checkpoint") {
   const TempFolder folder;
   const Scene scene = scene_to_kill(folder);
   std::atomic<bool> stop{false};
-  int ticks = 0;
+  int calls = 0;
   REQUIRE_THROWS_AS(mesh(
-                        scene, folder / "g.tcell", options_to_kill(), [&](const char*, double, double) { stop = ++ticks == 50; }, stop),
+                        scene, folder / "g.tcell", options_to_kill(), [&](const char*, double, double) { stop = ++calls == 50; }, stop),
                     Interrupted);
   REQUIRE_FALSE(std::filesystem::exists(checkpoint_path(folder / "g.tcell")));
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell.partial"));

@@ -68,7 +68,7 @@ TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the 
       const auto sets = level_by_hand(meta.grid, s.cells, level);
       const Index3 n = meta.grid.cells(level);
       for (int axis = 0; axis < 3; ++axis) {
-        const Frame f = Frame::along(axis);
+        const RayFrame f = RayFrame::along(axis);
         for (const int64_t index : {int64_t{0}, n[axis] / 2, n[axis] - 1})
           for (int64_t row = 0; row * 512 < n[f.v]; ++row)
             for (int64_t col = 0; col * 512 < n[f.u]; ++col) {
@@ -376,13 +376,13 @@ TEST_CASE("Neither a look before prefetching nor waiting for an answer counts as
   Served s;
   Request request;
   request.target = "/api/v1/grids/g/tile/z/3/0/0_0.bin";
-  CHECK_FALSE(s.service->keeps(request));
+  CHECK_FALSE(s.service->is_cached(request));
   handle(*s.service, request);
-  CHECK(s.service->keeps(request));
+  CHECK(s.service->is_cached(request));
   CHECK(s.service->answers().counts().hits == 0);
   CHECK(s.service->answers().counts().misses == 1);
   request.accepts_gzip = true;
-  CHECK_FALSE(s.service->keeps(request));  // it would get another answer
+  CHECK_FALSE(s.service->is_cached(request));  // it would get another answer
   CHECK_FALSE(handle_at_once(*s.service, request));
   CHECK(s.service->answers().counts().hits == 0);
   request.accepts_gzip = false;

@@ -186,9 +186,9 @@ TEST_CASE("Each level halves the axes, rounding up, until one cell is left") {
 }
 
 TEST_CASE("The frame of an axis has the other two in the order x, y, z") {
-  REQUIRE((Frame::along(0).u == 1 && Frame::along(0).v == 2 && Frame::along(0).w == 0));
-  REQUIRE((Frame::along(1).u == 0 && Frame::along(1).v == 2 && Frame::along(1).w == 1));
-  REQUIRE((Frame::along(2).u == 0 && Frame::along(2).v == 1 && Frame::along(2).w == 2));
+  REQUIRE((RayFrame::along(0).u == 1 && RayFrame::along(0).v == 2 && RayFrame::along(0).w == 0));
+  REQUIRE((RayFrame::along(1).u == 0 && RayFrame::along(1).v == 2 && RayFrame::along(1).w == 1));
+  REQUIRE((RayFrame::along(2).u == 0 && RayFrame::along(2).v == 1 && RayFrame::along(2).w == 2));
 }
 
 TEST_CASE("Counts of cells beyond 64 bits are spelled out in full") {

@@ -112,7 +112,7 @@ struct Checked {
 
   void columns() {
     for (int axis = 0; axis < 3; ++axis) {
-      const Frame f = Frame::along(axis);
+      const RayFrame f = RayFrame::along(axis);
       const Index3 n = grid().cells();
       for (int i = 0; i < 12; ++i) {
         Index3 cell;
@@ -157,7 +157,7 @@ struct Checked {
   }
 
   void rows(const SliceView& view, bool top_down, int threads, int64_t held = kHeldCells) {
-    const Frame f = Frame::along(view.axis);
+    const RayFrame f = RayFrame::along(view.axis);
     int64_t next = top_down ? view.v1 - 1 : view.v0, u = view.u0;
     bool good = true;
     const auto take = [&](int64_t v, std::span<const uint16_t> values) {
@@ -184,7 +184,7 @@ struct Checked {
         SliceView view = whole_slice(reader.meta(), axis, random_int(random, 0, static_cast<int>(n[axis]) - 1), level);
         if (i > 0) {
           const Box part = random_box(level, 0);
-          const Frame f = Frame::along(axis);
+          const RayFrame f = RayFrame::along(axis);
           view.u0 = part.lo[f.u], view.u1 = part.hi[f.u], view.v0 = part.lo[f.v], view.v1 = part.hi[f.v];
         }
         for (const bool top_down : {true, false})

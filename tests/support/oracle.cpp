@@ -233,8 +233,8 @@ std::vector<bool> sheet(const std::vector<Facet>& facets, const Grid& grid, cons
 }
 
 template <class Int>
-std::vector<Slot> crossed_slots(const std::vector<Facet>& facets, const Grid& grid, const Scale& scale) {
-  std::map<std::pair<int, Index3>, Slot> found;
+std::vector<Interval> crossed_intervals(const std::vector<Facet>& facets, const Grid& grid, const Scale& scale) {
+  std::map<std::pair<int, Index3>, Interval> found;
   for (const Facet& facet : facets) {
     for (int d = 0; d < 3; ++d) {
       const LinesAndFacet<Int> lines(facet, d, scale);
@@ -258,27 +258,27 @@ std::vector<Slot> crossed_slots(const std::vector<Facet>& facets, const Grid& gr
               (lines.is_above(p) ? before : beyond) = k;
             }
             // Where it goes out of a surface, along the facet's normal, the line leaves one winding behind.
-            Slot& slot = found.try_emplace({d, i}, Slot{d, i, {}}).first->second;
-            slot.steps.emplace_back(beyond, -lines.turn());
+            Interval& interval = found.try_emplace({d, i}, Interval{d, i, {}}).first->second;
+            interval.steps.emplace_back(beyond, -lines.turn());
           }
     }
   }
-  std::vector<Slot> out;
-  for (auto& [key, slot] : found) {
-    std::sort(slot.steps.begin(), slot.steps.end());
-    out.push_back(std::move(slot));
+  std::vector<Interval> out;
+  for (auto& [key, interval] : found) {
+    std::sort(interval.steps.begin(), interval.steps.end());
+    out.push_back(std::move(interval));
   }
   return out;
 }
 
 }  // namespace
 
-std::vector<Slot> slots(const std::vector<Facet>& facets, const Grid& grid) {
+std::vector<Interval> intervals(const std::vector<Facet>& facets, const Grid& grid) {
   Scale scale;
   add_vertices(scale, facets);
   add_centres(scale, grid);
   scale.exponent -= 16;  // a sub-position has no bit below a 65536th of the lowest one of the sample points
-  return scale.bits() <= 40 ? crossed_slots<Int128>(facets, grid, scale) : crossed_slots<cpp_int>(facets, grid, scale);
+  return scale.bits() <= 40 ? crossed_intervals<Int128>(facets, grid, scale) : crossed_intervals<cpp_int>(facets, grid, scale);
 }
 
 std::vector<bool> sheet_cells(const std::vector<Facet>& facets, const Grid& grid) {

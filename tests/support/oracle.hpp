@@ -31,12 +31,12 @@ std::vector<bool> sheet_cells(const std::vector<Facet>& facets, const Grid& grid
 
 // Between the sample points of `lower` and of its upper neighbour along an axis facets are crossed. Sub-positions are q(k) =
 // c + (k / 65536) * (c' - c) with c, c' those two.
-struct Slot {
+struct Interval {
   int axis;
   Index3 lower;
   std::vector<std::pair<uint32_t, int>> steps;  // by facet: from q(k) on the winding number is by `step` another; k from 1 to 65536
 };
-std::vector<Slot> slots(const std::vector<Facet>& facets, const Grid& grid);
+std::vector<Interval> intervals(const std::vector<Facet>& facets, const Grid& grid);
 
 // For every cell, in the same order, the winding number of the surface around the cell's (shifted) sample point: +1
 // inside a surface whose facets run anticlockwise seen from outside. Facets that disagree in orientation leave the

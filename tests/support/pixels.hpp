@@ -9,7 +9,7 @@ namespace teracell::testing {
 // cell of level s that contains it.
 inline Png expected_picture(const ServedCells& served, int axis, int64_t index, int scale) {
   const Grid& grid = served.meta().grid;
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   const int64_t width = grid.cells()[static_cast<size_t>(f.u)], height = grid.cells()[static_cast<size_t>(f.v)];
   const auto colors = served.colors(scale);
   const Index3 n = grid.cells(scale);

@@ -42,7 +42,7 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
   PyramidWriter pyramid(writer);
   ChunkEncoder encoder;
   const LevelShape shape(meta, 0);
-  const Frame f = meta.frame();
+  const RayFrame f = meta.frame();
   const Index3 n = meta.grid.cells();
   const auto labels = static_cast<uint32_t>(meta.labels.size());
   const auto chunk = [&](uint32_t cu, uint32_t cv) {

@@ -13,7 +13,7 @@
 #include <limits>
 #include <sstream>
 
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "mesher/surface/reader.hpp"
 #include "store/error.hpp"
 #include "tests/support/descriptors.hpp"

@@ -10,12 +10,12 @@
 namespace teracell {
 namespace {
 
-struct Options {
+struct ColumnArguments {
   std::string grid, axis, at;
   bool json = false;
 };
 
-void run(const Options& o) {
+void run(const ColumnArguments& o) {
   const GridReader reader(o.grid);
   const Metadata& meta = reader.meta();
   const int axis = parse_axis(o.axis);
@@ -25,7 +25,7 @@ void run(const Options& o) {
     std::cout << column_json(meta, axis, at[0], at[1], runs).dump() << "\n";
     return;
   }
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   say(fmt::format("column along {} at {} = {}, {} = {}", o.axis, axis_name(f.u), at[0], axis_name(f.v), at[1]));
   say("");
   say(fmt::format("{:>12} {:>12} {:>14} {:>14}  material", "from cell", "to cell", "from " + meta.units, "to " + meta.units));
@@ -37,7 +37,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_column(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ColumnArguments>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_option("--axis", o->axis, "the axis that the column is along: x, y or z")->required();
   app.add_option("--at", o->at, "I,J: the cells on the other two axes: x,y for a column along z, x,z along y, y,z along x")->required();

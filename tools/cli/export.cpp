@@ -9,7 +9,7 @@
 namespace teracell {
 namespace {
 
-struct Options {
+struct ExportArguments {
   std::string grid, output, format, region;
   int level = 0;
 };
@@ -27,14 +27,14 @@ std::string list_of_formats() {
   return list;
 }
 
-const ExportFormat& format_of(const Options& o) {
+const ExportFormat& format_of(const ExportArguments& o) {
   if (const ExportFormat* named = o.format.empty() ? export_format_of(o.output) : export_format_named(o.format)) return *named;
   std::vector<std::string> extensions;
   for (const ExportFormat& format : export_formats()) extensions.insert(extensions.end(), format.extensions.begin(), format.extensions.end());
   throw UsageError(fmt::format("--output: expected a name that ends in {}, or --format, found '{}'", fmt::join(extensions, " or "), o.output));
 }
 
-void run(const Options& o) {
+void run(const ExportArguments& o) {
   const ExportFormat& format = format_of(o);
   refuse_overwriting({o.grid}, o.output);
   const GridReader reader(o.grid);
@@ -48,7 +48,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_export(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ExportArguments>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_option("-o,--output", o->output, "the file to write")->required();
   app.add_option("--format", o->format, fmt::format("{} (default: by the ending of the name)", fmt::join(format_names(), ", ")))

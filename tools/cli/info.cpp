@@ -17,7 +17,7 @@
 namespace teracell {
 namespace {
 
-struct Options {
+struct InfoArguments {
   std::string grid;
   bool json = false;
 };
@@ -157,7 +157,7 @@ void print(const GridReader& reader) {
   }
 }
 
-void run(const Options& o) {
+void run(const InfoArguments& o) {
   const GridReader reader(o.grid);
   if (!o.json) return print(reader);
   std::cout << info_json(reader).dump() << "\n";
@@ -166,7 +166,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_info(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<InfoArguments>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_flag("--json", o->json, "as JSON");
   app.footer("Example:\n  teracell info g.tcell");

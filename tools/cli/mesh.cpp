@@ -22,7 +22,7 @@ namespace {
 
 const std::vector<std::string> kFills(kFillNames.begin(), kFillNames.end());
 
-struct Options {
+struct MeshArguments {
   std::vector<std::string> inputs;
   std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, progress = "auto";
   std::optional<double> step, stitch;
@@ -31,7 +31,7 @@ struct Options {
   bool resume = false, thin = false;
 };
 
-Scene scene_from(const Options& o) {
+Scene scene_from(const MeshArguments& o) {
   bool json = false;
   for (const std::string& input : o.inputs) {
     const std::filesystem::path extension = std::filesystem::path(input).extension();
@@ -71,7 +71,7 @@ Scene scene_from(const Options& o) {
 }
 
 // Outputs are checked before hours of work, not after.
-void check_outputs(const Options& o, const Scene& scene) {
+void check_outputs(const MeshArguments& o, const Scene& scene) {
   if (o.output.empty()) throw UsageError("--output: expected a name, found none");
   for (const char* other : {".json", ".stl", ".obj", ".ply", ".gz", ".png", ".npy"})  // surely a slip
     if (strcasecmp(std::filesystem::path(o.output).extension().c_str(), other) == 0)
@@ -94,7 +94,7 @@ void check_outputs(const Options& o, const Scene& scene) {
 uint64_t machine_memory() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
 
 // Says in short what was done. The report has the rest.
-void summarise(const Options& o, const MeshReport& report) {
+void summarise(const MeshArguments& o, const MeshReport& report) {
   constexpr size_t kShown = 50;
   const GridReader reader(o.output);
   const Index3 n = reader.meta().grid.cells();
@@ -117,7 +117,7 @@ void write_report(const MeshReport& report, const Scene& scene, OutputFile& file
   file.commit();
 }
 
-void run(const Options& o) {
+void run(const MeshArguments& o) {
   const Scene scene = scene_from(o);
   check_outputs(o, scene);
   MeshOptions options;
@@ -159,7 +159,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_mesh(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<MeshArguments>();
   app.add_option("inputs", o->inputs,
                  "a scene (.json), or surfaces: STL, OBJ, PLY, plain or compressed by gzip; each is a body, and later ones win where they overlap")
       ->required();

@@ -8,11 +8,11 @@
 namespace teracell {
 namespace {
 
-struct Options {
+struct SampleArguments {
   std::string name, output;
 };
 
-void run(const Options& o) {
+void run(const SampleArguments& o) {
   if (o.name != "stadium") throw UsageError(fmt::format("there is no sample '{}': expected stadium", o.name));
   write_stadium(o.output);
   say(fmt::format("{}: ten closed STL bodies and scene.json. Mesh it with: teracell mesh {}/scene.json -o stadium.tcell", o.output, o.output));
@@ -21,7 +21,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_sample(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<SampleArguments>();
   app.add_option("name", o->name, "which sample: stadium (air, explosive, grandstand, structure)")->required();
   app.add_option("-o,--output", o->output, "the folder to write to")->required();
   app.footer("Example:\n  teracell sample stadium -o stadium");

@@ -23,7 +23,7 @@
 namespace teracell {
 namespace {
 
-struct Options {
+struct ServeArguments {
   std::vector<std::string> grids;
   std::string host = "127.0.0.1", cache = "256M", base_path, token_file, web, log = "text";
   int port = 8080, threads = 0;
@@ -88,7 +88,7 @@ ServerState state_of(Service& service, const AccessLog& log) {
           TERACELL_VERSION};
 }
 
-void run(const Options& o) {
+void run(const ServeArguments& o) {
   if (o.host.empty()) throw UsageError("--host: expected an address of this machine, found ''");  // Asio would listen at all of them
   ListenerOptions listen;
   listen.host = o.host;
@@ -110,7 +110,7 @@ void run(const Options& o) {
   const auto note = [&](const std::string& message) { log.note(printable(message)); };
   Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, listen.token.empty(), note});
   Prefetch prefetch([&](const Request& request) {
-    if (!service.keeps(request)) handle(service, request);
+    if (!service.is_cached(request)) handle(service, request);
   });
   Metrics metrics;
   const Page page = o.web.empty() ? Page(embedded_page()) : for_option("--web", [&] { return Page(o.web); });
@@ -131,7 +131,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_serve(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<ServeArguments>();
   app.add_option("grids", o->grids, ".tcell files, and folders: all .tcell files in them are served, also those that are added later")->required();
   app.add_option("--host", o->host, "the address to listen at (default 127.0.0.1: this machine only)");
   app.add_option("--port", o->port, "the port to listen at (default 8080); 0: any that is free")->check(in_range(0, 65535));

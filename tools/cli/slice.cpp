@@ -11,14 +11,14 @@
 namespace teracell {
 namespace {
 
-struct Options {
+struct SliceArguments {
   std::string grid, output, axis, region;
   std::optional<int64_t> index;
   std::optional<double> at;
   int level = 0, threads = 0;
 };
 
-SliceView view_of(const Options& o, const Metadata& meta) {
+SliceView view_of(const SliceArguments& o, const Metadata& meta) {
   const int axis = parse_axis(o.axis);
   if (o.index.has_value() == o.at.has_value())
     throw UsageError(fmt::format("--index, --at: expected one of them, found {}", o.at ? "both" : "neither"));
@@ -36,13 +36,13 @@ SliceView view_of(const Options& o, const Metadata& meta) {
   if (!o.region.empty()) {
     const auto n = parse_integers(o.region, 4, "--region");
     view.u0 = n[0], view.v0 = n[1], view.u1 = n[2], view.v1 = n[3];
-    check_region(meta.grid, o.level, Frame::along(axis).u, view.u0, view.u1);
-    check_region(meta.grid, o.level, Frame::along(axis).v, view.v0, view.v1);
+    check_region(meta.grid, o.level, RayFrame::along(axis).u, view.u0, view.u1);
+    check_region(meta.grid, o.level, RayFrame::along(axis).v, view.v0, view.v1);
   }
   return view;
 }
 
-void write_png(const GridReader& reader, const SliceView& view, const Options& o, const std::atomic<bool>& stop, OutputFile& file) {
+void write_png(const GridReader& reader, const SliceView& view, const SliceArguments& o, const std::atomic<bool>& stop, OutputFile& file) {
   const int64_t width = view.u1 - view.u0, height = view.v1 - view.v0;
   SetColors colors(reader.meta(), view.level);
   PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors, [&](std::span<const uint8_t> bytes) { file.append(bytes); });
@@ -54,7 +54,7 @@ void write_png(const GridReader& reader, const SliceView& view, const Options& o
 }
 
 // Row 0 is v = v0, in the order of the indices. A picture has its highest v on top.
-void write_npy(const GridReader& reader, const SliceView& view, const Options& o, const std::atomic<bool>& stop, OutputFile& file) {
+void write_npy(const GridReader& reader, const SliceView& view, const SliceArguments& o, const std::atomic<bool>& stop, OutputFile& file) {
   const bool wide = wide_labels(reader.meta());
   file.append(npy_header(wide ? "<u2" : "|u1", {view.v1 - view.v0, view.u1 - view.u0}));
   Bytes bytes;
@@ -66,7 +66,7 @@ void write_npy(const GridReader& reader, const SliceView& view, const Options& o
   });
 }
 
-void run(const Options& o) {
+void run(const SliceArguments& o) {
   const std::string extension = std::filesystem::path(o.output).extension();
   if (extension != ".png" && extension != ".npy")
     throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
@@ -83,7 +83,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_slice(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<SliceArguments>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_option("--axis", o->axis, "the axis that the slice is across: x, y or z")->required();
   app.add_option("--index", o->index, "which slice, counted in cells of the level");

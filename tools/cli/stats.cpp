@@ -10,12 +10,12 @@
 namespace teracell {
 namespace {
 
-struct Options {
+struct StatsArguments {
   std::string grid, region;
   bool json = false;
 };
 
-void run(const Options& o) {
+void run(const StatsArguments& o) {
   const GridReader reader(o.grid);
   const Metadata& meta = reader.meta();
   const Box box = o.region.empty() ? meta.grid.box(0) : parse_region(o.region, meta.grid, 0);
@@ -38,7 +38,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_stats(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<StatsArguments>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells (default: the whole grid)");
   app.add_flag("--json", o->json, "as JSON");

@@ -9,12 +9,12 @@
 namespace teracell {
 namespace {
 
-struct Options {
+struct VerifyArguments {
   std::string grid, progress = "auto";
   int threads = 0;
 };
 
-void run(const Options& o) {
+void run(const VerifyArguments& o) {
   const GridReader reader(o.grid);
   {
     ProgressLine line(o.progress, "");
@@ -29,7 +29,7 @@ void run(const Options& o) {
 }  // namespace
 
 Run setup_verify(CLI::App& app) {
-  const auto o = std::make_shared<Options>();
+  const auto o = std::make_shared<VerifyArguments>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
   add_threads(app, o->threads);
   add_progress(app, o->progress);

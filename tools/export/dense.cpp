@@ -24,7 +24,7 @@ void append_cells(const Export& e, OutputFile& file) {
   for (int64_t z = lo[2]; z < hi[2]; z += layers)
     for (int64_t y = lo[1]; y < hi[1]; y += rows)
       for (int64_t x = lo[0]; x < hi[0]; x += columns) {
-        e.step(done / cells);
+        e.progress(done / cells);
         const Box part{{x, y, z}, {std::min(hi[0], x + columns), std::min(hi[1], y + rows), std::min(hi[2], z + layers)}};
         const int64_t width = part.hi[0] - x, height = part.hi[1] - y;
         slab.resize(static_cast<size_t>(width * height * (part.hi[2] - z)));
@@ -32,7 +32,7 @@ void append_cells(const Export& e, OutputFile& file) {
         file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
         done += static_cast<double>(slab.size());
       }
-  e.step(1);
+  e.progress(1);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ struct Export {
   Box box;  // in cells of the level
   std::filesystem::path output;
   // Called again and again with the share that is done, from 0 to 1. What it throws ends the export, and nothing is left of it.
-  std::function<void(double share)> step;
+  std::function<void(double share)> progress;
 };
 
 struct ExportFormat {

@@ -1,4 +1,4 @@
-# Draws the pictures from points.csv, both in the folder that this is called in.
+# Draws the pictures from points.csv; both are in the current folder.
 set encoding utf8
 set terminal svg size 860,440 font "Helvetica,15" background "white"
 set datafile separator comma
@@ -15,16 +15,16 @@ set style line 1 lc rgb "#d55e00" lw 2 pt 4  ps 1.3
 set style line 2 lc rgb "#0072b2" lw 2 pt 7  ps 0.8
 set style line 3 lc rgb "#009e73" lw 2 pt 9  ps 1.0
 set style line 4 lc rgb "#222222" lw 2 pt 13 ps 1.0
-set style line 5 lc rgb "#909090" lw 1.5 dt (6,5)  # computed, not measured; the constants below are this machine's
+set style line 5 lc rgb "#909090" lw 1.5 dt (6,5)  # computed, not measured; the constants below are fitted to one machine
 engines = "brute tree slice scan"
 names = "'brute force' 'tree (ADT)' 'slicing' 'scan (default)'"
 
-# The rows that an awk condition picks: facets in column 3, n 4, cells 5, rays 6, cast 8, run 9, memory 10.
+# The rows that an awk condition picks. Columns: 3 facets, 4 n, 5 cells, 6 rays, 8 cast, 9 run, 10 memory.
 rows(input, engine, condition) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\" && %s' points.csv", input, engine, condition)
-# Facets, and nanoseconds a ray: what the rays of n = 2154 cost more than those of n = 464.
+# Facets, and nanoseconds per ray: by how much the rays of n = 2154 cost more than those of n = 464.
 per_ray(engine) = "< awk -F, -v OFS=, '$1 == \"bust\" && $2 == \"" . engine . "\" && $4 == 464 {cast[$3] = $8; rays[$3] = $6} " . \
                   "$1 == \"bust\" && $2 == \"" . engine . "\" && $4 == 2154 {print $3, 1e9 * ($8 - cast[$3]) / ($6 - rays[$3])}' points.csv"
-# The facets of the inputs as they are: those of their largest grids.
+# The number of facets of the unchanged inputs, which alone are meshed on the largest grids.
 facets(input, n) = system(sprintf("awk -F, '$1 == \"%s\" && $4 == %d {print $3; exit}' points.csv", input, n))
 bust = facets("bust", 10000)
 stadium = facets("stadium", 4642)

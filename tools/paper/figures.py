@@ -1,9 +1,9 @@
 """The figures of T. Ma, T. Ma, L. Hao (MSAM 2020) measured here: time and memory of every engine
 against facets and cells. README.md beside this file says what they show.
 
-Two inputs: the bust (--mesh, an OBJ file) in its cubic domain, and the sample stadium. For fewer facets their vertices
-are clustered, for more their facets are cut in four. Engines take turns, and all is done --runs times, each run with one
-thread. Writes points.csv, the medians, and the pictures.
+There are two inputs: the bust (--mesh, an OBJ file) in its cubic domain, and the sample stadium. For fewer facets their
+vertices are clustered; for more, their facets are cut into four. The engines take turns, and everything is run --runs times
+with one thread. Writes points.csv with the medians, and the pictures.
 """
 import csv
 import json
@@ -24,12 +24,12 @@ COLUMNS = ["input", "engine", "facets", "n", "cells", "rays", "crossings", "cast
 AXIS = {"bust": "z", "stadium": "x"}  # of the rays, in every run
 MOST_TESTS = 4.7e9  # rays times facets for the brute engine: 15 s
 
-# How the facets are made: each cut in four so many times, or vertices clustered in cubes: so many along the domain (bust),
-# or so many metres wide (stadium).
+# How the facets are made. ("cut", k): each is cut into four, k times. ("clustered", k): vertices are clustered in cubes, with k
+# cubes along the domain (bust) or k metres wide (stadium).
 BUST = [("clustered", 6), ("clustered", 12), ("clustered", 24), ("clustered", 64), ("cut", 0), ("cut", 1), ("cut", 2), ("cut", 3)]
 STADIUM = [("clustered", 30), ("clustered", 10), ("clustered", 4), ("cut", 0), ("cut", 1), ("cut", 2)]
 FACETS_N = 1000                # cells along the longest axis while facets vary
-PER_RAY_N = (464, 2154)        # two more, whose difference is the cost of rays alone
+PER_RAY_N = (464, 2154)        # two more n; their difference is the cost of the rays alone
 BUST_N = [46, 100, 215, 464, 1000, 2154, 4642, 10000]  # while cells vary: 10^5 to 10^12
 STADIUM_N = [100, 215, 464, 1000, 2108, 4642]          # 2108: 1.5e9 cells, as many as the paper's
 
@@ -47,7 +47,7 @@ def cases():
             yield from ((name, ("cut", 0), n, engine) for engine in ("tree", "slice", "scan", "brute"))
 
 
-FACET = struct.Struct("<12fH")  # of a binary STL: normal, three vertices, nothing
+FACET = struct.Struct("<12fH")  # of a binary STL: normal, three vertices, two unused bytes
 
 
 def facet_count(stl):
@@ -56,8 +56,8 @@ def facet_count(stl):
 
 
 def cluster(stl, edge):
-    """Vertices that share a cube of `edge` become the first of them, facets that lose a side by it go. Every edge keeps as
-    many facets on one side as on the other: what was closed stays closed. A surface that would vanish is left alone."""
+    """Replaces all vertices in a cube of `edge` by the first of them, and drops facets that lose a side by this. A closed surface
+    stays closed, because each edge keeps as many facets on one side as on the other. A surface that would vanish is not changed."""
     first, kept = {}, []
     with open(stl, "rb") as f:
         for row in FACET.iter_unpack(f.read()[84:]):
@@ -70,7 +70,7 @@ def cluster(stl, edge):
 
 
 class Inputs:
-    """The surfaces, each made once, and scenes of them."""
+    """Makes each surface once, and scenes with them."""
 
     def __init__(self, mesh, folder):
         self.mesh, self.folder, self.made = mesh, folder, {}
@@ -80,7 +80,7 @@ class Inputs:
         return os.path.join(self.folder, name)
 
     def template(self, name, n):
-        """A scene of the surfaces as they are."""
+        """A scene with the unchanged surfaces."""
         if name == "bust":
             return cubic_scene(self.mesh, n)
         with open(self.path("stadium/scene.json")) as f:
@@ -91,7 +91,7 @@ class Inputs:
         return scene
 
     def surfaces(self, name, how):
-        """The files of the bodies, and their facets."""
+        """The files of the bodies, and their number of facets."""
         if (name, how) not in self.made:
             scene, files, (way, amount) = self.template(name, 1000), [], how
             for i, body in enumerate(scene["bodies"]):
@@ -104,7 +104,7 @@ class Inputs:
         return self.made[name, how]
 
     def scene(self, name, how, n):
-        """A scene file, its facets and its cells along each axis: the same grid, whatever the facets."""
+        """A scene file and its number of facets. The grid does not depend on how the facets are made."""
         files, facets = self.surfaces(name, how)
         scene = self.template(name, n)
         for body, file in zip(scene["bodies"], files):
@@ -116,7 +116,7 @@ class Inputs:
 
 
 def grid_of(scene, n):
-    """Cells along each axis, as teracell makes them: cubes, n on the longest."""
+    """The number of cells along each axis, as teracell makes them: cubes, n along the longest."""
     with open(scene) as f:
         grid = json.load(f)["grid"]
     extent = [b - a for a, b in zip(grid["min"], grid["max"])]
@@ -124,14 +124,14 @@ def grid_of(scene, n):
 
 
 def measure(inputs, name, how, n, engine):
-    """One run as a row of COLUMNS, None if it would take too long."""
+    """One run as a row of COLUMNS; None if it would take too long."""
     scene, facets = inputs.scene(name, how, n)
     cells = grid_of(scene, n)
     rays = cells[1] * cells[2] if AXIS[name] == "x" else cells[0] * cells[1]
     if engine == "brute" and rays * facets > MOST_TESTS:
         return None
     grid, report = inputs.path("grid.tcell"), inputs.path("report.json")
-    # The shell in between is small: a process starts with the peak memory of the one that made it.
+    # A process starts with the peak memory of its parent, so a small shell is put in between.
     with open(inputs.path("errors"), "w+") as errors:
         process = subprocess.Popen(["sh", "-c", '"$@"; exit $?', "sh", TERACELL, "mesh", scene, "-o", grid, "--engine", engine, "--axis", AXIS[name],
                                     "--threads", "1", "--report", report, "--progress", "none"], stdout=subprocess.DEVNULL, stderr=errors)
@@ -143,14 +143,14 @@ def measure(inputs, name, how, n, engine):
         found = json.load(f)
     seconds = {phase["name"]: phase["seconds"] for phase in found["phases"]}
     run = used.ru_utime + used.ru_stime
-    # Phases are told in wall time: what share of it was ours? `finish` mostly waits for the disk.
+    # Phases are in wall time. This is the share of it that the run had a core; `finish` is left out, because it mostly waits for the disk.
     share = min(1, run / (seconds["read"] + seconds["prepare"] + seconds["cast"]))
     return [name, engine, facets, n, cells[0] * cells[1] * cells[2], rays, found["crossings"], seconds["cast"] * share, run,
             found["peak_memory_bytes"]]
 
 
 def print_table(points):
-    """Seconds of casting against facets and cells together, tree / scan."""
+    """Prints the seconds of casting, tree / scan, for each number of facets and each grid."""
     cast = {(p[2], p[3], p[1]): p[-3] for p in points if p[0] == "bust"}
     grids = sorted({*PER_RAY_N, FACETS_N})
     print("| facets |" + "".join(f" {n}^3 |" for n in grids) + "\n|---:|" + "---:|" * len(grids))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the scene of a benchmark: one OBJ mesh in its cubic domain of N^3 cells, the one that the peers use.
+"""Writes the scene of a benchmark: one OBJ mesh in its cubic domain of N^3 cells, which the peers use too.
 
 Usage: cubic_scene.py mesh.obj N scene.json
 The domain's centre is that of the mesh's box; its edge is the longest extent with one cell of pad at either end.

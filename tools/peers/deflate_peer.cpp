@@ -1,4 +1,4 @@
-// libdeflate at level 1 over a file of label bytes, zlib format, one core: what a PNG of those labels costs at least.
+// libdeflate at level 1 over a file of label bytes, in zlib format, on one core: a PNG of these labels takes at least as long.
 // Usage: deflate_peer labels.raw
 #include <libdeflate.h>
 

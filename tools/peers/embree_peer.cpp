@@ -1,11 +1,11 @@
 // Embree 3: N x N rays along z through a mesh's cubic domain, every hit collected by a filter function that rejects it.
 // Usage: embree_peer mesh.obj N [way]    a way is one of kWays, e.g. rtcIntersect1
 //
-// The scene is "robust" (watertight edge tests) as any voxeliser's must be; medium build quality, because high quality
-// splits facets in space and would report a hit twice. Unless told, the way to cast is chosen for speed: every size of
-// ray packet and a stream of packets, as closest-hit and as shadow rays, casts a sample of the rays, and the fastest of
-// them casts them all. A packet's rays form a block, the most coherent shape. Only that last casting is timed. Packets
-// gain much: where rtcIntersect1 took 5 s for 10^8 rays on two AVX-512 cores, the best packets took 1 s.
+// The scene is "robust" (watertight edge tests), as that of any voxelizer must be. The build quality is medium, because high
+// quality splits facets in space and would report a hit twice. Without a way on the command line, the fastest is taken: each of
+// kWays casts a sample of the rays, and the fastest of them casts them all. Only that last casting is timed. A packet's rays
+// form a block, the most coherent shape. Packets gain much: where rtcIntersect1 took 5 s for 10^8 rays on two AVX-512 cores,
+// the best packets took 1 s.
 #include <embree3/rtcore.h>
 
 #include <atomic>
@@ -19,16 +19,16 @@ namespace {
 
 constexpr int kThreads = 2;
 constexpr int kBandRows = 8;   // a thread's unit of work; a multiple of the rows of every block
-constexpr int kSampling = 32;  // one band in so many is cast to choose the way
+constexpr int kSampling = 32;  // one band in 32 is cast to choose the way
 constexpr int kMaxLanes = 64;
-constexpr int kMaxHits = 64;  // a ray's depths are kept up to so many; hits past them are counted only
+constexpr int kMaxHits = 64;  // the depths of a ray's first 64 hits are kept; further hits are only counted
 
 struct Tally {
   uint64_t hits = 0;
   uint64_t odd_rays = 0;
 };
 
-// Embree hands the filter its context: the hits of the block's rays follow it.
+// Embree passes its context to the filter, so the hits of the block's rays are behind it in memory.
 struct CollectingContext {
   RTCIntersectContext base;
   uint32_t hits[kMaxLanes];
@@ -57,7 +57,7 @@ struct Block {
   alignas(64) RTCRayHitNt<kWidth> packets[kPackets];
   alignas(64) int valid[kLanes];
 
-  // Everything but the places of the rays; casting changes none of it, as every hit is rejected.
+  // Sets all but the places of the rays. Casting changes none of it, because every hit is rejected.
   explicit Block(const CubicDomain& domain) {
     for (int lane = 0; lane < kLanes; ++lane) {
       auto& [ray, hit] = packets[lane / kWidth];
@@ -81,7 +81,7 @@ struct Block {
       RTCRayNt<kWidth>& ray = packets[lane / kWidth].ray;
       ray.org_x[lane % kWidth] = static_cast<float>(domain.centre(0, x));
       ray.org_y[lane % kWidth] = static_cast<float>(domain.centre(1, y));
-      // Lanes outside the domain: no packet's valid flag reaches into a stream, a ray of negative length does.
+      // Lanes outside the domain are also switched off by a ray of negative length, because a stream has no valid flags.
       const bool inside = x < domain.n && y < domain.n;
       valid[lane] = inside ? -1 : 0;
       ray.tnear[lane % kWidth] = inside ? 0 : std::numeric_limits<float>::infinity();

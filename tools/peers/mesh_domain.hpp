@@ -1,5 +1,5 @@
-// What the benchmark peers share: a triangle mesh from an OBJ file, and the cubic domain around it. Deliberately apart
-// from the project's own reader, so that a peer can be built and timed alone.
+// What the benchmark peers share: a triangle mesh from an OBJ file, and the cubic domain around it. It does not use the
+// project's own reader, so that a peer can be built and timed alone.
 #pragma once
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-// OpenVDB: mesh -> signed distance field -> mask of the inside -> .vdb file. The time to beat is the whole process's.
+// OpenVDB: mesh -> signed distance field -> mask of the inside -> .vdb file. The time to beat is that of the whole process.
 // Usage: openvdb_peer mesh.obj N out.vdb
 //
 // The field's band is the library's default, 3 cells; cells are those of the cubic domain, with samples at centres.

@@ -14,8 +14,8 @@ namespace teracell::bench {
 
 using Arguments = std::vector<std::string>;  // without the program's name
 
-// Calls work(arguments). Exit status 2 and the usage unless there are `least` to `most` of them; 1, and what was thrown in a
-// line, when it fails.
+// Calls work(arguments) and returns the exit status. It is 2, with the usage on stderr, unless there are `least` to `most`
+// arguments; it is 1, with the message of the exception, if the work fails.
 template <class Work>
 int peer_main(int argc, char** argv, const std::string& usage, size_t least, size_t most, Work&& work) {
   const std::string name = usage.substr(0, usage.find(' '));

@@ -1,5 +1,5 @@
-// What a tile of labels costs as PNG, one core: the server's encoder against those that others would take. A JSON line for
-// each file and encoder: milliseconds (the median) and bytes.
+// What a tile of labels costs as PNG on one core, with the server's encoder and with those that others would take. Prints one line
+// of JSON per file and encoder: milliseconds (the median) and bytes.
 // Usage: png_peer TILE.npy... (bytes, C order, below 256 materials), as `teracell slice` writes them.
 #include <libdeflate.h>
 #include <spng.h>
@@ -37,7 +37,7 @@ struct Tile {
   uint32_t width = 0, height = 0;
   std::vector<uint16_t> numbers;
   std::vector<Rgba> colors;
-  uint32_t bits = 8;  // that tell them apart
+  uint32_t bits = 8;  // per number, as few as PNG allows
 };
 
 Tile load(const std::string& path) {
@@ -65,7 +65,7 @@ void filtered(const Tile& t, uint32_t bits, bool up, std::vector<uint8_t>& out) 
   out.resize((length + 1) * t.height);
   std::vector<uint8_t> above(length, 0), row(length);
   std::vector<uint16_t> padded(t.width + 8, 0);
-  // Four numbers at a time: in x they stand 16 bits apart, the product brings them together above bit 48.
+  // Four numbers at a time: in x they are 16 bits apart, and the product brings them together above bit 48.
   const uint64_t gather = uint64_t{1} << (48 + 3 * bits) | uint64_t{1} << (32 + 2 * bits) | uint64_t{1} << (16 + bits) | 1;
   for (uint32_t r = 0; r < t.height; ++r) {
     const uint16_t* n = &t.numbers[size_t{r} * t.width];
@@ -91,9 +91,9 @@ void filtered(const Tile& t, uint32_t bits, bool up, std::vector<uint8_t>& out) 
   }
 }
 
-volatile uint32_t checksum;  // of the data: part of the work
+volatile uint32_t checksum;  // of the data; a PNG needs it
 
-// A PNG around compressed data: what its other chunks take.
+// The bytes of a PNG with so many bytes of compressed data.
 size_t png_bytes(const Tile& t, size_t data) { return 8 + 25 + 12 + 3 * t.colors.size() + 12 + 1 + 12 + data + 12; }
 
 size_t with_libdeflate(const Tile& t, uint32_t bits, int level, bool up) {

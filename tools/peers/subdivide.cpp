@@ -1,10 +1,10 @@
-// subdivide IN OUT.stl DEPTH: a surface with every facet cut into four, DEPTH times, as a binary STL: large real input
-// for the benchmark. A midpoint depends on the edge's two ends alone, so a closed surface stays closed.
+// subdivide IN OUT.stl DEPTH: cuts every facet of a surface into four, DEPTH times, and writes a binary STL: a large input for
+// the benchmark. A midpoint depends on the edge's two ends alone, so a closed surface stays closed.
 #include <array>
 #include <cstdio>
 #include <cstring>
 
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "tools/peers/peer.hpp"
 
 namespace {

@@ -1,8 +1,8 @@
-// VTK: vtkOBJReader -> vtkPolyDataToImageStencil -> vtkImageStencilToImage. The time to beat is the whole process's.
+// VTK: vtkOBJReader -> vtkPolyDataToImageStencil -> vtkImageStencilToImage. The time to beat is that of the whole process.
 // Usage: vtk_peer mesh.obj N [out.raw]
 //
 // The image, one byte per cell, is VTK's product and stays in memory: writing 10^9 bytes would only slow this peer. With
-// out.raw it is written all the same (C order [z][y][x]), to compare cells.
+// out.raw it is written (C order [z][y][x]), so that cells can be compared.
 #include <vtkImageData.h>
 #include <vtkImageStencilToImage.h>
 #include <vtkNew.h>

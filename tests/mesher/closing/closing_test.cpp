@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "mesher/bodies.hpp"
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "store/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"

@@ -2,7 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "mesher/closing/extrude.hpp"
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
@@ -21,7 +21,7 @@ constexpr int kSteps = 8;  // squares along a side of a relief
 // anticlockwise seen from above. Squares for which `hole` is true are missing.
 template <class Hole>
 Facets relief(std::mt19937_64& random, int axis, Hole&& hole) {
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   std::array<std::array<Vec3, kSteps + 1>, kSteps + 1> at;
   for (int i = 0; i <= kSteps; ++i)
     for (int j = 0; j <= kSteps; ++j) at[i][j][f.u] = i, at[i][j][f.v] = j, at[i][j][f.w] = 3 + random_int(random, 0, 8) * 0.25;

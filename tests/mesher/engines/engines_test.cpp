@@ -30,7 +30,7 @@ class SceneFacets {
   SceneFacets(const SceneFacets&) = delete;
   const std::vector<const SceneFacet*>& all() const { return all_; }
   std::unique_ptr<Engine> engine(const std::string& name, int axis) const {
-    return engine_maker(name, Frame::along(axis), [this] { return all_; })();
+    return engine_maker(name, RayFrame::along(axis), [this] { return all_; })();
   }
 
  private:
@@ -45,14 +45,14 @@ Grid cube_grid(double min, double step, int64_t n) {
 
 // The rays [u0, u1) x [v0, v1) along `axis`.
 Tile tile_of(const Grid& grid, int axis, int64_t u0, int64_t u1, int64_t v0, int64_t v1) {
-  Tile tile{Frame::along(axis), {}, {}, &grid.axis[axis]};
+  Tile tile{RayFrame::along(axis), {}, {}, &grid.axis[axis]};
   for (int64_t i = u0; i < u1; ++i) tile.u.push_back(grid.axis[tile.frame.u].centre(i));
   for (int64_t j = v0; j < v1; ++j) tile.v.push_back(grid.axis[tile.frame.v].centre(j));
   return tile;
 }
 
 Tile whole_tile(const Grid& grid, int axis) {
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   return tile_of(grid, axis, 0, grid.axis[f.u].cells(), 0, grid.axis[f.v].cells());
 }
 
@@ -73,7 +73,7 @@ std::vector<std::vector<uint64_t>> cast(Engine& engine, const Tile& tile, std::s
 // The winding number around every cell, C order [z][y][x], by the crossings below it.
 std::vector<int> windings(const std::vector<std::vector<uint64_t>>& rays, const Grid& grid, int axis) {
   const Index3 n = grid.cells();
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   std::vector<int> winding(n[0] * n[1] * n[2]);
   for (size_t r = 0; r < rays.size(); ++r) {
     int sum = 0;
@@ -96,7 +96,7 @@ void expect_exact(const Facets& facets, const Grid& grid, std::mt19937_64& rando
   const SceneFacets scene(facets);
   const auto expected = oracle::winding_numbers(facets, grid, facets[0].vertex[0]);
   for (int axis = 0; axis < 3; ++axis) {
-    const Frame f = Frame::along(axis);
+    const RayFrame f = RayFrame::along(axis);
     std::vector<Tile> tiles = {whole_tile(grid, axis)};
     for (int i = 0; i < 4; ++i) {
       const auto range = [&](int64_t n) {
@@ -194,7 +194,7 @@ TEST_CASE("Boxes that are equal, a rounding apart or ever smaller lie in the tre
 
 TEST_CASE("A search of the tree finds every facet whose box holds the ray and looks at few others", "[engines]") {
   const SceneFacets scene(shapes::sphere({0, 0, 0}, 1, 5));  // 8192 facets
-  const FacetTree tree(scene.all(), Frame::along(2));
+  const FacetTree tree(scene.all(), RayFrame::along(2));
   std::mt19937_64 random(5);
   size_t looked_at = 0;
   for (int i = 0; i < 500; ++i) {
@@ -224,7 +224,7 @@ TEST_CASE("Engines of one maker share its tree between threads and outlive the m
     INFO(name);
     std::vector<std::unique_ptr<Engine>> engines;
     {
-      const EngineMaker make = engine_maker(name, Frame::along(2), [&] { return scene.all(); });
+      const EngineMaker make = engine_maker(name, RayFrame::along(2), [&] { return scene.all(); });
       for (int i = 0; i < 3; ++i) engines.push_back(make());
     }
     std::vector<Crossings> found(engines.size());
@@ -242,7 +242,7 @@ TEST_CASE("Engines of one maker share its tree between threads and outlive the m
 }
 
 TEST_CASE("An engine of another name is refused and the known ones are named", "[engines]") {
-  REQUIRE_THROWS_WITH(engine_maker("magic", Frame::along(0), {}), Catch::Contains("'magic'") && Catch::Contains("scan, slice, tree, brute"));
+  REQUIRE_THROWS_WITH(engine_maker("magic", RayFrame::along(0), {}), Catch::Contains("'magic'") && Catch::Contains("scan, slice, tree, brute"));
   REQUIRE(engine_names().front() == "scan");
 }
 

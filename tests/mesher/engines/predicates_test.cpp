@@ -138,7 +138,7 @@ TEST_CASE("A ray on an edge passes right of it, as the shifted ray does, along e
   for_many_cases(5, 200, [&](const Case& c) {
     const Point ip = shifted(c.point);
     for (int axis = 0; axis < 3; ++axis) {
-      const Frame f = Frame::along(axis);
+      const RayFrame f = RayFrame::along(axis);
       Vec3 lo = c.facet.vertex[0], hi = c.facet.vertex[1];
       if (lo[f.v] == hi[f.v]) continue;
       if (lo[f.v] > hi[f.v]) std::swap(lo, hi);
@@ -158,7 +158,7 @@ TEST_CASE("A facet winds around a ray when the shifted ray passes through its pr
   const auto check = [&](const Facet& facet, const Vec3& p) {
     const Point ip = shifted(p), a = exactly(facet.vertex[0]), b = exactly(facet.vertex[1]), c = exactly(facet.vertex[2]);
     for (int axis = 0; axis < 3; ++axis) {
-      const Frame f = Frame::along(axis);
+      const RayFrame f = RayFrame::along(axis);
       const int s = turn(a[f.u], a[f.v], b[f.u], b[f.v], ip[f.u], ip[f.v]);
       const bool inside =
           s != 0 && turn(b[f.u], b[f.v], c[f.u], c[f.v], ip[f.u], ip[f.v]) == s && turn(c[f.u], c[f.v], a[f.u], a[f.v], ip[f.u], ip[f.v]) == s;
@@ -169,7 +169,7 @@ TEST_CASE("A facet winds around a ray when the shifted ray passes through its pr
   for_many_cases(6, 120, [&](const Case& c) {
     check(c.facet, c.point);
     check(c.facet, c.facet.vertex[0]);
-    const Frame z = Frame::along(2);
+    const RayFrame z = RayFrame::along(2);
     through_vertices += turn_around_ray(c.facet, z, c.facet.vertex[0][z.u], c.facet.vertex[0][z.v]) != 0;
   });
   for (const int n : seen) REQUIRE(n > static_cast<int>(rounds(100)));

@@ -17,14 +17,14 @@ using namespace testing;
 Axis graded(std::initializer_list<double> planes, double sample) { return Axis::graded(planes, sample); }
 
 struct Met {
-  uint32_t level;
+  uint32_t above;
   bool up;
   friend bool operator==(const Met&, const Met&) = default;
 };
 using Lines = std::map<std::pair<int64_t, int64_t>, Met>;  // by the cells along u and v
 
 // Line by line.
-Lines expected(const Grid& grid, const Frame& f, const Axis& levels, const Facet& facet, const Box& cells) {
+Lines expected(const Grid& grid, const RayFrame& f, const Axis& points, const Facet& facet, const Box& cells) {
   Lines out;
   for (int64_t u = cells.lo[f.u]; u < cells.hi[f.u]; ++u)
     for (int64_t v = cells.lo[f.v]; v < cells.hi[f.v]; ++v) {
@@ -32,35 +32,35 @@ Lines expected(const Grid& grid, const Frame& f, const Axis& levels, const Facet
       p[f.u] = grid.axis[f.u].centre(u), p[f.v] = grid.axis[f.v].centre(v);
       const int turn = turn_around_ray(facet, f, p[f.u], p[f.v]);
       if (turn == 0) continue;
-      uint32_t level = 0;
-      for (; level < levels.cells(); ++level) {
-        p[f.w] = levels.centre(level);
+      uint32_t above = 0;
+      for (; above < points.cells(); ++above) {
+        p[f.w] = points.centre(above);
         if (is_above(facet, f.w, p)) break;
       }
-      out[{u, v}] = {level, turn > 0};
+      out[{u, v}] = {above, turn > 0};
     }
   return out;
 }
 
 Lines found(FacetLines& lines, const Facet& facet, const Box& cells) {
   Lines out;
-  const Frame f = lines.frame();
+  const RayFrame f = lines.frame();
   uint64_t exact = 0;
-  lines.cross(facet, cells, exact, [&](const Index3& first, std::span<const uint32_t> levels, bool up) {
-    for (size_t i = 0; i < levels.size(); ++i)
-      REQUIRE(out.try_emplace({first[f.u] + static_cast<int64_t>(i), first[f.v]}, Met{levels[i], up}).second);
+  lines.cross(facet, cells, exact, [&](const Index3& first, std::span<const uint32_t> above, bool up) {
+    for (size_t i = 0; i < above.size(); ++i) REQUIRE(out.try_emplace({first[f.u] + static_cast<int64_t>(i), first[f.v]}, Met{above[i], up}).second);
   });
   return out;
 }
 
-TEST_CASE("A facet's lines, its levels and the way that it faces are those of each line alone, along every axis, in any part of the grid") {
+TEST_CASE(
+    "A facet's lines, the first sample points above it and the way that it faces are those of each line alone, along every axis, in any part of the grid") {
   std::mt19937_64 random(1);
   const Grid grid{{Axis::uniform(0, 0.5, 0, 12, 0.5), graded({0, 0.25, 1, 1.5, 3, 3.25, 5}, 0.5), Axis::uniform(-1, 0.7, 3, 9, 0.25)}};
   size_t crossed = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const Axis planes = plane_axis(grid.axis[axis]);
-    for (const Axis* levels : {&grid.axis[axis], &planes}) {
-      FacetLines lines(grid, axis, *levels);
+    for (const Axis* points : {&grid.axis[axis], &planes}) {
+      FacetLines lines(grid, axis, *points);
       REQUIRE(lines.frame().w == axis);
       for (size_t round = 0; round < rounds(150); ++round) {
         Facet facet;
@@ -72,7 +72,7 @@ TEST_CASE("A facet's lines, its levels and the way that it faces are those of ea
             cells.lo[d] = random_int(random, 0, static_cast<int>(cells.hi[d]) - 1);
             cells.hi[d] = random_int(random, static_cast<int>(cells.lo[d]) + 1, static_cast<int>(cells.hi[d]));
           }
-        const Lines all = expected(grid, lines.frame(), *levels, facet, cells);
+        const Lines all = expected(grid, lines.frame(), *points, facet, cells);
         REQUIRE(found(lines, facet, cells) == all);
         crossed += all.size();
       }

@@ -13,7 +13,7 @@ namespace {
 
 using namespace testing;
 
-Tile tile_of(uint32_t rays) { return {Frame::along(2), std::vector<double>(rays), {0}, nullptr}; }
+Tile tile_of(uint32_t rays) { return {RayFrame::along(2), std::vector<double>(rays), {0}, nullptr}; }
 
 std::vector<std::vector<uint64_t>> by_ray(const Crossings& crossings) {
   std::vector<std::vector<uint64_t>> out;

@@ -33,7 +33,7 @@ struct Lost {
 
   void add(uint32_t width, const Vec3& place) {
     ++number;
-    if (width > widest) widest = width, at = place;  // slots come in order
+    if (width > widest) widest = width, at = place;  // intervals come in order
   }
 };
 
@@ -46,14 +46,14 @@ struct Expected {
 
 double sub_position(const Axis& axis, int64_t i, uint32_t k) { return axis.centre(i) + (k / 65536.0) * (axis.centre(i + 1) - axis.centre(i)); }
 
-// Of bodies that all keep their thin parts. Slot by slot, every sub-position where something changes.
+// Of bodies that all keep their thin parts. Interval by interval, every sub-position where something changes.
 Expected expected_of(const std::vector<Body>& bodies, const Grid& grid) {
   const Index3 n = grid.cells();
   const auto number = [&](const Index3& c) { return static_cast<size_t>((c[2] * n[1] + c[1]) * n[0] + c[0]); };
   const auto inside = [&](size_t b, int winding) { return bodies[b].rule == Rule::kNonzero ? winding != 0 : winding % 2 != 0; };
   using Key = std::tuple<int, int64_t, int64_t, int64_t>;  // axis, z, y, x
   std::vector<std::vector<int>> windings;
-  std::map<Key, std::vector<std::vector<std::pair<uint32_t, int>>>> slots;  // of each body
+  std::map<Key, std::vector<std::vector<std::pair<uint32_t, int>>>> intervals;  // of each body
   Expected out;
   out.lost.resize(bodies.size());
   out.pairs.resize(bodies.size());
@@ -62,13 +62,13 @@ Expected expected_of(const std::vector<Body>& bodies, const Grid& grid) {
     windings.push_back(oracle::winding_numbers(bodies[b].facets, grid, bodies[b].facets[0].vertex[0]));
     owned.emplace_back();
     for (const int w : windings[b]) owned[b].push_back(inside(b, w));
-    for (const oracle::Slot& slot : oracle::slots(bodies[b].facets, grid)) {
-      auto& steps = slots[{slot.axis, slot.lower[2], slot.lower[1], slot.lower[0]}];
+    for (const oracle::Interval& interval : oracle::intervals(bodies[b].facets, grid)) {
+      auto& steps = intervals[{interval.axis, interval.lower[2], interval.lower[1], interval.lower[0]}];
       steps.resize(bodies.size());
-      steps[b] = slot.steps;
+      steps[b] = interval.steps;
     }
   }
-  for (const auto& [key, steps] : slots) {
+  for (const auto& [key, steps] : intervals) {
     const auto& [axis, z, y, x] = key;
     const Index3 lower = {x, y, z};
     Index3 upper = lower;

@@ -109,7 +109,7 @@ TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are th
   for (const Facet& f : facets) bins.add(f, 0, FacetBins::kOfFile);
   bins.finish();
   BinnedCounter survey(1);
-  std::vector<TreePlace> places = {RayFrame(meta).root()};
+  std::vector<TreePlace> places = {GridRays(meta).root()};
   int leaves = 0;
   while (!places.empty()) {
     const TreePlace at = places.back();

@@ -55,7 +55,7 @@ std::unique_ptr<FacetBins> filled(const Metadata& meta, const std::vector<Added>
 // Calls f with the bins that lie in the grid.
 template <class F>
 void for_each_bin(const Metadata& meta, const FacetBins& bins, F&& f) {
-  const RayFrame rays(meta);
+  const GridRays rays(meta);
   std::vector<TreePlace> places = {rays.root()};
   while (!places.empty()) {
     const TreePlace at = places.back();
@@ -99,7 +99,7 @@ std::vector<std::vector<Taken>> by_facet(const std::vector<Taken>& taken, size_t
 
 // What must hold of all bins, however they came about.
 void expect_bins(const Metadata& meta, const std::vector<Added>& facets, FacetBins& bins, const FacetBins::Move& move) {
-  const RayFrame rays(meta);
+  const GridRays rays(meta);
   std::vector<TreePlace> places;
   for_each_bin(meta, bins, [&](const TreePlace& place) { places.push_back(place); });
   const auto taken = by_facet(take_all(meta, bins), facets.size());
@@ -156,7 +156,7 @@ TEST_CASE("A bin with more facets than are loaded at once is split, as far as th
   const TempFolder folder;
   const Axis axis = Axis::uniform(0, 1, 0, 130, 0.5);
   const Metadata meta = tile_grid(2, axis, axis, axis, 2);  // units of 8 x 8 rays, a root of 512 x 512
-  const TreePlace root = RayFrame(meta).root();
+  const TreePlace root = GridRays(meta).root();
   REQUIRE(root.depth == 3);
   std::vector<Facet> facets(1024, Facet{{Vec3{1, 1, 1}, {3, 1, 1}, {1, 3, 1}}});
   REQUIRE_FALSE(filled(meta, numbered(facets), folder)->is_split(root));

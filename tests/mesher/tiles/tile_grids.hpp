@@ -10,7 +10,7 @@ inline Metadata tile_grid(int ray_axis, const Axis& u, const Axis& v, const Axis
   Metadata meta;
   meta.ray_axis = ray_axis;
   meta.chunk_rays = chunk_rays;
-  const Frame f = meta.frame();
+  const RayFrame f = meta.frame();
   meta.grid.axis[f.u] = u, meta.grid.axis[f.v] = v, meta.grid.axis[f.w] = w;
   return meta;
 }

@@ -34,8 +34,8 @@ Given walk(Tiling& tiling) {
   return out;
 }
 
-Given given(const Metadata& meta, const std::vector<Facet>& facets, std::vector<bool> wide = {}) {
-  Tiling tiling(stored(facets), meta, std::move(wide));
+Given given(const Metadata& meta, const std::vector<Facet>& facets, std::vector<bool> widened = {}) {
+  Tiling tiling(stored(facets), meta, std::move(widened));
   return walk(tiling);
 }
 
@@ -119,7 +119,7 @@ TEST_CASE("A facet that is to be ignored is handed to no tile") {
   for (const auto& [tile, layers] : lists) CHECK(layers == std::vector<uint32_t>{3});
 }
 
-TEST_CASE("A facet of a wide body reaches a ray further on each side, within the grid") {
+TEST_CASE("A facet of a widened body reaches a ray further on each side, within the grid") {
   std::mt19937_64 random(2);
   for (const Metadata& meta : tile_grids()) {
     const std::vector<Facet> facets = facets_over(random, meta, rounds(60));

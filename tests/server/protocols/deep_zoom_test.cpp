@@ -9,7 +9,7 @@ namespace {
 
 void check_slice(ServedCells& served, int axis, int64_t index) {
   const Index3 n = served.meta().grid.cells();
-  const Frame f = Frame::along(axis);
+  const RayFrame f = RayFrame::along(axis);
   const std::string address = fmt::format("/dzi/g/{}/{}", axis_name(axis), index);
   const Response description = served.get(address + ".dzi");
   REQUIRE(description.status == 200);

@@ -1,4 +1,4 @@
-#include "mesher/closing/numbers.hpp"
+#include "mesher/closing/number_text.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 namespace teracell {
 
 std::string number_text(double number, int digits) {
-  const std::string rounded = fmt::format("{:.{}e}", number, digits - 1);
+  std::string rounded = fmt::format("{:.{}e}", number, digits - 1);
   const size_t e = rounded.find('e');
   if (e == std::string::npos) return rounded;  // an infinity
   const int exponent = std::atoi(rounded.c_str() + e + 1);

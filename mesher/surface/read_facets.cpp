@@ -1,5 +1,5 @@
 // Recognises the format of a surface file from its first bytes and calls the reader of that format.
-#include "mesher/surface/facets.hpp"
+#include "mesher/surface/read_facets.hpp"
 
 #include <algorithm>
 
