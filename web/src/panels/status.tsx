@@ -141,25 +141,25 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
       <section>
         <h3>This page</h3>
         <Curve
-          label="a tile"
+          label="time per tile"
           value={latencies.length ? milliseconds(latencies.at(-1)!) : "–"}
           values={latencies.slice(-KEPT)}
           title="From the request for a tile to its last byte"
         />
         <Curve
-          label="a small request"
+          label="time per request"
           value={moments.length ? milliseconds(moments.at(-1)!.answer) : "–"}
           values={moments.map((m) => m.answer)}
-          title="The time of a small request, as seen from here"
+          title="The time that a small request takes, as seen from here"
         />
         <dl class="numbers">
-          <Fact name="median, 95th percentile">
+          <Fact name="per tile: median, 95th percentile">
             {latencies.length ? `${milliseconds(median(latencies))}, ${milliseconds(median(latencies, 0.95))}` : "–"}
           </Fact>
-          <Fact name="on their way">
-            {tiles.in_flight.value}, {tiles.waiting.value} waiting
+          <Fact name="tiles requested">
+            {tiles.in_flight.value} now, {tiles.waiting.value} waiting
           </Fact>
-          <Fact name="kept here">
+          <Fact name="kept in memory">
             {plural(tiles.tiles.value, "tile")}, {bytes_text(tiles.bytes.value)}
           </Fact>
           {tiles.failed.value > 0 && <Fact name="failed, to be tried again">{grouped(tiles.failed.value)}</Fact>}
