@@ -5,6 +5,7 @@
 // Difference Grid Generation and Visualization Method Based on Ray Casting Algorithm" (MSAM 2020).
 #include "mesher/engines/brute.hpp"
 
+#include "mesher/engines/engines.hpp"
 #include "mesher/engines/ray.hpp"
 
 namespace teracell {
@@ -20,5 +21,11 @@ void BruteEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Cro
     }
   }
 }
+
+const EngineKind kBruteEngine = {"brute", [](const Frame&, const AllFacets& all_facets) -> EngineMaker {
+                                   return [scene = std::make_shared<const std::vector<const SceneFacet*>>(all_facets())] {
+                                     return std::make_unique<BruteEngine>(scene);
+                                   };
+                                 }};
 
 }  // namespace teracell

@@ -11,6 +11,8 @@
 
 #include <numeric>
 
+#include "mesher/engines/engines.hpp"
+
 namespace teracell {
 
 void SliceEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
@@ -79,5 +81,8 @@ void SliceEngine::scan_contours(const Tile& tile, uint32_t row, Crossings& out) 
     for (uint32_t i = 0; i < u.size(); ++i) out.all[next[i]++] = uint64_t{cells_[i]} << 32 | rest;
   }
 }
+
+const EngineKind kSliceEngine = {"slice",
+                                 [](const Frame&, const AllFacets&) -> EngineMaker { return [] { return std::make_unique<SliceEngine>(); }; }};
 
 }  // namespace teracell

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesher/engines/engines.hpp"
 #include "mesher/engines/ray.hpp"
 
 namespace teracell {
@@ -70,5 +71,10 @@ void TreeEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Cros
     }
   }
 }
+
+const EngineKind kTreeEngine = {"tree", [](const Frame& frame, const AllFacets& all_facets) -> EngineMaker {
+                                  return
+                                      [tree = std::make_shared<const FacetTree>(all_facets(), frame)] { return std::make_unique<TreeEngine>(tree); };
+                                }};
 
 }  // namespace teracell
