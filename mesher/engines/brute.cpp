@@ -22,10 +22,14 @@ void BruteEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Cro
   }
 }
 
-const EngineKind kBruteEngine = {"brute", [](const Frame&, const AllFacets& all_facets) -> EngineMaker {
-                                   return [scene = std::make_shared<const std::vector<const SceneFacet*>>(all_facets())] {
-                                     return std::make_unique<BruteEngine>(scene);
-                                   };
-                                 }};
+namespace {
+
+EngineMaker maker(const Frame&, const AllFacets& all_facets) {
+  return [scene = std::make_shared<const std::vector<const SceneFacet*>>(all_facets())] { return std::make_unique<BruteEngine>(scene); };
+}
+
+}  // namespace
+
+const EngineKind kBruteEngine = {"brute", maker};
 
 }  // namespace teracell

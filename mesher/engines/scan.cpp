@@ -82,6 +82,14 @@ void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* cons
   }
 }
 
-const EngineKind kScanEngine = {"scan", [](const Frame&, const AllFacets&) -> EngineMaker { return [] { return std::make_unique<ScanEngine>(); }; }};
+namespace {
+
+EngineMaker maker(const Frame&, const AllFacets&) {
+  return [] { return std::make_unique<ScanEngine>(); };
+}
+
+}  // namespace
+
+const EngineKind kScanEngine = {"scan", maker};
 
 }  // namespace teracell

@@ -82,7 +82,14 @@ void SliceEngine::scan_contours(const Tile& tile, uint32_t row, Crossings& out) 
   }
 }
 
-const EngineKind kSliceEngine = {"slice",
-                                 [](const Frame&, const AllFacets&) -> EngineMaker { return [] { return std::make_unique<SliceEngine>(); }; }};
+namespace {
+
+EngineMaker maker(const Frame&, const AllFacets&) {
+  return [] { return std::make_unique<SliceEngine>(); };
+}
+
+}  // namespace
+
+const EngineKind kSliceEngine = {"slice", maker};
 
 }  // namespace teracell

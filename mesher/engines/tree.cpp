@@ -72,9 +72,14 @@ void TreeEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Cros
   }
 }
 
-const EngineKind kTreeEngine = {"tree", [](const Frame& frame, const AllFacets& all_facets) -> EngineMaker {
-                                  return
-                                      [tree = std::make_shared<const FacetTree>(all_facets(), frame)] { return std::make_unique<TreeEngine>(tree); };
-                                }};
+namespace {
+
+EngineMaker maker(const Frame& frame, const AllFacets& all_facets) {
+  return [tree = std::make_shared<const FacetTree>(all_facets(), frame)] { return std::make_unique<TreeEngine>(tree); };
+}
+
+}  // namespace
+
+const EngineKind kTreeEngine = {"tree", maker};
 
 }  // namespace teracell
