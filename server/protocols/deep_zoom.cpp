@@ -55,7 +55,7 @@ Protocol deep_zoom() {
           .route = "deep_zoom",
           .title = "Deep Zoom",
           .example = [](const ServedGrid& g) { return fmt::format("/{}/z/{}.dzi", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
-          .serve = serve_by_id("deep_zoom", find)};
+          .serve = serve_by_id(find)};
 }
 
 }  // namespace teracell

@@ -106,7 +106,7 @@ Protocol precomputed() {
           .route = "precomputed",
           .title = "Neuroglancer",
           .example = [](const ServedGrid& g) { return fmt::format("/{}/info", percent_encoded(g.id)); },
-          .serve = serve_by_id("precomputed", find)};
+          .serve = serve_by_id(find)};
 }
 
 }  // namespace teracell

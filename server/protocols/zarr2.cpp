@@ -139,7 +139,7 @@ Protocol zarr2() {
           .route = "zarr2",
           .title = "Zarr 2",
           .example = [](const ServedGrid& g) { return fmt::format("/{}/.zattrs", percent_encoded(g.id)); },
-          .serve = serve_by_id("zarr2", find_ome)};
+          .serve = serve_by_id(find_ome)};
 }
 
 Protocol xarray() {
@@ -147,7 +147,7 @@ Protocol xarray() {
           .route = "xarray",
           .title = "xarray",
           .example = [](const ServedGrid& g) { return fmt::format("/{}/0/{}", percent_encoded(g.id), kConsolidated); },
-          .serve = serve_by_id("xarray", find_xarray)};
+          .serve = serve_by_id(find_xarray)};
 }
 
 }  // namespace teracell

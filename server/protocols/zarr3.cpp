@@ -97,7 +97,7 @@ Protocol zarr3() {
           .route = "zarr3",
           .title = "Zarr 3, OME-Zarr",
           .example = [](const ServedGrid& g) { return fmt::format("/{}/zarr.json", percent_encoded(g.id)); },
-          .serve = serve_by_id("zarr3", find)};
+          .serve = serve_by_id(find)};
 }
 
 }  // namespace teracell
