@@ -104,7 +104,7 @@ inline Result read(const std::string& bytes, const std::string& part = "", const
       [&](std::span<const Facet> some) {
         for (const Facet& f : some) r.facets.push_back(f.vertex);
       },
-      budget, helper);
+      {budget, helper});
   return r;
 }
 
