@@ -1,5 +1,5 @@
-// Writes a .tcell file: chunks as they come, pages when their last chunk is there, the rest at the end. Memory: the
-// open pages, and 24 bytes of directory per page.
+// Writes a .tcell file: chunks, and frames of other channels, as they come; pages when their last chunk is there; the rest at the end.
+// Memory: the open pages, and 24 bytes of directory per page and per frame of another channel.
 #pragma once
 #include <filesystem>
 #include <map>
