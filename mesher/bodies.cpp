@@ -90,13 +90,12 @@ class BodyReader {
       const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change the layer
       BodyFacets& found = out_.bodies.emplace_back();
       found.first = out_.in_memory ? out_.facets->size() : 0;
-      found.file = read_facets(
-          body.mesh, body.part,
-          [&](std::span<const Facet> facets) {
-            take(b, layer, facets);
-            progress(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
-          },
-          budget_, out_.helper.get());
+      found.file = read_facets(body.mesh, body.part,
+                               [&](std::span<const Facet> facets) {
+                                 take(b, layer, facets);
+                                 progress(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+                               },
+                               {budget_, out_.helper.get()});
       if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true});
@@ -253,7 +252,7 @@ void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies
 }
 
 void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink) {
-  const SurfaceFile file = read_facets(body.mesh, body.part, sink, budget);
+  const SurfaceFile file = read_facets(body.mesh, body.part, sink, {budget});
   if (file.hash != found.file.hash)
     throw InputError(
         fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));

@@ -241,7 +241,7 @@ Response route(Service& service, const Request& request) {
   if (target.path.size() == 1 && first == "openapi.json") return plain("openapi", kJson, openapi_json(request));
   if (first == "api") return api(service, request, target);
   for (const Protocol& p : protocols())
-    if (first == p.prefix) return p.serve(service, request, target);
+    if (first == p.prefix) return p.serve({service, request, target, p.route});
   throw no_such_address(request);
 }
 

@@ -1,6 +1,6 @@
-// The kinds of channels that this program knows. A new kind takes a file of its own, which writes its frames, reads them
-// and checks them, and a line in the table of channel_kinds.cpp. The content hash and verify() need no change: they go
-// through the cover of every channel, known or not.
+// The kinds of channels that this program knows. A new kind is a file that makes its frames, reads them, checks them and defines its
+// ChannelKind, and a line here. The content hash and verify() need no change: they go through the cover of every channel, known
+// or not. GridWriter::put_frame() writes the frames.
 #pragma once
 #include <functional>
 #include <span>
@@ -8,6 +8,11 @@
 
 #include "store/bytes.hpp"
 #include "store/metadata.hpp"
+
+// clang-format off
+#define TERACELL_CHANNEL_KINDS(kind) \
+  kind(kLabelsKind)
+// clang-format on
 
 namespace teracell {
 
@@ -17,6 +22,10 @@ struct ChannelKind {
   // held against its checksum. Null for the labels: verify() holds their levels against each other.
   void (*check)(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame);
 };
+
+#define DECLARED(name) extern const ChannelKind name;
+TERACELL_CHANNEL_KINDS(DECLARED)
+#undef DECLARED
 
 std::span<const ChannelKind> channel_kinds();
 // Null if `kinds` has none of this name and coding.

@@ -14,6 +14,84 @@ namespace {
 
 constexpr size_t kBuffer = 1 << 20;
 
+using std::filesystem::path;
+
+[[noreturn]] void fail_at(const path& where, const char* what, int error) {
+  throw IoError(fmt::format("{}: {}: {}", where.string(), what, std::strerror(error)));
+}
+
+[[noreturn]] void fail_to_create(const path& partial, const path& target, int error) {
+  std::error_code ignored;
+  const path folder = target.parent_path();
+  if (error == ENOENT && !folder.empty() && !std::filesystem::exists(folder, ignored))
+    throw IoError(fmt::format("{}: can't create: there is no folder '{}'", partial.string(), folder.string()));
+  fail_at(partial, "can't create", error);
+}
+
+// Closes `fd` and throws when another writer has the lock.
+void lock(int fd, const path& partial, const path& target, const char* kind) {
+  if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return;
+  ::close(fd);
+  throw IoError(fmt::format("{}: another process is writing this {} (it holds the lock on {})", target.string(), kind, partial.string()));
+}
+
+// Between open and flock the former owner may have renamed or removed what is open as `fd`: then the lock is on another inode.
+void expect_still_there(int fd, const path& partial, const path& target, const char* kind) {
+  struct stat ours, there;
+  if (::fstat(fd, &ours) == 0 && ::stat(partial.c_str(), &there) == 0 && ours.st_ino == there.st_ino) return;
+  ::close(fd);
+  throw IoError(fmt::format("{}: another process has just written this {}: try again", target.string(), kind));
+}
+
+bool write_all(int fd, std::span<const uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::write(fd, bytes.data(), bytes.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    bytes = bytes.subspan(static_cast<size_t>(n));
+  }
+  return true;
+}
+
+// Makes the names in a folder durable. Returns the error, or 0.
+int sync_folder(const path& folder) {
+  const int dir = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const int error = dir >= 0 && ::fsync(dir) == 0 ? 0 : errno;
+  if (dir >= 0) ::close(dir);
+  // A folder may forbid reading, and not every file system can sync one: nothing more can be done there.
+  return (dir < 0 && error == EACCES) || error == EINVAL || error == EOPNOTSUPP ? 0 : error;
+}
+
+// Makes the name `target` durable. Returns the error, or 0.
+int sync_name(const path& target) { return sync_folder(target.has_parent_path() ? target.parent_path() : "."); }
+
+[[noreturn]] void fail_in_place(const path& target, const char* kind, int error) {
+  throw IoError(fmt::format("{}: the {} is complete and in place, but may not outlive a power failure: can't make its folder durable: {}",
+                            target.string(), kind, std::strerror(error)));
+}
+
+// Makes all files and folders below `folder` durable, and then the folder itself.
+void sync_all(const path& folder) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error)) {
+    if (at->symlink_status().type() == std::filesystem::file_type::directory) {
+      sync_all(at->path());
+      continue;
+    }
+    const int fd = ::open(at->path().c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int failed = fd >= 0 && ::fsync(fd) == 0 ? 0 : errno;
+    if (fd >= 0) ::close(fd);
+    if (failed != 0) fail_at(at->path(), "can't make durable (fsync)", failed);
+  }
+  if (error) fail_at(folder, "can't list", error.value());
+  if (const int failed = sync_folder(folder)) fail_at(folder, "can't make durable (fsync)", failed);
+}
+
+const char* kind_of(const std::filesystem::file_status& found) {
+  if (std::filesystem::is_directory(found)) return "a folder";
+  return std::filesystem::is_regular_file(found) ? "a file" : "a device or a pipe";
+}
+
 }  // namespace
 
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
@@ -42,32 +120,17 @@ OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep) : tar
   std::error_code ignored;  // open() will tell what else is wrong with the target
   // The rename would replace a device by a file: root must not lose /dev/null.
   if (const auto found = std::filesystem::status(target_, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
-    throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(),
-                              std::filesystem::is_directory(found) ? "a folder" : "a device or a pipe"));
+    throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(), kind_of(found)));
   fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-  if (fd_ < 0) {
-    const int error = errno;
-    const std::filesystem::path folder = target_.parent_path();
-    const bool no_folder = error == ENOENT && !folder.empty() && !std::filesystem::exists(folder, ignored);
-    throw IoError(fmt::format("{}: can't create: {}", partial_.string(),
-                              no_folder ? fmt::format("there is no folder '{}'", folder.string()) : std::strerror(error)));
-  }
-  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
-    ::close(fd_);
-    throw IoError(fmt::format("{}: another process is writing this file (it holds the lock on {})", target_.string(), partial_.string()));
-  }
+  if (fd_ < 0) fail_to_create(partial_, target_, errno);
+  lock(fd_, partial_, target_, "file");
   // Anything else under this name belongs to someone: a pipe, or a file that has another name as well.
   struct stat ours;
   if (::fstat(fd_, &ours) != 0 || !S_ISREG(ours.st_mode) || ours.st_nlink > 1) {
     ::close(fd_);
     throw IoError(fmt::format("{}: expected no file, or one that a killed run has left; found something else: remove it", partial_.string()));
   }
-  // Between open and flock the former owner may have renamed or removed the file: then the lock is on another file's inode.
-  struct stat there;
-  if (::stat(partial_.c_str(), &there) != 0 || ours.st_ino != there.st_ino) {
-    ::close(fd_);
-    throw IoError(fmt::format("{}: another process has just written this file: try again", target_.string()));
-  }
+  expect_still_there(fd_, partial_, target_, "file");
   if (keep > static_cast<uint64_t>(ours.st_size)) {
     ::close(fd_);
     throw IoError(fmt::format("{}: expected the first {} bytes of a run to resume, found {}", partial_.string(), keep, ours.st_size));
@@ -97,12 +160,7 @@ void OutputFile::append(std::span<const uint8_t> bytes) {
 }
 
 void OutputFile::flush() {
-  for (size_t done = 0; done < buffer_.size();) {
-    const ssize_t n = ::write(fd_, buffer_.data() + done, buffer_.size() - done);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) fail("can't write");
-    done += static_cast<size_t>(n);
-  }
+  if (!write_all(fd_, buffer_)) fail("can't write");
   buffer_.clear();
 }
 
@@ -132,14 +190,82 @@ void OutputFile::commit() {
   if (::rename(partial_.c_str(), target_.c_str()) != 0) fail("can't rename to its final name");
   ::close(fd_);
   fd_ = -1;
-  const std::filesystem::path folder = target_.has_parent_path() ? target_.parent_path() : ".";
-  const int dir = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  const int error = dir >= 0 && ::fsync(dir) == 0 ? 0 : errno;
-  if (dir >= 0) ::close(dir);
-  // A folder may forbid reading, and not every file system can sync one: nothing more can be done there.
-  if (error == 0 || (dir < 0 && error == EACCES) || error == EINVAL || error == EOPNOTSUPP) return;
-  throw IoError(fmt::format("{}: the file is complete and in place, but may not outlive a power failure: can't make its folder durable: {}",
-                            target_.string(), std::strerror(error)));
+  if (const int error = sync_name(target_)) fail_in_place(target_, "file", error);
+}
+
+OutputFolder::OutputFolder(const std::filesystem::path& target, std::string mark)
+    : target_(target.has_filename() ? target : target.parent_path()), partial_(target_.string() + ".partial"), mark_(std::move(mark)) {
+  expect_replaceable();
+  if (::mkdir(partial_.c_str(), 0777) != 0 && errno != EEXIST) fail_to_create(partial_, target_, errno);
+  fd_ = ::open(partial_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW);
+  if (fd_ < 0 && (errno == ENOTDIR || errno == ELOOP))
+    throw IoError(fmt::format("{}: expected no file, or a folder that a killed run has left; found something else: remove it", partial_.string()));
+  if (fd_ < 0) fail_to_create(partial_, target_, errno);
+  lock(fd_, partial_, target_, "folder");
+  expect_still_there(fd_, partial_, target_, "folder");
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(partial_, error), end; !error && at != end;) {
+    std::filesystem::remove_all(at->path(), error);
+    if (!error) at.increment(error);
+  }
+  if (!error) return;
+  ::close(fd_);
+  fail_at(partial_, "can't empty", error.value());
+}
+
+OutputFolder::~OutputFolder() {
+  if (fd_ < 0) return;
+  std::error_code ignored;
+  std::filesystem::remove_all(partial_, ignored);
+  ::close(fd_);
+}
+
+void OutputFolder::expect_replaceable() const {
+  std::error_code ignored;  // making the folder will tell
+  const auto found = std::filesystem::status(target_, ignored);
+  if (!std::filesystem::exists(found)) return;
+  if (!std::filesystem::is_directory(found))
+    throw IoError(fmt::format("{}: expected the name of a folder, found {}", target_.string(), kind_of(found)));
+  if (!std::filesystem::is_empty(target_, ignored) && !std::filesystem::is_regular_file(target_ / mark_, ignored))
+    throw IoError(fmt::format("{}: expected a new name, or a folder that may be replaced because it holds a file '{}'; found another folder",
+                              target_.string(), mark_));
+}
+
+void OutputFolder::write(const std::filesystem::path& name, std::span<const uint8_t> bytes) const {
+  const std::filesystem::path file = partial_ / name;
+  std::error_code error;
+  std::filesystem::create_directories(file.parent_path(), error);
+  if (error) fail_at(file.parent_path(), "can't create", error.value());
+  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0666);
+  if (fd < 0) fail_at(file, "can't create", errno);
+  const int failed = write_all(fd, bytes) ? 0 : errno;
+  ::close(fd);
+  if (failed != 0) fail_at(file, "can't write", failed);
+}
+
+void OutputFolder::commit() {
+  sync_all(partial_);
+  expect_replaceable();  // once more, since a run may take hours
+  // The older folder takes the temporary name before it is removed, so its lock keeps other writers away from it.
+  std::error_code ignored;
+  const bool replaces = std::filesystem::exists(std::filesystem::symlink_status(target_, ignored));
+  const int old = replaces ? ::open(target_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+  if (old >= 0) lock(old, target_, target_, "folder");
+  if (::renameat2(AT_FDCWD, partial_.c_str(), AT_FDCWD, target_.c_str(), replaces ? RENAME_EXCHANGE : 0) != 0) {
+    const int error = errno;
+    if (old >= 0) ::close(old);
+    fail_at(partial_, "can't rename to its final name", error);
+  }
+  ::close(fd_);
+  fd_ = -1;
+  const int unsynced = sync_name(target_);  // before the older folder goes
+  std::error_code error;
+  if (replaces) std::filesystem::remove_all(partial_, error);
+  if (old >= 0) ::close(old);
+  if (unsynced != 0) fail_in_place(target_, "folder", unsynced);
+  if (error)
+    throw IoError(fmt::format("{}: the folder is complete and in place, but the older one is left as {}: can't remove it: {}", target_.string(),
+                              partial_.string(), error.message()));
 }
 
 }  // namespace teracell

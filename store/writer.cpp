@@ -7,6 +7,13 @@
 
 namespace teracell {
 
+namespace {
+
+// A directory is one skippable frame, so there are less than 4 GiB of it.
+constexpr uint64_t kMaxEntries = (~uint32_t{0} - 8) / (kDirectoryEntry + 1);
+
+}  // namespace
+
 EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const SetTable& sets, bool with_stats) {
   EncodedChunk out;
   if (rays.uniform()) {
@@ -23,14 +30,14 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
 
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : GridWriter(path, std::move(meta), 0) { append_bytes(encode_header()); }
 
-GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep) : meta_(std::move(meta)), file_(path, keep) {
+GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep)
+    : meta_(std::move(meta)), covers_(meta_.channels.size()), file_(path, keep) {
   // Level 1 would take about as many bytes as level 0, so it is derived when it is read. All levels above it take a tenth.
   for (int level = 0; level < meta_.grid.levels(); level += level == 0 ? 2 : 1) {
     Level l{{level, 0, 0, 0, 0}, LevelShape(meta_, level), {}, {}};
-    // The directory is one skippable frame. Two factors at a time: the product of three could overflow.
+    // Two factors at a time: the product of three could overflow.
     const LevelShape& s = l.shape;
-    constexpr uint64_t kMaxPages = (~uint32_t{0} - 8) / (kDirectoryEntry + 1);
-    if (uint64_t{s.pages_u} * s.pages_v > kMaxPages || s.pages() > kMaxPages)
+    if (uint64_t{s.pages_u} * s.pages_v > kMaxEntries || s.pages() > kMaxEntries)
       throw UsageError(fmt::format("{} x {} rays are more than a file can index: take fewer cells across {}, or rays along the longest axes", s.nu,
                                    s.nv, axis_name(meta_.ray_axis)));
     l.directory.resize(l.shape.pages());
@@ -38,7 +45,8 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_
   }
 }
 
-// The state: the size and the hash of the file; then, of each level, its counts, its directory so far and its open pages.
+// The state: the size and the hash of the file; of each level, its counts, its directory so far and its open pages; of each channel
+// but the labels, its cover so far.
 void GridWriter::save(Bytes& state) {
   file_.sync();
   put_fixed(state, file_.size());
@@ -59,6 +67,11 @@ void GridWriter::save(Bytes& state) {
       put_varint(state, frame.size());
       state.insert(state.end(), frame.begin(), frame.end());
     }
+  }
+  for (const auto& cover : std::span(covers_).subspan(1)) {
+    put_varint(state, cover.size());
+    for (const DirectoryEntry& e : cover)
+      for (const uint64_t n : {e.offset, e.size, e.checksum}) put_varint(state, n);
   }
 }
 
@@ -87,6 +100,10 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteRea
       open.missing = state.varint(1, chunks, "missing chunks");
       open.entries = decode_page(state.take(state.varint()), chunks, l.info.level == 0, labels);
     }
+  }
+  for (auto& cover : std::span(covers_).subspan(1)) {
+    cover.resize(state.varint(0, state.remaining() / 3, "frames"));  // three numbers each
+    for (DirectoryEntry& e : cover) e = {state.varint(), state.varint(), state.varint()};
   }
 }
 
@@ -131,6 +148,12 @@ void GridWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
   }
 }
 
+void GridWriter::put_frame(size_t channel, std::span<const uint8_t> frame) {
+  auto& cover = covers_[channel];
+  if (cover.size() == kMaxEntries) throw Error(fmt::format("channel '{}' has more frames than a file can index", meta_.channels[channel].name));
+  cover.push_back(append(frame));
+}
+
 void GridWriter::finish(const std::string& report, uint64_t crossings) {
   ContentHash hash;
   const auto append_hashed = [&](const Bytes& frame) {
@@ -139,11 +162,17 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   };
   for (const Level& l : levels_)
     if (!l.open.empty()) throw Error(fmt::format("level {} lacks chunks", l.info.level));
+  for (size_t i = 1; i < covers_.size(); ++i)
+    if (covers_[i].empty()) throw Error(fmt::format("channel '{}' has no frame", meta_.channels[i].name));
   meta_.levels().clear();
   meta_.crossings = crossings;
   for (Level& l : levels_) {
     l.info.directory = append_hashed(encode_directory(l.directory)).offset;
     meta_.levels().push_back(l.info);
+  }
+  for (size_t i = 1; i < covers_.size(); ++i) {
+    meta_.channels[i].cover = append_hashed(encode_directory(covers_[i])).offset;
+    meta_.channels[i].frames = covers_[i].size();
   }
   Footer footer;
   footer.metadata = append_hashed(encode_metadata(meta_));

@@ -1,5 +1,5 @@
-// Writes a .tcell file: chunks as they come, pages when their last chunk is there, the rest at the end. Memory: the
-// open pages, and 24 bytes of directory per page.
+// Writes a .tcell file: chunks, and frames of other channels, as they come; pages when their last chunk is there; the rest at the end.
+// Memory: the open pages, and 24 bytes of directory per page and per frame of another channel.
 #pragma once
 #include <filesystem>
 #include <map>
@@ -22,7 +22,8 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
 // Not thread-safe. The file's bytes depend on the order of put().
 class GridWriter {
  public:
-  // Expects the chunks of level 0 and of all levels from 2 on, whatever `meta` says of levels.
+  // Expects the chunks of level 0 and of all levels from 2 on, whatever `meta` says of levels, and at least one frame of every other
+  // channel of `meta`, whatever it says of their covers.
   GridWriter(const std::filesystem::path& path, Metadata meta);
   // Goes on where save() of a writer for the same path and metadata left off; `state` is read as far as save() wrote it.
   // Throws FormatError when the partial file is not what it was then.
@@ -30,12 +31,15 @@ class GridWriter {
 
   const Metadata& meta() const { return meta_; }
   void put(const ChunkKey& key, const EncodedChunk& chunk);
-  // Writes index, metadata and report, and gives the file its name. When it returns the file is durable.
+  // Appends the next frame of meta().channels[channel], which its cover names. Frames may come between chunks. REQUIRES: the channel is
+  // not that of the labels; `frame` is one zstd frame or one skippable frame.
+  void put_frame(size_t channel, std::span<const uint8_t> frame);
+  // Writes index, covers, metadata and report, and gives the file its name. When it returns the file is durable.
   // REQUIRES: every chunk of every stored level was put once.
   void finish(const std::string& report, uint64_t crossings);
   uint64_t bytes() const { return file_.size(); }
   uint64_t chunks() const;  // stored so far
-  // Makes the chunks that were put durable and appends to `state` what a writer needs to go on from here.
+  // Makes the chunks and frames that were put durable and appends to `state` what a writer needs to go on from here.
   void save(Bytes& state);
 
  private:
@@ -54,6 +58,7 @@ class GridWriter {
   DirectoryEntry append(std::span<const uint8_t> frame);
 
   Metadata meta_;
+  std::vector<std::vector<DirectoryEntry>> covers_;  // so far, of all channels; that of the labels stays empty
   OutputFile file_;
   ContentHash hash_;  // of all bytes so far
   static size_t index_of(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }

@@ -51,17 +51,16 @@ bool touches_other_parts(const SceneBody& body, const std::vector<BoundaryEdge>&
   std::ranges::sort(uses);
   bool found = false;
   std::vector<uint64_t> in_all(uses.size());
-  read_facets(
-      body.mesh, "",
-      [&](std::span<const Facet> facets) {
-        for (const Facet& f : facets)
-          for (int i = 0; i < 3; ++i) {
-            const auto edge = key(f.vertex[i], f.vertex[(i + 1) % 3]);
-            const auto it = std::ranges::lower_bound(uses, edge, {}, [](const auto& u) { return u.first; });
-            if (it != uses.end() && it->first == edge) found |= ++in_all[it - uses.begin()] > it->second;
-          }
-      },
-      budget);
+  read_facets(body.mesh, "",
+              [&](std::span<const Facet> facets) {
+                for (const Facet& f : facets)
+                  for (int i = 0; i < 3; ++i) {
+                    const auto edge = key(f.vertex[i], f.vertex[(i + 1) % 3]);
+                    const auto it = std::ranges::lower_bound(uses, edge, {}, [](const auto& u) { return u.first; });
+                    if (it != uses.end() && it->first == edge) found |= ++in_all[it - uses.begin()] > it->second;
+                  }
+              },
+              {budget});
   return found;
 }
 

@@ -5,6 +5,7 @@
 // Difference Grid Generation and Visualization Method Based on Ray Casting Algorithm" (MSAM 2020).
 #include "mesher/engines/brute.hpp"
 
+#include "mesher/engines/engines.hpp"
 #include "mesher/engines/ray.hpp"
 
 namespace teracell {
@@ -20,5 +21,15 @@ void BruteEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Cro
     }
   }
 }
+
+namespace {
+
+EngineMaker brute_maker(const RayFrame&, const AllFacets& all_facets) {
+  return [scene = std::make_shared<const std::vector<const SceneFacet*>>(all_facets())] { return std::make_unique<BruteEngine>(scene); };
+}
+
+}  // namespace
+
+const EngineKind kBruteEngine = {"brute", brute_maker};
 
 }  // namespace teracell

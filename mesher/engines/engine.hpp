@@ -1,6 +1,8 @@
 // The interface of all engines. An engine finds the crossings of the rays of one tile with the facets that may meet the tile.
 #pragma once
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -61,6 +63,20 @@ class Engine {
 
  protected:
   uint64_t exact_decisions_ = 0;
+};
+
+// Makes engines, one for each thread. What the engines share lives as long as the maker or any of the engines. Threads may call
+// it at the same time.
+using EngineMaker = std::function<std::unique_ptr<Engine>()>;
+
+// Returns all facets of the scene. Only engines that search the scene call it.
+using AllFacets = std::function<std::vector<const SceneFacet*>()>;
+
+// What an engine's file defines. engines.hpp lists all of them.
+struct EngineKind {
+  const char* name;  // of the option --engine
+  // A maker of engines for rays of `frame`. It calls `all_facets` at most once, before it returns; the facets outlive the engines.
+  EngineMaker (*maker)(const RayFrame& frame, const AllFacets& all_facets);
 };
 
 }  // namespace teracell

@@ -1,27 +1,35 @@
 #include "mesher/engines/engines.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "mesher/engines/brute.hpp"
-#include "mesher/engines/scan.hpp"
-#include "mesher/engines/slice.hpp"
-#include "mesher/engines/tree.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
+namespace {
+
+#define LISTED(name) &name,
+constexpr const EngineKind* kEngines[] = {TERACELL_ENGINES(LISTED)};
+#undef LISTED
+
+}  // namespace
 
 const std::vector<std::string>& engine_names() {
-  static const std::vector<std::string> names = {"scan", "slice", "tree", "brute"};
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> out;
+    for (const EngineKind* kind : kEngines) out.push_back(kind->name);
+    return out;
+  }();
   return names;
 }
 
-EngineMaker engine_maker(const std::string& name, const RayFrame& frame, const std::function<std::vector<const SceneFacet*>()>& all_facets) {
-  if (name == "scan") return [] { return std::make_unique<ScanEngine>(); };
-  if (name == "slice") return [] { return std::make_unique<SliceEngine>(); };
-  if (name == "tree") return [tree = std::make_shared<const FacetTree>(all_facets(), frame)] { return std::make_unique<TreeEngine>(tree); };
-  if (name != "brute") throw UsageError(fmt::format("expected one of the engines {1}, found '{0}'", name, fmt::join(engine_names(), ", ")));
-  return [scene = std::make_shared<const std::vector<const SceneFacet*>>(all_facets())] { return std::make_unique<BruteEngine>(scene); };
+EngineMaker engine_maker(const std::string& name, const RayFrame& frame, const AllFacets& all_facets) {
+  const auto kind = std::ranges::find(kEngines, name, &EngineKind::name);
+  if (kind == std::end(kEngines))
+    throw UsageError(fmt::format("expected one of the engines {1}, found '{0}'", name, fmt::join(engine_names(), ", ")));
+  return (*kind)->maker(frame, all_facets);
 }
 
 }  // namespace teracell

@@ -11,6 +11,7 @@
 // division-free ray casting of T. Ma, T. Ma, L. Hao (MSAM 2020); the error bounds are ours.
 #include "mesher/engines/scan.hpp"
 
+#include "mesher/engines/engines.hpp"
 #include "mesher/engines/height.hpp"
 #include "mesher/engines/rows.hpp"
 
@@ -80,5 +81,15 @@ void ScanEngine::find_heights(const Tile& tile, std::span<const SceneFacet* cons
     }
   }
 }
+
+namespace {
+
+EngineMaker scan_maker(const RayFrame&, const AllFacets&) {
+  return [] { return std::make_unique<ScanEngine>(); };
+}
+
+}  // namespace
+
+const EngineKind kScanEngine = {"scan", scan_maker};
 
 }  // namespace teracell

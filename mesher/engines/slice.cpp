@@ -11,6 +11,8 @@
 
 #include <numeric>
 
+#include "mesher/engines/engines.hpp"
+
 namespace teracell {
 
 void SliceEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
@@ -79,5 +81,15 @@ void SliceEngine::scan_contours(const Tile& tile, uint32_t row, Crossings& out) 
     for (uint32_t i = 0; i < u.size(); ++i) out.all[next[i]++] = uint64_t{cells_[i]} << 32 | rest;
   }
 }
+
+namespace {
+
+EngineMaker slice_maker(const RayFrame&, const AllFacets&) {
+  return [] { return std::make_unique<SliceEngine>(); };
+}
+
+}  // namespace
+
+const EngineKind kSliceEngine = {"slice", slice_maker};
 
 }  // namespace teracell

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesher/engines/engines.hpp"
 #include "mesher/engines/ray.hpp"
 
 namespace teracell {
@@ -70,5 +71,15 @@ void TreeEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Cros
     }
   }
 }
+
+namespace {
+
+EngineMaker tree_maker(const RayFrame& frame, const AllFacets& all_facets) {
+  return [tree = std::make_shared<const FacetTree>(all_facets(), frame)] { return std::make_unique<TreeEngine>(tree); };
+}
+
+}  // namespace
+
+const EngineKind kTreeEngine = {"tree", tree_maker};
 
 }  // namespace teracell

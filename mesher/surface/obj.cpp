@@ -43,8 +43,8 @@ size_t plain_vertices(std::string_view text, std::vector<Vec3>& out) {
 
 class ObjReader {
  public:
-  ObjReader(Input& input, FacetStream& out, const Budget& budget, Background* helper)
-      : input_(input), out_(out), helper_(helper), vertices_(budget), wanted_(out.wants("")) {}
+  ObjReader(Input& input, FacetStream& out, const ReadOptions& options)
+      : input_(input), out_(out), helper_(options.helper), vertices_(options.budget), wanted_(out.wants("")) {}
 
   void read() {
     for (std::string_view line; next_statement(line);) {
@@ -213,14 +213,14 @@ Match recognises_obj(const Head& head) {
   return Match::kNo;
 }
 
-void read_obj(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background* helper) {
+void read_obj(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions& options) {
   file.format = "OBJ";
   file.float32 = false;
-  ObjReader(input, out, budget, helper).read();
+  ObjReader(input, out, options).read();
 }
 
 }  // namespace
 
-const SurfaceReader kObjReader = {recognises_obj, read_obj};
+const SurfaceReader kObjReader = {"OBJ", recognises_obj, read_obj};
 
 }  // namespace teracell

@@ -381,7 +381,7 @@ Match recognises_ply(const Head& head) {
   return line.size() < head.bytes.size() && next_word(line) == "ply" && trimmed(line).empty() ? Match::kSure : Match::kNo;
 }
 
-void read_ply(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background*) {
+void read_ply(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions& options) {
   const std::string_view start = input.window(3);
   const size_t stop = start.find_first_of("\r\n");
   if (!start.substr(stop).starts_with("\r\n") && start[stop] == '\r') input.set_newline('\r');
@@ -392,18 +392,18 @@ void read_ply(Input& input, FacetStream& out, SurfaceFile& file, const Budget& b
   for (const Property* p : layout.xyz) file.float32 &= p->type == Type::kFloat32;
   if (header.format == "ascii") {
     file.format = "PLY (ASCII)";
-    read_body(AsciiValues(input), header, layout, out, budget);
+    read_body(AsciiValues(input), header, layout, out, options.budget);
   } else if (header.format == "binary_little_endian") {
     file.format = "PLY (binary, little endian)";
-    read_body(BinaryValues<std::endian::little>(input), header, layout, out, budget);
+    read_body(BinaryValues<std::endian::little>(input), header, layout, out, options.budget);
   } else {
     file.format = "PLY (binary, big endian)";
-    read_body(BinaryValues<std::endian::big>(input), header, layout, out, budget);
+    read_body(BinaryValues<std::endian::big>(input), header, layout, out, options.budget);
   }
 }
 
 }  // namespace
 
-const SurfaceReader kPlyReader = {recognises_ply, read_ply};
+const SurfaceReader kPlyReader = {"PLY", recognises_ply, read_ply};
 
 }  // namespace teracell

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "mesher/surface/readers.hpp"
 #include "store/error.hpp"
@@ -43,8 +44,18 @@ Head head_of(Input& input) {
   return head;
 }
 
+// "STL, OBJ or PLY": the formats in the order of the readers.
+std::string known_formats() {
+  std::vector<std::string> names;
+  for (const SurfaceReader* reader : kReaders)
+    if (std::ranges::count(names, reader->name) == 0) names.push_back(reader->name);
+  const std::string last = names.back();
+  names.pop_back();
+  return fmt::format("{} or {}", fmt::join(names, ", "), last);
+}
+
 const SurfaceReader& reader_of(Input& input) {
-  if (input.window(1).empty()) throw InputError(fmt::format("{}: the file is empty: expected STL, OBJ or PLY", input.name()));
+  if (input.window(1).empty()) throw InputError(fmt::format("{}: the file is empty: expected {}", input.name(), known_formats()));
   const Head head = head_of(input);
   const SurfaceReader* perhaps = nullptr;
   for (const SurfaceReader* reader : kReaders) {
@@ -53,18 +64,18 @@ const SurfaceReader& reader_of(Input& input) {
     if (match == Match::kPerhaps && !perhaps) perhaps = reader;
   }
   if (const auto other = other_kind(head))
-    throw InputError(fmt::format("{}: this is {}{}: expected STL, OBJ or PLY{}{}", input.name(), other->what,
-                                 input.compressed() ? ", compressed by gzip" : "", other->advice.empty() ? "" : "; ", other->advice));
+    throw InputError(fmt::format("{}: this is {}{}: expected {}{}{}", input.name(), other->what, input.compressed() ? ", compressed by gzip" : "",
+                                 known_formats(), other->advice.empty() ? "" : "; ", other->advice));
   if (perhaps) return *perhaps;
-  throw InputError(fmt::format("{}: not a surface file: expected STL, OBJ or PLY, found {}", input.name(), shown(head.bytes.substr(0, 64))));
+  throw InputError(fmt::format("{}: not a surface file: expected {}, found {}", input.name(), known_formats(), shown(head.bytes.substr(0, 64))));
 }
 
 }  // namespace
 
-SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget, Background* helper) {
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
   SurfaceFile file;
   FacetStream out(part, sink);
-  reader_of(input).read(input, out, file, budget, helper);
+  reader_of(input).read(input, out, file, options);
   out.finish(input.name(), file);
   file.bytes = input.bytes_on_disk();
   file.hash = input.hash();
@@ -72,9 +83,9 @@ SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& 
   return file;
 }
 
-SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget, Background* helper) {
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
   Input input(path);
-  return read_facets(input, part, sink, budget, helper);
+  return read_facets(input, part, sink, options);
 }
 
 }  // namespace teracell

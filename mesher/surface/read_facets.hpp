@@ -9,11 +9,10 @@
 #include <string>
 
 #include "mesher/surface/facet.hpp"
-#include "mesher/surface/spill.hpp"
+#include "mesher/surface/read_options.hpp"
 
 namespace teracell {
 
-class Background;
 class Input;
 
 // Passes the facets of `path` to `sink`: those of the parts whose names match the glob `part`, or all when it is empty. A
@@ -27,10 +26,9 @@ class Input;
 // a `part` that nothing matches. For a file of another format, the message names that format. Facets before the fault have
 // been passed to the sink. What the sink throws passes through.
 //
-// `helper` may do part of the parsing; it may have other jobs.
-SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const Budget& budget = {},
-                        Background* helper = nullptr);
+// The same bytes and part give the same facets in the same order each time. The sink is called on the calling thread.
+SurfaceFile read_facets(const std::filesystem::path& path, const std::string& part, const FacetSink& sink, const ReadOptions& options = {});
 // The same for a file that is already open, or for bytes in memory.
-SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const Budget& budget = {}, Background* helper = nullptr);
+SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const ReadOptions& options = {});
 
 }  // namespace teracell

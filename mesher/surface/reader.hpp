@@ -11,11 +11,9 @@
 
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/input.hpp"
-#include "mesher/surface/spill.hpp"
+#include "mesher/surface/read_options.hpp"
 
 namespace teracell {
-
-class Background;
 
 // Collects what a reader finds: facets for the sink, in batches, and the names of parts.
 class FacetStream {
@@ -173,10 +171,19 @@ enum class Match { kNo, kPerhaps, kSure };
 
 // A format. A new format is a file that defines one of these, and a line in the table of readers.hpp.
 struct SurfaceReader {
+  const char* name;  // of the format, in messages: "expected STL, OBJ or PLY"; several readers may have the same
   Match (*recognises)(const Head& head);
-  // Reads all of `input`, and sets format and float32 of `file`. Vertices that must be kept stay within `budget`. `helper`, if it
-  // is not null, may do part of the work.
-  void (*read)(Input& input, FacetStream& out, SurfaceFile& file, const Budget& budget, Background* helper);
+  // Reads all of `input`, until window(1) is empty, and sets format and float32 of `file`.
+  //
+  // The same bytes give the same facets in the same order each time, whatever budget and helper are: a surface that is spilled is
+  // read again, and what was found of its facets refers to them by their number.
+  //
+  // Throws InputError for what the file holds, with its name and the line or byte. What `input`, `out` and a SpillFile throw passes
+  // through; so does what the sink behind `out` throws, for example when the run is interrupted.
+  //
+  // Runs on the thread that called read_facets(), and so does the sink. Jobs for options.helper touch neither `input` nor `out`, and
+  // are finished before read() returns or throws. Several threads may read different files at once.
+  void (*read)(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions& options);
 };
 
 // What a file is that no reader takes, such as "a STEP file", and what to do about it. Empty when the format is unknown.

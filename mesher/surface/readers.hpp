@@ -1,14 +1,15 @@
 // The surface formats. A new one is a file that defines its SurfaceReader, and a line here. A reader that is sure takes the file,
-// wherever it stands in the list: no file is of two formats. Of several that may read a file, the first one does.
+// wherever it stands in the list: no file is of two formats. Of several that may read a file, the first one does. Messages name
+// the formats in this order.
 #pragma once
 #include "mesher/surface/reader.hpp"
 
 // clang-format off
 #define TERACELL_SURFACE_READERS(reader) \
   reader(kBinaryStlReader) \
-  reader(kPlyReader) \
   reader(kAsciiStlReader) \
-  reader(kObjReader)
+  reader(kObjReader) \
+  reader(kPlyReader)
 // clang-format on
 
 namespace teracell {

@@ -188,7 +188,7 @@ void skip_rest(Input& input, FacetStream& out, uint64_t facets) {
                                               : ""));
 }
 
-void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const Budget&, Background*) {
+void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions&) {
   file.format = "STL (binary)";
   const bool wanted = out.wants("");
   const uint64_t facets = counted_facets(input.window(kHeader));
@@ -209,7 +209,7 @@ void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const Budget
 
 Match recognises_ascii(const Head& head) { return head.text && is_keyword(head.word, "solid") ? Match::kPerhaps : Match::kNo; }
 
-void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const Budget&, Background*) {
+void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions&) {
   file.format = "STL (ASCII)";
   Words words(input);
   std::string name;
@@ -241,7 +241,7 @@ void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const Budget&
 
 }  // namespace
 
-const SurfaceReader kBinaryStlReader = {recognises_binary, read_binary};
-const SurfaceReader kAsciiStlReader = {recognises_ascii, read_ascii};
+const SurfaceReader kBinaryStlReader = {"STL", recognises_binary, read_binary};
+const SurfaceReader kAsciiStlReader = {"STL", recognises_ascii, read_ascii};
 
 }  // namespace teracell

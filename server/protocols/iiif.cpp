@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char *kPrefix = "iiif", *kRoute = "iiif";
+constexpr const char* kPrefix = "iiif";
 
 // "{id}-{axis}-{index}"; an id may hold '-' itself.
 struct Name {
@@ -98,41 +98,40 @@ std::optional<Service::Recipe> find_picture(const ScaledSlice& slice, std::span<
   return std::nullopt;
 }
 
-Response serve(Service& service, const Request& request, const Target& target) {
-  const auto name = target.path.size() < 2 ? std::nullopt : parse_name(target.path[1]);
-  if (!name) return missing(kRoute);
-  const std::string address = request.origin + request.prefix + "/" + kPrefix + "/" + percent_encoded(target.path[1]);
-  if (target.path.size() == 2) {
-    return or_missing(kRoute, [&] {
-      if (!slice_at(service.grids().find(name->id)->reader(), name->axis, name->index)) return missing(kRoute);
-      Response r;
-      r.status = 303;
-      r.body = body_of("");
-      r.cache_control = "no-cache";
-      r.location = address + "/info.json";
-      r.route = kRoute;
-      return r;
+Response serve(const ProtocolRequest& r) {
+  const auto name = r.target.path.size() < 2 ? std::nullopt : parse_name(r.target.path[1]);
+  if (!name) return missing(r.route);
+  const std::string address = r.request.origin + r.request.prefix + "/" + kPrefix + "/" + percent_encoded(r.target.path[1]);
+  if (r.target.path.size() == 2) {
+    return or_missing(r.route, [&] {
+      if (!slice_at(r.service.grids().find(name->id)->reader(), name->axis, name->index)) return missing(r.route);
+      Response there;
+      there.status = 303;
+      there.body = body_of("");
+      there.cache_control = "no-cache";
+      there.location = address + "/info.json";
+      there.route = r.route;
+      return there;
     });
   }
-  return serve_found(service, request, target, kRoute, name->id,
-                     [&](const ServedGrid& grid, std::span<const std::string> path) -> std::optional<Service::Recipe> {
-                       const auto slice = slice_at(grid.reader(), name->axis, name->index);
-                       if (!slice) return std::nullopt;
-                       const int64_t most = most_pixels(service);
-                       if (joined(path) != "info.json") return find_picture(*slice, path, most);
-                       auto recipe = json_recipe([slice = *slice, address, most] { return info(slice, address, most); });
-                       recipe.content_type = R"(application/ld+json;profile="http://iiif.io/api/image/3/context.json")";
-                       recipe.cacheable = false;
-                       recipe.address = fmt::format("{} {}", address, most);
-                       return recipe;
-                     });
+  return serve_found(r, name->id, [&](const ServedGrid& grid, std::span<const std::string> path) -> std::optional<Service::Recipe> {
+    const auto slice = slice_at(grid.reader(), name->axis, name->index);
+    if (!slice) return std::nullopt;
+    const int64_t most = most_pixels(r.service);
+    if (joined(path) != "info.json") return find_picture(*slice, path, most);
+    auto recipe = json_recipe([slice = *slice, address, most] { return info(slice, address, most); });
+    recipe.content_type = R"(application/ld+json;profile="http://iiif.io/api/image/3/context.json")";
+    recipe.cacheable = false;
+    recipe.address = fmt::format("{} {}", address, most);
+    return recipe;
+  });
 }
 
 }  // namespace
 
 Protocol iiif() {
   return {.prefix = kPrefix,
-          .route = kRoute,
+          .route = "iiif",
           .title = "IIIF",
           .address = [](const ServedGrid& g) { return fmt::format("/{}-z-{}/info.json", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
           .document = "",

@@ -107,7 +107,7 @@ Protocol precomputed() {
           .title = "Neuroglancer",
           .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
           .document = "/info",
-          .serve = serve_by_id("precomputed", find_in_precomputed)};
+          .serve = serve_by_id(find_in_precomputed)};
 }
 
 }  // namespace teracell

@@ -18,23 +18,22 @@ Response missing(const char* route) {
   return r;
 }
 
-Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id,
-                     const FindRecipe& find) {
-  return or_missing(route, [&] {
-    const auto grid = service.grids().find(id);
-    auto recipe = find(*grid, std::span(target.path).subspan(2));
-    if (!recipe) return missing(route);
-    recipe->route = route;
+Response serve_found(const ProtocolRequest& r, const std::string& id, const FindRecipe& find) {
+  return or_missing(r.route, [&] {
+    const auto grid = r.service.grids().find(id);
+    auto recipe = find(*grid, std::span(r.target.path).subspan(2));
+    if (!recipe) return missing(r.route);
+    recipe->route = r.route;
     // The cache finds answers by their addresses: with queries that mean nothing here it would hold copies of one answer.
-    if (std::ranges::any_of(target.query, [](const auto& q) { return q.first != "v"; })) recipe->cacheable = false;
-    return service.answer(request, target, *grid, *recipe);
+    if (std::ranges::any_of(r.target.query, [](const auto& q) { return q.first != "v"; })) recipe->cacheable = false;
+    return r.service.answer(r.request, r.target, *grid, *recipe);
   });
 }
 
-std::function<Response(Service&, const Request&, const Target&)> serve_by_id(const char* route, FindRecipe find) {
-  return [route, find = std::move(find)](Service& service, const Request& request, const Target& target) {
-    if (target.path.size() < 2) return missing(route);
-    return serve_found(service, request, target, route, target.path[1], find);
+ServeRequest serve_by_id(FindRecipe find) {
+  return [find = std::move(find)](const ProtocolRequest& r) {
+    if (r.target.path.size() < 2) return missing(r.route);
+    return serve_found(r, r.target.path[1], find);
   };
 }
 

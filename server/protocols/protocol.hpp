@@ -14,6 +14,15 @@
 
 namespace teracell {
 
+// What a protocol is asked. It is valid during the call.
+struct ProtocolRequest {
+  Service& service;
+  const Request& request;
+  const Target& target;
+  const char* route;  // of the protocol
+};
+using ServeRequest = std::function<Response(const ProtocolRequest&)>;
+
 // One protocol: where it is, what people and metrics call it, and how it answers. Its file defines one; protocols.hpp lists all.
 struct Protocol {
   const char* prefix;                           // the first segment of its addresses: "zarr" of "/zarr/{id}/..."
@@ -21,7 +30,7 @@ struct Protocol {
   const char* title;                            // for people
   std::string (*address)(const ServedGrid& g);  // the rest of the address that the other program is given: "/g"
   const char* document;                         // what to append for an address that a browser can open: "/zarr.json"
-  std::function<Response(Service&, const Request&, const Target&)> serve;  // threads call it at once
+  ServeRequest serve;                           // threads call it at once
 };
 
 // Below the server's base path: "/zarr/g".
@@ -43,11 +52,10 @@ Response or_missing(const char* route, F&& serve) {
 
 // The recipe for what stands at `path` of a grid; none when there is no such thing. `path` begins after the id.
 using FindRecipe = std::function<std::optional<Service::Recipe>(const ServedGrid& grid, std::span<const std::string> path)>;
-// Answers with the recipe that `find` returns, counted as `route`. REQUIRES: target.path has at least two segments.
-Response serve_found(Service& service, const Request& request, const Target& target, const char* route, const std::string& id,
-                     const FindRecipe& find);
+// Answers with the recipe that `find` returns. REQUIRES: target.path has at least two segments.
+Response serve_found(const ProtocolRequest& r, const std::string& id, const FindRecipe& find);
 // Protocol::serve for addresses "/{prefix}/{id}/{path}".
-std::function<Response(Service&, const Request&, const Target&)> serve_by_id(const char* route, FindRecipe find);
+ServeRequest serve_by_id(FindRecipe find);
 
 // The documents of a hierarchy, each with its path and a function that makes it.
 using Documents = std::vector<std::pair<std::string, std::function<nlohmann::ordered_json()>>>;

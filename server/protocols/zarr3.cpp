@@ -98,7 +98,7 @@ Protocol zarr3() {
           .title = "Zarr 3, OME-Zarr",
           .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
           .document = "/zarr.json",
-          .serve = serve_by_id("zarr3", find_in_zarr3)};
+          .serve = serve_by_id(find_in_zarr3)};
 }
 
 }  // namespace teracell

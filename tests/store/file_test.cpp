@@ -1,9 +1,10 @@
-// Files: a name appears only for a complete file, and nothing else is left behind.
+// Files and folders: a name appears only for what is complete, and nothing else is left behind.
 #include "store/file.hpp"
 
 #include <cerrno>
 #include <csignal>
 #include <fstream>
+#include <map>
 
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -15,12 +16,16 @@
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
-static int folder_error = 0;  // what fsync of a folder fails with
+static int folder_error = 0;                 // what fsync of a folder fails with
+static std::filesystem::path failing_folder;  // only this one, unless it is empty
 
 // Takes the place of libc's for the whole program.
 extern "C" int fsync(int fd) {
   struct stat st;
-  if (folder_error == 0 || fstat(fd, &st) != 0 || !S_ISDIR(st.st_mode)) return static_cast<int>(syscall(SYS_fsync, fd));
+  struct stat failing;
+  const bool fails = folder_error != 0 && fstat(fd, &st) == 0 && S_ISDIR(st.st_mode) &&
+                     (failing_folder.empty() || (stat(failing_folder.c_str(), &failing) == 0 && st.st_ino == failing.st_ino));
+  if (!fails) return static_cast<int>(syscall(SYS_fsync, fd));
   errno = folder_error;
   return -1;
 }
@@ -191,6 +196,207 @@ TEST_CASE("A folder that can't be made durable is reported with the file in plac
     REQUIRE_FALSE(fs::exists(folder / "g.tcell.partial"));
     fs::remove(folder / "g.tcell");
   }
+  REQUIRE(open_descriptors() == descriptors);
+}
+
+// ---- OutputFolder
+
+constexpr const char* kMark = "zarr.json";
+
+// All files below `folder`, by their names.
+std::map<std::string, Bytes> files_in(const fs::path& folder) {
+  std::map<std::string, Bytes> out;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (!entry.is_directory()) out[entry.path().lexically_relative(folder)] = file_bytes(entry.path());
+  return out;
+}
+
+// What an export might write; its files hold `size` bytes.
+std::map<std::string, Bytes> write_some(const OutputFolder& out, size_t size) {
+  std::map<std::string, Bytes> files = {{kMark, some_bytes(7)}, {"0/c/0", some_bytes(size)}, {"0/c/1", {}}, {"1/c/0", some_bytes(size / 2)}};
+  for (const auto& [name, bytes] : files) out.write(name, bytes);
+  return files;
+}
+
+TEST_CASE("An output folder has no name before commit and every file after it") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  for (const char* name : {"g.zarr", "g.zarr/"}) {
+    {
+      OutputFolder out(folder / name, kMark);
+      const auto files = write_some(out, 100'000);
+      REQUIRE_FALSE(fs::exists(folder / "g.zarr"));
+      out.commit();
+      REQUIRE((files_in(folder / "g.zarr") == files));
+      REQUIRE_FALSE(fs::exists(folder / "g.zarr.partial"));
+    }
+    REQUIRE(fs::is_directory(folder / "g.zarr"));  // also when the writer is gone
+    fs::remove_all(folder / "g.zarr");
+  }
+  REQUIRE(open_descriptors() == descriptors);
+}
+
+TEST_CASE("An output folder that is not committed leaves nothing, and an older one stays as it was") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  { write_some(OutputFolder(folder / "g.zarr", kMark), 100); }
+  REQUIRE(fs::is_empty(folder.path()));
+  OutputFolder first(folder / "g.zarr", kMark);
+  const auto files = write_some(first, 1000);
+  first.commit();
+  { write_some(OutputFolder(folder / "g.zarr", kMark), 10); }
+  REQUIRE((files_in(folder / "g.zarr") == files));
+  REQUIRE_FALSE(fs::exists(folder / "g.zarr.partial"));
+  REQUIRE_THROWS_AS(
+      [&] {
+        const OutputFolder out(folder / "g.zarr", kMark);
+        write_some(out, 10);
+        throw Interrupted("stop");
+      }(),
+      Interrupted);
+  REQUIRE((files_in(folder.path()).size() == files.size()));
+  REQUIRE(open_descriptors() == descriptors);
+}
+
+TEST_CASE("A committed folder replaces an older one at once, with all that was in it: who has its files open keeps reading them") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  {
+    OutputFolder first(folder / "g.zarr", kMark);
+    first.write("only/the/first", some_bytes(10));
+    write_some(first, 1000);
+    first.commit();
+    const InputFile before(folder / "g.zarr" / "only" / "the" / "first");
+    OutputFolder second(folder / "g.zarr", kMark);
+    const auto files = write_some(second, 10);
+    second.commit();
+    REQUIRE((files_in(folder / "g.zarr") == files));
+    REQUIRE_FALSE(fs::exists(folder / "g.zarr.partial"));
+    Bytes bytes(10);
+    before.read(0, bytes);
+    REQUIRE(bytes == some_bytes(10));
+  }
+  fs::remove_all(folder / "g.zarr");
+  fs::create_directory(folder / "g.zarr");  // an empty one is replaced as well
+  OutputFolder third(folder / "g.zarr", kMark);
+  const auto files = write_some(third, 10);
+  third.commit();
+  REQUIRE((files_in(folder / "g.zarr") == files));
+  REQUIRE(open_descriptors() == descriptors);
+}
+
+TEST_CASE("A folder without the mark is refused and not touched, even when it came after the writer") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  fs::create_directories(folder / "home" / kMark);  // a folder of that name is no mark
+  std::ofstream(folder / "home" / "letter") << "dear";
+  REQUIRE_THROWS_WITH(OutputFolder(folder / "home", kMark), Catch::Contains("home") && Catch::Contains("'zarr.json'"));
+  {
+    OutputFolder out(folder / "late", kMark);
+    write_some(out, 10);
+    fs::create_directory(folder / "late");
+    std::ofstream(folder / "late" / "letter") << "dear";
+    REQUIRE_THROWS_AS(out.commit(), IoError);
+  }
+  REQUIRE(bytes_of(folder / "home" / "letter") == "dear");
+  REQUIRE(bytes_of(folder / "late" / "letter") == "dear");
+  REQUIRE(files_in(folder.path()).size() == 2);
+  REQUIRE(open_descriptors() == descriptors);
+}
+
+TEST_CASE("A second writer of a folder is refused while the first writes, and does not disturb it") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  {
+    OutputFolder first(folder / "g.zarr", kMark);
+    first.write("a", some_bytes(10));
+    REQUIRE_THROWS_WITH(OutputFolder(folder / "g.zarr", kMark), Catch::Contains("g.zarr") && Catch::Contains("lock"));
+    first.write("b", some_bytes(20));
+    first.commit();
+  }
+  REQUIRE(files_in(folder / "g.zarr").size() == 2);
+  REQUIRE(open_descriptors() == descriptors);
+}
+
+TEST_CASE("What a killed writer of a folder left is removed by the next one") {
+  const TempFolder folder;
+  fs::create_directories(folder / "g.zarr.partial" / "9" / "c");
+  std::ofstream(folder / "g.zarr.partial" / "9" / "c" / "0") << std::string(1000, 'x');
+  OutputFolder out(folder / "g.zarr", kMark);
+  const auto files = write_some(out, 10);
+  out.commit();
+  REQUIRE((files_in(folder / "g.zarr") == files));
+  REQUIRE_FALSE(fs::exists(folder / "g.zarr" / "9"));
+  REQUIRE_FALSE(fs::exists(folder / "g.zarr.partial"));
+}
+
+TEST_CASE("A place where no folder can be written is an IoError that names it") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  std::ofstream(folder / "file") << "x";
+  std::ofstream(folder / "taken.partial") << "x";
+  REQUIRE_THROWS_WITH(OutputFolder(folder / "missing" / "g.zarr", kMark), Catch::Contains("there is no folder") && Catch::Contains("missing"));
+  REQUIRE_THROWS_WITH(OutputFolder(folder / "file", kMark), Catch::Contains("found a file"));
+  REQUIRE_THROWS_WITH(OutputFolder("/dev/null", kMark), Catch::Contains("found a device or a pipe"));
+  REQUIRE_THROWS_WITH(OutputFolder(folder / "taken", kMark), Catch::Contains("taken.partial") && Catch::Contains("remove it"));
+  for (const fs::path& path : {folder / "file" / "g.zarr", fs::path("/proc/nowhere/g.zarr"), folder / std::string(300, 'n')}) {
+    INFO(path);
+    REQUIRE_THROWS_AS(OutputFolder(path, kMark), IoError);
+  }
+  REQUIRE(bytes_of(folder / "taken.partial") == "x");
+  OutputFolder out(folder / "g.zarr", kMark);
+  out.write("a", some_bytes(1));
+  REQUIRE_THROWS_AS(out.write("a/b", some_bytes(1)), IoError);  // "a" is a file
+  REQUIRE(open_descriptors() == descriptors + 1);
+}
+
+TEST_CASE("A disk that is full while a folder is written is an IoError that names the file, and leaves no debris") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  const FileSizeLimit limit(64 << 10);
+  const auto write = [&] {
+    OutputFolder out(folder / "g.zarr", kMark);
+    write_some(out, 100 << 10);
+    out.commit();
+  };
+  REQUIRE_THROWS_AS(write(), IoError);
+  REQUIRE_THROWS_WITH(write(), Catch::Contains("0/c/0") && Catch::Contains("too large"));
+  REQUIRE(fs::is_empty(folder.path()));
+  REQUIRE(open_descriptors() == descriptors);
+}
+
+TEST_CASE("A folder whose files can't be made durable does not appear; one whose name can't be is reported in place") {
+  const TempFolder folder;
+  const size_t descriptors = open_descriptors();
+  for (const bool older : {false, true})
+    for (const int error : {EIO, EINVAL, EOPNOTSUPP, ENOSPC, 0})
+      for (const bool name_only : {false, true}) {
+        INFO("error " << error << " of " << (name_only ? "the name" : "what is in it") << ", older " << older);
+        if (older) {
+          OutputFolder before(folder / "g.zarr", kMark);
+          before.write(kMark, {});
+          before.commit();
+        }
+        bool in_place = true;
+        {
+          OutputFolder out(folder / "g.zarr", kMark);
+          write_some(out, 1000);
+          failing_folder = name_only ? folder.path() : out.path() / "0" / "c";
+          folder_error = error;
+          const bool reported = error == EIO || error == ENOSPC;
+          in_place = !reported || name_only;
+          if (reported && name_only) CHECK_THROWS_WITH(out.commit(), Catch::Contains("g.zarr") && Catch::Contains("in place"));
+          else if (reported) CHECK_THROWS_WITH(out.commit(), Catch::Contains("durable") && !Catch::Contains("in place"));
+          else CHECK_NOTHROW(out.commit());
+          folder_error = 0;
+          failing_folder.clear();
+        }
+        if (in_place) REQUIRE(files_in(folder / "g.zarr").size() == 4);
+        else REQUIRE(fs::exists(folder / "g.zarr") == older);
+        if (older && !in_place) REQUIRE(files_in(folder / "g.zarr").size() == 1);
+        REQUIRE_FALSE(fs::exists(folder / "g.zarr.partial"));
+        fs::remove_all(folder / "g.zarr");
+      }
   REQUIRE(open_descriptors() == descriptors);
 }
 

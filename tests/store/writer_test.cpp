@@ -1,12 +1,15 @@
-// The writer: interrupted anywhere it makes the same file, and it notices what would make a wrong one.
+// The writer: interrupted anywhere it makes the same file, and it notices what would make a wrong one. Channels beside the labels are
+// written with them.
 #include "store/writer.hpp"
 
 #include <fstream>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "tests/support/meshed.hpp"
-#include "tests/support/stored.hpp"
+#include "store/checked_read.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/small_files.hpp"
 
 namespace teracell {
 namespace {
@@ -148,6 +151,142 @@ TEST_CASE("A uniform chunk has no frame, any other one its frame's checksum and,
     REQUIRE(chunk.entry.checksum == checksum(chunk.frame));
     REQUIRE(chunk.entry.stats.size() == (with_stats ? 2 : 0));
   }
+}
+
+// ---- A kind of channel that is made up for these tests: frame i holds the square of i.
+
+Metadata with_squares(Metadata meta, bool required = false) {
+  meta.channels.push_back({"squares", "text", required, {}, 0, 0});
+  return meta;
+}
+
+Bytes square(uint64_t i) { return encode_text(std::to_string(i * i)); }
+
+uint64_t squares_checked;  // a check is a plain function, so it can't capture what it found
+
+void check_squares(const Metadata&, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
+  squares_checked = 0;
+  for (uint64_t i = 0; i < channel.frames; ++i, ++squares_checked)
+    if (decode_text(frame(i), "square") != std::to_string(i * i)) throw FormatError(fmt::format("frame {} is no square", i));
+}
+
+constexpr ChannelKind kKinds[] = {{kLabels, kRuns, nullptr}, {"squares", "text", check_squares}};
+
+// A file with a square behind each column of chunks of level 0; `odd` is added to the last.
+struct Squares {
+  Bytes file;
+  uint64_t count = 0;
+  Levels cells;
+};
+Squares file_with_squares(const Bytes& odd = {}) {
+  const TempFolder folder;
+  std::mt19937_64 random(3);
+  const Index3 n = {5, 9, 4};
+  const Metadata meta = with_tiny_chunks(metadata_of(cubic(n[0], n[1], n[2]), 2, 3));
+  const std::vector<Label> cells = random_cells(random, n, 3);
+  Squares out;
+  store_cells(folder / "g.tcell", with_squares(meta), cells, [&](GridWriter& writer) {
+    writer.put_frame(1, odd.empty() || out.count != 3 ? square(out.count) : odd);
+    out.count += 1;
+  });
+  out.file = file_bytes(folder / "g.tcell");
+  store_cells(folder / "plain.tcell", meta, cells);
+  out.cells = read_everything(GridReader(folder / "plain.tcell"));
+  return out;
+}
+
+void verify_squares(const GridReader& reader) {
+  verify(
+      reader, 1, [](double) {}, kKinds);
+}
+
+TEST_CASE("The frames of a channel come back by its cover, and its kind checks them") {
+  const auto [file, count, cells] = file_with_squares();
+  const GridReader reader = reader_of(file);
+  REQUIRE(count == 6);
+  REQUIRE(reader.meta().others().size() == 1);
+  const Channel& channel = reader.meta().others()[0];
+  REQUIRE(channel.name == "squares");
+  REQUIRE(channel.coding == "text");
+  REQUIRE_FALSE(channel.required);
+  REQUIRE(channel.frames == count);
+  for (uint64_t i = 0; i < count; ++i) {
+    Bytes frame;
+    read_checked(reader.source(), reader.frame_place(channel, i), "frame", frame);
+    REQUIRE(frame == square(i));
+  }
+  REQUIRE((read_everything(reader) == cells));
+  verify_squares(reader);
+  REQUIRE(squares_checked == count);
+  verify_quietly(reader);  // which does not know the kind
+  REQUIRE_THROWS_WITH(verify_squares(reader_of(file_with_squares(encode_text("10")).file)), "memory.tcell: frame 3 is no square");
+}
+
+TEST_CASE("A file with another channel that is cut short, or has a changed bit, is never taken for sound") {
+  const auto [file, count, cells] = file_with_squares();
+  for (size_t size = 0; size < file.size(); size += kStride) {
+    const Bytes prefix(file.begin(), file.begin() + static_cast<ptrdiff_t>(size));
+    expect_noticed(prefix, cells, "cut at", size);
+  }
+  for (size_t i = 0; i < file.size(); i += kStride) {
+    Bytes damaged = file;
+    damaged[i] ^= static_cast<uint8_t>(1u << i % 8);
+    expect_noticed(damaged, cells, "byte", i);
+  }
+}
+
+TEST_CASE("A writer that goes on from any state makes the same bytes of all channels") {
+  const TempFolder folder;
+  Metadata meta = with_squares(some_metadata());
+  meta.channels.push_back({"cubes", "", false, {}, 0, 0});
+  std::vector<Put> puts = some_chunks(meta);
+  // After every chunk a square, after every third one a cube.
+  const auto put = [&](GridWriter& writer, size_t i) {
+    writer.put(puts[i].key, puts[i].chunk);
+    writer.put_frame(1, square(i));
+    if (i % 3 == 0) writer.put_frame(2, encode_text(std::to_string(i * i * i)));
+  };
+  {
+    GridWriter writer(folder / "whole.tcell", meta);
+    for (size_t i = 0; i < puts.size(); ++i) put(writer, i);
+    writer.finish("{}", 7);
+  }
+  const Bytes expected = file_bytes(folder / "whole.tcell");
+  REQUIRE(reader_of(expected).meta().others()[1].frames == (puts.size() + 2) / 3);
+  const std::filesystem::path path = folder / "g.tcell", partial = folder / "g.tcell.partial", aside = folder / "aside";
+  for (size_t count = 0; count <= puts.size(); count += puts.size() / 7) {
+    INFO(count << " of " << puts.size() << " chunks");
+    Bytes state;
+    {
+      GridWriter writer(path, meta);
+      for (size_t i = 0; i < count; ++i) put(writer, i);
+      writer.save(state);
+      if (count < puts.size()) put(writer, count);
+      std::filesystem::copy_file(partial, aside);
+    }
+    std::filesystem::rename(aside, partial);
+    ByteReader in(state, "state");
+    GridWriter writer(path, meta, in);
+    in.expect_end();
+    for (size_t i = count; i < puts.size(); ++i) put(writer, i);
+    writer.finish("{}", 7);
+    REQUIRE(file_bytes(path) == expected);
+  }
+}
+
+TEST_CASE("A channel without a frame is not finished, and one that is required is refused by readers that don't know it") {
+  const TempFolder folder;
+  const std::vector<Put> puts = some_chunks(some_metadata());
+  const auto write = [&](const Metadata& meta, int frames) {
+    GridWriter writer(folder / "g.tcell", meta);
+    for (const Put& p : puts) writer.put(p.key, p.chunk);
+    for (int i = 0; i < frames; ++i) writer.put_frame(1, square(1));
+    writer.finish("{}", 7);
+  };
+  REQUIRE_THROWS_WITH(write(with_squares(some_metadata()), 0), "channel 'squares' has no frame");
+  REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));
+  write(with_squares(some_metadata(), true), 1);
+  REQUIRE_THROWS_WITH(GridReader(folder / "g.tcell"), Catch::Contains("requires channel 'squares'"));
 }
 
 }  // namespace

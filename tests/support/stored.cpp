@@ -37,7 +37,8 @@ Metadata with_tiny_chunks(Metadata meta) {
   return meta;
 }
 
-void store_cells(const std::filesystem::path& path, const Metadata& meta, const std::vector<Label>& cells) {
+void store_cells(const std::filesystem::path& path, const Metadata& meta, const std::vector<Label>& cells,
+                 const std::function<void(GridWriter&)>& between) {
   GridWriter writer(path, meta);
   PyramidWriter pyramid(writer);
   ChunkEncoder encoder;
@@ -63,6 +64,7 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
       if (u >= shape.chunks_u || v >= shape.chunks_v) continue;
       const Chunk fine = chunk(u, v);
       pyramid.put(encode_level(encoder, meta, 0, u, v, fine));
+      between(writer);
       pieces[i] = coarsen(fine, 2);
     }
     if (meta.grid.levels() <= 2) return;

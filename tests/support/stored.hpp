@@ -4,6 +4,7 @@
 #include <functional>
 
 #include "store/reader.hpp"
+#include "store/writer.hpp"
 #include "tests/support/blocks.hpp"
 #include "tests/support/descriptors.hpp"
 
@@ -29,8 +30,11 @@ Metadata metadata_of(const Grid& grid, int ray_axis, uint32_t labels);
 // Chunks of 4 x 4 rays and 4 cells, pages of 2 x 2: a small grid has many of all.
 Metadata with_tiny_chunks(Metadata meta);
 
-// Writes one label a cell, C order [z][y][x], as the mesher writes a grid: all levels, chunks in the order of the tree.
-void store_cells(const std::filesystem::path& path, const Metadata& meta, const std::vector<Label>& cells);
+// Writes one label a cell, C order [z][y][x], as the mesher writes a grid: all levels, chunks in the order of the tree. Calls `between`
+// again and again on the way, for the frames of other channels.
+void store_cells(
+    const std::filesystem::path& path, const Metadata& meta, const std::vector<Label>& cells,
+    const std::function<void(GridWriter&)>& between = [](GridWriter&) {});
 // Blobs of labels with cells of noise between them.
 std::vector<Label> random_cells(std::mt19937_64& random, const Index3& n, uint32_t labels);
 

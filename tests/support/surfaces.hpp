@@ -99,12 +99,11 @@ struct Result {
 inline Result read(const std::string& bytes, const std::string& part = "", const Budget& budget = {}, Background* helper = nullptr) {
   Result r;
   Input input("mesh", bytes);
-  r.file = read_facets(
-      input, part,
-      [&](std::span<const Facet> some) {
-        for (const Facet& f : some) r.facets.push_back(f.vertex);
-      },
-      budget, helper);
+  r.file = read_facets(input, part,
+                       [&](std::span<const Facet> some) {
+                         for (const Facet& f : some) r.facets.push_back(f.vertex);
+                       },
+                       {budget, helper});
   return r;
 }
 

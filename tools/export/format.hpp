@@ -23,8 +23,8 @@ struct ExportFormat {
   std::string name;                     // of the option --format
   std::vector<std::string> extensions;  // with the dot; none when --format alone can choose it
   std::string holds;                    // one line for people
-  // Writes the output, whole or not at all: one file by way of OutputFile, or a folder that is renamed when it is complete.
-  // The memory that it takes does not grow with the box.
+  // Writes the output, whole or not at all: one file by way of OutputFile, or one folder by way of OutputFolder. The memory that
+  // it takes does not grow with the box.
   void (*write)(const Export&);
 };
 

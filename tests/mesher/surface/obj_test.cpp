@@ -75,12 +75,11 @@ TEST_CASE("OBJ: a helper that parses half of the plain vertices changes neither 
     std::pair<Facets, std::string> found;
     Input input("mesh", bytes);
     try {
-      read_facets(
-          input, "",
-          [&](std::span<const Facet> some) {
-            for (const Facet& f : some) found.first.push_back(f.vertex);
-          },
-          {}, helper);
+      read_facets(input, "",
+                  [&](std::span<const Facet> some) {
+                    for (const Facet& f : some) found.first.push_back(f.vertex);
+                  },
+                  {.helper = helper});
     } catch (const InputError& e) {
       found.second = e.what();
     }
