@@ -6,7 +6,7 @@
 namespace teracell {
 namespace {
 
-void write(const Export& e) {
+void write_npy(const Export& e) {
   const auto& [lo, hi] = e.box;
   OutputFile file(e.output);
   file.append(npy_header(wide_labels(e.reader.meta()) ? "<u2" : "|u1", {hi[2] - lo[2], hi[1] - lo[1], hi[0] - lo[0]}));
@@ -16,6 +16,6 @@ void write(const Export& e) {
 
 }  // namespace
 
-ExportFormat npy_format() { return {"npy", {".npy"}, "a NumPy array of material ids, [z][y][x]", write}; }
+ExportFormat npy_format() { return {"npy", {".npy"}, "a NumPy array of material ids, [z][y][x]", write_npy}; }
 
 }  // namespace teracell

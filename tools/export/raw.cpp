@@ -4,7 +4,7 @@
 namespace teracell {
 namespace {
 
-void write(const Export& e) {
+void write_raw(const Export& e) {
   OutputFile file(e.output);
   append_dense_cells(e, file);
   file.commit();
@@ -12,6 +12,6 @@ void write(const Export& e) {
 
 }  // namespace
 
-ExportFormat raw_format() { return {"raw", {".raw"}, "the same material ids without a header", write}; }
+ExportFormat raw_format() { return {"raw", {".raw"}, "the same material ids without a header", write_raw}; }
 
 }  // namespace teracell
