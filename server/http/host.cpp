@@ -17,8 +17,9 @@ bool is_alnum(char c) { return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'z
 // Zones and future versions of addresses, which the grammar knows, occur in no address of the web.
 std::optional<in6_addr> ipv6(std::string_view host) {
   if (host.size() < 4 || host.size() > INET6_ADDRSTRLEN + 1 || host.front() != '[' || host.back() != ']') return std::nullopt;
+  const std::string text(host.substr(1, host.size() - 2));
   in6_addr out;
-  return inet_pton(AF_INET6, std::string(host.substr(1, host.size() - 2)).c_str(), &out) == 1 ? std::optional(out) : std::nullopt;
+  return text.find('\0') == text.npos && inet_pton(AF_INET6, text.c_str(), &out) == 1 ? std::optional(out) : std::nullopt;
 }
 
 // Four numbers. Other ways to write an IPv4 address never come from a browser.

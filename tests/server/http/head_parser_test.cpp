@@ -116,7 +116,8 @@ TEST_CASE("a target of no form, or of another method's, is refused", "[server][w
     return parsed(method + " " + value + " HTTP/1.1\r\nHost: h\r\n\r\n").status;
   };
   for (const char* good : {"/", "//", "/?a", "http://h", "HTTP://H/a", "hTTps://h:1/?b"}) CHECK(target("GET", good) == 0);
-  for (const char* bad : {"*", "h:80", "a", "?a", "http:", "http:/a", "http://", "http:///a", "http://?a", "ftp://h/", "http://u@h/", "http://h:x/", "http://h#a"}) {
+  for (const char* bad :
+       {"*", "h:80", "a", "?a", "http:", "http:/a", "http://", "http:///a", "http://?a", "ftp://h/", "http://u@h/", "http://h:x/", "http://h#a"}) {
     INFO(bad);
     CHECK(target("GET", bad) == 400);
   }

@@ -608,6 +608,7 @@ TEST_CASE("many clients at once, answers that change meanwhile, then a stop", "[
   ListenerOptions o;
   o.port = 0;
   o.threads = 3;
+  o.allowed_hosts = {"*"};
   Listener listener(o,
                     with_operations({[&](const Request& r) { return turn++ % 3 ? std::optional(answer(r)) : std::nullopt; }, answer}, metrics,
                                     [] { return ServerState{}; }),
