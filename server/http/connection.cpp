@@ -132,8 +132,8 @@ Awaitable<void> Connection::make() {
   if (loop_.stopping) keep_ = false;
 }
 
-// A refusal of other hosts, other methods, other paths or missing tokens, or what the handler answers at once. None when the pool must make the
-// answer.
+// A refusal of other hosts, methods or paths or of missing tokens, or what the handler answers at once. None when the pool must make
+// the answer.
 std::optional<Response> Connection::answer_here() {
   const ListenerOptions& o = shared_.options;
   if (!head_.host.empty() && !allows_host(o.allowed_hosts, head_.host))

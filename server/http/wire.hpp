@@ -15,8 +15,8 @@ struct Head {
   std::string resource;  // path and query, whatever the form of the target
   int hosts = 0;         // number of Host fields
   bool http11 = true;
-  bool https = false;  // the target says so
-  bool expects_continue = false;
+  bool https = false;             // the target says so
+  bool expects_continue = false;  // the client sends a body only when it is asked for it
   bool has_transfer_encoding = false;
   void clear();
 };
