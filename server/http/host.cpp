@@ -12,7 +12,7 @@ namespace {
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_hex(char c) { return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'f'); }
-bool is_alnum(char c) { return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'z'); }
+bool is_letter_or_digit(char c) { return is_digit(c) || (lower(c) >= 'a' && lower(c) <= 'z'); }
 
 // Zones and future versions of addresses, which the grammar knows, occur in no address of the web.
 std::optional<in6_addr> ipv6(std::string_view host) {
@@ -35,7 +35,7 @@ bool is_registered_name(std::string_view text) {
     if (text[i] == '%') {
       if (i + 2 >= text.size() || !is_hex(text[i + 1]) || !is_hex(text[i + 2])) return false;
       i += 2;
-    } else if (!is_alnum(text[i]) && std::string_view("-._~!$&'()*+,;=").find(text[i]) == std::string_view::npos) {
+    } else if (!is_letter_or_digit(text[i]) && std::string_view("-._~!$&'()*+,;=").find(text[i]) == std::string_view::npos) {
       return false;
     }
   }
