@@ -138,7 +138,7 @@ std::optional<Response> Connection::answer_here() {
   const ListenerOptions& o = shared_.options;
   if (!head_.host.empty() && !allows_host(o.allowed_hosts, head_.host))
     return error_response(421, "misdirected",
-                          fmt::format("Host: expected localhost, or another name of this server, found {}{}", quoted(head_.host), o.host_hint));
+                          fmt::format("Host: expected localhost, or another name of this server, found {}{}", clipped(head_.host), o.host_hint));
   if (head_.method == "OPTIONS") return Response{.status = 204, .route = "options"};
   if (head_.method != "GET" && head_.method != "HEAD") return error_response(405, "method_not_allowed", "expected GET, HEAD or OPTIONS");
   fill_request(request_, head_, o.base_path, local_);

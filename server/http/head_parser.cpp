@@ -51,9 +51,9 @@ HeadParser::Progress HeadParser::put_head(std::string_view& bytes) {
   if (head_.hosts > 1 || (head_.http11 && head_.hosts == 0))
     return refuse(400, "bad_request", fmt::format("expected one Host field, found {}", head_.hosts));
   if (head_.hosts == 1 && !is_authority(head_.host))
-    return refuse(400, "bad_request", fmt::format("Host: expected a host, and perhaps a port, found {}", quoted(head_.host)));
+    return refuse(400, "bad_request", fmt::format("Host: expected a host, and perhaps a port, found {}", clipped(head_.host)));
   if (!read_target(head_))
-    return refuse(400, "bad_request", fmt::format("expected an address like /path or http://host/path, found {}", quoted(head_.target)));
+    return refuse(400, "bad_request", fmt::format("expected an address like /path or http://host/path, found {}", clipped(head_.target)));
   body_ = content_length_remaining().value_or(0);
   // Nothing here needs a body. Rather than ask for one that the client holds back, the server answers and closes (RFC 9110, 10.1.1).
   left_body_ = head_.expects_continue && head_.http11 && body_ > 0;
