@@ -58,6 +58,7 @@ ordered_json get(const char* summary, ordered_json parameters, const char* type,
     error("500", "the file is damaged at this place");
   }
   error("405", "the method is none of GET, HEAD and OPTIONS");
+  error("421", "the request is for a host that this server does not answer to (--allow-host)");
   if (source != Source::kServer) error("503", "too many requests wait, or memory is short; try again in a second");
   return {{"get", {{"summary", summary}, {"parameters", std::move(parameters)}, {"responses", responses}}}};
 }

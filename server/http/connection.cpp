@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "server/http/host.hpp"
 #include "server/service/target.hpp"
 
 namespace teracell {
@@ -131,10 +132,13 @@ Awaitable<void> Connection::make() {
   if (loop_.stopping) keep_ = false;
 }
 
-// A refusal of other methods, other paths or missing tokens, or what the handler answers at once. None when the pool must make the
-// answer.
+// A refusal of other hosts, methods or paths or of missing tokens, or what the handler answers at once. None when the pool must make
+// the answer.
 std::optional<Response> Connection::answer_here() {
   const ListenerOptions& o = shared_.options;
+  if (!head_.host.empty() && !allows_host(o.allowed_hosts, head_.host))
+    return error_response(421, "misdirected",
+                          fmt::format("Host: expected localhost, or another name of this server, found {}{}", clipped(head_.host), o.host_hint));
   if (head_.method == "OPTIONS") return Response{.status = 204, .route = "options"};
   if (head_.method != "GET" && head_.method != "HEAD") return error_response(405, "method_not_allowed", "expected GET, HEAD or OPTIONS");
   fill_request(request_, head_, o.base_path, local_);
@@ -189,7 +193,7 @@ Awaitable<bool> Connection::send() {
   const bool with_body = response_.body && head_.method != "HEAD" && response_.status != 204 && response_.status != 304;
   const std::string& body = with_body ? *response_.body : nothing;
   out_.clear();
-  append_head(out_, response_, {keep_, head_.http11, loop_.date()});
+  append_head(out_, response_, {keep_, head_.http11, loop_.date(), allowed_origin(shared_.options.allowed_origins, head_.origin)});
   std::array<asio::const_buffer, 2> rest{asio::buffer(out_), asio::buffer(body)};
   error_code error;
   size_t sent = socket_.write_some(rest, error);

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include "server/http/host.hpp"
+#include "server/service/target.hpp"
+
 namespace teracell {
 
 namespace http = boost::beast::http;
@@ -47,7 +50,14 @@ HeadParser::Progress HeadParser::put_head(std::string_view& bytes) {
   if (head_.has_transfer_encoding) return refuse(413, "too_large", "expected a request without a body, found Transfer-Encoding");
   if (head_.hosts > 1 || (head_.http11 && head_.hosts == 0))
     return refuse(400, "bad_request", fmt::format("expected one Host field, found {}", head_.hosts));
+  if (head_.hosts == 1 && !is_authority(head_.host))
+    return refuse(400, "bad_request", fmt::format("Host: expected a host, and perhaps a port, found {}", clipped(head_.host)));
+  if (!read_target(head_))
+    return refuse(400, "bad_request", fmt::format("expected an address like /path or http://host/path, found {}", clipped(head_.target)));
   body_ = content_length_remaining().value_or(0);
+  // Nothing here needs a body. Rather than ask for one that the client holds back, the server answers and closes (RFC 9110, 10.1.1).
+  left_body_ = head_.expects_continue && head_.http11 && body_ > 0;
+  if (left_body_) body_ = 0;
   return kWhole;
 }
 
@@ -71,9 +81,11 @@ void HeadParser::on_field_impl(http::field name, View name_text, View value, Cod
   };
   switch (name) {
     case http::field::host: ++head_.hosts; return set(head_.host);
+    case http::field::origin: return set(head_.origin);
     case http::field::if_none_match: return add(head_.if_none_match);
     case http::field::accept_encoding: return add(head_.accept_encoding);
     case http::field::authorization: return set(head_.authorization);
+    case http::field::expect: head_.expects_continue |= boost::beast::iequals(value, "100-continue"); return;
     case http::field::transfer_encoding: head_.has_transfer_encoding = true; return;
     default: break;
   }

@@ -18,7 +18,8 @@ class HeadParser : private boost::beast::http::basic_parser<true> {
   // after it.
   Progress put(std::string_view& bytes);
   bool begun() const { return used_ > 0; }
-  using basic_parser::keep_alive;  // whether the client wants to keep the connection. REQUIRES: put() returned kWhole
+  // Whether the connection can be kept, and the client wants it. REQUIRES: put() returned kWhole
+  bool keep_alive() const { return !left_body_ && basic_parser::keep_alive(); }
   // The response to send. REQUIRES: put() returned kRefused
   Response& refusal() { return refusal_; }
 
@@ -41,7 +42,7 @@ class HeadParser : private boost::beast::http::basic_parser<true> {
   Head& head_;
   size_t used_ = 0;  // bytes of the head
   uint64_t body_ = 0;  // bytes of the body that are still to come
-  bool skipped_line_ = false, got_target_ = false;
+  bool skipped_line_ = false, got_target_ = false, left_body_ = false;
   Response refusal_;
 };
 

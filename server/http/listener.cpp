@@ -98,6 +98,9 @@ void Listener::State::bind() {
   if (!error) acceptor->listen(asio::socket_base::max_listen_connections, error);
   if (error) throw IoError(fmt::format("can't listen at {} port {}: {}{}", o.host, o.port, error.message(), advice(error)));
   local = acceptor->local_endpoint();
+  if (local.address().is_loopback() && o.token.empty()) return;
+  for (std::vector<std::string>* allowed : {&shared.options.allowed_hosts, &shared.options.allowed_origins})
+    if (allowed->empty()) allowed->emplace_back("*");
 }
 
 // Deals the connections out to the loops in turn.

@@ -55,7 +55,7 @@ class Pool {
 struct Shared {
   Shared(ListenerOptions o, Handler h, Metrics& m, AccessLog& l)
       : options(std::move(o)), handler(std::move(h)), metrics(m), log(l), pool(std::max(1, options.threads)) {}
-  const ListenerOptions options;
+  ListenerOptions options;  // unchanged once the listener is bound
   const Handler handler;
   Metrics& metrics;
   AccessLog& log;

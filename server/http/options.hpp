@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace teracell {
 
@@ -13,6 +14,9 @@ struct ListenerOptions {
   int threads = 1;                // io threads, and as many in the pool
   std::string base_path;          // see is_base_path()
   std::string token;              // empty: none is asked for
+  // See host.hpp. An empty list means loopback alone when the listener is bound to loopback and asks for no token, else any.
+  std::vector<std::string> allowed_hosts, allowed_origins;
+  std::string host_hint;          // ends the message that refuses a host: how to allow it
   size_t max_connections = 1024;  // further ones are closed as soon as they are accepted
   size_t max_waiting = 256;       // requests in the pool, running or queued; further ones get status 503
   // Bytes of answers that clients have yet to take; an answer that several clients take counts for each of them. Beyond this,

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "server/http/host.hpp"
+
 namespace teracell {
 namespace {
 
@@ -15,13 +17,7 @@ bool consists_of(std::string_view text, std::string_view others) {
   return std::ranges::all_of(text, [&](char c) { return is_alnum(c) || others.find(c) != others.npos; });
 }
 
-bool is_host(std::string_view text) { return !text.empty() && text.size() <= 255 && consists_of(text, ".:[]_-"); }
-
-char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
-
-bool same_word(std::string_view a, std::string_view b) {
-  return std::ranges::equal(a, b, [](char x, char y) { return lower(x) == lower(y); });
-}
+bool fits_link(std::string_view host) { return is_authority(host) && consists_of(host, ".:[]_-"); }
 
 std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
@@ -44,7 +40,7 @@ std::string_view next_piece(std::string_view& rest, char separator) {
 bool is_refused(std::string_view parameters) {
   while (!parameters.empty()) {
     const std::string_view p = next_piece(parameters, ';');
-    if (p.size() > 2 && lower(p[0]) == 'q' && p[1] == '=') return p.substr(2).find_first_not_of("0.") == p.npos;
+    if (p.size() > 2 && same_word(p.substr(0, 2), "q=")) return p.substr(2).find_first_not_of("0.") == p.npos;
   }
   return false;
 }
@@ -65,6 +61,7 @@ std::string_view reason(int status) {
     case 405: return "Method Not Allowed";
     case 413: return "Content Too Large";
     case 414: return "URI Too Long";
+    case 421: return "Misdirected Request";
     case 431: return "Request Header Fields Too Large";
     case 500: return "Internal Server Error";
     case 503: return "Service Unavailable";
@@ -91,12 +88,12 @@ void append_field(std::string& out, std::string_view name, std::string_view valu
 }  // namespace
 
 void Head::clear() {
-  for (std::string* s :
-       {&method, &target, &host, &if_none_match, &accept_encoding, &authorization, &forwarded_proto, &forwarded_host, &forwarded_prefix})
+  for (std::string* s : {&method, &target, &host, &origin, &if_none_match, &accept_encoding, &authorization, &forwarded_proto, &forwarded_host,
+                         &forwarded_prefix, &resource})
     s->clear();
   hosts = 0;
   http11 = true;
-  has_transfer_encoding = false;
+  https = expects_continue = has_transfer_encoding = false;
 }
 
 bool is_base_path(std::string_view text) {
@@ -124,25 +121,36 @@ bool bears_token(std::string_view authorization, std::string_view token) {
   return different == 0;
 }
 
+bool read_target(Head& head) {
+  std::string_view target = head.target;
+  if (head.method == "CONNECT" || (head.method == "OPTIONS" && target == "*")) return true;  // both are answered whatever they name
+  if (!target.starts_with('/')) {
+    const auto has = [&](std::string_view scheme) { return same_word(target.substr(0, scheme.size()), scheme); };
+    head.https = has("https://");
+    if (!head.https && !has("http://")) return false;
+    target.remove_prefix(head.https ? 8 : 7);
+    head.host.assign(target.substr(0, target.find_first_of("/?")));
+    target.remove_prefix(head.host.size());
+    if (!is_authority(head.host)) return false;
+    if (!target.starts_with('/')) head.resource = '/';
+  }
+  head.resource += target;
+  return true;
+}
+
 void fill_request(Request& out, const Head& head, std::string_view base_path, std::string_view local) {
   out.method = head.method;
   out.if_none_match = head.if_none_match;
   out.accepts_gzip = head.method != "HEAD" && accepts_gzip(head.accept_encoding);
   const std::string_view host = first_of(head.forwarded_host);
-  out.origin.assign(same_word(first_of(head.forwarded_proto), "https") ? "https://" : "http://");
-  out.origin.append(is_host(host) ? host : is_host(head.host) ? std::string_view(head.host) : local);
+  const std::string_view scheme = first_of(head.forwarded_proto);
+  out.origin.assign(same_word(scheme, "https") || (scheme.empty() && head.https) ? "https://" : "http://");
+  out.origin.append(fits_link(host) ? host : fits_link(head.host) ? std::string_view(head.host) : local);
   std::string_view forwarded = first_of(head.forwarded_prefix);
   if (forwarded.ends_with('/')) forwarded.remove_suffix(1);
   out.prefix.assign(is_base_path(forwarded) ? forwarded : "");
   out.prefix.append(base_path);
-  // The form for proxies has the scheme and the host in front (RFC 9112, 3.2.2).
-  std::string_view target = head.target;
-  for (const std::string_view scheme : {"http://", "https://"})
-    if (target.starts_with(scheme)) {
-      const size_t slash = target.find('/', scheme.size());
-      target = slash == target.npos ? "/" : target.substr(slash);
-    }
-  out.target.assign(target);
+  out.target = head.resource;
 }
 
 bool take_off_base(std::string& target, std::string_view base) {
@@ -159,7 +167,9 @@ void append_head(std::string& out, const Response& r, const Sending& sending) {
   out += reason(r.status);
   out += "\r\nServer: teracell\r\nDate: ";
   out += sending.date;
-  out += "\r\nAccess-Control-Allow-Origin: *\r\nAccess-Control-Expose-Headers: *\r\nX-Content-Type-Options: nosniff\r\n";
+  out += "\r\nX-Content-Type-Options: nosniff\r\n";
+  if (!sending.origin.empty()) append_field(out, "Access-Control-Expose-Headers: *\r\nAccess-Control-Allow-Origin: ", sending.origin);
+  if (sending.origin != "*") out += "Vary: Origin\r\n";
   if (r.status != 204 && r.status != 304) {
     if (!r.content_type.empty()) append_field(out, "Content-Type: ", r.content_type);
     out += "Content-Length: ";

@@ -33,9 +33,6 @@ std::string decoded(std::string_view text) {
   return out;
 }
 
-// Text from a client, cut so that a message can show it.
-std::string shown(std::string_view text) { return fmt::format("'{}{}'", text.substr(0, 48), text.size() > 48 ? "..." : ""); }
-
 }  // namespace
 
 const std::string* Target::find(std::string_view key) const {
@@ -51,9 +48,11 @@ const std::string* Target::find(std::string_view key) const {
 void Target::allow(std::initializer_list<std::string_view> known) const {
   for (const auto& [name, value] : query)
     if (std::ranges::find(known, name) == known.end())
-      throw bad_request(fmt::format("there is no parameter {}; expected {}", shown(name),
+      throw bad_request(fmt::format("there is no parameter {}; expected {}", clipped(name),
                                     known.size() == 0 ? std::string("none") : fmt::format("one of {}", fmt::join(known, ", "))));
 }
+
+std::string clipped(std::string_view text) { return fmt::format("'{}{}'", text.substr(0, 48), text.size() > 48 ? "..." : ""); }
 
 Target parse_target(std::string_view target) {
   if (!target.starts_with('/')) throw bad_request("expected an address that begins with '/'");
@@ -95,7 +94,7 @@ int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int
   int64_t value = 0;
   const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (text.empty() || stop != text.data() + text.size() || error != std::errc{} || value < lo || value > hi)
-    throw bad_request(fmt::format("{}: expected a whole number from {} to {}, found {}", name, lo, hi, shown(text)));
+    throw bad_request(fmt::format("{}: expected a whole number from {} to {}, found {}", name, lo, hi, clipped(text)));
   return value;
 }
 
@@ -109,7 +108,7 @@ std::vector<int64_t> integers(std::string_view text, size_t count, std::string_v
     out.push_back(value);
   }
   if (!good || out.size() != count)
-    throw bad_request(fmt::format("{}: expected {} whole numbers separated by commas, found {}", name, count, shown(text)));
+    throw bad_request(fmt::format("{}: expected {} whole numbers separated by commas, found {}", name, count, clipped(text)));
   return out;
 }
 

@@ -23,6 +23,7 @@ struct Target {
 // control characters. "." and ".." are segments like others: no segment ever becomes part of a file's path.
 Target parse_target(std::string_view target);
 
+std::string clipped(std::string_view text);  // text from a client, quoted, and cut so that a message can show it
 std::string_view path_of(std::string_view target);  // without its query
 
 // The parts between separators: one more than there are separators.

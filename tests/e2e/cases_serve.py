@@ -40,11 +40,11 @@ class Serving(ServeCase):
         zipped = server.get("/api/v1/grids/g", Accept_Encoding="gzip")
         if zipped.headers["Content-Encoding"]:
             self.assertEqual(gzip.decompress(zipped.body), body)
-        options = server.get(TILE + ".png", "OPTIONS", Origin="http://elsewhere", Access_Control_Request_Headers="range")
+        options = server.get(TILE + ".png", "OPTIONS", Origin="http://localhost:3000", Access_Control_Request_Headers="range")
         self.assertEqual((options.status, options.body), (204, b""))
         self.assertIn("range", options.headers["Access-Control-Allow-Headers"])
+        self.assertEqual(options.headers["Access-Control-Allow-Origin"], "http://localhost:3000")
         for a in [options, head, server.get("/nowhere")]:
-            self.assertEqual(a.headers["Access-Control-Allow-Origin"], "*")
             self.assertEqual(a.headers["X-Content-Type-Options"], "nosniff")
             self.assertRegex(a.headers["Date"], r"\w{3}, \d\d \w{3} \d{4} \d\d:\d\d:\d\d GMT")
         self.stop(server)
@@ -91,6 +91,48 @@ class Serving(ServeCase):
         self.assertEqual(info["id"], "https://maps.example/sub/base/iiif/g-z-5")
         info = server.get("/base/iiif/g-z-5/info.json", X_Forwarded_Host="a\"<b", X_Forwarded_Prefix="//evil.example").json()
         self.assertEqual(info["id"], f"http://127.0.0.1:{server.port}/base/iiif/g-z-5")
+        self.stop(server)
+
+    def test_what_only_pages_of_this_machine_may_read(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        for host in [f"127.0.0.1:{server.port}", f"localhost:{server.port}", "[::1]", "grids.localhost"]:
+            self.assertEqual(server.get("/api/v1/grids", Host=host).status, 200, host)
+        for path in ["/api/v1/grids", "/", "/healthz", TILE + ".png"]:
+            refused = server.get(path, Host=f"evil.example:{server.port}")
+            self.assertEqual((refused.status, refused.json()["error"]["code"]), (421, "misdirected"))
+            self.assertRegex(refused.json()["error"]["message"], r"^Host: expected localhost.*found 'evil\.example:\d+'.*--allow-host NAME")
+        for origin, given in [("https://evil.example", None), ("null", None), ("http://localhost:3000", "http://localhost:3000")]:
+            for path in ["/api/v1/grids", "/nowhere"]:
+                headers = server.get(path, Origin=origin).headers
+                self.assertEqual((headers["Access-Control-Allow-Origin"], "Origin" in headers.get_all("Vary")), (given, True))
+        got = server.raw(b"GET http://evil.example/api/v1/grids HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+        self.assertTrue(got.startswith(b"HTTP/1.1 421 Misdirected Request\r\n"), got[:100])
+        self.stop(server)
+
+    def test_hosts_and_origins_that_are_allowed(self):
+        self.grid()
+        self.write("token", "s3cret")
+        names = ["--allow-host", "a.example", "--allow-host", "b.example", "--allow-origin", "https://c.example", "--allow-origin", "http://d.example:81"]
+        every = ["--allow-host", "*", "--allow-origin", "*"]
+        for options, free in [(names, False), (every, True), (["--host", "0.0.0.0"], True), (["--token-file", "token"], True),
+                              (["--token-file", "token", *names], False)]:
+            server = self.serve(*options, "g.tcell")  # an option takes one value: the grid isn't a second one
+            for host, status in [("a.example", 200), ("b.example:8080", 200), ("localhost", 200), ("other.example", 200 if free else 421)]:
+                self.assertEqual(server.get("/healthz", Host=host).status, status, (options, host))
+            for origin in ["https://c.example", "http://d.example:81", "http://127.0.0.1:5173", "https://other.example"]:
+                expected = "*" if free else None if "other" in origin else origin
+                headers = server.get("/api/v1/grids", Origin=origin).headers
+                self.assertEqual(headers["Access-Control-Allow-Origin"], expected, (options, origin))
+                self.assertEqual("Origin" in headers.get_all("Vary", []), not free)
+            self.stop(server, problems=int("0.0.0.0" in options))
+
+    def test_a_body_that_waits_for_leave(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        for method, status in [(b"GET", b"200"), (b"POST", b"405")]:
+            got = server.raw(method + b" /healthz HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\nContent-Length: 5\r\n\r\n")
+            self.assertTrue(got.startswith(b"HTTP/1.1 " + status), got[:100])
         self.stop(server)
 
     def test_a_token(self):
@@ -202,6 +244,8 @@ class ServeUsage(ServeCase):
             (["--request-timeout", "'x'"], ["g.tcell", "--request-timeout", "x"]),
             (["--token-file empty", "first line", "an empty one"], ["g.tcell", "--token-file", "empty"]),
             (["--token-file spaced", "other characters"], ["g.tcell", "--token-file", "spaced"]),
+            (["--allow-host: expected a host name without a port", "'h:80'"], ["g.tcell", "--allow-host", "h:80"]),
+            (["--allow-origin: expected an origin", "'example.org'"], ["g.tcell", "--allow-origin", "example.org"]),
             (["--host", "expected an address"], ["g.tcell", "--host", ""]),
         ]:
             self.refused(2, phrases, "serve", *args)

@@ -14,6 +14,8 @@ class Limits(ServeCase):
         for status, data in [
             (400, b"nonsense\r\n\r\n"),
             (400, b"GET / HTTP/1.1\r\n\r\n"),
+            (400, b"GET / HTTP/1.1\r\nHost: a b\r\n\r\n"),
+            (400, b"GET * HTTP/1.1\r\nHost: h\r\n\r\n"),
             (400, b"GET / HTTP/1.1\r\nHost: h\r\nbad field\r\n\r\n"),
             (400, b"GET / HTTP/1.1\r\nHost: h\r\nContent-Length: -1\r\n\r\n"),
             (413, b"GET / HTTP/1.1\r\nHost: h\r\nContent-Length: 100000\r\n\r\n" + b"x" * 100000),
@@ -81,7 +83,7 @@ class Ending(ServeCase):
     def slow_download(self, server, count=200):
         """A client that has asked for 52 MB and has read nothing yet."""
         s = server.socket(receive=4096)
-        s.sendall(f"GET {TILE}.bin HTTP/1.1\r\nHost: h\r\n\r\n".encode() * count)
+        s.sendall(f"GET {TILE}.bin HTTP/1.1\r\nHost: localhost\r\n\r\n".encode() * count)
         time.sleep(0.5)
         return s
 

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "server/http/host.hpp"
 #include "server/http/listener.hpp"
 #include "server/http/token.hpp"
 #include "server/http/wire.hpp"
@@ -24,7 +25,7 @@ namespace teracell {
 namespace {
 
 struct ServeArguments {
-  std::vector<std::string> grids;
+  std::vector<std::string> grids, allow_hosts, allow_origins;
   std::string host = "127.0.0.1", cache = "256M", base_path, token_file, web, log = "text";
   int port = 8080, threads = 0;
   uint64_t max_pixels = uint64_t{1} << 26, max_connections = 1024;
@@ -59,6 +60,12 @@ std::string base_path(std::string text) {
   if (!is_base_path(text))
     throw UsageError(fmt::format("--base-path: expected a path like /grids, of letters, digits and . _ ~ -, found '{}'", text));
   return text;
+}
+
+std::vector<std::string> each_is(const std::vector<std::string>& given, bool (*good)(std::string_view), const char* expected) {
+  for (const std::string& g : given)
+    if (g != "*" && !good(g)) throw UsageError(fmt::format("{}, found '{}'", expected, g));
+  return given;
 }
 
 // Allows descriptors for all connections and for the grids, as far as the system permits.
@@ -96,6 +103,9 @@ void run(const ServeArguments& o) {
   listen.threads = threads_or_all(o.threads);
   listen.base_path = base_path(o.base_path);
   if (!o.token_file.empty()) listen.token = for_option("--token-file", [&] { return read_token(o.token_file); });
+  listen.allowed_hosts = each_is(o.allow_hosts, is_host_name, "--allow-host: expected a host name without a port, or *");
+  listen.allowed_origins = each_is(o.allow_origins, is_web_origin, "--allow-origin: expected an origin like https://example.org, or *");
+  listen.host_hint = ": give --allow-host NAME to teracell serve, if this name is right";
   listen.max_connections = o.max_connections;
   listen.request_timeout = milliseconds(o.request_timeout);
   listen.idle_timeout = milliseconds(o.idle_timeout);
@@ -141,6 +151,13 @@ Run setup_serve(CLI::App& app) {
   app.add_option("--max-pixels", o->max_pixels, "the most pixels of one picture (default 67108864)")->check(in_range(1, 1e12));
   app.add_option("--base-path", o->base_path, "serve below this path, such as /grids (default: at the root)");
   app.add_option("--token-file", o->token_file, "a file whose first line is the token that clients must send (Authorization: Bearer TOKEN)");
+  app.add_option("--allow-host", o->allow_hosts,
+                 "a name that clients may use for this server; repeatable, * for any (default: loopback names such as localhost; any with a token or "
+                 "another --host)")
+      ->allow_extra_args(false);
+  app.add_option("--allow-origin", o->allow_origins,
+                 "an origin such as https://example.org whose web pages may read the grids; repeatable, * for any (default: as for --allow-host)")
+      ->allow_extra_args(false);
   app.add_option("--web", o->web, "serve the page at / from this folder instead of the program's own, for work on it");
   app.add_option("--log", o->log, "one line per request on stderr: text (default), json or none")->check(one_of({"text", "json", "none"}));
   app.add_option("--max-connections", o->max_connections, "the most connections at once (default 1024)")->check(in_range(1, 1e6));

@@ -1,6 +1,7 @@
 // Requests as bytes: in pieces, and several in a row.
 #include "server/http/head_parser.hpp"
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 using namespace teracell;
@@ -76,6 +77,53 @@ TEST_CASE("one empty line before a request is ignored, a second one is refused",
   CHECK(parser.put(line) == HeadParser::kMore);
   CHECK(line.empty());
   CHECK_FALSE(parser.begun());  // a client that ends its requests with an empty line is idle, not slow
+}
+
+TEST_CASE("a body that the client holds back until it is asked for is not waited for", "[server][wire]") {
+  const auto post = [](const std::string& version, const std::string& fields) {
+    return parsed(fmt::format("POST / HTTP/{}\r\nHost: h\r\nConnection: keep-alive\r\n{}\r\n", version, fields));
+  };
+  const Parsed p = post("1.1", "Expect: 100-Continue\r\nContent-Length: 5\r\n");
+  CHECK(p.progress == HeadParser::kWhole);
+  CHECK_FALSE(p.keep_alive);  // the body may come or not: what follows can't be told from a request
+  CHECK(post("1.1", "Expect: 100-continue\r\nContent-Length: 8193\r\n").status == 413);
+  CHECK(post("1.1", "Expect: 100-continue\r\nContent-Length: 0\r\n").keep_alive);
+  CHECK(post("1.1", "Expect: 100-continue\r\n").keep_alive);
+  CHECK(post("1.0", "Expect: 100-continue\r\nContent-Length: 5\r\n").progress == HeadParser::kMore);  // RFC 9110, 10.1.1
+  CHECK(post("1.1", "Expect: something\r\nContent-Length: 5\r\n").progress == HeadParser::kMore);
+}
+
+TEST_CASE("a Host field that can't be one is refused", "[server][wire]") {
+  const auto host = [](const std::string& value) { return parsed("GET / HTTP/1.1\r\nHost:" + value + "\r\n\r\n").status; };
+  for (const char* good : {"h", " h:80 ", " [::1]:80", " a.b-c_d"}) CHECK(host(good) == 0);
+  for (const char* bad : {"", " ", " a b", " h/x", " http://h", " user@h", " h:x", " [::1", " h,h2/", " <h>", " h\\", " h#x"}) {
+    INFO(bad);
+    CHECK(host(bad) == 400);
+  }
+  CHECK(parsed("GET / HTTP/1.0\r\nHost: a b\r\n\r\n").status == 400);
+  CHECK(parsed("GET http://good/ HTTP/1.1\r\nHost: a b\r\n\r\n").status == 400);
+  CHECK(parsed("GET http://good/ HTTP/1.1\r\n\r\n").status == 400);
+  Head head;
+  HeadParser parser(head);
+  const std::string text = "GET / HTTP/1.1\r\nHost: " + std::string(9000, '@') + "\r\n\r\n";
+  std::string_view bytes = text;
+  REQUIRE(parser.put(bytes) == HeadParser::kRefused);
+  CHECK(parser.refusal().body->size() < 200);
+}
+
+TEST_CASE("a target of no form, or of another method's, is refused", "[server][wire]") {
+  const auto target = [](const std::string& method, const std::string& value) {
+    return parsed(method + " " + value + " HTTP/1.1\r\nHost: h\r\n\r\n").status;
+  };
+  for (const char* good : {"/", "//", "/?a", "http://h", "HTTP://H/a", "hTTps://h:1/?b"}) CHECK(target("GET", good) == 0);
+  for (const char* bad :
+       {"*", "h:80", "a", "?a", "http:", "http:/a", "http://", "http:///a", "http://?a", "ftp://h/", "http://u@h/", "http://h:x/", "http://h#a"}) {
+    INFO(bad);
+    CHECK(target("GET", bad) == 400);
+  }
+  CHECK(target("OPTIONS", "*") == 0);
+  CHECK(target("OPTIONS", "h:80") == 400);
+  CHECK(target("CONNECT", "h:80") == 0);
 }
 
 TEST_CASE("heads that are refused", "[server][wire]") {

@@ -117,6 +117,8 @@ struct Fixture {
   explicit Fixture(ListenerOptions o = {}, int log_descriptor = -1) : log(log_descriptor < 0 ? LogFormat::kNone : LogFormat::kText, log_descriptor) {
     o.port = 0;
     if (o.threads == 1) o.threads = 2;
+    for (std::vector<std::string>* allowed : {&o.allowed_hosts, &o.allowed_origins})
+      if (allowed->empty()) *allowed = {"*"};
     const auto answer = [](const Request& r) {
       Response a{.content_type = "text/plain", .route = "echo"};
       a.body = body_of(r.target == "/big" ? std::string(64 << 20, 'b')
@@ -232,6 +234,64 @@ TEST_CASE("requests that the listener refuses", "[server][listener]") {
   std::string many = "GET / HTTP/1.1\r\n" + host;
   for (int i = 0; i < 3000; ++i) many += fmt::format("X{}: y\r\n", i);
   CHECK(status_of(f, many) == 431);  // even without an end
+}
+
+TEST_CASE("a client that waits for leave to send a body gets its answer at once", "[server][listener]") {
+  Fixture f;
+  for (const auto& [method, status] : {std::pair("GET", 200), {"POST", 405}}) {
+    Client c = f.client();
+    c.send(fmt::format("{} /a HTTP/1.1\r\nHost: h\r\nExpect: 100-continue\r\nContent-Length: 8\r\n\r\n", method));
+    const auto a = c.answer();
+    CHECK(a.status == status);
+    CHECK(a.has("Connection: close"));
+    CHECK(c.closed());
+  }
+}
+
+TEST_CASE("a target with scheme and host means its own path and host", "[server][listener]") {
+  Fixture f;
+  Client c = f.client();
+  c.get("http://other:1/a?b");
+  CHECK(c.answer().body == "GET /a?b http://other:1  false");
+  c.get("HTTP://other?x=/healthz");
+  CHECK(c.answer().body == "GET /?x=/healthz http://other  false");
+  CHECK(status_of(f, "OPTIONS * HTTP/1.1\r\nHost: h\r\n\r\n") == 204);
+  CHECK(status_of(f, "CONNECT h:80 HTTP/1.1\r\nHost: h:80\r\n\r\n") == 405);
+  CHECK(status_of(f, "GET * HTTP/1.1\r\nHost: h\r\n\r\n") == 400);
+}
+
+TEST_CASE("hosts and origins that are not allowed", "[server][listener]") {
+  Fixture f({.allowed_hosts = {"grids.example"}, .allowed_origins = {"https://viewer.example"}, .host_hint = ": do this"});
+  const auto status = [&](const std::string& method, const std::string& target, const std::string& host) {
+    return status_of(f, fmt::format("{} {} HTTP/1.1\r\nHost: {}\r\n\r\n", method, target, host));
+  };
+  for (const char* target : {"/a", "/healthz", "/open"})
+    for (const char* method : {"GET", "OPTIONS"}) {
+      CHECK(status(method, target, "evil.example") == 421);
+      CHECK(status(method, target, "127.0.0.1") < 300);
+      CHECK(status(method, target, "grids.example:99") < 300);
+    }
+  CHECK(status("GET", "http://evil.example/a", "localhost") == 421);
+  CHECK(status("GET", "http://localhost/a", "evil.example") == 200);
+  CHECK(status_of(f, "GET /a HTTP/1.0\r\n\r\n") == 200);  // no browser sends this
+  Client c = f.client();
+  c.get("/a");
+  const auto refused = c.answer();
+  CHECK(refused.body.find("found 'h': do this\"") != std::string::npos);
+  CHECK_FALSE(refused.has("Connection: close"));
+
+  const auto get = [&](const std::string& fields) {
+    c.send("GET /a HTTP/1.1\r\nHost: localhost\r\n" + fields + "\r\n");
+    return c.answer();
+  };
+  for (const char* allowed : {"https://viewer.example", "http://localhost:3000"})
+    CHECK(get(fmt::format("Origin: {}\r\n", allowed)).has(fmt::format("Access-Control-Allow-Origin: {}", allowed)));
+  for (const char* other : {"Origin: https://evil.example\r\n", "Origin: null\r\n", ""}) {
+    const auto a = get(other);
+    CHECK(a.status == 200);
+    CHECK(a.has("Vary: Origin"));
+    CHECK(a.head.find("Access-Control-Allow-Origin") == std::string::npos);
+  }
 }
 
 TEST_CASE("an exception of a handler becomes an answer, and the connection stays open", "[server][listener]") {
@@ -548,6 +608,7 @@ TEST_CASE("many clients at once, answers that change meanwhile, then a stop", "[
   ListenerOptions o;
   o.port = 0;
   o.threads = 3;
+  o.allowed_hosts = {"*"};
   Listener listener(o,
                     with_operations({[&](const Request& r) { return turn++ % 3 ? std::optional(answer(r)) : std::nullopt; }, answer}, metrics,
                                     [] { return ServerState{}; }),

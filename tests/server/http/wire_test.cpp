@@ -17,7 +17,9 @@ Head head_for(std::string target) {
 
 Request request_of(const Head& head, std::string_view base_path = "") {
   Request r;
-  fill_request(r, head, base_path, "127.0.0.1:8080");
+  Head read = head;
+  REQUIRE(read_target(read));
+  fill_request(r, read, base_path, "127.0.0.1:8080");
   return r;
 }
 
@@ -82,6 +84,14 @@ TEST_CASE("of a target with scheme and host the path is used", "[server][wire]")
   CHECK(request_of(head_for("/a?b=http://c/")).target == "/a?b=http://c/");
   CHECK(request_of(head_for("http://example.org/a?b")).target == "/a?b");
   CHECK(request_of(head_for("https://example.org")).target == "/");
+  CHECK(request_of(head_for("http://h?x=/healthz")).target == "/?x=/healthz");
+  CHECK(request_of(head_for("HTTP://H/a")).target == "/a");
+  CHECK(request_of(head_for("http://h//evil/x")).target == "//evil/x");
+  CHECK(request_of(head_for("http://other:1/a")).origin == "http://other:1");  // not that of the Host field
+  CHECK(request_of(head_for("https://other")).origin == "https://other");
+  Head forwarded = head_for("https://other/a");
+  forwarded.forwarded_proto = "http";
+  CHECK(request_of(forwarded).origin == "http://other");
 }
 
 TEST_CASE("the base path is removed in whole segments only", "[server][wire]") {
@@ -128,6 +138,14 @@ TEST_CASE("a response's head", "[server][wire]") {
   CHECK(has_line(head_of(r, {true, false, "DATE"}), "Connection: keep-alive"));
   r.content_type = "image/png";
   CHECK(head_of(r).find("Vary") == std::string::npos);
+}
+
+TEST_CASE("when not every page may read an answer, caches are told that it depends on the page", "[server][wire]") {
+  const std::string allowed = head_of({}, {true, true, "DATE", "http://localhost:1"}), other = head_of({}, {true, true, "DATE", ""});
+  CHECK(has_line(allowed, "Access-Control-Allow-Origin: http://localhost:1"));
+  CHECK((has_line(allowed, "Vary: Origin") && has_line(other, "Vary: Origin")));
+  CHECK(other.find("Access-Control-Allow-Origin") == std::string::npos);
+  CHECK(head_of({}).find("Origin\r\n") == std::string::npos);
 }
 
 TEST_CASE("fields that depend on the status", "[server][wire]") {

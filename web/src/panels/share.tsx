@@ -7,7 +7,7 @@ import type { Viewer } from "../state/viewer";
 import { save_picture } from "../views/picture";
 import { CodeLine, CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
-import { type Door, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
+import { type Door, NEUROGLANCER, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
 
 const link = (viewer: Viewer) => `${location.href.split("#")[0]}${address_of(viewer)}`;
 
@@ -49,8 +49,9 @@ function neuroglancer_note(): string {
   if (has_token()) return "Neuroglancer can't send this server's token, so the server will refuse it.";
   const fetches = "Neuroglancer runs in your browser and fetches the cells from this server";
   if (["localhost", "127.0.0.1", "[::1]"].includes(location.hostname))
-    return `${fetches}. That works on this machine; the browser may ask for your permission.`;
-  if (location.protocol === "https:") return `${fetches}, so your browser must be able to reach the server.`;
+    return `${fetches}, which must have been started with --allow-origin ${NEUROGLANCER}. The browser may ask for your permission.`;
+  if (location.protocol === "https:")
+    return `${fetches}, so your browser must be able to reach it. Behind a proxy it may need --allow-origin ${NEUROGLANCER}.`;
   const under_https = "Neuroglancer is a page under https, and browsers don't let such a page fetch from a server under plain http.";
   return `${under_https} Put a server with https in front of this one.`;
 }

@@ -11,6 +11,8 @@ export interface Door {
   note?: string;
 }
 
+export const NEUROGLANCER = "https://neuroglancer-demo.appspot.com";
+const IN_PAGES = "for pages of other sites, start the server with --allow-origin";
 const FITTED = 480; // pixels for the longest side when no zoom is known, as in the layout with the overview alone
 const MOST_CELLS = 256 ** 3; // of the level that the lines ask for, so that it comes at once
 
@@ -66,16 +68,16 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
         `const array = await zarr.open(new zarr.FetchStore("${zarr3}/${level}"), { kind: "array" });`,
         `const cells = await zarr.get(array, [${at(z)}, null, null]);`,
       ].join("\n"),
-      note: "Zarr v3, OME-Zarr 0.5",
+      note: `Zarr v3, OME-Zarr 0.5; ${IN_PAGES}`,
     },
     {
       language: "html",
       name: "OpenSeadragon (Deep Zoom)",
       address: dzi,
       lines: `OpenSeadragon({ id: "view", tileSources: "${dzi}" });`,
-      note: "the slice across z at the crosshair",
+      note: `the slice across z at the crosshair; ${IN_PAGES}`,
     },
-    { language: "html", name: "IIIF viewers", address: `${root}/iiif/${id}-z-${z}/info.json`, lines: null, note: "the same slice" },
+    { language: "html", name: "IIIF viewers", address: `${root}/iiif/${id}-z-${z}/info.json`, lines: null, note: `the same slice; ${IN_PAGES}` },
     {
       language: "shell",
       name: "curl",
@@ -117,4 +119,4 @@ export function neuroglancer_state(info: GridInfo, root: string, cell: Index3, l
   };
 }
 
-export const neuroglancer_link = (state: object): string => `https://neuroglancer-demo.appspot.com/#!${encodeURIComponent(JSON.stringify(state))}`;
+export const neuroglancer_link = (state: object): string => `${NEUROGLANCER}/#!${encodeURIComponent(JSON.stringify(state))}`;
