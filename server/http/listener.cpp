@@ -138,6 +138,7 @@ void Listener::State::stop() {
     error_code ignored;
     acceptor->close(ignored);
     signals->clear(ignored);  // the next signal has its usual effect
+    signals->cancel(ignored);
     for (const auto& loop : loops) asio::post(loop->io, [&l = *loop] { l.stop(); });
   });
 }

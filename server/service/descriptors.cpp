@@ -25,8 +25,8 @@ DescriptorShares allowed_descriptors(const DescriptorShares& wanted, uint64_t al
   const uint64_t least = wanted.others + std::min(wanted.connections, kLeast) + kLeast;
   if (allowed < least)
     throw IoError(
-        fmt::format("expected at least {0} descriptors, better {1}, found {2} allowed by the system: raise the limit, with 'ulimit -n {1}' "
-                    "in a shell or LimitNOFILE={1} in a unit of systemd",
+        fmt::format("expected a limit of at least {0} descriptors ({1} for all connections and grids), found {2}: raise it with "
+                    "'ulimit -n {1}' in a shell, or with LimitNOFILE={1} in a systemd unit",
                     least, wanted.all(), allowed));
   const uint64_t rest = allowed - wanted.others;
   const uint64_t left = rest - std::min(rest, wanted.connections);  // for files, if connections had all they want

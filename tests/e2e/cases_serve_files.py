@@ -19,7 +19,7 @@ def few_descriptors(count):
 class Descriptors(ServeCase):
     def test_too_few_are_refused_with_what_is_needed(self):
         self.grid()
-        err = self.refused(1, ["expected at least", "found 8 allowed", "ulimit -n", "LimitNOFILE"], "serve", "g.tcell", "--port", 0,
+        err = self.refused(1, ["expected a limit of at least", "found 8:", "ulimit -n", "LimitNOFILE"], "serve", "g.tcell", "--port", 0,
                            preexec_fn=few_descriptors(8))
         enough = int(err.split("at least ")[1].split()[0])
         server = self.serve("g.tcell", preexec_fn=few_descriptors(enough))

@@ -27,7 +27,7 @@ TEST_CASE("A text is cut in the middle when it is too long for a message, betwee
   const std::string fits(kLongestMessage, 'x');
   REQUIRE(shortened(fits) == fits);
   REQUIRE(shortened("") == "");
-  for (const std::string& character : {"x", "é", "鋼", "🏟"})
+  for (const std::string character : {"x", "é", "鋼", "🏟"})
     for (size_t before = 0; before < 4; ++before) {
       std::string text(before, 'b');
       while (text.size() <= 3 * kLongestMessage) text += character;
