@@ -94,14 +94,19 @@ const char* kind_of(const std::filesystem::file_status& found) {
 
 }  // namespace
 
-InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+FileState state_of(const struct stat& s) {
+  return {s.st_dev, s.st_ino, static_cast<uint64_t>(s.st_size), int64_t{s.st_mtim.tv_sec} * 1'000'000'000 + s.st_mtim.tv_nsec};
+}
+
+// O_NONBLOCK: a pipe is refused, not waited for.
+InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
   if (fd_ < 0) throw IoError(fmt::format("{}: can't open: {}", name_, std::strerror(errno)));
   struct stat st;
   if (::fstat(fd_, &st) != 0 || !S_ISREG(st.st_mode)) {
     ::close(fd_);
     throw IoError(fmt::format("{}: expected a file, found {}", name_, S_ISDIR(st.st_mode) ? "a folder" : "a device or a pipe"));
   }
-  size_ = static_cast<uint64_t>(st.st_size);
+  state_ = state_of(st);
 }
 
 InputFile::~InputFile() { ::close(fd_); }

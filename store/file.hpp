@@ -7,6 +7,8 @@
 
 #include "store/bytes.hpp"
 
+struct stat;
+
 namespace teracell {
 
 // Where bytes can be read at any offset. Threads may share it.
@@ -19,19 +21,28 @@ class ByteSource {
   virtual void read(uint64_t offset, std::span<uint8_t> out) const = 0;
 };
 
+// Tells one state of a file from another.
+struct FileState {
+  uint64_t device = 0, inode = 0, size = 0;
+  int64_t changed = 0;  // nanoseconds
+  friend bool operator==(const FileState&, const FileState&) = default;
+};
+FileState state_of(const struct stat& found);
+
 class InputFile : public ByteSource {
  public:
   explicit InputFile(const std::filesystem::path& path);
   ~InputFile() override;
   InputFile(const InputFile&) = delete;
-  uint64_t size() const override { return size_; }
+  uint64_t size() const override { return state_.size; }
   const std::string& name() const override { return name_; }
   void read(uint64_t offset, std::span<uint8_t> out) const override;
+  const FileState& state() const { return state_; }  // when it was opened
 
  private:
   std::string name_;
   int fd_;
-  uint64_t size_;
+  FileState state_;
 };
 
 // A target has one writer: while it holds the lock on "<target>.partial", a second one is refused. Destroyed without

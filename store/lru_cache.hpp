@@ -39,6 +39,15 @@ class LruCache {
     }
   }
 
+  void erase(const Key& key) {
+    std::lock_guard lock(mutex_);
+    const auto it = places_.find(key);
+    if (it == places_.end()) return;
+    bytes_ -= it->second->bytes;
+    entries_.erase(it->second);
+    places_.erase(it);
+  }
+
   CacheCounts counts() const {
     std::lock_guard lock(mutex_);
     return {hits_, misses_, bytes_, entries_.size(), most_};

@@ -21,6 +21,17 @@ std::string printable(std::string_view text) {
   return out;
 }
 
+std::string shortened(std::string_view text) {
+  if (text.size() <= kLongestMessage) return std::string(text);
+  constexpr std::string_view kGap = " [...] ";
+  constexpr size_t kEnd = kLongestMessage / 4;  // a message ends with the reason, and begins with the place
+  size_t head = kLongestMessage - kEnd - kGap.size(), tail = text.size() - kEnd;
+  const auto is_inside = [&](size_t at) { return (static_cast<unsigned char>(text[at]) & 0xc0) == 0x80; };  // of a character
+  for (int i = 0; i < 3 && is_inside(head); ++i) --head;
+  for (int i = 0; i < 3 && is_inside(tail); ++i) ++tail;
+  return std::string(text.substr(0, head)).append(kGap).append(text.substr(tail));
+}
+
 std::string plural(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
 }  // namespace teracell

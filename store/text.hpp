@@ -10,6 +10,10 @@ namespace teracell {
 // hold anything, but terminals obey control characters and JSON can't hold what is not UTF-8.
 std::string printable(std::string_view text);
 
+// The text, of at most kLongestMessage bytes: the middle of a longer one is left out. A damaged file may bring any text into a message.
+inline constexpr size_t kLongestMessage = 1024;
+std::string shortened(std::string_view text);
+
 // "1 chunk", "2 chunks".
 std::string plural(uint64_t n, std::string_view thing);
 

@@ -32,14 +32,19 @@ const char* advice(const error_code& error) {
 
 struct Listener::State {
   State(ListenerOptions options, Handler handler, Metrics& metrics, AccessLog& log) : shared(std::move(options), std::move(handler), metrics, log) {
-    for (int i = 0; i < std::max(1, shared.options.threads); ++i) loops.push_back(std::make_unique<Loop>(shared));
-    acceptor.emplace(loops[0]->io);
-    signals.emplace(loops[0]->io);
+    try {
+      for (int i = 0; i < std::max(1, shared.options.threads); ++i) loops.push_back(std::make_unique<Loop>(shared));
+      acceptor.emplace(loops[0]->io);
+      signals.emplace(loops[0]->io);
+    } catch (const boost::system::system_error& e) {
+      throw IoError(fmt::format("can't start io thread {}: {}", loops.size() + 1, e.what()));
+    }
   }
   // First the pool: its work uses connections, which belong to the loops.
   ~State() { shared.pool.join(); }
 
   void bind();
+  void await_signal();
   Awaitable<void> accept();
   Awaitable<void> accept_one(Loop& loop);
   void stop();
@@ -54,13 +59,9 @@ struct Listener::State {
 Listener::Listener(ListenerOptions options, Handler handler, Metrics& metrics, AccessLog& log)
     : state_(std::make_unique<State>(std::move(options), std::move(handler), metrics, log)) {
   state_->bind();
-  if (state_->shared.options.stop_on_signals) {
-    state_->signals->add(SIGINT);
-    state_->signals->add(SIGTERM);
-    state_->signals->async_wait([s = state_.get()](const error_code& error, int) {
-      if (!error) s->stop();
-    });
-  }
+  if (state_->shared.options.stop_on_signals) state_->signals->add(SIGINT), state_->signals->add(SIGTERM);
+  if (state_->shared.options.on_hangup) state_->signals->add(SIGHUP);
+  state_->await_signal();
 }
 
 Listener::~Listener() = default;
@@ -77,9 +78,9 @@ bool Listener::run() {
     std::vector<std::jthread> others;
     try {
       for (size_t i = 1; i < s.loops.size(); ++i) others.emplace_back([&loop = *s.loops[i]] { run_all(loop.io); });
-    } catch (...) {  // a thread could not be started: the others must not go on
-      for (const auto& loop : s.loops) loop->io.stop();
-      throw;
+    } catch (const std::system_error& e) {
+      for (const auto& loop : s.loops) loop->io.stop();  // the others must not go on
+      throw IoError(fmt::format("can't start io thread {} of {}: {}", others.size() + 2, s.loops.size(), e.code().message()));
     }
     run_all(s.loops[0]->io);
   }
@@ -101,6 +102,14 @@ void Listener::State::bind() {
   if (local.address().is_loopback() && o.token.empty()) return;
   for (std::vector<std::string>* allowed : {&shared.options.allowed_hosts, &shared.options.allowed_origins})
     if (allowed->empty()) allowed->emplace_back("*");
+}
+
+void Listener::State::await_signal() {
+  signals->async_wait([this](const error_code& error, int number) {
+    if (error) return;
+    if (number == SIGHUP && shared.options.on_hangup()) await_signal();
+    else stop();
+  });
 }
 
 // Deals the connections out to the loops in turn.
@@ -132,6 +141,7 @@ void Listener::State::stop() {
     error_code ignored;
     acceptor->close(ignored);
     signals->clear(ignored);  // the next signal has its usual effect
+    signals->cancel(ignored);
     for (const auto& loop : loops) asio::post(loop->io, [&l = *loop] { l.stop(); });
   });
 }

@@ -27,9 +27,9 @@ void run_all(asio::io_context& io) noexcept {
 Pool::Pool(int threads) : io_(threads), work_(io_.get_executor()) {
   try {
     for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { run_all(io_); });
-  } catch (...) {  // a thread could not be started: the others must not wait for work
-    io_.stop();
-    throw;
+  } catch (const std::system_error& e) {
+    io_.stop();  // the others must not wait for work
+    throw IoError(fmt::format("can't start thread {} of {}: {}", threads_.size() + 1, threads, e.code().message()));
   }
 }
 

@@ -41,7 +41,8 @@ void run_all(asio::io_context& io) noexcept;
 // Threads for requests that take long. Not asio::thread_pool: there an exception ends the process.
 class Pool {
  public:
-  explicit Pool(int threads);
+  explicit Pool(int threads);  // throws IoError when a thread can't be started
+  ~Pool() { io_.stop(); }      // without join(): whoever owns it could not be made
   Executor executor() { return io_.get_executor(); }
   void join();  // when everything posted so far is done
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct ListenerOptions {
   Milliseconds answer_timeout{60'000};   // for taking an answer, plus a second for each kSlowest bytes of it
   Milliseconds drain_timeout{10'000};    // for requests under way when the listener stops
   bool stop_on_signals = false;          // SIGINT and SIGTERM; the second one has its usual effect
+  std::function<bool()> on_hangup = {};  // called at SIGHUP, on an io thread: must be quick; false: stop. Not set: SIGHUP has its usual effect
   static constexpr size_t kSlowest = size_t{32} << 10;
 };
 

@@ -10,6 +10,7 @@
 
 #include "server/service/message.hpp"
 #include "store/json_text.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 namespace {
@@ -17,6 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr auto kEvery = std::chrono::milliseconds(500);
+constexpr uint64_t kLongestPause = 120;  // looks
 constexpr size_t kMostGone = 1000;  // files that are gone, and whose ids are still reserved for them
 
 // The *.tcell files of a folder, sorted by name.
@@ -54,6 +56,13 @@ std::string stem_of(const fs::path& path) {
 
 }  // namespace
 
+size_t count_grids(const std::vector<fs::path>& named) {
+  size_t n = 0;
+  std::error_code ignored;
+  for (const fs::path& path : named) n += fs::is_directory(path, ignored) ? grids_in(path, ignored).size() : 1;
+  return n;
+}
+
 Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) : open_(std::move(open)), complain_(std::move(complain)) {
   for (const auto& path : named) {
     std::error_code error;
@@ -72,22 +81,38 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) :
       throw FormatError(with_folder(it->second.error, served.path));
   }
   watch_ = std::jthread([this](const std::stop_token& stop) {
-    std::unique_lock lock(waiting_);
-    while (!stopped_.wait_for(lock, stop, kEvery, [&] { return stop.stop_requested(); })) try {
-        look();
+    for (;;) {
+      bool anew;
+      {
+        std::unique_lock lock(waiting_);
+        woken_.wait_for(lock, stop, kEvery, [&] { return look_soon_; });
+        anew = std::exchange(look_soon_, false);
+      }
+      if (stop.stop_requested()) return;
+      try {
+        look(anew);
       } catch (const std::exception&) {  // out of memory: the last snapshot stays
       }
+    }
   });
 }
 
-void Grids::look() {
+void Grids::look_soon() {
+  {
+    std::lock_guard lock(waiting_);
+    look_soon_ = true;
+  }
+  woken_.notify_all();
+}
+
+void Grids::look(bool anew) {
   std::lock_guard lock(looking_);
   ++looks_;
   auto next = std::make_shared<Snapshot>();
   for (ServedPath& served : served_) {
     if (served.folder) list(served);
     for (const auto& path : served.files)
-      if (const WatchedFile* file = check_file(path);
+      if (const WatchedFile* file = check_file(path, anew);
           file && next->by_id.try_emplace(file->id, Snapshot::GridOrError{file->grid, file->error}).second && file->grid)
         next->readable.push_back(file->grid);
   }
@@ -109,7 +134,7 @@ void Grids::list(ServedPath& served) {
   served.error = error ? fmt::format("{}: can't be read: {}", served.path.string(), error.message()) : "";
 }
 
-Grids::WatchedFile* Grids::check_file(const fs::path& path) {
+Grids::WatchedFile* Grids::check_file(const fs::path& path, bool anew) {
   struct stat s;
   const int error = stat(path.c_str(), &s) == 0 ? 0 : errno;
   if (error == ENOENT || error == ENOTDIR || (error == 0 && !S_ISREG(s.st_mode))) return nullptr;
@@ -124,27 +149,32 @@ Grids::WatchedFile* Grids::check_file(const fs::path& path) {
     if (!file.grid) file.error = fmt::format("{}: {}", path.filename().string(), std::generic_category().message(error));
     return &file;
   }
-  const FileState state{s.st_dev, s.st_ino, static_cast<uint64_t>(s.st_size), int64_t{s.st_mtim.tv_sec} * 1000000000 + s.st_mtim.tv_nsec};
-  if (!file.grid || file.state != state) open(path, file, state);  // a file that could not be opened is tried again
+  const FileState state = state_of(s);
+  if (file.state != state || (!file.grid && (anew || looks_ >= file.next_try))) open(path, file, state);
   return &file;
 }
 
 void Grids::open(const fs::path& path, WatchedFile& file, const FileState& state) {
-  const bool changed = file.state != state;
+  if (file.state != state) file.failures = 0;
   file.state = state;
   file.grid = nullptr;
   file.error = "its file could not be opened";
-  if (changed) file.complained = false;
+  const auto fail = [&](const std::exception& e, bool for_good) {
+    ++file.failures;
+    // Even one that breaks the format is tried twice: it may have been half written, and its time need not tell.
+    file.next_try = for_good && file.failures > 1 ? ~uint64_t{0} : looks_ + std::min(kLongestPause, uint64_t{1} << std::min(file.failures - 1, 20));
+    file.error = shortened(without_folder(e.what(), path));
+    if (file.failures == 2) complain_(with_folder(file.error, path));
+  };
   try {
     const uint64_t number = next_number_++;
     auto reader = open_(path, number);
     const std::string hash = reader->hash();
     file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader)});
+  } catch (const FormatError& e) {
+    fail(e, true);
   } catch (const std::exception& e) {
-    file.error = without_folder(e.what(), path);
-    if (changed || file.complained) return;
-    file.complained = true;
-    complain_(with_folder(file.error, path));
+    fail(e, false);
   }
 }
 

@@ -1,6 +1,8 @@
 // The grids that are served: files named at the start, and every *.tcell directly in a folder named there. A thread looks at the
 // files twice per second, so that no request waits for a disk: a caller gets what was found by the last look. A file that is
-// replaced, added or removed is noticed within a second; a caller that holds the old grid goes on reading it.
+// replaced, added or removed is noticed within a second; a caller that holds the old grid goes on reading it while its descriptor
+// is kept. A file that can't be
+// opened is not tried at each look: not before it changes if it breaks the format, or else after pauses of up to a minute.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -29,6 +31,9 @@ struct ServedGrid {
   const Metadata& meta() const { return file->meta(); }
 };
 
+// How many files are served to begin with; those that can't be found count as none.
+size_t count_grids(const std::vector<std::filesystem::path>& named);
+
 // Threads share it.
 class Grids {
  public:
@@ -54,23 +59,20 @@ class Grids {
     std::string id, error;
   };
   std::vector<Unreadable> unreadable() const;
-  // Looks at the files now. The thread does so every half second.
-  void look();
+  // Looks at the files now. The thread does so every half second. `anew`: tries also files that are not due.
+  void look(bool anew = false);
+  // Makes the thread look anew now. Returns at once. From any thread.
+  void look_soon();
 
  private:
-  // Tells one state of a file from another.
-  struct FileState {
-    uint64_t device = 0, inode = 0, size = 0;
-    int64_t changed = 0;  // nanoseconds
-    friend bool operator==(const FileState&, const FileState&) = default;
-  };
   struct WatchedFile {
     std::string id;
     uint64_t seen = 0;  // the number of the last look that found it
     FileState state;
     std::shared_ptr<const ServedGrid> grid;  // null: `error` says why
     std::string error;
-    bool complained = false;
+    int failures = 0;       // to open it in this state
+    uint64_t next_try = 0;  // the number of a look
   };
   struct ServedPath {
     std::filesystem::path path;
@@ -91,7 +93,7 @@ class Grids {
   };
 
   void list(ServedPath& served);
-  WatchedFile* check_file(const std::filesystem::path& path);  // null when it is not there
+  WatchedFile* check_file(const std::filesystem::path& path, bool anew);  // null when it is not there
   void open(const std::filesystem::path& path, WatchedFile& file, const FileState& state);
   void forget_gone();
   std::string new_id(const std::filesystem::path& path) const;
@@ -110,8 +112,9 @@ class Grids {
   std::shared_ptr<const Snapshot> snapshot_ = std::make_shared<const Snapshot>();
   std::atomic<uint64_t> epoch_ = 0;  // of snapshot_
 
-  std::mutex waiting_;
-  std::condition_variable_any stopped_;
+  std::mutex waiting_;  // guards look_soon_
+  std::condition_variable_any woken_;
+  bool look_soon_ = false;
   std::jthread watch_;  // last: it uses the others
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "store/json_text.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 
@@ -12,7 +13,7 @@ Response error_response(int status, const std::string& code, const std::string& 
   r.status = status;
   r.content_type = "application/json";
   r.cache_control = "no-store";
-  r.body = body_of(fmt::format(R"({{"error":{{"code":"{}","message":{}}}}})", code, ascii_json(message)));
+  r.body = body_of(fmt::format(R"({{"error":{{"code":"{}","message":{}}}}})", code, ascii_json(shortened(message))));
   return r;
 }
 

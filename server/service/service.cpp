@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "server/service/deflate.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 namespace {
@@ -13,8 +14,8 @@ constexpr int kRevision = 1;
 // Counts the reads of a file. Its name has no folder, since messages show it to clients.
 class CountedSource : public ByteSource {
  public:
-  CountedSource(const std::filesystem::path& path, std::shared_ptr<Service::Counters> counters)
-      : file_(path), name_(path.filename().string()), counters_(std::move(counters)) {}
+  CountedSource(const std::filesystem::path& path, std::shared_ptr<Service::Counters> counters, std::shared_ptr<OpenFiles> open)
+      : file_(path, std::move(open)), name_(path.filename().string()), counters_(std::move(counters)) {}
   uint64_t size() const override { return file_.size(); }
   const std::string& name() const override { return name_; }
   void read(uint64_t offset, std::span<uint8_t> out) const override {
@@ -30,7 +31,7 @@ class CountedSource : public ByteSource {
   }
 
  private:
-  InputFile file_;
+  ReopenedFile file_;
   const std::string name_;
   std::shared_ptr<Service::Counters> counters_;
 };
@@ -77,12 +78,13 @@ Service::Service(ServiceOptions options)
       counters_(std::make_shared<Counters>()),
       chunks_(std::make_shared<ChunkCache>(options_.cache_bytes - options_.cache_bytes / 16)),
       index_(std::make_shared<IndexCache>(options_.cache_bytes / 16)),
+      files_(std::make_shared<OpenFiles>(options_.open_files)),
       answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
       grids_(std::make_unique<Grids>(
           options_.named,
-          [counters = counters_, chunks = chunks_, index = index_](const std::filesystem::path& path, uint64_t number) {
-            return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters), std::make_shared<Keeper>(chunks, number),
-                                                      index);
+          [counters = counters_, chunks = chunks_, index = index_, files = files_](const std::filesystem::path& path, uint64_t number) {
+            return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters, files),
+                                                      std::make_shared<Keeper>(chunks, number), index);
           },
           [this](const std::string& message) { complain(message); })) {}
 
@@ -147,7 +149,8 @@ void Service::damaged(const std::string& message) {
 void Service::complain(const std::string& message) {
   constexpr size_t kMostComplaints = 1000;
   std::lock_guard lock(complaints_mutex_);
-  if (complaints_.size() < kMostComplaints && complaints_.insert(message).second && options_.complain) options_.complain(message);
+  if (complaints_.size() >= kMostComplaints) return;
+  if (const auto [said, fresh] = complaints_.insert(shortened(message)); fresh && options_.complain) options_.complain(*said);
 }
 
 }  // namespace teracell

@@ -8,6 +8,7 @@
 
 #include "server/service/grids.hpp"
 #include "server/service/message.hpp"
+#include "server/service/open_files.hpp"
 #include "server/service/target.hpp"
 #include "store/shared_cache.hpp"
 
@@ -27,6 +28,7 @@ struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files and folders
   size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; answers take up to 1/8 of this on top
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
+  size_t open_files = 256;                   // descriptors of grids that are kept
   bool anybody = true;                       // answers are for everybody, so proxies may keep them
   std::function<void(const std::string&)> complain;  // called with each damage that is found, once, on any thread
 };
@@ -79,6 +81,7 @@ class Service {
   std::shared_ptr<Counters> counters_;
   std::shared_ptr<ChunkCache> chunks_;  // shared with the readers, as are the counters and the index
   std::shared_ptr<IndexCache> index_;
+  std::shared_ptr<OpenFiles> files_;
   std::unique_ptr<AnswerCache> answers_;
   std::mutex complaints_mutex_;
   std::set<std::string> complaints_;

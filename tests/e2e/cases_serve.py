@@ -137,7 +137,7 @@ class Serving(ServeCase):
 
     def test_a_token(self):
         self.grid()
-        self.write("token", "s3cret \nsecond line\n")
+        self.token("s3cret \nsecond line\n")
         server = self.serve("g.tcell", "--token-file", "token")
         refused = server.get("/api/v1/grids")
         self.assertEqual((refused.status, refused.headers["WWW-Authenticate"].split()[0]), (401, "Bearer"))
@@ -249,8 +249,8 @@ class ServeUsage(ServeCase):
             (["--host", "expected an address"], ["g.tcell", "--host", ""]),
         ]:
             self.refused(2, phrases, "serve", *args)
-        self.refused(1, ["--token-file nowhere: can't be read: No such file"], "serve", "g.tcell", "--token-file", "nowhere")
-        self.refused(1, ["--token-file .: can't be read: Is a directory"], "serve", "g.tcell", "--token-file", ".")
+        self.refused(1, ["--token-file nowhere: can't open: No such file"], "serve", "g.tcell", "--token-file", "nowhere")
+        self.refused(1, ["--token-file .: expected a file, found a folder"], "serve", "g.tcell", "--token-file", ".")
         self.refused(1, ["teracell: broken.tcell: "], "serve", "broken.tcell")
         self.refused(1, [f"teracell: {self.path('broken.tcell')}: "], "serve", self.path("broken.tcell"))
         self.refused(1, ["--web nowhere", "index.html"], "serve", "g.tcell", "--web", "nowhere")
@@ -265,7 +265,7 @@ class ServeUsage(ServeCase):
 
     def test_a_warning_beyond_loopback_without_a_token(self):
         self.grid()
-        self.write("token", "t")
+        self.token("t")
         server = self.serve("g.tcell", "--host", "0.0.0.0")
         server.signal(15)
         self.assertEqual(server.wait(), 0)

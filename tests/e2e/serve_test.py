@@ -3,4 +3,4 @@
 import program
 
 if __name__ == "__main__":
-    program.main("cases_serve", "cases_serve_limits", "cases_nginx")
+    program.main("cases_serve", "cases_serve_files", "cases_serve_limits", "cases_nginx")

@@ -18,9 +18,9 @@ LINE = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z \S+ \S+ [!-~]+ \d{3} 
 class Server:
     """Runs until stop() or the end of the test. `problems` are the lines of stderr that are not lines of the access log."""
 
-    def __init__(self, folder, *args):
+    def __init__(self, folder, *args, **options):
         self.process = subprocess.Popen([PROGRAM, "serve", *map(str, args), *([] if "--port" in args else ["--port", "0"])], cwd=folder,
-                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                        stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
         self.lines, self.queue = [], queue.Queue()
         self.reader = threading.Thread(target=self.read_log, daemon=True)
         self.reader.start()
@@ -137,8 +137,13 @@ class ServeCase(Case):
         self.run_ok("mesh", "box.stl", "--cells", cells, "-o", name, "--progress", "none")
         return name
 
-    def serve(self, *args):
-        self.servers.append(Server(self.folder, *args))
+    def token(self, text, mode=0o600):
+        name = self.write("token", text)
+        os.chmod(self.path(name), mode)
+        return name
+
+    def serve(self, *args, **options):
+        self.servers.append(Server(self.folder, *args, **options))
         return self.servers[-1]
 
     def stop(self, server, problems=0):

@@ -46,6 +46,19 @@ TEST_CASE("A value stays for who holds it; a second one of the same key is not k
   REQUIRE(*held == 1);
 }
 
+TEST_CASE("What is erased makes room") {
+  LruCache<uint64_t, int> cache(2);
+  for (const int key : {1, 2}) cache.add(static_cast<uint64_t>(key), value(key), 1);
+  cache.erase(1);
+  cache.erase(7);
+  REQUIRE(cache.counts().entries == 1);
+  REQUIRE(cache.counts().bytes == 1);
+  cache.add(3, value(3), 1);
+  REQUIRE_FALSE(cache.find(1));
+  REQUIRE(cache.find(2));
+  REQUIRE(cache.find(3));
+}
+
 TEST_CASE("Threads share a cache", "[threads]") {
   LruCache<uint64_t, int> cache(64);
   std::vector<std::jthread> pool;

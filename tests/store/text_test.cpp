@@ -23,6 +23,26 @@ TEST_CASE("What is not UTF-8 becomes U+FFFD, and what is around it stays") {
   REQUIRE(printable("a\xC2") == "a\uFFFD");  // cut short at the end
 }
 
+TEST_CASE("A text is cut in the middle when it is too long for a message, between characters") {
+  const std::string fits(kLongestMessage, 'x');
+  REQUIRE(shortened(fits) == fits);
+  REQUIRE(shortened("") == "");
+  for (const std::string character : {"x", "é", "鋼", "🏟"})
+    for (size_t before = 0; before < 4; ++before) {
+      std::string text(before, 'b');
+      while (text.size() <= 3 * kLongestMessage) text += character;
+      const std::string cut = shortened(text + "e");
+      CAPTURE(character, before);
+      REQUIRE(cut.size() <= kLongestMessage);
+      REQUIRE(cut.size() >= kLongestMessage - 8);
+      REQUIRE(cut.starts_with(text.substr(0, 500)));
+      REQUIRE(cut.ends_with("e"));
+      REQUIRE(cut.find("[...]") != std::string::npos);
+      REQUIRE(printable(cut) == cut);
+    }
+  REQUIRE(shortened(std::string(5000, '\x80')).size() <= kLongestMessage);  // what is no UTF-8
+}
+
 TEST_CASE("One thing has no plural; none and many have") {
   REQUIRE(plural(0, "chunk") == "0 chunks");
   REQUIRE(plural(1, "chunk") == "1 chunk");

@@ -173,7 +173,7 @@ test("the page works below a path, behind a proxy that puts another path in fron
 
 test("a server with a token gives out the page, which asks for the token and sends it", async () => {
   const file = join(folder, "token");
-  writeFileSync(file, "open sesame".replace(" ", "-"));
+  writeFileSync(file, "open sesame".replace(" ", "-"), { mode: 0o600 });
   const guarded = await serve(grid_file("graded"), "--token-file", file);
   const page = await open_page(browser, guarded.url, { expected: (url, status) => status === 401 });
   const field = page.getByLabel("Access token");

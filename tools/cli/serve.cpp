@@ -1,10 +1,12 @@
 // teracell serve: grids over HTTP.
+#include <fcntl.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 
 #include <fmt/format.h>
@@ -15,6 +17,7 @@
 #include "server/http/wire.hpp"
 #include "server/prefetch.hpp"
 #include "server/routes.hpp"
+#include "server/service/descriptors.hpp"
 #include "server/web.hpp"
 #include "store/error.hpp"
 #include "store/text.hpp"
@@ -68,12 +71,30 @@ std::vector<std::string> each_is(const std::vector<std::string>& given, bool (*g
   return given;
 }
 
-// Allows descriptors for all connections and for the grids, as far as the system permits.
-void raise_descriptor_limit(uint64_t connections) {
+uint64_t open_descriptors() {
+  std::error_code ignored;
+  const std::filesystem::directory_iterator all("/proc/self/fd", ignored);
+  return static_cast<uint64_t>(std::distance(begin(all), end(all)));
+}
+
+// Raises the limit of descriptors as far as it is useful and the system permits.
+DescriptorShares share_descriptors(const DescriptorShares& wanted) {
   rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  const rlim_t wanted = std::min<rlim_t>(limit.rlim_max, connections + 4096);
-  if (limit.rlim_cur < wanted) limit.rlim_cur = wanted, setrlimit(RLIMIT_NOFILE, &limit);
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;
+  const rlimit raised{std::min<rlim_t>(limit.rlim_max, wanted.all()), limit.rlim_max};
+  if (limit.rlim_cur < raised.rlim_cur && setrlimit(RLIMIT_NOFILE, &raised) == 0) limit = raised;
+  return allowed_descriptors(wanted, limit.rlim_cur);
+}
+
+bool has_terminal() {
+  const int terminal = open("/dev/tty", O_RDONLY | O_NOCTTY | O_CLOEXEC | O_NONBLOCK);
+  return terminal >= 0 && close(terminal) == 0;
+}
+
+// Ignores SIGHUP and SIGUSR1 until the listener takes the first. Returns whether the server has to end with its terminal.
+bool ends_with_terminal() {
+  std::signal(SIGUSR1, SIG_IGN);
+  return std::signal(SIGHUP, SIG_IGN) != SIG_IGN && has_terminal();  // nohup ignores it
 }
 
 Listener listen_with(const ListenerOptions& options, Handler handler, Metrics& metrics, AccessLog& log) try {
@@ -97,6 +118,7 @@ ServerState state_of(Service& service, const AccessLog& log) {
 
 void run(const ServeArguments& o) {
   if (o.host.empty()) throw UsageError("--host: expected an address of this machine, found ''");  // Asio would listen at all of them
+  const bool with_terminal = ends_with_terminal();
   ListenerOptions listen;
   listen.host = o.host;
   listen.port = static_cast<uint16_t>(o.port);
@@ -106,19 +128,31 @@ void run(const ServeArguments& o) {
   listen.allowed_hosts = each_is(o.allow_hosts, is_host_name, "--allow-host: expected a host name without a port, or *");
   listen.allowed_origins = each_is(o.allow_origins, is_web_origin, "--allow-origin: expected an origin like https://example.org, or *");
   listen.host_hint = ": give --allow-host NAME to teracell serve, if this name is right";
-  listen.max_connections = o.max_connections;
   listen.request_timeout = milliseconds(o.request_timeout);
   listen.idle_timeout = milliseconds(o.idle_timeout);
   listen.drain_timeout = milliseconds(o.drain_timeout);
   listen.stop_on_signals = true;
-  raise_descriptor_limit(o.max_connections);
+  const std::vector<std::filesystem::path> named(o.grids.begin(), o.grids.end());
+  const DescriptorShares wanted =
+      wanted_descriptors(o.max_connections, count_grids(named), static_cast<uint64_t>(listen.threads), open_descriptors());
+  const DescriptorShares shares = share_descriptors(wanted);
+  listen.max_connections = shares.connections;
   // One thread allocates a chunk, another frees it. With one heap per thread a cache of 256 MB took 120 MB more than its size;
   // with a single heap it takes 60 MB more, and tiles come as fast.
   mallopt(M_ARENA_MAX, 1);
 
   AccessLog log(o.log == "none" ? LogFormat::kNone : o.log == "json" ? LogFormat::kJson : LogFormat::kText, STDERR_FILENO);
   const auto note = [&](const std::string& message) { log.note(printable(message)); };
-  Service service({{o.grids.begin(), o.grids.end()}, parse_size(o.cache, "--cache"), o.max_pixels, listen.token.empty(), note});
+  if (shares.connections < wanted.connections)
+    note(fmt::format("warning: at most {} connections at once instead of {}, since the system allows {} descriptors: raise the limit (ulimit -n {})",
+                     shares.connections, wanted.connections, shares.all(), wanted.all()));
+  if (!o.token_file.empty() && others_can_read(o.token_file))
+    note(fmt::format("warning: --token-file {}: other users of this machine can read it: chmod 600 {}", o.token_file, o.token_file));
+  Service service({named, parse_size(o.cache, "--cache"), o.max_pixels, shares.files, listen.token.empty(), note});
+  listen.on_hangup = [&] {
+    service.grids().look_soon();
+    return !with_terminal || has_terminal();
+  };
   Prefetch prefetch([&](const Request& request) {
     if (!service.is_cached(request)) handle(service, request);
   });
@@ -168,6 +202,7 @@ Run setup_serve(CLI::App& app) {
       ->check(in_range(0, 86400));
   app.footer(
       "SIGTERM or SIGINT stops the server: requests under way are answered first. A second signal ends it at once.\n"
+      "SIGHUP makes it look at all files anew.\n"
       "Examples:\n  teracell serve g.tcell\n  teracell serve grids/ --host 0.0.0.0 --token-file token --log json");
   return [o] { run(*o); };
 }

@@ -4,6 +4,7 @@
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -593,6 +594,38 @@ TEST_CASE("a port in use, and a host that is not this machine's", "[server][list
   CHECK_THROWS_WITH(Listener(o, {}, f.metrics, f.log), Catch::Contains("192.0.2.1"));
   o.host = "no such host";
   CHECK_THROWS_WITH(Listener(o, {}, f.metrics, f.log), Catch::StartsWith("can't listen at no such host: "));
+}
+
+TEST_CASE("a listener for which there are too few descriptors is an error, and its threads end", "[server][listener][threads]") {
+  Metrics metrics;
+  AccessLog log(LogFormat::kNone, 2);
+  ListenerOptions o;
+  o.port = 0;
+  o.threads = 8;
+  rlimit limit{};
+  REQUIRE(getrlimit(RLIMIT_NOFILE, &limit) == 0);
+  const rlimit few{teracell::testing::open_descriptors() + 8, limit.rlim_max};
+  REQUIRE(setrlimit(RLIMIT_NOFILE, &few) == 0);
+  std::string message;
+  try {
+    Listener(o, {}, metrics, log);
+  } catch (const IoError& e) {
+    message = e.what();
+  }
+  REQUIRE(setrlimit(RLIMIT_NOFILE, &limit) == 0);
+  CHECK_THAT(message, Catch::StartsWith("can't start io thread ") && Catch::Contains("Too many open files"));
+}
+
+TEST_CASE("a hangup is told, and stops the listener only when the callback says so", "[server][listener][threads]") {
+  std::atomic<int> hangups = 0;
+  Fixture f({.on_hangup = [&] { return ++hangups < 3; }});
+  for (int n = 1; n <= 2; ++n) {
+    REQUIRE(kill(getpid(), SIGHUP) == 0);
+    REQUIRE(soon([&] { return hangups == n; }));
+    CHECK(f.get("/").status == 200);
+  }
+  REQUIRE(kill(getpid(), SIGHUP) == 0);
+  CHECK(f.result.get());
 }
 
 TEST_CASE("many clients at once, answers that change meanwhile, then a stop", "[server][listener][threads]") {

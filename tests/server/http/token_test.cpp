@@ -1,6 +1,8 @@
 // Token files: what may be a token, and what the messages say of the rest.
 #include "server/http/token.hpp"
 
+#include <sys/stat.h>
+
 #include <fstream>
 
 #include <catch2/catch.hpp>
@@ -36,15 +38,32 @@ TEST_CASE("A line that no header field can carry is refused", "[server]") {
   const TokenFile empty("\n"), long_one(std::string(4097, 'x'));
   CHECK_THROWS_WITH(read_token(empty.path),
                     Catch::StartsWith(empty.path.string() + ": expected a first line") && Catch::EndsWith("found an empty one"));
-  CHECK_THROWS_WITH(read_token(long_one.path), Catch::EndsWith("found 4097 characters"));
+  CHECK_THROWS_WITH(read_token(long_one.path), Catch::EndsWith("found a longer one"));
 }
 
 TEST_CASE("A token file that can't be read is named", "[server]") {
   const TempFolder folder;
-  for (const std::filesystem::path& path : {folder / "nowhere", folder.path()}) {
-    CHECK_THROWS_AS(read_token(path), IoError);
-    CHECK_THROWS_WITH(read_token(path), Catch::StartsWith(path.string() + ": can't be read: "));
+  CHECK_THROWS_AS(read_token(folder / "nowhere"), IoError);
+  CHECK_THROWS_WITH(read_token(folder / "nowhere"), Catch::StartsWith((folder / "nowhere").string() + ": can't open: "));
+  CHECK_THROWS_AS(read_token(folder.path()), IoError);
+  CHECK_THROWS_WITH(read_token(folder.path()), folder.path().string() + ": expected a file, found a folder");
+}
+
+TEST_CASE("A pipe is refused as a token file, and not waited for", "[server]") {
+  const TempFolder folder;
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  CHECK_THROWS_AS(read_token(folder / "pipe"), IoError);
+  CHECK_THROWS_WITH(read_token(folder / "pipe"), Catch::EndsWith("expected a file, found a device or a pipe"));
+}
+
+TEST_CASE("It is known whether others may read the token", "[server]") {
+  const TokenFile file("secret");
+  for (const auto& [mode, others] : {std::pair(0600, false), {0400, false}, {0700, false}, {0622, false}, {0640, true}, {0604, true}, {0644, true}}) {
+    CAPTURE(mode);
+    REQUIRE(chmod(file.path.c_str(), mode) == 0);
+    CHECK(others_can_read(file.path) == others);
   }
+  CHECK_FALSE(others_can_read(file.folder / "nowhere"));
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
 // Which grids are served, and what happens when files are added, removed and replaced.
 #include "server/service/grids.hpp"
 
+#include <atomic>
 #include <fstream>
+#include <thread>
 
 #include <fmt/format.h>
-#include <thread>
 
 #include <catch2/catch.hpp>
 
@@ -136,6 +137,83 @@ TEST_CASE("Changes are noticed without a call of look()", "[server][threads]") {
   store(folder / "new.tcell", 1);
   for (int i = 0; i < 1000 && w.grids.epoch() == epoch; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   CHECK(ids(w.grids) == Ids{"g", "new"});
+}
+
+// The grid g of a folder, whose file can't be opened.
+struct Failing {
+  enum State { kUnreadable, kBroken, kReadable };
+  explicit Failing(State first)
+      : state(first),
+        grids(
+            {folder_with_grid()},
+            [this](const std::filesystem::path& path, uint64_t) {
+              ++tries;
+              if (state == kUnreadable) throw IoError(path.string() + ": can't open: Too many open files");
+              if (state == kBroken) throw FormatError(path.string() + ": " + std::string(1 << 20, 'x') + " is wrong");
+              return std::make_unique<const GridReader>(path);
+            },
+            [this](const std::string& message) { complaints.push_back(message); }) {}
+  std::filesystem::path folder_with_grid() const {
+    store(path, 0);
+    return folder.path();
+  }
+  void look(int times) {
+    for (int i = 0; i < times; ++i) grids.look();
+  }
+  const TempFolder folder;
+  const std::filesystem::path path = folder / "g.tcell";
+  std::atomic<State> state;
+  std::atomic<int> tries = 0;
+  std::vector<std::string> complaints;
+  Grids grids;
+};
+
+TEST_CASE("A file that breaks the format is tried twice, and then not until it changes", "[server]") {
+  Failing f(Failing::kBroken);
+  f.look(200);
+  CHECK(f.tries == 2);
+  CHECK(f.complaints.size() == 1);
+  f.state = Failing::kReadable;
+  f.look(200);
+  CHECK(ids(f.grids).empty());
+  std::filesystem::last_write_time(f.path, std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
+  f.look(1);
+  CHECK(ids(f.grids) == Ids{"g"});
+}
+
+TEST_CASE("A file that can't be read is tried again after ever longer pauses of at most a minute", "[server]") {
+  Failing f(Failing::kUnreadable);
+  f.look(1200);  // ten minutes
+  CHECK(f.tries >= 12);
+  CHECK(f.tries <= 20);
+  CHECK(f.complaints.size() == 1);
+  f.state = Failing::kReadable;
+  f.look(120);
+  CHECK(ids(f.grids) == Ids{"g"});
+}
+
+TEST_CASE("A look anew tries files that are not due", "[server]") {
+  Failing f(GENERATE(Failing::kUnreadable, Failing::kBroken));
+  f.look(200);
+  f.state = Failing::kReadable;
+  SECTION("by hand") { f.grids.look(true); }
+  SECTION("by the thread") {
+    f.grids.look_soon();
+    for (int i = 0; i < 1000 && ids(f.grids).empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(ids(f.grids) == Ids{"g"});
+}
+
+TEST_CASE("However long an error is, what clients and the log get of it is short", "[server]") {
+  Failing f(Failing::kBroken);
+  f.look(2);
+  REQUIRE(f.grids.unreadable().size() == 1);
+  const std::string error = f.grids.unreadable()[0].error;
+  CHECK(error.size() <= 1024);
+  CHECK(error.starts_with("g.tcell: xxx"));
+  CHECK(error.ends_with(" is wrong"));
+  REQUIRE(f.complaints.size() == 1);
+  CHECK(f.complaints[0].size() <= 1024 + f.path.string().size());
 }
 
 TEST_CASE("The same answers have the same epoch", "[server]") {

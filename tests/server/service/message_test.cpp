@@ -11,6 +11,10 @@ TEST_CASE("an error is JSON, whatever its message", "[server]") {
   CHECK((r.status == 400 && r.content_type == "application/json" && r.cache_control == "no-store"));
 }
 
+TEST_CASE("an error's message is cut when a file makes it long", "[server]") {
+  CHECK(error_response(500, "damaged", std::string(1 << 20, 'x') + " is wrong").body->size() < 1200);
+}
+
 TEST_CASE("an ETag is found in a list, weak or strong, and never as a part of another", "[server]") {
   for (const char* yes : {"\"a-1\"", "W/\"a-1\"", "\"b\", \"a-1\"", "\"a-1\",\"b\"", "\"xa-1\", \"a-1\"", "*"}) {
     INFO(yes);

@@ -1,0 +1,25 @@
+#include "server/service/open_files.hpp"
+
+#include <fmt/format.h>
+
+namespace teracell {
+
+ReopenedFile::ReopenedFile(std::filesystem::path path, std::shared_ptr<OpenFiles> open)
+    : path_(std::move(path)), name_(path_.string()), open_(std::move(open)), number_(open_->new_file()) {
+  const auto file = std::make_shared<const InputFile>(path_);
+  state_ = file->state();
+  open_->add(number_, file, 1);
+}
+
+void ReopenedFile::read(uint64_t offset, std::span<uint8_t> out) const {
+  auto file = open_->find(number_);
+  if (!file) {
+    file = std::make_shared<const InputFile>(path_);
+    if (file->state() != state_)
+      throw IoError(fmt::format("{}: expected the file that was opened first, found another one or other contents: ask again", name_));
+    open_->add(number_, file, 1);
+  }
+  file->read(offset, out);
+}
+
+}  // namespace teracell

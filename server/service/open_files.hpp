@@ -1,0 +1,41 @@
+// Files that are read now and then. Each is opened when it is read. The descriptors that were used last are kept, up to a number, so that more
+// grids can be served than the system allows descriptors.
+#pragma once
+#include <atomic>
+
+#include "store/file.hpp"
+#include "store/lru_cache.hpp"
+
+namespace teracell {
+
+// The files that are kept open. What is being read stays open on top of their number: a file for each thread. Threads may share it.
+class OpenFiles : public LruCache<uint64_t, InputFile> {
+ public:
+  using LruCache::LruCache;
+  uint64_t new_file() { return files_++; }
+
+ private:
+  std::atomic<uint64_t> files_ = 0;
+};
+
+// Threads may share it.
+class ReopenedFile : public ByteSource {
+ public:
+  // Throws IoError when the file can't be opened.
+  ReopenedFile(std::filesystem::path path, std::shared_ptr<OpenFiles> open);
+  ~ReopenedFile() override { open_->erase(number_); }
+  ReopenedFile(const ReopenedFile&) = delete;
+  uint64_t size() const override { return state_.size; }
+  const std::string& name() const override { return name_; }
+  // Throws IoError also when the file had to be opened again and is no longer the one that the constructor found.
+  void read(uint64_t offset, std::span<uint8_t> out) const override;
+
+ private:
+  const std::filesystem::path path_;
+  const std::string name_;
+  const std::shared_ptr<OpenFiles> open_;
+  const uint64_t number_;
+  FileState state_;
+};
+
+}  // namespace teracell
