@@ -12,7 +12,6 @@ constexpr size_t kRoomForOthers = 256;
 
 }  // namespace
 
-
 std::string beyond_bounds(const Metadata& meta) {
   std::string_view longest = meta.units;
   const auto look_at = [&](const std::string& name) {
@@ -23,9 +22,9 @@ std::string beyond_bounds(const Metadata& meta) {
   for (const LabelInfo& l : meta.labels) look_at(l.body);
   for (const Channel& c : meta.channels) look_at(c.name), look_at(c.coding), values += 7;
   if (longest.size() > kMostName)
-    return fmt::format("expected names of at most {} bytes, found one of {}: '{}...'", kMostName, longest.size(), printable(first_bytes(longest, 48)));
-  if (names > kMostMaterialNames)
-    return fmt::format("expected at most {} bytes of names of materials in all, found {}", kMostMaterialNames, names);
+    return fmt::format("expected names of at most {} bytes, found one of {}: '{}...'", kMostName, longest.size(),
+                       printable(first_bytes(longest, 48)));
+  if (names > kMostMaterialNames) return fmt::format("expected at most {} bytes of names of materials in all, found {}", kMostMaterialNames, names);
   uint64_t planes = 0;
   for (const Axis& a : meta.grid.axis) planes += a.planes().size();
   if (planes > kMostMetadataValues || values + planes > kMostMetadataValues)

@@ -59,9 +59,8 @@ Channel channel_from(const ordered_json& j, std::span<const ChannelKind> known) 
   c.required = c.name == kLabels || j.at("required").get<bool>();
   if (const auto coding = j.find("coding"); coding != j.end() && coding->is_string()) c.coding = *coding;
   if (c.required && find_kind(known, c.name, c.coding) == nullptr)
-    throw FormatError(
-        fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know", printable(first_bytes(c.name, kMostName)),
-                    shown(j.at("coding"))));
+    throw FormatError(fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know",
+                                  printable(first_bytes(c.name, kMostName)), shown(j.at("coding"))));
   if (c.name != kLabels) {
     const ordered_json& cover = j.at("cover");
     c.cover = whole<uint64_t>(cover, "offset", ~uint64_t{0});

@@ -104,8 +104,9 @@ std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a
     const uint32_t m = material(*run.set);
     if (!runs.empty() && runs.back().to == from && runs.back().material == m) runs.back().to = to;  // across the rays, runs come cell by cell
     else if (runs.size() < part.most_runs) runs.push_back({from, to, m});
-    else throw UsageError(fmt::format("column ({}, {}) along {} has more than {} runs from cell {} to {}: ask for a shorter part (from, to)", a, b,
-                                      axis_name(axis), part.most_runs, box.lo[axis], box.hi[axis]));
+    else
+      throw UsageError(fmt::format("column ({}, {}) along {} has more than {} runs from cell {} to {}: ask for a shorter part (from, to)", a, b,
+                                   axis_name(axis), part.most_runs, box.lo[axis], box.hi[axis]));
   });
   std::ranges::sort(runs, {}, &ColumnRun::from);
   std::vector<ColumnRun> joined;

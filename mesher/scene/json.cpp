@@ -180,7 +180,8 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
     if (name.empty() || printable(name) != name)
       throw UsageError(fmt::format("{}: expected a name that is not empty and has no control characters", child_path(materials->where(), name)));
     if (name.size() > kMostName)
-      throw UsageError(fmt::format("materials: expected names of at most {} bytes, found \"{}...\" of {}", kMostName, first_bytes(name, 60), name.size()));
+      throw UsageError(
+          fmt::format("materials: expected names of at most {} bytes, found \"{}...\" of {}", kMostName, first_bytes(name, 60), name.size()));
     if (name == back) continue;
     const auto id = static_cast<uint32_t>(scene.materials.size());
     if (id > kMaxMaterials)

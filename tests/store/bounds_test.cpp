@@ -32,7 +32,8 @@ Bytes with_metadata_text(const Bytes& file, const std::function<void(std::string
 std::string report_of(size_t bytes) {
   std::string text = "[";
   for (int i = 0; text.size() + 600 < bytes; ++i)
-    text += fmt::format(R"({{"name":"body-{}","at":[{},{},0.5],"text":"{}"}},)", i, i * 7919 % 100'003, i * 104'729 % 1'299'709, std::string(400, 'x'));
+    text +=
+        fmt::format(R"({{"name":"body-{}","at":[{},{},0.5],"text":"{}"}},)", i, i * 7919 % 100'003, i * 104'729 % 1'299'709, std::string(400, 'x'));
   text += '"' + std::string(bytes - text.size() - 3, 'y') + "\"]";
   return text;
 }
@@ -79,9 +80,8 @@ TEST_CASE("Names, units and their sums are bounded in files, and in what is writ
     const TempFolder folder;
     REQUIRE_THROWS_WITH(GridWriter(folder / "g.tcell", meta), Catch::Contains(because));
   };
-  REQUIRE_NOTHROW(verify_quietly(reader_of(forge(file, {.metadata = [&](Metadata& m) {
-    m.units = m.materials[1].name = m.labels[2].body = longest;
-  }}))));
+  REQUIRE_NOTHROW(
+      verify_quietly(reader_of(forge(file, {.metadata = [&](Metadata& m) { m.units = m.materials[1].name = m.labels[2].body = longest; }}))));
   refused([&](Metadata& m) { m.materials[1].name = longer; }, "names of at most 256 bytes, found one of 257: 'nnn");
   refused([&](Metadata& m) { m.labels[2].body = longer; }, "names of at most 256 bytes");
   refused([&](Metadata& m) { m.units = longer; }, "names of at most 256 bytes");
@@ -89,7 +89,7 @@ TEST_CASE("Names, units and their sums are bounded in files, and in what is writ
   refused([&](Metadata& m) { m.materials[1].name.assign(10'000'000, 'n'); }, "found one of 10000000: 'nnn");
   refused(
       [&](Metadata& m) {
-        for (uint32_t i = 3; i <= (1 << 22) / 256; ++i) m.materials.push_back({longest, "#000000", i});
+        for (uint32_t i = 3; i < (1 << 22) / 256 + 3; ++i) m.materials.push_back({longest, "#000000", i});
         for (uint32_t i = 0; i < m.materials.size(); ++i) m.materials[i].rank = static_cast<uint32_t>(m.materials.size()) - 1 - i;
       },
       "at most 4194304 bytes of names");
