@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char *kDocument = "zarr.json", *kLabels = "labels", *kMaterial = "labels/material";
+constexpr const char *kZarrDocument = "zarr.json", *kLabels = "labels", *kMaterial = "labels/material";
 
 ordered_json group(const ordered_json& ome) { return {{"zarr_format", 3}, {"node_type", "group"}, {"attributes", {{"ome", ome}}}}; }
 
@@ -78,7 +78,7 @@ ordered_json root(const ServedGrid& grid) {
 
 std::optional<Service::Recipe> find_in_zarr3(const ServedGrid& grid, std::span<const std::string> path) {
   if (path.empty()) return std::nullopt;
-  if (path.back() == kDocument) {
+  if (path.back() == kZarrDocument) {
     if (path.size() == 1) return json_recipe([&grid] { return root(grid); });
     return find_document(nodes(grid), joined(path.first(path.size() - 1)));
   }

@@ -153,7 +153,7 @@ export function StatusPanel({ viewer }: { viewer: Viewer }) {
           title="The time that a small request takes, as seen from here"
         />
         <dl class="numbers">
-          <Fact name="per tile: median, 95th percentile">
+          <Fact name="median, 95th percentile">
             {latencies.length ? `${milliseconds(median(latencies))}, ${milliseconds(median(latencies, 0.95))}` : "–"}
           </Fact>
           <Fact name="tiles requested">
