@@ -6,7 +6,6 @@
 
 #include "store/error.hpp"
 #include "store/json_check.hpp"
-#include "store/text.hpp"
 
 namespace teracell {
 namespace {
@@ -71,7 +70,7 @@ class Builder {
     for (const auto& [key, value] : open_.back()->get_ref<const Json::object_t&>()) keys_.push_back(key);
     std::ranges::sort(keys_);
     if (const auto twice = std::ranges::adjacent_find(keys_); twice != keys_.end())
-      throw FormatError(fmt::format("{}: expected keys that differ, found \"{}\" twice in an object", what_, printable(first_bytes(*twice, 60))));
+      throw FormatError(fmt::format("{}: expected keys that differ, found {} twice in an object", what_, ascii_json(twice->substr(0, 60))));
   }
 
   Json& root_;
