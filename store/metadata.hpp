@@ -12,7 +12,7 @@ namespace teracell {
 // What a file may say (FORMAT.md, "Bounds"), in bytes of UTF-8: any name or unit; the names of all materials together, since
 // some answers hold them all. And how many values its metadata may have as JSON, since they are read into a tree.
 inline constexpr size_t kMostName = 256, kMostStem = 240;  // a name made from a file's name leaves room for a number
-inline constexpr size_t kMostMaterialNames = size_t{1} << 22, kMostMetadataValues = size_t{1} << 21;
+inline constexpr size_t kMostMaterialNames = size_t{1} << 22, kMostMetadataValues = size_t{1} << 20;
 
 struct MaterialInfo {
   std::string name;
