@@ -207,7 +207,7 @@ std::string open_report(const Report& report, const Scene& scene, const std::vec
   size_t room = kMostPlaces;
   const size_t left_out = write_list(text, bodies, kMostOfBodies, [&](JsonWriter& writer, size_t b) { write_body(writer, report.bodies[b], room); });
   if (left_out > 0) out.field("bodies_left_out", left_out);
-  out.field("crossings", report.crossings).key("warnings").raw(ordered_json(warnings).dump()).key("inputs");
+  out.field("crossings", report.crossings).key("warnings").raw(ascii_json(warnings)).key("inputs");
   write_list(text, report.inputs.size(), kMostOfInputs, [&](JsonWriter& writer, size_t b) {
     const InputReport& input = report.inputs[b];
     writer.begin_object().field("path", input.path).field("format", input.format).field("bytes", input.bytes).field("hash", input.hash).end_object();

@@ -187,7 +187,9 @@ std::string openapi_json(const Request& request) {
   paths[grid + "/column/{axis}/{a}_{b}"] =
       get("the runs of a column of cells",
           {id, axis(), parameter("a", "path", "the cell's index along the first of the other two axes", kInteger),
-           parameter("b", "path", "the cell's index along the second one", kInteger), version()},
+           parameter("b", "path", "the cell's index along the second one", kInteger),
+           parameter("from", "query", "the first cell along the column; default: 0", kInteger),
+           parameter("to", "query", "the cell behind the last one; default: the column's end", kInteger), version()},
           "application/json", "Column");
   paths[grid + "/stats"] =
       get("the exact number of cells, volume and box of every material, counted from runs",

@@ -18,6 +18,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr const char* kJson = "application/json";
+constexpr size_t kMostColumnBytes = size_t{1} << 26;  // of an answer that repeats names
 
 Response plain(const char* route, const char* type, std::string text) {
   Response r;
@@ -84,18 +85,14 @@ struct GridRequest {
   const Metadata& meta() const { return grid->meta(); }
 };
 
-Response json_answer(const GridRequest& r, const char* route, std::function<ordered_json()> make) {
-  return r.service.answer(r.request, r.target, *r.grid,
-                          {.route = route, .content_type = kJson, .compress = true, .make = [make = std::move(make)] { return ascii_json(make()); }});
+// make() returns JSON.
+Response json_answer(const GridRequest& r, const char* route, std::function<std::string()> make) {
+  return r.service.answer(r.request, r.target, *r.grid, {.route = route, .content_type = kJson, .compress = true, .make = std::move(make)});
 }
 
 Response info(const GridRequest& r) {
   r.target.allow({"v"});
-  return json_answer(r, "info", [&] {
-    ordered_json j = info_json(r.reader());
-    j["id"] = r.grid->id;
-    return j;
-  });
+  return json_answer(r, "info", [&] { return info_json(r.reader(), r.grid->id); });
 }
 
 Response slice(const GridRequest& r) {
@@ -171,18 +168,24 @@ Response cell(const GridRequest& r) {
     for_each_run(r.reader(), level, box, [&](const BoxRun& run) {  // the cell is a single run
       for (const uint32_t m : materials_of(meta, *run.set)) j["materials"].push_back({{"id", m}, {"name", meta.materials[m].name}});
     });
-    return j;
+    return ascii_json(j);
   });
 }
 
 Response column(const GridRequest& r) {
-  r.target.allow({"v"});
+  r.target.allow({"v", "from", "to"});
   const int axis = axis_of(r.rest[1]);
   const RayFrame f = RayFrame::along(axis);
   const Index3 n = r.meta().grid.cells();
   const auto [a_text, b_text] = split_pair(r.rest[2], "column");
   const int64_t a = integer_in(a_text, axis_name(f.u), 0, n[f.u] - 1), b = integer_in(b_text, axis_name(f.v), 0, n[f.v] - 1);
-  return json_answer(r, "column", [&, a, b] { return column_json(r.meta(), axis, a, b, read_column(r.reader(), axis, a, b)); });
+  ColumnPart part{.to = n[axis]};
+  if (const std::string* from = r.target.find("from")) part.from = integer_in(*from, "from", 0, n[axis] - 1);
+  if (const std::string* to = r.target.find("to")) part.to = integer_in(*to, "to", part.from + 1, n[axis]);
+  return json_answer(r, "column", [&, a, b, part]() mutable {
+    part.most_runs = column_runs_in(r.meta(), kMostColumnBytes);
+    return column_json(r.meta(), axis, a, b, read_column(r.reader(), axis, a, b, part));
+  });
 }
 
 Response stats(const GridRequest& r) {

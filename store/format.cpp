@@ -17,20 +17,18 @@ constexpr char kHeaderMagic[] = "teracell", kFooterMagic[] = "tcellend";
 constexpr int kIndexLevel = 6;                    // pages are small: a good ratio costs microseconds
 constexpr int kLongTextLevel = 1;                 // a report of 100,000 bodies takes a fifth of the time and is smaller, too
 constexpr uint64_t kLongText = uint64_t{1} << 20;
-constexpr uint64_t kMaxText = uint64_t{1} << 26;  // metadata, report, page: parsed JSON takes some ten times as much memory
+constexpr int kPlainTextLevel = -1000;            // leaves 1000 bytes of each 128 KiB as they are, so nothing gets 256 times smaller
+constexpr uint64_t kMostPage = kMostText;
 
 Bytes compress(std::span<const uint8_t> body) {
-  if (body.size() > kMaxText)
+  if (body.size() > kMostText)
     throw InputError(
-        fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), kMaxText >> 20));
+        fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), kMostText >> 20));
   return ZstdEncoder().encode(body, body.size() < kLongText ? kIndexLevel : kLongTextLevel);
 }
 
-Bytes decompress(std::span<const uint8_t> frame, const std::string& what) {
-  Bytes body;
-  ZstdDecoder().decode(frame, kMaxText, what, body);
-  return body;
-}
+// What a frame of so many bytes may hold.
+uint64_t most_text(uint64_t frame_bytes) { return std::min(kMostText, std::max(kMostTextOfAnyFrame, kMostTextPerByte * frame_bytes)); }
 
 void put_skippable(Bytes& out, uint64_t payload) {
   put_fixed<uint32_t>(out, kSkippableMagic);
@@ -51,11 +49,21 @@ std::string compressor_version() { return ZSTD_versionString(); }
 
 uint64_t checksum(std::span<const uint8_t> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
-Bytes encode_text(const std::string& text) { return compress({reinterpret_cast<const uint8_t*>(text.data()), text.size()}); }
+Bytes encode_text(const std::string& text) {
+  const std::span body(reinterpret_cast<const uint8_t*>(text.data()), text.size());
+  Bytes frame = compress(body);
+  if (body.size() > most_text(frame.size())) frame = ZstdEncoder().encode(body, kPlainTextLevel);
+  return frame;
+}
+
+void append_decoded(std::span<const uint8_t> frame, const std::string& what, std::string& text) {
+  ZstdDecoder().append(frame, most_text(frame.size()), what, text);
+}
 
 std::string decode_text(std::span<const uint8_t> frame, const std::string& what) {
-  const Bytes body = decompress(frame, what);
-  return {body.begin(), body.end()};
+  std::string text;
+  append_decoded(frame, what, text);
+  return text;
 }
 
 // ---- index ------------------------------------------------------------------------------------------------------
@@ -89,7 +97,8 @@ Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats) {
 }
 
 std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunks, bool with_stats, uint32_t labels) {
-  const Bytes body = decompress(frame, "index page");
+  Bytes body;
+  ZstdDecoder().decode(frame, kMostPage, "index page", body);
   ByteReader in(body, "index page");
   std::vector<ChunkEntry> entries(chunks);
   const auto base = in.fixed<uint64_t>();

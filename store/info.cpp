@@ -1,20 +1,66 @@
 #include "store/info.hpp"
 
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
+#include <algorithm>
 
-#include "store/json_text.hpp"
+#include <fmt/format.h>
+
+#include "store/json_writer.hpp"
 
 namespace teracell {
 namespace {
 
-using nlohmann::ordered_json;
-
 // Counts above 2^53 lose digits in most JSON readers, so they come as text, too.
-void put_count(ordered_json& j, const std::string& key, unsigned __int128 count) {
-  if (count <= ~uint64_t{0}) j[key] = static_cast<uint64_t>(count);
-  else j[key] = static_cast<double>(count);
-  if (count >> 53 != 0) j[key + "_text"] = fmt::format("{}", count);
+void write_count(JsonWriter& out, const std::string& key, unsigned __int128 count) {
+  if (count <= ~uint64_t{0}) out.field(key, static_cast<uint64_t>(count));
+  else out.field(key, static_cast<double>(count));
+  if (count >> 53 != 0) out.field(key + "_text", fmt::format("{}", count));
+}
+
+// A list with an item for each of `all`, written by item(i).
+template <class T, class F>
+void write_all(JsonWriter& out, const char* key, const T& all, F&& item) {
+  out.key(key).begin_array();
+  for (size_t i = 0; i < std::size(all); ++i) item(i);
+  out.end_array();
+}
+
+void write_numbers(JsonWriter& out, const Index3& numbers) {
+  out.begin_array();
+  for (const int64_t n : numbers) out.value(n);
+  out.end_array();
+}
+
+void write_box(JsonWriter& out, const Box& box) {
+  out.begin_array();
+  for (const Index3& corner : {box.lo, box.hi})
+    for (const int64_t n : corner) out.value(n);
+  out.end_array();
+}
+
+void write_grid(JsonWriter& out, const Grid& grid) {
+  out.begin_object();
+  write_all(out, "min", grid.axis, [&](size_t d) { out.value(grid.axis[d].min()); });
+  write_all(out, "max", grid.axis, [&](size_t d) { out.value(grid.axis[d].max()); });
+  write_all(out, "cells", grid.axis, [&](size_t d) { out.value(grid.axis[d].cells()); });
+  write_all(out, "sample", grid.axis, [&](size_t d) { out.value(grid.axis[d].sample()); });
+  write_all(out, "axes", grid.axis, [&](size_t d) {
+    const Axis& a = grid.axis[d];
+    out.begin_object().field("type", a.is_graded() ? "graded" : "uniform");
+    if (a.is_graded()) out.field("planes", std::span(a.planes()));
+    else out.field("min", a.origin()).field("step", a.step()).field("first", a.first()).field("cells", a.cells());
+    out.end_object();
+  });
+  out.field("cells_text", cell_count_text(grid.cells())).end_object();
+}
+
+void write_level(JsonWriter& out, const GridReader& reader, int level) {
+  const std::vector<LevelInfo>& levels = reader.meta().levels();
+  const auto stored = std::ranges::find(levels, level, &LevelInfo::level);
+  const LevelInfo info = stored == levels.end() ? LevelInfo{} : *stored;
+  out.begin_object().field("level", level).key("cells");
+  write_numbers(out, reader.meta().grid.cells(level));
+  out.key("stored").raw(stored == levels.end() ? "false" : "true");
+  out.field("chunks", info.chunks).field("bytes", info.bytes).field("changes", info.changes).end_object();
 }
 
 }  // namespace
@@ -23,62 +69,69 @@ double bits_per_crossing(const Metadata& meta) {
   return meta.crossings == 0 ? 0 : 8 * static_cast<double>(meta.levels()[0].bytes) / static_cast<double>(meta.crossings);
 }
 
-ordered_json info_json(const GridReader& reader) {
+std::string info_json(const GridReader& reader, std::string_view id) {
   const Metadata& meta = reader.meta();
-  ordered_json j = {{"schema", 1}, {"units", meta.units}, {"ray_axis", axis_name(meta.ray_axis)}};
-  ordered_json grid;
-  for (const char* key : {"min", "max", "cells", "sample", "axes"}) grid[key] = ordered_json::array();
-  for (const Axis& a : meta.grid.axis) {
-    grid["min"].push_back(a.min());
-    grid["max"].push_back(a.max());
-    grid["cells"].push_back(a.cells());
-    grid["sample"].push_back(a.sample());
-    if (a.is_graded()) grid["axes"].push_back({{"type", "graded"}, {"planes", a.planes()}});
-    else grid["axes"].push_back({{"type", "uniform"}, {"min", a.origin()}, {"step", a.step()}, {"first", a.first()}, {"cells", a.cells()}});
-  }
-  grid["cells_text"] = cell_count_text(meta.grid.cells());
-  j["grid"] = grid;
-  for (size_t i = 0; i < meta.materials.size(); ++i)
-    j["materials"].push_back({{"id", i}, {"name", meta.materials[i].name}, {"color", meta.materials[i].color}, {"rank", meta.materials[i].rank}});
-  for (int level = 0; level < reader.levels(); ++level) {
-    ordered_json l = {{"level", level}, {"cells", meta.grid.cells(level)}, {"stored", reader.stored(level)}, {"chunks", 0}, {"bytes", 0},
-                      {"changes", 0}};
-    for (const LevelInfo& s : meta.levels())
-      if (s.level == level) l["chunks"] = s.chunks, l["bytes"] = s.bytes, l["changes"] = s.changes;
-    j["levels"].push_back(l);
-  }
-  j["chunk"] = {{"rays", meta.chunk_rays}, {"cells", meta.chunk_cells}};
-  j["file"] = {{"bytes", reader.file_bytes()}, {"version", reader.version()}, {"hash", reader.hash()}};
-  j["crossings"] = meta.crossings;
-  j["bits_per_crossing"] = bits_per_crossing(meta);
-  j["report"] = parse_json(reader.report(), reader.name() + ": report");
-  return j;
+  std::string text;
+  JsonWriter out(text);
+  out.begin_object().field("schema", 1).field("units", meta.units).field("ray_axis", axis_name(meta.ray_axis)).key("grid");
+  write_grid(out, meta.grid);
+  write_all(out, "materials", meta.materials, [&](size_t i) {
+    const MaterialInfo& m = meta.materials[i];
+    out.begin_object().field("id", i).field("name", m.name).field("color", m.color).field("rank", m.rank).end_object();
+  });
+  out.key("levels").begin_array();
+  for (int level = 0; level < reader.levels(); ++level) write_level(out, reader, level);
+  out.end_array();
+  out.key("chunk").begin_object().field("rays", meta.chunk_rays).field("cells", meta.chunk_cells).end_object();
+  out.key("file").begin_object().field("bytes", reader.file_bytes()).field("version", reader.version()).field("hash", reader.hash()).end_object();
+  out.field("crossings", meta.crossings).field("bits_per_crossing", bits_per_crossing(meta)).key("report");
+  reader.append_report(text);
+  if (!id.empty()) out.field("id", id);
+  out.end_object();
+  return text;
 }
 
-ordered_json stats_json(const Metadata& meta, const Box& region, const std::vector<MaterialStats>& stats) {
-  const auto box = [](const Box& b) { return ordered_json{b.lo[0], b.lo[1], b.lo[2], b.hi[0], b.hi[1], b.hi[2]}; };
-  ordered_json j = {{"schema", 1}, {"region", box(region)}, {"materials", ordered_json::array()}};
-  for (size_t i = 0; i < stats.size(); ++i) {
-    ordered_json m = {{"id", i}, {"name", meta.materials[i].name}};
-    put_count(m, "cells", stats[i].cells);
-    m["volume"] = stats[i].volume;
-    m["box"] = stats[i].cells == 0 ? ordered_json(nullptr) : box(stats[i].box);
-    j["materials"].push_back(m);
-  }
-  return j;
+std::string stats_json(const Metadata& meta, const Box& region, const std::vector<MaterialStats>& stats) {
+  std::string text;
+  JsonWriter out(text);
+  out.begin_object().field("schema", 1).key("region");
+  write_box(out, region);
+  write_all(out, "materials", stats, [&](size_t i) {
+    const MaterialStats& s = stats[i];
+    out.begin_object().field("id", i).field("name", meta.materials[i].name);
+    write_count(out, "cells", s.cells);
+    out.field("volume", s.volume).key("box");
+    if (s.cells == 0) out.value(nullptr);
+    else write_box(out, s.box);
+    out.end_object();
+  });
+  out.end_object();
+  return text;
 }
 
-ordered_json column_json(const Metadata& meta, int axis, int64_t a, int64_t b, const std::vector<ColumnRun>& runs) {
-  ordered_json j = {{"schema", 1}, {"axis", axis_name(axis)}, {"at", {a, b}}, {"runs", ordered_json::array()}};
+std::string column_json(const Metadata& meta, int axis, int64_t a, int64_t b, const std::vector<ColumnRun>& runs) {
+  std::string text;
+  JsonWriter out(text);
+  out.begin_object().field("schema", 1).field("axis", axis_name(axis)).key("at").begin_array().value(a).value(b).end_array();
   const Axis& along = meta.grid.axis[axis];
-  for (const ColumnRun& r : runs)
-    j["runs"].push_back({{"from", r.from},
-                         {"to", r.to},
-                         {"min", along.plane(r.from)},
-                         {"max", along.plane(r.to)},
-                         {"material", r.material},
-                         {"name", meta.materials[r.material].name}});
-  return j;
+  write_all(out, "runs", runs, [&](size_t i) {
+    const ColumnRun& r = runs[i];
+    out.begin_object().field("from", r.from).field("to", r.to).field("min", along.plane(r.from)).field("max", along.plane(r.to));
+    out.field("material", r.material).field("name", meta.materials[r.material].name).end_object();
+  });
+  out.end_object();
+  return text;
+}
+
+size_t column_runs_in(const Metadata& meta, size_t bytes) {
+  constexpr size_t kNumbersAndKeys = 160;
+  size_t longest = 0;
+  for (const MaterialInfo& m : meta.materials) {
+    std::string name;
+    JsonWriter(name).value(m.name);
+    longest = std::max(longest, name.size());
+  }
+  return bytes / (kNumbersAndKeys + longest);
 }
 
 }  // namespace teracell

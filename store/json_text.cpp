@@ -1,8 +1,11 @@
 #include "store/json_text.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "store/error.hpp"
+#include "store/json_check.hpp"
 
 namespace teracell {
 namespace {
@@ -14,7 +17,7 @@ using Json = nlohmann::ordered_json;
 // to open.
 class Builder {
  public:
-  Builder(Json& root, const std::string& what) : root_(root), what_(what) {}
+  Builder(Json& root, const std::string& what, size_t most_values) : root_(root), what_(what), most_values_(most_values) {}
 
   bool null() { return put(nullptr); }
   bool boolean(bool value) { return put(value); }
@@ -29,7 +32,10 @@ class Builder {
     key_ = std::move(key);
     return true;
   }
-  bool end_object() { return close(); }
+  bool end_object() {
+    expect_different_keys();
+    return close();
+  }
   bool end_array() { return close(); }
   bool parse_error(size_t at, const std::string&, const nlohmann::json::exception&) {
     throw FormatError(fmt::format("{}: expected JSON, found something else at byte {}", what_, at));
@@ -37,6 +43,7 @@ class Builder {
 
  private:
   Json& add(Json value) {
+    if (values_++ == most_values_) throw FormatError(fmt::format("{}: expected JSON of at most {} values, found more", what_, most_values_));
     if (open_.empty()) return root_ = std::move(value);
     Json& parent = *open_.back();
     if (parent.is_array()) return parent.get_ref<Json::array_t&>().emplace_back(std::move(value));
@@ -49,8 +56,7 @@ class Builder {
     return true;
   }
   bool open(Json value) {
-    constexpr size_t kDeepest = 64;
-    if (open_.size() == kDeepest) throw FormatError(fmt::format("{}: expected JSON of at most {} levels, found more", what_, kDeepest));
+    if (open_.size() == kDeepestJson) throw FormatError(fmt::format("{}: expected JSON of at most {} levels, found more", what_, kDeepestJson));
     open_.push_back(&add(std::move(value)));
     return true;
   }
@@ -59,17 +65,28 @@ class Builder {
     return true;
   }
 
+  void expect_different_keys() {
+    keys_.clear();
+    for (const auto& [key, value] : open_.back()->get_ref<const Json::object_t&>()) keys_.push_back(key);
+    std::ranges::sort(keys_);
+    if (const auto twice = std::ranges::adjacent_find(keys_); twice != keys_.end())
+      throw FormatError(fmt::format("{}: expected keys that differ, found {} twice in an object", what_, ascii_json(twice->substr(0, 60))));
+  }
+
   Json& root_;
   const std::string& what_;
+  const size_t most_values_;
+  size_t values_ = 0;
   std::vector<Json*> open_;  // the values being filled, the innermost last. Only that one grows, so the others don't move
   std::string key_;          // of the value to come
+  std::vector<std::string_view> keys_;  // scratch
 };
 
 }  // namespace
 
-Json parse_json(const std::string& text, const std::string& what) {
+Json parse_json(const std::string& text, const std::string& what, size_t most_values) {
   Json root;
-  Builder builder(root, what);
+  Builder builder(root, what, most_values);
   Json::sax_parse(text, &builder);
   return root;
 }

@@ -8,8 +8,9 @@
 
 namespace teracell {
 
-// `what` names the text in messages. If a key occurs twice in an object, the first one counts.
-nlohmann::ordered_json parse_json(const std::string& text, const std::string& what);
+// `what` names the text in messages. A document takes some sixty bytes of memory per value, so it has at most
+// `most_values`; a report of 100,000 bodies has 4.6 million. No object may have a key twice.
+nlohmann::ordered_json parse_json(const std::string& text, const std::string& what, size_t most_values = size_t{1} << 23);
 
 // On one line, with U+FFFD for what is not UTF-8, since names may come from any file. It is ASCII because some readers of
 // JSON take nothing else (zarr 2.13).

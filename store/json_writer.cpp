@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "store/json_text.hpp"
+
 namespace teracell {
 
 void JsonWriter::separate() {
@@ -39,7 +41,7 @@ JsonWriter& JsonWriter::quoted(std::string_view plain, std::string_view end) {
 
 JsonWriter& JsonWriter::value(std::string_view text) {
   const bool plain = std::ranges::all_of(text, [](char c) { return c >= ' ' && c < '\x7f' && c != '"' && c != '\\'; });
-  return plain ? quoted(text, "\"") : raw(nlohmann::ordered_json(text).dump());
+  return plain ? quoted(text, "\"") : raw(ascii_json(text));
 }
 
 JsonWriter& JsonWriter::value(double number) {

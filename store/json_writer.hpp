@@ -1,5 +1,5 @@
 // JSON as text, written value by value. As a document, a list of 100,000 bodies takes hundreds of megabytes, and writing it
-// takes longer than casting the rays. The text is the same as nlohmann::ordered_json::dump() makes.
+// takes longer than casting the rays. The text is the same as ascii_json() makes.
 #pragma once
 #include <charconv>
 #include <concepts>

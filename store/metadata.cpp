@@ -2,7 +2,36 @@
 
 #include <fmt/format.h>
 
+#include "store/text.hpp"
+
 namespace teracell {
+namespace {
+
+// Values of the metadata beside planes, materials, labels and channels: 32 levels, and keys with one value each.
+constexpr size_t kRoomForOthers = 256;
+
+}  // namespace
+
+std::string beyond_bounds(const Metadata& meta) {
+  std::string_view longest = meta.units;
+  const auto look_at = [&](const std::string& name) {
+    if (name.size() > longest.size()) longest = name;
+  };
+  size_t names = 0, values = kRoomForOthers + 4 * meta.materials.size() + 3 * meta.labels.size();
+  for (const MaterialInfo& m : meta.materials) look_at(m.name), names += m.name.size();
+  for (const LabelInfo& l : meta.labels) look_at(l.body);
+  for (const Channel& c : meta.channels) look_at(c.name), look_at(c.coding), values += 7;
+  if (longest.size() > kMostName)
+    return fmt::format("expected names of at most {} bytes, found one of {}: '{}...'", kMostName, longest.size(),
+                       printable(first_bytes(longest, 48)));
+  if (names > kMostMaterialNames) return fmt::format("expected at most {} bytes of names of materials in all, found {}", kMostMaterialNames, names);
+  uint64_t planes = 0;
+  for (const Axis& a : meta.grid.axis) planes += a.planes().size();
+  if (planes > kMostMetadataValues || values + planes > kMostMetadataValues)
+    return fmt::format("{} planes, {} materials and {} labels are more than the {} values that a file's metadata may have", planes,
+                       meta.materials.size(), meta.labels.size(), kMostMetadataValues);
+  return "";
+}
 
 std::string chunk_name(const ChunkKey& key) { return fmt::format("level {} chunk ({}, {}, {})", key.level, key.cu, key.cv, key.segment); }
 

@@ -9,6 +9,11 @@
 
 namespace teracell {
 
+// What a file may say (FORMAT.md, "Bounds"), in bytes of UTF-8: any name or unit; the names of all materials together, since
+// some answers hold them all. And how many values its metadata may have as JSON, since they are read into a tree.
+inline constexpr size_t kMostName = 256, kMostStem = 240;  // a name made from a file's name leaves room for a number
+inline constexpr size_t kMostMaterialNames = size_t{1} << 22, kMostMetadataValues = size_t{1} << 20;
+
 struct MaterialInfo {
   std::string name;
   std::string color;  // "#rrggbb" or "#rrggbbaa"
@@ -65,6 +70,8 @@ struct Metadata {
   RayFrame frame() const { return RayFrame::along(ray_axis); }
   friend bool operator==(const Metadata&, const Metadata&) = default;
 };
+// What in the metadata is longer than a file may say, as a sentence for people; empty if nothing is.
+std::string beyond_bounds(const Metadata& meta);
 
 // The place of a chunk in its grid: chunks are counted along u and v, and as segments along the rays.
 struct ChunkKey {

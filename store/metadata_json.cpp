@@ -6,6 +6,7 @@
 #include "store/color.hpp"
 #include "store/format.hpp"
 #include "store/json_text.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 namespace {
@@ -17,18 +18,24 @@ ordered_json to_json(const Axis& a) {
   return {{"type", "uniform"}, {"min", a.origin()}, {"step", a.step()}, {"first", a.first()}, {"cells", a.cells()}, {"sample", a.sample()}};
 }
 
+// A value as messages show it.
+std::string shown(const ordered_json& j) {
+  if (j.is_structured()) return j.is_array() ? "an array" : "an object";
+  return printable(first_bytes(j.dump(), 60));
+}
+
 // A whole number in [0, hi]. (The library's own conversions wrap, or are undefined.)
 template <class T>
 T whole(const ordered_json& j, const char* key, uint64_t hi) {
   const ordered_json& v = j.at(key);
   if (!v.is_number_unsigned() || v.get<uint64_t>() > hi)
-    throw FormatError(fmt::format("metadata: {} must be a whole number from 0 to {}, found {}", key, hi, v.dump()));
+    throw FormatError(fmt::format("metadata: {} must be a whole number from 0 to {}, found {}", key, hi, shown(v)));
   return static_cast<T>(v.get<uint64_t>());
 }
 
 Axis axis_from(const ordered_json& j) {
   if (j.at("type") == "graded") return Axis::graded(j.at("planes").get<std::vector<double>>(), j.at("sample"));
-  if (j.at("type") != "uniform") throw FormatError("metadata: an axis is uniform or graded, found " + j.at("type").dump());
+  if (j.at("type") != "uniform") throw FormatError("metadata: an axis is uniform or graded, found " + shown(j.at("type")));
   return Axis::uniform(j.at("min"), j.at("step"), whole<int64_t>(j, "first", uint64_t{1} << 52), whole<int64_t>(j, "cells", Axis::kMaxCells),
                        j.at("sample"));
 }
@@ -52,8 +59,8 @@ Channel channel_from(const ordered_json& j, std::span<const ChannelKind> known) 
   c.required = c.name == kLabels || j.at("required").get<bool>();
   if (const auto coding = j.find("coding"); coding != j.end() && coding->is_string()) c.coding = *coding;
   if (c.required && find_kind(known, c.name, c.coding) == nullptr)
-    throw FormatError(
-        fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know", c.name, j.at("coding").dump()));
+    throw FormatError(fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know",
+                                  printable(first_bytes(c.name, kMostName)), shown(j.at("coding"))));
   if (c.name != kLabels) {
     const ordered_json& cover = j.at("cover");
     c.cover = whole<uint64_t>(cover, "offset", ~uint64_t{0});
@@ -71,7 +78,7 @@ Metadata metadata_from(const ordered_json& j, std::span<const ChannelKind> known
   try {
     meta.units = j.at("units");
     const std::string axis = j.at("ray_axis");
-    if (axis != "x" && axis != "y" && axis != "z") throw FormatError("metadata: ray_axis is x, y or z, found " + axis);
+    if (axis != "x" && axis != "y" && axis != "z") throw FormatError("metadata: ray_axis is x, y or z, found " + shown(j.at("ray_axis")));
     meta.ray_axis = axis[0] - 'x';
     if (j.at("axes").size() != 3) throw FormatError(fmt::format("metadata: expected 3 axes, found {}", j.at("axes").size()));
     for (int d = 0; d < 3; ++d) meta.grid.axis[d] = axis_from(j.at("axes").at(d));
@@ -103,6 +110,7 @@ void check(const Metadata& meta) {
   const auto expect = [](bool ok, const char* message) {
     if (!ok) throw FormatError(std::string("metadata: ") + message);
   };
+  if (const std::string beyond = beyond_bounds(meta); !beyond.empty()) throw FormatError("metadata: " + beyond);
   expect(meta.chunk_rays >= 4 && meta.chunk_rays <= 256 && meta.chunk_rays % 4 == 0, "chunk rays must be a multiple of 4 up to 256");
   expect(meta.chunk_cells >= 4 && meta.chunk_cells % 4 == 0, "chunk cells must be a multiple of 4");
   expect(meta.page_chunks >= 1 && meta.page_chunks <= 64, "a page has 1 to 64 chunks per side");
@@ -147,7 +155,7 @@ Bytes encode_metadata(const Metadata& meta) {
 }
 
 Metadata decode_metadata(std::span<const uint8_t> frame, std::span<const ChannelKind> known) {
-  Metadata meta = metadata_from(parse_json(decode_text(frame, "metadata"), "metadata"), known);
+  Metadata meta = metadata_from(parse_json(decode_text(frame, "metadata"), "metadata", kMostMetadataValues), known);
   check(meta);
   return meta;
 }

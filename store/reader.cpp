@@ -6,6 +6,7 @@
 
 #include "store/checked_read.hpp"
 #include "store/chunk_codec.hpp"
+#include "store/json_check.hpp"
 #include "store/metadata_json.hpp"
 #include "store/pyramid.hpp"
 
@@ -70,10 +71,20 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
 std::string GridReader::hash() const { return hex(footer_.hash); }
 
 std::string GridReader::report() const {
+  std::string text;
+  append_report(text);
+  return text;
+}
+
+void GridReader::append_report(std::string& text) const {
   try {
-    Bytes bytes;
-    read_checked(*source_, footer_.report, "report", bytes);
-    return decode_text(bytes, "report");
+    const size_t before = text.size();
+    {
+      Bytes frame;
+      read_checked(*source_, footer_.report, "report", frame);
+      append_decoded(frame, "report", text);
+    }
+    check_json(std::string_view(text).substr(before), "report");
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));
   }

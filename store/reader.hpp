@@ -35,7 +35,8 @@ class GridReader {
   uint64_t file_bytes() const { return source_->size(); }
   std::string version() const { return std::to_string(kFormatMajor) + "." + std::to_string(minor_); }  // of the file's format
   std::string hash() const;    // of the content, 32 hex digits
-  std::string report() const;  // JSON
+  std::string report() const;  // JSON that check_json() has passed
+  void append_report(std::string& text) const;
   int levels() const { return meta_.grid.levels(); }
   bool stored(int level) const;
   LevelShape shape(int level) const { return LevelShape(meta_, level); }

@@ -32,6 +32,12 @@ std::string shortened(std::string_view text) {
   return std::string(text.substr(0, head)).append(kGap).append(text.substr(tail));
 }
 
+std::string_view first_bytes(std::string_view utf8, size_t most) {
+  if (utf8.size() <= most) return utf8;
+  while (most > 0 && (static_cast<unsigned char>(utf8[most]) & 0xc0) == 0x80) --most;
+  return utf8.substr(0, most);
+}
+
 std::string plural(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
 }  // namespace teracell

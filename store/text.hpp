@@ -14,6 +14,9 @@ std::string printable(std::string_view text);
 inline constexpr size_t kLongestMessage = 1024;
 std::string shortened(std::string_view text);
 
+// As many characters of a UTF-8 text as fit into `most` bytes.
+std::string_view first_bytes(std::string_view utf8, size_t most);
+
 // "1 chunk", "2 chunks".
 std::string plural(uint64_t n, std::string_view thing);
 

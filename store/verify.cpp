@@ -139,7 +139,7 @@ void verify(const GridReader& reader, int threads, const std::function<void(doub
     coverage.add(footer.metadata.offset, footer.metadata.size);
     coverage.add(footer.report.offset, footer.report.size);
     coverage.add(size - kFooterBytes, kFooterBytes);
-    reader.report();
+    reader.report();  // with its JSON
     const auto tell_progress = [&] { progress(static_cast<double>(coverage.bytes()) / static_cast<double>(size)); };
     for (const LevelInfo& l : reader.meta().levels()) verify_level(reader, l, threads, coverage, tell_progress);
     for (const Channel& c : reader.meta().others()) verify_frames(reader, c, known, coverage, tell_progress);

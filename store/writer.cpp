@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "store/chunk_stats.hpp"
+#include "store/json_check.hpp"
 #include "store/metadata_json.hpp"
 
 namespace teracell {
@@ -32,6 +33,7 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : GridW
 
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep)
     : meta_(std::move(meta)), covers_(meta_.channels.size()), file_(path, keep) {
+  if (const std::string beyond = beyond_bounds(meta_); !beyond.empty()) throw UsageError(beyond);
   // Level 1 would take about as many bytes as level 0, so it is derived when it is read. All levels above it take a tenth.
   for (int level = 0; level < meta_.grid.levels(); level += level == 0 ? 2 : 1) {
     Level l{{level, 0, 0, 0, 0}, LevelShape(meta_, level), {}, {}};
@@ -174,6 +176,7 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
     meta_.channels[i].cover = append_hashed(encode_directory(covers_[i])).offset;
     meta_.channels[i].frames = covers_[i].size();
   }
+  check_json(report, "report");
   Footer footer;
   footer.metadata = append_hashed(encode_metadata(meta_));
   footer.report = append_hashed(encode_text(report));

@@ -1,5 +1,6 @@
 #include "store/zstd_frame.hpp"
 
+#include <algorithm>
 #include <memory>
 #include <new>
 
@@ -15,6 +16,16 @@ template <class T>
 T* made(T* context) {
   if (context == nullptr) throw std::bad_alloc();
   return context;
+}
+
+// What the frame says of its body's size, if it may be so.
+size_t body_size(std::span<const uint8_t> frame, uint64_t most, const std::string& what) {
+  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
+  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size())
+    throw FormatError(what + ": expected one zstd frame with its content size, found something else");
+  if (const uint64_t bound = std::min(most, kMaxRatio * frame.size()); size > bound)
+    throw FormatError(fmt::format("{}: expected a zstd frame of at most {} bytes, as its own size is {}, found {}", what, bound, frame.size(), size));
+  return size;
 }
 
 }  // namespace
@@ -34,13 +45,21 @@ ZstdDecoder::ZstdDecoder() : zstd_(made(ZSTD_createDCtx())) {}
 ZstdDecoder::~ZstdDecoder() { ZSTD_freeDCtx(zstd_); }
 
 void ZstdDecoder::decode(std::span<const uint8_t> frame, uint64_t most, const std::string& what, Bytes& body) {
-  const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
-  if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || size > most || size > kMaxRatio * frame.size() ||
-      ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size())
-    throw FormatError(what + ": expected one zstd frame with its content size, found something else");
-  body.resize(size);
+  body.resize(body_size(frame, most, what));
+  decode_into(frame, what, body);
+}
+
+void ZstdDecoder::append(std::span<const uint8_t> frame, uint64_t most, const std::string& what, std::string& text) {
+  constexpr size_t kRoomBehind = 4096;  // appending to a full text would double it
+  const size_t before = text.size(), size = body_size(frame, most, what);
+  text.reserve(before + size + kRoomBehind);
+  text.resize(before + size);
+  decode_into(frame, what, {reinterpret_cast<uint8_t*>(text.data()) + before, size});
+}
+
+void ZstdDecoder::decode_into(std::span<const uint8_t> frame, const std::string& what, std::span<uint8_t> body) {
   const size_t found = ZSTD_decompressDCtx(zstd_, body.data(), body.size(), frame.data(), frame.size());
-  if (ZSTD_isError(found) || found != size)
+  if (ZSTD_isError(found) || found != body.size())
     throw FormatError(fmt::format("{}: zstd says {}", what, ZSTD_isError(found) ? ZSTD_getErrorName(found) : "too short"));
 }
 

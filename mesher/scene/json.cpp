@@ -15,7 +15,9 @@
 #include "mesher/scene/scene.hpp"
 #include "store/color.hpp"
 #include "store/error.hpp"
+#include "store/json_text.hpp"
 #include "store/json_writer.hpp"
+#include "store/metadata.hpp"
 #include "store/text.hpp"
 
 namespace teracell {
@@ -177,6 +179,9 @@ MaterialIds parse_materials(const Node& root, const std::vector<std::string>& or
   for (const std::string& name : order) {
     if (name.empty() || printable(name) != name)
       throw UsageError(fmt::format("{}: expected a name that is not empty and has no control characters", child_path(materials->where(), name)));
+    if (name.size() > kMostName)
+      throw UsageError(
+          fmt::format("materials: expected names of at most {} bytes, found \"{}...\" of {}", kMostName, first_bytes(name, 60), name.size()));
     if (name == back) continue;
     const auto id = static_cast<uint32_t>(scene.materials.size());
     if (id > kMaxMaterials)
@@ -259,7 +264,10 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
   body.mesh_text = node.require("mesh").text();
   body.mesh = folder / body.mesh_text;
   body.material = material_id(node.require("material"), ids);
-  if (const auto n = node.find("name")) body.name = n->text();
+  if (const auto n = node.find("name")) {
+    body.name = n->text();
+    if (body.name.size() > kMostName) n->fail(fmt::format("a name of at most {} bytes", kMostName));
+  }
   if (const auto n = node.find("part")) body.part = n->text();
   if (const auto n = node.find("priority")) body.priority = n->integer(INT64_MIN, INT64_MAX);
   if (const auto n = node.find("fill")) body.fill = static_cast<Fill>(n->choice(kFillNames));
@@ -394,7 +402,7 @@ Scene read_scene(const fs::path& path) {
 }
 
 std::string normalised(const Scene& scene, size_t most) {
-  std::string text = normalised_without_bodies(scene).dump();
+  std::string text = ascii_json(normalised_without_bodies(scene));
   text.back() = ',';
   text += "\"bodies\":";
   const size_t left_out =

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "store/metadata.hpp"
 #include "store/text.hpp"
 
 namespace teracell {
@@ -44,7 +45,7 @@ std::string mesh_stem(const std::filesystem::path& mesh) {
   std::filesystem::path file = mesh.filename();
   if (file.extension() == ".gz") file = file.stem();
   const std::string stem = printable(file.stem().string());
-  return stem.empty() ? "body" : stem;
+  return stem.empty() ? "body" : std::string(first_bytes(stem, kMostStem));
 }
 
 std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates) {

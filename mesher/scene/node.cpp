@@ -124,13 +124,8 @@ std::string Node::found() const {
   if (value_->is_object()) return "an object";
   if (value_->is_array()) return fmt::format("an array of {}", value_->size());
   constexpr size_t kLongest = 60;
-  std::string text = printable(value_->dump());
-  if (text.size() > kLongest) {
-    size_t end = kLongest;
-    while ((static_cast<unsigned char>(text[end]) & 0xc0) == 0x80) --end;  // never inside a UTF-8 sequence
-    text = text.substr(0, end) + "...";
-  }
-  return text;
+  const std::string text = printable(value_->dump());
+  return text.size() > kLongest ? fmt::format("{}...", first_bytes(text, kLongest)) : text;
 }
 
 void Node::check_keys(std::initializer_list<std::string_view> known) const {

@@ -45,13 +45,13 @@ std::string with_folder(const std::string& message, const fs::path& path) {
 }
 
 // The stem in a form that addresses and JSON can hold: UTF-8 without control characters, and neither "." nor "..", which clients
-// resolve.
+// resolve, and not too long: what is not UTF-8 takes up to three times as many bytes.
 std::string stem_of(const fs::path& path) {
   std::string stem = utf8_of(path.stem().string());
   std::ranges::replace_if(
       stem, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
   if (stem == "." || stem == "..") std::ranges::replace(stem, '.', '_');
-  return stem;
+  return std::string(first_bytes(stem, kMostStem));
 }
 
 }  // namespace

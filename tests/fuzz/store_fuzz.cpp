@@ -7,7 +7,10 @@
 
 #include <unistd.h>
 
+#include <nlohmann/json.hpp>
+
 #include "store/chunk_codec.hpp"
+#include "store/info.hpp"
 #include "store/metadata_json.hpp"
 #include "store/query.hpp"
 #include "store/slice.hpp"
@@ -88,7 +91,7 @@ void read_file(const Bytes& bytes) {
         if (sound) std::abort();
       }
     }
-    reader.report();
+    if (!nlohmann::json::accept(info_json(reader))) std::abort();
   } catch (const FormatError&) {
     if (sound) std::abort();
   } catch (const IoError&) {

@@ -10,6 +10,7 @@
 #include "tests/support/meshed.hpp"
 #include "tests/support/png.hpp"
 #include "tests/support/served_cells.hpp"
+#include "tests/support/small_files.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell {
@@ -291,6 +292,103 @@ TEST_CASE("Answers that need a damaged chunk are 500; each is counted, there is 
   CHECK(service.counters().damaged == 3);
   REQUIRE(complaints.size() == 1);
   CHECK_THAT(complaints[0], Catch::StartsWith("g.tcell: level 0 chunk (0, 0, 0): its frame at byte "));  // the place is named once, without a folder
+}
+
+// What a service answers for a file.
+Response answer_of(const Bytes& file, const std::string& target) {
+  const TempFolder folder;
+  std::ofstream(folder / "g.tcell", std::ios::binary).write(reinterpret_cast<const char*>(file.data()), static_cast<std::streamsize>(file.size()));
+  Service service({.named = {folder.path()}});
+  Request request;
+  request.target = target;
+  return handle(service, request);
+}
+
+TEST_CASE("The description of a grid is answered if and only if verify passes its report", "[server]") {
+  const Bytes file = chunked_file();
+  size_t sound = 0;
+  for (const std::string& report :
+       {std::string("{}"), std::string(R"({"schema":1,"bodies":[{"name":"t\u00fcr\ud83d\ude00"}]} )"), std::string("null"),
+        std::string("[1,2.50,1e2]"), std::string(64, '[') + std::string(64, ']'), std::string(""), std::string("{"), std::string("{\"a\":1,\"a\":1}"),
+        std::string("{\"a\":\"\xc3\xbc\"}"), std::string("{\"a\":\"\xff\"}"), std::string("{\"a\":01}"), std::string("{\"a\":1e999}"),
+        std::string("\"\\ud800\""), std::string(65, '['), std::string(65, '[') + std::string(65, ']')}) {
+    INFO(report);
+    const Bytes forged = forge(file, {.bytes = [&](Part part, Bytes& body) {
+                                 if (part == Part::kReport) body.assign(report.begin(), report.end());
+                               }});
+    bool passes = true;
+    try {
+      verify_quietly(reader_of(forged));
+    } catch (const FormatError&) {
+      passes = false;
+    }
+    sound += passes;
+    const Response answer = answer_of(forged, "/api/v1/grids/g");
+    REQUIRE(answer.status == (passes ? 200 : 500));
+    const json j = json::parse(*answer.body);
+    if (passes) CHECK(j["report"] == json::parse(report));
+    else CHECK(j["error"]["code"] == "damaged");
+  }
+  CHECK(sound == 5);
+}
+
+TEST_CASE("A file that verify passes serves all of its answers, however strange its names are", "[server]") {
+  std::string umlauts;
+  for (int i = 0; i < 128; ++i) umlauts += "\xc3\xbc";
+  const Bytes file = forge(chunked_file(), {.metadata = [&](Metadata& m) {
+                             m.units = std::string(128, '"') + std::string(128, '\n');
+                             m.materials[0].name = std::string(256, '\0');
+                             m.materials[1].name = umlauts;
+                             m.materials[2].name = "";
+                             m.labels[1].body = "</script>";
+                           }});
+  REQUIRE_NOTHROW(verify_quietly(reader_of(file)));
+  const std::string g = "/api/v1/grids/g";
+  for (const std::string& target :
+       {std::string("/api/v1/grids"), g, g + "/cell?i=1&j=1&k=1", g + "/cell?i=0&j=0&k=0&level=3", g + "/column/x/1_1", g + "/column/y/1_1",
+        g + "/column/z/1_1?from=1&to=3", g + "/stats", g + "/stats?region=0,0,0,1,2,3", std::string("/zarr/g/zarr.json"),
+        std::string("/zarr/g/labels/material/zarr.json"), std::string("/zarr2/g/.zmetadata"), std::string("/xarray/g/0/.zmetadata"),
+        std::string("/precomputed/g/info"), std::string("/precomputed/g/segprops/info")}) {
+    INFO(target);
+    const Response answer = answer_of(file, target);
+    REQUIRE(answer.status == 200);
+    CHECK(json::accept(*answer.body));
+  }
+  for (const std::string& target : {g + "/slice/z/0.png", g + "/tile/z/0/0/0_0.png", g + "/tile/x/0/1/0_0.bin?sets=1", std::string("/")})
+    CHECK(answer_of(file, target).status == 200);
+}
+
+TEST_CASE("A part of a column is asked for with from and to; a column of too many runs is refused with that advice", "[server]") {
+  const TempFolder folder;
+  std::string name;  // 6 characters of JSON for each 2 bytes
+  for (int i = 0; i < 128; ++i) name += "\xc3\xbc";
+  constexpr int64_t kLong = 80'000;
+  const auto axis = [](int64_t n) { return Axis::uniform(0, 1, 0, n, 0.5); };
+  Metadata meta = metadata_of({{axis(1), axis(1), axis(kLong)}}, 2, 2);
+  meta.materials[1].name = name;
+  std::vector<Label> cells(kLong);
+  for (size_t i = 0; i < cells.size(); ++i) cells[i] = i % 2;
+  store_cells(folder / "g.tcell", meta, cells);
+  Service service({.named = {folder.path()}});
+  const auto get = [&](const std::string& query) {
+    Request request;
+    request.target = "/api/v1/grids/g/column/z/0_0" + query;
+    return handle(service, request);
+  };
+  const Response whole = get("");
+  CHECK(whole.status == 400);
+  CHECK_THAT(*whole.body, Catch::Contains("has more than 72") && Catch::Contains("runs from cell 0 to 80000: ask for a shorter part (from, to)"));
+  CHECK(get("?from=0&to=80000").status == 400);
+  const Response most = get("?to=70000");
+  REQUIRE(most.status == 200);
+  CHECK(most.body->size() < size_t{1} << 26);
+  CHECK(json::parse(*most.body)["runs"].size() == 70'000);
+  const json part = json::parse(*get("?from=12345&to=12347").body);
+  CHECK(part["runs"] == json::array({{{"from", 12345}, {"to", 12346}, {"min", 12345.0}, {"max", 12346.0}, {"material", 1}, {"name", name}},
+                                     {{"from", 12346}, {"to", 12347}, {"min", 12346.0}, {"max", 12347.0}, {"material", 0}, {"name", "m0"}}}));
+  CHECK(json::parse(*get("?from=79999").body)["runs"].size() == 1);
+  for (const char* bad : {"?from=80000", "?from=-1", "?from=5&to=5", "?to=0", "?to=80001", "?from=x", "?from=1&from=2"})
+    CHECK(get(bad).status == 400);
 }
 
 TEST_CASE("A client that accepts gzip gets it, whatever other clients asked for before, and the cache keeps it", "[server]") {

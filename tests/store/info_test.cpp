@@ -21,7 +21,7 @@ TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
   cells[6] = 1;
   store_cells(folder / "g.tcell", meta, cells);
   const GridReader reader(folder / "g.tcell");
-  const ordered_json j = info_json(reader);
+  const ordered_json j = ordered_json::parse(info_json(reader));
   REQUIRE(j["schema"] == 1);
   REQUIRE(j["units"] == "mm");
   REQUIRE(j["ray_axis"] == "x");
@@ -58,7 +58,7 @@ TEST_CASE("Counts that JSON readers would round come as text too, past 64 bits a
   stats[1] = {(uint64_t{1} << 53) - 1, 2.5, {{1, 2, 3}, {4, 5, 6}}};
   stats[2] = {uint64_t{1} << 53, 1, {{0, 0, 0}, {1, 1, 1}}};
   stats[3] = {static_cast<unsigned __int128>(1) << 64, 1, {{0, 0, 0}, {1, 1, 1}}};
-  const ordered_json j = stats_json(meta, {{0, 1, 2}, {7, 8, 9}}, stats);
+  const ordered_json j = ordered_json::parse(stats_json(meta, {{0, 1, 2}, {7, 8, 9}}, stats));
   REQUIRE(j["region"] == ordered_json{0, 1, 2, 7, 8, 9});
   const ordered_json& m = j["materials"];
   REQUIRE(m[0] == ordered_json{{"id", 0}, {"name", "m0"}, {"cells", 0}, {"volume", 0.0}, {"box", nullptr}});
@@ -70,7 +70,7 @@ TEST_CASE("Counts that JSON readers would round come as text too, past 64 bits a
 
 TEST_CASE("The runs of a column have their cells, planes and materials") {
   const Axis axis = Axis::uniform(10, 0.5, 0, 8, 0.5);
-  const ordered_json j = column_json(metadata_of({{axis, axis, axis}}, 2, 2), 1, 3, 4, {{0, 2, 0}, {2, 8, 1}});
+  const ordered_json j = ordered_json::parse(column_json(metadata_of({{axis, axis, axis}}, 2, 2), 1, 3, 4, {{0, 2, 0}, {2, 8, 1}}));
   REQUIRE(j["axis"] == "y");
   REQUIRE(j["at"] == ordered_json{3, 4});
   REQUIRE(j["runs"][0] == ordered_json{{"from", 0}, {"to", 2}, {"min", 10.0}, {"max", 11.0}, {"material", 0}, {"name", "m0"}});

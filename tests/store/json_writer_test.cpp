@@ -9,6 +9,8 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "store/json_text.hpp"
+
 namespace teracell {
 namespace {
 
@@ -23,9 +25,10 @@ std::string written(const T& what) {
 
 }  // namespace
 
-TEST_CASE("JSON is written as the library writes it") {
+TEST_CASE("JSON is written as the library writes it in ASCII") {
   for (const char* text : {"", "plain", "a \"quoted\" word", "back\\slash", "line\nand\ttab", "\x01\x1f\x7f", "Köln, 東京", "{[:,"})
-    CHECK(written(text) == ordered_json(text).dump());
+    CHECK(written(text) == ascii_json(text));
+  CHECK(written("\xff\xc3\xbc") == R"("\ufffd\u00fc")");
   for (const double number : {0.0, -0.0, 1.0, -7.0, 0.1, 1e14, 999999999999999.0, 1e15, 1e16, 123456789012345678.0, 1e-5, 5e-324,
                               1.7976931348623157e308, -1e300, std::numeric_limits<double>::infinity(), std::nan("")})
     CHECK(written(number) == ordered_json(number).dump());

@@ -37,7 +37,7 @@ TEST_CASE("A file of a newer minor version is read, and the version told is its 
                               if (part == Part::kHeader) body[18] = 7;
                             }});
   REQUIRE(reader_of(newer).version() == "1.7");
-  REQUIRE(info_json(reader_of(newer))["file"]["version"] == "1.7");
+  REQUIRE(nlohmann::json::parse(info_json(reader_of(newer)))["file"]["version"] == "1.7");
   REQUIRE_NOTHROW(verify_quietly(reader_of(newer)));
 }
 
@@ -152,7 +152,7 @@ TEST_CASE("A file with further optional channels is read like one without, and s
       REQUIRE(reader.meta().others()[i].name == channels[i].name);
       REQUIRE(reader.meta().others()[i].frames == channels[i].frames.size());
     }
-    REQUIRE(info_json(reader)["levels"].size() == static_cast<size_t>(reader.levels()));
+    REQUIRE(nlohmann::json::parse(info_json(reader))["levels"].size() == static_cast<size_t>(reader.levels()));
     REQUIRE(read_everything(reader) == read_everything(reader_of(file)));
     REQUIRE(reader.hash() != reader_of(file).hash());
     REQUIRE_NOTHROW(verify_quietly(reader));

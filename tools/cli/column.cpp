@@ -2,7 +2,6 @@
 #include <iostream>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "store/info.hpp"
 #include "tools/cli/command.hpp"
@@ -22,7 +21,7 @@ void run(const ColumnArguments& o) {
   const auto at = parse_integers(o.at, 2, "--at");
   const auto runs = read_column(reader, axis, at[0], at[1]);
   if (o.json) {
-    std::cout << column_json(meta, axis, at[0], at[1], runs).dump() << "\n";
+    std::cout << column_json(meta, axis, at[0], at[1], runs) << "\n";
     return;
   }
   const RayFrame f = RayFrame::along(axis);

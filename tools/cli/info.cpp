@@ -160,7 +160,7 @@ void print(const GridReader& reader) {
 void run(const InfoArguments& o) {
   const GridReader reader(o.grid);
   if (!o.json) return print(reader);
-  std::cout << info_json(reader).dump() << "\n";
+  std::cout << info_json(reader) << "\n";
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <iostream>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "store/info.hpp"
 #include "tools/cli/command.hpp"
@@ -21,7 +20,7 @@ void run(const StatsArguments& o) {
   const Box box = o.region.empty() ? meta.grid.box(0) : parse_region(o.region, meta.grid, 0);
   const auto stats = read_stats(reader, box);
   if (o.json) {
-    std::cout << stats_json(meta, box, stats).dump() << "\n";
+    std::cout << stats_json(meta, box, stats) << "\n";
     return;
   }
   size_t width = 8;

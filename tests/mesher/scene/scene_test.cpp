@@ -190,6 +190,22 @@ TEST_CASE("65,535 materials besides the background, not one more", "[scene]") {
   check_error("{\"materials\": {" + list + "\"air\": {}, \"last\": {}}, \"bodies\": []}", {"at most 65535"});
 }
 
+TEST_CASE("names of materials and bodies have at most 256 bytes, those that come from files too", "[scene]") {
+  const std::string longest(256, 'n');
+  const auto scene = [](const std::string& material, const std::string& body) {
+    return "{\"materials\": {\"" + material + "\": {}}, \"bodies\": [{\"mesh\": \"a.stl\", \"name\": \"" + body + "\", \"material\": \"" + material +
+           "\"}]}";
+  };
+  CHECK(parse(scene(longest, longest)).bodies[0].name == longest);
+  check_error(scene(longest + "n", "a"), {"materials", "at most 256 bytes", "of 257"});
+  check_error(scene("a", longest + "n"), {"bodies[0].name", "at most 256 bytes"});
+  std::string umlauts;
+  for (int i = 0; i < 200; ++i) umlauts += "\xc3\xbc";
+  const Scene bare = bare_scene({"x" + umlauts + ".stl", "y/x" + umlauts + ".stl"});
+  CHECK(bare.bodies[0].name == "x" + umlauts.substr(0, 238));  // whole characters
+  CHECK(bare.bodies[1].name == bare.bodies[0].name + "-2");
+}
+
 TEST_CASE("bodies without a name are named after their mesh and numbered", "[scene]") {
   const Scene s = parse(R"({"bodies": [{"mesh": "a/hull.stl", "material": "air"}, {"mesh": "b/hull.stl.gz", "material": "air"},
     {"mesh": "x.ply", "name": "hull-2", "material": "air"}, {"mesh": "hull.obj", "material": "air"}]})");

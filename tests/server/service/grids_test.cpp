@@ -40,6 +40,18 @@ std::vector<std::string> ids(const Grids& grids) {
 
 using Ids = std::vector<std::string>;
 
+TEST_CASE("Ids have at most 256 bytes, and so have those of files whose names are not UTF-8", "[server]") {
+  const TempFolder folder;
+  std::filesystem::create_directory(folder / "other");
+  const std::string name = std::string(200, '\xff') + ".tcell";
+  store(folder / name, 0);
+  store(folder / "other" / name, 0);
+  const Watched w({folder / name, folder / "other"});
+  std::string id;
+  for (int i = 0; i < 80; ++i) id += "\xef\xbf\xbd";
+  CHECK(ids(w.grids) == Ids{id, id + "-2"});
+}
+
 TEST_CASE("Ids are stems, numbered when repeated; only named files and the *.tcell of named folders are served", "[server]") {
   TempFolder folder;
   for (const char* sub : {"a", "b", "b/deep"}) std::filesystem::create_directory(folder / sub);
