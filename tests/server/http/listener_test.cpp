@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "store/wanted.hpp"
 #include "tests/support/stored.hpp"
 
 using namespace teracell;
@@ -137,6 +138,10 @@ struct Fixture {
               },
               [=, this](const Request& r) {
                 if (r.target.starts_with("/held")) door.wait();
+                while (r.target == "/cold/endless") {
+                  Wanted::stop_if_not();
+                  std::this_thread::sleep_for(1ms);
+                }
                 throw_if_asked(r.target);
                 return answer(r);
               },
@@ -328,6 +333,20 @@ TEST_CASE("no answer is made for a client that has gone", "[server][listener][th
   f.door.open();
   REQUIRE(soon([&] { return f.metrics.waiting == 0; }));
   REQUIRE(soon([&] { return metrics_text(f.metrics, {}).find("status=\"499\"} 1") != std::string::npos; }));
+}
+
+TEST_CASE("work stops when its client goes, and when it takes too long", "[server][listener][threads]") {
+  Fixture f({.work_timeout = 500ms});
+  const auto refused = f.get("/cold/endless");
+  CHECK(refused.status == 503);
+  CHECK(refused.body.starts_with(R"({"error":{"code":"too_dear","message":"the answer takes more than 0.5 s of work)"));
+  Fixture patient({.work_timeout = std::chrono::hours(1)});
+  {
+    Client c = patient.client();
+    c.get("/cold/endless");
+    REQUIRE(soon([&] { return patient.metrics.waiting == 1; }));
+  }
+  CHECK(soon([&] { return patient.metrics.waiting == 0; }));
 }
 
 TEST_CASE("every path needs the token except /healthz, preflights and open paths", "[server][listener]") {
