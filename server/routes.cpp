@@ -11,6 +11,7 @@
 #include "server/start_page.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -248,6 +249,16 @@ Response route(Service& service, const Request& request) {
   throw no_such_address(request);
 }
 
+// What may read much of a grid, unlike a tile or a cell.
+bool is_dear(const Request& request) {
+  const std::string_view path = path_of(request.target);
+  if (path.starts_with("/iiif/") || path.starts_with("/dzi/")) return true;
+  if (!path.starts_with("/api/v1/grids/")) return false;
+  for (const char* part : {"/stats", "/slice/", "/column/"})
+    if (path.find(part, std::string_view("/api/v1/grids/").size()) != std::string_view::npos) return true;
+  return false;
+}
+
 }  // namespace
 
 std::optional<Response> handle_at_once(Service& service, const Request& request) { return service.from_cache(request); }
@@ -255,8 +266,10 @@ std::optional<Response> handle_at_once(Service& service, const Request& request)
 Response handle(Service& service, const Request& request) {
   try {
     return route(service, request);
+  } catch (const Unwanted&) {
+    throw;  // there is nobody to answer
   } catch (const HttpError& e) {
-    if (e.status >= 500) service.unreadable();
+    if (e.status == 500) service.unreadable();
     return error_response(e.status, e.code, e.what());
   } catch (const UsageError& e) {
     return error_response(400, "bad_request", e.what());
@@ -275,7 +288,9 @@ Response handle(Service& service, const Request& request) {
 
 Handler handler_of(Service& service) {
   return {[&service](const Request& request) { return handle_at_once(service, request); },
-          [&service](const Request& request) { return handle(service, request); }};
+          [&service](const Request& request) { return handle(service, request); },
+          {},
+          is_dear};
 }
 
 }  // namespace teracell

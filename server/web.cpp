@@ -147,7 +147,8 @@ Handler with_page(Handler inner, const Page& page) {
             std::optional<Response> r = page.answer(request);
             return r ? *r : handle(request);
           },
-          [&page, is_open = std::move(inner.is_open)](std::string_view path) { return page.has(path) || (is_open && is_open(path)); }};
+          [&page, is_open = std::move(inner.is_open)](std::string_view path) { return page.has(path) || (is_open && is_open(path)); },
+          std::move(inner.is_dear)};
 }
 
 Handler with_text(Handler inner, const std::string& path, const Body& text) {
@@ -165,7 +166,8 @@ Handler with_text(Handler inner, const std::string& path, const Body& text) {
             std::optional<Response> r = answer(request);
             return r ? *r : handle(request);
           },
-          [path, is_open = std::move(inner.is_open)](std::string_view asked) { return asked == path || (is_open && is_open(asked)); }};
+          [path, is_open = std::move(inner.is_open)](std::string_view asked) { return asked == path || (is_open && is_open(asked)); },
+          std::move(inner.is_dear)};
 }
 
 }  // namespace teracell

@@ -9,6 +9,7 @@
 #include "store/json_check.hpp"
 #include "store/metadata_json.hpp"
 #include "store/pyramid.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -122,6 +123,7 @@ DirectoryEntry GridReader::page_place(int level, uint64_t page) const { return d
 DirectoryEntry GridReader::frame_place(const Channel& channel, uint64_t frame) const { return directory_entry(channel.cover, channel.frames, frame); }
 
 std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint64_t page) const {
+  Wanted::stop_if_not();
   const IndexPlace place{number_, true, page * 32 + static_cast<uint64_t>(level)};
   std::shared_ptr<const IndexPart> part = index_->find(place);
   if (!part) {
@@ -191,6 +193,7 @@ std::shared_ptr<const Chunk> GridReader::chunk(const ChunkKey& key, std::shared_
     read(key, *into);
     return into;
   };
+  Wanted::stop_if_not();
   if (!keeper_) return decoded(scratch);
   return keeper_->get(key, [&]() -> std::shared_ptr<const Chunk> {
     std::shared_ptr<Chunk> fresh;

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "store/cache_counts.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 
@@ -32,34 +33,43 @@ class SharedCache {
   void hit() { ++hits_; }
 
   // make() returns {value, the bytes of memory that it takes}. While one thread is in make(), others that want the same value
-  // wait. If make() throws, all of them throw the same, and the next caller tries again. A value larger than the cache is not
-  // kept. Only a value that was here counts as a hit, not one that was waited for.
+  // wait. If make() throws, all of them throw the same, and the next caller tries again; after Unwanted, one of those that wait
+  // makes the value. A value larger than the cache is not kept. Only a value that was here counts as a hit, not one that was waited
+  // for.
   template <class Make>
   Pointer get(const Key& key, Make&& make) {
     std::unique_lock lock(mutex_);
-    std::shared_ptr<Entry>& place = entries_[key];
-    const bool mine = !place;
-    if (mine) place = std::make_shared<Entry>(Entry{key});
-    const std::shared_ptr<Entry> entry = place;
-    ++(entry->value ? hits_ : misses_);
-    if (!mine) {
-      made_.wait(lock, [&] { return entry->value || entry->error; });
+    std::shared_ptr<Entry> entry;
+    for (bool first = true;; first = false) {
+      std::shared_ptr<Entry>& place = entries_[key];
+      const bool mine = !place;
+      if (mine) place = std::make_shared<Entry>(Entry{key});
+      entry = place;
+      if (first) ++(entry->value ? hits_ : misses_);
+      if (mine) break;
+      made_.wait(lock, [&] { return entry->value || entry->error || entry->given_up; });
       if (entry->error) std::rethrow_exception(entry->error);
+      if (entry->given_up) continue;
       touch(entry);
       return entry->value;
     }
     lock.unlock();
     std::pair<Pointer, size_t> made;
     std::exception_ptr error;
+    bool given_up = false;
     try {
       made = make();
+    } catch (const Unwanted&) {
+      given_up = true;
+      error = std::current_exception();
     } catch (...) {
       error = std::current_exception();
     }
     lock.lock();
     made_.notify_all();
     if (error) {
-      entry->error = error;
+      if (given_up) entry->given_up = true;
+      else entry->error = error;
       entries_.erase(key);
       std::rethrow_exception(error);
     }
@@ -93,6 +103,7 @@ class SharedCache {
     Key key;
     Pointer value;
     std::exception_ptr error;
+    bool given_up = false;  // what was making it was stopped by Unwanted
     size_t bytes = 0;
     bool listed = false;
     typename std::list<std::shared_ptr<Entry>>::iterator place{};

@@ -9,6 +9,7 @@
 
 #include "server/http/host.hpp"
 #include "server/service/target.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -16,6 +17,8 @@ namespace {
 constexpr auto kLinger = std::chrono::seconds(2);  // time for a client to read why it was refused
 constexpr size_t kMostLingering = size_t{1} << 20;
 constexpr size_t kFirstBuffer = size_t{2} << 10;  // bytes; grows up to the longest head
+
+constexpr auto kLook = std::chrono::milliseconds(20);  // between two looks whether a client still waits for an answer
 
 Awaitable<void> serve(std::unique_ptr<Connection> connection) { co_await connection->serve(); }
 
@@ -25,6 +28,8 @@ Response failure() {
     throw;
   } catch (const HttpError& e) {
     return error_response(e.status, e.code, e.what());
+  } catch (const Unwanted& e) {
+    return error_response(499, "gone", e.what());
   } catch (const std::bad_alloc&) {
     return error_response(503, "out_of_memory", "the server is out of memory: try again later");
   } catch (const std::exception& e) {
@@ -36,14 +41,14 @@ Response failure() {
 
 }  // namespace
 
-void serve_connection(Loop& loop, Socket socket, Counted open) {
-  asio::post(loop.io, [&loop, s = std::move(socket), o = std::move(open)]() mutable {
-    asio::co_spawn(loop.io, serve(std::make_unique<Connection>(loop, std::move(s), std::move(o))), asio::detached);
+void serve_connection(Loop& loop, Socket socket, Peer peer) {
+  asio::post(loop.io, [&loop, s = std::move(socket), p = std::move(peer)]() mutable {
+    asio::co_spawn(loop.io, serve(std::make_unique<Connection>(loop, std::move(s), std::move(p))), asio::detached);
   });
 }
 
-Connection::Connection(Loop& loop, Socket socket, Counted open)
-    : open_(std::move(open)), loop_(loop), shared_(loop.shared), socket_(std::move(socket)), buffer_(kFirstBuffer) {
+Connection::Connection(Loop& loop, Socket socket, Peer peer)
+    : peer_(std::move(peer)), loop_(loop), shared_(loop.shared), socket_(std::move(socket)), requester_(peer_.client), buffer_(kFirstBuffer) {
   error_code ignored;
   socket_.set_option(tcp::no_delay(true), ignored);
   socket_.non_blocking(true, ignored);
@@ -51,10 +56,12 @@ Connection::Connection(Loop& loop, Socket socket, Counted open)
   local_ = authority(socket_.local_endpoint(ignored));
   deadline_ = Clock::now() + shared_.options.request_timeout;
   place_ = loop.connections.insert(loop.connections.end(), this);
+  enter(kIdle);
   if (loop.stopping) finish();
 }
 
 Connection::~Connection() {
+  enter(kLingering);
   loop_.connections.erase(place_);
   if (loop_.stopping && loop_.connections.empty()) loop_.timer.cancel();
 }
@@ -66,7 +73,7 @@ Awaitable<void> Connection::serve() {
     HeadParser::Progress progress;
     while ((progress = parse()) == HeadParser::kMore) {
       if (state_ == kIdle && (parser_->begun() || begin_ < end_)) {
-        state_ = kReading;
+        enter(kReading);
         deadline_ = Clock::now() + shared_.options.request_timeout;
       }
       end_ += co_await socket_.async_read_some(space(), asio::redirect_error(kAwait, error));
@@ -88,8 +95,9 @@ Awaitable<void> Connection::serve() {
     shared_.log.write({client_, head_.method, head_.target, response_.status, body_sent_, seconds * 1e3, response_.route});
     if (!taken) co_return;
     response_ = {};  // lets go of the body, which may be in the cache
-    held_ = {};
-    state_ = kIdle;
+    held_ = {}, held_by_client_ = {};
+    requester_ = peer_.client;
+    enter(kIdle);
     deadline_ = now + shared_.options.idle_timeout;
   }
   co_await linger();
@@ -113,8 +121,7 @@ asio::mutable_buffer Connection::space() {
 }
 
 Awaitable<void> Connection::make() {
-  state_ = kMaking;
-  const ListenerOptions& o = shared_.options;
+  enter(kMaking);
   std::optional<Response> here;
   try {
     here = answer_here();
@@ -125,10 +132,23 @@ Awaitable<void> Connection::make() {
     response_ = std::move(*here);
     co_return;
   }
-  const Counted waiting(shared_.metrics.waiting);
-  if (shared_.metrics.waiting > o.max_waiting) response_ = overloaded(fmt::format("{} other requests are being answered or wait", o.max_waiting));
-  else if (holds_too_much()) response_ = too_much_held();
-  else co_await asio::co_spawn(shared_.pool.executor(), make_in_pool(), kAwait);
+  if (const std::string client = peer_.proxy ? last_forwarded(head_.forwarded_for) : ""; !client.empty()) requester_ = shared_.clients.at(client);
+  const Counted waiting(shared_.metrics.waiting), waiting_of_client(requester_->waiting);
+  if (waits_too_much()) {
+    response_ = overloaded(fmt::format("{} other requests are being answered or wait, {} of them from this client", shared_.metrics.waiting - 1,
+                                       requester_->waiting - 1));
+  } else if (holds_too_much()) {
+    response_ = too_much_held();
+  } else {
+    Timer made(loop_.io, Clock::time_point::max());
+    const bool dear = shared_.handler.is_dear && shared_.handler.is_dear(request_);
+    shared_.pool.post(requester_.get(), dear ? Pool::kDear : Pool::kCheap, [this, &made] {
+      make_in_pool();
+      asio::post(loop_.io, [&made] { made.cancel(); });  // runs when this coroutine waits
+    });
+    error_code ignored;
+    co_await made.async_wait(asio::redirect_error(kAwait, ignored));
+  }
   if (loop_.stopping) keep_ = false;
 }
 
@@ -155,31 +175,55 @@ std::optional<Response> Connection::answer_here() {
   return shared_.handler.at_once(request_);
 }
 
-// Runs on a thread of the pool. First it looks whether the client has closed the connection: browsers do so with tiles that are
-// no longer shown.
-Awaitable<void> Connection::make_in_pool() {
-  char byte;
-  if (!finishing_ && recv(socket_.native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0) {
-    response_ = error_response(499, "gone", "the client closed the connection");
-    keep_ = false;
-    co_return;
-  }
-  if (holds_too_much()) {  // the limit may have been reached while the request waited
-    response_ = too_much_held();
-    co_return;
-  }
-  try {
-    response_ = shared_.handler.handle(request_);
-  } catch (...) {
-    response_ = failure();
-  }
-  held_ = Counted(shared_.metrics.held_bytes, response_.body ? response_.body->size() : 0);
+// Runs on a thread of the pool. It ends early when the client has closed the connection: browsers do so with tiles that are no
+// longer shown.
+void Connection::make_in_pool() try {
+  const auto began = Clock::now();
+  auto looked = began - kLook;
+  const Wanted wanted([&, this] { check_wanted(began, looked); });
+  Wanted::stop_if_not();
+  // The limit may have been reached while the request waited.
+  response_ = holds_too_much() ? too_much_held() : shared_.handler.handle(request_);
+  hold(response_.body ? response_.body->size() : 0);
+} catch (...) {
+  response_ = failure();
+  if (response_.status == 499) keep_ = false;
 }
 
-bool Connection::holds_too_much() const { return shared_.metrics.held_bytes >= shared_.options.max_held; }
+void Connection::check_wanted(Clock::time_point began, Clock::time_point& looked) const {
+  const auto now = Clock::now();
+  if (now - looked < kLook) return;
+  looked = now;
+  if (client_has_gone()) throw Unwanted("the client closed the connection");
+  const auto most = shared_.options.work_timeout;
+  if (now - began > most)
+    throw HttpError(503, "too_dear",
+                    fmt::format("the answer takes more than {:g} s of work: ask for a smaller region or a coarser level", most.count() / 1000.));
+}
+
+bool Connection::client_has_gone() const {
+  char byte;
+  return !finishing_ && recv(const_cast<Socket&>(socket_).native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+}
+
+bool Connection::waits_too_much() const {
+  const ListenerOptions& o = shared_.options;
+  return shared_.metrics.waiting > o.max_waiting || requester_->waiting > o.max_waiting_per_client;
+}
+
+bool Connection::holds_too_much() const {
+  const uint64_t all = shared_.metrics.held_bytes, of_client = requester_->held_bytes, most = shared_.options.max_held;
+  return of_client >= most / 4 || (all >= most && of_client > 0) || all >= most + most / 2;
+}
+
+void Connection::hold(size_t bytes) {
+  held_ = Counted(shared_.metrics.held_bytes, bytes);
+  held_by_client_ = Counted(requester_->held_bytes, bytes);
+}
 
 Response Connection::too_much_held() const {
-  return overloaded(fmt::format("clients have yet to take {} bytes of answers", shared_.metrics.held_bytes.load()));
+  return overloaded(fmt::format("clients have yet to take {} bytes of answers, and this one {} of them", shared_.metrics.held_bytes.load(),
+                                requester_->held_bytes.load()));
 }
 
 Response Connection::overloaded(const std::string& message) const {
@@ -200,10 +244,16 @@ Awaitable<bool> Connection::send() {
   const size_t all = out_.size() + body.size();
   if (error == asio::error::would_block) error = {};
   if (sent < all && !error) {
-    state_ = kWriting;
-    deadline_ = Clock::now() + shared_.options.answer_timeout + std::chrono::seconds(all / ListenerOptions::kSlowest);
-    if (!held_) held_ = Counted(shared_.metrics.held_bytes, body.size());
+    enter(kWriting);
+    if (!held_) hold(body.size());
+    const auto timeout = shared_.options.answer_timeout;
+    const size_t least = ListenerOptions::kSlowest * static_cast<size_t>(timeout.count()) / 1000;  // bytes to be taken in this time
+    size_t goal = sent;
     while (sent < all && !error) {
+      if (sent >= goal) {
+        goal = sent + least;
+        deadline_ = Clock::now() + timeout;
+      }
       rest = {asio::buffer(out_) + sent, asio::buffer(body) + (std::max(sent, out_.size()) - out_.size())};
       sent += co_await socket_.async_write_some(rest, asio::redirect_error(kAwait, error));
     }
@@ -218,7 +268,7 @@ Awaitable<void> Connection::linger() {
   error_code error;
   socket_.shutdown(tcp::socket::shutdown_send, error);
   if (loop_.stopping) receive_no_more();
-  state_ = kLingering;
+  enter(kLingering);
   deadline_ = Clock::now() + kLinger;
   for (size_t read = 0; !error && read < kMostLingering;)
     read += co_await socket_.async_read_some(asio::buffer(buffer_), asio::redirect_error(kAwait, error));
@@ -241,8 +291,22 @@ void Connection::drop_if_late(Clock::time_point now) {
   if (state_ == kIdle) m.idle.fetch_add(1);
   else if (state_ == kReading) m.slow_requests.fetch_add(1);
   else if (state_ == kWriting) m.slow_answers.fetch_add(1);
+  drop();
+}
+
+Clock::time_point Connection::idle_since() const { return state_ == kIdle ? entered_ : Clock::time_point::max(); }
+
+void Connection::drop() {
   error_code ignored;
   socket_.close(ignored);
+  if (state_ == kIdle) enter(kLingering);  // nobody else is to drop it
+}
+
+void Connection::enter(State state) {
+  if (state_ == kIdle) loop_.idle.fetch_sub(1);
+  if (state == kIdle) loop_.idle.fetch_add(1);
+  state_ = state;
+  entered_ = Clock::now();
 }
 
 }  // namespace teracell

@@ -11,12 +11,19 @@
 
 namespace teracell {
 
-// Serves a socket on its loop until one side closes it. Any thread may call it. `open` counts the connection while it lives.
-void serve_connection(Loop& loop, Socket socket, Counted open);
+// Whose connection it is, and what counts it while it lives.
+struct Peer {
+  std::shared_ptr<Client> client;
+  bool proxy;  // whether its requests name their clients
+  Counted of_all, of_client;
+};
+
+// Serves a socket on its loop until one side closes it. Any thread may call it.
+void serve_connection(Loop& loop, Socket socket, Peer peer);
 
 class Connection final : public LoopMember {
  public:
-  Connection(Loop& loop, Socket socket, Counted open);
+  Connection(Loop& loop, Socket socket, Peer peer);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -24,27 +31,36 @@ class Connection final : public LoopMember {
   Awaitable<void> serve();  // returns when the connection is to be closed
   void finish() override;
   void drop_if_late(Clock::time_point now) override;
+  Clock::time_point idle_since() const override;
+  void drop() override;
 
  private:
   enum State { kIdle, kReading, kMaking, kWriting, kLingering };
   HeadParser::Progress parse();
   asio::mutable_buffer space();
+  void enter(State state);
   Awaitable<void> make();
-  Awaitable<void> make_in_pool();
+  void make_in_pool();
+  void check_wanted(Clock::time_point began, Clock::time_point& looked) const;
+  bool client_has_gone() const;
   std::optional<Response> answer_here();
   Response overloaded(const std::string& message) const;
+  bool waits_too_much() const;
   bool holds_too_much() const;
+  void hold(size_t bytes);
   Response too_much_held() const;
   Awaitable<bool> send();
   Awaitable<void> linger();
   void receive_no_more();
 
-  const Counted open_;  // first: counted until all else is gone
+  const Peer peer_;  // first: counted until all else is gone
   Loop& loop_;
   Shared& shared_;
   Socket socket_;
   std::list<LoopMember*>::iterator place_;
-  State state_ = kIdle;
+  std::shared_ptr<Client> requester_;  // of the request: the peer's, or the one that the proxy names
+  State state_ = kLingering;           // until enter() says otherwise
+  Clock::time_point entered_;          // when it got into this state
   bool finishing_ = false;  // we ended receiving ourselves: an end of input does not mean that the client left
   Clock::time_point deadline_;
   std::string client_, local_;
@@ -55,7 +71,7 @@ class Connection final : public LoopMember {
   std::optional<HeadParser> parser_;
   Request request_;
   Response response_;
-  Counted held_;     // bytes of the response's body
+  Counted held_, held_by_client_;  // bytes of the response's body
   std::string out_;  // the response's head
   size_t body_sent_ = 0;
   bool keep_ = true;

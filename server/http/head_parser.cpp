@@ -89,8 +89,9 @@ void HeadParser::on_field_impl(http::field name, View name_text, View value, Cod
     case http::field::transfer_encoding: head_.has_transfer_encoding = true; return;
     default: break;
   }
-  if (name_text.size() < 16 || (name_text[0] | 0x20) != 'x') return;
-  if (boost::beast::iequals(name_text, "x-forwarded-proto")) set(head_.forwarded_proto);
+  if (name_text.size() < 15 || (name_text[0] | 0x20) != 'x') return;
+  if (boost::beast::iequals(name_text, "x-forwarded-for")) add(head_.forwarded_for);
+  else if (boost::beast::iequals(name_text, "x-forwarded-proto")) set(head_.forwarded_proto);
   else if (boost::beast::iequals(name_text, "x-forwarded-host")) set(head_.forwarded_host);
   else if (boost::beast::iequals(name_text, "x-forwarded-prefix")) set(head_.forwarded_prefix);
 }

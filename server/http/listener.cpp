@@ -47,6 +47,7 @@ struct Listener::State {
   void await_signal();
   Awaitable<void> accept();
   Awaitable<void> accept_one(Loop& loop);
+  bool make_room();
   void stop();
 
   Shared shared;
@@ -132,8 +133,21 @@ Awaitable<void> Listener::State::accept_one(Loop& loop) {
     co_return;
   }
   m.accepted.fetch_add(1);
-  if (m.connections < shared.options.max_connections) serve_connection(loop, std::move(socket), Counted(m.connections));
-  else m.refused.fetch_add(1);
+  const std::string address = socket.remote_endpoint(error).address().to_string();
+  const ListenerOptions& o = shared.options;
+  const bool proxy = std::ranges::find(o.trusted_proxies, address) != o.trusted_proxies.end();
+  const std::shared_ptr<Client> client = shared.clients.at(address);
+  const bool share_is_taken = !proxy && client->connections >= o.max_connections_per_client;
+  if (share_is_taken || (m.connections >= o.max_connections && !make_room())) m.refused.fetch_add(1);
+  else serve_connection(loop, std::move(socket), {client, proxy, Counted(m.connections), Counted(client->connections)});
+}
+
+// Returns whether some connection was idle. It is closed a moment later.
+bool Listener::State::make_room() {
+  const auto most = std::ranges::max_element(loops, {}, [](const auto& loop) { return loop->idle.load(); });
+  if ((*most)->idle == 0) return false;
+  asio::post((*most)->io, [&loop = **most] { loop.drop_idlest(); });
+  return true;
 }
 
 void Listener::State::stop() {

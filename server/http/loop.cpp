@@ -24,20 +24,6 @@ void run_all(asio::io_context& io) noexcept {
     }
 }
 
-Pool::Pool(int threads) : io_(threads), work_(io_.get_executor()) {
-  try {
-    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { run_all(io_); });
-  } catch (const std::system_error& e) {
-    io_.stop();  // the others must not wait for work
-    throw IoError(fmt::format("can't start thread {} of {}: {}", threads_.size() + 1, threads, e.code().message()));
-  }
-}
-
-void Pool::join() {
-  work_.reset();
-  threads_.clear();
-}
-
 // One timer for all deadlines: a timer per connection would cost more than its requests.
 Awaitable<void> Loop::sweep() {
   while (!stopping || !connections.empty()) {
@@ -62,6 +48,11 @@ void Loop::stop() {
   drain_end = Clock::now() + shared.options.drain_timeout;
   for (LoopMember* c : connections) c->finish();
   if (connections.empty()) timer.cancel();
+}
+
+void Loop::drop_idlest() {
+  const auto longest = std::ranges::min_element(connections, {}, &LoopMember::idle_since);
+  if (longest != connections.end() && (*longest)->idle_since() != Clock::time_point::max()) (*longest)->drop();
 }
 
 std::string_view Loop::date() {

@@ -15,7 +15,9 @@
 
 #include "server/handler.hpp"
 #include "server/http/access_log.hpp"
+#include "server/http/clients.hpp"
 #include "server/http/options.hpp"
+#include "server/http/pool.hpp"
 #include "server/metrics.hpp"
 
 namespace teracell {
@@ -38,20 +40,6 @@ std::string authority(const tcp::endpoint& endpoint);  // "127.0.0.1:8080", "[::
 // Runs until there is nothing left to do. An exception that a handler throws (when memory runs out) ends that handler alone.
 void run_all(asio::io_context& io) noexcept;
 
-// Threads for requests that take long. Not asio::thread_pool: there an exception ends the process.
-class Pool {
- public:
-  explicit Pool(int threads);  // throws IoError when a thread can't be started
-  ~Pool() { io_.stop(); }      // without join(): whoever owns it could not be made
-  Executor executor() { return io_.get_executor(); }
-  void join();  // when everything posted so far is done
-
- private:
-  asio::io_context io_;
-  asio::executor_work_guard<Executor> work_;
-  std::vector<std::jthread> threads_;  // last: they use the others
-};
-
 // What the connections of all loops share.
 struct Shared {
   Shared(ListenerOptions o, Handler h, Metrics& m, AccessLog& l)
@@ -60,6 +48,7 @@ struct Shared {
   const Handler handler;
   Metrics& metrics;
   AccessLog& log;
+  Clients clients;
   Pool pool;
 };
 
@@ -68,6 +57,9 @@ class LoopMember {
  public:
   virtual void finish() = 0;  // takes no further request; what is under way is still answered
   virtual void drop_if_late(Clock::time_point now) = 0;
+  // Since when it waits for a request; the end of time while it has one.
+  virtual Clock::time_point idle_since() const = 0;
+  virtual void drop() = 0;
 
  protected:
   ~LoopMember() = default;
@@ -80,10 +72,12 @@ struct Loop {
 
   Awaitable<void> sweep();  // until stop() was called and the last connection is gone
   void stop();
+  void drop_idlest();  // closes the connection that has been idle longest, if any is idle
   std::string_view date();  // for the Date field
 
   Shared& shared;
   std::list<LoopMember*> connections;
+  std::atomic<size_t> idle = 0;  // connections that wait for a request; any thread may read it
   bool stopping = false, drained = true;
   Clock::time_point drain_end = Clock::time_point::max();
   std::time_t date_second = 0;

@@ -18,14 +18,21 @@ struct ListenerOptions {
   // See host.hpp. An empty list means loopback alone when the listener is bound to loopback and asks for no token, else any.
   std::vector<std::string> allowed_hosts, allowed_origins;
   std::string host_hint;          // ends the message that refuses a host: how to allow it
-  size_t max_connections = 1024;  // further ones are closed as soon as they are accepted
-  size_t max_waiting = 256;       // requests in the pool, running or queued; further ones get status 503
-  // Bytes of answers that clients have yet to take; an answer that several clients take counts for each of them. Beyond this,
-  // requests that need the pool get status 503. Each thread of the pool may exceed it by one answer.
-  size_t max_held = size_t{256} << 20;
+  // The peers that name a client by X-Forwarded-For. Their own connections are not limited as those of a client.
+  std::vector<std::string> trusted_proxies;
+  // A connection that comes when all are taken takes the place of the one that has been idle longest. If none is idle, or the client
+  // has its share, it is closed as soon as it is accepted.
+  size_t max_connections = 1024, max_connections_per_client = 256;
+  // Requests in the pool, running or queued; further ones get status 503.
+  size_t max_waiting = 256, max_waiting_per_client = 128;
+  // Bytes of answers that clients have yet to take; an answer that several clients take counts for each of them. Requests that need
+  // the pool get status 503 when their client has a quarter of this to take, or any of it while this much is held for all. So a client
+  // that takes what it asks for is served even then, up to half as much again. Each thread of the pool may exceed this by one answer.
+  size_t max_held = size_t{128} << 20;
   Milliseconds request_timeout{10'000};  // for a request, from its first byte; for the first one from the connection's beginning
   Milliseconds idle_timeout{60'000};     // between requests
-  Milliseconds answer_timeout{60'000};   // for taking an answer, plus a second for each kSlowest bytes of it
+  Milliseconds answer_timeout{30'000};   // for taking as much of an answer as kSlowest bytes per second would give, again and again
+  Milliseconds work_timeout{60'000};     // for making an answer; looked at between chunks
   Milliseconds drain_timeout{10'000};    // for requests under way when the listener stops
   bool stop_on_signals = false;          // SIGINT and SIGTERM; the second one has its usual effect
   std::function<bool()> on_hangup = {};  // called at SIGHUP, on an io thread: must be quick; false: stop. Not set: SIGHUP has its usual effect

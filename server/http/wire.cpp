@@ -88,8 +88,8 @@ void append_field(std::string& out, std::string_view name, std::string_view valu
 }  // namespace
 
 void Head::clear() {
-  for (std::string* s : {&method, &target, &host, &origin, &if_none_match, &accept_encoding, &authorization, &forwarded_proto, &forwarded_host,
-                         &forwarded_prefix, &resource})
+  for (std::string* s : {&method, &target, &host, &origin, &if_none_match, &accept_encoding, &authorization, &forwarded_for, &forwarded_proto,
+                         &forwarded_host, &forwarded_prefix, &resource})
     s->clear();
   hosts = 0;
   http11 = true;

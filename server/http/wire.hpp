@@ -11,7 +11,7 @@ namespace teracell {
 // The head of a request as it was sent. A connection reuses it from one request to the next: its strings keep their memory.
 struct Head {
   std::string method, target, host, origin, if_none_match, accept_encoding, authorization;
-  std::string forwarded_proto, forwarded_host, forwarded_prefix;  // X-Forwarded-*
+  std::string forwarded_for, forwarded_proto, forwarded_host, forwarded_prefix;  // X-Forwarded-*
   std::string resource;  // path and query, whatever the form of the target
   int hosts = 0;         // number of Host fields
   bool http11 = true;

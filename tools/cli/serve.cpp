@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "server/http/clients.hpp"
 #include "server/http/host.hpp"
 #include "server/http/listener.hpp"
 #include "server/http/token.hpp"
@@ -32,7 +33,8 @@ struct ServeArguments {
   std::string host = "127.0.0.1", cache = "256M", base_path, token_file, web, log = "text";
   int port = 8080, threads = 0;
   uint64_t max_pixels = uint64_t{1} << 26, max_connections = 1024;
-  double request_timeout = 10, idle_timeout = 60, drain_timeout = 10;
+  double request_timeout = 10, idle_timeout = 60, drain_timeout = 10, work_timeout = 60;
+  std::vector<std::string> trusted_proxies;
 };
 
 std::chrono::milliseconds milliseconds(double seconds) { return std::chrono::milliseconds(std::llround(seconds * 1000)); }
@@ -128,6 +130,8 @@ void run(const ServeArguments& o) {
   listen.allowed_hosts = each_is(o.allow_hosts, is_host_name, "--allow-host: expected a host name without a port, or *");
   listen.allowed_origins = each_is(o.allow_origins, is_web_origin, "--allow-origin: expected an origin like https://example.org, or *");
   listen.host_hint = ": give --allow-host NAME to teracell serve, if this name is right";
+  listen.trusted_proxies = o.trusted_proxies;
+  listen.work_timeout = milliseconds(o.work_timeout);
   listen.request_timeout = milliseconds(o.request_timeout);
   listen.idle_timeout = milliseconds(o.idle_timeout);
   listen.drain_timeout = milliseconds(o.drain_timeout);
@@ -137,6 +141,7 @@ void run(const ServeArguments& o) {
       wanted_descriptors(o.max_connections, count_grids(named), static_cast<uint64_t>(listen.threads), open_descriptors());
   const DescriptorShares shares = share_descriptors(wanted);
   listen.max_connections = shares.connections;
+  listen.max_connections_per_client = std::max<uint64_t>(1, listen.max_connections / 4);
   // One thread allocates a chunk, another frees it. With one heap per thread a cache of 256 MB took 120 MB more than its size;
   // with a single heap it takes 60 MB more, and tiles come as fast.
   mallopt(M_ARENA_MAX, 1);
@@ -194,7 +199,16 @@ Run setup_serve(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--web", o->web, "serve the page at / from this folder instead of the program's own, for work on it");
   app.add_option("--log", o->log, "one line per request on stderr: text (default), json or none")->check(one_of({"text", "json", "none"}));
-  app.add_option("--max-connections", o->max_connections, "the most connections at once (default 1024)")->check(in_range(1, 1e6));
+  app.add_option("--max-connections", o->max_connections, "the most connections at once (default 1024); a client gets a quarter of them")
+      ->check(in_range(1, 1e6));
+  app.add_option("--trust-proxy", o->trusted_proxies,
+                 "the address of a proxy that names the clients (X-Forwarded-For), so that each of them gets its own share; repeatable")
+      ->check(CLI::Validator(
+          [](std::string& found) { return last_forwarded(found).empty() ? fmt::format("expected an address, found '{}'", found) : ""; }, ""))
+      ->type_size(1)
+      ->allow_extra_args(false);
+  app.add_option("--work-timeout", o->work_timeout, "seconds of work after which a request is refused as too dear (default 60)")
+      ->check(in_range(0.1, 86400));
   app.add_option("--request-timeout", o->request_timeout, "seconds that a client may take to send a request (default 10)")
       ->check(in_range(0.1, 86400));
   app.add_option("--idle-timeout", o->idle_timeout, "seconds that a connection is kept between requests (default 60)")->check(in_range(0.1, 86400));

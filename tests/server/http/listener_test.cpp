@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "store/wanted.hpp"
 #include "tests/support/stored.hpp"
 
 using namespace teracell;
@@ -27,9 +28,12 @@ namespace {
 // A plain client. It waits for anything at most ten seconds.
 class Client {
  public:
-  explicit Client(const std::string& url) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
+  // `from` is the last number of the address that it comes from, 127.0.0.from.
+  explicit Client(const std::string& url, uint32_t from = 1) : fd_(socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in a{};
     a.sin_family = AF_INET;
+    a.sin_addr.s_addr = htonl(INADDR_LOOPBACK - 1 + from);
+    bind(fd_, reinterpret_cast<sockaddr*>(&a), sizeof a);
     a.sin_port = htons(static_cast<uint16_t>(std::stoi(url.substr(url.find(':', 7) + 1))));
     a.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     open_ = connect(fd_, reinterpret_cast<sockaddr*>(&a), sizeof a) == 0;
@@ -131,15 +135,21 @@ struct Fixture {
       if (target.ends_with("/anything")) throw 7;
     };
     Handler h{[=](const Request& r) {
-                if (r.target == "/held" || r.target.starts_with("/cold")) return std::optional<Response>();
+                if (r.target.starts_with("/held") || r.target.starts_with("/cold")) return std::optional<Response>();
                 throw_if_asked(r.target);
                 return std::optional(answer(r));
               },
               [=, this](const Request& r) {
-                if (r.target == "/held") door.wait();
+                if (r.target.starts_with("/held")) door.wait();
+                while (r.target == "/cold/endless") {
+                  Wanted::stop_if_not();
+                  std::this_thread::sleep_for(1ms);
+                }
                 throw_if_asked(r.target);
                 return answer(r);
-              }};
+              },
+              {},
+              [](const Request& r) { return r.target.ends_with("dear"); }};
     Handler all = with_operations(std::move(h), metrics, [] { return ServerState{}; });
     all.is_open = [](std::string_view path) { return path == "/open"; };
     listener = std::make_unique<Listener>(o, all, metrics, log);
@@ -153,9 +163,9 @@ struct Fixture {
     listener->stop();
     return result.get();
   }
-  Client client() const { return Client(listener->url()); }
-  Client::Answer get(const std::string& target, const std::string& fields = "") const {
-    Client c = client();
+  Client client(uint32_t from = 1) const { return Client(listener->url(), from); }
+  Client::Answer get(const std::string& target, const std::string& fields = "", uint32_t from = 1) const {
+    Client c = client(from);
     c.get(target, fields);
     return c.answer();
   }
@@ -386,6 +396,20 @@ TEST_CASE("no answer is made for a client that has gone", "[server][listener][th
   REQUIRE(soon([&] { return metrics_text(f.metrics, {}).find("status=\"499\"} 1") != std::string::npos; }));
 }
 
+TEST_CASE("work stops when its client goes, and when it takes too long", "[server][listener][threads]") {
+  Fixture f({.work_timeout = 500ms});
+  const auto refused = f.get("/cold/endless");
+  CHECK(refused.status == 503);
+  CHECK(refused.body.starts_with(R"({"error":{"code":"too_dear","message":"the answer takes more than 0.5 s of work)"));
+  Fixture patient({.work_timeout = std::chrono::hours(1)});
+  {
+    Client c = patient.client();
+    c.get("/cold/endless");
+    REQUIRE(soon([&] { return patient.metrics.waiting == 1; }));
+  }
+  CHECK(soon([&] { return patient.metrics.waiting == 0; }));
+}
+
 TEST_CASE("every path needs the token except /healthz, preflights and open paths", "[server][listener]") {
   Fixture f({.token = "secret"});
   CHECK(f.get("/a").status == 401);
@@ -435,12 +459,56 @@ TEST_CASE("who is idle or slow is dropped in time, and counted", "[server][liste
 }
 
 TEST_CASE("an answer that nobody takes is given up, and counted", "[server][listener]") {
-  Fixture f({.answer_timeout = -ListenerOptions::Milliseconds((64 << 20) / ListenerOptions::kSlowest * 1000)});  // what its length gives it
+  Fixture f({.answer_timeout = 300ms});
   Client c = f.client();
   c.get("/big");
   REQUIRE(soon([&] { return f.metrics.slow_answers == 1; }));
   REQUIRE(soon([&] { return f.metrics.connections == 0; }));
   CHECK(c.answer().body.size() < 64 << 20);
+}
+
+TEST_CASE("an answer that is taken slowly is given up when it falls behind the least rate, however large it is", "[server][listener]") {
+  Fixture f({.answer_timeout = 500ms});
+  Client c = f.client();
+  c.get("/big");
+  char byte;
+  const auto stopped = [&] { return f.metrics.slow_answers == 1; };
+  for (int i = 0; i < 1000 && !stopped(); ++i, std::this_thread::sleep_for(10ms)) recv(c.descriptor(), &byte, 1, MSG_DONTWAIT);
+  CHECK(stopped());
+}
+
+TEST_CASE("a client that holds its share of the answers leaves room for others", "[server][listener][threads]") {
+  Fixture f({.max_held = 100 << 20});
+  Client slow = f.client();
+  slow.get("/big");
+  REQUIRE(soon([&] { return f.metrics.held_bytes == 64 << 20; }));
+  CHECK(f.get("/cold").status == 503);
+  CHECK(f.get("/cold", "", 2).status == 200);
+}
+
+TEST_CASE("a client that waits for its share of the work leaves room for others", "[server][listener][threads]") {
+  Fixture f({.max_waiting_per_client = 2});
+  Client a = f.client(), b = f.client();
+  a.get("/held?dear");
+  b.get("/held?dear");
+  REQUIRE(soon([&] { return f.metrics.waiting == 2; }));
+  const auto refused = f.get("/cold");
+  CHECK(refused.status == 503);
+  CHECK(refused.body.find("2 of them from this client") != std::string::npos);
+  CHECK(f.get("/cold", "", 2).status == 200);  // the two that wait are dear, so they have one thread
+}
+
+TEST_CASE("a trusted proxy names the clients, others can't", "[server][listener][threads]") {
+  Fixture f({.trusted_proxies = {"127.0.0.1"}, .max_connections_per_client = 1, .max_waiting_per_client = 1});
+  Client a = f.client();
+  a.get("/held?dear", "X-Forwarded-For: 6.6.6.6, 10.0.0.1\r\n");
+  REQUIRE(soon([&] { return f.metrics.waiting == 1; }));
+  CHECK(f.get("/cold", "X-Forwarded-For: 10.0.0.1\r\n").status == 503);
+  CHECK(f.get("/cold", "X-Forwarded-For: 10.0.0.2\r\n").status == 200);
+  Client b = f.client(2);
+  b.get("/held?dear", "X-Forwarded-For: 10.0.0.3\r\n");
+  REQUIRE(soon([&] { return f.metrics.waiting == 2; }));
+  CHECK(f.client(2).closed());  // one connection is the share of a client
 }
 
 TEST_CASE("while clients are slow to take much, nothing more is made", "[server][listener][threads]") {
@@ -517,17 +585,44 @@ TEST_CASE("stopping does not wait for a client that takes nothing", "[server][li
   CHECK_FALSE(f.stop());
 }
 
-TEST_CASE("connections beyond the limit are closed, and there is room again when others go", "[server][listener]") {
+TEST_CASE("when all connections are taken, a new one takes the place of the one that has been idle longest", "[server][listener]") {
+  Fixture f({.max_connections = 3});
+  Client clients[3] = {f.client(), f.client(), f.client()};
+  for (Client& c : clients) {
+    c.get("/");
+    REQUIRE(c.answer().status == 200);
+  }
+  CHECK(f.get("/").status == 200);
+  CHECK(soon([&] { return f.metrics.connections <= 3; }));
+  int open = 0;
+  for (Client& c : clients) {
+    c.get("/");
+    open += c.answer().status == 200;
+  }
+  CHECK(open == 2);
+  CHECK(f.metrics.refused == 0);
+}
+
+TEST_CASE("a client gets its share of the connections and no more", "[server][listener]") {
+  Fixture f({.max_connections_per_client = 2});
+  Client a = f.client(), b = f.client();
+  a.get("/");
+  b.get("/");
+  CHECK((a.answer().status == 200 && b.answer().status == 200));
+  CHECK(f.client().closed());
+  CHECK(f.get("/", "", 2).status == 200);
+}
+
+TEST_CASE("busy connections beyond the limit are closed, and there is room again when others go", "[server][listener]") {
   Fixture f({.max_connections = 3});
   {
     Client a = f.client(), b = f.client(), c = f.client();
-    a.get("/");
-    b.get("/");
-    c.get("/");
-    CHECK((a.answer().status == 200 && b.answer().status == 200 && c.answer().status == 200));
+    for (Client* held : {&a, &b, &c}) held->get("/held");
+    REQUIRE(soon([&] { return f.metrics.waiting == 3; }));
     Client d = f.client();
     CHECK(d.closed());
     CHECK(f.metrics.refused == 1);
+    f.door.open();
   }
   REQUIRE(soon([&] { return f.metrics.connections == 0; }));
   CHECK(f.get("/").status == 200);
@@ -536,7 +631,7 @@ TEST_CASE("connections beyond the limit are closed, and there is room again when
 TEST_CASE("400 idle and half-sent connections: health at once, then they are dropped and their memory and descriptors too", "[server][listener]") {
   const size_t descriptors = teracell::testing::open_descriptors();
   {
-    Fixture f({.request_timeout = 2s});
+    Fixture f({.max_connections_per_client = 1000, .request_timeout = 2s});
     const uint64_t before = resident_bytes();
     {
       std::vector<std::unique_ptr<Client>> clients;

@@ -1,0 +1,120 @@
+// Threads that clients share in turns, for cheap and for dear work.
+#include "server/http/pool.hpp"
+
+#include <atomic>
+#include <condition_variable>
+#include <mutex>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+namespace teracell {
+namespace {
+
+// Work that waits until it is let go, and a list of what was done.
+class Course {
+ public:
+  std::function<void()> note(const std::string& name) {
+    return [=, this] {
+      std::lock_guard lock(mutex_);
+      done_ += name;
+    };
+  }
+  std::function<void()> block() {
+    return [this] {
+      std::unique_lock lock(mutex_);
+      ++blocked_;
+      changed_.notify_all();
+      changed_.wait(lock, [&] { return open_; });
+    };
+  }
+  void wait_for_blocked(int n) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return blocked_ >= n; });
+  }
+  void open() {
+    std::lock_guard lock(mutex_);
+    open_ = true;
+    changed_.notify_all();
+  }
+  std::string done() {
+    std::lock_guard lock(mutex_);
+    return done_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::string done_;
+  int blocked_ = 0;
+  bool open_ = false;
+};
+
+const int kA = 0, kB = 0, kC = 0;  // clients
+
+TEST_CASE("Clients take turns, whatever one of them has queued", "[pool][threads]") {
+  Course course;
+  Pool pool(1);
+  pool.post(&kC, Pool::kCheap, course.block());
+  course.wait_for_blocked(1);
+  for (int i = 0; i < 4; ++i) pool.post(&kA, Pool::kCheap, course.note("a"));
+  for (int i = 0; i < 2; ++i) pool.post(&kB, Pool::kCheap, course.note("b"));
+  course.open();
+  pool.join();
+  CHECK(course.done() == "ababaa");
+}
+
+TEST_CASE("On one thread cheap work goes before dear work, which still gets its turn", "[pool][threads]") {
+  Course course;
+  Pool pool(1);
+  pool.post(&kC, Pool::kCheap, course.block());
+  course.wait_for_blocked(1);
+  for (int i = 0; i < 2; ++i) pool.post(&kA, Pool::kDear, course.note("D"));
+  for (int i = 0; i < 12; ++i) pool.post(&kB, Pool::kCheap, course.note("c"));
+  course.open();
+  pool.join();
+  CHECK(course.done() == "cccccccDcccccD");  // the work that blocked was the first cheap one of eight
+}
+
+TEST_CASE("Dear work leaves a thread to cheap work", "[pool][threads]") {
+  Course course;
+  Pool pool(3);
+  for (int i = 0; i < 10; ++i) pool.post(&kA, Pool::kDear, course.block());
+  course.wait_for_blocked(2);
+  std::atomic<bool> done = false;
+  pool.post(&kB, Pool::kCheap, [&] { done = true; });
+  while (!done) std::this_thread::yield();  // would never end if a third dear one had begun
+  course.open();
+  pool.join();
+}
+
+TEST_CASE("Cheap work leaves a thread to dear work", "[pool][threads]") {
+  Course course;
+  Pool pool(2);
+  pool.post(&kC, Pool::kCheap, course.block());
+  course.wait_for_blocked(1);
+  std::atomic<int> cheap = 0;
+  std::atomic<bool> dear = false;
+  std::function<void()> again = [&] {  // there is always cheap work
+    ++cheap;
+    if (!dear) pool.post(&kB, Pool::kCheap, again);
+  };
+  again();
+  pool.post(&kA, Pool::kDear, [&] { dear = true; });
+  while (!dear) std::this_thread::yield();
+  course.open();
+  pool.join();
+  CHECK(cheap > 0);
+}
+
+TEST_CASE("Joining does all that was posted", "[pool][threads]") {
+  std::atomic<int> done = 0;
+  {
+    Pool pool(4);
+    for (int i = 0; i < 1000; ++i) pool.post(&done + i % 7, i % 3 ? Pool::kCheap : Pool::kDear, [&] { ++done; });
+  }
+  CHECK(done == 1000);
+}
+
+}  // namespace
+}  // namespace teracell
