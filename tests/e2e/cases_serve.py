@@ -112,7 +112,7 @@ class Serving(ServeCase):
 
     def test_hosts_and_origins_that_are_allowed(self):
         self.grid()
-        self.write("token", "s3cret")
+        self.token("s3cret")
         names = ["--allow-host", "a.example", "--allow-host", "b.example", "--allow-origin", "https://c.example", "--allow-origin", "http://d.example:81"]
         every = ["--allow-host", "*", "--allow-origin", "*"]
         for options, free in [(names, False), (every, True), (["--host", "0.0.0.0"], True), (["--token-file", "token"], True),

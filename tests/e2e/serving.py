@@ -84,8 +84,9 @@ class Server:
         finally:
             connection.close()
 
-    def socket(self, receive=None):
+    def socket(self, receive=None, source="127.0.0.1"):
         s = socket.socket()
+        s.bind((source, 0))
         if receive:
             s.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive)
         s.settimeout(20)
