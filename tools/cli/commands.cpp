@@ -26,4 +26,7 @@ const std::vector<Command>& commands() {
   return list;
 }
 
+#undef DECLARED
+#undef LISTED
+
 }  // namespace teracell

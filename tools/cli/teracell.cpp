@@ -61,7 +61,8 @@ void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>&
 
 // What CLI11 found wrong, worded like the other errors.
 std::string explain(const CLI::ParseError& e, const CLI::App& app) {
-  const std::string text = e.what(), required = " is required", convert = "Could not convert: ", twice = ": At Most 1 required but received ";
+  std::string text = e.what();
+  const std::string required = " is required", convert = "Could not convert: ", twice = ": At Most 1 required but received ";
   if (text.ends_with(required)) {
     const std::string name = text.substr(0, text.size() - required.size());
     if (const CLI::Option* option = app.get_option_no_throw(name)) return fmt::format("missing {}: {}", name, option->get_description());

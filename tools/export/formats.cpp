@@ -21,6 +21,9 @@ const std::vector<ExportFormat>& export_formats() {
   return formats;
 }
 
+#undef DECLARED
+#undef LISTED
+
 const ExportFormat* export_format_named(const std::string& name) {
   const auto it = std::ranges::find(export_formats(), name, &ExportFormat::name);
   return it == export_formats().end() ? nullptr : &*it;
