@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "server/service/target.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 
@@ -57,6 +58,10 @@ void Prefetch::answered(const Request& request, const Response& response) {
 }
 
 void Prefetch::work() {
+  const Wanted wanted([this] {
+    std::lock_guard lock(mutex_);
+    if (closed_) throw Unwanted("the server stops");
+  });
   std::unique_lock lock(mutex_);
   for (;;) {
     changed_.wait(lock, [&] { return closed_ || (under_way_ == 0 && !waiting_.empty()); });

@@ -249,14 +249,14 @@ Response route(Service& service, const Request& request) {
   throw no_such_address(request);
 }
 
-// What may read much of a grid, unlike a tile or a cell.
-bool is_dear(const Request& request) {
-  const std::string_view path = path_of(request.target);
-  if (path.starts_with("/iiif/") || path.starts_with("/dzi/")) return true;
-  if (!path.starts_with("/api/v1/grids/")) return false;
-  for (const char* part : {"/stats", "/slice/", "/column/"})
-    if (path.find(part, std::string_view("/api/v1/grids/").size()) != std::string_view::npos) return true;
-  return false;
+// Whether an answer may read much of a grid, unlike a tile or a cell.
+bool is_dear(const Request& request) try {
+  const std::vector<std::string> path = parse_target(request.target).path;
+  for (const Protocol& p : protocols())
+    if (path[0] == p.prefix) return p.dear;
+  return path[0] == "api" && path.size() > 4 && (path[4] == "stats" || path[4] == "slice" || path[4] == "column");
+} catch (const HttpError&) {
+  return false;  // handle() refuses it
 }
 
 }  // namespace

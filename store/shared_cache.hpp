@@ -26,7 +26,7 @@ class SharedCache {
   Pointer find(const Key& key) {
     std::lock_guard lock(mutex_);
     const auto it = entries_.find(key);
-    if (it == entries_.end() || !it->second->value) return nullptr;
+    if (it == entries_.end() || !it->second || !it->second->value) return nullptr;
     touch(it->second);
     return it->second->value;
   }

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <boost/asio/ip/address.hpp>
-
 namespace teracell {
 
 std::shared_ptr<Client> Clients::at(const std::string& address) {
@@ -19,12 +17,17 @@ std::shared_ptr<Client> Clients::at(const std::string& address) {
   return client;
 }
 
+std::string address_name(const boost::asio::ip::address& address) {
+  if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return address.to_string();
+  return boost::asio::ip::make_address_v4(boost::asio::ip::v4_mapped, address.to_v6()).to_string();
+}
+
 std::string client_name(const std::string& text) {
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(text, error);
   if (error || !address.is_v6()) return text;
+  if (address.to_v6().is_v4_mapped() || address.to_v6().is_link_local()) return address_name(address);
   auto bytes = address.to_v6().to_bytes();
-  if (address.to_v6().is_v4_mapped()) return boost::asio::ip::make_address_v4(boost::asio::ip::v4_mapped, address.to_v6()).to_string();
   std::fill(bytes.begin() + 8, bytes.end(), uint8_t{0});
   return boost::asio::ip::address_v6(bytes).to_string();
 }
@@ -35,7 +38,7 @@ std::string last_forwarded(std::string_view field) {
   while (field.ends_with(' ')) field.remove_suffix(1);
   boost::system::error_code error;
   const auto address = boost::asio::ip::make_address(std::string(field), error);
-  return error ? "" : address.to_string();
+  return error ? "" : address_name(address);
 }
 
 }  // namespace teracell

@@ -9,6 +9,8 @@
 #include <string_view>
 #include <unordered_map>
 
+#include <boost/asio/ip/address.hpp>
+
 namespace teracell {
 
 struct Client {
@@ -29,6 +31,8 @@ class Clients {
   size_t swept_at_ = 64;  // the number of entries at which those that nobody holds are dropped
 };
 
+// The text of an address; one of IPv4 that is mapped into IPv6 is one of IPv4.
+std::string address_name(const boost::asio::ip::address& address);
 // The name of the client at an address. Addresses of IPv6 that share their first 64 bits are one client: whoever has one of them
 // usually has all of them.
 std::string client_name(const std::string& address);

@@ -16,11 +16,17 @@ namespace {
 
 constexpr auto kLinger = std::chrono::seconds(2);  // time for a client to read why it was refused
 constexpr size_t kMostLingering = size_t{1} << 20;
+constexpr size_t kSmall = size_t{64} << 10;  // answers from memory up to this size are given to clients that hold their share, too
 constexpr size_t kFirstBuffer = size_t{2} << 10;  // bytes; grows up to the longest head
 
 constexpr auto kLook = std::chrono::milliseconds(20);  // between two looks whether a client still waits for an answer
 
 Awaitable<void> serve(std::unique_ptr<Connection> connection) { co_await connection->serve(); }
+
+// Whoever waits for the same value makes it, within the time that it has itself.
+struct TooDear : Unwanted {
+  using Unwanted::Unwanted;
+};
 
 // The exception that is being handled, as a response.
 Response failure() {
@@ -28,6 +34,8 @@ Response failure() {
     throw;
   } catch (const HttpError& e) {
     return error_response(e.status, e.code, e.what());
+  } catch (const TooDear& e) {
+    return error_response(503, "too_dear", e.what());
   } catch (const Unwanted& e) {
     return error_response(499, "gone", e.what());
   } catch (const std::bad_alloc&) {
@@ -99,6 +107,7 @@ Awaitable<void> Connection::serve() {
     requester_ = peer_.client;
     enter(kIdle);
     deadline_ = now + shared_.options.idle_timeout;
+    if (loop_.stopping) finish();
   }
   co_await linger();
 }
@@ -128,11 +137,12 @@ Awaitable<void> Connection::make() {
   } catch (...) {
     here = failure();
   }
+  if (const std::string client = peer_.proxy ? last_forwarded(head_.forwarded_for) : ""; !client.empty()) requester_ = shared_.clients.at(client);
   if (here) {
-    response_ = std::move(*here);
+    const bool large = here->body && here->body->size() > kSmall;
+    response_ = large && requester_->held_bytes >= shared_.options.max_held / 4 ? too_much_held() : std::move(*here);
     co_return;
   }
-  if (const std::string client = peer_.proxy ? last_forwarded(head_.forwarded_for) : ""; !client.empty()) requester_ = shared_.clients.at(client);
   const Counted waiting(shared_.metrics.waiting), waiting_of_client(requester_->waiting);
   if (waits_too_much()) {
     response_ = overloaded(fmt::format("{} other requests are being answered or wait, {} of them from this client", shared_.metrics.waiting - 1,
@@ -197,8 +207,7 @@ void Connection::check_wanted(Clock::time_point began, Clock::time_point& looked
   if (client_has_gone()) throw Unwanted("the client closed the connection");
   const auto most = shared_.options.work_timeout;
   if (now - began > most)
-    throw HttpError(503, "too_dear",
-                    fmt::format("the answer takes more than {:g} s of work: ask for a smaller region or a coarser level", most.count() / 1000.));
+    throw TooDear(fmt::format("the answer takes more than {:g} s of work: ask for a smaller region or a coarser level", most.count() / 1000.));
 }
 
 bool Connection::client_has_gone() const {
@@ -208,12 +217,13 @@ bool Connection::client_has_gone() const {
 
 bool Connection::waits_too_much() const {
   const ListenerOptions& o = shared_.options;
-  return shared_.metrics.waiting > o.max_waiting || requester_->waiting > o.max_waiting_per_client;
+  const uint64_t all = shared_.metrics.waiting;
+  return (all > o.max_waiting && requester_->waiting > 1) || (requester_->waiting > o.max_waiting_per_client && all > o.max_waiting / 2);
 }
 
 bool Connection::holds_too_much() const {
   const uint64_t all = shared_.metrics.held_bytes, of_client = requester_->held_bytes, most = shared_.options.max_held;
-  return of_client >= most / 4 || (all >= most && of_client > 0) || all >= most + most / 2;
+  return (of_client >= most / 4 && all >= most / 2) || (all >= most && of_client > 0) || all >= most + most / 2;
 }
 
 void Connection::hold(size_t bytes) {

@@ -133,11 +133,11 @@ Awaitable<void> Listener::State::accept_one(Loop& loop) {
     co_return;
   }
   m.accepted.fetch_add(1);
-  const std::string address = socket.remote_endpoint(error).address().to_string();
+  const std::string address = address_name(socket.remote_endpoint(error).address());
   const ListenerOptions& o = shared.options;
   const bool proxy = std::ranges::find(o.trusted_proxies, address) != o.trusted_proxies.end();
   const std::shared_ptr<Client> client = shared.clients.at(address);
-  const bool share_is_taken = !proxy && client->connections >= o.max_connections_per_client;
+  const bool share_is_taken = !proxy && client->connections >= o.max_connections_per_client && m.connections >= o.max_connections / 2;
   if (share_is_taken || (m.connections >= o.max_connections && !make_room())) m.refused.fetch_add(1);
   else serve_connection(loop, std::move(socket), {client, proxy, Counted(m.connections), Counted(client->connections)});
 }

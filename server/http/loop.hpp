@@ -43,7 +43,7 @@ void run_all(asio::io_context& io) noexcept;
 // What the connections of all loops share.
 struct Shared {
   Shared(ListenerOptions o, Handler h, Metrics& m, AccessLog& l)
-      : options(std::move(o)), handler(std::move(h)), metrics(m), log(l), pool(std::max(1, options.threads)) {}
+      : options(std::move(o)), handler(std::move(h)), metrics(m), log(l), pool(std::max(2, options.threads)) {}
   ListenerOptions options;  // unchanged once the listener is bound
   const Handler handler;
   Metrics& metrics;

@@ -12,7 +12,7 @@ struct ListenerOptions {
   using Milliseconds = std::chrono::milliseconds;
   std::string host = "127.0.0.1";
   uint16_t port = 8080;           // 0: any that is free
-  int threads = 1;                // io threads, and as many in the pool
+  int threads = 1;                // io threads, and as many in the pool, but at least two
   std::string base_path;          // see is_base_path()
   std::string token;              // empty: none is asked for
   // See host.hpp. An empty list means loopback alone when the listener is bound to loopback and asks for no token, else any.
@@ -20,13 +20,14 @@ struct ListenerOptions {
   std::string host_hint;          // ends the message that refuses a host: how to allow it
   // The peers that name a client by X-Forwarded-For. Their own connections are not limited as those of a client.
   std::vector<std::string> trusted_proxies;
+  // The limits per client hold while at least half of what there is for all is taken.
   // A connection that comes when all are taken takes the place of the one that has been idle longest. If none is idle, or the client
   // has its share, it is closed as soon as it is accepted.
   size_t max_connections = 1024, max_connections_per_client = 256;
   // Requests in the pool, running or queued; further ones get status 503.
-  size_t max_waiting = 256, max_waiting_per_client = 128;
+  size_t max_waiting = 1024, max_waiting_per_client = 256;
   // Bytes of answers that clients have yet to take; an answer that several clients take counts for each of them. Requests that need
-  // the pool get status 503 when their client has a quarter of this to take, or any of it while this much is held for all. So a client
+  // the pool get status 503 when their client has a quarter of this to take and all have half, or any of it while all have all. So a client
   // that takes what it asks for is served even then, up to half as much again. Each thread of the pool may exceed this by one answer.
   size_t max_held = size_t{128} << 20;
   Milliseconds request_timeout{10'000};  // for a request, from its first byte; for the first one from the connection's beginning

@@ -82,7 +82,10 @@ void Pool::work() {
     std::function<void()> task = lane->take();
     ++lane->running;
     lock.unlock();
-    task();
+    try {
+      task();
+    } catch (...) {  // there was no memory to say what went wrong
+    }
     task = nullptr;  // before others may take what it holds for free
     lock.lock();
     --lane->running;

@@ -135,7 +135,8 @@ Protocol iiif() {
           .title = "IIIF",
           .address = [](const ServedGrid& g) { return fmt::format("/{}-z-{}/info.json", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
           .document = "",
-          .serve = serve};
+          .serve = serve,
+          .dear = true};
 }
 
 }  // namespace teracell

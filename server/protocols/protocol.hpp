@@ -31,6 +31,7 @@ struct Protocol {
   std::string (*address)(const ServedGrid& g);  // the rest of the address that the other program is given: "/g"
   const char* document;                         // what to append for an address that a browser can open: "/zarr.json"
   ServeRequest serve;                           // threads call it at once
+  bool dear = false;                            // whether an answer may read much of a grid
 };
 
 // Below the server's base path: "/zarr/g".

@@ -519,6 +519,17 @@ std::string mismatch(const json& schema, const json& value, const json& all, con
   return "";
 }
 
+TEST_CASE("Statistics, columns and pictures of whole slices are dear, however their addresses are written", "[server]") {
+  const Served s;
+  const Handler handler = handler_of(*s.service);
+  const auto is_dear = [&](const char* target) { return handler.is_dear(Request{.target = target}); };
+  for (const char* dear : {"/api/v1/grids/g/stats", "/api/v1/grids/g/%73tats?region=0,0,0,1,1,1", "/%61pi/v1/grids/g/slice/z/0.png",
+                           "/api/v1/grids/g/column/z/0_0", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
+    CHECK(is_dear(dear));
+  for (const char* cheap : {"/", "/api/v1/grids", "/api/v1/grids/stats", "/api/v1/grids/g/tile/z/0/0/0_0.png", "/zarr/g/0/c/0/0/0", "/%", "/api/%"})
+    CHECK_FALSE(is_dear(cheap));
+}
+
 TEST_CASE("Every address of the description answers as the description says", "[server]") {
   Served s;
   std::ofstream(s.folder / "bad.tcell") << "nothing of a grid";

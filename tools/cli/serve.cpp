@@ -130,7 +130,7 @@ void run(const ServeArguments& o) {
   listen.allowed_hosts = each_is(o.allow_hosts, is_host_name, "--allow-host: expected a host name without a port, or *");
   listen.allowed_origins = each_is(o.allow_origins, is_web_origin, "--allow-origin: expected an origin like https://example.org, or *");
   listen.host_hint = ": give --allow-host NAME to teracell serve, if this name is right";
-  listen.trusted_proxies = o.trusted_proxies;
+  for (const std::string& proxy : o.trusted_proxies) listen.trusted_proxies.push_back(last_forwarded(proxy));
   listen.work_timeout = milliseconds(o.work_timeout);
   listen.request_timeout = milliseconds(o.request_timeout);
   listen.idle_timeout = milliseconds(o.idle_timeout);
@@ -204,7 +204,10 @@ Run setup_serve(CLI::App& app) {
   app.add_option("--trust-proxy", o->trusted_proxies,
                  "the address of a proxy that names the clients (X-Forwarded-For), so that each of them gets its own share; repeatable")
       ->check(CLI::Validator(
-          [](std::string& found) { return last_forwarded(found).empty() ? fmt::format("expected an address, found '{}'", found) : ""; }, ""))
+          [](std::string& found) {
+            return last_forwarded(found).empty() || found.find(',') != std::string::npos ? fmt::format("expected an address, found '{}'", found) : "";
+          },
+          ""))
       ->type_size(1)
       ->allow_extra_args(false);
   app.add_option("--work-timeout", o->work_timeout, "seconds of work after which a request is refused as too dear (default 60)")

@@ -22,13 +22,15 @@ TEST_CASE("Addresses of IPv6 with the same first half are one client, and mapped
   CHECK(client_name("2001:db8:1:2:3::4") == client_name("2001:db8:1:2:ffff::1"));
   CHECK(client_name("2001:db8:1:2::") != client_name("2001:db8:1:3::"));
   CHECK(client_name("::ffff:10.0.0.1") == "10.0.0.1");
+  CHECK(client_name("fe80::1") != client_name("fe80::2"));
   CHECK(client_name("::ffff:10.0.0.1") != client_name("::ffff:10.0.0.2"));
 }
 
 TEST_CASE("The nearest proxy's entry of X-Forwarded-For names the client", "[clients]") {
   CHECK(last_forwarded("10.0.0.1") == "10.0.0.1");
   CHECK(last_forwarded("6.6.6.6, 10.0.0.1") == "10.0.0.1");  // what a client sends itself stands before
-  CHECK(last_forwarded("6.6.6.6,2001:db8::1 ") == "2001:db8::1");
+  CHECK(last_forwarded("6.6.6.6,2001:DB8::1 ") == "2001:db8::1");
+  CHECK(last_forwarded("::ffff:10.0.0.1") == "10.0.0.1");
   for (const char* none : {"", "unknown", "10.0.0.1,", "10.0.0.256", "a b"}) CHECK(last_forwarded(none).empty());
 }
 

@@ -483,11 +483,13 @@ TEST_CASE("a client that holds its share of the answers leaves room for others",
   slow.get("/big");
   REQUIRE(soon([&] { return f.metrics.held_bytes == 64 << 20; }));
   CHECK(f.get("/cold").status == 503);
+  CHECK(f.get("/big").status == 503);  // also what is at hand
+  CHECK(f.get("/warm").status == 200);
   CHECK(f.get("/cold", "", 2).status == 200);
 }
 
 TEST_CASE("a client that waits for its share of the work leaves room for others", "[server][listener][threads]") {
-  Fixture f({.max_waiting_per_client = 2});
+  Fixture f({.max_waiting = 4, .max_waiting_per_client = 2});
   Client a = f.client(), b = f.client();
   a.get("/held?dear");
   b.get("/held?dear");
@@ -499,7 +501,7 @@ TEST_CASE("a client that waits for its share of the work leaves room for others"
 }
 
 TEST_CASE("a trusted proxy names the clients, others can't", "[server][listener][threads]") {
-  Fixture f({.trusted_proxies = {"127.0.0.1"}, .max_connections_per_client = 1, .max_waiting_per_client = 1});
+  Fixture f({.trusted_proxies = {"127.0.0.1"}, .max_connections = 4, .max_connections_per_client = 1, .max_waiting = 2, .max_waiting_per_client = 1});
   Client a = f.client();
   a.get("/held?dear", "X-Forwarded-For: 6.6.6.6, 10.0.0.1\r\n");
   REQUIRE(soon([&] { return f.metrics.waiting == 1; }));
@@ -604,7 +606,7 @@ TEST_CASE("when all connections are taken, a new one takes the place of the one 
 }
 
 TEST_CASE("a client gets its share of the connections and no more", "[server][listener]") {
-  Fixture f({.max_connections_per_client = 2});
+  Fixture f({.max_connections = 4, .max_connections_per_client = 2});
   Client a = f.client(), b = f.client();
   a.get("/");
   b.get("/");

@@ -99,7 +99,7 @@ TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves not
   const Stored s({13, 9, 11}, 5);
   for (const ExportFormat& format : export_formats()) {
     std::vector<double> shares;
-    format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / "done", [&](double share) { shares.push_back(share); }});
+    format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / ("done-" + format.name), [&](double share) { shares.push_back(share); }});
     CHECK(shares.front() == 0);
     CHECK(shares.back() == 1);
     CHECK(std::ranges::is_sorted(shares));
