@@ -46,7 +46,7 @@ struct Crossings {
   std::vector<uint64_t> all;
 };
 
-// Throws InputError when there are more crossings than a tile may hold. Every engine calls it before it allocates memory for them.
+// Throws InputError when there are more crossings than a tile may hold. Every engine calls it before it holds many more than that.
 void check_crossings(const Tile& tile, uint64_t crossings);
 
 // Not to be shared by threads: each thread has an engine of its own, with its own scratch memory.

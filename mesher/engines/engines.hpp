@@ -1,5 +1,5 @@
 // The engines by name. All of them find the same crossings, at different costs. A new one is a file that defines its EngineKind, and
-// a line here. The default engine is the first.
+// a line here.
 #pragma once
 #include <string>
 #include <vector>
