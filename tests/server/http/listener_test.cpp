@@ -695,7 +695,7 @@ TEST_CASE("a port in use, and a host that is not this machine's", "[server][list
 }
 
 TEST_CASE("a listener for which there are too few descriptors is an error, and its threads end", "[server][listener][threads]") {
-  if (teracell::testing::kSanitized) return;  // the sanitizers look at pointers through a pipe, for which there is no descriptor either
+  if (kSanitized) return;  // the sanitizers look at pointers through a pipe, for which there is no descriptor either
   Metrics metrics;
   AccessLog log(LogFormat::kNone, 2);
   ListenerOptions o;
