@@ -9,9 +9,9 @@ namespace teracell {
 // Writes the values of the cells of `box` (x, y, z; half open) to
 // data[(x - lo.x) * stride[0] + (y - lo.y) * stride[1] + (z - lo.z) * stride[2]]. The box may reach outside the grid, or be
 // larger than it: cells outside get `outside`.
-// T is uint8_t, uint16_t or uint32_t. Throws UsageError for a level that is not there.
+// T is uint8_t, uint16_t or uint32_t. Threads call `value` at once. Throws UsageError for a level that is not there.
 template <class T>
-void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride);
+void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride, int threads = 1);
 
 // A run within a box: `length` cells from `start` along the grid's ray axis.
 struct BoxRun {
