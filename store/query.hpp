@@ -13,6 +13,16 @@ namespace teracell {
 template <class T>
 void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride, int threads = 1);
 
+// Every step-th cell along each axis: the cells first + i * step with 0 <= i < count.
+struct Lattice {
+  Index3 first{0, 0, 0}, count{0, 0, 0}, step{1, 1, 1};
+};
+// The same for the cells of a lattice, whose cell i goes to data[i.x * stride[0] + i.y * stride[1] + i.z * stride[2]]. Chunks between its
+// cells are not read. REQUIRES: steps are above 0.
+template <class T>
+void read_lattice(const GridReader& reader, int level, const Lattice& lattice, const SetValue& value, T outside, T* data, const Index3& stride,
+                  int threads = 1);
+
 // A run within a box: `length` cells from `start` along the grid's ray axis.
 struct BoxRun {
   Index3 start;

@@ -9,6 +9,7 @@
 #include "store/chunk_parts.hpp"
 #include "store/in_order.hpp"
 #include "store/query.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -64,19 +65,34 @@ class RunValues {
   std::vector<T> values_;
 };
 
-// Calls f(u, v, from, to, pattern, run) for the runs of the part, counted from its corner; `run` counts those of the ray.
+// The cells of a chunk that are asked for, on the axes of the rays: first + i * step, in the chunk's own rays and cells.
+struct Sampled {
+  ChunkKey key;
+  std::array<uint32_t, 3> first;
+  std::array<int64_t, 3> step;
+};
+
+// Calls f(u, v, from, to, pattern, run) for the runs of what is asked for, in its own numbers; `run` counts those of the ray.
 template <class F>
-void for_each_run_within(const RayBlock& rays, const ChunkPart& p, F&& f) {
-  for_each_ray(p, [&](uint32_t u, uint32_t v) {
-    const uint32_t ray = v * rays.nu + u;
-    const std::span<const uint32_t> changes = rays.changes(ray);
-    size_t run = p.w0 == 0 ? 0 : static_cast<size_t>(std::ranges::upper_bound(changes, p.w0) - changes.begin());
-    for (uint32_t from = p.w0; from < p.w1; ++run) {
-      const uint32_t to = run < changes.size() ? std::min(changes[run], p.w1) : p.w1;
-      f(u - p.u0, v - p.v0, from - p.w0, to - p.w0, rays.pattern[ray], run);
-      from = to;
+void for_each_run_within(const RayBlock& rays, const Sampled& s, const Index3& size, F&& f) {
+  const auto cells = static_cast<uint32_t>(size[2]);
+  const uint32_t last = s.first[2] + static_cast<uint32_t>((size[2] - 1) * s.step[2]);
+  for (uint32_t v = 0; v < size[1]; ++v)
+    for (uint32_t u = 0; u < size[0]; ++u) {
+      const auto ray = static_cast<uint32_t>((s.first[1] + v * s.step[1]) * rays.nu + s.first[0] + u * s.step[0]);
+      const std::span<const uint32_t> changes = rays.changes(ray);
+      size_t run = s.first[2] == 0 ? 0 : static_cast<size_t>(std::ranges::upper_bound(changes, s.first[2]) - changes.begin());
+      for (uint32_t from = 0; from < cells;) {
+        uint32_t to = cells;
+        if (run < changes.size() && changes[run] <= last) {
+          const uint32_t cells_before = changes[run] - s.first[2];
+          to = s.step[2] == 1 ? cells_before : static_cast<uint32_t>((cells_before + s.step[2] - 1) / s.step[2]);
+        }
+        f(u, v, from, to, rays.pattern[ray], run);
+        from = to;
+        for (const int64_t cell = s.first[2] + from * s.step[2]; run < changes.size() && changes[run] <= cell;) ++run;
+      }
     }
-  });
 }
 
 // Keeps its memory from chunk to chunk.
@@ -85,14 +101,14 @@ class PartReader {
  public:
   PartReader(const GridReader& reader, const SetValue& value) : reader_(reader), value_(value) {}
 
-  // `cells` are those of the part, on the axes of the rays: u, v, w.
-  void read(const ChunkPart& p, const Cells<T>& cells) {
-    if (const auto set = reader_.uniform(p.key)) return fill(cells, static_cast<T>(value_(*set)));
-    const auto chunk = reader_.chunk(p.key, scratch_);
+  // `cells` has the axes of the rays: u, v, w.
+  void read(const Sampled& s, const Cells<T>& cells) {
+    if (const auto set = reader_.uniform(s.key)) return fill(cells, static_cast<T>(value_(*set)));
+    const auto chunk = reader_.chunk(s.key, scratch_);
     const RunValues<T> values(*chunk, value_);
     const auto axes = cells.nearest_first();
-    if (axes[0] == 2) along_rows(chunk->rays, p, values, cells);
-    else sweep(chunk->rays, p, values, cells, axes[0], 1 - axes[0]);
+    if (axes[0] == 2) along_rows(chunk->rays, s, values, cells);
+    else sweep(chunk->rays, s, values, cells, axes[0], 1 - axes[0]);
   }
 
  private:
@@ -101,9 +117,9 @@ class PartReader {
     T value;
   };
 
-  static void along_rows(const RayBlock& rays, const ChunkPart& p, const RunValues<T>& values, const Cells<T>& cells) {
+  static void along_rows(const RayBlock& rays, const Sampled& s, const RunValues<T>& values, const Cells<T>& cells) {
     const auto [step_u, step_v, step_w] = cells.step;
-    for_each_run_within(rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, uint32_t pattern, size_t run) {
+    for_each_run_within(rays, s, cells.size, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, uint32_t pattern, size_t run) {
       T* const row = cells.data + u * step_u + v * step_v;
       const T value = values.of(pattern)[run];
       if (step_w == 1) std::fill(row + from, row + to, value);
@@ -112,13 +128,13 @@ class PartReader {
     });
   }
 
-  void sweep(const RayBlock& rays, const ChunkPart& p, const RunValues<T>& values, const Cells<T>& cells, int near, int far) {
+  void sweep(const RayBlock& rays, const Sampled& s, const RunValues<T>& values, const Cells<T>& cells, int near, int far) {
     const size_t width = static_cast<size_t>(cells.size[near]), layers = static_cast<size_t>(cells.size[2]);
     start_.assign(layers + 2, 0);  // of layer w: start_[w + 1], until they are sorted
-    for_each_run_within(rays, p, [&](uint32_t, uint32_t, uint32_t from, uint32_t, uint32_t, size_t) { ++start_[from + 2]; });
+    for_each_run_within(rays, s, cells.size, [&](uint32_t, uint32_t, uint32_t from, uint32_t, uint32_t, size_t) { ++start_[from + 2]; });
     for (size_t w = 2; w < start_.size(); ++w) start_[w] += start_[w - 1];
     changes_.resize(start_.back());
-    for_each_run_within(rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t, uint32_t pattern, size_t run) {
+    for_each_run_within(rays, s, cells.size, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t, uint32_t pattern, size_t run) {
       const size_t place = near == 0 ? v * width + u : u * width + v;
       changes_[start_[from + 1]++] = {static_cast<uint32_t>(place), values.of(pattern)[run]};
     });
@@ -150,68 +166,104 @@ class PartReader {
   std::vector<T> layer_;
 };
 
-Box intersect(const Box& a, const Box& b) {
+// The cells of a lattice that lie in `box`, as numbers of the lattice.
+Box numbers_in(const Lattice& lattice, const Box& box) {
   Box out;
   for (int d = 0; d < 3; ++d) {
-    out.lo[d] = std::max(a.lo[d], b.lo[d]);
-    out.hi[d] = std::min(a.hi[d], b.hi[d]);
+    const int64_t step = lattice.step[d];
+    const auto first_from = [&](int64_t cell) { return cell <= lattice.first[d] ? 0 : (cell - lattice.first[d] - 1) / step + 1; };
+    out.lo[d] = std::min(lattice.count[d], first_from(box.lo[d]));
+    out.hi[d] = std::min(lattice.count[d], first_from(box.hi[d]));
   }
   return out;
 }
 
 template <class T>
-Cells<T> cells_of(const Box& part, const Box& box, T* data, const Index3& stride) {
+Cells<T> cells_of(const Box& numbers, T* data, const Index3& stride) {
   Cells<T> out{data, {}, stride};
   for (int d = 0; d < 3; ++d) {
-    out.data += (part.lo[d] - box.lo[d]) * stride[d];
-    out.size[d] = part.hi[d] - part.lo[d];
+    out.data += numbers.lo[d] * stride[d];
+    out.size[d] = numbers.hi[d] - numbers.lo[d];
   }
   return out;
 }
 
-// Fills `box` without `inside`, which lies in it.
+// Fills what of `all` is not in `inside`.
 template <class T>
-void fill_around(const Box& inside, const Box& box, T value, T* data, const Index3& stride) {
-  Box left = box;
+void fill_around(const Box& inside, const Box& all, T value, T* data, const Index3& stride) {
+  Box left = all;
   for (int d = 2; d >= 0; --d) {
     Box below = left, above = left;
     below.hi[d] = left.lo[d] = inside.lo[d];
     above.lo[d] = left.hi[d] = inside.hi[d];
     for (const Box& part : {below, above})
-      if (!part.empty()) fill(cells_of(part, box, data, stride), value);
+      if (!part.empty()) fill(cells_of(part, data, stride), value);
   }
 }
 
 }  // namespace
 
 template <class T>
-void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride, int threads) {
+void read_lattice(const GridReader& reader, int level, const Lattice& lattice, const SetValue& value, T outside, T* data, const Index3& stride,
+                  int threads) {
   reader.meta().grid.check_level(level);
-  if (box.empty()) return;
-  const Box inside = intersect(box, reader.meta().grid.box(level));
-  if (inside.empty()) return fill(cells_of(box, box, data, stride), outside);
-  fill_around(inside, box, outside, data, stride);
+  const Box all{{0, 0, 0}, lattice.count};
+  if (all.empty()) return;
+  const Box inside = numbers_in(lattice, reader.meta().grid.box(level));
+  if (inside.empty()) return fill(cells_of(all, data, stride), outside);
+  fill_around(inside, all, outside, data, stride);
 
   const RayFrame f = reader.meta().frame();
   const LevelShape shape = reader.shape(level);
-  const auto cells_in = [&](const ChunkPart& p) {
-    const Index3 first = {p.first_u + p.u0 - box.lo[f.u], p.first_v + p.v0 - box.lo[f.v], p.first_w + p.w0 - box.lo[f.w]};
-    const Index3 step = {stride[f.u], stride[f.v], stride[f.w]};
-    return Cells<T>{data + first[0] * step[0] + first[1] * step[1] + first[2] * step[2], {p.u1 - p.u0, p.v1 - p.v0, p.w1 - p.w0}, step};
+  struct Job {
+    Sampled sampled;
+    Cells<T> cells;
+  };
+  const auto for_each_job = [&](auto&& take) {
+    Box box;  // of the cells asked for
+    for (int d = 0; d < 3; ++d) {
+      box.lo[d] = lattice.first[d] + inside.lo[d] * lattice.step[d];
+      box.hi[d] = lattice.first[d] + (inside.hi[d] - 1) * lattice.step[d] + 1;
+    }
+    for_each_part(shape, RayBox(box, f), [&](const ChunkPart& p) {
+      Box part;
+      part.lo[f.u] = p.first_u + p.u0, part.lo[f.v] = p.first_v + p.v0, part.lo[f.w] = p.first_w + p.w0;
+      part.hi[f.u] = p.first_u + p.u1, part.hi[f.v] = p.first_v + p.v1, part.hi[f.w] = p.first_w + p.w1;
+      const Box numbers = numbers_in(lattice, part);
+      if (numbers.empty()) return;
+      const Cells<T> cells = cells_of(numbers, data, stride);
+      const auto first = [&](int d, int64_t chunk) { return static_cast<uint32_t>(lattice.first[d] + numbers.lo[d] * lattice.step[d] - chunk); };
+      const auto along_rays = [&](const Index3& i) { return Index3{i[f.u], i[f.v], i[f.w]}; };
+      take(Job{{p.key, {first(f.u, p.first_u), first(f.v, p.first_v), first(f.w, p.first_w)}, along_rays(lattice.step)},
+               {cells.data, along_rays(cells.size), along_rays(cells.step)}});
+    });
   };
   std::vector<PartReader<T>> readers;
   for (int i = 0; i < std::max(1, threads); ++i) readers.emplace_back(reader, value);
-  if (threads <= 1) return for_each_part(shape, RayBox(inside, f), [&](const ChunkPart& p) { readers[0].read(p, cells_in(p)); });
-  std::vector<ChunkPart> parts;
-  for_each_part(shape, RayBox(inside, f), [&](const ChunkPart& p) { parts.push_back(p); });
+  if (threads <= 1) return for_each_job([&](const Job& job) { readers[0].read(job.sampled, job.cells); });
+  std::vector<Job> jobs;
+  for_each_job([&](const Job& job) { jobs.push_back(job); });
   size_t next = 0;
   in_order(
-      std::min<int>(threads, static_cast<int>(std::min<size_t>(parts.size(), 1024))),
-      [&] { return next < parts.size() ? std::optional(next++) : std::nullopt; },
-      [&](size_t i, int worker) { return readers[static_cast<size_t>(worker)].read(parts[i], cells_in(parts[i])), i; }, [](size_t) {}, 16);
+      std::min<int>(threads, static_cast<int>(std::min<size_t>(jobs.size(), 1024))),
+      [&] { return next < jobs.size() ? std::optional(next++) : std::nullopt; },
+      [&](size_t i, int worker) { return readers[static_cast<size_t>(worker)].read(jobs[i].sampled, jobs[i].cells), i; },
+      [](size_t) { Wanted::stop_if_not(); }, 16);
 }
-template void read_box(const GridReader&, int, const Box&, const SetValue&, uint8_t, uint8_t*, const Index3&, int);
-template void read_box(const GridReader&, int, const Box&, const SetValue&, uint16_t, uint16_t*, const Index3&, int);
-template void read_box(const GridReader&, int, const Box&, const SetValue&, uint32_t, uint32_t*, const Index3&, int);
+
+template <class T>
+void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride, int threads) {
+  Lattice lattice{box.lo};
+  for (int d = 0; d < 3; ++d) lattice.count[d] = std::max<int64_t>(0, box.hi[d] - box.lo[d]);
+  read_lattice(reader, level, lattice, value, outside, data, stride, threads);
+}
+
+#define INSTANCES(T)                                                                                              \
+  template void read_lattice(const GridReader&, int, const Lattice&, const SetValue&, T, T*, const Index3&, int); \
+  template void read_box(const GridReader&, int, const Box&, const SetValue&, T, T*, const Index3&, int);
+INSTANCES(uint8_t)
+INSTANCES(uint16_t)
+INSTANCES(uint32_t)
+#undef INSTANCES
 
 }  // namespace teracell
