@@ -33,6 +33,28 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
   });
 }
 
+std::optional<uint32_t> uniform_value(const GridReader& reader, int level, const Box& box, const SetValue& value) {
+  check_box(reader.meta(), level, box);
+  std::optional<uint32_t> first;
+  bool same = true;
+  const auto see = [&](uint32_t v) {
+    if (!first) first = v;
+    same = same && *first == v;
+  };
+  std::shared_ptr<Chunk> scratch;
+  for_each_part(reader.shape(level), RayBox(box, reader.meta().frame()), [&](const ChunkPart& p) {
+    if (!same) return;
+    if (const auto set = reader.uniform(p.key)) return see(value(*set));
+    const auto chunk = reader.chunk(p.key, scratch);
+    std::optional<SetId> last;
+    for_each_part_run(chunk->rays, p, [&](uint32_t, uint32_t, uint32_t, uint32_t, SetId set) {
+      if (same && last != set) see(value(chunk->sets.members(set)));
+      last = set;
+    });
+  });
+  return same ? first : std::nullopt;
+}
+
 std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b, const ColumnPart& part) {
   const Metadata& meta = reader.meta();
   const RayFrame f = RayFrame::along(axis);

@@ -33,6 +33,9 @@ struct BoxRun {
 // along the rays comes in two parts. Throws UsageError unless the box lies in the level.
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f);
 
+// The value of all cells of `box`, if they have the same one. REQUIRES: the box is not empty and lies in the level.
+std::optional<uint32_t> uniform_value(const GridReader& reader, int level, const Box& box, const SetValue& value);
+
 struct ColumnRun {
   int64_t from, to;
   uint32_t material;

@@ -26,7 +26,7 @@ void store(const std::filesystem::path& path, Label filling) { store_cells(path,
 struct Watched {
   explicit Watched(const std::vector<std::filesystem::path>& named)
       : grids(
-            named, [](const std::filesystem::path& path, uint64_t) { return std::make_unique<const GridReader>(file); },
+            named, [](const std::filesystem::path& path, uint64_t) { return std::make_unique<const GridReader>(path); },
             [this](const std::string& message) { complaints.push_back(message); }) {}
   std::vector<std::string> complaints;
   Grids grids;
