@@ -46,9 +46,7 @@ std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reade
   std::vector<uint32_t> numbers(materials.size(), 0);
   std::vector<bool> named(materials.size(), false);
   for (const auto& [name, text] : parse_assignments(map, "--map")) {
-    const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
-    if (it == materials.end()) throw UsageError(fmt::format("--map: the grid has no material '{}'", name));
-    const auto id = static_cast<size_t>(it - materials.begin());
+    const size_t id = material_named(materials, name, "--map");
     numbers[id] = static_cast<uint32_t>(parse_integer(text, 0, 0xffffffff, "--map: " + name));
     named[id] = true;
   }
