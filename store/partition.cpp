@@ -55,14 +55,31 @@ class Cutter {
       best = cut;
       if (best->error <= kGoodEnough * weight / static_cast<double>(ranks)) break;
     }
-    if (!best)
-      throw OptionError(
-          fmt::format("ranks: expected at most as many as there are boxes, cut at multiples of {} cells, found {}", o_.align, o_.ranks));
+    if (!best) return cut_by_places(box, weight, ranks);
     Box lower = box, upper = box;
     lower.hi[best->axis] = upper.lo[best->axis] = best->at;
     if (best->axis != frame_.w) along = nullptr;
     bisect(lower, best->below, below, along);
     bisect(upper, weight - best->below, ranks - below, along);
+  }
+
+  // Where there are hardly more places to cut at than ranks: in the middle, with ranks on both sides by the places that there are.
+  void cut_by_places(const Box& box, double weight, int64_t ranks) {
+    for (const int axis : axes_to_cut(box, ranks)) {
+      const int64_t a = o_.align, at = (box.lo[axis] + box.hi[axis] + a) / 2 / a * a;
+      if (at <= box.lo[axis] || at >= box.hi[axis]) continue;
+      Box lower = box, upper = box;
+      lower.hi[axis] = upper.lo[axis] = at;
+      const double places_below = places(lower), places_above = places(upper);
+      if (static_cast<double>(ranks) > places_below + places_above) break;
+      const double share = static_cast<double>(ranks) * places_below / (places_below + places_above);
+      const auto below = static_cast<int64_t>(std::clamp(std::round(share), std::max(1.0, static_cast<double>(ranks) - places_above),
+                                                         std::min(static_cast<double>(ranks) - 1, places_below)));
+      const double weight_below = weight_of(lower);
+      bisect(lower, weight_below, below);
+      return bisect(upper, weight - weight_below, ranks - below);
+    }
+    throw OptionError(fmt::format("ranks: expected at most as many as there are boxes, cut at multiples of {} cells, found {}", o_.align, o_.ranks));
   }
 
   void slabs(const Box& box, int axis) {
@@ -175,6 +192,11 @@ class Cutter {
     Box before = box;
     before.hi[axis] = from;
     return sum - weight_of(before);
+  }
+  double places(const Box& box) const {
+    double all = 1;
+    for (int d = 0; d < 3; ++d) all *= static_cast<double>(places(box.lo[d], box.hi[d]));
+    return all;
   }
   int64_t places(int64_t lo, int64_t hi) const { return std::max<int64_t>(1, (hi + o_.align - 1) / o_.align - lo / o_.align); }
 
