@@ -1,11 +1,11 @@
 #include "store/query.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 
 #include <fmt/format.h>
 
 #include "store/chunk_parts.hpp"
+#include "store/set_memo.hpp"
 
 namespace teracell {
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f) {
@@ -24,11 +24,9 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
     if (const auto set = reader.uniform(p.key)) return for_each_ray(p, [&](uint32_t u, uint32_t v) { tell(u, v, p.w0, p.w1, *set); });
     const auto held = reader.chunk(p.key, scratch);
     const Chunk& chunk = *held;
-    std::unordered_map<SetId, std::vector<Label>> sets;
+    SetMemo<std::vector<Label>> sets;
     for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
-      const auto [it, fresh] = sets.try_emplace(set);
-      if (fresh) it->second = chunk.sets.members(set);
-      tell(u, v, from, to, it->second);
+      tell(u, v, from, to, sets.get(set, [&] { return chunk.sets.members(set); }));
     });
   });
 }
