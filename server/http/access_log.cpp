@@ -46,13 +46,14 @@ void append_log_line(std::string& out, LogFormat format, std::string_view time, 
     append_harmless(out, e.method);
     out += R"(","target":")";
     append_harmless(out, e.target);
-    fmt::format_to(end(), R"(","status":{},"bytes":{},"ms":{:.3f},"route":"{}"}})", e.status, e.bytes, e.milliseconds, e.route);
+    fmt::format_to(end(), R"(","status":{},"bytes":{},"ms":{:.3f},"route":"{}"{}}})", e.status, e.bytes, e.milliseconds, e.route,
+                   e.cut ? R"(,"cut":true)" : "");
   } else {
     fmt::format_to(end(), "{} {} ", time, e.client);
     append_harmless(out, e.method);
     out += ' ';
     append_harmless(out, e.target);
-    fmt::format_to(end(), " {} {} {:.3f} {}", e.status, e.bytes, e.milliseconds, e.route);
+    fmt::format_to(end(), " {} {} {:.3f} {}{}", e.status, e.bytes, e.milliseconds, e.route, e.cut ? " cut" : "");
   }
   out += '\n';
 }

@@ -22,6 +22,7 @@ struct LogEntry {
   uint64_t bytes = 0;  // of the body that were sent
   double milliseconds = 0;
   std::string_view route;
+  bool cut = false;  // the answer ended early because a part of it could not be made
 };
 
 // Appends the line. Nothing that a client sends can steer a terminal or end a JSON string: quotes, backslashes and all bytes

@@ -172,9 +172,13 @@ void append_head(std::string& out, const Response& r, const Sending& sending) {
   if (sending.origin != "*") out += "Vary: Origin\r\n";
   if (r.status != 204 && r.status != 304) {
     if (!r.content_type.empty()) append_field(out, "Content-Type: ", r.content_type);
-    out += "Content-Length: ";
-    append_number(out, r.body ? r.body->size() : 0);
-    out += "\r\n";
+    if (r.rest) {
+      if (sending.http11) out += "Transfer-Encoding: chunked\r\n";
+    } else {
+      out += "Content-Length: ";
+      append_number(out, r.body ? r.body->size() : 0);
+      out += "\r\n";
+    }
   }
   if (!r.etag.empty()) append_field(out, "ETag: ", r.etag);
   if (!r.cache_control.empty()) append_field(out, "Cache-Control: ", r.cache_control);

@@ -45,7 +45,8 @@ struct Sending {
   std::string_view date;          // as http_date() writes it
   std::string_view origin = "*";  // as allowed_origin() gives it
 };
-// Appends the status line and all fields, with the empty line at the end.
+// Appends the status line and all fields, with the empty line at the end. A body with a rest is sent in chunks, or to a client of
+// HTTP/1.0 until the connection is closed. REQUIRES: then keep_alive is not set for HTTP/1.0
 void append_head(std::string& out, const Response& response, const Sending& sending);
 std::string http_date(int64_t unix_seconds);
 

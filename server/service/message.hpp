@@ -22,10 +22,21 @@ struct Request {
 
 using Body = std::shared_ptr<const std::string>;  // cached bodies are shared, never copied
 
+// The body of a large answer, made part by part as the client takes it. For one thread at a time.
+class Parts {
+ public:
+  static constexpr size_t kEnough = size_t{64} << 10;  // bytes of a part that need no more to be added
+  virtual ~Parts() = default;
+  // Appends the next part. Returns whether another one follows. What it throws ends the answer.
+  virtual bool append(std::string& out) = 0;
+  virtual size_t memory() const = 0;  // bytes that it keeps between two parts, about
+};
+
 struct Response {
   int status = 200;
   std::string content_type;
   Body body;                     // also for HEAD: the listener sends its length alone
+  std::shared_ptr<Parts> rest;   // what follows the body; such a response is for one request and is not cached
   std::string etag;              // strong, with its quotes; empty: none
   std::string cache_control;     // empty: none
   std::string content_encoding;  // "gzip", or empty
