@@ -250,6 +250,16 @@ Response route(Service& service, const Request& request) {
   throw no_such_address(request);
 }
 
+// A file that was replaced while it was closed is looked at now, instead of within half a second.
+Response route_anew(Service& service, const Request& request) {
+  try {
+    return route(service, request);
+  } catch (const Replaced&) {
+    service.grids().look();
+    return route(service, request);
+  }
+}
+
 // Whether an answer may read much of a grid, unlike a tile or a cell.
 bool is_dear(const Request& request) try {
   const std::vector<std::string> path = parse_target(request.target).path;
@@ -266,9 +276,11 @@ std::optional<Response> handle_at_once(Service& service, const Request& request)
 
 Response handle(Service& service, const Request& request) {
   try {
-    return route(service, request);
+    return route_anew(service, request);
   } catch (const Unwanted&) {
     throw;  // there is nobody to answer
+  } catch (const Replaced& e) {
+    return try_again("replaced", e.what());
   } catch (const HttpError& e) {
     if (e.status == 500) service.unreadable();
     return error_response(e.status, e.code, e.what());
@@ -281,7 +293,7 @@ Response handle(Service& service, const Request& request) {
     service.damaged(e.what());
     return error_response(500, "unreadable", e.what());
   } catch (const std::bad_alloc&) {
-    return error_response(503, "out_of_memory", "the server is out of memory: ask for less, or try again later");
+    return try_again("out_of_memory", "the server is out of memory: ask for less, or try again later");
   } catch (const std::exception& e) {
     return error_response(500, "failed", e.what());
   }

@@ -42,7 +42,7 @@ class AccessLog {
   void write(const LogEntry& entry) noexcept;
   void note(std::string_view message) noexcept;  // REQUIRES: no control characters in it
   uint64_t dropped() const { return dropped_; }  // lines since the start
-  // When it returns, all lines are written, or given up because nobody read them for two seconds. Later lines are dropped.
+  // When it returns, all lines are written, or given up because nobody read them for half a second. Later lines are dropped.
   void finish();
 
  private:

@@ -34,7 +34,7 @@ Response failure() {
   } catch (const Unwanted& e) {
     return error_response(499, "gone", e.what());
   } catch (const std::bad_alloc&) {
-    return error_response(503, "out_of_memory", "the server is out of memory: try again later");
+    return try_again("out_of_memory", "the server is out of memory: try again later");
   } catch (const std::exception& e) {
     return error_response(500, "internal", e.what());
   } catch (...) {
@@ -188,7 +188,7 @@ std::optional<Response> Connection::answer_here() {
   if (path.empty() || (!inside && path == "/")) return Response{.status = 302, .cache_control = "no-cache", .location = request_.prefix + "/"};
   if (!inside) return error_response(404, "not_found", fmt::format("expected a path below {}/", o.base_path));
   const auto open = [&] { return path == "/healthz" || (shared_.handler.is_open && shared_.handler.is_open(path)); };
-  if (!o.token.empty() && !bears_token(head_.authorization, o.token) && !open()) {
+  if (!loop_.token.empty() && !bears_token(head_.authorization, loop_.token) && !open()) {
     Response r = error_response(401, "unauthorized", "expected the field Authorization: Bearer TOKEN");
     r.route = "unauthorized";
     return r;
@@ -245,7 +245,7 @@ Response Connection::too_much_held() const {
 
 Response Connection::overloaded(const std::string& message) const {
   shared_.metrics.overloaded.fetch_add(1);
-  return error_response(503, "overloaded", message + ": try again in a second");
+  return try_again("overloaded", message + ": try again in a second");
 }
 
 // If a socket is closed while input is unread, the system discards output that the client has not taken yet, such as the

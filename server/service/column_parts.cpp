@@ -8,7 +8,7 @@
 namespace teracell {
 namespace {
 
-constexpr int64_t kFewest = 4096, kMost = int64_t{1} << 18;  // cells that are read at once; each may be a run
+constexpr int64_t kFewestRead = 4096, kMostRead = int64_t{1} << 18;  // cells that are read at once; each may be a run
 
 class ColumnParts final : public Parts {
  public:
@@ -42,7 +42,7 @@ class ColumnParts final : public Parts {
         last_ = run;
       }
     }
-    cells_ = std::clamp(2 * (at_ - from), kFewest, kMost);
+    cells_ = std::clamp(2 * (at_ - from), kFewestRead, kMostRead);
   }
 
   const GridReader& reader_;
@@ -51,7 +51,7 @@ class ColumnParts final : public Parts {
   const int64_t a_, b_;
   int64_t at_;  // the next cell
   const int64_t to_;
-  int64_t cells_ = kFewest;  // to be asked for at once
+  int64_t cells_ = kFewestRead;  // to be asked for at once
   bool begun_ = false;
   std::optional<ColumnRun> last_;  // may go on
 };

@@ -51,6 +51,9 @@ inline Body body_of(std::string text) { return std::make_shared<const std::strin
 // {"error": {"code", "message"}}
 Response error_response(int status, const std::string& code, const std::string& message);
 
+// The same with status 503, for what the same request may get in a second.
+Response try_again(const std::string& code, const std::string& message);
+
 // Whether an If-None-Match field names an ETag. The field may list several, or be "*"; weak ones match too (RFC 9110, 13.1.2).
 bool has_etag(std::string_view if_none_match, std::string_view etag);
 

@@ -13,9 +13,6 @@ namespace {
 constexpr int64_t kMostCells = int64_t{1} << 24;  // read at once
 constexpr size_t kEncoder = size_t{1} << 18;      // bytes that the encoder keeps whatever the width
 
-uint64_t width_of(const SliceView& view) { return static_cast<uint64_t>(view.u1 - view.u0); }
-uint64_t height_of(const SliceView& view) { return static_cast<uint64_t>(view.v1 - view.v0); }
-
 class PictureParts final : public Parts {
  public:
   PictureParts(const GridReader& reader, const SliceView& view, const PictureStyle& style)
@@ -24,7 +21,7 @@ class PictureParts final : public Parts {
         width_(view.u1 - view.u0),
         rows_(most_rows()),
         colors_(reader.meta(), view.level, style.shown),
-        png_(static_cast<uint32_t>(width_), static_cast<uint32_t>(height_of(view)), colors_,
+        png_(static_cast<uint32_t>(width_), static_cast<uint32_t>(view.v1 - view.v0), colors_,
              [this](std::span<const uint8_t> bytes) { made_.append(bytes.begin(), bytes.end()); }) {}
 
   bool append(std::string& out) override {
@@ -80,13 +77,14 @@ class PictureParts final : public Parts {
 std::unique_ptr<Parts> picture_parts(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
   if (style.outline)
     throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it or for a coarser level",
-                                 kMostOutlined, width_of(view), height_of(view)));
+                                 kMostOutlined, view.u1 - view.u0, view.v1 - view.v0));
   return std::make_unique<PictureParts>(reader, view, style);
 }
 
 Service::Recipe picture_recipe(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
   Service::Recipe recipe{.content_type = "image/png"};
-  if (height_of(view) > kMostOutlined / width_of(view)) recipe.parts = [&reader, view, style] { return picture_parts(reader, view, style); };
+  const auto width = static_cast<uint64_t>(view.u1 - view.u0), height = static_cast<uint64_t>(view.v1 - view.v0);
+  if (height > kMostOutlined / width) recipe.parts = [&reader, view, style] { return picture_parts(reader, view, style); };
   else recipe.make = [&reader, view, style] { return picture_png(reader, view, style); };
   return recipe;
 }

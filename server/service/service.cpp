@@ -24,14 +24,18 @@ class CountedSource : public ByteSource {
     counters_->bytes.fetch_add(out.size(), std::memory_order_relaxed);
     try {
       file_.read(offset, out);
+    } catch (const Replaced& e) {
+      throw Replaced(without_folder(e.what()));
     } catch (const IoError& e) {
-      std::string message = e.what();
-      if (message.starts_with(file_.name())) message.replace(0, file_.name().size(), name_);
-      throw IoError(message);
+      throw IoError(without_folder(e.what()));
     }
   }
 
  private:
+  std::string without_folder(std::string message) const {
+    if (message.starts_with(file_.name())) message.replace(0, file_.name().size(), name_);
+    return message;
+  }
   ReopenedFile file_;
   const std::string name_;
   std::shared_ptr<Service::Counters> counters_;
@@ -62,6 +66,8 @@ class Rest final : public Parts {
   bool append(std::string& out) override {
     try {
       return parts_->append(out);
+    } catch (const Replaced&) {
+      throw;
     } catch (const FormatError& e) {
       service_.damaged(e.what());
       throw;

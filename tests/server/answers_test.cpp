@@ -93,6 +93,32 @@ TEST_CASE("Answers that need a damaged chunk are 500; each is counted, there is 
   CHECK_THAT(complaints[0], Catch::StartsWith("g.tcell: level 0 chunk (0, 0, 0): its frame at byte "));  // the place is named once, without a folder
 }
 
+TEST_CASE("A grid that was replaced or removed while its file was closed is looked at when it is asked for", "[server]") {
+  const TempFolder folder;
+  const auto axis = Axis::uniform(0, 1, 0, 8, 0.5);
+  const auto store = [&](const char* name, Label label) {
+    store_cells(folder / name, metadata_of({{axis, axis, axis}}, 2, 3), std::vector<Label>(512, label));
+  };
+  store("a.tcell", 1);
+  store("b.tcell", 1);
+  ServiceOptions options;
+  options.named = {folder.path()};
+  options.open_files = 1;
+  options.cache_bytes = 0;  // so that each answer reads the file
+  Service service(options);
+  const auto get = [&](const std::string& target) { return handle(service, Request{.target = target}); };
+  const std::string cell = "/cell?i=1&j=1&k=1";
+  CHECK(json::parse(*get("/api/v1/grids/b" + cell).body)["materials"][0]["id"] == 1);  // closes a
+  store("new", 2);
+  std::filesystem::rename(folder / "new", folder / "a.tcell");
+  const Response replaced = get("/api/v1/grids/a" + cell);
+  REQUIRE(replaced.status == 200);
+  CHECK(json::parse(*replaced.body)["materials"][0]["id"] == 2);
+  std::filesystem::remove(folder / "b.tcell");
+  CHECK(get("/api/v1/grids/b/cell?i=2&j=1&k=1").status == 404);
+  CHECK(service.counters().damaged == 0);
+}
+
 // What a service answers for a file.
 Response answer_of(const Bytes& file, const std::string& target) {
   const TempFolder folder;

@@ -47,11 +47,19 @@ TEST_CASE("work stops when its client goes, and when it takes too long", "[serve
   const auto refused = f.get("/cold/endless");
   CHECK(refused.status == 503);
   CHECK(refused.body.starts_with(R"({"error":{"code":"too_dear","message":"the answer takes more than 0.5 s of work)"));
+  CHECK(refused.head.find("Retry-After") == std::string::npos);  // it would take as long again
   Fixture patient({.work_timeout = std::chrono::hours(1)});
   {
     HttpClient c = patient.client();
     c.get("/cold/endless");
     REQUIRE(soon([&] { return patient.metrics.waiting == 1; }));
+  }
+  CHECK(soon([&] { return patient.metrics.waiting == 0; }));
+  {
+    HttpClient c = patient.client();
+    c.get("/cold/endless");
+    REQUIRE(soon([&] { return patient.metrics.waiting == 1; }));
+    c.send("G");  // not read yet
   }
   CHECK(soon([&] { return patient.metrics.waiting == 0; }));
 }

@@ -126,6 +126,7 @@ TEST_CASE("hosts and origins that are not allowed", "[server][listener]") {
     CHECK(get(fmt::format("Origin: {}\r\n", allowed)).has(fmt::format("Access-Control-Allow-Origin: {}", allowed)));
   for (const char* other : {"Origin: https://evil.example\r\n", "Origin: null\r\n", ""}) {
     const auto a = get(other);
+    CHECK(a.has("Cross-Origin-Resource-Policy: cross-origin"));
     CHECK(a.status == 200);
     CHECK(a.has("Vary: Origin"));
     CHECK(a.head.find("Access-Control-Allow-Origin") == std::string::npos);
@@ -204,6 +205,19 @@ TEST_CASE("every path needs the token except /healthz, preflights and open paths
   CHECK(f.get("/a", "Authorization: Bearer secret\r\n").status == 200);
   CHECK(f.get("/healthz").status == 200);
   CHECK(status_of(f, "OPTIONS /a HTTP/1.1\r\nHost: h\r\n\r\n") == 204);
+}
+
+TEST_CASE("a new token takes the place of the old one, also on connections that are open", "[server][listener][threads]") {
+  Fixture f({.token = "secret"});
+  HttpClient c = f.client();
+  const auto status = [&](const std::string& token) {
+    c.get("/a", "Authorization: Bearer " + token + "\r\n");
+    return c.answer().status;
+  };
+  CHECK(status("secret") == 200);
+  f.listener->use_token("fresh");
+  CHECK(soon([&] { return status("fresh") == 200; }));
+  CHECK(status("secret") == 401);
 }
 
 TEST_CASE("below a base path", "[server][listener]") {

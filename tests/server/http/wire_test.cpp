@@ -159,6 +159,11 @@ TEST_CASE("a body with a rest is sent in chunks, or to HTTP/1.0 until the end of
   CHECK(head_of(r, {false, false, "DATE"}).find("Transfer-Encoding") == std::string::npos);
 }
 
+TEST_CASE("pages of other sites may show pictures only when some origin is allowed", "[server][wire]") {
+  CHECK(has_line(head_of({}), "Cross-Origin-Resource-Policy: cross-origin"));
+  CHECK(has_line(head_of({}, {true, true, "DATE", "", false}), "Cross-Origin-Resource-Policy: same-site"));
+}
+
 TEST_CASE("fields that depend on the status", "[server][wire]") {
   CHECK(has_line(head_of({.status = 404}), "Content-Length: 0"));
   CHECK(head_of({.status = 304}).find("Content-Length") == std::string::npos);
@@ -166,7 +171,8 @@ TEST_CASE("fields that depend on the status", "[server][wire]") {
   CHECK(has_line(head_of({.status = 204}), "Access-Control-Allow-Headers: range, if-none-match, authorization"));
   CHECK(has_line(head_of({.status = 401}), "WWW-Authenticate: Bearer realm=\"teracell\""));
   CHECK(has_line(head_of({.status = 405}), "Allow: GET, HEAD, OPTIONS"));
-  CHECK(has_line(head_of({.status = 503}), "Retry-After: 1"));
+  CHECK(head_of({.status = 503}).find("Retry-After") == std::string::npos);
+  CHECK(has_line(head_of(try_again("overloaded", "")), "Retry-After: 1"));
 }
 
 TEST_CASE("no value can end its line", "[server][wire]") {
