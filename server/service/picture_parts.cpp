@@ -43,13 +43,14 @@ class PictureParts final : public Parts {
   struct Enough {};
   int64_t most_rows() const { return std::max<int64_t>(1, kMostCells / width_); }
 
-  // Reads rows until the part is large enough. The chunks of rows that don't fit into it are read again for the next part, so no
-  // more rows are asked for than twice the number that fitted into the last one.
+  // Reads rows until the part is large enough. Rows that don't fit into it are read again for the next part, so few more are asked for
+  // than fitted into the last one.
   void read_band() {
     SliceView band = left_;
     if (at_ > 0) band.u0 += at_, band.v0 = band.v1 - 1;
     else band.v0 = std::max(band.v0, band.v1 - rows_);
     const int64_t from = left_.v1;
+    bool full = false;
     try {
       for_each_row(reader_, band, colors_.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) {
         if (made_.size() >= kEnough) throw Enough();
@@ -58,8 +59,10 @@ class PictureParts final : public Parts {
         if (at_ == width_) --left_.v1, at_ = 0;
       });
     } catch (const Enough&) {
+      full = true;
     }
-    rows_ = std::clamp<int64_t>(2 * (from - left_.v1), 1, most_rows());
+    const int64_t rows = from - left_.v1;
+    rows_ = std::clamp<int64_t>(full ? rows + rows / 8 : 2 * rows, 1, most_rows());
   }
 
   const GridReader& reader_;
