@@ -9,9 +9,19 @@ namespace teracell {
 // Writes the values of the cells of `box` (x, y, z; half open) to
 // data[(x - lo.x) * stride[0] + (y - lo.y) * stride[1] + (z - lo.z) * stride[2]]. The box may reach outside the grid, or be
 // larger than it: cells outside get `outside`.
-// T is uint8_t, uint16_t or uint32_t. Throws UsageError for a level that is not there.
+// T is uint8_t, uint16_t or uint32_t. Threads call `value` at once. Throws UsageError for a level that is not there.
 template <class T>
-void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride);
+void read_box(const GridReader& reader, int level, const Box& box, const SetValue& value, T outside, T* data, const Index3& stride, int threads = 1);
+
+// Every step-th cell along each axis: the cells first + i * step with 0 <= i < count.
+struct Lattice {
+  Index3 first{0, 0, 0}, count{0, 0, 0}, step{1, 1, 1};
+};
+// The same for the cells of a lattice, whose cell i goes to data[i.x * stride[0] + i.y * stride[1] + i.z * stride[2]]. Chunks between its
+// cells are not read. REQUIRES: steps are above 0.
+template <class T>
+void read_lattice(const GridReader& reader, int level, const Lattice& lattice, const SetValue& value, T outside, T* data, const Index3& stride,
+                  int threads = 1);
 
 // A run within a box: `length` cells from `start` along the grid's ray axis.
 struct BoxRun {
@@ -22,6 +32,9 @@ struct BoxRun {
 // Calls f for the runs of `box`, chunk by chunk; cells are never expanded. A run that passes from one chunk to the next
 // along the rays comes in two parts. Throws UsageError unless the box lies in the level.
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f);
+
+// The value of all cells of `box`, if they have the same one. REQUIRES: the box is not empty and lies in the level.
+std::optional<uint32_t> uniform_value(const GridReader& reader, int level, const Box& box, const SetValue& value);
 
 struct ColumnRun {
   int64_t from, to;

@@ -9,7 +9,7 @@ namespace {
 using namespace testing;
 
 TEST_CASE("Meshed scenes of several bodies are read as their cells along every ray axis, at every level, in every way") {
-  for (uint64_t seed = 0; seed < 6; ++seed) {
+  for (uint64_t seed = 0; seed < rounds(6); ++seed) {
     std::mt19937_64 random(seed);
     std::vector<oracle::Body> bodies;
     const auto number = [&] { return random_int(random, 0, 40) / 4.0; };

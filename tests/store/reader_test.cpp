@@ -253,10 +253,12 @@ TEST_CASE("A file whose chunks, pages or labels are counted otherwise than they 
     for (const uint32_t chunk_rays : {4u, 8u, 64u, 256u})
       for (const uint32_t chunk_cells : {4u, 8u, 65536u, 1u << 31})
         for (const uint32_t page_chunks : {1u, 2u, 64u})
-          for (const int axis : {0, 1, 2})
+          for (const int axis : {0, 1, 2}) {
+            if (kSanitized && axis != 1) continue;
             read_hostile(forge(file, {.metadata = [&](Metadata& m) {
                                  m.chunk_rays = chunk_rays, m.chunk_cells = chunk_cells, m.page_chunks = page_chunks, m.ray_axis = axis;
                                }}));
+          }
     for (const size_t labels : {1, 2, 4, 60'000})
       read_hostile(forge(file, {.metadata = [&](Metadata& m) { m.labels.resize(labels), m.materials.resize(std::max<size_t>(labels, 3)); }}));
     for (const Index3& n : {Index3{1, 1, 1}, Index3{12, 9, 7}, Index3{5, 6, 10}, Index3{64, 64, 65536}})

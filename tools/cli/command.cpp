@@ -50,6 +50,29 @@ std::vector<int64_t> parse_integers(const std::string& text, size_t count, const
   return out;
 }
 
+int64_t parse_integer(const std::string& text, int64_t least, int64_t most, const std::string& option) {
+  const int64_t value = parse_integers(text, 1, option)[0];
+  if (value < least || value > most) throw UsageError(fmt::format("{}: expected {} to {}, found {}", option, least, most, value));
+  return value;
+}
+
+std::vector<std::pair<std::string, std::string>> parse_assignments(const std::string& text, const std::string& option) {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const size_t equal = part.rfind('=');
+    if (equal == std::string::npos || equal == 0 || equal + 1 == part.size())
+      throw UsageError(fmt::format("{}: expected NAME=VALUE, NAME=VALUE ..., separated by commas, found '{}'", option, part));
+    const std::string name = part.substr(0, equal);
+    if (std::ranges::count(out, name, &std::pair<std::string, std::string>::first) > 0)
+      throw UsageError(fmt::format("{}: '{}' occurs twice", option, name));
+    out.emplace_back(name, part.substr(equal + 1));
+    begin = end + 1;
+  }
+  return out;
+}
+
 uint64_t parse_size(const std::string& text, const std::string& option) {
   uint64_t value = 0;
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);

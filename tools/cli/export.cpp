@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 
 #include "store/error.hpp"
+#include "store/stats.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/export/formats.hpp"
 
@@ -10,8 +11,9 @@ namespace teracell {
 namespace {
 
 struct ExportArguments {
-  std::string grid, output, format, region;
+  std::string grid, output, format, region, map;
   int level = 0;
+  std::map<std::string, std::string> of_formats;  // the options that only some formats take
 };
 
 std::vector<std::string> format_names() {
@@ -20,10 +22,14 @@ std::vector<std::string> format_names() {
   return names;
 }
 
+std::string typed(const ExportOption& o) { return o.argument.empty() ? o.name : o.name + " " + o.argument; }
+
 std::string list_of_formats() {
   std::string list;
-  for (const ExportFormat& f : export_formats())
-    list += fmt::format("{}{:<8} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::join(f.extensions, " "), f.holds);
+  for (const ExportFormat& f : export_formats()) {
+    list += fmt::format("{}{:<10} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::join(f.extensions, " "), f.holds);
+    for (const ExportOption& o : f.options) list += fmt::format("\n{:23}   {}: {}", "", typed(o), o.help);
+  }
   return list;
 }
 
@@ -34,15 +40,46 @@ const ExportFormat& format_of(const ExportArguments& o) {
   throw UsageError(fmt::format("--output: expected a name that ends in {}, or --format, found '{}'", fmt::join(extensions, " or "), o.output));
 }
 
+// The number of each material of the grid by --map, which must name all that the box holds.
+std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reader, int level, const Box& box) {
+  const std::vector<MaterialInfo>& materials = reader.meta().materials;
+  std::vector<uint32_t> numbers(materials.size(), 0);
+  std::vector<bool> named(materials.size(), false);
+  for (const auto& [name, text] : parse_assignments(map, "--map")) {
+    const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
+    if (it == materials.end()) throw UsageError(fmt::format("--map: the grid has no material '{}'", name));
+    const auto id = static_cast<size_t>(it - materials.begin());
+    numbers[id] = static_cast<uint32_t>(parse_integer(text, 0, 0xffffffff, "--map: " + name));
+    named[id] = true;
+  }
+  Box below = reader.meta().grid.box(0);  // the cells of level 0 that the box covers
+  for (int d = 0; d < 3; ++d) below.lo[d] = box.lo[d] << level, below.hi[d] = std::min(below.hi[d], box.hi[d] << level);
+  const std::vector<MaterialStats> stats = read_stats(reader, below);
+  for (size_t id = 0; id < materials.size(); ++id)
+    if (!named[id] && stats[id].cells > 0)
+      throw UsageError(fmt::format("--map: expected a number for each material, found none for '{}'", materials[id].name));
+  return numbers;
+}
+
+void check_options(const ExportArguments& o, const ExportFormat& format) {
+  for (const auto& [name, value] : o.of_formats)
+    if (std::ranges::count(format.options, name, &ExportOption::name) == 0)
+      throw UsageError(fmt::format("{}: the format {} has no such option", name, format.name));
+  if (!o.map.empty() && !format.numbers)
+    throw UsageError(fmt::format("--map: the format {} names materials, it has no numbers for them", format.name));
+}
+
 void run(const ExportArguments& o) {
   const ExportFormat& format = format_of(o);
+  check_options(o, format);
   refuse_overwriting({o.grid}, o.output);
   const GridReader reader(o.grid);
   const Grid& grid = reader.meta().grid;
   check_level(grid, o.level);
   const Box box = o.region.empty() ? grid.box(o.level) : parse_region(o.region, grid, o.level);
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
-  format.write({reader, o.level, box, o.output, [&](double) { stop_if(stop, o.output); }});
+  const std::vector<uint32_t> map = o.map.empty() ? std::vector<uint32_t>() : numbers_of(o.map, reader, o.level, box);
+  format.write({reader, o.level, box, o.output, [&](double) { stop_if(stop, o.output); }, map, o.of_formats});
 }
 
 }  // namespace
@@ -50,11 +87,26 @@ void run(const ExportArguments& o) {
 Run setup_export(CLI::App& app) {
   const auto o = std::make_shared<ExportArguments>();
   app.add_option("grid", o->grid, "a .tcell file")->required();
-  app.add_option("-o,--output", o->output, "the file to write")->required();
+  app.add_option("-o,--output", o->output, "the file or folder to write")->required();
   app.add_option("--format", o->format, fmt::format("{} (default: by the ending of the name)", fmt::join(format_names(), ", ")))
       ->check(one_of(format_names()));
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells of the level (default: all)");
   app.add_option("--level", o->level, "the level of the pyramid (default 0)");
+  app.add_option("--map", o->map, "NAME=NUMBER,...: the number to write for each material (default: its id)");
+  std::map<std::string, std::pair<ExportOption, std::vector<std::string>>> options;  // formats may share one
+  for (const ExportFormat& format : export_formats())
+    for (const ExportOption& option : format.options)
+      options.try_emplace(option.name, option, std::vector<std::string>()).first->second.second.push_back(format.name);
+  for (const auto& [name, option] : options) {
+    const std::string help = fmt::format("{}: {}", fmt::join(option.second, ", "), option.first.help);
+    if (option.first.argument.empty())
+      app.add_flag_callback(
+          name, [o, name = name] { o->of_formats[name]; }, help);
+    else
+      app.add_option_function<std::string>(
+             name, [o, name = name](const std::string& value) { o->of_formats[name] = value; }, help)
+          ->type_name(option.first.argument);
+  }
   app.add_flag_callback(
       "--list", [] { throw CLI::CallForVersion(list_of_formats(), 0); }, "Print the formats and exit");
   app.footer(

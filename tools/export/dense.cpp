@@ -17,7 +17,7 @@ void append_cells(const Export& e, OutputFile& file) {
   const auto fit = [](int64_t count, int64_t size) { return std::clamp<int64_t>(kSlabBytes / size, 1, count); };
   const int64_t columns = fit(nx, sizeof(T)), row = nx * static_cast<int64_t>(sizeof(T)), rows = fit(ny, row);
   const int64_t layers = rows < ny ? 1 : fit(nz, ny * row);
-  const SetValue material = strongest_material(e.reader.meta());
+  const SetValue number = e.number();
   const double cells = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
   double done = 0;
   std::vector<T> slab;
@@ -28,7 +28,7 @@ void append_cells(const Export& e, OutputFile& file) {
         const Box part{{x, y, z}, {std::min(hi[0], x + columns), std::min(hi[1], y + rows), std::min(hi[2], z + layers)}};
         const int64_t width = part.hi[0] - x, height = part.hi[1] - y;
         slab.resize(static_cast<size_t>(width * height * (part.hi[2] - z)));
-        read_box<T>(e.reader, e.level, part, material, 0, slab.data(), {1, width, width * height});
+        read_box<T>(e.reader, e.level, part, number, 0, slab.data(), {1, width, width * height});
         file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
         done += static_cast<double>(slab.size());
       }
@@ -38,8 +38,10 @@ void append_cells(const Export& e, OutputFile& file) {
 }  // namespace
 
 void append_dense_cells(const Export& e, OutputFile& file) {
-  if (wide_labels(e.reader.meta())) append_cells<uint16_t>(e, file);
-  else append_cells<uint8_t>(e, file);
+  const size_t bytes = bytes_per_cell(e.most());
+  if (bytes == 1) append_cells<uint8_t>(e, file);
+  else if (bytes == 2) append_cells<uint16_t>(e, file);
+  else append_cells<uint32_t>(e, file);
 }
 
 }  // namespace teracell

@@ -2,10 +2,12 @@
 #pragma once
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "store/reader.hpp"
+#include "store/set_value.hpp"
 
 namespace teracell {
 
@@ -17,6 +19,20 @@ struct Export {
   std::filesystem::path output;
   // Called again and again with the share that is done, from 0 to 1. What it throws ends the export, and nothing is left of it.
   std::function<void(double share)> progress;
+  std::vector<uint32_t> map = {};                      // the number that is written for each material id; empty: the id itself
+  std::map<std::string, std::string> options = {};     // those of ExportFormat::options that were given
+
+  // What is written for a cell, and the largest number that can occur.
+  SetValue number() const;
+  uint32_t most() const;
+  bool has(const std::string& option) const { return options.contains(option); }
+};
+
+// An option that one format takes beside those of all.
+struct ExportOption {
+  std::string name;      // as it is typed: "--ranks"
+  std::string argument;  // what it takes: "N"; empty: it is a switch
+  std::string help;
 };
 
 struct ExportFormat {
@@ -26,6 +42,8 @@ struct ExportFormat {
   // Writes the output, whole or not at all: one file by way of OutputFile, or one folder by way of OutputFolder. The memory that
   // it takes does not grow with the box.
   void (*write)(const Export&);
+  bool numbers = true;  // whether numbers stand for the materials, so that Export::map makes sense
+  std::vector<ExportOption> options = {};
 };
 
 }  // namespace teracell

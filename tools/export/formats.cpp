@@ -11,6 +11,13 @@
 
 namespace teracell {
 
+SetValue Export::number() const {
+  if (map.empty()) return strongest_material(reader.meta());
+  return [material = strongest_material(reader.meta()), numbers = map](const std::vector<Label>& set) { return numbers[material(set)]; };
+}
+
+uint32_t Export::most() const { return map.empty() ? static_cast<uint32_t>(reader.meta().materials.size()) - 1 : std::ranges::max(map); }
+
 #define DECLARED(name) ExportFormat name##_format();
 #define LISTED(name) name##_format(),
 

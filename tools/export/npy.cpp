@@ -8,8 +8,9 @@ namespace {
 
 void write_npy(const Export& e) {
   const auto& [lo, hi] = e.box;
+  const size_t bytes = bytes_per_cell(e.most());
   OutputFile file(e.output);
-  file.append(npy_header(wide_labels(e.reader.meta()) ? "<u2" : "|u1", {hi[2] - lo[2], hi[1] - lo[1], hi[0] - lo[0]}));
+  file.append(npy_header(bytes == 1 ? "|u1" : bytes == 2 ? "<u2" : "<u4", {hi[2] - lo[2], hi[1] - lo[1], hi[0] - lo[0]}));
   append_dense_cells(e, file);
   file.commit();
 }

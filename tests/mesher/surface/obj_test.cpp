@@ -86,7 +86,7 @@ TEST_CASE("OBJ: a helper that parses half of the plain vertices changes neither 
     return found;
   };
   for (const int odd_at : {0, 1, 5'000, 12'345, 30'000, kVertices - 1}) {
-    if (kSanitized && odd_at % 2 == 0) continue;
+    if (kSanitized && odd_at != 12'345) continue;
     for (const std::string odd : {"v 1 2 3\n", "  v 1 2 3\n", "v\t1  2\t3 \r\n", "v 1 2 3 0.5\n", "v 1 2 3 # red\n", "v 1 \\\n2 3\n",
                                   "# v 1 2 3\nv 1 2 3\n", "vn 0 0 1\nv 1 2 3\n", "f 1 1 1\nv 1 2 3\n", "v 1 2\n", "v 1 2 x\n", "v 1 2 3x\n",
                                   "v 1 2-3\n", "v 1 2 inf\n", "v +1 2 3\n", "v 1e-400 2 3\n", "v1 2 3\n", "\n\nv 1 2 3\n"}) {

@@ -45,7 +45,7 @@ TEST_CASE("The file's bytes do not depend on the memory given, nor on threads", 
   const Scene scene = scene_of_many_kinds(folder);
   for (const int axis : {0, 1, 2})
     for (const uint32_t chunk_rays : {8u, 64u}) {
-      if (kSanitized && chunk_rays == 8) continue;
+      if (kSanitized && (chunk_rays == 8 || axis != 1)) continue;
       MeshOptions options;
       options.axis = axis;
       options.chunk_rays = chunk_rays;
@@ -67,6 +67,7 @@ TEST_CASE("The cells do not depend on the size of the chunks") {
   const Scene scene = scene_of_many_kinds(folder);
   std::vector<uint32_t> first;
   for (const uint32_t chunk_rays : {64u, 4u, 12u, 256u}) {
+    if (kSanitized && chunk_rays > 64) continue;
     MeshOptions options;
     options.chunk_rays = chunk_rays;
     mesh_quietly(scene, folder / "g.tcell", options);

@@ -7,6 +7,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/support/png.hpp"
+#include "tests/support/sanitized.hpp"
 
 namespace teracell {
 namespace {
@@ -119,6 +120,7 @@ TEST_CASE("rows as long as a match can reach back, a bit shorter and longer", "[
   Random random(2);
   const auto around = [&](uint32_t bits, uint32_t count) {
     for (const int more : {-9, -8, -1, 0, 1, 8, 9, 70000}) {
+      if (kSanitized && more != 0 && more != 9) continue;
       const auto width = static_cast<uint32_t>(32767 * 8 / static_cast<int>(bits) + more);
       INFO(bits << " bits, width " << width);
       const auto colors = different_colors(count);

@@ -158,11 +158,11 @@ struct Failing {
       : state(first),
         grids(
             {folder_with_grid()},
-            [this](const std::filesystem::path& path, uint64_t) {
+            [this](const std::filesystem::path& file, uint64_t) {
               ++tries;
-              if (state == kUnreadable) throw IoError(path.string() + ": can't open: Too many open files");
-              if (state == kBroken) throw FormatError(path.string() + ": " + std::string(1 << 20, 'x') + " is wrong");
-              return std::make_unique<const GridReader>(path);
+              if (state == kUnreadable) throw IoError(file.string() + ": can't open: Too many open files");
+              if (state == kBroken) throw FormatError(file.string() + ": " + std::string(1 << 20, 'x') + " is wrong");
+              return std::make_unique<const GridReader>(file);
             },
             [this](const std::string& message) { complaints.push_back(message); }) {}
   std::filesystem::path folder_with_grid() const {

@@ -1,0 +1,341 @@
+// The C API. Here are the checks of arguments and the way from exceptions to codes; everything else is in the files that it calls.
+#include "store/teracell.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <mutex>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "store/color.hpp"
+#include "store/info.hpp"
+#include "store/kept_chunks.hpp"
+#include "store/query.hpp"
+#include "store/stats.hpp"
+#include "store/wanted.hpp"
+
+using namespace teracell;
+
+struct tc_grid {
+  explicit tc_grid(const char* path) : reader(std::make_unique<InputFile>(path), std::make_shared<KeptChunks>(kKept)) {
+    for (const MaterialInfo& m : reader.meta().materials) {
+      const Rgba c = parse_color(m.color).value_or(Rgba{0, 0, 0, 255});
+      materials.push_back({m.name.c_str(), {c[0], c[1], c[2], c[3]}, m.rank});
+    }
+  }
+
+  static constexpr size_t kKept = size_t{32} << 20;  // bytes of decoded chunks: boxes next to each other share chunks
+  const GridReader reader;
+  std::vector<tc_material> materials;
+  mutable std::once_flag info_made;
+  mutable std::string info;
+};
+
+namespace {
+
+// Coordinates that are this small can be added and multiplied by a stride without overflow.
+constexpr int64_t kFarthest = int64_t{1} << 53;
+
+thread_local std::string last_error;
+thread_local int (*watch)(void*) = nullptr;
+thread_local void* watch_user = nullptr;
+
+// A function of the caller asked to stop.
+struct Stopped : Unwanted {
+  using Unwanted::Unwanted;
+};
+
+int failed(tc_status status, const char* message) noexcept {
+  try {
+    last_error = message;
+  } catch (...) {
+    last_error.clear();
+  }
+  return status;
+}
+
+// Calls f(), and turns what it throws into a code. Every function of the API that can fail goes through it.
+template <class F>
+int guarded(F&& f) noexcept {
+  try {
+    last_error.clear();
+    std::optional<Wanted> watched;
+    if (watch)
+      watched.emplace([] {
+        if (watch(watch_user) != 0) throw Stopped("stopped by the caller");
+      });
+    f();
+    return TC_OK;
+  } catch (const UsageError& e) {
+    return failed(TC_USAGE, e.what());
+  } catch (const IoError& e) {
+    return failed(TC_IO, e.what());
+  } catch (const FormatError& e) {
+    return failed(TC_FORMAT, e.what());
+  } catch (const Stopped& e) {
+    return failed(TC_STOPPED, e.what());
+  } catch (const std::bad_alloc&) {
+    return failed(TC_MEMORY, "there is not enough memory");
+  } catch (const std::length_error&) {
+    return failed(TC_MEMORY, "there is not enough memory");
+  } catch (const std::exception& e) {
+    return failed(TC_INTERNAL, e.what());
+  } catch (...) {
+    return failed(TC_INTERNAL, "unknown");
+  }
+}
+
+void check(bool good, const char* expected) {
+  if (!good) throw UsageError(fmt::format("expected {}", expected));
+}
+
+const GridReader& reader_of(const tc_grid* grid) {
+  check(grid != nullptr, "an open grid, found NULL");
+  return grid->reader;
+}
+
+int axis_of(int axis) {
+  if (axis < 0 || axis > 2) throw UsageError(fmt::format("axis: expected 0, 1 or 2 (x, y, z), found {}", axis));
+  return axis;
+}
+
+int threads_of(int threads) {
+  if (threads < 0 || threads > 1024) throw UsageError(fmt::format("threads: expected 0 (one per core) to 1024, found {}", threads));
+  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+Index3 index_of(const int64_t* from, const char* name) {
+  check(from != nullptr, "three numbers, found NULL");
+  for (int d = 0; d < 3; ++d)
+    if (from[d] < -kFarthest || from[d] > kFarthest) throw UsageError(fmt::format("{}: expected numbers of at most 2^53, found {}", name, from[d]));
+  return {from[0], from[1], from[2]};
+}
+
+Box box_of(const int64_t* lo, const int64_t* hi) { return {index_of(lo, "lo"), index_of(hi, "hi")}; }
+
+// The part of a box that lies in a level.
+Box within(const GridReader& reader, int level, Box box) {
+  reader.meta().grid.check_level(level);
+  const Index3 n = reader.meta().grid.cells(level);
+  for (int d = 0; d < 3; ++d) {
+    box.lo[d] = std::clamp<int64_t>(box.lo[d], 0, n[d]);
+    box.hi[d] = std::clamp<int64_t>(box.hi[d], box.lo[d], n[d]);
+  }
+  return box;
+}
+
+void check_part(int64_t first, int64_t count, int64_t all, const char* what) {
+  if (first < 0 || count < 0 || first > all || count > all - first)
+    throw UsageError(fmt::format("expected {} among 0 to {} (half open), found {} from {}", what, all, count, first));
+}
+
+// The first level-0 cell of a coarse one, or the grid's end.
+int64_t first_below(const Axis& axis, int level, int64_t cell) { return std::min(axis.cells(), cell << level); }
+
+// The value of each material, all of which fit the type.
+std::vector<uint32_t> values_of(const GridReader& reader, const uint32_t* map, int64_t map_size, tc_type type, uint32_t outside) {
+  if (type != TC_U8 && type != TC_U16 && type != TC_U32)
+    throw UsageError(fmt::format("type: expected TC_U8, TC_U16 or TC_U32, found {}", static_cast<int>(type)));
+  const std::vector<MaterialInfo>& materials = reader.meta().materials;
+  const auto n = static_cast<int64_t>(materials.size());
+  if (map && map_size < n) throw UsageError(fmt::format("map: expected a value for each of {} materials, found {}", n, map_size));
+  const uint32_t most = type == TC_U8 ? 0xff : type == TC_U16 ? 0xffff : 0xffffffff;
+  const auto expect_fit = [&](uint32_t value, const std::string& whose) {
+    if (value > most) throw UsageError(fmt::format("{}: expected a value of at most {}, which the type holds, found {}", whose, most, value));
+  };
+  expect_fit(outside, "outside");
+  std::vector<uint32_t> values;
+  for (uint32_t id = 0; id < n; ++id) {
+    values.push_back(map ? map[id] : id);
+    expect_fit(values.back(), fmt::format("material '{}'", materials[id].name));
+  }
+  return values;
+}
+
+// The elements that a read writes must have addresses.
+void check_strides(const Index3& count, const Index3& stride) {
+  __int128 reach = 0;
+  for (int d = 0; d < 3; ++d)
+    if (count[d] > 0) reach += static_cast<__int128>(count[d] - 1) * std::abs(stride[d]);
+  check(reach < std::numeric_limits<int64_t>::max() / 8, "strides and a box that fit into memory");
+}
+
+void read_cells(const GridReader& reader, int level, const Lattice& lattice, tc_type type, void* data, const int64_t* strides, uint32_t outside,
+                const uint32_t* map, int64_t map_size, int threads) {
+  const Index3 stride = index_of(strides, "stride");
+  const std::vector<uint32_t> values = values_of(reader, map, map_size, type, outside);
+  for (int d = 0; d < 3; ++d) {
+    check(lattice.step[d] > 0, "steps above 0");
+    check(lattice.count[d] >= 0, "counts of at least 0");
+    check(static_cast<__int128>(lattice.count[d]) * lattice.step[d] <= kFarthest, "a box of at most 2^53 cells along an axis");
+  }
+  check_strides(lattice.count, stride);
+  if (lattice.count[0] == 0 || lattice.count[1] == 0 || lattice.count[2] == 0) return;
+  check(data != nullptr, "memory for the cells, found NULL");
+  const SetValue value = [&values, material = strongest_material(reader.meta())](const std::vector<Label>& set) { return values[material(set)]; };
+  const auto read = [&]<class T>(T* cells) {
+    read_lattice<T>(reader, level, lattice, value, static_cast<T>(outside), cells, stride, threads_of(threads));
+  };
+  if (type == TC_U8) read(static_cast<uint8_t*>(data));
+  else if (type == TC_U16) read(static_cast<uint16_t*>(data));
+  else read(static_cast<uint32_t*>(data));
+}
+
+}  // namespace
+
+const char* tc_version(void) { return TERACELL_VERSION; }
+
+const char* tc_error(void) { return last_error.c_str(); }
+
+int tc_open(const char* path, tc_grid** grid) {
+  return guarded([&] {
+    check(path != nullptr && grid != nullptr, "a path and a place for the grid, found NULL");
+    *grid = nullptr;
+    *grid = new tc_grid(path);
+  });
+}
+
+void tc_close(tc_grid* grid) { delete grid; }
+
+int tc_levels(const tc_grid* grid) { return grid->reader.levels(); }
+
+int tc_ray_axis(const tc_grid* grid) { return grid->reader.meta().ray_axis; }
+
+const char* tc_units(const tc_grid* grid) { return grid->reader.meta().units.c_str(); }
+
+int tc_info(const tc_grid* grid, const char** json) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    check(json != nullptr, "a place for the text, found NULL");
+    std::call_once(grid->info_made, [&] { grid->info = info_json(reader); });
+    *json = grid->info.c_str();
+  });
+}
+
+int tc_shape(const tc_grid* grid, int level, int64_t cells[3]) {
+  return guarded([&] {
+    const Grid& g = reader_of(grid).meta().grid;
+    g.check_level(level);
+    check(cells != nullptr, "a place for three numbers, found NULL");
+    std::ranges::copy(g.cells(level), cells);
+  });
+}
+
+int tc_planes(const tc_grid* grid, int level, int axis, int64_t first, int64_t count, double* out) {
+  return guarded([&] {
+    const Grid& g = reader_of(grid).meta().grid;
+    g.check_level(level);
+    const Axis& a = g.axis[axis_of(axis)];
+    check_part(first, count, g.cells(level)[axis] + 1, "planes");
+    check(out != nullptr || count == 0, "memory for the planes, found NULL");
+    for (int64_t i = 0; i < count; ++i) out[i] = a.plane(first_below(a, level, first + i));
+  });
+}
+
+int tc_samples(const tc_grid* grid, int level, int axis, int64_t first, int64_t count, double* out) {
+  return guarded([&] {
+    const Grid& g = reader_of(grid).meta().grid;
+    g.check_level(level);
+    const Axis& a = g.axis[axis_of(axis)];
+    check_part(first, count, g.cells(level)[axis], "cells");
+    check(out != nullptr || count == 0, "memory for the sample points, found NULL");
+    for (int64_t i = 0; i < count; ++i) {
+      const int64_t from = first_below(a, level, first + i), to = first_below(a, level, first + i + 1);
+      out[i] = to - from == 1 ? a.centre(from) : 0.5 * (a.centre(from) + a.centre(to - 1));
+    }
+  });
+}
+
+int tc_materials(const tc_grid* grid, const tc_material** materials, int64_t* count) {
+  return guarded([&] {
+    reader_of(grid);
+    check(materials != nullptr && count != nullptr, "places for the array and its size, found NULL");
+    *materials = grid->materials.data();
+    *count = static_cast<int64_t>(grid->materials.size());
+  });
+}
+
+int tc_read_box(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], tc_type type, void* data, const int64_t stride[3],
+                uint32_t outside, const uint32_t* map, int64_t map_size, int threads) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    const Box box = box_of(lo, hi);
+    Lattice lattice{box.lo};
+    for (int d = 0; d < 3; ++d) lattice.count[d] = std::max<int64_t>(0, box.hi[d] - box.lo[d]);
+    read_cells(reader, level, lattice, type, data, stride, outside, map, map_size, threads);
+  });
+}
+
+int tc_read_lattice(const tc_grid* grid, int level, const int64_t first[3], const int64_t count[3], const int64_t step[3], tc_type type, void* data,
+                    const int64_t stride[3], uint32_t outside, const uint32_t* map, int64_t map_size, int threads) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    const Lattice lattice{index_of(first, "first"), index_of(count, "count"), index_of(step, "step")};
+    read_cells(reader, level, lattice, type, data, stride, outside, map, map_size, threads);
+  });
+}
+
+int tc_runs(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], int (*visit)(void*, const tc_run*), void* user) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    check(visit != nullptr, "a function to call, found NULL");
+    const Metadata& meta = reader.meta();
+    const SetValue strongest = strongest_material(meta);
+    for_each_run(reader, level, within(reader, level, box_of(lo, hi)), [&](const BoxRun& run) {
+      const std::vector<uint32_t> materials = materials_of(meta, *run.set);
+      const tc_run out{
+          {run.start[0], run.start[1], run.start[2]}, run.length, strongest(*run.set), static_cast<uint32_t>(materials.size()), materials.data()};
+      if (visit(user, &out) != 0) throw Stopped("stopped by the caller");
+    });
+  });
+}
+
+int tc_column(const tc_grid* grid, int axis, int64_t a, int64_t b, int64_t from, int64_t to, tc_column_run* runs, int64_t capacity, int64_t* count) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    check(count != nullptr, "a place for the number of runs, found NULL");
+    check(capacity >= 0 && (runs != nullptr || capacity == 0), "memory for the runs");
+    const int64_t n = reader.meta().grid.axis[axis_of(axis)].cells();
+    const int64_t lo = std::clamp<int64_t>(from, 0, n), hi = std::clamp<int64_t>(to, 0, n);
+    const std::vector<ColumnRun> found = lo < hi ? read_column(reader, axis, a, b, lo, hi) : std::vector<ColumnRun>();
+    *count = static_cast<int64_t>(found.size());
+    for (size_t i = 0; i < found.size() && static_cast<int64_t>(i) < capacity; ++i) runs[i] = {found[i].from, found[i].to, found[i].material};
+  });
+}
+
+int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], tc_cells* by_material, int64_t count) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    check(by_material != nullptr, "memory for the counts, found NULL");
+    const auto materials = static_cast<int64_t>(reader.meta().materials.size());
+    if (count != materials) throw UsageError(fmt::format("count: expected {}, the number of materials, found {}", materials, count));
+    const std::vector<MaterialStats> stats = read_stats(reader, within(reader, 0, box_of(lo, hi)));
+    for (size_t id = 0; id < stats.size(); ++id) {
+      const auto& [cells, volume, box] = stats[id];
+      by_material[id] = {static_cast<uint64_t>(cells),
+                         static_cast<uint64_t>(cells >> 64),
+                         volume,
+                         {box.lo[0], box.lo[1], box.lo[2]},
+                         {box.hi[0], box.hi[1], box.hi[2]}};
+    }
+  });
+}
+
+int tc_uniform(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], int* uniform, uint32_t* material) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    check(uniform != nullptr && material != nullptr, "places for the answers, found NULL");
+    const Box box = within(reader, level, box_of(lo, hi));
+    check(!box.empty(), "a box with cells of the grid, found an empty one");
+    const std::optional<uint32_t> one = uniform_value(reader, level, box, strongest_material(reader.meta()));
+    *uniform = one ? 1 : 0;
+    if (one) *material = *one;
+  });
+}
+
+void tc_watch(int (*function)(void*), void* user) {
+  watch = function;
+  watch_user = user;
+}

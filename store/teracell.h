@@ -1,0 +1,157 @@
+/* teracell: reads the cells of .tcell grids. The C++, Fortran and Python libraries stand on these functions.
+ *
+ * A grid has nx x ny x nz cells, each with a material. Level 0 has all cells; level L has ceil(n / 2^L) along each axis, and a cell of
+ * it stands for the materials of all cells below it. Boxes are half open, lo <= cell < hi, in cells of a level, in the order x, y, z.
+ * They may reach outside the grid.
+ *
+ * Functions that return int return TC_OK, or the kind of an error. tc_error() then has its message, for the thread that called. Nothing
+ * prints, aborts or ends the process. Arguments are checked; pointers must be valid. After an error the content of output memory is
+ * unspecified, and everything else is as before. Any number of threads may use a grid at the same time, except for tc_close().
+ *
+ * Functions may be added in later versions; what is here does not change within a major version. */
+#ifndef TERACELL_H
+#define TERACELL_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define TC_API __attribute__((visibility("default")))
+#else
+#define TC_API
+#endif
+
+#define TC_VERSION_MAJOR 0
+#define TC_VERSION_MINOR 1
+#define TC_VERSION_PATCH 0
+
+typedef enum tc_status {
+  TC_OK = 0,
+  TC_USAGE = 1,    /* an argument is wrong: out of range, or a value that does not fit its type */
+  TC_IO = 2,       /* the operating system reports a failure */
+  TC_FORMAT = 3,   /* the file is no .tcell file, or is damaged */
+  TC_MEMORY = 4,   /* there is not enough memory */
+  TC_STOPPED = 5,  /* a function of the caller asked to stop */
+  TC_INTERNAL = 6  /* anything else: an error of this library */
+} tc_status;
+
+/* The version of the library that runs, as "0.1.0". TC_VERSION_* are those of this header. */
+TC_API const char* tc_version(void);
+
+/* The message of the last error of the calling thread, or "". It is valid until this thread's next call of a function of this library. */
+TC_API const char* tc_error(void);
+
+/* ---- Grids ---- */
+
+typedef struct tc_grid tc_grid;
+
+/* Opens a file. This reads kilobytes, however large the grid is. The file must not change while it is open; a new file under the same
+ * name is another grid. */
+TC_API int tc_open(const char* path, tc_grid** grid);
+
+/* Frees a grid. NULL is allowed. REQUIRES: no other thread uses it. */
+TC_API void tc_close(tc_grid* grid);
+
+/* Levels are 0 to tc_levels() - 1. The last one has a single cell. */
+TC_API int tc_levels(const tc_grid* grid);
+
+/* The axis of the rays: 0, 1 or 2 for x, y, z. Neighbours along it are cheapest to read. */
+TC_API int tc_ray_axis(const tc_grid* grid);
+
+/* The unit of all lengths: "m", "mm" ... Valid until tc_close(). */
+TC_API const char* tc_units(const tc_grid* grid);
+
+/* All that is known of the grid, with the report of the run that made it, as the JSON that `teracell info --json` prints. Valid until
+ * tc_close(). */
+TC_API int tc_info(const tc_grid* grid, const char** json);
+
+/* Cells of a level along x, y and z. */
+TC_API int tc_shape(const tc_grid* grid, int level, int64_t cells[3]);
+
+/* Planes between the cells of a level along an axis: out[i] = plane first + i, for i < count. Plane k is the lower side of cell k; there
+ * is one more plane than there are cells. */
+TC_API int tc_planes(const tc_grid* grid, int level, int axis, int64_t first, int64_t count, double* out);
+
+/* Sample points of the cells of a level along an axis: out[i] is that of cell first + i, for i < count. That of a coarse cell is the
+ * middle between those of its first and its last cell of level 0. */
+TC_API int tc_samples(const tc_grid* grid, int level, int axis, int64_t first, int64_t count, double* out);
+
+typedef struct tc_material {
+  const char* name;  /* UTF-8 */
+  uint8_t color[4];  /* red, green, blue, alpha */
+  uint32_t rank;     /* 0 is the strongest; no two are equal. Material 0, the background, is the weakest. */
+} tc_material;
+
+/* The materials. The number of a material in this array is its id. Valid until tc_close(). */
+TC_API int tc_materials(const tc_grid* grid, const tc_material** materials, int64_t* count);
+
+/* ---- Cells ---- */
+
+typedef enum tc_type { TC_U8 = 1, TC_U16 = 2, TC_U32 = 4 } tc_type;
+
+/* Writes the cells of a box to memory: cell (x, y, z) as an element of `type` at index
+ *   (x - lo[0]) * stride[0] + (y - lo[1]) * stride[1] + (z - lo[2]) * stride[2]
+ * of `data`. With nx = hi[0] - lo[0] and so on, {1, nx, nx * ny} is an array [z][y][x] in C, or a(nx, ny, nz) in Fortran. Strides may be
+ * negative. The value of a cell is the id of its material, on a coarse level that of the strongest one; with `map` it is map[id], and
+ * `map_size` must be at least the number of materials. Cells outside the grid get `outside`. If `outside`, or the value of any material of
+ * the grid, does not fit the type, that is an error before anything is written. `map` may be NULL. `threads`: how many may work, 0 for one
+ * per core. */
+TC_API int tc_read_box(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], tc_type type, void* data,
+                       const int64_t stride[3], uint32_t outside, const uint32_t* map, int64_t map_size, int threads);
+
+/* The same for every step-th cell along each axis: cell (first[0] + i * step[0], ...) at index i * stride[0] + j * stride[1] + k *
+ * stride[2], for i < count[0] and so on. What lies between is not read. Steps are at least 1. */
+TC_API int tc_read_lattice(const tc_grid* grid, int level, const int64_t first[3], const int64_t count[3], const int64_t step[3],
+                           tc_type type, void* data, const int64_t stride[3], uint32_t outside, const uint32_t* map, int64_t map_size,
+                           int threads);
+
+/* Cells in a row along tc_ray_axis() with the same materials. */
+typedef struct tc_run {
+  int64_t start[3];           /* the first cell */
+  int64_t length;             /* cells */
+  uint32_t material;          /* the strongest one */
+  uint32_t count;             /* of `materials`: 1 on level 0 */
+  const uint32_t* materials;  /* the ids of all, ascending; valid during the call only */
+} tc_run;
+
+/* Calls visit(user, run) for the runs of a box, without expanding any cells, until it returns something other than 0; that is TC_STOPPED.
+ * The part of the box outside the grid is left out. Runs come in no particular order, and a run may come in several parts. */
+TC_API int tc_runs(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], int (*visit)(void* user, const tc_run* run),
+                   void* user);
+
+typedef struct tc_column_run {
+  int64_t from, to; /* half open */
+  uint32_t material;
+} tc_column_run;
+
+/* The cells `from` to `to` (half open; cut to the grid) of the column of level 0 along an axis through (a, b), its indices along the other
+ * two axes in the order x, y, z. Neighbouring runs differ. Writes the first `capacity` runs, and the number of all to `count`. */
+TC_API int tc_column(const tc_grid* grid, int axis, int64_t a, int64_t b, int64_t from, int64_t to, tc_column_run* runs, int64_t capacity,
+                     int64_t* count);
+
+typedef struct tc_cells {
+  uint64_t cells;          /* their number, modulo 2^64 ... */
+  uint64_t cells_high;     /* ... and divided by 2^64 */
+  double volume;           /* in cubic units of length */
+  int64_t lo[3], hi[3];    /* the box that holds them; empty if there are none */
+} tc_cells;
+
+/* Exact counts of the cells of level 0 in a box, by material id: `count` must be the number of materials. The part of the box outside the
+ * grid is left out. Cells are not expanded. */
+TC_API int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], tc_cells* by_material, int64_t count);
+
+/* Whether all cells of a box have the same value as in tc_read_box(), and which. The part of the box outside the grid is
+ * left out, and what is left must not be empty. If the cells differ, `material` is not changed. */
+TC_API int tc_uniform(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], int* uniform, uint32_t* material);
+
+/* From now on, calls of the calling thread ask watch(user) now and then, and stop when it returns something other than 0; that is
+ * TC_STOPPED. With NULL they no longer do. */
+TC_API void tc_watch(int (*watch)(void* user), void* user);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

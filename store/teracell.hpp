@@ -1,0 +1,169 @@
+// teracell for C++20: grids with a destructor, spans and exceptions over the functions of teracell.h, which has the definitions.
+//
+//   tc::Grid grid("stadium.tcell");
+//   std::vector<uint8_t> cells = grid.read<uint8_t>({{0, 0, 0}, {64, 64, 64}});  // [z][y][x]
+#pragma once
+#include <array>
+#include <concepts>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "teracell.h"
+
+namespace tc {
+
+using Index = std::array<int64_t, 3>;  // x, y, z
+
+// Half open: lo <= cell < hi.
+struct Box {
+  Index lo{}, hi{};
+  Index shape() const { return {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}; }
+  size_t cells() const { return static_cast<size_t>((hi[0] - lo[0]) * (hi[1] - lo[1]) * (hi[2] - lo[2])); }
+  friend bool operator==(const Box&, const Box&) = default;
+};
+
+struct Error : std::runtime_error {
+  Error(tc_status s, const char* message) : std::runtime_error(message), status(s) {}
+  tc_status status;
+};
+
+inline void check(int status) {
+  if (status != TC_OK) throw Error(static_cast<tc_status>(status), tc_error());
+}
+
+template <class T>
+concept Element = std::same_as<T, uint8_t> || std::same_as<T, uint16_t> || std::same_as<T, uint32_t>;
+
+// How cells are read; the defaults are ids of materials of level 0, x fastest, on every core.
+struct Reading {
+  int level = 0;
+  uint32_t outside = 0;                // the value of cells outside the grid
+  std::span<const uint32_t> map = {};  // the value of each material; empty: its id
+  std::optional<Index> stride = {};    // in elements; absent: {1, nx, nx * ny}
+  int threads = 0;                     // 0: one per core
+};
+
+// Any number of threads may use one grid. Every function throws Error.
+class Grid {
+ public:
+  explicit Grid(const std::string& path) {
+    tc_grid* opened = nullptr;
+    check(tc_open(path.c_str(), &opened));
+    grid_.reset(opened);
+  }
+
+  const tc_grid* get() const { return grid_.get(); }
+  int levels() const { return tc_levels(get()); }
+  int ray_axis() const { return tc_ray_axis(get()); }
+  std::string_view units() const { return tc_units(get()); }
+  std::string_view info() const {
+    const char* json = nullptr;
+    check(tc_info(get(), &json));
+    return json;
+  }
+  Index shape(int level = 0) const {
+    Index n;
+    check(tc_shape(get(), level, n.data()));
+    return n;
+  }
+  Box box(int level = 0) const { return {{0, 0, 0}, shape(level)}; }
+  std::vector<double> planes(int axis, int level = 0) const {
+    std::vector<double> out(static_cast<size_t>(length(axis, level) + 1));
+    check(tc_planes(get(), level, axis, 0, static_cast<int64_t>(out.size()), out.data()));
+    return out;
+  }
+  std::vector<double> samples(int axis, int level = 0) const {
+    std::vector<double> out(static_cast<size_t>(length(axis, level)));
+    check(tc_samples(get(), level, axis, 0, static_cast<int64_t>(out.size()), out.data()));
+    return out;
+  }
+  std::span<const tc_material> materials() const {
+    const tc_material* all = nullptr;
+    int64_t count = 0;
+    check(tc_materials(get(), &all, &count));
+    return {all, static_cast<size_t>(count)};
+  }
+
+  // Reads the cells of a box into `out`, which must have an element for each, unless the caller gives strides of its own.
+  template <Element T>
+  void read(const Box& box, std::span<T> out, const Reading& how = {}) const {
+    const Index n = box.shape(), stride = how.stride.value_or(Index{1, n[0], n[0] * n[1]});
+    if (!how.stride && out.size() != box.cells()) throw Error(TC_USAGE, "expected memory for as many elements as the box has cells");
+    check(tc_read_box(get(), how.level, box.lo.data(), box.hi.data(), static_cast<tc_type>(sizeof(T)), out.data(), stride.data(), how.outside,
+                      how.map.empty() ? nullptr : how.map.data(), static_cast<int64_t>(how.map.size()), how.threads));
+  }
+  // As an array [z][y][x].
+  template <Element T>
+  std::vector<T> read(const Box& box, const Reading& how = {}) const {
+    std::vector<T> out(box.cells());
+    read<T>(box, std::span(out), how);
+    return out;
+  }
+
+  // Calls visit(const tc_run&) for the runs of a box. What it throws ends the reading and is thrown here.
+  template <class Visit>
+  void runs(const Box& box, Visit&& visit, int level = 0) const {
+    struct Call {
+      Visit& visit;
+      std::exception_ptr error;
+    } call{visit, nullptr};
+    const int status = tc_runs(
+        get(), level, box.lo.data(), box.hi.data(),
+        [](void* user, const tc_run* run) {
+          Call& c = *static_cast<Call*>(user);
+          try {
+            c.visit(*run);
+            return 0;
+          } catch (...) {
+            c.error = std::current_exception();
+            return 1;
+          }
+        },
+        &call);
+    if (call.error) std::rethrow_exception(call.error);
+    check(status);
+  }
+  // The column of level 0 along `axis` through (a, b).
+  std::vector<tc_column_run> column(int axis, int64_t a, int64_t b) const {
+    std::vector<tc_column_run> runs;
+    int64_t count = 16;
+    do {
+      runs.resize(static_cast<size_t>(count));
+      check(tc_column(get(), axis, a, b, 0, length(axis, 0), runs.data(), static_cast<int64_t>(runs.size()), &count));
+    } while (count > static_cast<int64_t>(runs.size()));
+    runs.resize(static_cast<size_t>(count));
+    return runs;
+  }
+  // Exact counts of level 0, by material.
+  std::vector<tc_cells> stats(const Box& box) const {
+    std::vector<tc_cells> out(materials().size());
+    check(tc_stats(get(), box.lo.data(), box.hi.data(), out.data(), static_cast<int64_t>(out.size())));
+    return out;
+  }
+  // The material of all cells of a box, if they have the same one.
+  std::optional<uint32_t> uniform(const Box& box, int level = 0) const {
+    int one = 0;
+    uint32_t material = 0;
+    check(tc_uniform(get(), level, box.lo.data(), box.hi.data(), &one, &material));
+    return one ? std::optional(material) : std::nullopt;
+  }
+
+ private:
+  struct Close {
+    void operator()(tc_grid* grid) const { tc_close(grid); }
+  };
+  int64_t length(int axis, int level) const {
+    if (axis < 0 || axis > 2) throw Error(TC_USAGE, "axis: expected 0, 1 or 2 (x, y, z)");
+    return shape(level)[static_cast<size_t>(axis)];
+  }
+  std::unique_ptr<tc_grid, Close> grid_;
+};
+
+}  // namespace tc

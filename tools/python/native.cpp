@@ -1,0 +1,292 @@
+// What teracell/__init__.py stands on: the C API for arrays of NumPy, and the mesher.
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include "mesher/pipeline.hpp"
+#include "mesher/report_json.hpp"
+#include "store/error.hpp"
+#include "store/teracell.h"
+
+namespace py = pybind11;
+using Index = std::array<int64_t, 3>;  // x, y, z
+
+namespace {
+
+struct Exceptions {
+  py::object error, usage, io, format;
+};
+Exceptions& exceptions() {
+  static auto* all = new Exceptions;  // never freed: the interpreter may be gone by then
+  return *all;
+}
+
+[[noreturn]] void raise(const py::object& type, const std::string& message) {
+  PyErr_SetString(type.ptr(), message.c_str());
+  throw py::error_already_set();
+}
+
+// Lets Python act on signals now and then while its lock is released. Only the main thread is ever interrupted.
+class Signals {
+ public:
+  // Whether a handler has raised an exception.
+  bool raised() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_) return false;
+    next_ = now + std::chrono::milliseconds(50);
+    const py::gil_scoped_acquire lock;
+    return PyErr_CheckSignals() != 0;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point next_{};
+};
+
+// Calls f() without Python's lock, and turns its status into an exception.
+template <class F>
+void call(F&& f) {
+  Signals signals;
+  int status;
+  std::string message;
+  {
+    const py::gil_scoped_release unlocked;
+    tc_watch([](void* s) { return static_cast<Signals*>(s)->raised() ? 1 : 0; }, &signals);
+    status = f();
+    tc_watch(nullptr, nullptr);
+    if (status != TC_OK) message = tc_error();
+  }
+  if (PyErr_Occurred()) throw py::error_already_set();
+  if (status == TC_OK) return;
+  if (status == TC_USAGE) raise(exceptions().usage, message);
+  if (status == TC_IO) raise(exceptions().io, message);
+  if (status == TC_FORMAT) raise(exceptions().format, message);
+  if (status == TC_MEMORY) throw std::bad_alloc();
+  raise(exceptions().error, message);
+}
+
+class Native {
+ public:
+  explicit Native(const std::string& path) {
+    call([&] { return tc_open(path.c_str(), &grid_); });
+  }
+  ~Native() { tc_close(grid_); }
+  Native(const Native&) = delete;
+
+  int levels() const { return tc_levels(grid_); }
+  int ray_axis() const { return tc_ray_axis(grid_); }
+  std::string units() const { return tc_units(grid_); }
+  std::string info() const {
+    const char* json = nullptr;
+    call([&] { return tc_info(grid_, &json); });
+    return json;
+  }
+  Index shape(int level) const {
+    Index n{};
+    call([&] { return tc_shape(grid_, level, n.data()); });
+    return n;
+  }
+  py::list materials() const {
+    const tc_material* all = nullptr;
+    int64_t count = 0;
+    call([&] { return tc_materials(grid_, &all, &count); });
+    py::list out;
+    for (int64_t i = 0; i < count; ++i)
+      out.append(py::make_tuple(all[i].name, py::make_tuple(all[i].color[0], all[i].color[1], all[i].color[2], all[i].color[3]), all[i].rank));
+    return out;
+  }
+  py::array_t<double> planes(int level, int axis) const { return positions(level, axis, 1, tc_planes); }
+  py::array_t<double> samples(int level, int axis) const { return positions(level, axis, 0, tc_samples); }
+
+  // `out` has axes z, y, x and any strides.
+  void read(int level, const Index& first, const Index& step, py::array out, uint32_t outside, std::optional<py::array_t<uint32_t>> map,
+            int threads) const {
+    const auto bytes = out.itemsize();
+    Index count{}, stride{};
+    for (int d = 0; d < 3; ++d) {
+      count[d] = out.shape(2 - d);
+      if (out.strides(2 - d) % bytes != 0 && count[d] > 1)
+        raise(exceptions().usage, "out: expected an array whose strides are multiples of its items");
+      stride[d] = out.strides(2 - d) / bytes;
+    }
+    void* const data = out.mutable_data();
+    const uint32_t* values = map ? map->data() : nullptr;
+    const int64_t size = map ? map->size() : 0;
+    call([&] {
+      return tc_read_lattice(grid_, level, first.data(), count.data(), step.data(), static_cast<tc_type>(bytes), data, stride.data(), outside, values,
+                             size, threads);
+    });
+  }
+
+  // Rows of x, y, z, length, material.
+  py::array_t<int64_t> runs(int level, const Index& lo, const Index& hi) const {
+    std::vector<int64_t> rows;
+    call([&] {
+      return tc_runs(
+          grid_, level, lo.data(), hi.data(),
+          [](void* user, const tc_run* run) {
+            try {
+              auto& to = *static_cast<std::vector<int64_t>*>(user);
+              to.insert(to.end(), {run->start[0], run->start[1], run->start[2], run->length, int64_t{run->material}});
+              return 0;
+            } catch (...) {
+              return 1;
+            }
+          },
+          &rows);
+    });
+    return table(rows, 5);
+  }
+
+  // Rows of from, to, material.
+  py::array_t<int64_t> column(int axis, int64_t a, int64_t b) const {
+    std::vector<tc_column_run> runs(16);
+    int64_t count = 0;
+    for (;;) {
+      call([&] { return tc_column(grid_, axis, a, b, 0, INT64_MAX, runs.data(), static_cast<int64_t>(runs.size()), &count); });
+      if (count <= static_cast<int64_t>(runs.size())) break;
+      runs.resize(static_cast<size_t>(count));
+    }
+    std::vector<int64_t> rows;
+    for (int64_t i = 0; i < count; ++i) rows.insert(rows.end(), {runs[i].from, runs[i].to, int64_t{runs[i].material}});
+    return table(rows, 3);
+  }
+
+  // For each material: cells, volume, lo, hi.
+  py::list stats(const Index& lo, const Index& hi) const {
+    const tc_material* all = nullptr;
+    int64_t count = 0;
+    call([&] { return tc_materials(grid_, &all, &count); });
+    std::vector<tc_cells> found(static_cast<size_t>(count));
+    call([&] { return tc_stats(grid_, lo.data(), hi.data(), found.data(), count); });
+    py::list out;
+    for (const tc_cells& c : found) {
+      const py::int_ cells = (py::int_(c.cells_high) << py::int_(64)) + py::int_(c.cells);
+      out.append(py::make_tuple(cells, c.volume, Index{c.lo[0], c.lo[1], c.lo[2]}, Index{c.hi[0], c.hi[1], c.hi[2]}));
+    }
+    return out;
+  }
+
+  std::optional<uint32_t> uniform(int level, const Index& lo, const Index& hi) const {
+    int one = 0;
+    uint32_t material = 0;
+    call([&] { return tc_uniform(grid_, level, lo.data(), hi.data(), &one, &material); });
+    return one ? std::optional(material) : std::nullopt;
+  }
+
+ private:
+  template <class F>
+  py::array_t<double> positions(int level, int axis, int64_t more, F&& f) const {
+    if (axis < 0 || axis > 2) raise(exceptions().usage, "axis: expected 0, 1 or 2");
+    const int64_t n = shape(level)[static_cast<size_t>(axis)] + more;
+    py::array_t<double> out(n);
+    double* const data = out.mutable_data();
+    call([&] { return f(grid_, level, axis, int64_t{0}, n, data); });
+    return out;
+  }
+  static py::array_t<int64_t> table(const std::vector<int64_t>& rows, int64_t columns) {
+    py::array_t<int64_t> out({static_cast<int64_t>(rows.size()) / columns, columns});
+    std::ranges::copy(rows, out.mutable_data());
+    return out;
+  }
+
+  tc_grid* grid_ = nullptr;
+};
+
+// What mesh() of the library takes, and its report as JSON.
+std::string mesh(const std::string& scene_text, const std::string& folder, const std::vector<std::string>& surfaces, const std::string& output,
+                 const py::dict& options, const py::object& progress) {
+  using namespace teracell;
+  MeshOptions o;
+  GridOptions grid;
+  const auto given = [&](const char* name) { return options.contains(name) && !options[name].is_none(); };
+  if (given("cells")) {
+    if (py::isinstance<py::int_>(options["cells"])) grid.longest_cells = options["cells"].cast<int64_t>();
+    else grid.cells = options["cells"].cast<std::array<int64_t, 3>>();
+  }
+  if (given("step")) grid.step = options["step"].cast<double>();
+  if (given("pad")) grid.pad = options["pad"].cast<int64_t>();
+  if (given("axis")) o.axis = options["axis"].cast<int>();
+  if (given("engine")) o.engine = options["engine"].cast<std::string>();
+  if (given("threads")) o.threads = options["threads"].cast<int>();
+  o.memory = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)) / 4;
+  if (given("memory")) o.memory = options["memory"].cast<uint64_t>();
+  if (given("tmp")) o.tmp = options["tmp"].cast<std::string>();
+  if (given("thin")) o.thin = options["thin"].cast<bool>();
+  if (given("resume")) o.resume = options["resume"].cast<bool>();
+
+  std::atomic<bool> stop = false;
+  std::exception_ptr raised;
+  Signals signals;
+  const py::gil_scoped_release unlocked;
+  try {
+    Scene scene = surfaces.empty() ? parse_scene(scene_text, folder) : bare_scene({surfaces.begin(), surfaces.end()});
+    override_grid(scene, grid);
+    const MeshReport report = mesh(
+        scene, output, o,
+        [&](const char* phase, double share, double) {
+          if (stop) return;
+          try {
+            const bool interrupted = signals.raised();
+            if (!interrupted && progress.is_none()) return;
+            const py::gil_scoped_acquire lock;
+            if (interrupted) throw py::error_already_set();
+            progress(phase, share);
+          } catch (...) {
+            raised = std::current_exception();
+            stop = true;
+          }
+        },
+        stop);
+    return report_json(report.report, scene, report.run, report.warnings());
+  } catch (const Interrupted&) {
+    if (raised) std::rethrow_exception(raised);
+    throw;
+  }
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_native, m) {
+  auto& e = exceptions();
+  const py::module_ errors = py::module_::import("teracell._errors");
+  e.error = errors.attr("Error"), e.usage = errors.attr("UsageError"), e.io = errors.attr("IoError"), e.format = errors.attr("FormatError");
+  py::register_exception_translator([](std::exception_ptr p) {
+    const auto set = [](const py::object& type, const std::exception& found) { PyErr_SetString(type.ptr(), found.what()); };
+    try {
+      if (p) std::rethrow_exception(p);
+    } catch (const teracell::UsageError& found) {
+      set(exceptions().usage, found);
+    } catch (const teracell::IoError& found) {
+      set(exceptions().io, found);
+    } catch (const teracell::FormatError& found) {
+      set(exceptions().format, found);
+    } catch (const teracell::InputError& found) {
+      set(exceptions().format, found);
+    } catch (const teracell::Error& found) {
+      set(exceptions().error, found);
+    }
+  });
+  m.attr("version") = tc_version();
+  m.def("mesh", &mesh);
+  py::class_<Native>(m, "Grid")
+      .def(py::init<const std::string&>())
+      .def("levels", &Native::levels)
+      .def("ray_axis", &Native::ray_axis)
+      .def("units", &Native::units)
+      .def("info", &Native::info)
+      .def("shape", &Native::shape)
+      .def("materials", &Native::materials)
+      .def("planes", &Native::planes)
+      .def("samples", &Native::samples)
+      .def("read", &Native::read)
+      .def("runs", &Native::runs)
+      .def("column", &Native::column)
+      .def("stats", &Native::stats)
+      .def("uniform", &Native::uniform);
+}

@@ -1,0 +1,323 @@
+"""teracell: Cartesian grids of any number of cells from CAD surfaces, as NumPy arrays.
+
+    >>> import teracell
+    >>> g = teracell.open("stadium.tcell")
+    >>> g.shape                               # z, y, x
+    (220, 770, 1000)
+    >>> g[100, :, ::4]                        # ids of materials, read from the file
+    >>> g.read((0, 0, 0, 64, 64, 64), halo=1, outside=0)
+    >>> g.level(3)[...]                       # the whole grid, eight times coarser
+
+Arrays have the axes z, y, x, and so have boxes: (z0, y0, x0, z1, y1, x1), half open, in cells of the level. The cells of a level
+never exist as a whole: an index reads what it selects, and dask and xarray read block by block.
+"""
+import collections
+import json
+import math
+import operator
+import os
+
+import numpy
+
+from . import _native
+from ._errors import Error, FormatError, IoError, UsageError
+
+__all__ = ["open", "mesh", "Grid", "Level", "Axis", "Material", "Cells", "Error", "FormatError", "IoError", "UsageError", "__version__"]
+__version__ = _native.version
+
+Axis = collections.namedtuple("Axis", "name planes samples")
+Axis.__doc__ = """An axis of a level: its planes (cells + 1) and the sample points of its cells (cells), as float64."""
+
+Material = collections.namedtuple("Material", "id name color rank")
+Material.__doc__ = """A material: its id, its name, its colour (red, green, blue, alpha) and its rank, 0 for the strongest."""
+
+Cells = collections.namedtuple("Cells", "cells volume box")
+Cells.__doc__ = """Exact counts of a material: the number of cells, their volume, and the box that holds them, or None if there are none."""
+
+
+def open(path):
+    """Opens a .tcell file and returns its Grid. This reads kilobytes, however large the grid is."""
+    return Grid(path)
+
+
+class Level:
+    """The cells of one level as an array [z][y][x] of material ids, uint8, or uint16 where there are more than 256 materials.
+
+    On a level above 0 a cell has the strongest of the materials below it. Threads may share a level.
+    """
+
+    def __init__(self, grid, level):
+        self._native = grid._native
+        self._path = grid.path
+        self.materials = grid.materials
+        self.number = operator.index(level)
+        self.shape = tuple(self._native.shape(self.number))[::-1]
+        self.dtype = numpy.dtype(numpy.uint8 if len(self.materials) <= 256 else numpy.uint16)
+
+    ndim = 3
+
+    @property
+    def size(self):
+        return math.prod(self.shape)
+
+    @property
+    def axes(self):
+        """The axes z, y, x of this level."""
+        return tuple(Axis(name, self._native.planes(self.number, d), self._native.samples(self.number, d)) for d, name in ((2, "z"), (1, "y"), (0, "x")))
+
+    def __repr__(self):
+        return f"<teracell level {self.number} of {self._path}: {' x '.join(map(str, self.shape))} cells (z, y, x), {self.dtype}>"
+
+    def __len__(self):
+        return self.shape[0]
+
+    def __array__(self, dtype=None):
+        return self[...] if dtype is None else self[...].astype(dtype)
+
+    def __reduce__(self):
+        return _level_of, (self._path, self.number)
+
+    def __getitem__(self, key):
+        """Basic indexing as in NumPy: whole numbers, slices with any step, Ellipsis and None. Only what is selected is read."""
+        first, step, count, back, shown = [], [], [], [], []
+        for axis, part in enumerate(_whole_key(key, self.ndim)):
+            if part is None:
+                shown.append(numpy.newaxis)
+                continue
+            n = self.shape[len(count)]
+            if isinstance(part, slice):
+                chosen = range(n)[part]
+                shown.append(slice(None))
+            else:
+                i = _index(part, n, len(count))
+                chosen = range(i, i + 1)
+                shown.append(0)
+            if chosen.step < 0:
+                chosen, reverse = chosen[::-1], slice(None, None, -1)
+            else:
+                reverse = slice(None)
+            first.append(chosen.start if len(chosen) else 0)
+            step.append(chosen.step)
+            count.append(len(chosen))
+            back.append(reverse)
+        out = numpy.empty(count, self.dtype)
+        self._native.read(self.number, first[::-1], step[::-1], out, 0, None, 0)
+        return out[tuple(back)][tuple(shown)]
+
+    def read(self, box, halo=0, out=None, outside=0, map=None, order="C", threads=0):
+        """Reads a box (z0, y0, x0, z1, y1, x1), which may reach outside the grid, and returns it as an array [z][y][x].
+
+        halo     cells more on each side: one number, or one for each of z, y, x
+        out      the array to fill, of any strides and of a type of 1, 2 or 4 bytes; otherwise a new one is made
+        outside  the value of cells outside the grid
+        map      the value of each material: a list by id, or a dict by id or name that names all of them
+        order    "C" or "F", of a new array
+        threads  how many may read; 0 is one per core
+
+        A value that does not fit the type of `out` is a UsageError, and nothing is written.
+        """
+        lo, hi = _box(box)
+        halo = [operator.index(h) for h in (halo if numpy.ndim(halo) else (halo,) * 3)]
+        shape = [max(0, hi[d] - lo[d] + 2 * halo[d]) for d in range(3)]
+        lo = [lo[d] - halo[d] for d in range(3)]
+        values = self._values(map)
+        if out is None:
+            most = max(int(outside), int(values.max()) if values is not None else len(self.materials) - 1)
+            out = numpy.empty(shape, numpy.min_scalar_type(most) if values is not None or outside else self.dtype, order)
+        elif list(out.shape) != shape:
+            raise UsageError(f"out: expected an array of the shape {tuple(shape)}, found {out.shape}")
+        if out.dtype.kind not in "ui" or out.dtype.itemsize > 4 or not out.dtype.isnative:
+            raise UsageError(f"out: expected integers of 1, 2 or 4 bytes in the machine's order, found {out.dtype}")
+        if not 0 <= outside <= numpy.iinfo(out.dtype).max:
+            raise UsageError(f"outside: expected 0 to {numpy.iinfo(out.dtype).max}, which {out.dtype} holds, found {outside}")
+        if out.dtype.kind == "i":
+            most = int(values.max()) if values is not None else len(self.materials) - 1
+            if most > numpy.iinfo(out.dtype).max:
+                raise UsageError(f"out: expected a type that holds {most}, found {out.dtype}")
+        self._native.read(self.number, lo[::-1], [1, 1, 1], out, int(outside), values, threads)
+        return out
+
+    def runs(self, box=None):
+        """The runs of a box as an array of rows z, y, x, length, material: `length` cells from (z, y, x) along the grid's rays."""
+        lo, hi = self._box(box)
+        return self._native.runs(self.number, lo[::-1], hi[::-1])[:, [2, 1, 0, 3, 4]]
+
+    def uniform(self, box=None):
+        """The id of the material of all cells of a box, or None if they differ."""
+        lo, hi = self._box(box)
+        return self._native.uniform(self.number, lo[::-1], hi[::-1])
+
+    def dask(self, chunks="auto"):
+        """A dask array that reads each of its blocks when it is needed."""
+        import dask.array
+
+        return dask.array.from_array(self, chunks=chunks, name=f"teracell-{dask.base.tokenize(self._path, self.number, _stamp(self._path))}", asarray=False, lock=False)
+
+    def xarray(self, chunks="auto"):
+        """An xarray.DataArray with coordinates, over dask()."""
+        import xarray
+
+        coordinates = {axis.name: axis.samples for axis in self.axes}
+        names = {str(m.id): m.name for m in self.materials}
+        return xarray.DataArray(self.dask(chunks), dims=("z", "y", "x"), coords=coordinates, name="material",
+                                attrs={"units": self._native.units(), "materials": json.dumps(names)})
+
+    def _box(self, box):
+        return _box((0, 0, 0) + self.shape if box is None else box)
+
+    def _values(self, map):
+        if map is None:
+            return None
+        if isinstance(map, dict):
+            by_name = {m.name: m.id for m in self.materials}
+            values = [None] * len(self.materials)
+            for key, value in map.items():
+                id = by_name.get(key, key) if isinstance(key, str) else key
+                if not isinstance(id, (int, numpy.integer)) or not 0 <= id < len(values):
+                    raise UsageError(f"map: the grid has no material {key!r}")
+                values[id] = value
+            missing = [m.name for m in self.materials if values[m.id] is None]
+            if missing:
+                raise UsageError(f"map: expected a value for each material, found none for {missing[0]!r}")
+            map = values
+        values = numpy.asarray(map)
+        if values.ndim != 1 or values.dtype.kind not in "ui" or len(values) < len(self.materials) or values.min() < 0 or values.max() >= 1 << 32:
+            raise UsageError(f"map: expected {len(self.materials)} whole numbers from 0 to {(1 << 32) - 1}")
+        return numpy.ascontiguousarray(values, numpy.uint32)
+
+
+class Grid(Level):
+    """A .tcell file. It is the array of its level 0; level(L) is a coarser one."""
+
+    def __init__(self, path):
+        self.path = os.fspath(path)
+        self._native = _native.Grid(self.path)
+        self.materials = [Material(i, *m) for i, m in enumerate(self._native.materials())]
+        super().__init__(self, 0)
+
+    def __reduce__(self):
+        return Grid, (self.path,)
+
+    def __repr__(self):
+        return f"<teracell grid {self.path}: {' x '.join(map(str, self.shape))} cells (z, y, x), {len(self.materials)} materials, {self.levels} levels>"
+
+    @property
+    def levels(self):
+        """The number of levels. The last one has a single cell."""
+        return self._native.levels()
+
+    @property
+    def units(self):
+        """The unit of lengths: "m", "mm" ..."""
+        return self._native.units()
+
+    @property
+    def ray_axis(self):
+        """The axis of `shape` that the rays run along: cells that are neighbours along it are the cheapest to read."""
+        return 2 - self._native.ray_axis()
+
+    @property
+    def info(self):
+        """All that is known of the grid, with the report of the run that made it, as `teracell info --json` prints it."""
+        return json.loads(self._native.info())
+
+    def level(self, number):
+        """A level: 0 has all cells, each further one half as many along every axis, rounded up."""
+        return Level(self, number)
+
+    def stats(self, box=None):
+        """Exact counts of level 0 in a box: a list of Cells, by material id. No cells are expanded."""
+        lo, hi = self._box(box)
+        return [Cells(cells, volume, tuple(a[::-1]) + tuple(b[::-1]) if cells else None) for cells, volume, a, b in self._native.stats(lo[::-1], hi[::-1])]
+
+    def column(self, axis, at):
+        """The column of level 0 along an axis ("z", "y", "x", or 0, 1, 2 of `shape`) through the cell `at` of the other two, in the
+        order of `shape`: rows from, to (half open), material."""
+        d = "zyx".index(axis) if isinstance(axis, str) and axis in tuple("zyx") else operator.index(axis)
+        high, low = (operator.index(i) for i in at)
+        return self._native.column(2 - d, low, high)
+
+
+def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=None, engine=None, threads=0, memory=None, tmp=None, thin=False,
+         resume=False, progress=None):
+    """Meshes a scene and returns the Grid. The file appears under the name `output` only when it is complete.
+
+    scene     a scene file, a surface file, a list of surface files, or a scene as a dict, whose paths are relative to `folder`
+    cells     the number of cells along the longest axis, or of each axis (x, y, z)
+    step      the edge of a cell, instead of `cells`
+    pad       cells around the bodies
+    axis      "x", "y" or "z": the axis of the rays (the cells are the same)
+    memory    bytes that the run may take (default: a quarter of the machine's); larger surfaces are spilled to `tmp`
+    progress  a function that is called with the phase and the share of it that is done; what it raises ends the run
+
+    The report of the run is the attribute `report` of the grid that is returned.
+    """
+    if axis is not None and axis not in ("x", "y", "z"):
+        raise UsageError(f"axis: expected 'x', 'y' or 'z', found {axis!r}")
+    text, base, surfaces = "", os.fspath(folder), []
+    if isinstance(scene, dict):
+        text = json.dumps(scene)
+    elif isinstance(scene, (list, tuple)):
+        surfaces = [os.fspath(s) for s in scene]
+    elif os.fspath(scene).endswith(".json"):
+        base = os.path.dirname(os.fspath(scene))
+        try:
+            with _open(scene, encoding="utf-8") as file:
+                text = file.read()
+        except OSError as e:
+            raise IoError(f"{os.fspath(scene)}: can't open: {e.strerror}") from e
+    else:
+        surfaces = [os.fspath(scene)]
+    options = {"cells": cells, "step": step, "pad": pad, "axis": None if axis is None else "xyz".index(axis), "engine": engine, "threads": threads,
+               "memory": memory, "tmp": None if tmp is None else os.fspath(tmp), "thin": thin, "resume": resume}
+    report = _native.mesh(text, base, surfaces, os.fspath(output), options, progress)
+    grid = Grid(output)
+    grid.report = json.loads(report)
+    return grid
+
+
+_open = __builtins__["open"] if isinstance(__builtins__, dict) else __builtins__.open
+
+
+def _level_of(path, number):
+    return Grid(path).level(number)
+
+
+def _stamp(path):
+    found = os.stat(path)
+    return found.st_ino, found.st_size, found.st_mtime_ns
+
+
+def _box(box):
+    if len(box) != 6:
+        raise UsageError(f"expected a box (z0, y0, x0, z1, y1, x1), found {box!r}")
+    box = [operator.index(b) for b in box]
+    return box[:3], box[3:]
+
+
+def _whole_key(key, ndim):
+    """A key as a list with a part for each axis, and None where an axis is added."""
+    key = list(key) if isinstance(key, tuple) else [key]
+    ellipses = sum(part is Ellipsis for part in key)
+    if ellipses > 1:
+        raise IndexError("an index can only have a single ellipsis ('...')")
+    given = sum(part is not None and part is not Ellipsis for part in key)
+    if given > ndim:
+        raise IndexError(f"too many indices: the array has {ndim} axes, but {given} were indexed")
+    at = next((i for i, part in enumerate(key) if part is Ellipsis), None)
+    if at is None:
+        at = len(key)
+        key.append(Ellipsis)
+    return key[:at] + [slice(None)] * (ndim - given) + key[at + 1:]
+
+
+def _index(part, n, axis):
+    if isinstance(part, (bool, numpy.bool_)) or numpy.ndim(part) != 0:
+        raise IndexError("only whole numbers, slices (':'), ellipsis ('...') and None are valid indices")
+    try:
+        i = operator.index(part)
+    except TypeError:
+        raise IndexError("only whole numbers, slices (':'), ellipsis ('...') and None are valid indices") from None
+    if not -n <= i < n:
+        raise IndexError(f"index {i} is out of bounds for axis {axis} with size {n}")
+    return i % n

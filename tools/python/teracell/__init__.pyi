@@ -1,0 +1,72 @@
+from os import PathLike
+from types import EllipsisType
+from typing import Any, Callable, Mapping, NamedTuple, Sequence, SupportsIndex
+
+import numpy
+from numpy.typing import NDArray
+
+from ._errors import Error as Error, FormatError as FormatError, IoError as IoError, UsageError as UsageError
+
+__version__: str
+
+_Path = str | PathLike[str]
+_Part = SupportsIndex | slice | EllipsisType | None
+_Box = Sequence[int]  # z0, y0, x0, z1, y1, x1
+
+class Axis(NamedTuple):
+    name: str
+    planes: NDArray[numpy.float64]
+    samples: NDArray[numpy.float64]
+
+class Material(NamedTuple):
+    id: int
+    name: str
+    color: tuple[int, int, int, int]
+    rank: int
+
+class Cells(NamedTuple):
+    cells: int
+    volume: float
+    box: tuple[int, int, int, int, int, int] | None
+
+class Level:
+    number: int
+    shape: tuple[int, int, int]
+    dtype: numpy.dtype[Any]
+    ndim: int
+    materials: list[Material]
+    @property
+    def size(self) -> int: ...
+    @property
+    def axes(self) -> tuple[Axis, Axis, Axis]: ...
+    def __len__(self) -> int: ...
+    def __array__(self, dtype: Any = None) -> NDArray[Any]: ...
+    def __getitem__(self, key: _Part | tuple[_Part, ...]) -> Any: ...
+    def read(self, box: _Box, halo: int | Sequence[int] = 0, out: NDArray[Any] | None = None, outside: int = 0,
+             map: Sequence[int] | Mapping[int | str, int] | None = None, order: str = "C", threads: int = 0) -> NDArray[Any]: ...
+    def runs(self, box: _Box | None = None) -> NDArray[numpy.int64]: ...
+    def uniform(self, box: _Box | None = None) -> int | None: ...
+    def dask(self, chunks: Any = "auto") -> Any: ...
+    def xarray(self, chunks: Any = "auto") -> Any: ...
+
+class Grid(Level):
+    path: str
+    report: dict[str, Any]
+    def __init__(self, path: _Path) -> None: ...
+    @property
+    def levels(self) -> int: ...
+    @property
+    def units(self) -> str: ...
+    @property
+    def ray_axis(self) -> int: ...
+    @property
+    def info(self) -> dict[str, Any]: ...
+    def level(self, number: int) -> Level: ...
+    def stats(self, box: _Box | None = None) -> list[Cells]: ...
+    def column(self, axis: str | int, at: tuple[int, int]) -> NDArray[numpy.int64]: ...
+
+def open(path: _Path) -> Grid: ...
+def mesh(scene: _Path | Sequence[_Path] | Mapping[str, Any], output: _Path, *, folder: _Path = ".", cells: int | tuple[int, int, int] | None = None,
+         step: float | None = None, pad: int | None = None, axis: str | None = None, engine: str | None = None, threads: int = 0,
+         memory: int | None = None, tmp: _Path | None = None, thin: bool = False, resume: bool = False,
+         progress: Callable[[str, float], object] | None = None) -> Grid: ...
