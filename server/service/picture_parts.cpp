@@ -11,6 +11,7 @@ namespace teracell {
 namespace {
 
 constexpr int64_t kMostCells = int64_t{1} << 24;  // read at once
+constexpr size_t kPiece = size_t{1} << 16;        // pixels of a row that are encoded at once
 constexpr size_t kEncoder = size_t{1} << 18;      // bytes that the encoder keeps whatever the width
 
 class PictureParts final : public Parts {
@@ -53,10 +54,13 @@ class PictureParts final : public Parts {
     bool full = false;
     try {
       for_each_row(reader_, band, colors_.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) {
-        if (made_.size() >= kEnough) throw Enough();
-        png_.append(row);
-        at_ += static_cast<int64_t>(row.size());
-        if (at_ == width_) --left_.v1, at_ = 0;
+        for (; !row.empty(); row = row.subspan(std::min(row.size(), kPiece))) {
+          if (made_.size() >= kEnough) throw Enough();
+          const auto piece = row.first(std::min(row.size(), kPiece));
+          png_.append(piece);
+          at_ += static_cast<int64_t>(piece.size());
+          if (at_ == width_) --left_.v1, at_ = 0;
+        }
       });
     } catch (const Enough&) {
       full = true;
