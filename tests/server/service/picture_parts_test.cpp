@@ -69,12 +69,11 @@ TEST_CASE("The parts of a picture are those of the whole one, however the rays l
 }
 
 TEST_CASE("A row may be longer than a part", "[server]") {
-  for (const int64_t width : {int64_t{400'000}, int64_t{PngWriter::kLongest} + 3'000})
-    for (const int ray_axis : {0, 2}) {
-      if (kSanitized && width > PngWriter::kLongest) continue;
-      const Stored s({width, 1, 1}, ray_axis, 3);
-      CHECK(check_parts(*s.reader, {2, 0, 0, 17, 0, width - 1, 1}) > (width > PngWriter::kLongest ? 5 : 1));
-    }
+  if (kSanitized) return;  // millions of cells of noise
+  for (const int ray_axis : {0, 2}) {
+    const Stored s({PngWriter::kLongest + 3'000, 1, 1}, ray_axis, 3);
+    CHECK(check_parts(*s.reader, {2, 0, 0, 17, 0, PngWriter::kLongest + 2'999, 1}) > 5);
+  }
 }
 
 TEST_CASE("Large pictures come in parts and have no outlines", "[server]") {
