@@ -96,26 +96,30 @@ class Native {
     int64_t count = 0;
     call([&] { return tc_materials(grid_, &all, &count); });
     py::list out;
-    for (int64_t i = 0; i < count; ++i) out.append(py::make_tuple(all[i].name, py::make_tuple(all[i].color[0], all[i].color[1], all[i].color[2], all[i].color[3]), all[i].rank));
+    for (int64_t i = 0; i < count; ++i)
+      out.append(py::make_tuple(all[i].name, py::make_tuple(all[i].color[0], all[i].color[1], all[i].color[2], all[i].color[3]), all[i].rank));
     return out;
   }
   py::array_t<double> planes(int level, int axis) const { return positions(level, axis, 1, tc_planes); }
   py::array_t<double> samples(int level, int axis) const { return positions(level, axis, 0, tc_samples); }
 
   // `out` has axes z, y, x and any strides.
-  void read(int level, const Index& first, const Index& step, py::array out, uint32_t outside, std::optional<py::array_t<uint32_t>> map, int threads) const {
+  void read(int level, const Index& first, const Index& step, py::array out, uint32_t outside, std::optional<py::array_t<uint32_t>> map,
+            int threads) const {
     const auto bytes = out.itemsize();
     Index count{}, stride{};
     for (int d = 0; d < 3; ++d) {
       count[d] = out.shape(2 - d);
-      if (out.strides(2 - d) % bytes != 0 && count[d] > 1) raise(exceptions().usage, "out: expected an array whose strides are multiples of its items");
+      if (out.strides(2 - d) % bytes != 0 && count[d] > 1)
+        raise(exceptions().usage, "out: expected an array whose strides are multiples of its items");
       stride[d] = out.strides(2 - d) / bytes;
     }
     void* const data = out.mutable_data();
     const uint32_t* values = map ? map->data() : nullptr;
     const int64_t size = map ? map->size() : 0;
     call([&] {
-      return tc_read_lattice(grid_, level, first.data(), count.data(), step.data(), static_cast<tc_type>(bytes), data, stride.data(), outside, values, size, threads);
+      return tc_read_lattice(grid_, level, first.data(), count.data(), step.data(), static_cast<tc_type>(bytes), data, stride.data(), outside, values,
+                             size, threads);
     });
   }
 
