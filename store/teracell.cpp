@@ -12,11 +12,16 @@
 #include "store/color.hpp"
 #include "store/info.hpp"
 #include "store/kept_chunks.hpp"
+#include "store/partition.hpp"
 #include "store/query.hpp"
 #include "store/stats.hpp"
 #include "store/wanted.hpp"
 
 using namespace teracell;
+
+struct tc_partition {
+  const Partition read;
+};
 
 struct tc_grid {
   explicit tc_grid(const char* path) : reader(std::make_unique<InputFile>(path), std::make_shared<KeptChunks>(kKept)) {
@@ -34,6 +39,8 @@ struct tc_grid {
 };
 
 namespace {
+
+constexpr uint64_t kMostPartition = uint64_t{1} << 30;  // bytes of JSON
 
 // Coordinates that are this small can be added and multiplied by a stride without overflow.
 constexpr int64_t kFarthest = int64_t{1} << 53;
@@ -73,6 +80,8 @@ int guarded(F&& f) noexcept {
   } catch (const IoError& e) {
     return failed(TC_IO, e.what());
   } catch (const FormatError& e) {
+    return failed(TC_FORMAT, e.what());
+  } catch (const InputError& e) {
     return failed(TC_FORMAT, e.what());
   } catch (const Stopped& e) {
     return failed(TC_STOPPED, e.what());
@@ -332,6 +341,38 @@ int tc_uniform(const tc_grid* grid, int level, const int64_t lo[3], const int64_
     const std::optional<uint32_t> one = uniform_value(reader, level, box, strongest_material(reader.meta()));
     *uniform = one ? 1 : 0;
     if (one) *material = *one;
+  });
+}
+
+int tc_partition_open(const char* path, tc_partition** partition) {
+  return guarded([&] {
+    check(path != nullptr && partition != nullptr, "a path and a place for the partition, found NULL");
+    *partition = nullptr;
+    const InputFile file(path);
+    if (file.size() > kMostPartition)
+      throw InputError(fmt::format("{}: expected a partition of at most {} bytes, found {}", path, kMostPartition, file.size()));
+    std::string text(file.size(), '\0');
+    file.read(0, {reinterpret_cast<uint8_t*>(text.data()), text.size()});
+    *partition = new tc_partition{parse_partition(text)};
+  });
+}
+
+void tc_partition_close(tc_partition* partition) { delete partition; }
+
+int64_t tc_partition_ranks(const tc_partition* partition) { return partition->read.options.ranks; }
+
+int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part) {
+  return guarded([&] {
+    check(partition != nullptr && part != nullptr, "a partition and a place for the part, found NULL");
+    const std::vector<Part>& parts = partition->read.parts;
+    if (rank < 0 || rank >= static_cast<int64_t>(parts.size()))
+      throw UsageError(fmt::format("rank: expected 0 to {}, found {}", parts.size() - 1, rank));
+    const Part& p = parts[static_cast<size_t>(rank)];
+    std::ranges::copy(p.box.lo, part->lo), std::ranges::copy(p.box.hi, part->hi);
+    std::ranges::copy(p.halo_box.lo, part->halo_lo), std::ranges::copy(p.halo_box.hi, part->halo_hi);
+    part->weight = p.weight;
+    part->neighbours = p.neighbours.data();
+    part->count = static_cast<int64_t>(p.neighbours.size());
   });
 }
 

@@ -32,7 +32,7 @@ typedef enum tc_status {
   TC_OK = 0,
   TC_USAGE = 1,    /* an argument is wrong: out of range, or a value that does not fit its type */
   TC_IO = 2,       /* the operating system reports a failure */
-  TC_FORMAT = 3,   /* the file is no .tcell file, or is damaged */
+  TC_FORMAT = 3,   /* the file is not what it should be, or is damaged */
   TC_MEMORY = 4,   /* there is not enough memory */
   TC_STOPPED = 5,  /* a function of the caller asked to stop */
   TC_INTERNAL = 6  /* anything else: an error of this library */
@@ -146,6 +146,24 @@ TC_API int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3
 /* Whether all cells of a box have the same value as in tc_read_box(), and which. The part of the box outside the grid is
  * left out, and what is left must not be empty. If the cells differ, `material` is not changed. */
 TC_API int tc_uniform(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], int* uniform, uint32_t* material);
+
+/* ---- Who computes what ---- */
+
+/* A file that `teracell partition` has written. */
+typedef struct tc_partition tc_partition;
+
+typedef struct tc_part {
+  int64_t lo[3], hi[3];           /* the cells of level 0 that the rank computes */
+  int64_t halo_lo[3], halo_hi[3]; /* those that it reads: with the halo, clipped to the grid */
+  double weight;                  /* the work in it */
+  const int64_t* neighbours;      /* ranks, ascending; valid until tc_partition_close() */
+  int64_t count;                  /* of the neighbours */
+} tc_part;
+
+TC_API int tc_partition_open(const char* path, tc_partition** partition);
+TC_API void tc_partition_close(tc_partition* partition); /* NULL is allowed */
+TC_API int64_t tc_partition_ranks(const tc_partition* partition);
+TC_API int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part);
 
 /* From now on, calls of the calling thread ask watch(user) now and then, and stop when it returns something other than 0; that is
  * TC_STOPPED. With NULL they no longer do. */

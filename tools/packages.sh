@@ -16,6 +16,7 @@ need() {
 }
 
 build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libboost-dev)
+library_packages=(gfortran pybind11-dev python3-dev python3-numpy)
 test_packages=(catch2 clang-16 libclang-rt-16-dev python3 zstd nginx-light curl openssl)
 # A Node.js from elsewhere has an npm of its own, and Debian's npm would not fit it.
 command -v npm >/dev/null || build_packages+=(nodejs npm)

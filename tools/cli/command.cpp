@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <csignal>
 #include <thread>
 
@@ -54,6 +55,20 @@ int64_t parse_integer(const std::string& text, int64_t least, int64_t most, cons
   const int64_t value = parse_integers(text, 1, option)[0];
   if (value < least || value > most) throw UsageError(fmt::format("{}: expected {} to {}, found {}", option, least, most, value));
   return value;
+}
+
+double parse_number(const std::string& text, const std::string& option) {
+  double value = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || rest != text.data() + text.size() || !std::isfinite(value))
+    throw UsageError(fmt::format("{}: expected a number, found '{}'", option, text));
+  return value;
+}
+
+size_t material_named(const std::vector<MaterialInfo>& materials, const std::string& name, const std::string& option) {
+  const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
+  if (it == materials.end()) throw UsageError(fmt::format("{}: the grid has no material '{}'", option, name));
+  return static_cast<size_t>(it - materials.begin());
 }
 
 std::vector<std::pair<std::string, std::string>> parse_assignments(const std::string& text, const std::string& option) {

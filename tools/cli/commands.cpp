@@ -9,6 +9,7 @@
   command(column, "the runs of one column along any axis") \
   command(stats, "exact cells, volume and box of every material") \
   command(export, "a box of cells as a dense array") \
+  command(partition, "boxes of equal work for the ranks of a parallel program") \
   command(verify, "check every byte and every invariant of a file") \
   command(sample, "write a built-in scene") \
   command(serve, "grids over HTTP: pictures, numbers, the formats of other viewers")

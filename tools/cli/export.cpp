@@ -27,7 +27,7 @@ std::string typed(const ExportOption& o) { return o.argument.empty() ? o.name : 
 std::string list_of_formats() {
   std::string list;
   for (const ExportFormat& f : export_formats()) {
-    list += fmt::format("{}{:<10} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::join(f.extensions, " "), f.holds);
+    list += fmt::format("{}{:<10} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::format("{}", fmt::join(f.extensions, " ")), f.holds);
     for (const ExportOption& o : f.options) list += fmt::format("\n{:23}   {}: {}", "", typed(o), o.help);
   }
   return list;
@@ -46,9 +46,7 @@ std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reade
   std::vector<uint32_t> numbers(materials.size(), 0);
   std::vector<bool> named(materials.size(), false);
   for (const auto& [name, text] : parse_assignments(map, "--map")) {
-    const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
-    if (it == materials.end()) throw UsageError(fmt::format("--map: the grid has no material '{}'", name));
-    const auto id = static_cast<size_t>(it - materials.begin());
+    const size_t id = material_named(materials, name, "--map");
     numbers[id] = static_cast<uint32_t>(parse_integer(text, 0, 0xffffffff, "--map: " + name));
     named[id] = true;
   }

@@ -1,0 +1,296 @@
+"""The installed library through C, C++, Fortran and Python, against `teracell export` and against NumPy."""
+import json
+import os
+import pathlib
+import pickle
+import random
+import shutil
+import signal
+import subprocess
+import tempfile
+import unittest
+
+import numpy
+import teracell
+
+PREFIX = os.environ["PREFIX"]
+PROGRAM = PREFIX + "/bin/teracell"
+SOURCES = pathlib.Path(__file__).parent
+EXAMPLES = SOURCES.parent.parent / "tools/examples"
+ENVIRONMENT = {**os.environ, "PKG_CONFIG_PATH": PREFIX + "/lib/pkgconfig", "LD_LIBRARY_PATH": PREFIX + "/lib"}
+
+
+def run(*args, **more):
+    return subprocess.run([str(a) for a in args], env=ENVIRONMENT, check=True, capture_output=True, **more).stdout
+
+
+def setUpModule():
+    global folder, grids
+    folder = pathlib.Path(tempfile.mkdtemp())
+    unittest.addModuleCleanup(shutil.rmtree, folder)
+    run(PROGRAM, "sample", "stadium", "-o", folder / "stadium")
+    grids = []
+    for axis in "xyz":
+        grids.append(folder / f"{axis}.tcell")
+        run(PROGRAM, "mesh", folder / "stadium/scene.json", "--cells", "150", "--axis", axis, "-o", grids[-1])
+
+
+def exported(path, level):
+    run(PROGRAM, "export", path, "--level", level, "-o", folder / "all.npy")
+    return numpy.load(folder / "all.npy")
+
+
+def random_box(rng, shape, beyond=6):
+    """(z0, y0, x0, z1, y1, x1), half of them reaching outside."""
+    lo, hi = [], []
+    outside = rng.random() < 0.5
+    for n in shape:
+        a, b = sorted(rng.randint(-beyond, n + beyond) if outside else rng.randint(0, n) for _ in range(2))
+        lo.append(a), hi.append(max(b, a + 1))
+    return (*lo, *hi)
+
+
+def cut(cells, box, outside, dtype):
+    """What a box must hold, by NumPy alone."""
+    out = numpy.full([box[d + 3] - box[d] for d in range(3)], outside, dtype)
+    lo = [max(0, box[d]) for d in range(3)]
+    hi = [min(cells.shape[d], box[d + 3]) for d in range(3)]
+    if all(a < b for a, b in zip(lo, hi)):
+        out[tuple(slice(a - box[d], b - box[d]) for d, (a, b) in enumerate(zip(lo, hi)))] = cells[tuple(slice(a, b) for a, b in zip(lo, hi))]
+    return out
+
+
+def compiled(source, *flags):
+    """A program of one source file against the installed library, by pkg-config."""
+    package = "teracell-fortran" if source.suffix == ".f90" else "teracell"
+    compiler = {".c": ["cc", "-std=c11"], ".cpp": ["c++", "-std=c++20"], ".f90": ["gfortran"]}[source.suffix]
+    program = folder / (source.stem + source.suffix.replace(".", "-"))
+    run(*compiler, "-Wall", "-O1", source, *run("pkg-config", "--cflags", "--libs", package, text=True).split(), *flags, "-o", program)
+    return program
+
+
+class Boxes(unittest.TestCase):
+    def test_random_boxes_through_every_language_are_those_of_export(self):
+        rng = random.Random(1)
+        programs = [compiled(SOURCES / name) for name in ("boxes.c", "boxes.cpp", "boxes.f90")]
+        for path in grids:
+            grid = teracell.open(path)
+            lines, expected = [], []
+            for level in range(grid.levels):
+                cells = exported(path, level)
+                self.assertEqual(cells.shape, grid.level(level).shape)
+                for _ in range(12):
+                    box, dtype = random_box(rng, cells.shape), rng.choice([numpy.uint8, numpy.uint16, numpy.uint32])
+                    z0, y0, x0, z1, y1, x1 = box
+                    lines.append(f"{level} {numpy.dtype(dtype).itemsize} 77 {x0} {y0} {z0} {x1} {y1} {z1}")
+                    expected.append(cut(cells, box, 77, dtype))
+                    found = grid.level(level).read(box, out=numpy.empty(expected[-1].shape, dtype), outside=77)
+                    numpy.testing.assert_array_equal(found, expected[-1])
+            whole = b"".join(e.tobytes() for e in expected)
+            for program in programs:
+                self.assertTrue(run(program, path, input=("\n".join(lines) + "\n").encode()) == whole, (program, path))
+
+    def test_an_array_to_fill_may_have_any_order_and_strides(self):
+        rng = random.Random(2)
+        for path in grids:
+            grid, cells = teracell.open(path), exported(path, 0)
+            for _ in range(30):
+                box = random_box(rng, cells.shape)
+                expected = cut(cells, box, 9, numpy.uint8)
+                n = expected.shape
+                large = numpy.full([3 * s for s in n], 200, rng.choice([numpy.uint8, numpy.int16, numpy.uint32]))
+                order = rng.sample(range(3), 3)
+                steps = [rng.choice([1, 2, 3, -1, -2]) for _ in n]
+                view = large.transpose(order)
+                n_view = [3 * n[order[d]] for d in range(3)]
+                view = numpy.full(n_view, 200, large.dtype) if rng.random() < 0.2 else view
+                view = view.transpose(numpy.argsort(order))[tuple(slice(None, None, s) for s in steps)][: n[0], : n[1], : n[2]]
+                self.assertIs(grid.read(box, out=view, outside=9), view)
+                numpy.testing.assert_array_equal(view, expected)
+
+    def test_halo_order_map_and_types(self):
+        grid = teracell.open(grids[0])
+        box = (3, 4, 5, 9, 9, 9)
+        wide = grid.read((2, 2, 2, 10, 11, 12))
+        numpy.testing.assert_array_equal(grid.read(box, halo=(1, 2, 3)), wide)
+        self.assertTrue(grid.read(box, order="F").flags.f_contiguous)
+        ids = grid.read(box)
+        names = {m.name: 10 * m.id + 1000 for m in grid.materials}
+        mapped = grid.read(box, map=names)
+        self.assertEqual(mapped.dtype, numpy.uint16)
+        numpy.testing.assert_array_equal(mapped, ids.astype(int) * 10 + 1000)
+        numpy.testing.assert_array_equal(grid.read(box, map=list(names.values())), mapped)
+        out = numpy.full(ids.shape, 99, numpy.uint8)
+        for wrong, words in (({"map": names, "out": out}, "1000"), ({"out": out, "outside": 256}, "outside"), ({"out": out.astype(float)}, "float64"),
+                             ({"out": out[1:]}, "shape"), ({"map": {"air": 1}}, "no value|none for"), ({"map": {**names, "gold": 1}}, "gold"),
+                             ({"out": out, "map": [-1] * 9}, "map"), ({"out": out.astype(">u2")}, "order")):
+            with self.assertRaisesRegex(teracell.UsageError, words):
+                grid.read(box, **wrong)
+        self.assertTrue((out == 99).all(), "nothing was written")
+        with self.assertRaises(ValueError):
+            out.flags.writeable = False
+            grid.read(box, out=out)
+
+
+class Indexing(unittest.TestCase):
+    def test_keys_select_what_numpy_selects(self):
+        rng = random.Random(3)
+
+        def part(n):
+            kind = rng.random()
+            if kind < 0.3:
+                return rng.randint(-n, n - 1)
+            bound = lambda: rng.choice([None, rng.randint(-n - 3, n + 3)])
+            return slice(bound(), bound(), rng.choice([None, 1, 2, 3, 17, -1, -2, -5]))
+
+        for path in grids:
+            grid = teracell.open(path)
+            for level in (0, 2, grid.levels - 1):
+                array, cells = grid.level(level), exported(path, level)
+                for _ in range(150):
+                    key = [part(n) for n in cells.shape[: rng.randint(0, 3)]]
+                    if rng.random() < 0.3:
+                        key.insert(rng.randint(0, len(key)), None)
+                    if rng.random() < 0.3:
+                        at = rng.randint(0, len(key))
+                        if not any(not isinstance(k, slice) and k is not None for k in key[at:]):
+                            key = key[:at] + [Ellipsis]
+                    key = tuple(key)
+                    expected, found = cells[key], array[key]
+                    self.assertEqual((numpy.shape(found), found.dtype), (numpy.shape(expected), expected.dtype), key)
+                    numpy.testing.assert_array_equal(found, expected, str(key))
+                self.assertEqual(array[0, 0, 0], cells[0, 0, 0])
+                numpy.testing.assert_array_equal(numpy.asarray(array), cells)
+
+    def test_wrong_keys_are_index_errors(self):
+        grid = teracell.open(grids[0])
+        for key in ((0, 0, 0, 0), (10**6,), (-10**6,), ([1, 2],), ("x",), (1.5,), (Ellipsis, Ellipsis), (True,), (numpy.zeros(3, bool),)):
+            with self.assertRaises(IndexError, msg=str(key)):
+                grid[key]
+
+
+class Questions(unittest.TestCase):
+    def test_counts_columns_runs_and_uniform_boxes_agree_with_the_cells(self):
+        rng = random.Random(4)
+        for path in grids:
+            grid, cells = teracell.open(path), exported(path, 0)
+            for _ in range(15):
+                box = random_box(rng, cells.shape)
+                inside = cells[tuple(slice(max(0, a), max(0, b)) for a, b in zip(box[:3], box[3:]))]
+                stats = grid.stats(box)
+                self.assertEqual([s.cells for s in stats], numpy.bincount(inside.ravel(), minlength=len(grid.materials)).tolist())
+                if inside.size:
+                    self.assertEqual(grid.uniform(box), inside.flat[0] if (inside == inside.flat[0]).all() else None)
+                filled = numpy.full(cells.shape, 255)
+                for z, y, x, length, material in grid.runs(box):
+                    end = [z + 1, y + 1, x + 1]
+                    end[grid.ray_axis] += length - 1
+                    filled[z : end[0], y : end[1], x : end[2]] = material
+                expected = numpy.full(cells.shape, 255)
+                where = tuple(slice(max(0, a), max(0, b)) for a, b in zip(box[:3], box[3:]))
+                expected[where] = cells[where]
+                numpy.testing.assert_array_equal(filled, expected)
+            for axis, name in enumerate("zyx"):
+                at = [rng.randrange(n) for d, n in enumerate(cells.shape) if d != axis]
+                line = cells[tuple(at[:axis]) + (slice(None),) + tuple(at[axis:])]
+                found = numpy.concatenate([numpy.full(b - a, m) for a, b, m in grid.column(name, at)])
+                numpy.testing.assert_array_equal(found, line)
+
+    def test_what_is_known_of_a_grid_is_what_info_prints(self):
+        grid = teracell.open(grids[2])
+        info = json.loads(run(PROGRAM, "info", grids[2], "--json"))
+        self.assertEqual(grid.info, info)
+        self.assertEqual([m.name for m in grid.materials], [m["name"] for m in info["materials"]])
+        self.assertEqual(grid.shape[::-1], tuple(info["grid"]["cells"]))
+        self.assertEqual(grid.units, info["units"])
+        for axis, lo, hi in zip(grid.axes[::-1], info["grid"]["min"], info["grid"]["max"]):
+            self.assertEqual((axis.planes[0], axis.planes[-1]), (lo, hi))
+            self.assertTrue(((axis.planes[:-1] < axis.samples) & (axis.samples < axis.planes[1:])).all())
+
+    def test_dask_and_xarray_read_block_by_block(self):
+        grid, cells = teracell.open(grids[1]), exported(grids[1], 0)
+        lazy = grid.dask(chunks=40)
+        self.assertEqual(lazy.chunks[2][0], 40)
+        self.assertEqual(int((lazy == 1).sum().compute()), int((cells == 1).sum()))
+        array = grid.level(1).xarray()
+        self.assertEqual(array.dims, ("z", "y", "x"))
+        numpy.testing.assert_array_equal(array.values, exported(grids[1], 1))
+        numpy.testing.assert_array_equal(array.coords["x"].values, grid.level(1).axes[2].samples)
+        numpy.testing.assert_array_equal(pickle.loads(pickle.dumps(grid.level(2)))[...], exported(grids[1], 2))
+
+
+class Meshing(unittest.TestCase):
+    def test_a_scene_as_a_file_or_as_a_dict_gives_the_cells_of_the_command_line(self):
+        phases = []
+        scene = json.loads((folder / "stadium/scene.json").read_text())
+        from_dict = teracell.mesh(scene, folder / "d.tcell", folder=folder / "stadium", cells=150, axis="x", progress=lambda phase, share: phases.append((phase, share)))
+        self.assertEqual((folder / "d.tcell").read_bytes(), grids[0].read_bytes())
+        teracell.mesh(folder / "stadium/scene.json", folder / "f.tcell", cells=150, axis="x")
+        self.assertEqual((folder / "f.tcell").read_bytes(), grids[0].read_bytes())
+        self.assertTrue(phases and all(0 <= share <= 1 for _, share in phases))
+        self.assertGreater(from_dict.report["crossings"], 0)
+
+    def test_errors_have_the_words_of_the_command_line(self):
+        for scene, kind in (({"bodys": []}, teracell.UsageError), (folder / "none.json", teracell.IoError), (folder / "none.stl", teracell.IoError)):
+            with self.assertRaises(kind) as caught:
+                teracell.mesh(scene, folder / "never.tcell", cells=9)
+            self.assertTrue(str(caught.exception))
+        said = subprocess.run([PROGRAM, "mesh", folder / "none.stl", "--cells", "9", "-o", folder / "never.tcell"], capture_output=True, text=True).stderr
+        self.assertIn(str(caught.exception), said)
+        self.assertFalse((folder / "never.tcell").exists())
+        with self.assertRaises(teracell.IoError) as caught:
+            teracell.open(folder / "none.tcell")
+        self.assertIn("none.tcell", str(caught.exception))
+        (folder / "bad.tcell").write_bytes(b"x" * 1000)
+        with self.assertRaises(teracell.FormatError):
+            teracell.open(folder / "bad.tcell")
+
+    def test_what_progress_raises_and_ctrl_c_end_a_run_and_leave_nothing(self):
+        def stop(phase, share):
+            raise KeyError("enough")
+
+        with self.assertRaises(KeyError):
+            teracell.mesh(folder / "stadium/scene.json", folder / "stopped.tcell", cells=2000, progress=stop)
+        signal.signal(signal.SIGALRM, lambda *_: (_ for _ in ()).throw(KeyboardInterrupt()))
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        with self.assertRaises(KeyboardInterrupt):
+            teracell.mesh(folder / "stadium/scene.json", folder / "stopped.tcell", cells=20000)
+        self.assertFalse((folder / "stopped.tcell").exists())
+        signal.setitimer(signal.ITIMER_REAL, 0.2)
+        with self.assertRaises(KeyboardInterrupt):
+            while True:
+                teracell.open(grids[0])[...]
+
+
+class Installed(unittest.TestCase):
+    def test_the_library_shows_its_own_functions_alone(self):
+        names = [line.split()[-1] for line in run("nm", "-D", "--defined-only", PREFIX + "/lib/libteracell.so", text=True).splitlines()]
+        self.assertIn("tc_open", names)
+        self.assertEqual([n for n in names if not n.startswith("tc_")], [])
+
+    def test_examples_compile_by_pkg_config_and_run(self):
+        out = run(compiled(EXAMPLES / "materials.c"), grids[0], text=True)
+        self.assertIn("150 x", out)
+        air = teracell.open(grids[0]).stats()[0].cells
+        self.assertIn(f"{air} cells", out)
+        layers = run(compiled(EXAMPLES / "porosity.cpp"), grids[0], "air", text=True).splitlines()
+        cells = exported(grids[0], 0)
+        numpy.testing.assert_allclose([float(line.split()[1]) for line in layers], (cells == 0).mean(axis=(1, 2)), rtol=1e-5)
+        self.assertIn("solid cells", run(compiled(EXAMPLES / "heat.f90"), grids[0], text=True))
+        self.assertIn("air", run("/usr/bin/python3", EXAMPLES / "surface_cells.py", grids[0], text=True))
+
+    def test_a_cmake_project_finds_the_package(self):
+        project = folder / "project"
+        project.mkdir()
+        (project / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.20)\nproject(p C CXX)\nset(CMAKE_CXX_STANDARD 20)\n"
+                                                "find_package(teracell 0.1 REQUIRED)\n"
+                                                f"add_executable(c {EXAMPLES}/materials.c)\nadd_executable(cpp {EXAMPLES}/porosity.cpp)\n"
+                                                "target_link_libraries(c teracell::teracell)\ntarget_link_libraries(cpp teracell::teracell)\n")
+        run("cmake", "-S", project, "-B", project / "build", "-DCMAKE_PREFIX_PATH=" + PREFIX)
+        run("cmake", "--build", project / "build")
+        self.assertIn("150 x", run(project / "build/c", grids[0], text=True))
+        self.assertTrue(run(project / "build/cpp", grids[0], "air"))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,77 @@
+// teracell partition: boxes of equal work for the ranks of a parallel program.
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "store/partition.hpp"
+#include "store/stats.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/progress.hpp"
+
+namespace teracell {
+namespace {
+
+struct PartitionArguments {
+  std::string grid, output, weight, method = "blocks", progress = "auto";
+  int64_t ranks = 0, align = 1, halo = 0;
+};
+
+std::vector<double> weights_of(const std::string& text, const GridReader& reader) {
+  const std::vector<MaterialInfo>& materials = reader.meta().materials;
+  std::vector<double> weights(materials.size(), 1);
+  if (text.empty()) return weights;
+  std::vector<bool> named(materials.size(), false);
+  for (const auto& [name, value] : parse_assignments(text, "--weight")) {
+    const size_t id = material_named(materials, name, "--weight");
+    weights[id] = parse_number(value, "--weight: " + name);
+    named[id] = true;
+  }
+  const std::vector<MaterialStats> stats = read_stats(reader, reader.meta().grid.box(0));
+  for (size_t id = 0; id < materials.size(); ++id)
+    if (!named[id] && stats[id].cells > 0)
+      throw UsageError(fmt::format("--weight: expected a weight for each material, found none for '{}'", materials[id].name));
+  return weights;
+}
+
+void run(const PartitionArguments& o) {
+  refuse_overwriting({o.grid}, o.output);
+  const GridReader reader(o.grid);
+  PartitionOptions options{o.ranks, o.method == "slabs" ? PartitionMethod::kSlabs : PartitionMethod::kBlocks, weights_of(o.weight, reader), o.align,
+                           o.halo};
+  const std::atomic<bool>& stop = watch_interrupts();
+  OutputFile file(o.output);
+  Partition p;
+  {
+    ProgressLine line(o.progress, "partition");
+    p = make_partition(reader, options, [&](double share) {
+      stop_if(stop, o.output);
+      line("cut", share);
+    });
+  }
+  const std::string text = partition_json(p) + "\n";
+  file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  file.commit();
+  double heaviest = 0;
+  size_t neighbours = 0;
+  for (const Part& part : p.parts) heaviest = std::max(heaviest, part.weight), neighbours = std::max(neighbours, part.neighbours.size());
+  const double mean = p.total / static_cast<double>(o.ranks);
+  say(fmt::format("{}: {} ranks, {}; the heaviest has {:.3f} of the mean; at most {} neighbours", o.output, o.ranks, o.method,
+                  mean > 0 ? heaviest / mean : 1, neighbours));
+}
+
+}  // namespace
+
+Run setup_partition(CLI::App& app) {
+  const auto o = std::make_shared<PartitionArguments>();
+  app.add_option("grid", o->grid, "a .tcell file")->required();
+  app.add_option("--ranks", o->ranks, "how many boxes")->required();
+  app.add_option("-o,--output", o->output, "the JSON file to write")->required();
+  app.add_option("--weight", o->weight, "NAME=WORK,...: the work of a cell of each material (default: 1 for all)");
+  app.add_option("--method", o->method, "blocks: compact boxes; slabs: cut along the longest axis alone")->check(one_of({"blocks", "slabs"}));
+  app.add_option("--align", o->align, "cuts lie at multiples of so many cells (default 1)");
+  app.add_option("--halo", o->halo, "cells around each box that its rank reads, too (default 0)");
+  add_progress(app, o->progress);
+  app.footer("Example:\n  teracell partition g.tcell --ranks 512 --weight air=1,steel=0 --halo 1 -o parts.json");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell
