@@ -583,3 +583,29 @@ TEST_CASE("A mesh beyond 32-bit labels is refused with the number of ranks that 
   CHECK_THROWS_WITH(export_case(reader, grid.box(0), folder / "case"), Catch::Contains("--ranks 2 or more") && Catch::Contains("536870911"));
   CHECK_FALSE(fs::exists(folder / "case"));
 }
+
+// The reader of layers takes at most 16,777,216 cells at once.
+TEST_CASE("Layers that are too large to be read at once give the mesh of a small region", "[openfoam]") {
+  struct Case {
+    Index3 n;
+    Vec3 lo, hi;
+  };
+  for (const Case& c :
+       {Case{{4200, 4200, 3}, {2000, 3950, 1}, {2070, 4040, 2}}, Case{{(1 << 24) + 500, 3, 3}, {(1 << 24) - 40, 1, 1}, {(1 << 24) + 30, 2, 3}}}) {
+    const TempFolder folder;
+    Grid grid;
+    Box around;
+    for (int d = 0; d < 3; ++d) {
+      grid.axis[d] = Axis::uniform(0, 1, 0, c.n[d], 0.5);
+      around.lo[d] = std::max<int64_t>(0, static_cast<int64_t>(c.lo[d]) - 3), around.hi[d] = std::min(c.n[d], static_cast<int64_t>(c.hi[d]) + 3);
+    }
+    mesh_quietly(scene_of(folder, {{.facets = shapes::box(c.lo, c.hi)}}, grid), folder / "g.tcell");
+    const GridReader reader(folder / "g.tcell");
+    const Options solid = {{"--fluid", reader.meta().materials.at(1).name}, {"--drop-unreachable", ""}};
+    export_case(reader, grid.box(0), folder / "all", solid);
+    export_case(reader, around, folder / "part", solid);
+    const fs::path all = folder / "all" / "constant" / "polyMesh", part = folder / "part" / "constant" / "polyMesh";
+    CHECK(PolyMesh(all).neighbour.size() > 200);
+    for (const char* file : {"points", "faces", "owner", "neighbour", "boundary"}) CHECK((bytes_of(all / file) == bytes_of(part / file)));
+  }
+}

@@ -34,8 +34,8 @@ class Counter : public MeshVisitor {
       own.faces[run.what] += faces;
       counts_.patches[run.what] += faces;
     } else if (direction <= kZUp) {  // else the other cell's
-      own.faces[run.part == part ? kInner : shared_with(run.part, direction)] += faces;
-      if (run.part != part) counts_.parts[run.part].faces[shared_with(part, direction)] += faces;
+      own.faces[run.part == part ? kInner : shared_with(run.part)] += faces;
+      if (run.part != part) counts_.parts[run.part].faces[shared_with(part)] += faces;
       counts_.inner += faces;
     }
   }

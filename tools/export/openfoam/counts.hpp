@@ -7,12 +7,10 @@
 namespace teracell::foam {
 
 // Faces of a part that lie together in its list, in this order: those between two of its cells; those of a patch, by what lies beyond;
-// those shared with another part, along x, y and z in turn. Both parts list shared faces in the order of the lower part's cells.
-// Faces of one direction come in one order on both sides, so this is the same order.
+// those shared with another part. Both parts list shared faces in the order of the lower part's cells.
 using FaceGroup = int64_t;
 inline constexpr FaceGroup kInner = -1, kShared = FaceGroup{1} << 20;
-constexpr FaceGroup shared_with(uint32_t part, int direction) { return kShared + FaceGroup{part} * 3 + direction % 3; }
-constexpr uint32_t other_part(FaceGroup group) { return static_cast<uint32_t>((group - kShared) / 3); }
+constexpr FaceGroup shared_with(uint32_t part) { return kShared + part; }
 
 struct PartCounts {
   int64_t cells = 0, points = 0;

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "store/error.hpp"
+
 namespace teracell::foam {
 namespace {
 
@@ -49,11 +51,9 @@ std::string boundary_text(uint32_t part, const PartCounts& counts, const MeshNam
   };
   start = faces_of(kInner);
   for (const auto& [what, info] : names.patches) patch(info.name, info.type, faces_of(what), "", static_cast<int32_t>(patches));
-  for (auto it = counts.faces.lower_bound(kShared); it != counts.faces.end();) {
-    const uint32_t other = other_part(it->first);
-    int64_t faces = 0;
-    for (; it != counts.faces.end() && other_part(it->first) == other; ++it) faces += it->second;
-    patch(fmt::format("procBoundary{}to{}", part, other), "processor", faces,
+  for (auto it = counts.faces.lower_bound(kShared); it != counts.faces.end(); ++it) {
+    const auto other = static_cast<uint32_t>(it->first - kShared);
+    patch(fmt::format("procBoundary{}to{}", part, other), "processor", it->second,
           fmt::format("        inGroups        1(processor);\n        matchTolerance  0.0001;\n        transform       unknown;\n"
                       "        myProcNo        {};\n        neighbProcNo    {};\n",
                       part, other),
@@ -65,7 +65,9 @@ std::string boundary_text(uint32_t part, const PartCounts& counts, const MeshNam
 }  // namespace
 
 MeshFiles::MeshFiles(const std::filesystem::path& folder, uint32_t part, const PartCounts& counts, const MeshNames& names, Streams& streams) {
-  std::filesystem::create_directories(folder);
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw IoError(fmt::format("{}: can't create: {}", folder.string(), error.message()));
   const int64_t faces = counts.all_faces();
   const auto inner = counts.faces.find(kInner);
   const int64_t inner_faces = inner == counts.faces.end() ? 0 : inner->second;

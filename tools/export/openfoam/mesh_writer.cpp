@@ -108,8 +108,8 @@ class Writer : public MeshVisitor {
     if (beyond.part == s.run->part) return {.files = &own.group(kInner), .neighbour = cell};
     unsigned rows = 0;
     for (const Corner& c : kFace[direction]) rows |= 1u << c.row;
-    return {.files = &own.group(shared_with(beyond.part, direction)),
-            .shared = &part(beyond.part).group(shared_with(s.run->part, direction)),
+    return {.files = &own.group(shared_with(beyond.part)),
+            .shared = &part(beyond.part).group(shared_with(s.run->part)),
             .shared_cell = cell,
             .shared_corners = corners_of(s, beyond.part, direction == kXUp ? s.end : s.begin, rows)};
   }
