@@ -24,7 +24,7 @@ class ListFile {
   // Leaves room for a list, and returns where its content begins. A binary list without content has no parentheses.
   Place list(int64_t count, size_t bytes_each) {
     text(fmt::format("{}\n{}", count, count > 0 ? "(" : ""));
-    const Place begin{file_, size_};
+    Place begin{file_, size_};
     size_ += static_cast<uint64_t>(count) * bytes_each;
     text(count > 0 ? ")\n" : "");
     return begin;
