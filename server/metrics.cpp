@@ -90,6 +90,7 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
   for (const auto& [why, n] : drops) fmt::format_to(end(), "teracell_connections_dropped_total{{reason=\"{}\"}} {}\n", why, n->load(kRelaxed));
   single(out, "teracell_waiting_requests", "gauge", "Requests that a thread is answering or that wait for one.", m.waiting.load(kRelaxed));
   single(out, "teracell_held_bytes", "gauge", "Bytes of answers that clients have yet to take.", m.held_bytes.load(kRelaxed));
+  single(out, "teracell_cut_answers_total", "counter", "Answers that ended early because their next part could not be made.", m.cut.load(kRelaxed));
   single(out, "teracell_overloaded_total", "counter", "Requests that got status 503 because too many requests waited or too many bytes were held.",
          m.overloaded.load(kRelaxed));
   single(out, "process_resident_memory_bytes", "gauge", "Resident memory.", state.resident_bytes);

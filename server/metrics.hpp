@@ -49,6 +49,7 @@ class Metrics {
   std::atomic<uint64_t> slow_answers{0};    // connections closed because the client did not take its answer in time
   std::atomic<uint64_t> waiting{0};         // requests in the pool, queued or running
   std::atomic<uint64_t> held_bytes{0};      // of answers that clients have yet to take
+  std::atomic<uint64_t> cut{0};             // answers that ended early because a part could not be made
   std::atomic<uint64_t> overloaded{0};      // requests answered 503 because one of these two was too high
 
   struct Route {

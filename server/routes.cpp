@@ -7,7 +7,8 @@
 
 #include "server/openapi.hpp"
 #include "server/protocols/protocols.hpp"
-#include "server/service/slice_picture.hpp"
+#include "server/service/column_parts.hpp"
+#include "server/service/picture_parts.hpp"
 #include "server/start_page.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
@@ -19,7 +20,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr const char* kJson = "application/json";
-constexpr size_t kMostColumnBytes = size_t{1} << 26;  // of an answer that repeats names
 
 Response plain(const char* route, const char* type, std::string text) {
   Response r;
@@ -88,7 +88,13 @@ struct GridRequest {
 
 // make() returns JSON.
 Response json_answer(const GridRequest& r, const char* route, std::function<std::string()> make) {
-  return r.service.answer(r.request, r.target, *r.grid, {.route = route, .content_type = kJson, .compress = true, .make = std::move(make)});
+  return r.service.answer(r.request, r.target, r.grid, {.route = route, .content_type = kJson, .compress = true, .make = std::move(make)});
+}
+
+Response picture_answer(const GridRequest& r, const char* route, const SliceView& view) {
+  Service::Recipe recipe = picture_recipe(r.reader(), view, style_of(r.target, r.meta()));
+  recipe.route = route;
+  return r.service.answer(r.request, r.target, r.grid, recipe);
 }
 
 Response info(const GridRequest& r) {
@@ -112,9 +118,7 @@ Response slice(const GridRequest& r) {
   if (const uint64_t most = r.service.options().max_pixels; height > most / width)
     throw bad_request(
         fmt::format("region: expected at most {} pixels, found {} x {}: ask for a part with region= or for a coarser level", most, width, height));
-  const PictureStyle style = style_of(r.target, r.meta());
-  return r.service.answer(r.request, r.target, *r.grid,
-                          {.route = "slice", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, style); }});
+  return picture_answer(r, "slice", view);
 }
 
 Response tile(const GridRequest& r) {
@@ -134,16 +138,14 @@ Response tile(const GridRequest& r) {
     r.target.allow({"v", "sets"});
     const std::string* sets = r.target.find("sets");
     const bool with_sets = sets && integer_in(*sets, "sets", 0, 1) == 1;
-    return r.service.answer(r.request, r.target, *r.grid,
+    return r.service.answer(r.request, r.target, r.grid,
                             {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&] {
                                return with_sets ? raw_sets(r.reader(), view) : raw_labels(r.reader(), view);
                              }});
   }
   if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));
   r.target.allow({"v", "materials", "outline"});
-  const PictureStyle style = style_of(r.target, r.meta());
-  return r.service.answer(r.request, r.target, *r.grid,
-                          {.route = "tile", .content_type = "image/png", .make = [&] { return picture_png(r.reader(), view, style); }});
+  return picture_answer(r, "tile", view);
 }
 
 Response cell(const GridRequest& r) {
@@ -180,13 +182,12 @@ Response column(const GridRequest& r) {
   const Index3 n = r.meta().grid.cells();
   const auto [a_text, b_text] = split_pair(r.rest[2], "column");
   const int64_t a = integer_in(a_text, axis_name(f.u), 0, n[f.u] - 1), b = integer_in(b_text, axis_name(f.v), 0, n[f.v] - 1);
-  ColumnPart part{.to = n[axis]};
-  if (const std::string* from = r.target.find("from")) part.from = integer_in(*from, "from", 0, n[axis] - 1);
-  if (const std::string* to = r.target.find("to")) part.to = integer_in(*to, "to", part.from + 1, n[axis]);
-  return json_answer(r, "column", [&, a, b, part]() mutable {
-    part.most_runs = column_runs_in(r.meta(), kMostColumnBytes);
-    return column_json(r.meta(), axis, a, b, read_column(r.reader(), axis, a, b, part));
-  });
+  int64_t from = 0, to = n[axis];
+  if (const std::string* text = r.target.find("from")) from = integer_in(*text, "from", 0, n[axis] - 1);
+  if (const std::string* text = r.target.find("to")) to = integer_in(*text, "to", from + 1, n[axis]);
+  return r.service.answer(r.request, r.target, r.grid, {.route = "column", .content_type = kJson, .compress = true, .parts = [&] {
+                                                          return column_parts(r.reader(), axis, a, b, from, to);
+                                                        }});
 }
 
 Response stats(const GridRequest& r) {
@@ -249,6 +250,16 @@ Response route(Service& service, const Request& request) {
   throw no_such_address(request);
 }
 
+// A file that was replaced while it was closed is looked at now, instead of within half a second.
+Response route_anew(Service& service, const Request& request) {
+  try {
+    return route(service, request);
+  } catch (const Replaced&) {
+    service.grids().look();
+    return route(service, request);
+  }
+}
+
 // Whether an answer may read much of a grid, unlike a tile or a cell.
 bool is_dear(const Request& request) try {
   const std::vector<std::string> path = parse_target(request.target).path;
@@ -265,9 +276,11 @@ std::optional<Response> handle_at_once(Service& service, const Request& request)
 
 Response handle(Service& service, const Request& request) {
   try {
-    return route(service, request);
+    return route_anew(service, request);
   } catch (const Unwanted&) {
     throw;  // there is nobody to answer
+  } catch (const Replaced& e) {
+    return try_again("replaced", e.what());
   } catch (const HttpError& e) {
     if (e.status == 500) service.unreadable();
     return error_response(e.status, e.code, e.what());
@@ -280,7 +293,7 @@ Response handle(Service& service, const Request& request) {
     service.damaged(e.what());
     return error_response(500, "unreadable", e.what());
   } catch (const std::bad_alloc&) {
-    return error_response(503, "out_of_memory", "the server is out of memory: ask for less, or try again later");
+    return try_again("out_of_memory", "the server is out of memory: ask for less, or try again later");
   } catch (const std::exception& e) {
     return error_response(500, "failed", e.what());
   }

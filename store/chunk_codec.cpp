@@ -10,6 +10,7 @@ namespace teracell {
 namespace {
 
 constexpr int kZstdLevel = 1;     // 3 gains 2 %, 9 gains 6 % for five times the time
+constexpr BodyBound kChunkBound = {kMaxChunkBytes, kChunkBytesOfAnyFrame};
 constexpr uint8_t kEscape = 255;  // a narrow residual whose value stands in the wide stream
 
 uint32_t zigzag(int32_t v) { return (static_cast<uint32_t>(v) << 1) ^ static_cast<uint32_t>(v >> 31); }
@@ -167,7 +168,7 @@ Bytes ChunkEncoder::encode(const RayBlock& b, const SetTable& sets) {
     throw InputError(
         fmt::format("a chunk of {} x {} rays has {} changes of material, more than fit in {} MiB: the surface is finer than the chunks can hold",
                     b.nu, b.nv, b.at.size(), kMaxChunkBytes >> 20));
-  return s.zstd.encode(s.body, kZstdLevel);
+  return s.zstd.encode(s.body, kZstdLevel, kChunkBound);
 }
 
 // ---- decoding ---------------------------------------------------------------------------------------------------
@@ -273,7 +274,7 @@ void decode_changes(ByteReader& in, RayBlock& b) {
 void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, Chunk& out) {
   if (uint64_t{nu} * nv > kMaxChunkRays) throw FormatError(fmt::format("a chunk of {} x {} rays is larger than FORMAT.md allows", nu, nv));
   Scratch& s = *s_;
-  s.zstd.decode(frame, kMaxChunkBytes, "chunk", s.body);
+  s.zstd.decode(frame, kChunkBound, "chunk", s.body);
 
   ByteReader in(s.body, "chunk");
   out.rays.reset(nu, nv, length);

@@ -16,7 +16,8 @@ namespace teracell {
 
 // Bounds of the format. A hostile chunk can't ask for more memory than a sound one.
 inline constexpr uint64_t kMaxChunkRays = 1 << 16;
-inline constexpr uint64_t kMaxChunkBytes = uint64_t{1} << 28;  // of the body before compression
+inline constexpr uint64_t kMaxChunkBytes = uint64_t{1} << 28;    // of the body before compression
+inline constexpr uint64_t kChunkBytesOfAnyFrame = 1 << 16;  // of that, however small the frame is (zstd_frame.hpp, BodyBound)
 
 // Keeps scratch memory between calls: each thread has its own.
 class ChunkEncoder {

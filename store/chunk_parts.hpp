@@ -64,10 +64,7 @@ template <class F>
 void for_each_part_run(const RayBlock& rays, const ChunkPart& p, F&& f) {
   for (uint32_t v = p.v0; v < p.v1; ++v)
     for (uint32_t u = p.u0; u < p.u1; ++u)
-      rays.for_each_run(v * rays.nu + u, [&](uint32_t from, uint32_t to, SetId set) {
-        from = std::max(from, p.w0), to = std::min(to, p.w1);
-        if (from < to) f(u, v, from, to, set);
-      });
+      rays.for_each_run(v * rays.nu + u, p.w0, p.w1, [&](uint32_t from, uint32_t to, SetId set) { f(u, v, from, to, set); });
 }
 
 }  // namespace teracell

@@ -2,18 +2,19 @@
 
 #include <algorithm>
 
+#include "store/set_memo.hpp"
+
 namespace teracell {
 
 // Rays of equal pattern are summed change by change before labels are looked at.
 std::vector<LabelStats> stats_of(const RayBlock& b) {
-  std::vector<LabelStats> all;
+  SetMemo<LabelStats> counted;
   const auto add = [&](Label label, uint64_t cells, std::array<uint32_t, 3> lo, std::array<uint32_t, 3> hi) {
-    auto it = std::ranges::find(all, label, &LabelStats::label);
-    if (it == all.end()) it = all.insert(it, LabelStats{label, 0, lo, hi});
-    it->cells += cells;
+    LabelStats& stats = counted.get(label, [&] { return LabelStats{label, 0, lo, hi}; });
+    stats.cells += cells;
     for (int d = 0; d < 3; ++d) {
-      it->lo[d] = std::min(it->lo[d], lo[d]);
-      it->hi[d] = std::max(it->hi[d], hi[d]);
+      stats.lo[d] = std::min(stats.lo[d], lo[d]);
+      stats.hi[d] = std::max(stats.hi[d], hi[d]);
     }
   };
   for (uint32_t v = 0; v < b.nv; ++v) {
@@ -41,6 +42,7 @@ std::vector<LabelStats> stats_of(const RayBlock& b) {
       u = end;
     }
   }
+  std::vector<LabelStats> all = counted.values();
   std::ranges::sort(all, {}, &LabelStats::label);
   return all;
 }

@@ -16,19 +16,16 @@ constexpr uint32_t kSkippableMagic = 0x184D2A5E;  // zstd tools step over frames
 constexpr char kHeaderMagic[] = "teracell", kFooterMagic[] = "tcellend";
 constexpr int kIndexLevel = 6;                    // pages are small: a good ratio costs microseconds
 constexpr int kLongTextLevel = 1;                 // a report of 100,000 bodies takes a fifth of the time and is smaller, too
+constexpr uint64_t kLeastStats = 8;               // bytes of a summary
 constexpr uint64_t kLongText = uint64_t{1} << 20;
-constexpr int kPlainTextLevel = -1000;            // leaves 1000 bytes of each 128 KiB as they are, so nothing gets 256 times smaller
-constexpr uint64_t kMostPage = kMostText;
+constexpr BodyBound kTextBound = {kMostText, kMostTextOfAnyFrame}, kPageBound = {kMostText, kMostPageOfAnyFrame};
 
-Bytes compress(std::span<const uint8_t> body) {
-  if (body.size() > kMostText)
+Bytes compress(std::span<const uint8_t> body, const BodyBound& bound) {
+  if (body.size() > bound.most)
     throw InputError(
-        fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), kMostText >> 20));
-  return ZstdEncoder().encode(body, body.size() < kLongText ? kIndexLevel : kLongTextLevel);
+        fmt::format("{} bytes of metadata, report or index page are more than the {} MiB that a file may hold", body.size(), bound.most >> 20));
+  return ZstdEncoder().encode(body, body.size() < kLongText ? kIndexLevel : kLongTextLevel, bound);
 }
-
-// What a frame of so many bytes may hold.
-uint64_t most_text(uint64_t frame_bytes) { return std::min(kMostText, std::max(kMostTextOfAnyFrame, kMostTextPerByte * frame_bytes)); }
 
 void put_skippable(Bytes& out, uint64_t payload) {
   put_fixed<uint32_t>(out, kSkippableMagic);
@@ -49,15 +46,10 @@ std::string compressor_version() { return ZSTD_versionString(); }
 
 uint64_t checksum(std::span<const uint8_t> bytes) { return XXH3_64bits(bytes.data(), bytes.size()); }
 
-Bytes encode_text(const std::string& text) {
-  const std::span body(reinterpret_cast<const uint8_t*>(text.data()), text.size());
-  Bytes frame = compress(body);
-  if (body.size() > most_text(frame.size())) frame = ZstdEncoder().encode(body, kPlainTextLevel);
-  return frame;
-}
+Bytes encode_text(const std::string& text) { return compress({reinterpret_cast<const uint8_t*>(text.data()), text.size()}, kTextBound); }
 
 void append_decoded(std::span<const uint8_t> frame, const std::string& what, std::string& text) {
-  ZstdDecoder().append(frame, most_text(frame.size()), what, text);
+  ZstdDecoder().append(frame, kTextBound, what, text);
 }
 
 std::string decode_text(std::span<const uint8_t> frame, const std::string& what) {
@@ -93,12 +85,12 @@ Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats) {
       }
     }
   }
-  return compress(out);
+  return compress(out, kPageBound);
 }
 
 std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunks, bool with_stats, uint32_t labels) {
   Bytes body;
-  ZstdDecoder().decode(frame, kMostPage, "index page", body);
+  ZstdDecoder().decode(frame, kPageBound, "index page", body);
   ByteReader in(body, "index page");
   std::vector<ChunkEntry> entries(chunks);
   const auto base = in.fixed<uint64_t>();
@@ -112,7 +104,7 @@ std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunk
   if (with_stats) {
     for (ChunkEntry& e : entries) {
       if (e.size == 0) continue;
-      e.stats.resize(in.varint(1, std::min<uint64_t>(labels, in.remaining()), "labels of a chunk"));
+      e.stats.resize(in.varint(1, std::min<uint64_t>(labels, in.remaining() / kLeastStats), "labels of a chunk"));
       for (LabelStats& s : e.stats) {
         s.label = static_cast<Label>(in.varint(0, labels - 1, "label"));
         s.cells = in.varint();

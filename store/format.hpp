@@ -22,7 +22,8 @@ std::string compressor_version();                   // another version may compr
 
 // Texts of JSON: the metadata and the report. The bounds keep a small file from becoming a large answer. 100,000 bodies make
 // 58 MB of report, which zstd makes 20 times smaller, and 180 times when all bodies are the same.
-inline constexpr uint64_t kMostText = uint64_t{1} << 26, kMostTextPerByte = 256, kMostTextOfAnyFrame = uint64_t{1} << 20;
+inline constexpr uint64_t kMostText = uint64_t{1} << 26, kMostTextOfAnyFrame = uint64_t{1} << 20;  // zstd_frame.hpp, BodyBound
+inline constexpr uint64_t kMostPageOfAnyFrame = 1 << 16;
 Bytes encode_text(const std::string& text);  // a zstd frame
 std::string decode_text(std::span<const uint8_t> frame, const std::string& what);
 void append_decoded(std::span<const uint8_t> frame, const std::string& what, std::string& text);

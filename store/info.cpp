@@ -1,6 +1,7 @@
 #include "store/info.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -109,29 +110,29 @@ std::string stats_json(const Metadata& meta, const Box& region, const std::vecto
   return text;
 }
 
-std::string column_json(const Metadata& meta, int axis, int64_t a, int64_t b, const std::vector<ColumnRun>& runs) {
-  std::string text;
+void ColumnJson::begin(std::string& text) const {
   JsonWriter out(text);
-  out.begin_object().field("schema", 1).field("axis", axis_name(axis)).key("at").begin_array().value(a).value(b).end_array();
-  const Axis& along = meta.grid.axis[axis];
-  write_all(out, "runs", runs, [&](size_t i) {
-    const ColumnRun& r = runs[i];
-    out.begin_object().field("from", r.from).field("to", r.to).field("min", along.plane(r.from)).field("max", along.plane(r.to));
-    out.field("material", r.material).field("name", meta.materials[r.material].name).end_object();
-  });
-  out.end_object();
-  return text;
+  out.begin_object().field("schema", 1).field("axis", axis_name(axis_)).key("at").begin_array().value(a_).value(b_).end_array();
+  out.key("runs").begin_array();
 }
 
-size_t column_runs_in(const Metadata& meta, size_t bytes) {
-  constexpr size_t kNumbersAndKeys = 160;
-  size_t longest = 0;
-  for (const MaterialInfo& m : meta.materials) {
-    std::string name;
-    JsonWriter(name).value(m.name);
-    longest = std::max(longest, name.size());
-  }
-  return bytes / (kNumbersAndKeys + longest);
+void ColumnJson::run(std::string& text, const ColumnRun& r) {
+  if (std::exchange(several_, true)) text += ',';
+  const Axis& along = meta_.grid.axis[axis_];
+  JsonWriter out(text);
+  out.begin_object().field("from", r.from).field("to", r.to).field("min", along.plane(r.from)).field("max", along.plane(r.to));
+  out.field("material", r.material).field("name", meta_.materials[r.material].name).end_object();
+}
+
+void ColumnJson::end(std::string& text) { text += "]}"; }
+
+std::string column_json(const Metadata& meta, int axis, int64_t a, int64_t b, const std::vector<ColumnRun>& runs) {
+  ColumnJson json(meta, axis, a, b);
+  std::string text;
+  json.begin(text);
+  for (const ColumnRun& run : runs) json.run(text, run);
+  json.end(text);
+  return text;
 }
 
 }  // namespace teracell

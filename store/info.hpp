@@ -13,8 +13,21 @@ namespace teracell {
 std::string info_json(const GridReader& reader, std::string_view id = {});
 std::string stats_json(const Metadata& meta, const Box& region, const std::vector<MaterialStats>& stats);
 std::string column_json(const Metadata& meta, int axis, int64_t a, int64_t b, const std::vector<ColumnRun>& runs);
-// How many runs surely fit into a column_json() of so many bytes, apart from what stands around them.
-size_t column_runs_in(const Metadata& meta, size_t bytes);
+// The same piece by piece, each appended to a text: begin(), run() for each run, end().
+class ColumnJson {
+ public:
+  // Keeps a reference to `meta`.
+  ColumnJson(const Metadata& meta, int axis, int64_t a, int64_t b) : meta_(meta), axis_(axis), a_(a), b_(b) {}
+  void begin(std::string& text) const;
+  void run(std::string& text, const ColumnRun& run);
+  static void end(std::string& text);
+
+ private:
+  const Metadata& meta_;
+  const int axis_;
+  const int64_t a_, b_;
+  bool several_ = false;  // a run was written
+};
 double bits_per_crossing(const Metadata& meta);  // of level 0; 0 without crossings
 
 }  // namespace teracell

@@ -21,36 +21,24 @@ std::vector<Label> take_set(ByteReader& in, uint32_t labels, uint64_t most) {
   return set;
 }
 
-size_t SetTable::Hash::operator()(const std::vector<Label>& v) const {
-  uint64_t h = v.size();
-  for (const Label label : v) h = (h ^ label) * 0x9E3779B97F4A7C15ull, h ^= h >> 29;
-  return h;
-}
-
 std::vector<Label> SetTable::members(SetId id) const {
   if (id < labels_) return {id};
-  return sets_[id - labels_];
+  const std::span<const Label> set = sets_[id - labels_];
+  return {set.begin(), set.end()};
 }
 
 SetId SetTable::intern(const std::vector<Label>& members) {
   if (members.size() == 1) return members[0];
-  const auto [it, fresh] = ids_.try_emplace(members, labels_ + static_cast<SetId>(sets_.size()));
-  if (fresh) sets_.push_back(members);
-  return it->second;
+  return labels_ + sets_.intern(members);
 }
 
 SetId SetTable::unite_slowly(SetId a, SetId b) {
-  const std::vector<Label> x = members(a), y = members(b);
+  const auto labels_of = [&](const SetId& id) { return id < labels_ ? std::span<const Label>(&id, 1) : sets_[id - labels_]; };
+  const std::span<const Label> x = labels_of(a), y = labels_of(b);
   std::vector<Label> both;
-  std::set_union(x.begin(), x.end(), y.begin(), y.end(), std::back_inserter(both));
+  both.reserve(x.size() + y.size());
+  std::ranges::set_union(x, y, std::back_inserter(both));
   return intern(both);
-}
-
-size_t SetTable::memory() const {
-  size_t members = 0;
-  for (const auto& set : sets_) members += set.capacity() * sizeof(Label) + 16;
-  // Each set counts twice: in the list, and in a node of the map with its id, its hash and a bucket.
-  return 2 * members + sets_.capacity() * sizeof(std::vector<Label>) + ids_.size() * (sizeof(std::vector<Label>) + 48);
 }
 
 }  // namespace teracell

@@ -8,10 +8,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
 #include "store/bytes.hpp"
+#include "store/sequence_table.hpp"
 
 namespace teracell {
 
@@ -29,12 +29,12 @@ class SetTable {
   explicit SetTable(uint32_t labels) : labels_(labels) { clear_memo(); }
 
   uint32_t labels() const { return labels_; }
-  uint32_t ids() const { return labels_ + static_cast<uint32_t>(sets_.size()); }  // handed out so far, including sets of one label
+  uint32_t ids() const { return labels_ + sets_.size(); }  // handed out so far, including sets of one label
   // Members in ascending order.
   std::vector<Label> members(SetId id) const;
   // REQUIRES: members ascend strictly, are below labels(), at least one.
   SetId intern(const std::vector<Label>& members);
-  size_t memory() const;  // about how many bytes it has on the heap
+  size_t memory() const { return sets_.memory(); }  // bytes on the heap
   SetId unite(SetId a, SetId b) {
     if (a == b) return a;
     if (a > b) std::swap(a, b);
@@ -47,15 +47,11 @@ class SetTable {
   struct Memo {
     SetId a, b, result;
   };
-  struct Hash {
-    size_t operator()(const std::vector<Label>& v) const;
-  };
   void clear_memo() { memo_.fill({~0u, ~0u, 0}); }
   SetId unite_slowly(SetId a, SetId b);
 
   uint32_t labels_;
-  std::vector<std::vector<Label>> sets_;  // sets_[i] has id labels_ + i
-  std::unordered_map<std::vector<Label>, SetId, Hash> ids_;
+  SequenceTable sets_;  // sets_[i] has id labels_ + i
   std::array<Memo, 64> memo_;
 };
 

@@ -86,7 +86,7 @@ Metadata metadata_from(const ordered_json& j, std::span<const ChannelKind> known
     for (const auto& l : j.at("labels")) meta.labels.push_back({whole<uint32_t>(l, "material", 65535), l.value("body", "")});
     meta.chunk_rays = whole<uint32_t>(j.at("chunk"), "rays", 256);
     meta.chunk_cells = whole<uint32_t>(j.at("chunk"), "cells", uint64_t{1} << 31);
-    meta.page_chunks = whole<uint32_t>(j.at("chunk"), "page", 64);
+    meta.page_chunks = whole<uint32_t>(j.at("chunk"), "page", 16);
     meta.crossings = whole<uint64_t>(j, "crossings", ~uint64_t{0});
     meta.channels.clear();
     bool found = false;
@@ -113,7 +113,7 @@ void check(const Metadata& meta) {
   if (const std::string beyond = beyond_bounds(meta); !beyond.empty()) throw FormatError("metadata: " + beyond);
   expect(meta.chunk_rays >= 4 && meta.chunk_rays <= 256 && meta.chunk_rays % 4 == 0, "chunk rays must be a multiple of 4 up to 256");
   expect(meta.chunk_cells >= 4 && meta.chunk_cells % 4 == 0, "chunk cells must be a multiple of 4");
-  expect(meta.page_chunks >= 1 && meta.page_chunks <= 64, "a page has 1 to 64 chunks per side");
+  expect(meta.page_chunks >= 1 && meta.page_chunks <= 16, "a page has 1 to 16 chunks per side");
   expect(!meta.materials.empty() && meta.materials.size() <= 65536, "there are 1 to 65536 materials");
   expect(!meta.labels.empty(), "there is at least one label");
   std::vector<bool> taken(65536);  // by rank

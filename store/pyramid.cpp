@@ -89,9 +89,7 @@ class CoarseRay {
     for (uint32_t at = 0;;) {
       while (b + 1 < n && lo_[b + 1] <= at) ++b;
       while (hi_[a] < at) ++a;
-      SetId set = runs[a];
-      for (size_t i = a + 1; i <= b; ++i) set = sets_.unite(set, runs[i]);
-      emit(at, set);
+      emit(at, union_of(runs.subspan(a, b - a + 1)));
       const uint32_t leaves = hi_[a] + 1, enters = b + 1 < n ? lo_[b + 1] : ~0u;
       at = std::min(leaves, enters);
       if (at > last_) return;
@@ -135,10 +133,28 @@ class CoarseRay {
         else active_.push_back({events_[e].set, events_[e].delta});
       }
       std::erase_if(active_, [](const Active& a) { return a.count == 0; });
-      SetId set = active_[0].set;
-      for (const Active& a : active_) set = sets_.unite(set, a.set);
-      emit(at, set);
+      present_.clear();
+      for (const Active& a : active_) present_.push_back(a.set);
+      emit(at, union_of(present_));
     }
+  }
+
+  SetId union_of(std::span<const SetId> all) {
+    // Where sets are that many, unions seldom occur again, and what they are made of on the way would be most of the table.
+    constexpr uint32_t kMany = 4096;
+    SetId set = all[0];
+    if (all.size() < 3 || sets_.ids() - sets_.labels() < kMany) {
+      for (const SetId s : all.subspan(1)) set = sets_.unite(set, s);
+      return set;
+    }
+    std::vector<Label> members;
+    for (const SetId s : all) {
+      const std::vector<Label> of = sets_.members(s);
+      members.insert(members.end(), of.begin(), of.end());
+    }
+    std::ranges::sort(members);
+    members.erase(std::unique(members.begin(), members.end()), members.end());
+    return sets_.intern(members);
   }
 
   void emit(uint32_t at, SetId set) {
@@ -156,6 +172,7 @@ class CoarseRay {
   std::vector<SetId> labels_;
   std::vector<Event> events_;
   std::vector<Active> active_;
+  std::vector<SetId> present_;
 };
 
 }  // namespace

@@ -1,11 +1,11 @@
 #include "store/query.hpp"
 
 #include <algorithm>
-#include <unordered_map>
 
 #include <fmt/format.h>
 
 #include "store/chunk_parts.hpp"
+#include "store/set_memo.hpp"
 
 namespace teracell {
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f) {
@@ -24,11 +24,9 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
     if (const auto set = reader.uniform(p.key)) return for_each_ray(p, [&](uint32_t u, uint32_t v) { tell(u, v, p.w0, p.w1, *set); });
     const auto held = reader.chunk(p.key, scratch);
     const Chunk& chunk = *held;
-    std::unordered_map<SetId, std::vector<Label>> sets;
+    SetMemo<std::vector<Label>> sets;
     for_each_part_run(chunk.rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId set) {
-      const auto [it, fresh] = sets.try_emplace(set);
-      if (fresh) it->second = chunk.sets.members(set);
-      tell(u, v, from, to, it->second);
+      tell(u, v, from, to, sets.get(set, [&] { return chunk.sets.members(set); }));
     });
   });
 }
@@ -55,7 +53,7 @@ std::optional<uint32_t> uniform_value(const GridReader& reader, int level, const
   return same ? first : std::nullopt;
 }
 
-std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b, const ColumnPart& part) {
+std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b, int64_t from, int64_t to) {
   const Metadata& meta = reader.meta();
   const RayFrame f = RayFrame::along(axis);
   const Index3 n = meta.grid.cells();
@@ -65,17 +63,14 @@ std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a
   Box box{{0, 0, 0}, n};
   box.lo[f.u] = a, box.hi[f.u] = a + 1;
   box.lo[f.v] = b, box.hi[f.v] = b + 1;
-  box.lo[axis] = part.from, box.hi[axis] = std::min(part.to, n[axis]);
+  box.lo[axis] = from, box.hi[axis] = std::min(to, n[axis]);
   std::vector<ColumnRun> runs;
   const SetValue material = strongest_material(meta);
   for_each_run(reader, 0, box, [&](const BoxRun& run) {
-    const int64_t from = run.start[axis], to = from + (axis == meta.ray_axis ? run.length : 1);
+    const int64_t begin = run.start[axis], end = begin + (axis == meta.ray_axis ? run.length : 1);
     const uint32_t m = material(*run.set);
-    if (!runs.empty() && runs.back().to == from && runs.back().material == m) runs.back().to = to;  // across the rays, runs come cell by cell
-    else if (runs.size() < part.most_runs) runs.push_back({from, to, m});
-    else
-      throw UsageError(fmt::format("column ({}, {}) along {} has more than {} runs from cell {} to {}: ask for a shorter part (from, to)", a, b,
-                                   axis_name(axis), part.most_runs, box.lo[axis], box.hi[axis]));
+    if (!runs.empty() && runs.back().to == begin && runs.back().material == m) runs.back().to = end;  // across the rays, runs come cell by cell
+    else runs.push_back({begin, end, m});
   });
   std::ranges::sort(runs, {}, &ColumnRun::from);
   std::vector<ColumnRun> joined;

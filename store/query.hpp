@@ -40,13 +40,8 @@ struct ColumnRun {
   int64_t from, to;
   uint32_t material;
 };
-// The part of a column that is asked for: cells `from` to `to` (half open), in at most `most_runs` runs.
-struct ColumnPart {
-  int64_t from = 0, to = Axis::kMaxCells;  // cut to the grid
-  size_t most_runs = ~size_t{0};
-};
-// The column of level-0 cells along `axis` through (a, b) of RayFrame::along(axis), as runs of one material each. Throws
-// UsageError unless it lies in the grid, and when there are too many runs.
-std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b, const ColumnPart& part = {});
+// The column of level-0 cells along `axis` through (a, b) of RayFrame::along(axis), as runs of one material each: of its cells `from`
+// to `to` (half open), cut to the grid. Throws UsageError unless it lies in the grid.
+std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b, int64_t from = 0, int64_t to = Axis::kMaxCells);
 
 }  // namespace teracell

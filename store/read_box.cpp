@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
-#include <unordered_map>
 
 #include "store/chunk_parts.hpp"
 #include "store/in_order.hpp"
 #include "store/query.hpp"
+#include "store/set_memo.hpp"
 #include "store/wanted.hpp"
 
 namespace teracell {
@@ -47,15 +47,12 @@ template <class T>
 class RunValues {
  public:
   RunValues(const Chunk& chunk, const SetValue& value) {
-    std::unordered_map<SetId, T> known;
+    SetMemo<T> known;
     const PatternTable& patterns = chunk.rays.patterns;
     for (uint32_t pattern = 0; pattern < patterns.size(); ++pattern) {
       begin_.push_back(values_.size());
-      for (const SetId set : patterns.sets(pattern)) {
-        const auto [it, fresh] = known.try_emplace(set);
-        if (fresh) it->second = static_cast<T>(value(chunk.sets.members(set)));
-        values_.push_back(it->second);
-      }
+      for (const SetId set : patterns.sets(pattern))
+        values_.push_back(known.get(set, [&] { return static_cast<T>(value(chunk.sets.members(set))); }));
     }
   }
   const T* of(uint32_t pattern) const { return values_.data() + begin_[pattern]; }

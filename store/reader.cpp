@@ -128,7 +128,10 @@ std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint6
   std::shared_ptr<const IndexPart> part = index_->find(place);
   if (!part) {
     Bytes bytes;
-    read_checked(*source_, page_place(level, page), fmt::format("level {} index page {}", level, page), bytes);
+    const DirectoryEntry place_in_file = page_place(level, page);
+    const std::string what = fmt::format("level {} index page {}", level, page);
+    read_checked(*source_, place_in_file, what, bytes);
+    claims_.expect_own({level, true, page}, place_in_file);
     part = std::make_shared<const IndexPart>(
         IndexPart{{}, decode_page(bytes, shape(level).page_size(page), level == 0, static_cast<uint32_t>(meta_.labels.size()))});
     index_->add(place, part, memory_of(*part));
@@ -174,7 +177,10 @@ void GridReader::read_stored(const ChunkKey& key, const ChunkEntry& e, Chunk& ou
   thread_local ChunkDecoder decoder;
   thread_local Bytes frame;
   try {
-    read_checked(*source_, {e.offset, e.size, e.checksum}, "its frame", frame);
+    const DirectoryEntry place{e.offset, e.size, e.checksum};
+    read_checked(*source_, place, "its frame", frame);
+    const uint64_t page = s.page_of(key);
+    claims_.expect_own({key.level, false, page << 12 | s.slot_of(key, page)}, place);
     decoder.decode(frame, nu, nv, length, labels, out);
     if (key.level == 0 && out.sets.ids() != labels) throw FormatError("a cell of level 0 has one label, found a set of several");
   } catch (const FormatError& error) {

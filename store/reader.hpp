@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "store/file.hpp"
+#include "store/frame_claims.hpp"
 #include "store/index_cache.hpp"
 #include "store/metadata.hpp"
 #include "store/run.hpp"
@@ -74,6 +75,7 @@ class GridReader {
   std::shared_ptr<ChunkKeeper> keeper_;
   std::shared_ptr<IndexCache> index_;
   const uint64_t number_;  // among the readers of index_
+  mutable FrameClaims claims_;
   uint16_t minor_ = 0;
   Footer footer_;
   Metadata meta_;

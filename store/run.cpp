@@ -4,43 +4,6 @@
 #include <tuple>
 
 namespace teracell {
-namespace {
-
-uint64_t hash_of(std::span<const SetId> sets) {
-  uint64_t h = sets.size();
-  for (const SetId s : sets) h = (h ^ s) * 0x9E3779B97F4A7C15ull, h ^= h >> 29;
-  return h;
-}
-
-}  // namespace
-
-uint32_t PatternTable::intern(std::span<const SetId> sets) {
-  if (table_.size() < size_t{2} * (size() + 1)) grow();
-  const size_t mask = table_.size() - 1;
-  size_t i = hash_of(sets) & mask;
-  for (; table_[i] != 0; i = (i + 1) & mask)
-    if (same(this->sets(table_[i] - 1), sets)) return table_[i] - 1;
-  table_[i] = size() + 1;
-  sets_.insert(sets_.end(), sets.begin(), sets.end());
-  begin_.push_back(static_cast<uint32_t>(sets_.size()));
-  return size() - 1;
-}
-
-void PatternTable::grow() {
-  table_.assign(std::max<size_t>(16, 2 * table_.size()), 0);
-  const size_t mask = table_.size() - 1;
-  for (uint32_t p = 0; p < size(); ++p) {
-    size_t i = hash_of(sets(p)) & mask;
-    while (table_[i] != 0) i = (i + 1) & mask;
-    table_[i] = p + 1;
-  }
-}
-
-void PatternTable::clear() {
-  begin_.assign(1, 0);
-  sets_.clear();
-  table_.assign(16, 0);
-}
 
 void RayBlock::reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length) {
   nu = new_nu;

@@ -4,6 +4,7 @@
 // the next set begins. Neighbouring rays nearly always have the same pattern, and then their changes correspond: the codec
 // predicts, and the pyramid merges, whole stretches of rays without looking at labels.
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -12,29 +13,11 @@
 
 namespace teracell {
 
-// There are usually so few elements that a call of memcmp would cost more.
-inline bool same(std::span<const SetId> a, std::span<const SetId> b) {
-  if (a.size() != b.size()) return false;
-  for (size_t i = 0; i < a.size(); ++i)
-    if (a[i] != b[i]) return false;
-  return true;
-}
-
 // The distinct patterns of a block. Consecutive sets of a pattern differ. Not thread-safe.
-class PatternTable {
+class PatternTable : public SequenceTable {
  public:
-  uint32_t intern(std::span<const SetId> sets);
-  std::span<const SetId> sets(uint32_t pattern) const { return {sets_.data() + begin_[pattern], begin_[pattern + 1] - begin_[pattern]}; }
-  uint32_t changes(uint32_t pattern) const { return begin_[pattern + 1] - begin_[pattern] - 1; }
-  uint32_t size() const { return static_cast<uint32_t>(begin_.size()) - 1; }
-  void clear();
-  size_t memory() const { return (begin_.capacity() + sets_.capacity() + table_.capacity()) * 4; }  // bytes on the heap
-
- private:
-  void grow();
-  std::vector<uint32_t> begin_{0};
-  std::vector<SetId> sets_;
-  std::vector<uint32_t> table_;  // open addressing; pattern + 1, 0 is free
+  std::span<const SetId> sets(uint32_t pattern) const { return (*this)[pattern]; }
+  uint32_t changes(uint32_t pattern) const { return static_cast<uint32_t>((*this)[pattern].size()) - 1; }
 };
 
 // The rays of a block, u fastest: ray = v * nu + u. All have `length` cells.
@@ -74,6 +57,18 @@ struct RayBlock {
       from = end[i];
     }
     f(from, length, s.back());
+  }
+  // The same for the parts of the runs that lie in the cells [lo, hi). REQUIRES: lo < hi <= length.
+  template <class F>
+  void for_each_run(uint32_t ray, uint32_t lo, uint32_t hi, F&& f) const {
+    const std::span<const uint32_t> ends = changes(ray);
+    const std::span<const SetId> s = sets(ray);
+    size_t i = lo == 0 ? 0 : static_cast<size_t>(std::ranges::upper_bound(ends, lo) - ends.begin());
+    for (uint32_t from = lo; from < hi; ++i) {
+      const uint32_t to = i < ends.size() ? std::min(ends[i], hi) : hi;
+      f(from, to, s[i]);
+      from = to;
+    }
   }
 };
 

@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include "store/in_order.hpp"
+#include "store/set_memo.hpp"
 
 namespace teracell {
 namespace {
@@ -26,16 +27,13 @@ class Values {
  public:
   Values(const SetTable& sets, const SetValue& value) : sets_(sets), value_(value) {}
   uint16_t operator()(SetId set) {
-    for (const auto& [id, v] : known_)
-      if (id == set) return v;
-    known_.emplace_back(set, static_cast<uint16_t>(value_(sets_.members(set))));
-    return known_.back().second;
+    return known_.get(set, [&] { return static_cast<uint16_t>(value_(sets_.members(set))); });
   }
 
  private:
   const SetTable& sets_;
   const SetValue& value_;
-  std::vector<std::pair<SetId, uint16_t>> known_;
+  SetMemo<uint16_t> known_;
 };
 
 // The number of the run of a ray that has the cell.
@@ -58,6 +56,7 @@ struct Picture {
   RayFrame rays;
 
   int64_t width() const { return view.u1 - view.u0; }
+  static constexpr size_t kTall = 1 << 20;  // rows of a band that are too many to count the changes of each
 
   // Rows [from, to).
   struct Band {
@@ -88,7 +87,8 @@ struct Picture {
   // multiples of size_u.
   template <class Fill>
   void by_parts(int64_t size_u, int64_t size_v, Fill fill) const {
-    const int64_t wide = std::max<int64_t>(1, held / 1024), rows = std::clamp<int64_t>(held / width(), 1, size_v);
+    // One thread has one part in hand: few parts, since a chunk that several share may have to be decoded for each.
+    const int64_t wide = std::max<int64_t>(1, held / (threads == 1 ? 8 : 1024)), rows = std::clamp<int64_t>(held / width(), 1, size_v);
     Band left{view.v0, view.v1}, band{};
     int64_t u = view.u1;
     std::vector<Part> parts;  // of a band that is not complete
@@ -197,11 +197,14 @@ struct Picture {
   }
 
   // Where the rays lie in the picture, one of rays.u and rays.v is the slice's own axis, which is fixed, and the other one
-  // counts rays. Calls f(ray, from, to, value) for the runs, in cells of the level, of the rays [lo, hi) in one segment.
+  // counts rays. Calls f(ray, from, to, value) for the runs of the rays [lo, hi) within the cells `along` of one segment; both are
+  // counted in the level.
   template <class F>
-  void runs(int64_t lo, int64_t hi, uint32_t segment, F&& f) const {
+  void runs(int64_t lo, int64_t hi, uint32_t segment, const Band& along, F&& f) const {
     const bool fixed_u = rays.u == view.axis;
     const int64_t first_cell = int64_t{segment} * shape.chunk_cells;
+    const auto w0 = static_cast<uint32_t>(std::max<int64_t>(along.from - first_cell, 0));
+    const auto w1 = static_cast<uint32_t>(std::min<int64_t>(along.to - first_cell, shape.length(segment)));
     const auto fixed_chunk = static_cast<uint32_t>(view.index / shape.chunk_rays), fixed = static_cast<uint32_t>(view.index % shape.chunk_rays);
     std::shared_ptr<Chunk> scratch;
     for (int64_t c = lo / shape.chunk_rays; c * shape.chunk_rays < hi; ++c) {
@@ -210,7 +213,7 @@ struct Picture {
       const ChunkKey key{view.level, fixed_u ? fixed_chunk : counted, fixed_u ? counted : fixed_chunk, segment};
       if (const auto set = reader.uniform(key)) {
         const auto all = static_cast<uint16_t>(value(*set));
-        for (int64_t i = from; i < to; ++i) f(i, first_cell, first_cell + shape.length(segment), all);
+        for (int64_t i = from; i < to; ++i) f(i, first_cell + w0, first_cell + w1, all);
         continue;
       }
       const auto decoded = reader.chunk(key, scratch);
@@ -219,7 +222,7 @@ struct Picture {
       for (int64_t i = from; i < to; ++i) {
         const auto r = static_cast<uint32_t>(i - first);
         const uint32_t ray = fixed_u ? r * chunk.rays.nu + fixed : fixed * chunk.rays.nu + r;
-        chunk.rays.for_each_run(ray, [&](uint32_t a, uint32_t b, SetId set) { f(i, first_cell + a, first_cell + b, values(set)); });
+        chunk.rays.for_each_run(ray, w0, w1, [&](uint32_t a, uint32_t b, SetId set) { f(i, first_cell + a, first_cell + b, values(set)); });
       }
     }
   }
@@ -251,27 +254,44 @@ struct Picture {
     }
   };
 
-  Columns columns(const Band& band, int64_t from, int64_t to) const {
-    const auto rows = static_cast<size_t>(band.to - band.from);
-    std::vector<Columns::Change> found;
-    std::vector<uint32_t> start(rows + 1, 0);  // of each row, sorted
-    runs(from, to, static_cast<uint32_t>(band.from / shape.chunk_cells), [&](int64_t u, int64_t a, int64_t b, uint16_t v) {
-      a = std::max(a, band.from), b = std::min(b, band.to);
-      if (a >= b) return;  // for the sweep, a run begins at the end that is delivered first
-      found.push_back({static_cast<uint32_t>(top_down ? band.to - b : a - band.from), static_cast<uint16_t>(u - from), v});
-      ++start[found.back().row + 1];
-    });
-    for (size_t r = 0; r < rows; ++r) start[r + 1] += start[r];
-    Columns out{static_cast<size_t>(from - view.u0), static_cast<size_t>(to - from), std::vector<Columns::Change>(found.size())};
-    for (const Columns::Change& c : found) out.changes[start[c.row]++] = c;
-    if (found.size() * sizeof(Columns::Change) <= rows * out.wide * sizeof(uint16_t)) return out;
-    std::vector<uint16_t> cells(rows * out.wide);
-    for (size_t r = 0; r < rows; ++r) {
-      uint16_t* row_cells = cells.data() + r * out.wide;
-      if (r > 0) std::copy_n(row_cells - out.wide, out.wide, row_cells);
-      out.turn(r, row_cells);
+  static void sort_by_row(std::vector<Columns::Change>& changes, size_t rows) {
+    if (rows > kTall) {
+      std::ranges::stable_sort(changes, {}, &Columns::Change::row);
+      return;
     }
-    return {out.first, out.wide, {}, 0, std::move(cells)};
+    std::vector<uint32_t> start(rows + 1, 0);  // of each row, sorted
+    for (const Columns::Change& c : changes) ++start[c.row + 1];
+    for (size_t r = 0; r < rows; ++r) start[r + 1] += start[r];
+    std::vector<Columns::Change> sorted(changes.size());
+    for (const Columns::Change& c : changes) sorted[start[c.row]++] = c;
+    changes = std::move(sorted);
+  }
+
+  Columns columns(const Band& band, int64_t from, int64_t to) const {
+    const auto rows = static_cast<size_t>(band.to - band.from), wide = static_cast<size_t>(to - from);
+    Columns out{static_cast<size_t>(from - view.u0), wide, {}};
+    std::vector<Columns::Change>& found = out.changes;
+    const size_t most = rows * wide * sizeof(uint16_t) / sizeof(Columns::Change);
+    const auto fill = [&](size_t first, size_t last, const Columns::Change& c) {
+      for (size_t r = first; r < last; ++r) out.cells[r * wide + c.u] = c.value;
+    };
+    runs(from, to, static_cast<uint32_t>(band.from / shape.chunk_cells), band, [&](int64_t u, int64_t a, int64_t b, uint16_t v) {
+      // For the sweep, a run begins at the end that is delivered first.
+      const auto first = static_cast<uint32_t>(top_down ? band.to - b : a - band.from);
+      const Columns::Change change{first, static_cast<uint16_t>(u - from), v};
+      if (!out.cells.empty()) return fill(first, first + static_cast<size_t>(b - a), change);
+      found.push_back(change);
+      if (found.size() <= most) return;
+      out.cells.resize(rows * wide);
+      for (size_t i = 0; i < found.size(); ++i) {
+        // The run ends where its neighbour begins. What is not found yet overwrites the rest.
+        const size_t next = top_down ? i - 1 : i + 1;
+        fill(found[i].row, next < found.size() && found[next].u == found[i].u ? found[next].row : rows, found[i]);
+      }
+      found = {};
+    });
+    sort_by_row(found, rows);
+    return out;
   }
 
   void upright() const {
@@ -303,7 +323,9 @@ struct Picture {
       parts.clear();
       bytes = 0;
     };
-    const int64_t part = 4 * int64_t{shape.chunk_rays};  // at most 1024
+    // At most 1024 columns, and so few that they take a fraction of what is held.
+    const int64_t several = std::clamp<int64_t>(held / 4 / (band.to - band.from), 1, 4 * int64_t{shape.chunk_rays});
+    const int64_t part = several < shape.chunk_rays ? several : several / shape.chunk_rays * shape.chunk_rays;
     int64_t next = view.u0;
     in_order(
         threads,
@@ -322,9 +344,8 @@ struct Picture {
   void lying() const {
     by_parts(shape.chunk_cells, shape.chunk_rays, [&](Part& part) {
       for (int64_t s = part.u0 / shape.chunk_cells; s * shape.chunk_cells < part.u1; ++s)
-        runs(part.band.from, part.band.to, static_cast<uint32_t>(s), [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {
-          a = std::max(a, part.u0), b = std::min(b, part.u1);
-          if (a < b) std::fill_n(part.cells.data() + (v - part.band.from) * part.width() + (a - part.u0), b - a, value_of_run);
+        runs(part.band.from, part.band.to, static_cast<uint32_t>(s), {part.u0, part.u1}, [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {
+          std::fill_n(part.cells.data() + (v - part.band.from) * part.width() + (a - part.u0), b - a, value_of_run);
         });
     });
   }

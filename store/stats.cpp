@@ -5,24 +5,24 @@
 #include <fmt/format.h>
 
 #include "store/chunk_parts.hpp"
+#include "store/set_memo.hpp"
 
 namespace teracell {
 namespace {
 
 // The statistics of a part of a chunk of level 0, counted from its runs.
 std::vector<LabelStats> stats_of_part(const RayBlock& rays, const ChunkPart& p) {
-  std::vector<LabelStats> all;
+  SetMemo<LabelStats> all;
   for_each_part_run(rays, p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
-    auto it = std::ranges::find(all, label, &LabelStats::label);
-    if (it == all.end()) it = all.insert(it, LabelStats{label, 0, {u, v, from}, {u, v, from}});
-    it->cells += to - from;
+    LabelStats& stats = all.get(label, [&] { return LabelStats{label, 0, {u, v, from}, {u, v, from}}; });
+    stats.cells += to - from;
     const std::array<uint32_t, 3> lo = {u, v, from}, hi = {u + 1, v + 1, to};
     for (int d = 0; d < 3; ++d) {
-      it->lo[d] = std::min(it->lo[d], lo[d]);
-      it->hi[d] = std::max(it->hi[d], hi[d]);
+      stats.lo[d] = std::min(stats.lo[d], lo[d]);
+      stats.hi[d] = std::max(stats.hi[d], hi[d]);
     }
   });
-  return all;
+  return all.values();
 }
 
 // The same from the index's statistics of the whole chunk, where these are enough: the part has all rays, and the cells of
@@ -91,8 +91,9 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
       else s.volume += length(0, b.lo[0], b.hi[0]) * length(1, b.lo[1], b.hi[1]) * length(2, b.lo[2], b.hi[2]);
     }
     if (scattered.empty()) return;
+    SetMemo<bool> is_scattered;
     for_each_part_run(rays(), p, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) {
-      if (std::ranges::find(scattered, label) == scattered.end()) return;
+      if (!is_scattered.get(label, [&] { return std::ranges::find(scattered, label) != scattered.end(); })) return;
       stats[meta.labels[label].material].volume += length(f.u, p.first_u + u, p.first_u + u + 1) * length(f.v, p.first_v + v, p.first_v + v + 1) *
                                                    length(f.w, p.first_w + from, p.first_w + to);
     });

@@ -307,8 +307,8 @@ int tc_column(const tc_grid* grid, int axis, int64_t a, int64_t b, int64_t from,
     check(count != nullptr, "a place for the number of runs, found NULL");
     check(capacity >= 0 && (runs != nullptr || capacity == 0), "memory for the runs");
     const int64_t n = reader.meta().grid.axis[axis_of(axis)].cells();
-    const ColumnPart part{std::clamp<int64_t>(from, 0, n), std::clamp<int64_t>(to, 0, n)};
-    const std::vector<ColumnRun> found = part.from < part.to ? read_column(reader, axis, a, b, part) : std::vector<ColumnRun>();
+    const int64_t lo = std::clamp<int64_t>(from, 0, n), hi = std::clamp<int64_t>(to, 0, n);
+    const std::vector<ColumnRun> found = lo < hi ? read_column(reader, axis, a, b, lo, hi) : std::vector<ColumnRun>();
     *count = static_cast<int64_t>(found.size());
     for (size_t i = 0; i < found.size() && static_cast<int64_t>(i) < capacity; ++i) runs[i] = {found[i].from, found[i].to, found[i].material};
   });

@@ -10,8 +10,6 @@
 namespace teracell {
 namespace {
 
-constexpr uint64_t kMaxRatio = 1 << 15;  // a zstd block of 4 bytes holds at most 128 KiB
-
 template <class T>
 T* made(T* context) {
   if (context == nullptr) throw std::bad_alloc();
@@ -19,12 +17,12 @@ T* made(T* context) {
 }
 
 // What the frame says of its body's size, if it may be so.
-size_t body_size(std::span<const uint8_t> frame, uint64_t most, const std::string& what) {
+size_t body_size(std::span<const uint8_t> frame, const BodyBound& bound, const std::string& what) {
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size())
     throw FormatError(what + ": expected one zstd frame with its content size, found something else");
-  if (const uint64_t bound = std::min(most, kMaxRatio * frame.size()); size > bound)
-    throw FormatError(fmt::format("{}: expected a zstd frame of at most {} bytes, as its own size is {}, found {}", what, bound, frame.size(), size));
+  if (const uint64_t most = bound.of(frame.size()); size > most)
+    throw FormatError(fmt::format("{}: expected a zstd frame of at most {} bytes, as its own size is {}, found {}", what, most, frame.size(), size));
   return size;
 }
 
@@ -41,17 +39,25 @@ Bytes ZstdEncoder::encode(std::span<const uint8_t> body, int level) {
   return {frame.get(), frame.get() + size};
 }
 
+Bytes ZstdEncoder::encode(std::span<const uint8_t> body, int level, const BodyBound& bound) {
+  Bytes frame = encode(body, level);
+  // Level -n leaves n bytes of each 128 KiB as they are.
+  for (const int plain : {-550, -1000})
+    if (body.size() > bound.of(frame.size())) frame = encode(body, plain);
+  return frame;
+}
+
 ZstdDecoder::ZstdDecoder() : zstd_(made(ZSTD_createDCtx())) {}
 ZstdDecoder::~ZstdDecoder() { ZSTD_freeDCtx(zstd_); }
 
-void ZstdDecoder::decode(std::span<const uint8_t> frame, uint64_t most, const std::string& what, Bytes& body) {
-  body.resize(body_size(frame, most, what));
+void ZstdDecoder::decode(std::span<const uint8_t> frame, const BodyBound& bound, const std::string& what, Bytes& body) {
+  body.resize(body_size(frame, bound, what));
   decode_into(frame, what, body);
 }
 
-void ZstdDecoder::append(std::span<const uint8_t> frame, uint64_t most, const std::string& what, std::string& text) {
+void ZstdDecoder::append(std::span<const uint8_t> frame, const BodyBound& bound, const std::string& what, std::string& text) {
   constexpr size_t kRoomBehind = 4096;  // appending to a full text would double it
-  const size_t before = text.size(), size = body_size(frame, most, what);
+  const size_t before = text.size(), size = body_size(frame, bound, what);
   text.reserve(before + size + kRoomBehind);
   text.resize(before + size);
   decode_into(frame, what, {reinterpret_cast<uint8_t*>(text.data()) + before, size});

@@ -21,7 +21,7 @@ using namespace std::chrono_literals;
 constexpr size_t kLongest = 1024;           // bytes of a target in the log
 constexpr size_t kMuch = size_t{64} << 10;  // bytes that are written at once; fewer are written after kWhile
 constexpr auto kWhile = 250ms;
-constexpr auto kGrace = 2s;
+constexpr auto kGrace = 500ms;
 
 void append_harmless(std::string& out, std::string_view text) {
   if (text.empty()) out += '-';
@@ -46,13 +46,14 @@ void append_log_line(std::string& out, LogFormat format, std::string_view time, 
     append_harmless(out, e.method);
     out += R"(","target":")";
     append_harmless(out, e.target);
-    fmt::format_to(end(), R"(","status":{},"bytes":{},"ms":{:.3f},"route":"{}"}})", e.status, e.bytes, e.milliseconds, e.route);
+    fmt::format_to(end(), R"(","status":{},"bytes":{},"ms":{:.3f},"route":"{}"{}}})", e.status, e.bytes, e.milliseconds, e.route,
+                   e.cut ? R"(,"cut":true)" : "");
   } else {
     fmt::format_to(end(), "{} {} ", time, e.client);
     append_harmless(out, e.method);
     out += ' ';
     append_harmless(out, e.target);
-    fmt::format_to(end(), " {} {} {:.3f} {}", e.status, e.bytes, e.milliseconds, e.route);
+    fmt::format_to(end(), " {} {} {:.3f} {}{}", e.status, e.bytes, e.milliseconds, e.route, e.cut ? " cut" : "");
   }
   out += '\n';
 }
@@ -150,7 +151,7 @@ void AccessLog::write_through(std::string_view lines) {
 
 // Waits until something can be written or writing is known to fail. Returns false when the time for that has run out.
 bool AccessLog::takes_some() {
-  for (pollfd p{descriptor_, POLLOUT, 0}; poll(&p, 1, static_cast<int>(kWhile / 1ms)) <= 0;)
+  for (pollfd p{descriptor_, POLLOUT, 0}; poll(&p, 1, static_cast<int>(kWhile / 2ms)) <= 0;)
     if (finished_ && std::chrono::steady_clock::now() >= give_up_) {
       errno = ETIMEDOUT;
       return false;

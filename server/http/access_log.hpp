@@ -22,6 +22,7 @@ struct LogEntry {
   uint64_t bytes = 0;  // of the body that were sent
   double milliseconds = 0;
   std::string_view route;
+  bool cut = false;  // the answer ended early because a part of it could not be made
 };
 
 // Appends the line. Nothing that a client sends can steer a terminal or end a JSON string: quotes, backslashes and all bytes
@@ -41,7 +42,7 @@ class AccessLog {
   void write(const LogEntry& entry) noexcept;
   void note(std::string_view message) noexcept;  // REQUIRES: no control characters in it
   uint64_t dropped() const { return dropped_; }  // lines since the start
-  // When it returns, all lines are written, or given up because nobody read them for two seconds. Later lines are dropped.
+  // When it returns, all lines are written, or given up because nobody read them for half a second. Later lines are dropped.
   void finish();
 
  private:

@@ -1,9 +1,9 @@
 #include "server/http/connection.hpp"
 
+#include <poll.h>
 #include <sys/socket.h>
 
 #include <algorithm>
-#include <array>
 
 #include <fmt/format.h>
 
@@ -23,11 +23,6 @@ constexpr auto kLook = std::chrono::milliseconds(20);  // between two looks whet
 
 Awaitable<void> serve(std::unique_ptr<Connection> connection) { co_await connection->serve(); }
 
-// Whoever waits for the same value makes it, within the time that it has itself.
-struct TooDear : Unwanted {
-  using Unwanted::Unwanted;
-};
-
 // The exception that is being handled, as a response.
 Response failure() {
   try {
@@ -39,7 +34,7 @@ Response failure() {
   } catch (const Unwanted& e) {
     return error_response(499, "gone", e.what());
   } catch (const std::bad_alloc&) {
-    return error_response(503, "out_of_memory", "the server is out of memory: try again later");
+    return try_again("out_of_memory", "the server is out of memory: try again later");
   } catch (const std::exception& e) {
     return error_response(500, "internal", e.what());
   } catch (...) {
@@ -100,7 +95,8 @@ Awaitable<void> Connection::serve() {
     const auto now = Clock::now();
     const double seconds = std::chrono::duration<double>(now - start).count();
     shared_.metrics.request(response_.route, response_.status, seconds);
-    shared_.log.write({client_, head_.method, head_.target, response_.status, body_sent_, seconds * 1e3, response_.route});
+    shared_.log.write({client_, head_.method, head_.target, response_.status, body_sent_, seconds * 1e3, response_.route, cut_});
+    if (cut_) shared_.metrics.cut.fetch_add(1);
     if (!taken) co_return;
     response_ = {};  // lets go of the body, which may be in the cache
     held_ = {}, held_by_client_ = {};
@@ -150,16 +146,31 @@ Awaitable<void> Connection::make() {
   } else if (holds_too_much()) {
     response_ = too_much_held();
   } else {
-    Timer made(loop_.io, Clock::time_point::max());
     const bool dear = shared_.handler.is_dear && shared_.handler.is_dear(request_);
-    shared_.pool.post(requester_.get(), dear ? Pool::kDear : Pool::kCheap, [this, &made] {
-      make_in_pool();
-      asio::post(loop_.io, [&made] { made.cancel(); });  // runs when this coroutine waits
-    });
-    error_code ignored;
-    co_await made.async_wait(asio::redirect_error(kAwait, ignored));
+    co_await in_pool(dear ? Pool::kDear : Pool::kCheap, [this] { make_in_pool(); });
   }
   if (loop_.stopping) keep_ = false;
+}
+
+// Work ends early when the client has closed the connection: browsers do so with tiles that are no longer shown. Throws when there is
+// no memory, even for saying so.
+Awaitable<void> Connection::in_pool(Pool::Cost cost, std::function<void()> work) {
+  Timer ended(loop_.io, Clock::time_point::max());
+  bool done = false;
+  shared_.pool.post(requester_.get(), cost, [&] {
+    try {
+      const auto began = Clock::now();
+      auto looked = began - kLook;
+      const Wanted wanted([&, this] { check_wanted(began, looked); });
+      work();
+      done = true;
+    } catch (...) {
+    }
+    asio::post(loop_.io, [&ended] { ended.cancel(); });  // runs when this coroutine waits
+  });
+  error_code ignored;
+  co_await ended.async_wait(asio::redirect_error(kAwait, ignored));
+  if (!done) throw std::bad_alloc();
 }
 
 // A refusal of other hosts, methods or paths or of missing tokens, or what the handler answers at once. None when the pool must make
@@ -177,7 +188,7 @@ std::optional<Response> Connection::answer_here() {
   if (path.empty() || (!inside && path == "/")) return Response{.status = 302, .cache_control = "no-cache", .location = request_.prefix + "/"};
   if (!inside) return error_response(404, "not_found", fmt::format("expected a path below {}/", o.base_path));
   const auto open = [&] { return path == "/healthz" || (shared_.handler.is_open && shared_.handler.is_open(path)); };
-  if (!o.token.empty() && !bears_token(head_.authorization, o.token) && !open()) {
+  if (!loop_.token.empty() && !bears_token(head_.authorization, loop_.token) && !open()) {
     Response r = error_response(401, "unauthorized", "expected the field Authorization: Bearer TOKEN");
     r.route = "unauthorized";
     return r;
@@ -185,16 +196,11 @@ std::optional<Response> Connection::answer_here() {
   return shared_.handler.at_once(request_);
 }
 
-// Runs on a thread of the pool. It ends early when the client has closed the connection: browsers do so with tiles that are no
-// longer shown.
 void Connection::make_in_pool() try {
-  const auto began = Clock::now();
-  auto looked = began - kLook;
-  const Wanted wanted([&, this] { check_wanted(began, looked); });
   Wanted::stop_if_not();
   // The limit may have been reached while the request waited.
   response_ = holds_too_much() ? too_much_held() : shared_.handler.handle(request_);
-  hold(response_.body ? response_.body->size() : 0);
+  hold();
 } catch (...) {
   response_ = failure();
   if (response_.status == 499) keep_ = false;
@@ -211,8 +217,8 @@ void Connection::check_wanted(Clock::time_point began, Clock::time_point& looked
 }
 
 bool Connection::client_has_gone() const {
-  char byte;
-  return !finishing_ && recv(const_cast<Socket&>(socket_).native_handle(), &byte, 1, MSG_PEEK | MSG_DONTWAIT) == 0;
+  pollfd p{const_cast<Socket&>(socket_).native_handle(), POLLRDHUP, 0};  // also set behind bytes that are not read yet
+  return !finishing_ && poll(&p, 1, 0) > 0;
 }
 
 bool Connection::waits_too_much() const {
@@ -226,7 +232,8 @@ bool Connection::holds_too_much() const {
   return (of_client >= most / 4 && all >= most / 2) || (all >= most && of_client > 0) || all >= most + most / 2;
 }
 
-void Connection::hold(size_t bytes) {
+void Connection::hold() {
+  const size_t bytes = (response_.body ? response_.body->size() : 0) + (response_.rest ? response_.rest->memory() : 0);
   held_ = Counted(shared_.metrics.held_bytes, bytes);
   held_by_client_ = Counted(requester_->held_bytes, bytes);
 }
@@ -238,38 +245,7 @@ Response Connection::too_much_held() const {
 
 Response Connection::overloaded(const std::string& message) const {
   shared_.metrics.overloaded.fetch_add(1);
-  return error_response(503, "overloaded", message + ": try again in a second");
-}
-
-// Returns false when the client went away or took too long.
-Awaitable<bool> Connection::send() {
-  static const std::string nothing;
-  const bool with_body = response_.body && head_.method != "HEAD" && response_.status != 204 && response_.status != 304;
-  const std::string& body = with_body ? *response_.body : nothing;
-  out_.clear();
-  append_head(out_, response_, {keep_, head_.http11, loop_.date(), allowed_origin(shared_.options.allowed_origins, head_.origin)});
-  std::array<asio::const_buffer, 2> rest{asio::buffer(out_), asio::buffer(body)};
-  error_code error;
-  size_t sent = socket_.write_some(rest, error);
-  const size_t all = out_.size() + body.size();
-  if (error == asio::error::would_block) error = {};
-  if (sent < all && !error) {
-    enter(kWriting);
-    if (!held_) hold(body.size());
-    const auto timeout = shared_.options.answer_timeout;
-    const size_t least = ListenerOptions::kSlowest * static_cast<size_t>(timeout.count()) / 1000;  // bytes to be taken in this time
-    size_t goal = sent;
-    while (sent < all && !error) {
-      if (sent >= goal) {
-        goal = sent + least;
-        deadline_ = Clock::now() + timeout;
-      }
-      rest = {asio::buffer(out_) + sent, asio::buffer(body) + (std::max(sent, out_.size()) - out_.size())};
-      sent += co_await socket_.async_write_some(rest, asio::redirect_error(kAwait, error));
-    }
-  }
-  body_sent_ = std::max(sent, out_.size()) - out_.size();
-  co_return !error;
+  return try_again("overloaded", message + ": try again in a second");
 }
 
 // If a socket is closed while input is unread, the system discards output that the client has not taken yet, such as the

@@ -1,6 +1,7 @@
 // One client: its requests one after the other. Each is read, answered at once or by the pool, and sent. A connection lives on
 // its loop's thread; while make_in_pool() runs, a thread of the pool uses it instead.
 #pragma once
+#include <functional>
 #include <list>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "server/http/head_parser.hpp"
 #include "server/http/loop.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 
@@ -16,6 +18,11 @@ struct Peer {
   std::shared_ptr<Client> client;
   bool proxy;  // whether its requests name their clients
   Counted of_all, of_client;
+};
+
+// Whoever waits for the same value makes it, within the time that it has itself.
+struct TooDear : Unwanted {
+  using Unwanted::Unwanted;
 };
 
 // Serves a socket on its loop until one side closes it. Any thread may call it.
@@ -40,16 +47,20 @@ class Connection final : public LoopMember {
   asio::mutable_buffer space();
   void enter(State state);
   Awaitable<void> make();
+  Awaitable<void> in_pool(Pool::Cost cost, std::function<void()> work);
   void make_in_pool();
+  void make_part();
   void check_wanted(Clock::time_point began, Clock::time_point& looked) const;
   bool client_has_gone() const;
   std::optional<Response> answer_here();
   Response overloaded(const std::string& message) const;
   bool waits_too_much() const;
   bool holds_too_much() const;
-  void hold(size_t bytes);
+  void hold();
   Response too_much_held() const;
   Awaitable<bool> send();
+  Awaitable<bool> next_part();
+  Awaitable<bool> write();
   Awaitable<void> linger();
   void receive_no_more();
 
@@ -72,8 +83,12 @@ class Connection final : public LoopMember {
   Request request_;
   Response response_;
   Counted held_, held_by_client_;  // bytes of the response's body
-  std::string out_;  // the response's head
-  size_t body_sent_ = 0;
+  std::string out_;  // the response's head, or that of a chunk
+  size_t sent_ = 0, body_sent_ = 0;  // bytes of the response, and of its body
+  size_t goal_ = 0;                  // sent_ has to reach it ...
+  Clock::time_point due_;            // ... by this time
+  bool chunked_ = false;
+  bool cut_ = false;                 // a part of the response could not be made
   bool keep_ = true;
 };
 

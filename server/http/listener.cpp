@@ -90,6 +90,10 @@ bool Listener::run() {
 
 void Listener::stop() { state_->stop(); }
 
+void Listener::use_token(const std::string& token) {
+  for (const auto& loop : state_->loops) asio::post(loop->io, [&l = *loop, token] { l.token = token; });
+}
+
 void Listener::State::bind() {
   const ListenerOptions& o = shared.options;
   const tcp::endpoint wanted = resolved(loops[0]->io, o.host, o.port);
@@ -108,8 +112,11 @@ void Listener::State::bind() {
 void Listener::State::await_signal() {
   signals->async_wait([this](const error_code& error, int number) {
     if (error) return;
-    if (number == SIGHUP && shared.options.on_hangup()) await_signal();
-    else stop();
+    if (number != SIGHUP) return stop();
+    shared.pool.post(this, Pool::kCheap, [this] {
+      if (!shared.options.on_hangup()) stop();
+    });
+    await_signal();
   });
 }
 

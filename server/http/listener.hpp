@@ -27,6 +27,7 @@ class Listener {
   // all requests under way are answered, false when the drain timeout comes first.
   bool run();
   void stop();  // from any thread
+  void use_token(const std::string& token);  // instead of the last one, for requests from now on; from any thread
 
  private:
   struct State;

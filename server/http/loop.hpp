@@ -67,7 +67,7 @@ class LoopMember {
 
 // All but `io` and what is posted to it is for the loop's own thread.
 struct Loop {
-  explicit Loop(Shared& s) : shared(s), timer(io) {}
+  explicit Loop(Shared& s) : shared(s), token(s.options.token), timer(io) {}
   ~Loop() { stopping = false; }  // connections destroyed with `io` must not touch the timer
 
   Awaitable<void> sweep();  // until stop() was called and the last connection is gone
@@ -76,6 +76,7 @@ struct Loop {
   std::string_view date();  // for the Date field
 
   Shared& shared;
+  std::string token;  // that clients must send; empty: none
   std::list<LoopMember*> connections;
   std::atomic<size_t> idle = 0;  // connections that wait for a request; any thread may read it
   bool stopping = false, drained = true;

@@ -14,7 +14,7 @@ struct ListenerOptions {
   uint16_t port = 8080;           // 0: any that is free
   int threads = 1;                // io threads, and as many in the pool, but at least two
   std::string base_path;          // see is_base_path()
-  std::string token;              // empty: none is asked for
+  std::string token;              // empty: none is asked for; see also Listener::use_token()
   // See host.hpp. An empty list means loopback alone when the listener is bound to loopback and asks for no token, else any.
   std::vector<std::string> allowed_hosts, allowed_origins;
   std::string host_hint;          // ends the message that refuses a host: how to allow it
@@ -36,7 +36,7 @@ struct ListenerOptions {
   Milliseconds work_timeout{60'000};     // for making an answer; looked at between chunks
   Milliseconds drain_timeout{10'000};    // for requests under way when the listener stops
   bool stop_on_signals = false;          // SIGINT and SIGTERM; the second one has its usual effect
-  std::function<bool()> on_hangup = {};  // called at SIGHUP, on an io thread: must be quick; false: stop. Not set: SIGHUP has its usual effect
+  std::function<bool()> on_hangup = {};  // called at SIGHUP by the pool; false: stop. Not set: SIGHUP has its usual effect
   static constexpr size_t kSlowest = size_t{32} << 10;
 };
 

@@ -26,11 +26,12 @@ Pool::Pool(int threads) : several_(threads > 1), most_running_(static_cast<size_
 }
 
 void Pool::post(const void* client, Cost cost, std::function<void()> work) {
+  std::list<const void*> turn{client};  // made first: work that was queued without a turn would never be done
   std::lock_guard lock(mutex_);
   Lane& lane = lanes_[cost];
   auto& queue = lane.queues[client];
   queue.push_back(std::move(work));
-  if (queue.size() == 1) lane.turns.push_back(client);
+  if (queue.size() == 1) lane.turns.splice(lane.turns.end(), turn);
   changed_.notify_one();
 }
 

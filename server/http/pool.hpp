@@ -19,7 +19,7 @@ class Pool {
 
   explicit Pool(int threads);  // throws IoError when a thread can't be started
   ~Pool() { join(); }
-  // What `work` throws is lost. `client` tells one client from another.
+  // What `work` throws is lost. `client` tells one client from another. When it throws bad_alloc, nothing was posted.
   void post(const void* client, Cost cost, std::function<void()> work);
   void join();  // when everything posted so far is done
 

@@ -168,13 +168,18 @@ void append_head(std::string& out, const Response& r, const Sending& sending) {
   out += "\r\nServer: teracell\r\nDate: ";
   out += sending.date;
   out += "\r\nX-Content-Type-Options: nosniff\r\n";
+  out += sending.other_sites ? "Cross-Origin-Resource-Policy: cross-origin\r\n" : "Cross-Origin-Resource-Policy: same-site\r\n";
   if (!sending.origin.empty()) append_field(out, "Access-Control-Expose-Headers: *\r\nAccess-Control-Allow-Origin: ", sending.origin);
   if (sending.origin != "*") out += "Vary: Origin\r\n";
   if (r.status != 204 && r.status != 304) {
     if (!r.content_type.empty()) append_field(out, "Content-Type: ", r.content_type);
-    out += "Content-Length: ";
-    append_number(out, r.body ? r.body->size() : 0);
-    out += "\r\n";
+    if (r.rest) {
+      if (sending.http11) out += "Transfer-Encoding: chunked\r\n";
+    } else {
+      out += "Content-Length: ";
+      append_number(out, r.body ? r.body->size() : 0);
+      out += "\r\n";
+    }
   }
   if (!r.etag.empty()) append_field(out, "ETag: ", r.etag);
   if (!r.cache_control.empty()) append_field(out, "Cache-Control: ", r.cache_control);
@@ -191,7 +196,6 @@ void append_head(std::string& out, const Response& r, const Sending& sending) {
       break;
     case 401: out += "WWW-Authenticate: Bearer realm=\"teracell\"\r\n"; break;
     case 405: out += "Allow: GET, HEAD, OPTIONS\r\n"; break;
-    case 503: out += "Retry-After: 1\r\n"; break;
     default: break;
   }
   if (!sending.keep_alive) out += "Connection: close\r\n";

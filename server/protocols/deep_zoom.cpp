@@ -31,8 +31,7 @@ std::optional<Service::Recipe> find_tile(const ScaledSlice& slice, int scale, st
   const int64_t width = slice.width(scale), height = slice.height(scale);
   if (!column || !row || *column > (width - 1) / kTilePixels || *row > (height - 1) / kTilePixels) return std::nullopt;
   const int64_t x = *column * kTilePixels, y = *row * kTilePixels;
-  return Service::Recipe{.content_type = "image/png",
-                         .make = [=] { return slice.png(scale, x, y, std::min(x + kTilePixels, width), std::min(y + kTilePixels, height)); }};
+  return slice.picture(scale, x, y, std::min(x + kTilePixels, width), std::min(y + kTilePixels, height));
 }
 
 // {axis}/{index}.dzi and {axis}/{index}_files/{level}/{column}_{row}.png

@@ -93,7 +93,7 @@ std::optional<Service::Recipe> find_picture(const ScaledSlice& slice, std::span<
     const int64_t w = ceil_shift(region->w, scale), h = ceil_shift(region->h, scale), x = region->x >> scale, y = region->y >> scale;
     if (!is_offered(*region, scale, slice) || !is_size(path[1], w, h, scale)) continue;
     if (w * h > most) throw bad_request(fmt::format("size: expected at most {} pixels, found {} x {}; info.json lists the sizes", most, w, h));
-    return Service::Recipe{.content_type = "image/png", .make = [=] { return slice.png(scale, x, y, x + w, y + h); }};
+    return slice.picture(scale, x, y, x + w, y + h);
   }
   return std::nullopt;
 }

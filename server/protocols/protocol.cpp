@@ -26,7 +26,7 @@ Response serve_found(const ProtocolRequest& r, const std::string& id, const Find
     recipe->route = r.route;
     // The cache finds answers by their addresses: with queries that mean nothing here it would hold copies of one answer.
     if (std::ranges::any_of(r.target.query, [](const auto& q) { return q.first != "v"; })) recipe->cacheable = false;
-    return r.service.answer(r.request, r.target, *grid, *recipe);
+    return r.service.answer(r.request, r.target, grid, *recipe);
   });
 }
 

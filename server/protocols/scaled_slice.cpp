@@ -13,8 +13,8 @@ int ScaledSlice::scale_within(int64_t pixels) const {
   return scale;
 }
 
-std::string ScaledSlice::png(int scale, int64_t x0, int64_t y0, int64_t x1, int64_t y1) const {
-  return picture_png(*reader, {axis, index >> scale, scale, x0, height(scale) - y1, x1, height(scale) - y0});
+Service::Recipe ScaledSlice::picture(int scale, int64_t x0, int64_t y0, int64_t x1, int64_t y1) const {
+  return picture_recipe(*reader, {axis, index >> scale, scale, x0, height(scale) - y1, x1, height(scale) - y0});
 }
 
 std::optional<ScaledSlice> slice_at(const GridReader& reader, std::string_view axis, std::string_view index) {

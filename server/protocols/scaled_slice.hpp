@@ -9,7 +9,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/service/slice_picture.hpp"
+#include "server/service/picture_parts.hpp"
 
 namespace teracell {
 
@@ -22,8 +22,8 @@ struct ScaledSlice {
   int64_t height(int scale = 0) const;
   // The finest scale at which neither side is longer than `pixels`. REQUIRES: pixels >= 1; then the grid has this level.
   int scale_within(int64_t pixels) const;
-  // The pixels [x0, x1) x [y0, y1) of a scale as PNG. REQUIRES: they lie in the picture.
-  std::string png(int scale, int64_t x0, int64_t y0, int64_t x1, int64_t y1) const;
+  // How to make the pixels [x0, x1) x [y0, y1) of a scale as PNG. REQUIRES: they lie in the picture.
+  Service::Recipe picture(int scale, int64_t x0, int64_t y0, int64_t x1, int64_t y1) const;
 };
 
 // The slice with this index across the axis "x", "y" or "z", if the grid has it.

@@ -25,7 +25,7 @@ Documents documents_of(const ServedGrid& grid, int level) {
   out.emplace_back(".zgroup", zarr2_group);
   out.emplace_back(".zattrs", [&grid, level] { return ordered_json{{"units", grid.meta().units}, {"level", level}}; });
   out.emplace_back("label/.zarray", [&grid, level] { return zarr2_labels(grid.meta(), level, nullptr); });
-  out.emplace_back("label/.zattrs", [&grid] { return zarr2_label_attributes(grid.meta()); });
+  out.emplace_back("label/.zattrs", [&grid] { return zarr2_label_attributes(grid.meta(), true); });
   for (int axis = 0; axis < 3; ++axis) {
     const int64_t n = grid.meta().grid.cells(level)[axis];
     out.emplace_back(axis_name(axis) + "/.zarray", [n] { return zarr2_array({n}, {std::min(n, kCoordinates)}, "<f8", nullptr); });

@@ -21,7 +21,7 @@ Documents documents_of(const ServedGrid& grid) {
   });
   for (int level = 0; level < grid.reader().levels(); ++level) {
     out.emplace_back(std::to_string(level) + "/.zarray", [&grid, level] { return zarr2_labels(grid.meta(), level, 0); });
-    out.emplace_back(std::to_string(level) + "/.zattrs", [&grid] { return zarr2_label_attributes(grid.meta()); });
+    out.emplace_back(std::to_string(level) + "/.zattrs", [&grid, level] { return zarr2_label_attributes(grid.meta(), level == 0); });
   }
   return out;
 }

@@ -27,10 +27,13 @@ ordered_json zarr2_labels(const Metadata& meta, int level, const ordered_json& f
   return zarr2_array({n[2], n[1], n[0]}, {kZarrCells, kZarrCells, kZarrCells}, wide_labels(meta) ? "<u2" : "|u1", fill);
 }
 
-ordered_json zarr2_label_attributes(const Metadata& meta) {
+ordered_json zarr2_label_attributes(const Metadata& meta, bool with_names) {
+  ordered_json attributes = {{"_ARRAY_DIMENSIONS", {"z", "y", "x"}}};
+  if (!with_names) return attributes;
   ordered_json names = ordered_json::array();
   for (const MaterialInfo& m : meta.materials) names.push_back(m.name);
-  return {{"_ARRAY_DIMENSIONS", {"z", "y", "x"}}, {"materials", names}};
+  attributes["materials"] = std::move(names);
+  return attributes;
 }
 
 std::optional<Service::Recipe> find_zarr2_document(const Documents& documents, std::span<const std::string> path) {

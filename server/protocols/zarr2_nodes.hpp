@@ -11,8 +11,9 @@ nlohmann::ordered_json zarr2_array(const nlohmann::ordered_json& shape, const nl
                                    const nlohmann::ordered_json& fill);
 // The array of a level's labels.
 nlohmann::ordered_json zarr2_labels(const Metadata& meta, int level, const nlohmann::ordered_json& fill);
-// Its attributes: the names of the materials, and those of the dimensions, which xarray reads.
-nlohmann::ordered_json zarr2_label_attributes(const Metadata& meta);
+// Its attributes: the names of the dimensions, which xarray reads, and those of the materials. A document that has the attributes of
+// many levels has these names once: there may be megabytes of them.
+nlohmann::ordered_json zarr2_label_attributes(const Metadata& meta, bool with_names);
 
 // The document that holds all the others.
 inline constexpr const char* kZarr2Consolidated = ".zmetadata";

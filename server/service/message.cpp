@@ -17,6 +17,12 @@ Response error_response(int status, const std::string& code, const std::string& 
   return r;
 }
 
+Response try_again(const std::string& code, const std::string& message) {
+  Response r = error_response(503, code, message);
+  r.more_fields = "Retry-After: 1\r\n";
+  return r;
+}
+
 bool has_etag(std::string_view list, std::string_view etag) {
   for (size_t at = list.find(etag); at != std::string_view::npos; at = list.find(etag, at + 1)) {
     const size_t end = at + etag.size();

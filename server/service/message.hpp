@@ -22,10 +22,21 @@ struct Request {
 
 using Body = std::shared_ptr<const std::string>;  // cached bodies are shared, never copied
 
+// The body of a large answer, made part by part as the client takes it. For one thread at a time.
+class Parts {
+ public:
+  static constexpr size_t kEnough = size_t{64} << 10;  // bytes of a part that need no more to be added
+  virtual ~Parts() = default;
+  // Appends the next part. Returns whether another one follows. What it throws ends the answer.
+  virtual bool append(std::string& out) = 0;
+  virtual size_t memory() const = 0;  // bytes that it keeps between two parts, about
+};
+
 struct Response {
   int status = 200;
   std::string content_type;
   Body body;                     // also for HEAD: the listener sends its length alone
+  std::shared_ptr<Parts> rest;   // what follows the body; such a response is for one request and is not cached
   std::string etag;              // strong, with its quotes; empty: none
   std::string cache_control;     // empty: none
   std::string content_encoding;  // "gzip", or empty
@@ -39,6 +50,9 @@ inline Body body_of(std::string text) { return std::make_shared<const std::strin
 
 // {"error": {"code", "message"}}
 Response error_response(int status, const std::string& code, const std::string& message);
+
+// The same with status 503, for what the same request may get in a second.
+Response try_again(const std::string& code, const std::string& message);
 
 // Whether an If-None-Match field names an ETag. The field may list several, or be "*"; weak ones match too (RFC 9110, 13.1.2).
 bool has_etag(std::string_view if_none_match, std::string_view etag);

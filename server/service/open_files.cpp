@@ -14,12 +14,22 @@ ReopenedFile::ReopenedFile(std::filesystem::path path, std::shared_ptr<OpenFiles
 void ReopenedFile::read(uint64_t offset, std::span<uint8_t> out) const {
   auto file = open_->find(number_);
   if (!file) {
-    file = std::make_shared<const InputFile>(path_);
-    if (file->state() != state_)
-      throw IoError(fmt::format("{}: expected the file that was opened first, found another one or other contents: ask again", name_));
+    file = reopened();
     open_->add(number_, file, 1);
   }
   file->read(offset, out);
+}
+
+std::shared_ptr<const InputFile> ReopenedFile::reopened() const try {
+  auto file = std::make_shared<const InputFile>(path_);
+  if (file->state() == state_) return file;
+  throw Replaced(fmt::format("{}: expected the file that was opened first, found another one or other contents: ask again", name_));
+} catch (const Replaced&) {
+  throw;
+} catch (const IoError& e) {
+  std::error_code unknown;
+  if (std::filesystem::exists(path_, unknown) || unknown) throw;
+  throw Replaced(e.what());
 }
 
 }  // namespace teracell

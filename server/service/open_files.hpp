@@ -18,6 +18,11 @@ class OpenFiles : public LruCache<uint64_t, InputFile> {
   std::atomic<uint64_t> files_ = 0;
 };
 
+// A file that had to be opened again is gone, or no longer the one that was opened first.
+struct Replaced : IoError {
+  using IoError::IoError;
+};
+
 // Threads may share it.
 class ReopenedFile : public ByteSource {
  public:
@@ -27,10 +32,11 @@ class ReopenedFile : public ByteSource {
   ReopenedFile(const ReopenedFile&) = delete;
   uint64_t size() const override { return state_.size; }
   const std::string& name() const override { return name_; }
-  // Throws IoError also when the file had to be opened again and is no longer the one that the constructor found.
+  // Throws Replaced when the file had to be opened again and is no longer the one that the constructor found.
   void read(uint64_t offset, std::span<uint8_t> out) const override;
 
  private:
+  std::shared_ptr<const InputFile> reopened() const;
   const std::filesystem::path path_;
   const std::string name_;
   const std::shared_ptr<OpenFiles> open_;

@@ -4,6 +4,7 @@
 
 #include "server/service/deflate.hpp"
 #include "store/text.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -23,14 +24,18 @@ class CountedSource : public ByteSource {
     counters_->bytes.fetch_add(out.size(), std::memory_order_relaxed);
     try {
       file_.read(offset, out);
+    } catch (const Replaced& e) {
+      throw Replaced(without_folder(e.what()));
     } catch (const IoError& e) {
-      std::string message = e.what();
-      if (message.starts_with(file_.name())) message.replace(0, file_.name().size(), name_);
-      throw IoError(message);
+      throw IoError(without_folder(e.what()));
     }
   }
 
  private:
+  std::string without_folder(std::string message) const {
+    if (message.starts_with(file_.name())) message.replace(0, file_.name().size(), name_);
+    return message;
+  }
   ReopenedFile file_;
   const std::string name_;
   std::shared_ptr<Service::Counters> counters_;
@@ -51,6 +56,38 @@ class Keeper : public ChunkKeeper {
  private:
   std::shared_ptr<Service::ChunkCache> cache_;
   uint64_t grid_;
+};
+
+// What follows the first parts of an answer. Keeps its grid, and counts damage.
+class Rest final : public Parts {
+ public:
+  Rest(Service& service, std::shared_ptr<const ServedGrid> grid, std::unique_ptr<Parts> parts)
+      : service_(service), grid_(std::move(grid)), parts_(std::move(parts)) {}
+  bool append(std::string& out) override {
+    try {
+      return parts_->append(out);
+    } catch (const Replaced&) {
+      throw;
+    } catch (const FormatError& e) {
+      service_.damaged(e.what());
+      throw;
+    } catch (const IoError& e) {
+      service_.damaged(e.what());
+      throw;
+    }
+  }
+  size_t memory() const override { return parts_->memory(); }
+
+ private:
+  Service& service_;
+  const std::shared_ptr<const ServedGrid> grid_;  // before what refers to it
+  const std::unique_ptr<Parts> parts_;
+};
+
+// An answer that is not kept, so that others who wait for it must make their own.
+struct NotKept : Unwanted {
+  explicit NotKept(Response r) : Unwanted("the answer is for one request"), response(std::move(r)) {}
+  Response response;
 };
 
 std::string etag_of(const ServedGrid& grid, const std::string& address, bool gzip) {
@@ -105,7 +142,8 @@ std::optional<Response> Service::from_cache(const Request& request) {
   return r;
 }
 
-Response Service::answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe) {
+Response Service::answer(const Request& request, const Target& target, const std::shared_ptr<const ServedGrid>& served, const Recipe& recipe) {
+  const ServedGrid& grid = *served;
   // Taken before the answer is made: if the grid is replaced meanwhile, the answer is kept under a key that nobody uses.
   const std::optional<uint64_t> epoch = grids_->epoch_of(grid);
   Response r;
@@ -127,18 +165,33 @@ Response Service::answer(const Request& request, const Target& target, const Ser
     return r;
   }
   const auto make = [&] {
-    std::string text = recipe.make();
     Response made = r;
-    made.body = body_of(gzip ? deflated(text, Wrapping::kGzip) : std::move(text));
+    if (recipe.make) {
+      std::string text = recipe.make();
+      made.body = body_of(gzip ? deflated(text, Wrapping::kGzip) : std::move(text));
+      return made;
+    }
+    std::unique_ptr<Parts> parts = gzip ? gzip_parts(recipe.parts()) : recipe.parts();
+    std::string first;
+    bool more = true;
+    while (more && first.size() < kWhole) more = parts->append(first);
+    first.shrink_to_fit();
+    made.body = body_of(std::move(first));
+    if (more) made.rest = std::make_shared<Rest>(*this, served, std::move(parts));
     return made;
   };
   if (!recipe.cacheable || !epoch) return make();
   const std::string key = cache_key(*epoch, gzip, request.target);
-  return *answers_->get(key, [&] {
-    auto made = std::make_shared<const Response>(make());
-    const size_t bytes = sizeof(Response) + made->body->capacity() + 3 * key.size() + 256;  // 256: for the other strings
-    return std::pair(std::move(made), bytes);
-  });
+  try {
+    return *answers_->get(key, [&] {
+      auto made = std::make_shared<const Response>(make());
+      if (made->rest) throw NotKept(*made);
+      const size_t bytes = sizeof(Response) + made->body->capacity() + 3 * key.size() + 256;  // 256: for the other strings
+      return std::pair(std::move(made), bytes);
+    });
+  } catch (const NotKept& e) {
+    return e.response;
+  }
 }
 
 void Service::damaged(const std::string& message) {

@@ -47,13 +47,16 @@ class Service {
     bool cacheable = true;
     bool compress = false;        // with gzip, for clients that accept it; false for what is compressed already
     std::function<std::string()> make;
+    std::function<std::unique_ptr<Parts>()> parts = {};  // in place of make(), for what may be large; they may refer to the grid
     std::string address = {};     // set when the answer contains its own address: its ETag then depends on it
   };
-  // The answer; or status 304, without making it, when the client has it. Clients may keep it for ever when the address names
+  // The answer; or status 304, without making it, when the client has it. An answer of more than kWhole bytes that comes in parts has
+  // its first ones made, and is not kept. Clients may keep it for ever when the address names
   // this version of the grid ("v=<hash>" in its query); otherwise they must ask each time. Throws HttpError 404 for a version
   // that is no longer served, and what make() throws. REQUIRES: the answer depends on the grid and on request.target alone,
   // unless it is not cacheable.
-  Response answer(const Request& request, const Target& target, const ServedGrid& grid, const Recipe& recipe);
+  Response answer(const Request& request, const Target& target, const std::shared_ptr<const ServedGrid>& grid, const Recipe& recipe);
+  static constexpr size_t kWhole = size_t{1} << 18;
   // The earlier answer to the same address, if the cache still has it; counted as a hit.
   std::optional<Response> from_cache(const Request& request);
   bool is_cached(const Request& request) { return find_cached(request) != nullptr; }  // not counted as a hit

@@ -75,24 +75,9 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
   return numbers;
 }
 
-// Row by row, since a picture of more than kMostOutlined pixels is never in memory as numbers.
-std::string streamed_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
-  if (style.outline)
-    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it or for a coarser level",
-                                 kMostOutlined, width_of(view), height_of(view)));
-  std::string out;
-  SetColors colors(reader.meta(), view.level, style.shown);
-  PngWriter png(static_cast<uint32_t>(width_of(view)), static_cast<uint32_t>(height_of(view)), colors,
-                [&](std::span<const uint8_t> bytes) { out.append(bytes.begin(), bytes.end()); });
-  for_each_row(reader, view, colors.value(), true, 1, [&](int64_t, std::span<const uint16_t> row) { png.append(row); });
-  png.finish();
-  return out;
-}
-
 }  // namespace
 
 std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
-  if (width_of(view) * height_of(view) > kMostOutlined) return streamed_png(reader, view, style);
   SetNumbers sets(reader.meta());
   const std::vector<uint16_t> numbers = style.outline ? outlined_numbers_of(reader, view, sets) : numbers_of(reader, view, sets, true);
   const MaterialColors of_materials(reader.meta(), style.shown);

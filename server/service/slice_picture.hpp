@@ -14,7 +14,7 @@ struct PictureStyle {
   bool outline = false;     // draws boundaries between different sets, dark
 };
 
-// The view as PNG, the row with the highest v on top. Throws UsageError for outlines in more than kMostOutlined pixels.
+// The view as PNG, the row with the highest v on top. REQUIRES: it has at most kMostOutlined pixels; picture_parts.hpp makes larger ones.
 std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style = {});
 
 // The cells of the view as the ids of their strongest materials, row v0 first, written by put_labels().

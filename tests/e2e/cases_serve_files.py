@@ -61,6 +61,25 @@ class TokenFiles(ServeCase):
 
 
 class Hangups(ServeCase):
+    def test_a_hangup_makes_it_read_the_token_again(self):
+        self.grid()
+        self.token("first")
+        server = self.serve("g.tcell", "--token-file", "token")
+        status = lambda token: server.get("/api/v1/grids", Authorization=f"Bearer {token}").status
+        self.assertEqual((status("first"), status("second")), (200, 401))
+        self.token("second")
+        server.signal(signal.SIGHUP)
+        for _ in range(100):
+            if status("second") == 200:
+                break
+            time.sleep(0.05)
+        self.assertEqual((status("first"), status("second")), (401, 200))
+        self.token("no token")
+        server.signal(signal.SIGHUP)
+        self.assertIn("warning: --token-file token: expected a first line", server.problem())
+        self.assertEqual(status("second"), 200)
+        self.stop(server, problems=1)
+
     def test_a_hangup_makes_it_look_anew(self):
         self.grid()
         server = self.serve(".")

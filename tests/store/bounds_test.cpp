@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "store/chunk_codec.hpp"
 #include "store/info.hpp"
+#include "tests/support/assembled.hpp"
 #include "tests/support/peak.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
@@ -165,6 +167,41 @@ TEST_CASE("The longest report that is allowed is answered in little more memory 
   CHECK(peak < int64_t{96} << 20);
   CHECK(peak_memory_of([&] { verify_quietly(reader); }) < int64_t{96} << 20);
   expect_verify_refuses(with_report(chunked_file(), report_of(kMostText + 1)), "report: expected a zstd frame of at most 67108864 bytes");
+}
+
+TEST_CASE("A small frame can't become a large chunk, and an honest chunk that shrinks too much is compressed less") {
+  RayBlock plates;
+  plates.reset(64, 64, 1000);
+  std::vector<SetId> sets = {0};
+  std::vector<uint32_t> changes;
+  for (uint32_t i = 1; i <= 200; ++i) sets.push_back(i % 2), changes.push_back(4 * i);
+  for (int ray = 0; ray < 64 * 64; ++ray) plates.append(sets, changes);
+  const Bytes frame = ChunkEncoder().encode(plates, SetTable(2));
+  CHECK(frame.size() > plates.at.size() / 256);
+  CHECK(frame.size() < plates.at.size() / 50);
+  Chunk again;
+  ChunkDecoder().decode(frame, 64, 64, 1000, 2, again);
+  CHECK(again.rays.at == plates.at);
+  const Bytes zeros((1 << 16) + 1, 0), small = squeezed(zeros);
+  REQUIRE_THROWS_WITH(ChunkDecoder().decode(small, 64, 64, 1000, 2, again), Catch::StartsWith("chunk: expected a zstd frame of at most 65536 bytes"));
+  REQUIRE_THROWS_WITH(decode_page(small, 1, false, 2), Catch::StartsWith("index page: expected a zstd frame of at most 65536 bytes"));
+}
+
+TEST_CASE("A frame that two chunks name is refused when the second of them is read, and so is a page that stands for two") {
+  const Bytes file = chunked_file();
+  const auto read_all = [](const GridReader& reader) { level_as_read(reader, 0); };
+  const GridReader chunks = reader_of(forge(file, {.page = [](int level, std::vector<ChunkEntry>& entries) {
+                                              if (level != 0) return;
+                                              const auto first = std::ranges::find_if(entries, [](const ChunkEntry& e) { return e.size != 0; });
+                                              for (ChunkEntry& e : entries)
+                                                if (e.size != 0 && first != entries.end()) e = *first;
+                                            }}));
+  REQUIRE_THROWS_WITH(read_all(chunks),
+                      Catch::StartsWith("memory.tcell: level 0 chunk (") && Catch::EndsWith("belongs to two things that the index names"));
+  const GridReader pages = reader_of(forge(file, {.directory = [](int, std::vector<DirectoryEntry>& entries) {
+                                             for (DirectoryEntry& e : entries) e = entries[0];
+                                           }}));
+  REQUIRE_THROWS_WITH(read_all(pages), Catch::StartsWith("memory.tcell: ") && Catch::EndsWith("belongs to two things that the index names"));
 }
 
 }  // namespace

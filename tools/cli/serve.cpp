@@ -154,8 +154,14 @@ void run(const ServeArguments& o) {
   if (!o.token_file.empty() && others_can_read(o.token_file))
     note(fmt::format("warning: --token-file {}: other users of this machine can read it: chmod 600 {}", o.token_file, o.token_file));
   Service service({named, parse_size(o.cache, "--cache"), o.max_pixels, shares.files, listen.token.empty(), note});
+  Listener* listening = nullptr;
   listen.on_hangup = [&] {
     service.grids().look_soon();
+    if (!o.token_file.empty()) try {
+        listening->use_token(read_token(o.token_file));
+      } catch (const Error& e) {
+        note(fmt::format("warning: --token-file {}: the last token stays", e.what()));
+      }
     return !with_terminal || has_terminal();
   };
   Prefetch prefetch([&](const Request& request) {
@@ -166,6 +172,7 @@ void run(const ServeArguments& o) {
   const Handler routes = with_operations(with_prefetch(handler_of(service), prefetch), metrics, [&] { return state_of(service, log); });
   const Body licences = body_of(std::string(notice()));
   Listener listener = listen_with(listen, with_page(with_text(routes, "/NOTICE", licences), page), metrics, log);
+  listening = &listener;
   if (!listener.loopback() && listen.token.empty())
     note(fmt::format("warning: anybody who can reach {} can read these grids: give a --token-file, or put a server in front that asks for a password",
                      o.host));
@@ -219,7 +226,7 @@ Run setup_serve(CLI::App& app) {
       ->check(in_range(0, 86400));
   app.footer(
       "SIGTERM or SIGINT stops the server: requests under way are answered first. A second signal ends it at once.\n"
-      "SIGHUP makes it look at all files anew.\n"
+      "SIGHUP makes it look at all files anew, and read the token again.\n"
       "Examples:\n  teracell serve g.tcell\n  teracell serve grids/ --host 0.0.0.0 --token-file token --log json");
   return [o] { run(*o); };
 }

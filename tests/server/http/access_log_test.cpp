@@ -61,6 +61,16 @@ TEST_CASE("a line of text", "[server][log]") {
   CHECK(line(LogFormat::kText, "", "") == "TIME ::1 - - 200 12 0.250 tile\n");
 }
 
+TEST_CASE("an answer that was cut is told as such", "[server][log]") {
+  const LogEntry cut{"::1", "GET", "/a", 200, 12, 0.25, "slice", true};
+  std::string text, json;
+  append_log_line(text, LogFormat::kText, "TIME", cut);
+  append_log_line(json, LogFormat::kJson, "TIME", cut);
+  CHECK(text == "TIME ::1 GET /a 200 12 0.250 slice cut\n");
+  CHECK(nlohmann::json::parse(json)["cut"] == true);
+  CHECK_FALSE(nlohmann::json::parse(line(LogFormat::kJson, "/a")).contains("cut"));
+}
+
 TEST_CASE("a line of JSON", "[server][log]") {
   const auto j = nlohmann::json::parse(line(LogFormat::kJson, "/a"));
   CHECK(

@@ -3,10 +3,30 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdlib>
 #include <mutex>
+#include <new>
 #include <string>
 
 #include <catch2/catch.hpp>
+
+namespace {
+
+thread_local int allocations_left = -1;  // before one fails; negative: none does
+
+}  // namespace
+
+// A sanitizer has its own, which must not be replaced.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__clang__)
+void* operator new(size_t size) {
+  if (allocations_left == 0) throw std::bad_alloc();
+  if (allocations_left > 0) --allocations_left;
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, size_t) noexcept { std::free(p); }
+#endif
 
 namespace teracell {
 namespace {
@@ -114,6 +134,28 @@ TEST_CASE("Joining does all that was posted", "[pool][threads]") {
     for (int i = 0; i < 1000; ++i) pool.post(&done + i % 7, i % 3 ? Pool::kCheap : Pool::kDear, [&] { ++done; });
   }
   CHECK(done == 1000);
+}
+
+TEST_CASE("Work that could not be posted for want of memory is not done, and that posted later is", "[server][threads]") {
+  const int client = 0;
+  for (int fails = 0; fails < 6; ++fails) {
+    INFO(fails);
+    std::atomic<int> done = 0;
+    bool posted = true;
+    {
+      Pool pool(2);
+      std::function<void()> work = [&] { ++done; };
+      allocations_left = fails;
+      try {
+        pool.post(&client, Pool::kDear, std::move(work));
+      } catch (const std::bad_alloc&) {
+        posted = false;
+      }
+      allocations_left = -1;
+      pool.post(&client, Pool::kDear, [&] { ++done; });
+    }
+    CHECK(done == 1 + posted);
+  }
 }
 
 }  // namespace

@@ -148,6 +148,22 @@ TEST_CASE("when not every page may read an answer, caches are told that it depen
   CHECK(head_of({}).find("Origin\r\n") == std::string::npos);
 }
 
+TEST_CASE("a body with a rest is sent in chunks, or to HTTP/1.0 until the end of the connection", "[server][wire]") {
+  struct Nothing : Parts {
+    bool append(std::string&) override { return false; }
+    size_t memory() const override { return 0; }
+  };
+  const Response r{.body = body_of("a"), .rest = std::make_shared<Nothing>()};
+  CHECK(has_line(head_of(r), "Transfer-Encoding: chunked"));
+  for (const bool http11 : {true, false}) CHECK(head_of(r, {!http11, http11, "DATE"}).find("Content-Length") == std::string::npos);
+  CHECK(head_of(r, {false, false, "DATE"}).find("Transfer-Encoding") == std::string::npos);
+}
+
+TEST_CASE("pages of other sites may show pictures only when some origin is allowed", "[server][wire]") {
+  CHECK(has_line(head_of({}), "Cross-Origin-Resource-Policy: cross-origin"));
+  CHECK(has_line(head_of({}, {true, true, "DATE", "", false}), "Cross-Origin-Resource-Policy: same-site"));
+}
+
 TEST_CASE("fields that depend on the status", "[server][wire]") {
   CHECK(has_line(head_of({.status = 404}), "Content-Length: 0"));
   CHECK(head_of({.status = 304}).find("Content-Length") == std::string::npos);
@@ -155,7 +171,8 @@ TEST_CASE("fields that depend on the status", "[server][wire]") {
   CHECK(has_line(head_of({.status = 204}), "Access-Control-Allow-Headers: range, if-none-match, authorization"));
   CHECK(has_line(head_of({.status = 401}), "WWW-Authenticate: Bearer realm=\"teracell\""));
   CHECK(has_line(head_of({.status = 405}), "Allow: GET, HEAD, OPTIONS"));
-  CHECK(has_line(head_of({.status = 503}), "Retry-After: 1"));
+  CHECK(head_of({.status = 503}).find("Retry-After") == std::string::npos);
+  CHECK(has_line(head_of(try_again("overloaded", "")), "Retry-After: 1"));
 }
 
 TEST_CASE("no value can end its line", "[server][wire]") {

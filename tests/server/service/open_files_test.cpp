@@ -65,7 +65,7 @@ TEST_CASE("A file that must be opened again and is another one, or has changed, 
   };
   const auto refused = [&] {
     CHECK(read(pushes_it_out) == "other");
-    CHECK_THROWS_AS(read(file), IoError);
+    CHECK_THROWS_AS(read(file), Replaced);
     CHECK_THROWS_WITH(read(file), Catch::StartsWith(path.string() + ": "));
   };
   SECTION("a later time") {
