@@ -118,6 +118,8 @@ class Usage(Case):
                 (["--region", "along x", "0 to 3", "level 2"], ["export", "g.tcell", "--level", 2, "--region", "0,0,0,4,1,1", "-o", "x.npy"]),
                 (["--level: expected", "0 to 4"], ["export", "g.tcell", "--level", 5, "-o", "x.npy"]),
                 ([".npy", ".raw", "--format"], ["export", "g.tcell", "-o", "x.bin"]),
+                (["--fluid", "'water'"], ["export", "g.tcell", "-o", "case", "--format", "openfoam", "--fluid", "water"]),
+                (["--ranks", "npy", "no such option"], ["export", "g.tcell", "-o", "x.npy", "--ranks", 2]),
                 (["--format", "npy", "raw"], ["export", "g.tcell", "-o", "x.npy", "--format", "vtk"])):
             self.refused(2, phrases, *args)
 

@@ -27,7 +27,7 @@ std::string typed(const ExportOption& o) { return o.argument.empty() ? o.name : 
 std::string list_of_formats() {
   std::string list;
   for (const ExportFormat& f : export_formats()) {
-    list += fmt::format("{}{:<10} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::join(f.extensions, " "), f.holds);
+    list += fmt::format("{}{:<10} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::format("{}", fmt::join(f.extensions, " ")), f.holds);
     for (const ExportOption& o : f.options) list += fmt::format("\n{:23}   {}: {}", "", typed(o), o.help);
   }
   return list;

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 
-// One line per format NAME: the file NAME.cpp defines NAME_format().
+// One line per format NAME: the file NAME.cpp, or NAME/NAME.cpp, defines NAME_format().
 // clang-format off
 #define TERACELL_EXPORT_FORMATS(format) \
   format(npy) \
+  format(openfoam) \
   format(raw)
 // clang-format on
 

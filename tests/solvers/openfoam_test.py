@@ -1,0 +1,207 @@
+"""OpenFOAM checks meshes of `teracell export --format openfoam`, and computes on them: the same on ranks as alone.
+
+Usage: openfoam_test.py PATH_TO_TERACELL
+"""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+
+HEADER = "FoamFile {{ version 2.0; format ascii; class {}; object {}; }}\n"
+SYSTEM = {
+    "controlDict": "application laplacianFoam; startFrom startTime; startTime 0; stopAt endTime; endTime 5; deltaT 1; writeControl timeStep; writeInterval 5;"
+                   "writeFormat ascii; writePrecision 14; timePrecision 6;",
+    "fvSchemes": "ddtSchemes { default Euler; } gradSchemes { default Gauss linear; } divSchemes { default none; } laplacianSchemes { default Gauss linear corrected; }"
+                 "interpolationSchemes { default linear; } snGradSchemes { default corrected; }",
+    "fvSolution": "solvers { T { solver PCG; preconditioner DIC; tolerance 1e-14; relTol 0; } } SIMPLE { nNonOrthogonalCorrectors 0; }",
+}
+# Warm on one side, cold at the block; nothing passes elsewhere.
+TEMPERATURE = """dimensions [0 0 0 1 0 0 0]; internalField uniform 300;
+boundaryField { ".*" { type zeroGradient; } "procBoundary.*" { type processor; value uniform 300; }
+xmin { type fixedValue; value uniform 400; } copper { type fixedValue; value uniform 250; } }
+"""
+GAS = {
+    "thermophysicalProperties": "thermoType { type hePsiThermo; mixture pureMixture; transport const; thermo hConst; equationOfState perfectGas; specie specie;"
+                                "energy sensibleInternalEnergy; } mixture { specie { molWeight 28.96; } thermodynamics { Cp 1004.5; Hf 0; } transport { mu 0; Pr 0.7; } }",
+    "turbulenceProperties": "simulationType laminar;",
+}
+GAS_SYSTEM = {
+    "controlDict": "application rhoCentralFoam; startFrom startTime; startTime 0; stopAt endTime; endTime 4e-5; deltaT 5e-7; writeControl timeStep; writeInterval 80;"
+                   "writeFormat ascii; writePrecision 14; timePrecision 6; adjustTimeStep no;",
+    "fvSchemes": "fluxScheme Kurganov; ddtSchemes { default Euler; } gradSchemes { default Gauss linear; } divSchemes { default none; div(tauMC) Gauss linear; }"
+                 "laplacianSchemes { default Gauss linear corrected; } snGradSchemes { default corrected; }"
+                 "interpolationSchemes { default linear; reconstruct(rho) vanLeer; reconstruct(U) vanLeerV; reconstruct(T) vanLeer; }",
+    "fvSolution": "solvers { \"(rho|rhoU|rhoE)\" { solver diagonal; } U { solver smoothSolver; smoother GaussSeidel; tolerance 1e-9; relTol 0; } e { $U; } }",
+}
+PLANES = {"x": [0.2 * i + 0.01 * i * i for i in range(25)], "y": [0.5 * i for i in range(19)], "z": [0.3 * i for i in range(17)]}
+BOXES = [("copper", (4.9, 0, 0), (10.6, 3.2, 1.4)),   # in a corner, and across each axis of another size
+         ("steel", (2.1, 5.2, 1.6), (4.2, 7.8, 3.9)),   # a casing ...
+         ("air", (2.8, 6.1, 2.2), (3.6, 7.1, 3.1))]     # ... around air that nothing reaches
+PROGRAM = None
+
+
+def obj(lo, hi):
+    corners = [[(lo, hi)[i >> d & 1][d] for d in range(3)] for i in range(8)]
+    sides = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
+    return "".join("v %r %r %r\n" % tuple(c) for c in corners) + "".join("f %d %d %d %d\n" % s for s in sides)
+
+
+def values(path, width=1):
+    """The numbers of a field's cells."""
+    with open(path) as file:
+        text = file.read()
+    found = re.search(r"internalField\s+nonuniform List<\w+>\s+(\d+)\s*\(", text)
+    numbers = text[found.end():text.index("boundaryField")].translate(str.maketrans("();", "   ")).split()
+    result = numpy.array(numbers, dtype=float)
+    assert len(result) == int(found[1]) * width
+    return result.reshape(-1, width) if width > 1 else result
+
+
+class OpenFoam(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="teracell-openfoam-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        for i, (_, lo, hi) in enumerate(BOXES):
+            self.write(f"{i}.obj", obj(lo, hi))
+        bodies = [{"name": f"body{i}", "mesh": f"{i}.obj", "material": material} for i, (material, _, _) in enumerate(BOXES)]
+        grid = {axis: {"planes": planes} for axis, planes in PLANES.items()}
+        self.write("scene.json", json.dumps({"units": "cm", "grid": grid, "materials": {"air": {}, "copper": {}, "steel": {}}, "bodies": bodies}))
+        self.teracell("mesh", "scene.json", "-o", "g.tcell")
+        self.teracell("export", "g.tcell", "-o", "g.npy")
+        self.cells = numpy.load(os.path.join(self.folder, "g.npy"))
+        self.assertEqual(set(self.cells.flat), {0, 1, 2})
+
+    def write(self, name, text):
+        path = os.path.join(self.folder, name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path, "w") as file:
+            file.write(text)
+
+    def run_ok(self, *command):
+        done = subprocess.run(command, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=300)
+        self.assertEqual(done.returncode, 0, f"{' '.join(command)}:\n{done.stdout[-4000:]}")
+        return done.stdout
+
+    def teracell(self, *args):
+        return self.run_ok(PROGRAM, *args)
+
+    def foam(self, case, *command, ranks=1):
+        environment = "source /usr/share/openfoam/etc/bashrc >/dev/null 2>&1; export WM_PROJECT_DIR=/usr/share/openfoam"
+        mpi = "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; exec mpirun --oversubscribe -np %d" % ranks if ranks > 1 else "exec"
+        parallel = ["-parallel"] if ranks > 1 else []
+        return self.run_ok("bash", "-c", f'{environment}; {mpi} "$@"', "foam", *command, "-case", case, *parallel)
+
+    def case(self, name, *options, ranks=1):
+        """A case with a mesh for one rank, and one for several."""
+        for file, text in SYSTEM.items():
+            self.write(f"{name}/system/{file}", HEADER.format("dictionary", file) + text)
+        self.write(f"{name}/constant/transportProperties", HEADER.format("dictionary", "transportProperties") + "DT [0 2 -1 0 0 0 0] 1e-6;")
+        self.write(f"{name}/0/T", HEADER.format("volScalarField", "T") + TEMPERATURE)
+        self.teracell("export", "g.tcell", "--format", "openfoam", "-o", name, *options)
+        if ranks > 1:
+            self.write(f"{name}/system/decomposeParDict", HEADER.format("dictionary", "decomposeParDict") + f"numberOfSubdomains {ranks}; method simple;")
+            self.teracell("export", "g.tcell", "--format", "openfoam", "-o", name, *options, "--ranks", str(ranks))
+            for rank in range(ranks):
+                self.write(f"{name}/processor{rank}/0/T", HEADER.format("volScalarField", "T") + TEMPERATURE)
+        return name
+
+    def expect_mesh(self, text, cells, regions=1):
+        self.assertEqual(int(re.search(r"^\s*cells:\s+(\d+)", text, re.M)[1]), cells)
+        self.assertEqual(int(re.search(r"^\s*hexahedra:\s+(\d+)", text, re.M)[1]), cells)
+        found = re.search(r"Number of regions: (\d+)", text)
+        self.assertEqual(int(found[1]), regions)
+        self.assertNotIn("***", text)
+        if regions == 1:
+            self.assertIn("\nMesh OK.", text)
+
+    def test_a_mesh_of_the_background_is_sound(self):
+        air = int((self.cells == 0).sum())
+        text = self.foam(self.case("whole", ranks=3), "checkMesh")
+        self.assertEqual(int(re.search(r"Number of regions: (\d+)", text)[1]), 2)  # the casing's inside is one
+        self.assertEqual(int(re.search(r"^\s*cells:\s+(\d+)", text, re.M)[1]), air)
+
+    def test_without_the_unreachable_it_is_one_region_alone_and_on_ranks(self):
+        cavity = (self.cells == 2)
+        z, y, x = numpy.nonzero(cavity)
+        inner = (self.cells[z.min():z.max() + 1, y.min():y.max() + 1, x.min():x.max() + 1] == 0).sum()
+        self.assertGreater(inner, 0)
+        reached = int((self.cells == 0).sum() - inner)
+        case = self.case("reached", "--drop-unreachable", ranks=3)
+        self.expect_mesh(self.foam(case, "checkMesh", "-allTopology", "-allGeometry"), reached)
+        self.expect_mesh(self.foam(case, "checkMesh", "-allTopology", "-allGeometry", ranks=3), reached)
+
+    def test_cells_lie_where_the_grid_has_them(self):
+        case = self.case("centres")
+        self.foam(case, "postProcess", "-func", "writeCellCentres", "-time", "0")
+        axes = [0.01 * (numpy.array(p[1:]) + numpy.array(p[:-1])) / 2 for p in (PLANES["x"], PLANES["y"], PLANES["z"])]
+        z, y, x = numpy.nonzero(self.cells == 0)  # x fastest
+        numpy.testing.assert_allclose(values(os.path.join(self.folder, case, "0", "C"), 3), numpy.stack([axes[0][x], axes[1][y], axes[2][z]], axis=1), rtol=1e-9)
+
+    def test_zones_are_the_materials(self):
+        case = self.case("zones", "--zones", ranks=4)
+        for ranks in (1, 4):
+            text = self.foam(case, "checkMesh", ranks=ranks)
+            self.expect_mesh(text, self.cells.size)
+            for number, material in enumerate(("air", "copper", "steel")):
+                self.assertEqual(int(re.search(rf"^\s*{material}\s+(\d+)", text, re.M)[1]), int((self.cells == number).sum()), (ranks, material))
+
+    def test_a_solver_computes_the_same_on_ranks_as_alone(self):
+        alone = self.case("alone", "--drop-unreachable")
+        self.foam(alone, "laplacianFoam")
+        expected = values(os.path.join(self.folder, alone, "5", "T"))
+        self.assertGreater(expected.max() - expected.min(), 50)
+        ranks = self.case("ranks", "--drop-unreachable", ranks=3)
+        self.foam(ranks, "laplacianFoam", ranks=3)
+        self.foam(ranks, "reconstructPar")
+        numpy.testing.assert_allclose(values(os.path.join(self.folder, ranks, "5", "T")), expected, rtol=1e-9)
+
+    def write_gas(self, folder, pressures):
+        """Gas at rest with a pressure for each cell, between slip walls."""
+        listed = f"nonuniform List<scalar> {len(pressures)} (" + " ".join(map(repr, pressures.tolist())) + ")"
+        for name, kind, dimensions, inside, walls in (("p", "volScalarField", "[1 -1 -2 0 0 0 0]", listed, "zeroGradient"),
+                                                      ("T", "volScalarField", "[0 0 0 1 0 0 0]", "uniform 300", "zeroGradient"),
+                                                      ("U", "volVectorField", "[0 1 -1 0 0 0 0]", "uniform (0 0 0)", "slip")):
+            self.write(f"{folder}/0/{name}", HEADER.format(kind, name) + f"dimensions {dimensions}; internalField {inside}; boundaryField {{"
+                       f'".*" {{ type {walls}; }} }}')
+
+    def test_a_charge_bursts_the_same_on_ranks_as_alone_and_no_gas_is_lost(self):
+        air, middle = self.cells == 0, [numpy.array(p[1:]) / 2 + numpy.array(p[:-1]) / 2 for p in PLANES.values()]
+        z, y, x = numpy.nonzero(air)  # the order of cells
+        far = (middle[0][x] - 5.5) ** 2 + (middle[1][y] - 4.2) ** 2 + (middle[2][z] - 2.3) ** 2
+        pressures = numpy.where(far < 1.0, 5e6, 1e5)
+        self.assertGreater((pressures > 1e5).sum(), 20)
+        cases = {ranks: self.case(f"gas{ranks}", ranks=ranks) for ranks in (1, 3)}
+        for ranks, case in cases.items():
+            for file, text in GAS_SYSTEM.items():
+                self.write(f"{case}/system/{file}", HEADER.format("dictionary", file) + text)
+            for file, text in GAS.items():
+                self.write(f"{case}/constant/{file}", HEADER.format("dictionary", file) + text)
+            self.write_gas(case, pressures)
+            if ranks > 1:
+                shutil.rmtree(os.path.join(self.folder, case, "processor0", "0"))  # decomposePar must have made it
+                self.foam(case, "decomposePar", "-fields")  # by the numbers that the parts have in the whole mesh
+            self.foam(case, "rhoCentralFoam", ranks=ranks)
+            if ranks > 1:
+                self.foam(case, "reconstructPar")
+        result = {ranks: {name: values(os.path.join(self.folder, case, "4e-05", name)) for name in ("p", "rho")} for ranks, case in cases.items()}
+        for name, field in result[1].items():
+            numpy.testing.assert_allclose(result[3][name], field, rtol=1e-9)
+        widths = [numpy.diff(p) for p in PLANES.values()]
+        volume = widths[0][x] * widths[1][y] * widths[2][z]
+        before = (pressures * volume).sum() / (8314.47 / 28.96 * 300)
+        self.assertAlmostEqual((result[1]["rho"] * volume).sum() / before, 1, places=4)  # OpenFOAM's gas constant has more digits
+        moved = numpy.abs(result[1]["p"] / pressures - 1) > 0.01
+        self.assertGreater(moved.sum(), 4 * (far < 1.0).sum())
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    PROGRAM = os.path.abspath(sys.argv.pop(1))
+    unittest.main()

@@ -1,0 +1,155 @@
+// OpenFOAM's polyMesh: cells of chosen materials, with a patch for each material and each side of the domain that they touch.
+//
+// The cells are gone through two or three times: to find what hangs together or how many cells there are, if that is asked for; to count
+// points and faces; to write. Counting first costs a tenth of writing, and every list has its place in its file from the beginning.
+#include <charconv>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "tools/export/openfoam/case_folder.hpp"
+#include "tools/export/openfoam/mesh_writer.hpp"
+
+namespace teracell {
+namespace foam {
+namespace {
+
+const std::map<std::string, double> kMetres = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"um", 1e-6}, {"nm", 1e-9}, {"in", 0.0254}, {"ft", 0.3048}};
+
+double metres(const std::string& unit) {
+  const auto it = kMetres.find(unit);
+  if (it == kMetres.end()) throw UsageError(fmt::format("OpenFOAM's lengths are in metres: the grid's unit '{}' has no length that is known", unit));
+  return it->second;
+}
+
+std::vector<bool> cells_of_mesh(const Export& e) {
+  const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
+  std::vector<bool> out(materials.size(), e.has("--zones") && !e.has("--fluid"));
+  if (!e.has("--fluid")) out[0] = true;
+  else
+    for (std::string_view rest = e.options.at("--fluid"); !rest.empty();) {
+      const std::string_view name = rest.substr(0, rest.find(','));
+      rest.remove_prefix(std::min(rest.size(), name.size() + 1));
+      const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
+      if (it == materials.end()) throw UsageError(fmt::format("--fluid: the grid has no material '{}'", name));
+      out[static_cast<size_t>(it - materials.begin())] = true;
+    }
+  return out;
+}
+
+uint32_t ranks_of(const Export& e) {
+  if (!e.has("--ranks")) return 1;
+  const std::string& text = e.options.at("--ranks");
+  uint32_t ranks = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ranks);
+  if (error != std::errc() || end != text.data() + text.size() || ranks < 1 || ranks > 100'000)
+    throw UsageError(fmt::format("--ranks: expected 1 to 100000, found '{}'", text));
+  return ranks;
+}
+
+// OpenFOAM's words have no blanks, quotes, slashes, semicolons and braces; others are safe in most of its files only if they are plain.
+std::string word(const std::string& name, std::set<std::string>& taken) {
+  std::string plain;
+  for (const char c : name) plain += (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' || c == '.' ? c : '_';
+  if (plain.empty() || (plain[0] >= '0' && plain[0] <= '9') || plain[0] == '-' || plain[0] == '.') plain.insert(0, "_");
+  std::string out = plain;
+  for (int i = 2; !taken.insert(out).second; ++i) out = fmt::format("{}_{}", plain, i);
+  return out;
+}
+
+MeshNames names_of(const Export& e, const MeshCounts& counts) {
+  static constexpr const char* kSideNames[] = {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
+  const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
+  MeshNames out;
+  std::set<std::string> patches(std::begin(kSideNames), std::end(kSideNames)), zones;
+  for (const auto& [what, faces] : counts.patches)
+    out.patches[what] = what >= kSides ? PatchInfo{kSideNames[what - kSides], "patch"} : PatchInfo{word(materials[what].name, patches), "wall"};
+  if (!e.has("--zones")) return out;
+  std::set<uint32_t> found;
+  for (const PartCounts& part : counts.parts)
+    for (const auto& [material, cells] : part.zones) found.insert(material);
+  for (const uint32_t material : found) out.zones[material] = word(materials[material].name, zones);
+  return out;
+}
+
+// Each face has four entries in the list of corners.
+bool fits_labels(int64_t points, int64_t cells, int64_t faces) { return points <= kMostLabel && cells <= kMostLabel && faces <= kMostLabel / 4; }
+
+void expect_labels(const MeshCounts& counts) {
+  for (const PartCounts& part : counts.parts)
+    if (!fits_labels(part.points, part.cells, part.all_faces()))
+      throw UsageError(fmt::format("OpenFOAM's 32-bit labels hold a mesh of {} faces, a part of this one has {}: give --ranks {} or more",
+                                   kMostLabel / 4, part.all_faces(), counts.all_faces() / (kMostLabel / 4 * 9 / 10) + 1));
+}
+
+void expect_cells(const Export& e, const Division& d, int64_t cells) {
+  if (cells > 0) return;
+  std::string names;
+  for (size_t id = 0; id < d.in_mesh.size() && names.size() < 200; ++id)
+    if (d.in_mesh[id]) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", e.reader.meta().materials[id].name);
+  throw UsageError(fmt::format("the mesh would have no cell: expected cells of {} in the box, found none; --fluid chooses other materials", names));
+}
+
+// Finds the regions, if that is asked for, and the number of cells.
+int64_t look(const Division& d, Regions* regions, const std::function<void(int64_t layers)>& progress) {
+  LayerReader reader(d.e, d.in_mesh);
+  Layer layer;
+  int64_t cells = 0;
+  for (int64_t z = 0; z < size_of(d.e.box)[2]; ++z) {
+    progress(z);
+    reader.read(z, layer);
+    for (const CellRun& run : layer.runs)
+      if (run.in_mesh()) cells += run.end - run.begin;
+    if (regions != nullptr) regions->add(layer);
+  }
+  if (regions == nullptr || cells == 0) return cells;
+  regions->finish();
+  return regions->cells_kept();
+}
+
+void write_case(const Export& e) {
+  const uint32_t ranks = ranks_of(e);
+  const double scale = metres(e.reader.meta().units);
+  Regions regions;
+  Division division{e, cells_of_mesh(e), nullptr, {0, std::numeric_limits<int64_t>::max()}};
+  const auto layers = static_cast<double>(size_of(e.box)[2]);
+  const auto share = [&](double from, double to) {
+    return [&, from, to](int64_t done) { e.progress(from + (to - from) * static_cast<double>(done) / layers); };
+  };
+  e.progress(0);
+  CaseFolder folder(e.output, ranks, e.has("--ranks"));
+
+  if (ranks > 1 || e.has("--drop-unreachable")) {
+    const int64_t cells = look(division, e.has("--drop-unreachable") ? &regions : nullptr, share(0, 0.1));
+    expect_cells(e, division, cells);
+    if (cells < ranks) throw UsageError(fmt::format("--ranks: expected at most one rank per cell, found {} ranks for {} cells", ranks, cells));
+    if (e.has("--drop-unreachable")) division.regions = &regions;
+    division.part_begin.clear();
+    for (uint32_t part = 0; part <= ranks; ++part) division.part_begin.push_back(cells / ranks * part + std::min<int64_t>(part, cells % ranks));
+  }
+  const MeshCounts counts = count(division, share(0.1, 0.25));
+  expect_cells(e, division, counts.cells);
+  expect_labels(counts);
+  MeshNames names = names_of(e, counts);
+  names.addressing = e.has("--ranks") && fits_labels(counts.points, counts.cells, counts.all_faces());
+  write_mesh(division, counts, names, {[&](uint32_t part) { return folder.mesh(part); }, scale}, share(0.25, 1));
+  folder.commit();
+}
+
+}  // namespace
+}  // namespace foam
+
+ExportFormat openfoam_format() {
+  return {.name = "openfoam",
+          .extensions = {},
+          .holds = "a mesh in the folder of an OpenFOAM case",
+          .write = foam::write_case,
+          .numbers = false,
+          .options = {{"--fluid", "NAME,...", "the materials whose cells are the mesh; others are walls (default: the background)"},
+                      {"--zones", "", "a cellZone for each material; without --fluid the cells of all materials are the mesh"},
+                      {"--drop-unreachable", "", "only the largest of the regions that don't touch through faces"},
+                      {"--ranks", "N", "parts of equally many cells, in processor0/ to processorN-1/"}}};
+}
+
+}  // namespace teracell
