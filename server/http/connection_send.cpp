@@ -16,7 +16,7 @@ Awaitable<bool> Connection::send() {
   if (response_.rest && !head_.http11) keep_ = false;
   out_.clear();
   const auto& origins = shared_.options.allowed_origins;
-  append_head(out_, response_, {keep_, head_.http11, loop_.date(), allowed_origin(origins, head_.origin), !origins.empty()});
+  append_head(out_, response_, {keep_, head_.http11, loop_.date(), allowed_origin(origins, head_.origin)});
   if (head_.method == "HEAD" || response_.status == 204 || response_.status == 304) response_.body = nullptr, response_.rest = nullptr;
   chunked_ = response_.rest && head_.http11;
   sent_ = body_sent_ = goal_ = 0;

@@ -168,7 +168,6 @@ void append_head(std::string& out, const Response& r, const Sending& sending) {
   out += "\r\nServer: teracell\r\nDate: ";
   out += sending.date;
   out += "\r\nX-Content-Type-Options: nosniff\r\n";
-  out += sending.other_sites ? "Cross-Origin-Resource-Policy: cross-origin\r\n" : "Cross-Origin-Resource-Policy: same-site\r\n";
   if (!sending.origin.empty()) append_field(out, "Access-Control-Expose-Headers: *\r\nAccess-Control-Allow-Origin: ", sending.origin);
   if (sending.origin != "*") out += "Vary: Origin\r\n";
   if (r.status != 204 && r.status != 304) {

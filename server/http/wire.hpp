@@ -44,7 +44,6 @@ struct Sending {
   bool http11 = true;
   std::string_view date;          // as http_date() writes it
   std::string_view origin = "*";  // as allowed_origin() gives it
-  bool other_sites = true;        // whether pages of other sites may show what they can't read, such as a picture
 };
 // Appends the status line and all fields, with the empty line at the end. A body with a rest is sent in chunks, or to a client of
 // HTTP/1.0 until the connection is closed. REQUIRES: then keep_alive is not set for HTTP/1.0

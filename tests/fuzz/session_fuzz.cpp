@@ -89,10 +89,9 @@ std::string_view take_bytes(std::string_view& text, size_t n) {
 
 // Removes a response from the front. Returns its status.
 int take_response(std::string_view& text) {
-  constexpr std::array<std::string_view, 21> kKnown = {"Server",
+  constexpr std::array<std::string_view, 20> kKnown = {"Server",
                                                        "Date",
                                                        "X-Content-Type-Options",
-                                                       "Cross-Origin-Resource-Policy",
                                                        "Access-Control-Expose-Headers",
                                                        "Access-Control-Allow-Origin",
                                                        "Vary",

@@ -159,11 +159,6 @@ TEST_CASE("a body with a rest is sent in chunks, or to HTTP/1.0 until the end of
   CHECK(head_of(r, {false, false, "DATE"}).find("Transfer-Encoding") == std::string::npos);
 }
 
-TEST_CASE("pages of other sites may show pictures only when some origin is allowed", "[server][wire]") {
-  CHECK(has_line(head_of({}), "Cross-Origin-Resource-Policy: cross-origin"));
-  CHECK(has_line(head_of({}, {true, true, "DATE", "", false}), "Cross-Origin-Resource-Policy: same-site"));
-}
-
 TEST_CASE("fields that depend on the status", "[server][wire]") {
   CHECK(has_line(head_of({.status = 404}), "Content-Length: 0"));
   CHECK(head_of({.status = 304}).find("Content-Length") == std::string::npos);
