@@ -268,6 +268,29 @@ class Installed(unittest.TestCase):
         self.assertIn("tc_open", names)
         self.assertEqual([n for n in names if not n.startswith("tc_")], [])
 
+    def test_there_is_a_manual_page_for_each_command_that_man_reads_without_complaint(self):
+        listed = subprocess.run([PROGRAM, "--help"], capture_output=True, text=True).stdout.split("Commands:")[1]
+        commands = [line.split()[0] for line in listed.splitlines() if line.startswith("  ") and not line.startswith("   ") and line.strip()]
+        pages = {p.name for p in pathlib.Path(PREFIX, "share/man/man1").iterdir()}
+        self.assertGreater(len(commands), 8)
+        self.assertEqual(pages, {"teracell.1"} | {f"teracell-{c}.1" for c in commands if c != "teracell"})
+        for page in pages:
+            said = subprocess.run(["groff", "-man", "-ww", "-Tutf8", f"{PREFIX}/share/man/man1/{page}"], capture_output=True, text=True)
+            self.assertEqual((said.returncode, said.stderr), (0, ""), page)
+        self.assertIn("cells of all materials", subprocess.run(["groff", "-man", "-Tascii", f"{PREFIX}/share/man/man1/teracell-export.1"], capture_output=True, text=True).stdout)
+
+    def test_bash_completes_commands_options_and_files(self):
+        script = PREFIX + "/share/bash-completion/completions/teracell"
+
+        def completed(*words):
+            quoted = " ".join(f"'{w}'" for w in words)
+            return run("bash", "-c", f"source {script}; COMP_WORDS=({quoted}); COMP_CWORD={len(words) - 1}; _teracell; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+                       text=True, cwd=folder).split()
+
+        self.assertEqual(completed("teracell", "par"), ["partition"])
+        self.assertEqual(completed("teracell", "mesh", "--wri"), ["--write-caps"])
+        self.assertEqual(completed("teracell", "slice", "x.tc"), ["x.tcell"])
+
     def test_examples_compile_by_pkg_config_and_run(self):
         out = run(compiled(EXAMPLES / "materials.c"), grids[0], text=True)
         self.assertIn("150 x", out)

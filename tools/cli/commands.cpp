@@ -8,7 +8,7 @@
   command(slice, "one slice as a picture (.png) or an array (.npy)") \
   command(column, "the runs of one column along any axis") \
   command(stats, "exact cells, volume and box of every material") \
-  command(export, "a box of cells as a dense array") \
+  command(export, "a box of cells in the format of another program") \
   command(partition, "boxes of equal work for the ranks of a parallel program") \
   command(verify, "check every byte and every invariant of a file") \
   command(sample, "write a built-in scene") \

@@ -12,6 +12,7 @@
 #include "mesher/scene/names.hpp"
 #include "tools/cli/commands.hpp"
 #include "tools/cli/hints.hpp"
+#include "tools/cli/manual.hpp"
 #include "tools/cli/notice.hpp"
 
 namespace {
@@ -117,6 +118,10 @@ int main(int argc, char** argv) {
   }
   try {
     if (words.empty()) return fail(2, fmt::format("expected a command, found none: {}. See: teracell --help", fmt::join(names, ", ")));
+    if (words.size() == 2 && words[0] == "--write-manual") {  // for the installation
+      write_manual(app, words[1]);
+      return done();
+    }
     const bool has_command = !words[0].starts_with('-');
     if (has_command && std::ranges::count(names, words[0]) == 0)
       return fail(2, fmt::format("there is no command '{}'{} The commands are {}", words[0], did_you_mean(words[0], names), fmt::join(names, ", ")));
