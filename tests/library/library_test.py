@@ -21,7 +21,10 @@ ENVIRONMENT = {**os.environ, "PKG_CONFIG_PATH": PREFIX + "/lib/pkgconfig", "LD_L
 
 
 def run(*args, **more):
-    return subprocess.run([str(a) for a in args], env=ENVIRONMENT, check=True, capture_output=True, **more).stdout
+    done = subprocess.run([str(a) for a in args], env=ENVIRONMENT, capture_output=True, **more)
+    if done.returncode != 0:
+        raise AssertionError(f"{args} ended with {done.returncode}: {done.stderr}")
+    return done.stdout
 
 
 def setUpModule():
@@ -309,7 +312,7 @@ class Installed(unittest.TestCase):
                                                 "find_package(teracell 0.1 REQUIRED)\n"
                                                 f"add_executable(c {EXAMPLES}/materials.c)\nadd_executable(cpp {EXAMPLES}/porosity.cpp)\n"
                                                 "target_link_libraries(c teracell::teracell)\ntarget_link_libraries(cpp teracell::teracell)\n")
-        run("cmake", "-S", project, "-B", project / "build", "-DCMAKE_PREFIX_PATH=" + PREFIX)
+        run("cmake", "-G", "Ninja", "-S", project, "-B", project / "build", "-DCMAKE_PREFIX_PATH=" + PREFIX)
         run("cmake", "--build", project / "build")
         self.assertIn("150 x", run(project / "build/c", grids[0], text=True))
         self.assertTrue(run(project / "build/cpp", grids[0], "air"))

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 
-// One line per format NAME: the file NAME.cpp, or NAME/NAME.cpp, defines NAME_format().
+// One line per format NAME: the file NAME.cpp, or NAME/NAME.cpp, defines NAME_format(); vti and vtr share vtk.cpp.
 // clang-format off
 #define TERACELL_EXPORT_FORMATS(format) \
   format(npy) \
+  format(nrrd) \
   format(openfoam) \
-  format(raw)
+  format(raw) \
+  format(vti) \
+  format(vtr)
 // clang-format on
 
 namespace teracell {

@@ -2,6 +2,7 @@
 
 #include <set>
 
+#include <fmt/format.h>
 #include <catch2/catch.hpp>
 
 #include "store/error.hpp"
@@ -111,5 +112,46 @@ TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves not
       CHECK_FALSE(std::filesystem::exists(s.folder / "stopped"));
       CHECK_FALSE(std::filesystem::exists(s.folder / "stopped.partial"));
     }
+  }
+}
+
+TEST_CASE("VTK's files and NRRD are the array behind a header that says where its cells lie", "[export]") {
+  const Stored s({13, 9, 11}, 5);
+  const Box box{{3, 2, 1}, {12, 9, 10}};
+  const Bytes dense = s.dense(box);
+  const auto text = [](const Bytes& bytes) { return std::string(bytes.begin(), bytes.end()); };
+  const std::string cells = text(dense), vti = text(s.written("x.vti", box)), vtr = text(s.written("x.vtr", box)),
+                    nrrd = text(s.written("x.nrrd", box));
+  CHECK(vti.find("WholeExtent=\"0 9 0 7 0 9\" Origin=\"3 2 1\" Spacing=\"1 1 1\"") != std::string::npos);
+  CHECK(vti.substr(vti.find("\n_") + 2 + 8, cells.size()) == cells);
+  Bytes size;
+  put_fixed(size, static_cast<uint64_t>(cells.size()));
+  CHECK(vti.substr(vti.find("\n_") + 2, 8) == text(size));
+  CHECK(vti.ends_with("</AppendedData>\n</VTKFile>\n"));
+  const size_t planes = 3 * 8 + 8 * (10 + 8 + 10);
+  CHECK(vtr.find(fmt::format("Name=\"material\" format=\"appended\" offset=\"{}\"", planes)) != std::string::npos);
+  CHECK(vtr.substr(vtr.find("\n_") + 2 + planes + 8, cells.size()) == cells);
+  CHECK(nrrd.find("sizes: 9 7 9\n") != std::string::npos);
+  CHECK(nrrd.find("space origin: (3.5,2.5,1.5)\n") != std::string::npos);
+  CHECK(nrrd.substr(nrrd.find("\n\n") + 2) == cells);
+}
+
+TEST_CASE("Arrays hold the numbers of a map, in as many bytes as the largest needs", "[export]") {
+  const Stored s({13, 9, 11}, 5);
+  const Box box{{0, 0, 0}, s.n};
+  const Bytes ids = s.dense(box);
+  for (const uint32_t large : {9u, 255u, 256u, 65535u, 65536u, 4294967295u}) {
+    const std::vector<uint32_t> map = {3, large, 1, 0, 7};
+    export_format_named("raw")->write({*s.reader, 0, box, s.folder / "m.raw", [](double) {}, map});
+    const Bytes found = file_bytes(s.folder / "m.raw");
+    const size_t bytes = large < 256 ? 1 : large < 65536 ? 2 : 4;
+    REQUIRE(found.size() == bytes * ids.size());
+    bool same = true;
+    for (size_t i = 0; i < ids.size(); ++i) {
+      uint32_t value = 0;
+      for (size_t b = 0; b < bytes; ++b) value |= uint32_t{found[i * bytes + b]} << (8 * b);
+      same = same && value == map[ids[i]];
+    }
+    CHECK(same);
   }
 }
