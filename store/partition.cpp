@@ -308,9 +308,15 @@ void find_neighbours(std::vector<Part>& parts, const Box& grid, int64_t halo) {
 
 Partition make_partition(const GridReader& reader, const PartitionOptions& options, const std::function<void(double)>& progress) {
   const Metadata& meta = reader.meta();
-  if (options.ranks < 1) throw OptionError(fmt::format("ranks: expected at least 1, found {}", options.ranks));
-  if (options.align < 1) throw OptionError(fmt::format("align: expected at least 1, found {}", options.align));
-  if (options.halo < 0) throw OptionError(fmt::format("halo: expected at least 0, found {}", options.halo));
+  const auto expect = [](const char* name, int64_t value, int64_t least) {
+    if (value < least || value > Axis::kMaxCells)
+      throw OptionError(fmt::format("{}: expected {} to {}, found {}", name, least, Axis::kMaxCells, value));
+  };
+  expect("ranks", options.ranks, 1);
+  expect("align", options.align, 1);
+  expect("halo", options.halo, 0);
+  if (options.weights.size() != meta.materials.size())
+    throw OptionError(fmt::format("weight: expected one for each of {} materials, found {}", meta.materials.size(), options.weights.size()));
   for (const double w : options.weights)
     if (!(w >= 0 && w < 1e30)) throw OptionError(fmt::format("weight: expected numbers from 0 to below 1e30, found {}", w));
   Partition out{options, {}, meta.grid.cells(), 0, {}};

@@ -1,5 +1,5 @@
 #include <algorithm>
-#include <map>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -32,6 +32,10 @@ bool within(const Box& inner, const Box& outer) {
                              [&](int d) { return outer.lo[d] <= inner.lo[d] && inner.lo[d] < inner.hi[d] && inner.hi[d] <= outer.hi[d]; });
 }
 
+bool overlap(const Box& a, const Box& b) {
+  return std::ranges::all_of(std::array{0, 1, 2}, [&](int d) { return a.lo[d] < b.hi[d] && b.lo[d] < a.hi[d]; });
+}
+
 void check(const Partition& p) {
   const auto fail = [](const std::string& what) { throw InputError("partition: " + what); };
   if (static_cast<int64_t>(p.parts.size()) != p.options.ranks) fail(fmt::format("expected {} parts, found {}", p.options.ranks, p.parts.size()));
@@ -53,6 +57,13 @@ void check(const Partition& p) {
       if (n < 0 || n >= p.options.ranks) fail(fmt::format("rank {}: expected neighbours from 0 to {}, found {}", rank, p.options.ranks - 1, n));
   }
   if (cells != all) fail(fmt::format("expected boxes of {} cells together, found {}", all, cells));
+  std::vector<size_t> order(p.parts.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::sort(order, {}, [&](size_t i) { return p.parts[i].box.lo[0]; });
+  for (size_t i = 0; i < order.size(); ++i)
+    for (size_t j = i + 1; j < order.size() && p.parts[order[j]].box.lo[0] < p.parts[order[i]].box.hi[0]; ++j)
+      if (overlap(p.parts[order[i]].box, p.parts[order[j]].box))
+        fail(fmt::format("expected boxes that don't overlap, found ranks {} and {}", order[i], order[j]));
 }
 
 }  // namespace

@@ -135,6 +135,9 @@ TEST_CASE("More ranks than cells, and options out of range, are refused") {
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, 0, 0}, kSilent), Catch::StartsWith("align: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, 1, -1}, kSilent), Catch::StartsWith("halo: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, {1, 1, -1, 1}, 1, 0}, kSilent), Catch::StartsWith("weight: "));
+  CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, {1, 1}, 1, 0}, kSilent), Catch::StartsWith("weight: "));
+  CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, INT64_MAX, 0}, kSilent), Catch::StartsWith("align: "));
+  CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, 1, INT64_MAX}, kSilent), Catch::StartsWith("halo: "));
   // Every cell a rank of its own.
   const int64_t cells = static_cast<int64_t>(c.cells.size());
   for (const double weight : {0., 1.}) {
@@ -158,6 +161,16 @@ TEST_CASE("A file that is no partition, or whose boxes do not cover the grid, is
   CHECK_THROWS_AS(parse_partition(changed("\"box\":[0,0,0,", "\"box\":[1,0,0,")), InputError);
   CHECK_THROWS_AS(parse_partition(changed("\"rank\":1", "\"rank\":2")), InputError);
   CHECK_THROWS_AS(parse_partition(changed("\"blocks\"", "\"heaps\"")), InputError);
+  const auto part = [](int rank, const char* box) {
+    return fmt::format(R"({{"rank":{},"box":{},"weight":1,"halo_box":{},"neighbours":[]}})", rank, box, box);
+  };
+  const auto two = [&](const char* a, const char* b) {
+    return fmt::format(
+        R"({{"schema":1,"ranks":2,"method":"slabs","align":1,"halo":0,"weights":{{"a":1}},"cells":[4,1,1],"total":4,"parts":[{},{}]}})", part(0, a),
+        part(1, b));
+  };
+  CHECK_NOTHROW(parse_partition(two("[0,0,0,2,1,1]", "[2,0,0,4,1,1]")));
+  CHECK_THROWS_WITH(parse_partition(two("[0,0,0,2,1,1]", "[1,0,0,3,1,1]")), Catch::Contains("ranks 0 and 1"));
 
   std::ofstream(c.folder / "p.json") << good;
   tc_partition* p = nullptr;
