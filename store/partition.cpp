@@ -15,6 +15,8 @@
 namespace teracell {
 namespace {
 
+constexpr int64_t kMostRanks = int64_t{1} << 24;
+
 int64_t cells_in(const Box& b, int axis) { return b.hi[axis] - b.lo[axis]; }
 
 // The weight in each layer of cells of a box along an axis.
@@ -37,9 +39,9 @@ class Cutter {
 
   // Cuts a box among `ranks`, the lower ranks below. `along` has the layers of cells along the rays, if they are known already.
   void bisect(const Box& box, double weight, int64_t ranks, std::shared_ptr<const Layers> along = nullptr) {
+    progress_(static_cast<double>(parts.size()) / static_cast<double>(o_.ranks));
     if (ranks == 1) {
       parts.push_back({box, weight, {}, {}});
-      progress_(static_cast<double>(parts.size()) / static_cast<double>(o_.ranks));
       return;
     }
     const int64_t below = ranks / 2;
@@ -308,13 +310,12 @@ void find_neighbours(std::vector<Part>& parts, const Box& grid, int64_t halo) {
 
 Partition make_partition(const GridReader& reader, const PartitionOptions& options, const std::function<void(double)>& progress) {
   const Metadata& meta = reader.meta();
-  const auto expect = [](const char* name, int64_t value, int64_t least) {
-    if (value < least || value > Axis::kMaxCells)
-      throw OptionError(fmt::format("{}: expected {} to {}, found {}", name, least, Axis::kMaxCells, value));
+  const auto expect = [](const char* name, int64_t value, int64_t least, int64_t most) {
+    if (value < least || value > most) throw OptionError(fmt::format("{}: expected {} to {}, found {}", name, least, most, value));
   };
-  expect("ranks", options.ranks, 1);
-  expect("align", options.align, 1);
-  expect("halo", options.halo, 0);
+  expect("ranks", options.ranks, 1, kMostRanks);
+  expect("align", options.align, 1, Axis::kMaxCells);
+  expect("halo", options.halo, 0, Axis::kMaxCells);
   if (options.weights.size() != meta.materials.size())
     throw OptionError(fmt::format("weight: expected one for each of {} materials, found {}", meta.materials.size(), options.weights.size()));
   for (const double w : options.weights)

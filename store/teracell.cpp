@@ -1,6 +1,9 @@
 // The C API. Here are the checks of arguments and the way from exceptions to codes; everything else is in the files that it calls.
 #include "store/teracell.h"
 
+#include <cxxabi.h>
+#include <sched.h>
+
 #include <algorithm>
 #include <chrono>
 #include <limits>
@@ -46,8 +49,8 @@ constexpr uint64_t kMostPartition = uint64_t{1} << 30;  // bytes of JSON
 constexpr int64_t kFarthest = int64_t{1} << 53;
 
 thread_local std::string last_error;
-thread_local int (*watch)(void*) = nullptr;
-thread_local void* watch_user = nullptr;
+thread_local tc_watcher watcher{nullptr, nullptr};
+thread_local bool asking = false;  // whether this thread is in the watcher: it may hold what a nested call would wait for
 
 // A function of the caller asked to stop.
 struct Stopped : Unwanted {
@@ -65,16 +68,22 @@ int failed(tc_status status, const char* message) noexcept {
 
 // Calls f(), and turns what it throws into a code. Every function of the API that can fail goes through it.
 template <class F>
-int guarded(F&& f) noexcept {
+int guarded(F&& f) {
+  if (asking) return failed(TC_USAGE, "expected no call of this library from a function that watches another call");
   try {
     last_error.clear();
     std::optional<Wanted> watched;
-    if (watch)
-      watched.emplace([] {
-        if (watch(watch_user) != 0) throw Stopped("stopped by the caller");
+    if (watcher.watch)
+      watched.emplace([w = watcher] {
+        asking = true;
+        const bool stop = w.watch(w.user) != 0;
+        asking = false;
+        if (stop) throw Stopped("stopped by the caller");
       });
     f();
     return TC_OK;
+  } catch (abi::__forced_unwind&) {  // the thread is being cancelled
+    throw;
   } catch (const UsageError& e) {
     return failed(TC_USAGE, e.what());
   } catch (const IoError& e) {
@@ -112,7 +121,10 @@ int axis_of(int axis) {
 
 int threads_of(int threads) {
   if (threads < 0 || threads > 1024) throw UsageError(fmt::format("threads: expected 0 (one per core) to 1024, found {}", threads));
-  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (threads > 0) return threads;
+  cpu_set_t cores;  // those that this thread may run on: a rank that is bound to one core takes one
+  if (sched_getaffinity(0, sizeof cores, &cores) == 0) return std::max(1, CPU_COUNT(&cores));
+  return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 Index3 index_of(const int64_t* from, const char* name) {
@@ -143,7 +155,7 @@ void check_part(int64_t first, int64_t count, int64_t all, const char* what) {
 // The first level-0 cell of a coarse one, or the grid's end.
 int64_t first_below(const Axis& axis, int level, int64_t cell) { return std::min(axis.cells(), cell << level); }
 
-// The value of each material, all of which fit the type.
+// The value of each material, all of which fit the type; none when it is the id.
 std::vector<uint32_t> values_of(const GridReader& reader, const uint32_t* map, int64_t map_size, tc_type type, uint32_t outside) {
   if (type != TC_U8 && type != TC_U16 && type != TC_U32)
     throw UsageError(fmt::format("type: expected TC_U8, TC_U16 or TC_U32, found {}", static_cast<int>(type)));
@@ -151,16 +163,15 @@ std::vector<uint32_t> values_of(const GridReader& reader, const uint32_t* map, i
   const auto n = static_cast<int64_t>(materials.size());
   if (map && map_size < n) throw UsageError(fmt::format("map: expected a value for each of {} materials, found {}", n, map_size));
   const uint32_t most = type == TC_U8 ? 0xff : type == TC_U16 ? 0xffff : 0xffffffff;
-  const auto expect_fit = [&](uint32_t value, const std::string& whose) {
-    if (value > most) throw UsageError(fmt::format("{}: expected a value of at most {}, which the type holds, found {}", whose, most, value));
+  const auto fail = [&](const std::string& whose, uint32_t value) {
+    throw UsageError(fmt::format("{}: expected a value of at most {}, which the type holds, found {}", whose, most, value));
   };
-  expect_fit(outside, "outside");
-  std::vector<uint32_t> values;
-  for (uint32_t id = 0; id < n; ++id) {
-    values.push_back(map ? map[id] : id);
-    expect_fit(values.back(), fmt::format("material '{}'", materials[id].name));
-  }
-  return values;
+  if (outside > most) fail("outside", outside);
+  if (!map && n - 1 > most) fail(fmt::format("material '{}'", materials[most + 1].name), most + 1);
+  if (!map) return {};
+  for (uint32_t id = 0; id < n; ++id)
+    if (map[id] > most) fail(fmt::format("material '{}'", materials[id].name), map[id]);
+  return {map, map + n};
 }
 
 // The elements that a read writes must have addresses.
@@ -183,7 +194,8 @@ void read_cells(const GridReader& reader, int level, const Lattice& lattice, tc_
   check_strides(lattice.count, stride);
   if (lattice.count[0] == 0 || lattice.count[1] == 0 || lattice.count[2] == 0) return;
   check(data != nullptr, "memory for the cells, found NULL");
-  const SetValue value = [&values, material = strongest_material(reader.meta())](const std::vector<Label>& set) { return values[material(set)]; };
+  const SetValue id = strongest_material(reader.meta());
+  const SetValue value = values.empty() ? id : [&](const std::vector<Label>& set) { return values[id(set)]; };
   const auto read = [&]<class T>(T* cells) {
     read_lattice<T>(reader, level, lattice, value, static_cast<T>(outside), cells, stride, threads_of(threads));
   };
@@ -208,11 +220,11 @@ int tc_open(const char* path, tc_grid** grid) {
 
 void tc_close(tc_grid* grid) { delete grid; }
 
-int tc_levels(const tc_grid* grid) { return grid->reader.levels(); }
+int tc_levels(const tc_grid* grid) { return grid ? grid->reader.levels() : 0; }
 
-int tc_ray_axis(const tc_grid* grid) { return grid->reader.meta().ray_axis; }
+int tc_ray_axis(const tc_grid* grid) { return grid ? grid->reader.meta().ray_axis : 0; }
 
-const char* tc_units(const tc_grid* grid) { return grid->reader.meta().units.c_str(); }
+const char* tc_units(const tc_grid* grid) { return grid ? grid->reader.meta().units.c_str() : ""; }
 
 int tc_info(const tc_grid* grid, const char** json) {
   return guarded([&] {
@@ -359,7 +371,7 @@ int tc_partition_open(const char* path, tc_partition** partition) {
 
 void tc_partition_close(tc_partition* partition) { delete partition; }
 
-int64_t tc_partition_ranks(const tc_partition* partition) { return partition->read.options.ranks; }
+int64_t tc_partition_ranks(const tc_partition* partition) { return partition ? partition->read.options.ranks : 0; }
 
 int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part) {
   return guarded([&] {
@@ -376,7 +388,4 @@ int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part
   });
 }
 
-void tc_watch(int (*function)(void*), void* user) {
-  watch = function;
-  watch_user = user;
-}
+tc_watcher tc_watch(tc_watcher next) { return std::exchange(watcher, next); }

@@ -98,7 +98,7 @@ typedef enum tc_type { TC_U8 = 1, TC_U16 = 2, TC_U32 = 4 } tc_type;
  * negative. The value of a cell is the id of its material, on a coarse level that of the strongest one; with `map` it is map[id], and
  * `map_size` must be at least the number of materials. Cells outside the grid get `outside`. If `outside`, or the value of any material of
  * the grid, does not fit the type, that is an error before anything is written. `map` may be NULL. `threads`: how many may work, 0 for one
- * per core. */
+ * per core that the thread may run on (take 1 where each core has a rank of MPI). Elements must be aligned and distinct. */
 TC_API int tc_read_box(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], tc_type type, void* data,
                        const int64_t stride[3], uint32_t outside, const uint32_t* map, int64_t map_size, int threads);
 
@@ -165,9 +165,15 @@ TC_API void tc_partition_close(tc_partition* partition); /* NULL is allowed */
 TC_API int64_t tc_partition_ranks(const tc_partition* partition);
 TC_API int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part);
 
-/* From now on, calls of the calling thread ask watch(user) now and then, and stop when it returns something other than 0; that is
- * TC_STOPPED. With NULL they no longer do. */
-TC_API void tc_watch(int (*watch)(void* user), void* user);
+typedef struct tc_watcher {
+  int (*watch)(void* user); /* NULL: nobody is asked */
+  void* user;
+} tc_watcher;
+
+/* From now on, calls of the calling thread ask watcher.watch(watcher.user) now and then, and stop when it returns something other than 0;
+ * that is TC_STOPPED. Returns the former watcher, so that a library can put it back. `watch` must not call this library: a call from it is
+ * TC_USAGE. */
+TC_API tc_watcher tc_watch(tc_watcher watcher);
 
 #ifdef __cplusplus
 }

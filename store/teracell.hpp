@@ -25,7 +25,10 @@ using Index = std::array<int64_t, 3>;  // x, y, z
 struct Box {
   Index lo{}, hi{};
   Index shape() const { return {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]}; }
-  size_t cells() const { return static_cast<size_t>((hi[0] - lo[0]) * (hi[1] - lo[1]) * (hi[2] - lo[2])); }
+  size_t cells() const {  // 0 for a box that is inverted
+    const auto n = shape();
+    return n[0] > 0 && n[1] > 0 && n[2] > 0 ? static_cast<size_t>(n[0]) * static_cast<size_t>(n[1]) * static_cast<size_t>(n[2]) : 0;
+  }
   friend bool operator==(const Box&, const Box&) = default;
 };
 
@@ -96,12 +99,20 @@ class Grid {
   void read(const Box& box, std::span<T> out, const Reading& how = {}) const {
     const Index n = box.shape(), stride = how.stride.value_or(Index{1, n[0], n[0] * n[1]});
     if (!how.stride && out.size() != box.cells()) throw Error(TC_USAGE, "expected memory for as many elements as the box has cells");
+    double last = 0;  // the farthest element; those before the first one can't be in the span
+    for (size_t d = 0; d < 3; ++d) {
+      if (n[d] > 1 && stride[d] < 0) throw Error(TC_USAGE, "expected strides of at least 0; take tc_read_box() for others");
+      if (n[d] > 1) last += static_cast<double>(n[d] - 1) * static_cast<double>(stride[d]);
+    }
+    if (n[0] > 0 && n[1] > 0 && n[2] > 0 && last >= static_cast<double>(out.size()))
+      throw Error(TC_USAGE, "expected memory for the elements that the strides reach");
     check(tc_read_box(get(), how.level, box.lo.data(), box.hi.data(), static_cast<tc_type>(sizeof(T)), out.data(), stride.data(), how.outside,
                       how.map.empty() ? nullptr : how.map.data(), static_cast<int64_t>(how.map.size()), how.threads));
   }
   // As an array [z][y][x].
   template <Element T>
   std::vector<T> read(const Box& box, const Reading& how = {}) const {
+    if (how.stride) throw Error(TC_USAGE, "expected no strides: the array that is made is [z][y][x]");
     std::vector<T> out(box.cells());
     read<T>(box, std::span(out), how);
     return out;

@@ -5,6 +5,8 @@
 #include <fstream>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "store/teracell.h"
 #include "tests/support/checked.hpp"
 
@@ -161,13 +163,13 @@ TEST_CASE("A file that is no partition, or whose boxes do not cover the grid, is
   CHECK_THROWS_AS(parse_partition(changed("\"box\":[0,0,0,", "\"box\":[1,0,0,")), InputError);
   CHECK_THROWS_AS(parse_partition(changed("\"rank\":1", "\"rank\":2")), InputError);
   CHECK_THROWS_AS(parse_partition(changed("\"blocks\"", "\"heaps\"")), InputError);
-  const auto part = [](int rank, const char* box) {
+  const auto part_json = [](int rank, const char* box) {
     return fmt::format(R"({{"rank":{},"box":{},"weight":1,"halo_box":{},"neighbours":[]}})", rank, box, box);
   };
   const auto two = [&](const char* a, const char* b) {
     return fmt::format(
-        R"({{"schema":1,"ranks":2,"method":"slabs","align":1,"halo":0,"weights":{{"a":1}},"cells":[4,1,1],"total":4,"parts":[{},{}]}})", part(0, a),
-        part(1, b));
+        R"({{"schema":1,"ranks":2,"method":"slabs","align":1,"halo":0,"weights":{{"a":1}},"cells":[4,1,1],"total":4,"parts":[{},{}]}})", part_json(0, a),
+        part_json(1, b));
   };
   CHECK_NOTHROW(parse_partition(two("[0,0,0,2,1,1]", "[2,0,0,4,1,1]")));
   CHECK_THROWS_WITH(parse_partition(two("[0,0,0,2,1,1]", "[1,0,0,3,1,1]")), Catch::Contains("ranks 0 and 1"));

@@ -273,13 +273,21 @@ TEST_CASE("A function of the caller stops what takes too long, in its own thread
   const int64_t lo[3] = {0, 0, 0}, hi[3] = {30, 30, 30}, stride[3] = {1, 30, 900};
   std::vector<uint8_t> out(27000);
   int asked = 0;
-  tc_watch([](void* user) { return ++*static_cast<int*>(user) > 3 ? 1 : 0; }, &asked);
+  const tc_watcher impatient{[](void* user) { return ++*static_cast<int*>(user) > 3 ? 1 : 0; }, &asked};
+  CHECK(tc_watch(impatient).watch == nullptr);
   for (const int threads : {1, 2}) {
     asked = 0;
     CHECK(tc_read_box(o.grid.get(), 0, lo, hi, TC_U8, out.data(), stride, 0, nullptr, 0, threads) == TC_STOPPED);
     CHECK(asked == 4);
   }
   std::thread([&] { CHECK(tc_read_box(o.grid.get(), 0, lo, hi, TC_U8, out.data(), stride, 0, nullptr, 0, 1) == TC_OK); }).join();
-  tc_watch(nullptr, nullptr);
+  CHECK(tc_watch({[](void* user) {  // a call from the watcher is refused, and what it sets is for later calls
+                    int64_t n[3];
+                    tc_watch({nullptr, nullptr});
+                    return tc_shape(static_cast<tc_grid*>(user), 0, n) == TC_USAGE ? 1 : 0;
+                  },
+                  o.grid.get()})
+            .user == &asked);
+  CHECK(tc_read_box(o.grid.get(), 0, lo, hi, TC_U8, out.data(), stride, 0, nullptr, 0, 1) == TC_STOPPED);
   CHECK(tc_read_box(o.grid.get(), 0, lo, hi, TC_U8, out.data(), stride, 0, nullptr, 0, 1) == TC_OK);
 }

@@ -135,7 +135,7 @@ _teracell() {{
   if [[ $COMP_CWORD -eq 1 || $current == -* ]]; then
     COMPREPLY=($(compgen -W "$words" -- "$current"))
   else
-    COMPREPLY=($(compgen -f -- "$current"))
+    mapfile -t COMPREPLY < <(compgen -f -- "$current")
   fi
 }}
 complete -o filenames -F _teracell teracell

@@ -86,7 +86,7 @@ void run(const tc::Grid& grid, const std::string& air, int steps, int64_t most) 
   std::vector<uint32_t> is_air(materials.size(), 0);
   is_air[id] = 1;
   const tc::Box with_ghosts{{box.lo[0] - 1, box.lo[1] - 1, box.lo[2] - 1}, {box.hi[0] + 1, box.hi[1] + 1, box.hi[2] + 1}};
-  const std::vector<uint8_t> open = grid.read<uint8_t>(with_ghosts, {.level = level, .outside = 0, .map = is_air});
+  const std::vector<uint8_t> open = grid.read<uint8_t>(with_ghosts, {.level = level, .outside = 0, .map = is_air, .threads = 1});
 
   std::vector<double> u(b.size(), 0), du(b.size(), 0);
   const auto for_air = [&](auto&& f) {

@@ -9,6 +9,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
 #include "mesher/report_json.hpp"
 #include "store/error.hpp"
@@ -56,9 +57,9 @@ void call(F&& f) {
   std::string message;
   {
     const py::gil_scoped_release unlocked;
-    tc_watch([](void* s) { return static_cast<Signals*>(s)->raised() ? 1 : 0; }, &signals);
+    const tc_watcher before = tc_watch({[](void* s) { return static_cast<Signals*>(s)->raised() ? 1 : 0; }, &signals});
     status = f();
-    tc_watch(nullptr, nullptr);
+    tc_watch(before);
     if (status != TC_OK) message = tc_error();
   }
   if (PyErr_Occurred()) throw py::error_already_set();
@@ -198,6 +199,12 @@ class Native {
   tc_grid* grid_ = nullptr;
 };
 
+std::string join(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : ", ") + word;
+  return out;
+}
+
 // What mesh() of the library takes, and its report as JSON.
 std::string mesh(const std::string& scene_text, const std::string& folder, const std::vector<std::string>& surfaces, const std::string& output,
                  const py::dict& options, const py::object& progress) {
@@ -220,6 +227,10 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   if (given("thin")) o.thin = options["thin"].cast<bool>();
   if (given("resume")) o.resume = options["resume"].cast<bool>();
 
+  const std::vector<std::string> engines = engine_names();
+  if (std::ranges::count(engines, o.engine) == 0) throw UsageError("engine: expected one of " + join(engines) + ", found '" + o.engine + "'");
+  if (o.threads < 0 || o.threads > 1024) throw UsageError("threads: expected 0 (one per core) to 1024, found " + std::to_string(o.threads));
+  if (o.memory == 0) throw UsageError("memory: expected a number of bytes, found 0");
   std::atomic<bool> stop = false;
   std::exception_ptr raised;
   Signals signals;
@@ -243,6 +254,7 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
           }
         },
         stop);
+    if (raised) std::rethrow_exception(raised);  // by the last call: the file is complete
     return report_json(report.report, scene, report.run, report.warnings());
   } catch (const Interrupted&) {
     if (raised) std::rethrow_exception(raised);

@@ -126,6 +126,8 @@ class Level:
             out = numpy.empty(shape, numpy.min_scalar_type(most) if values is not None or outside else self.dtype, order)
         elif list(out.shape) != shape:
             raise UsageError(f"out: expected an array of the shape {tuple(shape)}, found {out.shape}")
+        if not out.flags.aligned:
+            raise UsageError("out: expected an array whose items are aligned")
         if out.dtype.kind not in "ui" or out.dtype.itemsize > 4 or not out.dtype.isnative:
             raise UsageError(f"out: expected integers of 1, 2 or 4 bytes in the machine's order, found {out.dtype}")
         if not 0 <= outside <= numpy.iinfo(out.dtype).max:
@@ -190,7 +192,7 @@ class Grid(Level):
     """A .tcell file. It is the array of its level 0; level(L) is a coarser one."""
 
     def __init__(self, path):
-        self.path = os.fspath(path)
+        self.path = os.path.abspath(os.fspath(path))  # pickles and dask's workers may have another folder
         self._native = _native.Grid(self.path)
         self.materials = [Material(i, *m) for i, m in enumerate(self._native.materials())]
         super().__init__(self, 0)
@@ -268,8 +270,12 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
             raise IoError(f"{os.fspath(scene)}: can't open: {e.strerror}") from e
     else:
         surfaces = [os.fspath(scene)]
-    options = {"cells": cells, "step": step, "pad": pad, "axis": None if axis is None else "xyz".index(axis), "engine": engine, "threads": threads,
-               "memory": memory, "tmp": None if tmp is None else os.fspath(tmp), "thin": thin, "resume": resume}
+    if isinstance(scene, (list, tuple)) and not surfaces:
+        raise UsageError("scene: expected at least one surface, found none")
+    options = {"cells": _given("cells", cells, _cells), "step": _given("step", step, float), "pad": _given("pad", pad, operator.index),
+               "axis": None if axis is None else "xyz".index(axis), "engine": _given("engine", engine, str),
+               "threads": _given("threads", threads, operator.index), "memory": _given("memory", memory, _size),
+               "tmp": None if tmp is None else os.fspath(tmp), "thin": bool(thin), "resume": bool(resume)}
     report = _native.mesh(text, base, surfaces, os.fspath(output), options, progress)
     grid = Grid(output)
     grid.report = json.loads(report)
@@ -277,6 +283,28 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
 
 
 _open = __builtins__["open"] if isinstance(__builtins__, dict) else __builtins__.open
+
+
+def _given(name, value, convert):
+    if value is None:
+        return None
+    try:
+        return convert(value)
+    except (TypeError, ValueError):
+        raise UsageError(f"{name}: found {value!r}, which is no such value") from None
+
+
+def _cells(value):
+    if numpy.ndim(value) == 0:
+        return operator.index(value)
+    x, y, z = (operator.index(n) for n in value)
+    return [x, y, z]
+
+
+def _size(value):
+    if not 0 < operator.index(value) < 1 << 63:
+        raise ValueError
+    return operator.index(value)
 
 
 def _level_of(path, number):
