@@ -24,6 +24,13 @@ struct Box {
   friend bool operator==(const Box&, const Box&) = default;
 };
 
+// Whether a cell lies in both.
+inline bool overlap(const Box& a, const Box& b) {
+  for (size_t d = 0; d < 3; ++d)
+    if (a.lo[d] >= b.hi[d] || b.lo[d] >= a.hi[d]) return false;
+  return true;
+}
+
 // A row of cells, each with a sample point, its "centre". Immutable; threads may share it.
 class Axis {
  public:

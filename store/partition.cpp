@@ -272,10 +272,6 @@ class Cutter {
   KeptChunks kept_{size_t{64} << 20};
 };
 
-bool overlap(const Box& a, const Box& b) {
-  return std::ranges::all_of(std::array{0, 1, 2}, [&](int d) { return a.lo[d] < b.hi[d] && b.lo[d] < a.hi[d]; });
-}
-
 Box grown(const Box& box, int64_t by, int axis) {
   Box out = box;
   out.lo[axis] -= by, out.hi[axis] += by;

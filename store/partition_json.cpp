@@ -32,10 +32,6 @@ bool within(const Box& inner, const Box& outer) {
                              [&](int d) { return outer.lo[d] <= inner.lo[d] && inner.lo[d] < inner.hi[d] && inner.hi[d] <= outer.hi[d]; });
 }
 
-bool overlap(const Box& a, const Box& b) {
-  return std::ranges::all_of(std::array{0, 1, 2}, [&](int d) { return a.lo[d] < b.hi[d] && b.lo[d] < a.hi[d]; });
-}
-
 void check(const Partition& p) {
   const auto fail = [](const std::string& what) { throw InputError("partition: " + what); };
   if (static_cast<int64_t>(p.parts.size()) != p.options.ranks) fail(fmt::format("expected {} parts, found {}", p.options.ranks, p.parts.size()));

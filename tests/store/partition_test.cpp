@@ -168,8 +168,8 @@ TEST_CASE("A file that is no partition, or whose boxes do not cover the grid, is
   };
   const auto two = [&](const char* a, const char* b) {
     return fmt::format(
-        R"({{"schema":1,"ranks":2,"method":"slabs","align":1,"halo":0,"weights":{{"a":1}},"cells":[4,1,1],"total":4,"parts":[{},{}]}})", part_json(0, a),
-        part_json(1, b));
+        R"({{"schema":1,"ranks":2,"method":"slabs","align":1,"halo":0,"weights":{{"a":1}},"cells":[4,1,1],"total":4,"parts":[{},{}]}})",
+        part_json(0, a), part_json(1, b));
   };
   CHECK_NOTHROW(parse_partition(two("[0,0,0,2,1,1]", "[2,0,0,4,1,1]")));
   CHECK_THROWS_WITH(parse_partition(two("[0,0,0,2,1,1]", "[1,0,0,3,1,1]")), Catch::Contains("ranks 0 and 1"));
