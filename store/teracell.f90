@@ -7,9 +7,9 @@
 !   allocate(cells(64, 64, 64))
 !   call grid%read([0_int64, 0_int64, 0_int64], cells)     ! cells(i, j, k) is the cell lo + (i - 1, j - 1, k - 1)
 !
-! Cells are counted from 0, as in all of teracell. Every procedure takes an optional `status`. Without it, an error prints its
-! message and stops the program; with it, the caller decides, and tc_error_text() has the message. A kind of integers
-! holds values as unsigned ones do: with int8, the id 200 reads as -56.
+! Cells are counted from 0, as in all of teracell. An error prints its message and stops the program, unless the procedure takes
+! an optional `status` and the caller gives it: then the caller decides, and tc_error_text() has the message. Assigning a grid to
+! another one is not supported: both would close it. A kind of integers holds values as unsigned ones do: with int8, the id 200 reads as -56.
 module teracell
   use, intrinsic :: iso_c_binding
   use, intrinsic :: iso_fortran_env, only: int8, int16, int32, int64, real64, error_unit
