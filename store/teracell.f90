@@ -9,7 +9,8 @@
 !
 ! Cells are counted from 0, as in all of teracell. An error prints its message and stops the program, unless the procedure takes
 ! an optional `status` and the caller gives it: then the caller decides, and tc_error_text() has the message. Assigning a grid to
-! another one is not supported: both would close it. A kind of integers holds values as unsigned ones do: with int8, the id 200 reads as -56.
+! another one is not supported: both would close it. A kind of integers holds values as unsigned ones do: with
+! int8, the id 200 reads as -56.
 module teracell
   use, intrinsic :: iso_c_binding
   use, intrinsic :: iso_fortran_env, only: int8, int16, int32, int64, real64, error_unit
