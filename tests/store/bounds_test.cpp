@@ -88,6 +88,7 @@ TEST_CASE("Names, units and their sums are bounded in files, and in what is writ
   refused([&](Metadata& m) { m.labels[2].body = longer; }, "names of at most 256 bytes");
   refused([&](Metadata& m) { m.units = longer; }, "names of at most 256 bytes");
   refused([&](Metadata& m) { m.channels.push_back({longer, "", false, {}, 1, 1}); }, "names of at most 256 bytes");
+  if (kSanitized) return;  // what follows has 10 MB of names
   refused([&](Metadata& m) { m.materials[1].name.assign(10'000'000, 'n'); }, "found one of 10000000: 'nnn");
   refused(
       [&](Metadata& m) {

@@ -67,7 +67,7 @@ TEST_CASE("The cells do not depend on the size of the chunks") {
   const Scene scene = scene_of_many_kinds(folder);
   std::vector<uint32_t> first;
   for (const uint32_t chunk_rays : {64u, 4u, 12u, 256u}) {
-    if (kSanitized && chunk_rays > 64) continue;
+    if (kSanitized && chunk_rays > 12) continue;
     MeshOptions options;
     options.chunk_rays = chunk_rays;
     mesh_quietly(scene, folder / "g.tcell", options);
