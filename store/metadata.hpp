@@ -79,6 +79,15 @@ struct ChunkKey {
   uint32_t cu, cv, segment;
   friend bool operator==(const ChunkKey&, const ChunkKey&) = default;
 };
+struct ChunkKeyHash {
+  uint64_t grid = 0;  // where keys of several grids are kept together
+  size_t operator()(const ChunkKey& key) const {
+    uint64_t h = grid;
+    for (const uint64_t x : {static_cast<uint64_t>(key.level), uint64_t{key.cu}, uint64_t{key.cv}, uint64_t{key.segment}})
+      h = (h ^ x) * 0x9E3779B97F4A7C15, h ^= h >> 29;
+    return h;
+  }
+};
 std::string chunk_name(const ChunkKey& key);  // for messages
 
 // The chunks and pages of one level.

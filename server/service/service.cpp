@@ -103,13 +103,6 @@ std::string cache_key(uint64_t epoch, bool gzip, const std::string& target) {
 
 }  // namespace
 
-size_t ChunkPlaceHash::operator()(const ChunkPlace& p) const {
-  uint64_t h = p.grid;
-  for (const uint64_t x : {static_cast<uint64_t>(p.chunk.level), uint64_t{p.chunk.cu}, uint64_t{p.chunk.cv}, uint64_t{p.chunk.segment}})
-    h = (h ^ x) * 0x9E3779B97F4A7C15, h ^= h >> 29;
-  return h;
-}
-
 Service::Service(ServiceOptions options)
     : options_(std::move(options)),
       counters_(std::make_shared<Counters>()),

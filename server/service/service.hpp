@@ -21,7 +21,7 @@ struct ChunkPlace {
   friend bool operator==(const ChunkPlace&, const ChunkPlace&) = default;
 };
 struct ChunkPlaceHash {
-  size_t operator()(const ChunkPlace& p) const;
+  size_t operator()(const ChunkPlace& p) const { return ChunkKeyHash{p.grid}(p.chunk); }
 };
 
 struct ServiceOptions {

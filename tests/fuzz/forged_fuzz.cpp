@@ -41,7 +41,7 @@ class Hand {
     const Bytes& file = sound_files()[in_.ConsumeIntegralInRange<size_t>(0, 3)];
     const auto which = in_.ConsumeIntegral<uint8_t>();  // the kinds of lies, so that few come together
     Lies lies;
-    lies.bytes = [&](Part part, Bytes& body) { edit(part, body); };
+    lies.bytes = [&](FilePart part, Bytes& body) { edit(part, body); };
     if (which & 1) lies.page = [&](int, std::vector<ChunkEntry>& entries) { edit(entries); };
     if (which & 2) lies.directory = [&](int, std::vector<DirectoryEntry>& entries) { edit(entries); };
     if (which & 4) lies.metadata = [&](Metadata& meta) { edit(meta); };
@@ -64,7 +64,7 @@ class Hand {
   }
   void edit(DirectoryEntry& e) { edit(e.offset), edit(e.size), edit(e.checksum); }
 
-  void edit(Part part, Bytes& body) {
+  void edit(FilePart part, Bytes& body) {
     Bytes& earlier = earlier_[static_cast<size_t>(part)];
     const Bytes honest = body;
     for (int left = 4; left > 0 && here(); --left) {

@@ -36,7 +36,7 @@ const Bytes& sound_file() {
 Bytes edited_file(std::span<const uint8_t> edits) {
   uint32_t index = 0;
   return forge(sound_file(), {.bytes =
-                                  [&](Part, Bytes& body) {
+                                  [&](FilePart, Bytes& body) {
                                     for (size_t i = 0; i + 4 <= edits.size(); i += 4) {
                                       if (edits[i] != index % 256 || body.empty()) continue;
                                       const size_t at = (edits[i + 1] | edits[i + 2] << 8) % (1 << 14) % body.size();

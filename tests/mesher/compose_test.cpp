@@ -17,7 +17,7 @@ namespace {
 using namespace testing;
 
 // The bodies of a scene, and the layers of their surfaces.
-struct Bodies {
+struct SomeBodies {
   std::vector<Layer> layers;
   std::vector<uint32_t> rank;
   std::vector<Label> label;
@@ -58,13 +58,13 @@ std::vector<Label> cells_of(const RayBlock& block, uint32_t ray) {
   return out;
 }
 
-std::vector<Label> one_ray(const Bodies& bodies, const std::vector<uint64_t>& crossings, uint32_t length) {
+std::vector<Label> one_ray(const SomeBodies& bodies, const std::vector<uint64_t>& crossings, uint32_t length) {
   Composer composer = bodies.composer();
   return cells_of(composed(composer, {crossings}, length), 0);
 }
 
 // The bodies that hold a cell: of each layer the crossings up to it are counted.
-std::vector<bool> holders(const Bodies& bodies, const std::vector<uint64_t>& crossings, uint32_t cell) {
+std::vector<bool> holders(const SomeBodies& bodies, const std::vector<uint64_t>& crossings, uint32_t cell) {
   std::vector<int> winding(bodies.layers.size()), count(bodies.layers.size());
   for (const uint64_t c : crossings)
     if (Crossing::cell(c) <= cell) winding[Crossing::layer(c)] += Crossing::step(c), ++count[Crossing::layer(c)];
@@ -74,7 +74,7 @@ std::vector<bool> holders(const Bodies& bodies, const std::vector<uint64_t>& cro
   return out;
 }
 
-std::optional<uint32_t> strongest(const Bodies& bodies, const std::vector<bool>& holds) {
+std::optional<uint32_t> strongest(const SomeBodies& bodies, const std::vector<bool>& holds) {
   std::optional<uint32_t> out;
   for (uint32_t b = 0; b < holds.size(); ++b)
     if (holds[b] && (!out || bodies.rank[b] < bodies.rank[*out])) out = b;
@@ -82,7 +82,7 @@ std::optional<uint32_t> strongest(const Bodies& bodies, const std::vector<bool>&
 }
 
 // Two bodies, the second one stronger; each has a layer by winding and one by parity, numbered as in a scene.
-const Bodies kTwo = {{{0, false}, {0, true}, {1, false}, {1, true}}, {1, 0}, {7, 9}};
+const SomeBodies kTwo = {{{0, false}, {0, true}, {1, false}, {1, true}}, {1, 0}, {7, 9}};
 
 TEST_CASE("A body owns the cells from the crossing into it up to the one out of it") {
   CHECK(one_ray(kTwo, {up(2, 0), down(5, 0)}, 7) == std::vector<Label>{0, 0, 7, 7, 7, 0, 0});
@@ -114,16 +114,16 @@ TEST_CASE("A body of both rules is where either of them holds") {
 TEST_CASE("Where bodies overlap the strongest owns the cells, whatever its number") {
   const std::vector<uint64_t> both = {up(1, 0), down(5, 0), up(3, 2), down(7, 2)};
   CHECK(one_ray(kTwo, both, 8) == std::vector<Label>{0, 7, 7, 9, 9, 9, 9, 0});
-  Bodies first_stronger = kTwo;
+  SomeBodies first_stronger = kTwo;
   std::swap(first_stronger.rank[0], first_stronger.rank[1]);
   CHECK(one_ray(first_stronger, both, 8) == std::vector<Label>{0, 7, 7, 7, 7, 9, 9, 0});
 }
 
 TEST_CASE("Bodies of one label make one run, and a body of the background's label cuts a hole") {
-  Bodies same = kTwo;
+  SomeBodies same = kTwo;
   same.label = {7, 7};
   CHECK(one_ray(same, {up(1, 0), down(5, 0), up(3, 2), down(7, 2)}, 8) == std::vector<Label>{0, 7, 7, 7, 7, 7, 7, 0});
-  Bodies hole = kTwo;
+  SomeBodies hole = kTwo;
   hole.label = {7, 0};
   CHECK(one_ray(hole, {up(1, 0), down(7, 0), up(3, 2), down(5, 2)}, 8) == std::vector<Label>{0, 7, 7, 0, 0, 7, 7, 0});
   CHECK(one_ray(hole, {up(3, 2), down(5, 2)}, 8) == std::vector<Label>(8, 0));
@@ -172,7 +172,7 @@ TEST_CASE("Close crossings are pairs of one body between the same two sample poi
 }
 
 // Crossings of some of the layers, closed by their rules.
-std::vector<uint64_t> random_ray(std::mt19937_64& random, const Bodies& bodies, uint32_t length) {
+std::vector<uint64_t> random_ray(std::mt19937_64& random, const SomeBodies& bodies, uint32_t length) {
   std::vector<uint64_t> out;
   const int kind = random_int(random, 0, 9);  // empty, one layer, several; sometimes more than are sorted by insertion
   const int most = kind == 0 ? 0 : kind < 4 ? 1 : kind < 9 ? 6 : 60;
@@ -192,7 +192,7 @@ std::vector<uint64_t> random_ray(std::mt19937_64& random, const Bodies& bodies, 
 TEST_CASE("Cells, and what bodies own and cover, are those of looking at every cell alone, tile after tile") {
   std::mt19937_64 random(1);
   for (size_t scene = 0; scene < rounds(40); ++scene) {
-    Bodies bodies;
+    SomeBodies bodies;
     const int count = random_int(random, 1, 5);
     for (int b = 0; b < count; ++b) {
       bodies.rank.push_back(static_cast<uint32_t>(b));

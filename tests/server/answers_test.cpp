@@ -138,8 +138,8 @@ TEST_CASE("The description of a grid is answered if and only if verify passes it
         std::string("{\"a\":\"\xc3\xbc\"}"), std::string("{\"a\":\"\xff\"}"), std::string("{\"a\":01}"), std::string("{\"a\":1e999}"),
         std::string("\"\\ud800\""), std::string(65, '['), std::string(65, '[') + std::string(65, ']')}) {
     INFO(report);
-    const Bytes forged = forge(file, {.bytes = [&](Part part, Bytes& body) {
-                                 if (part == Part::kReport) body.assign(report.begin(), report.end());
+    const Bytes forged = forge(file, {.bytes = [&](FilePart part, Bytes& body) {
+                                 if (part == FilePart::kReport) body.assign(report.begin(), report.end());
                                }});
     bool passes = true;
     try {

@@ -16,14 +16,14 @@ namespace {
 using namespace testing;
 
 Bytes with_report(const Bytes& file, const std::string& report) {
-  return forge(file, {.bytes = [&](Part part, Bytes& body) {
-                 if (part == Part::kReport) body.assign(report.begin(), report.end());
+  return forge(file, {.bytes = [&](FilePart part, Bytes& body) {
+                 if (part == FilePart::kReport) body.assign(report.begin(), report.end());
                }});
 }
 
 Bytes with_metadata_text(const Bytes& file, const std::function<void(std::string&)>& edit) {
-  return forge(file, {.bytes = [&](Part part, Bytes& body) {
-                 if (part != Part::kMetadata) return;
+  return forge(file, {.bytes = [&](FilePart part, Bytes& body) {
+                 if (part != FilePart::kMetadata) return;
                  std::string text(body.begin(), body.end());
                  edit(text);
                  body.assign(text.begin(), text.end());

@@ -88,7 +88,7 @@ Bytes bomb(uint64_t content, uint32_t blocks) {
 
 TEST_CASE("Random blocks of every kind and shape come back as they were") {
   std::mt19937_64 random(1);
-  for (const Kind kind : kAllKinds) {
+  for (const BlockKind kind : kAllKinds) {
     for (const Shape& s :
          {Shape{1, 1, 1, 3}, {1, 1, 2, 3}, {5, 1, 40, 3}, {1, 5, 40, 3}, {4, 4, 1, 3}, {7, 5, 2, 3}, {64, 64, 100, 5}, {13, 64, 257, 60}}) {
       INFO("kind " << static_cast<int>(kind) << ", " << s.nu << " x " << s.nv << " rays of " << s.length << " cells");
@@ -99,16 +99,16 @@ TEST_CASE("Random blocks of every kind and shape come back as they were") {
 
 TEST_CASE("The largest chunk, 256 x 256 rays, comes back as it was") {
   std::mt19937_64 random(2);
-  expect_round_trip(random_chunk(random, Kind::kSmooth, 256, 256, 300, 3));
-  expect_round_trip(random_chunk(random, Kind::kDifferent, 256, 256, 300, 3));
+  expect_round_trip(random_chunk(random, BlockKind::kSmooth, 256, 256, 300, 3));
+  expect_round_trip(random_chunk(random, BlockKind::kDifferent, 256, 256, 300, 3));
 }
 
 TEST_CASE("Rays of two billion cells with changes anywhere come back as they were") {
   std::mt19937_64 random(3);
   const uint32_t length = (uint32_t{1} << 31) - 2;
-  expect_round_trip(random_chunk(random, Kind::kJagged, 20, 20, length, 3));  // residuals that pass 32 bits
-  expect_round_trip(random_chunk(random, Kind::kDifferent, 20, 20, length, 3));
-  expect_round_trip(random_chunk(random, Kind::kSmooth, 64, 64, length, 3));
+  expect_round_trip(random_chunk(random, BlockKind::kJagged, 20, 20, length, 3));  // residuals that pass 32 bits
+  expect_round_trip(random_chunk(random, BlockKind::kDifferent, 20, 20, length, 3));
+  expect_round_trip(random_chunk(random, BlockKind::kSmooth, 64, 64, length, 3));
 }
 
 TEST_CASE("Residuals around the largest byte come back as they were") {
@@ -146,9 +146,9 @@ TEST_CASE("Thousands of labels, and sets of all of them, come back as they were"
 TEST_CASE("Equal cells give equal bytes, whatever the encoder did before and whatever the ids are") {
   std::mt19937_64 random(5);
   ChunkEncoder used;
-  for (const Kind kind : kAllKinds) {
+  for (const BlockKind kind : kAllKinds) {
     const Chunk chunk = random_chunk(random, kind, 16, 12, 50, 5);
-    const Chunk other = random_chunk(random, Kind::kNoise, 20, 20, 30, 5);
+    const Chunk other = random_chunk(random, BlockKind::kNoise, 20, 20, 30, 5);
     used.encode(other.rays, other.sets);
     const Chunk again = block_of_cells(16, 12, 50, 5, expand(chunk));
     REQUIRE(used.encode(chunk.rays, chunk.sets) == encoded(again));
@@ -157,7 +157,7 @@ TEST_CASE("Equal cells give equal bytes, whatever the encoder did before and wha
 
 TEST_CASE("A decoder that met a damaged chunk decodes the next one") {
   std::mt19937_64 random(6);
-  const Chunk chunk = random_chunk(random, Kind::kSets, 8, 8, 30, 5);
+  const Chunk chunk = random_chunk(random, BlockKind::kSets, 8, 8, 30, 5);
   const Bytes frame = encoded(chunk);
   ChunkDecoder decoder;
   Chunk out;
@@ -171,7 +171,7 @@ TEST_CASE("A decoder that met a damaged chunk decodes the next one") {
 TEST_CASE("A chunk cut short at any byte is refused, and so is one with a byte too many") {
   std::mt19937_64 random(7);
   ChunkDecoder decoder;
-  for (const Kind kind : kAllKinds) {
+  for (const BlockKind kind : kAllKinds) {
     Bytes frame = encoded(random_chunk(random, kind, 8, 8, 30, 5));
     Chunk out;
     for (size_t n = 0; n < frame.size(); ++n) {
@@ -186,7 +186,7 @@ TEST_CASE("A chunk cut short at any byte is refused, and so is one with a byte t
 TEST_CASE("A chunk body cut short at any byte, or with a byte too many, is refused") {
   std::mt19937_64 random(8);
   ChunkDecoder decoder;
-  for (const Kind kind : kAllKinds) {
+  for (const BlockKind kind : kAllKinds) {
     std::string body = decode_text(encoded(random_chunk(random, kind, 8, 8, 30, 5)), "chunk");
     Chunk out;
     for (size_t n = 0; n < body.size(); ++n) REQUIRE_THROWS_AS(decoder.decode(encode_text(body.substr(0, n)), 8, 8, 30, 5, out), FormatError);
@@ -197,7 +197,7 @@ TEST_CASE("A chunk body cut short at any byte, or with a byte too many, is refus
 TEST_CASE("A chunk with any bit flipped, in the frame or in the body, is refused or keeps every invariant") {
   std::mt19937_64 random(9);
   ChunkDecoder decoder;
-  for (const Kind kind : kAllKinds) {
+  for (const BlockKind kind : kAllKinds) {
     const Shape s{6, 6, 30, 5};
     Bytes frame = encoded(random_chunk(random, kind, s.nu, s.nv, s.length, s.labels));
     for (size_t bit = 0; bit < 8 * frame.size(); ++bit) {
@@ -217,7 +217,7 @@ TEST_CASE("A chunk with any bit flipped, in the frame or in the body, is refused
 TEST_CASE("A chunk read with another shape than it was written with is refused or keeps every invariant") {
   std::mt19937_64 random(10);
   ChunkDecoder decoder;
-  const Bytes frame = encoded(random_chunk(random, Kind::kDifferent, 8, 8, 30, 5));
+  const Bytes frame = encoded(random_chunk(random, BlockKind::kDifferent, 8, 8, 30, 5));
   for (const uint32_t nu : {1u, 7u, 8u, 9u, 256u})
     for (const uint32_t nv : {1u, 7u, 8u, 9u, 256u})
       for (const uint32_t length : {1u, 2u, 29u, 31u, (1u << 31) - 2})

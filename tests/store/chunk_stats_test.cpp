@@ -32,7 +32,7 @@ std::vector<LabelStats> by_counting(const Chunk& chunk) {
 
 TEST_CASE("Every label of a block has its cells and its box, labels ascending") {
   std::mt19937_64 random(31);
-  for (const Kind kind : {Kind::kSmooth, Kind::kNoise, Kind::kDifferent, Kind::kJagged})  // one label per cell
+  for (const BlockKind kind : {BlockKind::kSmooth, BlockKind::kNoise, BlockKind::kDifferent, BlockKind::kJagged})  // one label per cell
     for (int round = 0; round < 20; ++round) {
       const auto size = [&] { return static_cast<uint32_t>(random_int(random, 1, 20)); };
       const uint32_t nu = size(), nv = size(), length = size() + 4;

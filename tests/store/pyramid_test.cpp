@@ -37,7 +37,7 @@ void expect_exact(const Chunk& fine) {
 TEST_CASE("A coarse cell has exactly the labels below it, for random blocks of any size") {
   std::mt19937_64 random(1);
   for (int round = 0; round < 40; ++round)
-    for (const Kind kind : kAllKinds) {
+    for (const BlockKind kind : kAllKinds) {
       INFO("round " << round << ", kind " << static_cast<int>(kind));
       const auto size = [&](int most) { return static_cast<uint32_t>(random_int(random, 1, most)); };
       expect_exact(random_chunk(random, kind, size(11), size(11), size(50), 5));
@@ -47,7 +47,7 @@ TEST_CASE("A coarse cell has exactly the labels below it, for random blocks of a
 TEST_CASE("Blocks of sets, as a level above the first is, coarsen to the unions of the sets") {
   std::mt19937_64 random(2);
   for (int round = 0; round < 40; ++round) {
-    const Chunk fine = random_chunk(random, Kind::kSets, 9, 7, 40, 8);
+    const Chunk fine = random_chunk(random, BlockKind::kSets, 9, 7, 40, 8);
     expect_exact(fine);
     expect_exact(coarsen(fine, 1));
   }

@@ -33,8 +33,8 @@ TEST_CASE("A reader tells what the file holds") {
 
 TEST_CASE("A file of a newer minor version is read, and the version told is its own") {
   REQUIRE(reader_of(chunked_file()).version() == "1.0");
-  const Bytes newer = forge(chunked_file(), {.bytes = [](Part part, Bytes& body) {
-                              if (part == Part::kHeader) body[18] = 7;
+  const Bytes newer = forge(chunked_file(), {.bytes = [](FilePart part, Bytes& body) {
+                              if (part == FilePart::kHeader) body[18] = 7;
                             }});
   REQUIRE(reader_of(newer).version() == "1.7");
   REQUIRE(nlohmann::json::parse(info_json(reader_of(newer)))["file"]["version"] == "1.7");
@@ -174,8 +174,8 @@ TEST_CASE("A file cut short at any byte, or continued, is refused when it is ope
 TEST_CASE("A cell of level 0 with a set of several labels is refused, by verify and by every reading of it") {
   const Bytes file = meshed_file();
   bool done = false;
-  const Bytes forged = forge(file, {.bytes = [&](Part part, Bytes& body) {
-                               if (part != Part::kChunk || done) return;
+  const Bytes forged = forge(file, {.bytes = [&](FilePart part, Bytes& body) {
+                               if (part != FilePart::kChunk || done) return;
                                Chunk honest, lie{{}, SetTable(3)};
                                ChunkDecoder().decode(encode_text({body.begin(), body.end()}), 12, 9, 8, 3, honest);
                                std::vector<Mask> cells = expand(honest);
@@ -269,14 +269,14 @@ TEST_CASE("A file whose chunks, pages or labels are counted otherwise than they 
 
 TEST_CASE("Any byte of the plain bodies changed under right checksums is refused or read, never a crash") {
   const Bytes file = chunked_file(2, {4, 5, 5});
-  std::vector<std::pair<Part, size_t>> bodies;
-  forge(file, {.bytes = [&](Part part, Bytes& body) { bodies.emplace_back(part, body.size()); }});
+  std::vector<std::pair<FilePart, size_t>> bodies;
+  forge(file, {.bytes = [&](FilePart part, Bytes& body) { bodies.emplace_back(part, body.size()); }});
   for (size_t target = 0; target < bodies.size(); ++target) {
-    const size_t step = bodies[target].first == Part::kMetadata ? 7 : 1;
+    const size_t step = bodies[target].first == FilePart::kMetadata ? 7 : 1;
     for (size_t at = 0; at < bodies[target].second; at += step * kStride)
       for (const uint8_t change : {0x01, 0x80, 0xFF}) {
         size_t index = 0;
-        read_hostile(forge(file, {.bytes = [&](Part, Bytes& body) {
+        read_hostile(forge(file, {.bytes = [&](FilePart, Bytes& body) {
                              if (index++ == target) body[at] ^= change;
                            }}));
       }

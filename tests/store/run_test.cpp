@@ -59,7 +59,7 @@ TEST_CASE("A filled block is uniform, one with a second set or a change is not")
 
 TEST_CASE("A block that was used before gives no sign of it") {
   std::mt19937_64 random(3);
-  Chunk used = random_chunk(random, Kind::kDifferent, 9, 9, 50, 5);
+  Chunk used = random_chunk(random, BlockKind::kDifferent, 9, 9, 50, 5);
   used.rays.reset(2, 1, 4);
   used.rays.append(std::array<SetId, 2>{0, 1}, std::array<uint32_t, 1>{3});
   used.rays.append(std::array<SetId, 2>{0, 1}, std::array<uint32_t, 1>{1});
@@ -69,7 +69,7 @@ TEST_CASE("A block that was used before gives no sign of it") {
 
 TEST_CASE("A cut holds the cells of its stretch of every ray") {
   std::mt19937_64 random(4);
-  for (const Kind kind : kAllKinds) {
+  for (const BlockKind kind : kAllKinds) {
     const Chunk whole = random_chunk(random, kind, 6, 5, 40, 4);
     const std::vector<Mask> cells = expand(whole);
     for (uint32_t from = 0; from < 40; from += 3) {
@@ -87,7 +87,7 @@ TEST_CASE("A cut holds the cells of its stretch of every ray") {
 TEST_CASE("Pieces join to the block they were taken from, however it was divided and their ids were made") {
   std::mt19937_64 random(5);
   const uint32_t nu = 11, nv = 7, length = 30;
-  for (const Kind kind : kAllKinds) {
+  for (const BlockKind kind : kAllKinds) {
     const Chunk whole = random_chunk(random, kind, nu, nv, length, 6);
     const std::vector<Mask> cells = expand(whole);
     for (int round = 0; round < 10; ++round) {

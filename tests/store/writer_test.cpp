@@ -37,7 +37,7 @@ std::vector<Put> some_chunks(const Metadata& meta) {
     for (uint64_t page = 0; page < s.pages(); ++page)
       for (uint32_t slot = 0; slot < s.page_size(page); ++slot) {
         const ChunkKey key = s.key_of(page, slot);
-        Chunk chunk = random_chunk(random, testing::Kind::kNoise, s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), 3);
+        Chunk chunk = random_chunk(random, testing::BlockKind::kNoise, s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), 3);
         if (random() % 2 == 0) chunk.rays.fill(chunk.rays.nu, chunk.rays.nv, chunk.rays.length, static_cast<SetId>(random() % 3));
         puts.push_back({key, encode_chunk(encoder, chunk.rays, chunk.sets, level == 0)});
       }

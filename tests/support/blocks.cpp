@@ -52,7 +52,7 @@ Mask mask_of(const std::vector<Label>& set) {
 }
 
 // REQUIRES: labels >= 3.
-Chunk random_chunk(std::mt19937_64& random, Kind kind, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels) {
+Chunk random_chunk(std::mt19937_64& random, BlockKind kind, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels) {
   Chunk out{{}, SetTable(labels)};
   out.rays.reset(nu, nv, length);
   const auto any_label = [&] { return static_cast<SetId>(random() % labels); };
@@ -67,11 +67,11 @@ Chunk random_chunk(std::mt19937_64& random, Kind kind, uint32_t nu, uint32_t nv,
     for (uint32_t u = 0; u < nu; ++u) {
       const auto some = static_cast<uint32_t>(random_int(random, 0, 12));
       switch (kind) {
-        case Kind::kSmooth: append_lens(out.rays, u, v); break;
-        case Kind::kNoise: append_random_ray(random, out.rays, length / 3, any_label); break;
-        case Kind::kDifferent: append_random_ray(random, out.rays, some, any_label); break;
-        case Kind::kSets: append_random_ray(random, out.rays, some, any_set); break;
-        case Kind::kJagged: append_random_ray(random, out.rays, 2, [next = 0u]() mutable { return next++ % 2; }); break;
+        case BlockKind::kSmooth: append_lens(out.rays, u, v); break;
+        case BlockKind::kNoise: append_random_ray(random, out.rays, length / 3, any_label); break;
+        case BlockKind::kDifferent: append_random_ray(random, out.rays, some, any_label); break;
+        case BlockKind::kSets: append_random_ray(random, out.rays, some, any_set); break;
+        case BlockKind::kJagged: append_random_ray(random, out.rays, 2, [next = 0u]() mutable { return next++ % 2; }); break;
       }
     }
   }

@@ -11,16 +11,16 @@ namespace teracell::testing {
 using Mask = uint64_t;
 Mask mask_of(const std::vector<Label>& set);
 
-enum class Kind {
+enum class BlockKind {
   kSmooth,     // a body with a smooth surface and a core, rays that miss both
   kNoise,      // every third cell differs from the one before it
   kDifferent,  // no two rays alike
   kSets,       // the same with sets of several labels
   kJagged,     // one pattern, changes anywhere: no neighbour predicts them
 };
-inline constexpr Kind kAllKinds[] = {Kind::kSmooth, Kind::kNoise, Kind::kDifferent, Kind::kSets, Kind::kJagged};
+inline constexpr BlockKind kAllKinds[] = {BlockKind::kSmooth, BlockKind::kNoise, BlockKind::kDifferent, BlockKind::kSets, BlockKind::kJagged};
 
-Chunk random_chunk(std::mt19937_64& random, Kind kind, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels);
+Chunk random_chunk(std::mt19937_64& random, BlockKind kind, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels);
 
 // The sets of all cells, a ray after the other.
 std::vector<Mask> expand(const RayBlock& rays, const SetTable& sets);

@@ -16,7 +16,7 @@ class Forger {
   Forger(const Bytes& file, const Lies& lies) : file_(file), lies_(lies), reader_(reader_of(file)), meta_(reader_.meta()) {}
 
   Bytes forge() {
-    out_ = signed_again(Part::kHeader, encode_header(), kHeaderBytes - 8);
+    out_ = signed_again(FilePart::kHeader, encode_header(), kHeaderBytes - 8);
     out_.resize(out_.size() + lies_.gap);
     for (LevelInfo& level : meta_.levels()) directories_.push_back(level_pages(level));
     std::vector<std::vector<DirectoryEntry>> covers;
@@ -41,19 +41,19 @@ class Forger {
     }
     if (lies_.metadata) lies_.metadata(meta_);
     Footer footer;
-    const auto text = [&](Part part, const Bytes& honest) {
+    const auto text = [&](FilePart part, const Bytes& honest) {
       const Bytes frame = squeezed_again(part, honest);
       hashed.insert(hashed.end(), frame.begin(), frame.end());
       return append(frame);
     };
-    footer.metadata = text(Part::kMetadata, encode_metadata(meta_));
-    footer.report = text(Part::kReport, encode_text(reader_.report()));
+    footer.metadata = text(FilePart::kMetadata, encode_metadata(meta_));
+    footer.report = text(FilePart::kReport, encode_text(reader_.report()));
     XXH128_canonical_t hash;
     XXH128_canonicalFromHash(&hash, XXH3_128bits(hashed.data(), hashed.size()));
     std::copy(hash.digest, hash.digest + 16, footer.hash.begin());
     footer.file_bytes = out_.size() + kFooterBytes;
     if (lies_.footer) lies_.footer(footer);
-    append(signed_again(Part::kFooter, encode_footer(footer), kFooterBytes - 16));
+    append(signed_again(FilePart::kFooter, encode_footer(footer), kFooterBytes - 16));
     return out_;
   }
 
@@ -65,7 +65,7 @@ class Forger {
   }
 
   // A structure whose checksum stands right behind its first `covered` bytes.
-  Bytes signed_again(Part part, Bytes whole, size_t covered) const {
+  Bytes signed_again(FilePart part, Bytes whole, size_t covered) const {
     Bytes front(whole.begin(), whole.begin() + static_cast<ptrdiff_t>(covered));
     if (lies_.bytes) lies_.bytes(part, front);
     front.resize(covered);
@@ -74,7 +74,7 @@ class Forger {
     return front;
   }
 
-  Bytes squeezed_again(Part part, const Bytes& frame) const {
+  Bytes squeezed_again(FilePart part, const Bytes& frame) const {
     if (!lies_.bytes) return frame;
     const std::string honest = decode_text(frame, "honest");
     Bytes body(honest.begin(), honest.end());
@@ -95,14 +95,14 @@ class Forger {
         ChunkEntry e = *reader_.entry(s.key_of(page, slot));
         if (e.size != 0) {
           const auto first = file_.begin() + static_cast<ptrdiff_t>(e.offset);
-          const DirectoryEntry place = append(squeezed_again(Part::kChunk, Bytes(first, first + e.size)));
+          const DirectoryEntry place = append(squeezed_again(FilePart::kChunk, Bytes(first, first + e.size)));
           e.offset = place.offset, e.size = static_cast<uint32_t>(place.size), e.checksum = place.checksum;
           info.bytes += e.size;
         }
         entries.push_back(std::move(e));
       }
       if (lies_.page) lies_.page(info.level, entries);
-      places.push_back(append(squeezed_again(Part::kPage, encode_page(entries, info.level == 0))));
+      places.push_back(append(squeezed_again(FilePart::kPage, encode_page(entries, info.level == 0))));
     }
     return places;
   }
@@ -113,7 +113,7 @@ class Forger {
     for (uint64_t block = 0; block * kBlockEntries < places.size(); ++block) {
       const BlockPlace place = directory_block(block, places.size());
       const auto first = honest.begin() + static_cast<ptrdiff_t>(place.offset);
-      const Bytes again = signed_again(Part::kDirectory, Bytes(first, first + static_cast<ptrdiff_t>(place.bytes())), place.bytes() - 8);
+      const Bytes again = signed_again(FilePart::kDirectory, Bytes(first, first + static_cast<ptrdiff_t>(place.bytes())), place.bytes() - 8);
       out.insert(out.end(), again.begin(), again.end());
     }
     return out;

@@ -8,7 +8,7 @@
 
 namespace teracell::testing {
 
-enum class Part { kHeader, kChunk, kPage, kDirectory, kMetadata, kReport, kFooter };
+enum class FilePart { kHeader, kChunk, kPage, kDirectory, kMetadata, kReport, kFooter };
 
 // A channel that no reader knows: bytes.
 struct ForgedChannel {
@@ -25,7 +25,7 @@ struct Lies {
   std::function<void(Footer&)> footer;
   // The plain bytes: of chunk, page, metadata and report before they are compressed; of header, directory block and
   // footer before their checksum is appended.
-  std::function<void(Part, Bytes&)> bytes;
+  std::function<void(FilePart, Bytes&)> bytes;
   std::vector<ForgedChannel> channels;  // added to the file
   uint64_t gap = 0;  // bytes behind the header that belong to nothing
 };

@@ -1,6 +1,7 @@
 // The oracle against what can be known without it: boxes by hand, partitions, analytic volumes, and a second way to
 // the winding number.
 #include "tests/support/oracle.hpp"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/sanitized.hpp"
 
 #include <algorithm>
@@ -23,11 +24,6 @@ using Rational = boost::multiprecision::cpp_rational;
 // Cells of width 1 whose centres are the integers 0 .. n - 1.
 Grid integer_grid(int64_t n) {
   const Axis axis = Axis::uniform(-0.5, 1, 0, n, 0.5);
-  return {{axis, axis, axis}};
-}
-
-Grid cube_grid(double lo, double hi, int64_t n) {
-  const Axis axis = Axis::uniform(lo, (hi - lo) / static_cast<double>(n), 0, n, 0.5);
   return {{axis, axis, axis}};
 }
 

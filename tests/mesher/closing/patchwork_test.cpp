@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/patchworks.hpp"
 #include "tests/support/random.hpp"
@@ -17,11 +18,6 @@ namespace {
 using namespace testing;
 using patchworks::Patches;
 using shapes::Facets;
-
-Grid cube_grid(double min, double max, int64_t n) {
-  const Axis axis = Axis::uniform(min, (max - min) / static_cast<double>(n), 0, n, 0.5);
-  return {{axis, axis, axis}};
-}
 
 std::vector<uint32_t> cells_of(const Facets& facets, const Grid& grid, Fill fill = Fill::kAuto) {
   const TempFolder folder;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/winding.hpp"
@@ -14,11 +15,6 @@ namespace teracell {
 namespace {
 
 using shapes::Facets;
-
-Grid cube_grid(double min, double max, int64_t n) {
-  const Axis axis = Axis::uniform(min, (max - min) / static_cast<double>(n), 0, n, 0.5);
-  return {{axis, axis, axis}};
-}
 
 std::pair<Vec3, Vec3> box_of(const Facets& facets) {
   Vec3 lo = facets[0].vertex[0], hi = lo;

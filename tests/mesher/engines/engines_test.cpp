@@ -9,6 +9,7 @@
 #include "mesher/engines/engines.hpp"
 #include "mesher/engines/tree.hpp"
 #include "store/error.hpp"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/ties.hpp"
@@ -37,11 +38,6 @@ class SceneFacets {
   std::vector<SceneFacet> facets_;
   std::vector<const SceneFacet*> all_;
 };
-
-Grid cube_grid(double min, double step, int64_t n) {
-  const Axis axis = Axis::uniform(min, step, 0, n, 0.5);
-  return {{axis, axis, axis}};
-}
 
 // The rays [u0, u1) x [v0, v1) along `axis`.
 Tile tile_of(const Grid& grid, int axis, int64_t u0, int64_t u1, int64_t v0, int64_t v1) {
@@ -154,7 +150,7 @@ TEST_CASE("All engines agree with rational arithmetic on ties that miss by a rou
   for (uint64_t seed = 100; seed < 120; ++seed) {
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
-    expect_exact(shapes::join(shapes::decimal_tetrahedra(random, 6)), cube_grid(0, 1.1 / 11, 11), random);
+    expect_exact(shapes::join(shapes::decimal_tetrahedra(random, 6)), cube_grid_of(0, 1.1 / 11, 11), random);
   }
 }
 
@@ -168,15 +164,15 @@ TEST_CASE("All engines agree with rational arithmetic on needles, near-vertical 
       shells.push_back(shapes::sheet(random));
     }
     const Facets facets = shapes::join(shells);
-    expect_exact(facets, cube_grid(0, 1, 10), random);
+    expect_exact(facets, cube_grid_of(0, 1, 10), random);
     const double far = std::array{1e6, -3e9, 1e12}[random_int(random, 0, 2)];
-    expect_exact(shapes::translate(facets, {far, far, far}), cube_grid(far, 0.75, 13), random);
+    expect_exact(shapes::translate(facets, {far, far, far}), cube_grid_of(far, 0.75, 13), random);
   }
 }
 
 TEST_CASE("Without facets every engine finds no crossing", "[engines]") {
   const SceneFacets scene({});
-  const Grid grid = cube_grid(0, 1, 3);
+  const Grid grid = cube_grid_of(0, 1, 3);
   for (const std::string& name : engine_names()) {
     INFO(name);
     const auto engine = scene.engine(name, 2);
@@ -189,7 +185,7 @@ TEST_CASE("Boxes that are equal, a rounding apart or ever smaller lie in the tre
   std::vector<Facets> shells(300, shapes::box({1, 1, 1}, {3, 4, 5}));
   for (double edge = 1; edge < 1 + 0x1p-46; edge = std::nextafter(edge, 2)) shells.push_back(shapes::box({edge, 1, edge}, {3, 1 + edge, 5}));
   for (int i = 0; i < 60; ++i) shells.push_back(shapes::box({2, 2, 2}, {2 + std::ldexp(1.0, -i / 2), 2 + std::ldexp(1.0, -i / 3), 3}));
-  expect_exact(shapes::join(shells), cube_grid(0, 0.5, 12), random);
+  expect_exact(shapes::join(shells), cube_grid_of(0, 0.5, 12), random);
 }
 
 TEST_CASE("A search of the tree finds every facet whose box holds the ray and looks at few others", "[engines]") {
@@ -216,7 +212,7 @@ TEST_CASE("A search of the tree finds every facet whose box holds the ray and lo
 
 TEST_CASE("Engines of one maker share its tree between threads and outlive the maker", "[engines][threads]") {
   const SceneFacets scene(shapes::sphere({5, 5, 5}, 4, 4, 0.125));
-  const Grid grid = cube_grid(0, 0.25, 40);
+  const Grid grid = cube_grid_of(0, 0.25, 40);
   const Tile tile = whole_tile(grid, 2);
   const auto expected = cast(*scene.engine("scan", 2), tile, scene.all());
   for (const std::string& name : engine_names()) {
@@ -247,7 +243,7 @@ TEST_CASE("An engine of another name is refused and the known ones are named", "
 }
 
 TEST_CASE("More crossings than a tile may hold are refused by their number", "[engines]") {
-  const Grid grid = cube_grid(0, 1, 3);
+  const Grid grid = cube_grid_of(0, 1, 3);
   REQUIRE_NOTHROW(check_crossings(whole_tile(grid, 0), uint64_t{1} << 28));
   REQUIRE_THROWS_WITH(check_crossings(whole_tile(grid, 0), (uint64_t{1} << 28) + 1), Catch::Contains("3 x 3 rays") && Catch::Contains("268435457"));
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "mesher/engines/engines.hpp"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
@@ -18,11 +19,6 @@ using namespace testing;
 using oracle::Body;
 using oracle::Rule;
 using shapes::Facets;
-
-Grid cube_grid(double min, double step, int64_t n) {
-  const Axis axis = Axis::uniform(min, step, 0, n, 0.5);
-  return {{axis, axis, axis}};
-}
 
 Body sheet(Facets facets, uint32_t material = 1, int64_t priority = 0) { return {std::move(facets), Rule::kNonzero, material, priority, true}; }
 
@@ -47,7 +43,7 @@ std::vector<uint32_t> meshed(const TempFolder& folder, const Scene& scene, const
 }
 
 // Along each axis, by each engine.
-void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
+void expect_exact_sheets(const std::vector<Body>& bodies, const Grid& grid) {
   const TempFolder folder;
   const Scene scene = scene_of(folder, bodies, grid);
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
@@ -63,11 +59,11 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
 }
 
 TEST_CASE("A sheet owns the cells whose planes its crossing lies between; a surface on a plane belongs to the cell below", "[sheet]") {
-  const Grid grid = cube_grid(0, 1, 6);
+  const Grid grid = cube_grid_of(0, 1, 6);
   const TempFolder folder;
   const auto cells_of = [&](double z) {
     const Facets square = {{{Vec3{0, 0, z}, Vec3{6, 0, z}, Vec3{6, 6, z}}}, {{Vec3{0, 0, z}, Vec3{6, 6, z}, Vec3{0, 6, z}}}};
-    expect_exact({sheet(square)}, grid);
+    expect_exact_sheets({sheet(square)}, grid);
     std::vector<size_t> layers(6);
     const auto cells = meshed(folder, scene_of(folder, {sheet(square)}, grid), {});
     for (size_t i = 0; i < cells.size(); ++i) layers[i / 36] += cells[i];
@@ -82,7 +78,7 @@ TEST_CASE("A sheet owns the cells whose planes its crossing lies between; a surf
 
 TEST_CASE("A sheet on the domain's lower side owns no cell there, which a warning says", "[sheet]") {
   const TempFolder folder;
-  const Grid grid = cube_grid(0, 1, 6);
+  const Grid grid = cube_grid_of(0, 1, 6);
   for (const int axis : {0, 1, 2}) {
     MeshOptions options;
     options.axis = axis;
@@ -103,7 +99,7 @@ TEST_CASE("Soups of facets full of ties are the sheets that rational arithmetic 
     const int n = random_int(random, 3, 8);
     Grid grid;
     for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
-    expect_exact({sheet(soup(random, random_int(random, 1, 12), n))}, grid);
+    expect_exact_sheets({sheet(soup(random, random_int(random, 1, 12), n))}, grid);
   }
 }
 
@@ -120,7 +116,7 @@ TEST_CASE("Sheets and solids take precedence over one another like any bodies", 
     }
     Grid grid;
     for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
-    expect_exact(bodies, grid);
+    expect_exact_sheets(bodies, grid);
   }
 }
 
@@ -128,8 +124,8 @@ TEST_CASE("Sheets whose crossings miss planes by a rounding, and needles, equal 
   for (uint64_t seed = 200; seed < 206; ++seed) {
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
-    expect_exact({sheet(shapes::join(shapes::decimal_tetrahedra(random, 3)))}, cube_grid(0, 1.1 / 11, 11));
-    expect_exact({sheet(shapes::join({shapes::needle(random), shapes::sheet(random), shapes::needle(random)}))}, cube_grid(0, 1, 10));
+    expect_exact_sheets({sheet(shapes::join(shapes::decimal_tetrahedra(random, 3)))}, cube_grid_of(0, 1.1 / 11, 11));
+    expect_exact_sheets({sheet(shapes::join({shapes::needle(random), shapes::sheet(random), shapes::needle(random)}))}, cube_grid_of(0, 1, 10));
   }
 }
 
@@ -189,7 +185,7 @@ std::vector<bool> flooded(const std::vector<uint32_t>& cells, const Index3& n) {
 
 TEST_CASE("A closed sheet lets no flood through", "[sheet]") {
   const TempFolder folder;
-  const Grid grid = cube_grid(-5, 0.25, 40);
+  const Grid grid = cube_grid_of(-5, 0.25, 40);
   for (const Facets& surface : {shapes::sphere({0, 0, 0}, 4, 4, 0x1p-20), shapes::sphere({0.25, 0.125, 0}, 3.7, 0, 0x1p-20),
                                 shapes::torus({0, 0, 0}, 3, 1, 30, 20, 0x1p-20), shapes::box({-3, -3, -3}, {3, 3, 3})}) {
     const auto cells = meshed(folder, scene_of(folder, {sheet(surface)}, grid), {});
@@ -211,7 +207,7 @@ TEST_CASE("A sheet is neither closed nor filled: an open surface is no fault of 
   const TempFolder folder;
   Facets open = shapes::sphere({0, 0, 0}, 4, 3);
   open.resize(open.size() / 2);
-  Scene scene = scene_of(folder, {sheet(open)}, cube_grid(-5, 0.5, 20));
+  Scene scene = scene_of(folder, {sheet(open)}, cube_grid_of(-5, 0.5, 20));
   const auto report = mesh_quietly(scene, folder / "g.tcell");
   CHECK(report["bodies"][0]["kind"] == "sheet");
   CHECK(report["bodies"][0]["holes"].empty());

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "mesher/engines/engines.hpp"
+#include "tests/support/cube_grid.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
@@ -19,11 +20,6 @@ using namespace testing;
 using oracle::Body;
 using oracle::Rule;
 using shapes::Facets;
-
-Grid cube_grid(double min, double step, int64_t n) {
-  const Axis axis = Axis::uniform(min, step, 0, n, 0.5);
-  return {{axis, axis, axis}};
-}
 
 // What is lost of a body or a material along an axis.
 struct Lost {
@@ -44,7 +40,9 @@ struct Expected {
   std::vector<std::array<std::pair<uint64_t, Vec3>, 3>> pairs;  // of each body: along each axis how many, and the first
 };
 
-double sub_position(const Axis& axis, int64_t i, uint32_t k) { return axis.centre(i) + (k / 65536.0) * (axis.centre(i + 1) - axis.centre(i)); }
+double place_of_sub_position(const Axis& axis, int64_t i, uint32_t k) {
+  return axis.centre(i) + (k / 65536.0) * (axis.centre(i + 1) - axis.centre(i));
+}
 
 // Of bodies that all keep their thin parts. Interval by interval, every sub-position where something changes.
 Expected expected_of(const std::vector<Body>& bodies, const Grid& grid) {
@@ -110,19 +108,19 @@ Expected expected_of(const std::vector<Body>& bodies, const Grid& grid) {
     };
     const auto tally = [&](Lost& lost, const std::vector<Run>& found) {
       const auto widest = std::ranges::max_element(found, {}, [](const Run& r) { return r.to - r.from; });
-      lost.add(widest->to - widest->from, place(sub_position(grid.axis[axis], lower[axis], widest->from + (widest->to - widest->from) / 2)));
+      lost.add(widest->to - widest->from, place(place_of_sub_position(grid.axis[axis], lower[axis], widest->from + (widest->to - widest->from) / 2)));
     };
     for (size_t b = 0; b < bodies.size(); ++b) {
       REQUIRE(winding_at(b, 65536) == windings[b][number(upper)]);
       if (auto& [pairs, first] = out.pairs[b][axis]; steps[b].size() > 1) {
-        if (pairs == 0) first = place(sub_position(grid.axis[axis], lower[axis], 32768));
+        if (pairs == 0) first = place(place_of_sub_position(grid.axis[axis], lower[axis], 32768));
         pairs += steps[b].size() / 2;
       }
       if (inside(b, winding_at(b, 0)) || inside(b, winding_at(b, 65536))) continue;
       const auto found = runs([&](uint32_t k) { return inside(b, winding_at(b, k)); });
       if (found.empty()) continue;
       tally(out.lost[b][axis], found);
-      const bool above = sub_position(grid.axis[axis], lower[axis], found[0].from) >= grid.axis[axis].plane(upper[axis]);
+      const bool above = place_of_sub_position(grid.axis[axis], lower[axis], found[0].from) >= grid.axis[axis].plane(upper[axis]);
       owned[b][number(above ? upper : lower)] = true;
     }
     const uint32_t around = material_at(0);
@@ -169,7 +167,7 @@ void expect_report(const nlohmann::ordered_json& report, const Expected& expecte
 }
 
 // Along each axis, by each engine.
-void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
+void expect_exact_thin(const std::vector<Body>& bodies, const Grid& grid) {
   const TempFolder folder;
   const Expected expected = expected_of(bodies, grid);
   const Scene scene = keeping(folder, bodies, grid);
@@ -217,7 +215,7 @@ TEST_CASE("Lost stretches and gaps are those of rational arithmetic, and kept ce
     const int n = random_int(random, 3, 7);
     Grid grid;
     for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
-    expect_exact(thin_scene(random, n), grid);
+    expect_exact_thin(thin_scene(random, n), grid);
   }
 }
 
@@ -225,15 +223,16 @@ TEST_CASE("Needles, and plates that miss sub-positions by a rounding, are kept a
   for (uint64_t seed = 100; seed < 104; ++seed) {
     INFO("seed " << seed);
     std::mt19937_64 random(seed);
-    expect_exact({{shapes::join(shapes::decimal_tetrahedra(random, 4))}, {shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kEvenodd, 2}},
-                 cube_grid(0, 1.1 / 5, 5));
-    expect_exact({{shapes::join({shapes::needle(random), shapes::sheet(random)})}}, cube_grid(0, 1, 10));
+    expect_exact_thin(
+        {{shapes::join(shapes::decimal_tetrahedra(random, 4))}, {shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kEvenodd, 2}},
+        cube_grid_of(0, 1.1 / 5, 5));
+    expect_exact_thin({{shapes::join({shapes::needle(random), shapes::sheet(random)})}}, cube_grid_of(0, 1, 10));
   }
 }
 
 TEST_CASE("A plate a tenth of a cell thick is kept without a hole, however it lies", "[thin]") {
   const TempFolder folder;
-  const Grid grid = cube_grid(0, 1, 20);
+  const Grid grid = cube_grid_of(0, 1, 20);
   for (const int d : {0, 1, 2})
     for (const double at : {7.2, 6.95, 7.0, 7.5, 7.95}) {
       Vec3 lo = {2.25, 2.25, 2.25}, hi = {17.25, 17.25, 17.25};
@@ -250,7 +249,7 @@ TEST_CASE("A plate a tenth of a cell thick is kept without a hole, however it li
 
 TEST_CASE("A gap narrower than a cell is counted by its material with --thin", "[thin]") {
   const TempFolder folder;
-  const Grid grid = cube_grid(0, 1, 10);
+  const Grid grid = cube_grid_of(0, 1, 10);
   const Facets halves = shapes::join({shapes::box({1, 1, 1}, {9, 9, 4.75}), shapes::box({1, 1, 5}, {9, 9, 9})});
   for (int axis = 0; axis < 3; ++axis) {
     MeshOptions options;
@@ -309,7 +308,7 @@ TEST_CASE("What is lost and kept does not depend on threads, memory or borders o
 TEST_CASE("Without thin keep no cell changes, and only pairs along the rays are counted", "[thin]") {
   std::mt19937_64 random(400);
   const TempFolder folder;
-  const Grid grid = cube_grid(0, 1, 8);
+  const Grid grid = cube_grid_of(0, 1, 8);
   const std::vector<Body> bodies = thin_scene(random, 8);
   const Expected expected = expected_of(bodies, grid);
   for (int axis = 0; axis < 3; ++axis) {
@@ -326,7 +325,7 @@ TEST_CASE("Without thin keep no cell changes, and only pairs along the rays are 
 
 TEST_CASE("A body with few cells or none says why", "[thin]") {
   const TempFolder folder;
-  const Grid grid = cube_grid(0, 1, 10);
+  const Grid grid = cube_grid_of(0, 1, 10);
   const auto warnings = [&](const std::vector<Body>& bodies) {
     MeshOptions options;
     options.axis = 2;

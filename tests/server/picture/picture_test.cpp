@@ -27,7 +27,7 @@ Metadata with_colors(const std::vector<std::string>& colors) {
   return meta;
 }
 
-std::vector<std::string> different_colors(uint32_t count, uint32_t alpha = 255) {
+std::vector<std::string> different_color_texts(uint32_t count, uint32_t alpha = 255) {
   std::vector<std::string> colors;
   for (uint32_t i = 0; i < count; ++i) {
     char text[10];
@@ -75,7 +75,7 @@ TEST_CASE("a picture has as few bits per pixel as its number of colours allows",
   std::mt19937 random(1);
   const std::pair<uint32_t, int> cases[] = {{1, 1}, {2, 1}, {3, 2}, {4, 2}, {5, 4}, {16, 4}, {17, 8}, {255, 8}, {256, 8}};
   for (const auto& [count, bits] : cases) {
-    const Metadata meta = with_colors(different_colors(count));
+    const Metadata meta = with_colors(different_color_texts(count));
     const SetColors colors(meta, 0);
     for (const uint32_t width : {1u, 2u, 3u, 4u, 5u, 7u, 8u, 9u, 15u, 16u, 17u, 63u, 64u, 65u, 1001u}) {
       INFO(count << " colours, width " << width);
@@ -91,7 +91,7 @@ TEST_CASE("a picture has as few bits per pixel as its number of colours allows",
 TEST_CASE("pictures of more than 256 colours are RGBA", "[server]") {
   std::mt19937 random(2);
   for (const uint32_t alpha : {255u, 77u}) {
-    const Metadata meta = with_colors(different_colors(257, alpha));
+    const Metadata meta = with_colors(different_color_texts(257, alpha));
     const SetColors colors(meta, 0);
     for (const uint32_t width : {1u, 7u, 301u}) {
       const Rows rows = noise(random, width, 8, 257);
@@ -128,7 +128,7 @@ TEST_CASE("tRNS ends with the last colour that is not opaque", "[server]") {
 TEST_CASE("a row may be longer than a chunk of data", "[server]") {
   std::mt19937 random(3);
   for (const uint32_t count : {2u, 256u, 300u}) {
-    const Metadata meta = with_colors(different_colors(count));
+    const Metadata meta = with_colors(different_color_texts(count));
     const SetColors colors(meta, 0);
     const uint32_t width = count == 2 ? 1000003 : 200003;
     const Rows rows = noise(random, width, 5, count);
@@ -140,7 +140,7 @@ TEST_CASE("a row may be longer than a chunk of data", "[server]") {
 
 TEST_CASE("a row may come in parts", "[server]") {
   std::mt19937 random(4);
-  const Metadata meta = with_colors(different_colors(5));
+  const Metadata meta = with_colors(different_color_texts(5));
   const SetColors colors(meta, 0);
   const Rows rows = noise(random, 301, 9, 5);
   std::vector<uint8_t> png;
@@ -157,7 +157,7 @@ TEST_CASE("a row may come in parts", "[server]") {
 TEST_CASE("rows that are too long to keep give the same picture, in parts of any length", "[server]") {
   std::mt19937 random(5);
   for (const uint32_t count : {2u, 3u, 9u, 200u, 300u}) {
-    const Metadata meta = with_colors(different_colors(count, 77));
+    const Metadata meta = with_colors(different_color_texts(count, 77));
     const SetColors colors(meta, 0);
     const std::vector<Rgba> palette = colors.complete() ? colors.colors() : std::vector<Rgba>();
     std::vector<uint32_t> value;
@@ -197,7 +197,7 @@ TEST_CASE("the sets of a few materials have a palette; sets of many materials ar
   REQUIRE(colors.colors()[colors.number({0, 1})] == Rgba{255, 0, 0, 128});
   REQUIRE(colors.number({0}) == 0);
 
-  const Metadata many = with_colors(different_colors(9));
+  const Metadata many = with_colors(different_color_texts(9));
   SetColors growing(many, 1);
   REQUIRE_FALSE(growing.complete());
   const size_t before = growing.colors().size();

@@ -38,7 +38,7 @@ testing::Decoded require_tile(uint32_t width, uint32_t height, const Numbers& nu
 
 // ---- pictures
 
-Numbers noise(Random& random, uint32_t width, uint32_t height, uint32_t numbers) {
+Numbers noise_numbers(Random& random, uint32_t width, uint32_t height, uint32_t numbers) {
   Numbers out(size_t{width} * height);
   for (auto& n : out) n = static_cast<uint16_t>(random() % numbers);
   return out;
@@ -79,11 +79,11 @@ TEST_CASE("tiles of every width and number of colours are decoded to the same pi
     const auto colors = different_colors(count);
     for (uint32_t width = 1; width <= 70; ++width) {
       INFO(count << " colours, width " << width);
-      require_tile(width, 9, noise(random, width, 9, count), colors);
+      require_tile(width, 9, noise_numbers(random, width, 9, count), colors);
       require_tile(width, 23, runs(random, width, 23, count), colors);
     }
     INFO(count << " colours");
-    require_tile(512, 512, noise(random, 512, 512, count), colors);
+    require_tile(512, 512, noise_numbers(random, 512, 512, count), colors);
     require_tile(512, 512, runs(random, 512, 512, count), colors);
     require_tile(512, 512, rings(512, 512, count), colors);
     require_tile(512, 512, Numbers(512 * 512, static_cast<uint16_t>(count - 1)), colors);
@@ -108,7 +108,7 @@ TEST_CASE("equal colours share a place in the palette", "[server]") {
   Random random(4);
   auto colors = different_colors(300);
   for (size_t n = 0; n < 300; ++n) colors[n] = colors[n % 4];
-  const Numbers numbers = noise(random, 65, 30, 300);
+  const Numbers numbers = noise_numbers(random, 65, 30, 300);
   const std::string png = encode_png(65, 30, numbers, colors);
   const auto d = testing::decode({reinterpret_cast<const uint8_t*>(png.data()), png.size()});
   REQUIRE((d.bits == 2 && d.palette.size() == 4));
@@ -125,7 +125,7 @@ TEST_CASE("rows as long as a match can reach back, a bit shorter and longer", "[
       INFO(bits << " bits, width " << width);
       const auto colors = different_colors(count);
       require_tile(width, 5, runs(random, width, 5, count), colors);
-      require_tile(width, 3, noise(random, width, 3, count), colors);
+      require_tile(width, 3, noise_numbers(random, width, 3, count), colors);
       require_tile(width, 3, Numbers(size_t{width} * 3, 0), colors);
     }
   };

@@ -35,13 +35,13 @@ class StadiumFolder {
   fs::path path_;
 };
 
-std::string file_bytes(const fs::path& path) {
+std::string content_of(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::vector<Triangle> read_stl(const fs::path& path) {
-  const std::string bytes = file_bytes(path);
+  const std::string bytes = content_of(path);
   REQUIRE(bytes.size() >= 84);
   CHECK(bytes.rfind("solid", 0) == std::string::npos);
   uint32_t count;
@@ -135,7 +135,7 @@ TEST_CASE("the stadium is written the same every time, and leaves nothing else b
   const StadiumFolder one, other;
   size_t files = 0;
   for (const auto& entry : fs::directory_iterator(one.path())) {
-    CHECK(file_bytes(entry.path()) == file_bytes(other.path() / entry.path().filename()));
+    CHECK(content_of(entry.path()) == content_of(other.path() / entry.path().filename()));
     ++files;
   }
   CHECK(files == 11);

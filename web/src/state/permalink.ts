@@ -94,13 +94,18 @@ export function address_of(viewer: Viewer): string {
 // that ends this.
 export function keep_address(viewer: Viewer): () => void {
   let timer = 0;
+  const forget = () => clearTimeout(timer);
   const stop = effect(() => {
     const address = address_of(viewer);
-    clearTimeout(timer);
+    forget();
     timer = window.setTimeout(() => history.replaceState(null, "", address), 250);
   });
+  // After "back" the browser is at another entry of its history before it says so by "hashchange". What was to be
+  // written into the entry that was left must not be written into that one, or the page would stay where it is.
+  addEventListener("popstate", forget);
   return () => {
-    clearTimeout(timer);
+    forget();
+    removeEventListener("popstate", forget);
     stop();
   };
 }
