@@ -7,7 +7,7 @@ import { join } from "node:path";
 import test from "node:test";
 import {
   close, decoded_png, folder, grid_file, grids, info_of, open_grid, open_page, packed, pixels, point_of, quiet, screenshot, serve, server_and_browser,
-  settled, shares, state, view,
+  set_state, settled, shares, state, view,
 } from "./support.mjs";
 
 const { server, browser } = await server_and_browser();
@@ -60,6 +60,26 @@ test("several grids: a start page; each opens, and the browser's back button lea
   await page.getByRole("link", { name: /stadium/ }).click();
   await settled(page);
   assert.equal(await page.evaluate(() => teracell.viewer.info.id), "stadium");
+  await close(page);
+});
+
+test("a step back just after a view changed leads back, also when the page hears of it late", async () => {
+  const context = await browser.newContext();
+  // As in a busy browser, which is at the earlier address some time before it says so.
+  await context.addInitScript(() =>
+    addEventListener("hashchange", (event) => {
+      if (!event.isTrusted) return;
+      event.stopImmediatePropagation();
+      setTimeout(() => dispatchEvent(new HashChangeEvent("hashchange")), 500);
+    }),
+  );
+  const page = await open_page(browser, server.url, { context });
+  await page.getByRole("link", { name: /graded/ }).click();
+  await settled(page);
+  await set_state(page, { show_outline: true }); // it is written into the address after a moment
+  await page.goBack();
+  await page.getByRole("heading", { name: "3 grids" }).waitFor({ timeout: 10_000 });
+  assert.equal(page.url(), server.url);
   await close(page);
 });
 
