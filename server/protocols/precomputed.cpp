@@ -9,7 +9,7 @@
 
 #include "server/protocols/blocks.hpp"
 #include "server/protocols/protocols.hpp"
-#include "server/protocols/space.hpp"
+#include "store/space.hpp"
 #include "store/stats.hpp"
 
 namespace teracell {

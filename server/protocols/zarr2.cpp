@@ -3,8 +3,9 @@
 #include <nlohmann/json.hpp>
 
 #include "server/protocols/protocols.hpp"
-#include "server/protocols/space.hpp"
 #include "server/protocols/zarr2_nodes.hpp"
+#include "store/ome.hpp"
+#include "store/space.hpp"
 
 namespace teracell {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "server/protocols/blocks.hpp"
 #include "server/protocols/protocols.hpp"
-#include "server/protocols/space.hpp"
-#include "store/color.hpp"
+#include "store/ome.hpp"
+#include "store/space.hpp"
 
 namespace teracell {
 namespace {
@@ -42,13 +42,8 @@ ordered_json grid_group(const ServedGrid& grid) {
 }
 
 ordered_json label_group(const ServedGrid& grid) {
-  ordered_json colors = ordered_json::array(), properties = ordered_json::array();
-  for (size_t id = 0; id < grid.meta().materials.size(); ++id) {
-    const MaterialInfo& material = grid.meta().materials[id];
-    properties.push_back({{"label-value", id}, {"name", material.name}});
-    if (const auto color = parse_color(material.color)) colors.push_back({{"label-value", id}, {"rgba", *color}});
-  }
-  const ordered_json image_label = {{"colors", colors}, {"properties", properties}, {"source", {{"image", "../../"}}}};
+  ordered_json image_label = image_label_json(grid.meta());
+  image_label["source"] = {{"image", "../../"}};
   ordered_json j =
       group({{"version", "0.5"}, {"multiscales", ordered_json::array({multiscale_json(grid.meta(), "material")})}, {"image-label", image_label}});
   j["attributes"]["teracell"] = space_json(grid.meta());

@@ -9,33 +9,50 @@ namespace {
 
 constexpr int64_t kSlabBytes = 64 << 20;
 
-// A slab is as many layers of z as fit it. Where not even one fits, it is rows of a layer, or a part of a row.
 template <class T>
 void append_cells(const Export& e, OutputFile& file) {
+  // Little endian, like every machine this runs on.
+  for_each_slab<T>(e, kXFastest, [&](std::span<const T> slab) { file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size_bytes()}); });
+}
+
+}  // namespace
+
+// A slab is as many layers of the slowest axis as fit it. Where not even one fits, it is rows of a layer, or a part of a row.
+template <class T>
+void for_each_slab(const Export& e, const AxisOrder& order, const std::function<void(std::span<const T>)>& take) {
+  const auto [slow, middle, fast] = order;
   const auto& [lo, hi] = e.box;
-  const int64_t nx = hi[0] - lo[0], ny = hi[1] - lo[1], nz = hi[2] - lo[2];
+  const int64_t row_cells = hi[fast] - lo[fast], layer_rows = hi[middle] - lo[middle];
   const auto fit = [](int64_t count, int64_t size) { return std::clamp<int64_t>(kSlabBytes / size, 1, count); };
-  const int64_t columns = fit(nx, sizeof(T)), row = nx * static_cast<int64_t>(sizeof(T)), rows = fit(ny, row);
-  const int64_t layers = rows < ny ? 1 : fit(nz, ny * row);
+  const int64_t columns = fit(row_cells, sizeof(T)), row = row_cells * static_cast<int64_t>(sizeof(T)), rows = fit(layer_rows, row);
+  const int64_t layers = rows < layer_rows ? 1 : fit(hi[slow] - lo[slow], layer_rows * row);
   const SetValue number = e.number();
-  const double cells = static_cast<double>(nx) * static_cast<double>(ny) * static_cast<double>(nz);
+  const double cells = static_cast<double>(row_cells) * static_cast<double>(layer_rows) * static_cast<double>(hi[slow] - lo[slow]);
   double done = 0;
   std::vector<T> slab;
-  for (int64_t z = lo[2]; z < hi[2]; z += layers)
-    for (int64_t y = lo[1]; y < hi[1]; y += rows)
-      for (int64_t x = lo[0]; x < hi[0]; x += columns) {
+  for (int64_t k = lo[slow]; k < hi[slow]; k += layers)
+    for (int64_t j = lo[middle]; j < hi[middle]; j += rows)
+      for (int64_t i = lo[fast]; i < hi[fast]; i += columns) {
         e.progress(done / cells);
-        const Box part{{x, y, z}, {std::min(hi[0], x + columns), std::min(hi[1], y + rows), std::min(hi[2], z + layers)}};
-        const int64_t width = part.hi[0] - x, height = part.hi[1] - y;
-        slab.resize(static_cast<size_t>(width * height * (part.hi[2] - z)));
-        read_box<T>(e.reader, e.level, part, number, 0, slab.data(), {1, width, width * height});
-        file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size() * sizeof(T)});  // little endian, like every machine this runs on
+        Box part;
+        part.lo[slow] = k, part.hi[slow] = std::min(hi[slow], k + layers);
+        part.lo[middle] = j, part.hi[middle] = std::min(hi[middle], j + rows);
+        part.lo[fast] = i, part.hi[fast] = std::min(hi[fast], i + columns);
+        Index3 stride;
+        stride[fast] = 1;
+        stride[middle] = part.hi[fast] - i;
+        stride[slow] = stride[middle] * (part.hi[middle] - j);
+        slab.resize(static_cast<size_t>(stride[slow] * (part.hi[slow] - k)));
+        read_box<T>(e.reader, e.level, part, number, 0, slab.data(), stride);
+        take(slab);
         done += static_cast<double>(slab.size());
       }
   e.progress(1);
 }
 
-}  // namespace
+template void for_each_slab(const Export&, const AxisOrder&, const std::function<void(std::span<const uint8_t>)>&);
+template void for_each_slab(const Export&, const AxisOrder&, const std::function<void(std::span<const uint16_t>)>&);
+template void for_each_slab(const Export&, const AxisOrder&, const std::function<void(std::span<const uint32_t>)>&);
 
 void append_dense_cells(const Export& e, OutputFile& file) {
   const size_t bytes = bytes_per_cell(e.most());

@@ -1,5 +1,7 @@
 // Cells as a dense array of numbers in C order [z][y][x], little endian: as many bytes per cell as the largest number needs, 1, 2 or 4.
 #pragma once
+#include <span>
+
 #include "store/file.hpp"
 #include "tools/export/format.hpp"
 
@@ -10,5 +12,13 @@ constexpr size_t bytes_per_cell(uint32_t most) { return most < 256 ? 1 : most < 
 
 // Appends the cells to `file`, one slab after another.
 void append_dense_cells(const Export& e, OutputFile& file);
+
+// The axes of an array, the one in which neighbours are farthest apart first.
+using AxisOrder = std::array<int, 3>;
+inline constexpr AxisOrder kXFastest = {2, 1, 0}, kZFastest = {0, 1, 2};
+
+// Hands over the cells of the box in this order, one slab after another. T is uint8_t, uint16_t or uint32_t.
+template <class T>
+void for_each_slab(const Export& e, const AxisOrder& order, const std::function<void(std::span<const T>)>& take);
 
 }  // namespace teracell

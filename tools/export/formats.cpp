@@ -5,12 +5,15 @@
 // One line per format NAME: the file NAME.cpp, or NAME/NAME.cpp, defines NAME_format(); vti and vtr share vtk.cpp.
 // clang-format off
 #define TERACELL_EXPORT_FORMATS(format) \
+  format(mhd) \
   format(npy) \
   format(nrrd) \
   format(openfoam) \
+  format(palabos) \
   format(raw) \
   format(vti) \
-  format(vtr)
+  format(vtr) \
+  format(zarr)
 // clang-format on
 
 namespace teracell {

@@ -1,11 +1,9 @@
 // VTK's XML files with raw appended data, which VTK, ParaView and VisIt read: .vti for uniform axes, .vtr for graded ones. Their order of
 // cells is that of the dense array.
-#include <cmath>
-
 #include <fmt/format.h>
 
-#include "store/error.hpp"
 #include "tools/export/dense.hpp"
+#include "tools/export/place.hpp"
 
 namespace teracell {
 namespace {
@@ -16,14 +14,6 @@ void append_count(OutputFile& file, uint64_t count) {
   Bytes bytes;
   put_fixed(bytes, count);
   file.append(bytes);
-}
-
-// The planes between the cells of the box, as doubles.
-std::vector<double> planes_of(const Export& e, int axis) {
-  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
-  std::vector<double> planes;
-  for (int64_t i = e.box.lo[axis]; i <= e.box.hi[axis]; ++i) planes.push_back(a.plane(std::min(a.cells(), i << e.level)));
-  return planes;
 }
 
 // Names by id. VTK's text arrays are the codes of their characters, each text ended by 0.
@@ -80,15 +70,9 @@ void write(const Export& e, const Layout& layout) {
   file.commit();
 }
 
-// On a coarse level the last cells may reach beyond the domain, since all have one size.
 void write_vti(const Export& e) {
-  std::array<double, 3> origin{}, step{};
-  for (int d = 0; d < 3; ++d) {
-    const Axis& a = e.reader.meta().grid.axis[d];
-    if (a.is_graded()) throw UsageError(fmt::format("--format: vti has uniform axes, found a graded axis {}: take vtr", axis_name(d)));
-    origin[static_cast<size_t>(d)] = a.plane(std::min(a.cells(), e.box.lo[d] << e.level));
-    step[static_cast<size_t>(d)] = std::ldexp(a.step(), e.level);
-  }
+  const EqualCells cells = equal_cells(e, "vti");
+  const auto& [n, origin, step] = cells;
   write(e, {"ImageData",
             fmt::format(" Origin=\"{:.17g} {:.17g} {:.17g}\" Spacing=\"{:.17g} {:.17g} {:.17g}\"", origin[0], origin[1], origin[2], step[0], step[1],
                         step[2]),

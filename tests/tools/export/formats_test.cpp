@@ -109,8 +109,8 @@ TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves not
         if (share == last) throw Interrupted("stopped");
       };
       CHECK_THROWS_AS(format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / "stopped", stop}), Interrupted);
-      CHECK_FALSE(std::filesystem::exists(s.folder / "stopped"));
-      CHECK_FALSE(std::filesystem::exists(s.folder / "stopped.partial"));
+      for (const auto& left : std::filesystem::directory_iterator(s.folder.path()))
+        CHECK_FALSE(left.path().filename().string().starts_with("stopped"));
     }
   }
 }
@@ -154,4 +154,100 @@ TEST_CASE("Arrays hold the numbers of a map, in as many bytes as the largest nee
     }
     CHECK(same);
   }
+}
+
+namespace {
+
+std::string text_of(const std::filesystem::path& path) {
+  const Bytes bytes = file_bytes(path);
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+TEST_CASE("MetaImage is the array with a header that says where its cells lie, in two files or in one", "[export]") {
+  for (const uint32_t materials : {5u, 257u}) {
+    const Stored s({13, 9, 11}, materials);
+    const Box box{{3, 2, 1}, {12, 9, 10}};
+    const Bytes dense = s.dense(box);
+    s.written("x.mhd", box);
+    const std::string head = text_of(s.folder / "x.mhd"), whole = text_of((s.written("x.mha", box), s.folder / "x.mha"));
+    CHECK((file_bytes(s.folder / "x.raw") == dense));
+    CHECK(head.find("\nOffset = 3.5 2.5 1.5\n") != std::string::npos);
+    CHECK(head.find("\nElementSpacing = 1 1 1\nDimSize = 9 7 9\n") != std::string::npos);
+    CHECK(head.find("\nMaterial4 = m4\n") != std::string::npos);
+    CHECK(head.ends_with(materials > 256 ? "\nElementType = MET_USHORT\nElementDataFile = x.raw\n"
+                                         : "\nElementType = MET_UCHAR\nElementDataFile = x.raw\n"));
+    const std::string local = "ElementDataFile = LOCAL\n";
+    const size_t end = whole.find(local) + local.size();
+    CHECK(whole.substr(0, end - local.size()) == head.substr(0, head.find("ElementDataFile")));
+    CHECK(whole.substr(end) == std::string(dense.begin(), dense.end()));
+  }
+}
+
+TEST_CASE("A header or an array of two files never takes the place of the grid", "[export]") {
+  const Stored s({13, 9, 11}, 5);
+  std::filesystem::rename(s.folder / "g.tcell", s.folder / "g.raw");
+  const GridReader reader(s.folder / "g.raw");
+  const Bytes grid = file_bytes(s.folder / "g.raw");
+  const Box box{{0, 0, 0}, s.n};
+  CHECK_THROWS_AS(export_format_named("mhd")->write({reader, 0, box, s.folder / "g.mhd", [](double) {}}), UsageError);
+  CHECK_THROWS_AS(export_format_named("mhd")->write({reader, 0, box, s.folder / "x.raw", [](double) {}}), UsageError);  // both would be x.raw
+  CHECK((file_bytes(s.folder / "g.raw") == grid));
+  for (const char* name : {"g.mhd", "x.raw"}) CHECK_FALSE(std::filesystem::exists(s.folder / name));
+}
+
+TEST_CASE("Palabos' text has the numbers with x slowest, a line for each row along z", "[export]") {
+  const Stored s({5, 4, 3}, 5);
+  for (const Box& box : {Box{{0, 0, 0}, s.n}, Box{{1, 2, 0}, {4, 4, 2}}}) {
+    const Bytes dense = s.dense(box);
+    const Index3 n = {box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]};
+    std::string expected;
+    for (int64_t x = 0; x < n[0]; ++x)
+      for (int64_t y = 0; y < n[1]; ++y)
+        for (int64_t z = 0; z < n[2]; ++z)
+          expected += fmt::format("{}{}", dense[static_cast<size_t>((z * n[1] + y) * n[0] + x)], z + 1 < n[2] ? ' ' : '\n');
+    s.written("x.dat", box);
+    CHECK(text_of(s.folder / "x.dat") == expected);
+  }
+}
+
+TEST_CASE("With --header a text beside raw and Palabos' numbers says what they are", "[export]") {
+  const Stored s({13, 9, 11}, 257);
+  const Box box{{3, 2, 1}, {12, 9, 10}};
+  const auto written = [&](const std::string& format, const std::string& name, int level, const Box& cells) {
+    Export e{*s.reader, level, cells, s.folder / name, [](double) {}};
+    export_format_named(format)->write(e);
+    const Bytes plain = file_bytes(e.output);
+    CHECK_FALSE(std::filesystem::exists(s.folder / (name + ".txt")));
+    e.options["--header"];
+    export_format_named(format)->write(e);
+    CHECK((file_bytes(e.output) == plain));
+    return text_of(s.folder / (name + ".txt"));
+  };
+  const std::string raw = written("raw", "x.raw", 0, box);
+  CHECK(
+      raw.find("\nfile: x.raw\ntype: uint16 little endian\norder: x fastest, z slowest\nsizes: 9 7 9\nlevel: 0\nregion: 3 2 1 12 9 10\nunits: m\n") !=
+      std::string::npos);
+  CHECK(raw.find("\nx first plane: 3\nx step: 1\ny first plane: 2\n") != std::string::npos);
+  CHECK(raw.find("\nmaterial 0: m0\n") != std::string::npos);
+  CHECK(raw.ends_with("\nmaterial 256: m256\n"));
+  const std::string coarse = written("palabos", "x.dat", 1, s.reader->meta().grid.box(1));
+  CHECK(coarse.find("\ntype: integers as text\norder: z fastest, x slowest\nsizes: 7 5 6\nlevel: 1\n") != std::string::npos);
+  CHECK(coarse.find("\nx first plane: 0\nx step: 2\n") != std::string::npos);
+}
+
+TEST_CASE("The header of raw cells has the planes of a graded axis", "[export]") {
+  TempFolder folder;
+  Grid grid = grid_of({3, 2, 2});
+  grid.axis[0] = Axis::graded({-1, 0.5, 0.75, 4}, 0.5);
+  Metadata meta = metadata_of(grid, 1, 2);
+  meta.materials[1].name = "a\nb";
+  store_cells(folder / "g.tcell", meta, std::vector<Label>(12, 1));
+  const GridReader reader(folder / "g.tcell");
+  export_format_named("raw")->write({reader, 1, grid.box(1), folder / "x.raw", [](double) {}, {}, {{"--header", ""}}});
+  const std::string text = text_of(folder / "x.raw.txt");
+  CHECK(text.find("\nx planes: -1 0.75 4\n") != std::string::npos);
+  CHECK(text.find("\nmaterial 1: a\\nb\n") != std::string::npos);
+  CHECK_THROWS_AS(export_format_named("mhd")->write({reader, 0, grid.box(0), folder / "x.mhd", [](double) {}}), UsageError);
 }

@@ -1,4 +1,4 @@
-#include "server/protocols/space.hpp"
+#include "store/space.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,15 +16,6 @@ struct Unit {
 };
 constexpr Unit kUnits[] = {{"m", "meter", 1e9},    {"cm", "centimeter", 1e7}, {"mm", "millimeter", 1e6}, {"um", "micrometer", 1e3},
                            {"nm", "nanometer", 1}, {"in", "inch", 2.54e7},    {"ft", "foot", 3.048e8}};
-
-// Viewers that don't clip coarse levels, such as Neuroglancer, show up to one coarse cell beyond the grid's end. So documents list
-// levels only up to the first that is a single block. Coarser levels can still be asked for.
-int listed_levels(const Grid& grid) {
-  constexpr int64_t kBlock = 64;
-  int level = 0;
-  while (std::ranges::max(grid.cells(level)) > kBlock) ++level;
-  return level + 1;
-}
 
 }  // namespace
 
@@ -44,25 +35,6 @@ double Space::first(int axis, int level) const {
 }
 
 ordered_json space_json(const Metadata& meta) { return {{"units", meta.units}, {"space", Space(meta).index ? "index" : "physical"}}; }
-
-ordered_json multiscale_json(const Metadata& meta, const std::string& name) {
-  const Space space(meta);
-  ordered_json axes = ordered_json::array(), datasets = ordered_json::array();
-  for (const int axis : {2, 1, 0}) {
-    axes.push_back({{"name", axis_name(axis)}, {"type", "space"}});
-    if (!space.index) axes.back()["unit"] = space.unit;
-  }
-  for (int level = 0; level < listed_levels(meta.grid); ++level) {
-    ordered_json scale = ordered_json::array(), translation = ordered_json::array();
-    for (const int axis : {2, 1, 0}) {
-      scale.push_back(space.step(axis, level));
-      translation.push_back(space.first(axis, level));
-    }
-    const ordered_json to_space = {{{"type", "scale"}, {"scale", scale}}, {{"type", "translation"}, {"translation", translation}}};
-    datasets.push_back({{"path", std::to_string(level)}, {"coordinateTransformations", to_space}});
-  }
-  return {{"name", name}, {"axes", axes}, {"datasets", datasets}};
-}
 
 double coordinate(const Axis& axis, int level, int64_t i) {
   if (level == 0) return axis.centre(i);

@@ -28,9 +28,6 @@ struct Space {
 
 // For people who read the documents: {"units", "space"}.
 nlohmann::ordered_json space_json(const Metadata& meta);
-// An entry of OME-Zarr's "multiscales": level L is the array named L.
-nlohmann::ordered_json multiscale_json(const Metadata& meta, const std::string& name);
-
 // Where a cell of a level lies along an axis, graded or not: at its sample point; above level 0 halfway between its planes.
 double coordinate(const Axis& axis, int level, int64_t i);
 

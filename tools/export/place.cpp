@@ -1,0 +1,36 @@
+#include "tools/export/place.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
+namespace teracell {
+
+std::vector<double> planes_of(const Export& e, int axis) {
+  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
+  std::vector<double> planes;
+  for (int64_t i = e.box.lo[axis]; i <= e.box.hi[axis]; ++i) planes.push_back(a.plane(std::min(a.cells(), i << e.level)));
+  return planes;
+}
+
+EqualCells equal_cells(const Export& e, const char* format) {
+  EqualCells out;
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = e.reader.meta().grid.axis[d];
+    if (a.is_graded()) throw UsageError(fmt::format("--format: {} has uniform axes, found a graded axis {}: take vtr", format, axis_name(d)));
+    out.count[d] = e.box.hi[d] - e.box.lo[d];
+    out.origin[d] = a.plane(std::min(a.cells(), e.box.lo[d] << e.level));
+    out.step[d] = std::ldexp(a.step(), e.level);
+  }
+  return out;
+}
+
+std::string one_line(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += c == '\n' ? std::string("\\n") : c == '\\' ? std::string("\\\\") : std::string(1, c);
+  return out;
+}
+
+}  // namespace teracell

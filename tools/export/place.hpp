@@ -1,0 +1,22 @@
+// Where the cells of an export lie.
+#pragma once
+#include "tools/export/format.hpp"
+
+namespace teracell {
+
+// The planes between the cells of the box, in order: one more than there are cells. On a coarse level the last cell ends with the grid.
+std::vector<double> planes_of(const Export& e, int axis);
+
+// Cells of one size. On a coarse level the last ones may reach beyond the grid.
+struct EqualCells {
+  Index3 count;
+  Vec3 origin, step;  // the lower corner of the first cell, and the sizes of a cell
+  Vec3 centre() const { return {origin[0] + step[0] / 2, origin[1] + step[1] / 2, origin[2] + step[2] / 2}; }  // of the first cell
+};
+// Throws UsageError, naming the format, if an axis is graded.
+EqualCells equal_cells(const Export& e, const char* format);
+
+// A name for a text whose values end with the line.
+std::string one_line(const std::string& name);
+
+}  // namespace teracell

@@ -1,0 +1,26 @@
+// An array and the text that describes it, in files of their own.
+#pragma once
+#include "store/file.hpp"
+#include "tools/export/format.hpp"
+
+namespace teracell {
+
+// The text appears last, so whoever finds it finds the array too.
+class TwoFiles {
+ public:
+  // Throws UsageError if one of them is the grid.
+  TwoFiles(const Export& e, const std::filesystem::path& array, const std::filesystem::path& text);
+  OutputFile& array() { return array_; }
+  // Gives both files their names. When it throws, there is no text.
+  void commit(const std::string& text);
+
+ private:
+  const std::filesystem::path text_name_;
+  OutputFile array_, text_;
+};
+
+// What the array holds, line by line: for people, and for programs that read "key: value". `type` says what a number is, `order` how
+// they follow each other.
+std::string describe(const Export& e, const std::filesystem::path& array, const std::string& type, const std::string& order);
+
+}  // namespace teracell
