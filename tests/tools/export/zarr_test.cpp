@@ -391,6 +391,7 @@ TEST_CASE("A folder that holds something is not replaced by Zarr", "[export][zar
   const FileSet before = files_in(g.folder / "g.zarr");
   CHECK_THROWS_AS(g.write("g.zarr"), UsageError);
   CHECK((files_in(g.folder / "g.zarr") == before));
+  fs::create_directories(g.folder / "empty.zarr.partial/0/c");  // what a killed run has left
   fs::create_directory(g.folder / "empty.zarr");
   g.write("empty.zarr");
   CHECK(files_in(g.folder / "empty.zarr").size() == before.size());
@@ -450,6 +451,9 @@ TEST_CASE("Options of Zarr are held against their ranges", "[export][zarr]") {
     CHECK_THROWS_WITH(export_format_named("zarr")->write(e), Catch::StartsWith(option));
     CHECK_FALSE(fs::exists(e.output));
   }
+  Export ozx = g.to("g.ozx", 0, g.all());
+  ozx.options = {{"--zarr-version", "2"}};
+  CHECK_THROWS_WITH(export_format_named("zarr")->write(ozx), Catch::StartsWith("--zarr-version"));
   for (const std::string version : {"2", "3"}) {
     Export e = g.to("v" + version + ".zarr", 0, g.all());
     e.options = {{"--zarr-version", version}, {"--threads", "2"}};

@@ -119,6 +119,8 @@ namespace {
 void write_with_options(const Export& e) {
   const int version = zarr::integer_of(e, "--zarr-version", 2, 3, 3);
   const int threads = zarr::integer_of(e, "--threads", 1, 1024, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  if (version == 2 && e.output.extension() == ".ozx")
+    throw UsageError("--zarr-version: a file .ozx has Zarr 3, found 2: take a name that ends in .zip");
   zarr::write_zarr(e, version, version == 3 ? zarr::kPieces3 : zarr::kPieces2, threads);
 }
 
