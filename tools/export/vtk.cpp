@@ -20,9 +20,8 @@ void append_count(OutputFile& file, uint64_t count) {
 
 // The planes between the cells of the box, as doubles.
 std::vector<double> planes_of(const Export& e, int axis) {
-  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
   std::vector<double> planes;
-  for (int64_t i = e.box.lo[axis]; i <= e.box.hi[axis]; ++i) planes.push_back(a.plane(std::min(a.cells(), i << e.level)));
+  for (int64_t i = 0; i <= e.box.hi[axis] - e.box.lo[axis]; ++i) planes.push_back(e.plane(axis, i));
   return planes;
 }
 
