@@ -2,17 +2,21 @@
 
 #include <algorithm>
 
-// One line per format NAME: the file NAME.cpp, or NAME/NAME.cpp, defines NAME_format(); vti and vtr share vtk.cpp.
+// One line per format NAME: the file NAME.cpp, or NAME/NAME.cpp, defines NAME_format(); vti and vtr share vtk.cpp, and
+// xdmf lies beside hdf5.
 // clang-format off
 #define TERACELL_EXPORT_FORMATS(format) \
+  format(hdf5) \
   format(mhd) \
   format(npy) \
   format(nrrd) \
+  format(openems) \
   format(openfoam) \
   format(palabos) \
   format(raw) \
   format(vti) \
   format(vtr) \
+  format(xdmf) \
   format(zarr)
 // clang-format on
 
@@ -24,6 +28,11 @@ SetValue Export::number() const {
 }
 
 uint32_t Export::most() const { return map.empty() ? static_cast<uint32_t>(reader.meta().materials.size()) - 1 : std::ranges::max(map); }
+
+double Export::plane(int axis, int64_t i) const {
+  const Axis& a = reader.meta().grid.axis[static_cast<size_t>(axis)];
+  return a.plane(std::min(a.cells(), (box.lo[static_cast<size_t>(axis)] + i) << level));
+}
 
 #define DECLARED(name) ExportFormat name##_format();
 #define LISTED(name) name##_format(),

@@ -9,9 +9,8 @@
 namespace teracell {
 
 std::vector<double> planes_of(const Export& e, int axis) {
-  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
   std::vector<double> planes;
-  for (int64_t i = e.box.lo[axis]; i <= e.box.hi[axis]; ++i) planes.push_back(a.plane(std::min(a.cells(), i << e.level)));
+  for (int64_t i = 0; i <= e.box.hi[axis] - e.box.lo[axis]; ++i) planes.push_back(e.plane(axis, i));
   return planes;
 }
 
@@ -21,7 +20,7 @@ EqualCells equal_cells(const Export& e, const char* format) {
     const Axis& a = e.reader.meta().grid.axis[d];
     if (a.is_graded()) throw UsageError(fmt::format("--format: {} has uniform axes, found a graded axis {}: take vtr", format, axis_name(d)));
     out.count[d] = e.box.hi[d] - e.box.lo[d];
-    out.origin[d] = a.plane(std::min(a.cells(), e.box.lo[d] << e.level));
+    out.origin[d] = e.plane(d, 0);
     out.step[d] = std::ldexp(a.step(), e.level);
   }
   return out;

@@ -9,7 +9,6 @@
 #include "tools/export/place.hpp"
 
 namespace teracell {
-namespace {
 
 const std::filesystem::path& expect_other_file(const Export& e, const std::filesystem::path& file) {
   std::error_code ignored;  // most are not there yet
@@ -18,11 +17,12 @@ const std::filesystem::path& expect_other_file(const Export& e, const std::files
   return file;
 }
 
+namespace {
+
 std::string axis_line(const Export& e, int axis) {
   const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
   if (a.is_graded()) return fmt::format("{} planes: {:.17g}\n", axis_name(axis), fmt::join(planes_of(e, axis), " "));
-  return fmt::format("{0} first plane: {1:.17g}\n{0} step: {2:.17g}\n", axis_name(axis), a.plane(std::min(a.cells(), e.box.lo[axis] << e.level)),
-                     std::ldexp(a.step(), e.level));
+  return fmt::format("{0} first plane: {1:.17g}\n{0} step: {2:.17g}\n", axis_name(axis), e.plane(axis, 0), std::ldexp(a.step(), e.level));
 }
 
 }  // namespace

@@ -1,26 +1,12 @@
 #include "tools/export/zarr/shard.hpp"
 
-#include <array>
+#include <boost/crc.hpp>
 
 namespace teracell::zarr {
-namespace {
-
-constexpr std::array<uint32_t, 256> kRemainders = [] {
-  std::array<uint32_t, 256> out{};
-  for (uint32_t byte = 0; byte < 256; ++byte) {
-    uint32_t r = byte;
-    for (int bit = 0; bit < 8; ++bit) r = r >> 1 ^ (r & 1 ? 0x82f63b78u : 0);
-    out[byte] = r;
-  }
-  return out;
-}();
-
-}  // namespace
-
 uint32_t crc32c(std::span<const uint8_t> bytes) {
-  uint32_t crc = ~uint32_t{0};
-  for (const uint8_t byte : bytes) crc = crc >> 8 ^ kRemainders[(crc ^ byte) & 0xff];
-  return ~crc;
+  boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
+  crc.process_bytes(bytes.data(), bytes.size());
+  return crc.checksum();
 }
 
 Bytes ShardIndex::encode() const {
