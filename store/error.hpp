@@ -22,6 +22,8 @@ struct Error : std::runtime_error {
 };
 struct IoError : Error {  // the operating system reports a failure
   using Error::Error;
+  IoError(const std::string& message, int error) : Error(message), number(error) {}
+  int number = 0;  // its errno, where that is known
 };
 struct FormatError : Error {  // a .tcell file breaks FORMAT.md
   using Error::Error;

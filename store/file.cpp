@@ -17,7 +17,7 @@ constexpr size_t kBuffer = 1 << 20;
 using std::filesystem::path;
 
 [[noreturn]] void fail_at(const path& where, const char* what, int error) {
-  throw IoError(fmt::format("{}: {}: {}", where.string(), what, std::strerror(error)));
+  throw IoError(fmt::format("{}: {}: {}", where.string(), what, std::strerror(error)), error);
 }
 
 [[noreturn]] void fail_to_create(const path& partial, const path& target, int error) {
@@ -100,7 +100,7 @@ FileState state_of(const struct stat& s) {
 
 // O_NONBLOCK: a pipe is refused, not waited for.
 InputFile::InputFile(const std::filesystem::path& path) : name_(path.string()), fd_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
-  if (fd_ < 0) throw IoError(fmt::format("{}: can't open: {}", name_, std::strerror(errno)));
+  if (fd_ < 0) fail_at(name_, "can't open", errno);
   struct stat st;
   if (::fstat(fd_, &st) != 0 || !S_ISREG(st.st_mode)) {
     ::close(fd_);
@@ -115,7 +115,7 @@ void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
   for (size_t done = 0; done < out.size();) {
     const ssize_t n = ::pread(fd_, out.data() + done, out.size() - done, static_cast<off_t>(offset + done));
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw IoError(fmt::format("{}: byte {}: can't read: {}", name_, offset + done, std::strerror(errno)));
+    if (n < 0) fail_at(name_, fmt::format("byte {}: can't read", offset + done).c_str(), errno);
     if (n == 0) throw IoError(fmt::format("{}: byte {}: expected {} more bytes, found the end of the file", name_, offset + done, out.size() - done));
     done += static_cast<size_t>(n);
   }

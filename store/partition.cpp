@@ -279,16 +279,11 @@ Box grown(const Box& box, int64_t by, int axis) {
 }
 
 // Sweeps along x: only boxes whose ranges of x are near each other are compared.
-void find_neighbours(std::vector<Part>& parts, const Box& grid, int64_t halo) {
+void find_neighbours(std::vector<Part>& parts, int64_t halo) {
   const auto touch = [&](const Box& a, const Box& b) {
     if (halo == 0) return std::ranges::any_of(std::array{0, 1, 2}, [&](int d) { return overlap(grown(a, 1, d), b); });
     return overlap(grown(grown(grown(a, halo, 0), halo, 1), halo, 2), b);
   };
-  for (Part& p : parts)
-    for (int d = 0; d < 3; ++d) {
-      p.halo_box.lo[d] = std::max(grid.lo[d], p.box.lo[d] - halo);
-      p.halo_box.hi[d] = std::min(grid.hi[d], p.box.hi[d] + halo);
-    }
   std::vector<size_t> order(parts.size());
   std::iota(order.begin(), order.end(), size_t{0});
   std::ranges::sort(order, {}, [&](size_t i) { return parts[i].box.lo[0]; });
@@ -304,6 +299,15 @@ void find_neighbours(std::vector<Part>& parts, const Box& grid, int64_t halo) {
 
 }  // namespace
 
+Box with_halo(const Box& box, int64_t halo, const Index3& cells) {
+  Box out;
+  for (int d = 0; d < 3; ++d) {
+    out.lo[d] = std::max<int64_t>(0, box.lo[d] - halo);
+    out.hi[d] = std::min(cells[d], box.hi[d] + halo);
+  }
+  return out;
+}
+
 Partition make_partition(const GridReader& reader, const PartitionOptions& options, const std::function<void(double)>& progress) {
   const Metadata& meta = reader.meta();
   const auto expect = [](const char* name, int64_t value, int64_t least, int64_t most) {
@@ -316,7 +320,7 @@ Partition make_partition(const GridReader& reader, const PartitionOptions& optio
     throw OptionError(fmt::format("weight: expected one for each of {} materials, found {}", meta.materials.size(), options.weights.size()));
   for (const double w : options.weights)
     if (!(w >= 0 && w < 1e30)) throw OptionError(fmt::format("weight: expected numbers from 0 to below 1e30, found {}", w));
-  Partition out{options, {}, meta.grid.cells(), 0, {}};
+  Partition out{options, {}, meta.grid.cells(), reader.hash(), 0, {}};
   for (const MaterialInfo& m : meta.materials) out.materials.push_back(m.name);
   const Box all = meta.grid.box(0);
   Cutter cutter(reader, options, progress);
@@ -325,7 +329,8 @@ Partition make_partition(const GridReader& reader, const PartitionOptions& optio
   if (options.method == PartitionMethod::kBlocks) cutter.bisect(all, out.total, options.ranks);
   else cutter.slabs(all, static_cast<int>(std::ranges::max_element(out.cells) - out.cells.begin()));
   out.parts = std::move(cutter.parts);
-  find_neighbours(out.parts, all, options.halo);
+  for (Part& part : out.parts) part.halo_box = with_halo(part.box, options.halo, out.cells);
+  find_neighbours(out.parts, options.halo);
   return out;
 }
 

@@ -10,6 +10,7 @@ namespace teracell {
 // How the grid is cut. kBlocks: by recursive bisection (M. Berger, S. Bokhari 1987) into boxes that are as compact as can be.
 // kSlabs: along the longest axis alone.
 enum class PartitionMethod { kBlocks, kSlabs };
+const char* name_of(PartitionMethod method);
 
 struct PartitionOptions {
   int64_t ranks = 1;
@@ -30,6 +31,7 @@ struct Partition {
   PartitionOptions options;
   std::vector<std::string> materials;  // of the weights
   Index3 cells{0, 0, 0};               // of the grid
+  std::string grid_hash;               // of its content
   double total = 0;                    // work
   std::vector<Part> parts;             // by rank; they cover each cell once
 };
@@ -38,9 +40,14 @@ struct Partition {
 // there are more ranks than the grid has cells to cut at.
 Partition make_partition(const GridReader& reader, const PartitionOptions& options, const std::function<void(double)>& progress);
 
-// {"schema": 1, "ranks", "method", "align", "halo", "weights", "cells", "total", "parts": [{"rank", "box", "weight", "halo_box", "neighbours"}]}
+// A box and the halo around it, clipped to the grid.
+Box with_halo(const Box& box, int64_t halo, const Index3& cells);
+
+// {"schema": 1, "ranks", "method", "align", "halo", "weights", "cells", "grid_hash", "total",
+//  "parts": [{"rank", "box", "weight", "halo_box", "neighbours"}]}
 std::string partition_json(const Partition& partition);
-// Throws InputError, with what was expected and found, for any other text and for parts that don't cover the grid once.
+// Throws InputError, with what was expected and found, for any other text, for parts that don't cover the grid once, and for boxes that
+// don't fit the halo or the places to cut at.
 Partition parse_partition(const std::string& json);
 
 }  // namespace teracell

@@ -186,16 +186,36 @@ Cells<T> cells_of(const Box& numbers, T* data, const Index3& stride) {
   return out;
 }
 
-// Fills what of `all` is not in `inside`.
-template <class T>
-void fill_around(const Box& inside, const Box& all, T value, T* data, const Index3& stride) {
+// Cuts cells into parts that are filled in some milliseconds: so filling takes many threads, and can be stopped between parts.
+template <class T, class F>
+void for_each_part_to_fill(const Cells<T>& cells, F&& f) {
+  constexpr double kMost = 1 << 22;  // cells
+  double all = 1;
+  for (const int64_t n : cells.size) all *= static_cast<double>(n);
+  const auto axes = cells.nearest_first();
+  const auto farthest = std::ranges::find_if(axes.rbegin(), axes.rend(), [&](int d) { return cells.size[d] > 1; });
+  if (all <= kMost || farthest == axes.rend()) return f(cells);
+  const int d = *farthest;
+  const auto layers = static_cast<int64_t>(std::max(1.0, kMost / (all / static_cast<double>(cells.size[d]))));
+  for (int64_t from = 0; from < cells.size[d]; from += layers) {
+    Cells<T> part = cells;
+    part.data += from * cells.step[d];
+    part.size[d] = std::min(layers, cells.size[d] - from);
+    for_each_part_to_fill(part, f);
+  }
+}
+
+// Calls f for the boxes that cover what of `all` is not in `inside`.
+template <class F>
+void for_each_box_around(const Box& inside, const Box& all, F&& f) {
+  if (inside.empty()) return f(all);
   Box left = all;
   for (int d = 2; d >= 0; --d) {
     Box below = left, above = left;
     below.hi[d] = left.lo[d] = inside.lo[d];
     above.lo[d] = left.hi[d] = inside.hi[d];
     for (const Box& part : {below, above})
-      if (!part.empty()) fill(cells_of(part, data, stride), value);
+      if (!part.empty()) f(part);
   }
 }
 
@@ -208,16 +228,17 @@ void read_lattice(const GridReader& reader, int level, const Lattice& lattice, c
   const Box all{{0, 0, 0}, lattice.count};
   if (all.empty()) return;
   const Box inside = numbers_in(lattice, reader.meta().grid.box(level));
-  if (inside.empty()) return fill(cells_of(all, data, stride), outside);
-  fill_around(inside, all, outside, data, stride);
-
   const RayFrame f = reader.meta().frame();
   const LevelShape shape = reader.shape(level);
   struct Job {
-    Sampled sampled;
+    std::optional<Sampled> sampled;  // none: outside
     Cells<T> cells;
   };
   const auto for_each_job = [&](auto&& take) {
+    for_each_box_around(inside, all, [&](const Box& box) {
+      for_each_part_to_fill(cells_of(box, data, stride), [&](const Cells<T>& cells) { take(Job{std::nullopt, cells}); });
+    });
+    if (inside.empty()) return;
     Box box;  // of the cells asked for
     for (int d = 0; d < 3; ++d) {
       box.lo[d] = lattice.first[d] + inside.lo[d] * lattice.step[d];
@@ -232,21 +253,28 @@ void read_lattice(const GridReader& reader, int level, const Lattice& lattice, c
       const Cells<T> cells = cells_of(numbers, data, stride);
       const auto first = [&](int d, int64_t chunk) { return static_cast<uint32_t>(lattice.first[d] + numbers.lo[d] * lattice.step[d] - chunk); };
       const auto along_rays = [&](const Index3& i) { return Index3{i[f.u], i[f.v], i[f.w]}; };
-      take(Job{{p.key, {first(f.u, p.first_u), first(f.v, p.first_v), first(f.w, p.first_w)}, along_rays(lattice.step)},
+      take(Job{Sampled{p.key, {first(f.u, p.first_u), first(f.v, p.first_v), first(f.w, p.first_w)}, along_rays(lattice.step)},
                {cells.data, along_rays(cells.size), along_rays(cells.step)}});
     });
   };
   std::vector<PartReader<T>> readers;
   for (int i = 0; i < std::max(1, threads); ++i) readers.emplace_back(reader, value);
-  if (threads <= 1) return for_each_job([&](const Job& job) { readers[0].read(job.sampled, job.cells); });
+  const auto work = [&](const Job& job, size_t worker) {
+    if (job.sampled) readers[worker].read(*job.sampled, job.cells);
+    else fill(job.cells, outside);
+  };
+  if (threads <= 1)
+    return for_each_job([&](const Job& job) {
+      Wanted::stop_if_not();
+      work(job, 0);
+    });
   std::vector<Job> jobs;
   for_each_job([&](const Job& job) { jobs.push_back(job); });
   size_t next = 0;
   in_order(
       std::min<int>(threads, static_cast<int>(std::min<size_t>(jobs.size(), 1024))),
       [&] { return next < jobs.size() ? std::optional(next++) : std::nullopt; },
-      [&](size_t i, int worker) { return readers[static_cast<size_t>(worker)].read(jobs[i].sampled, jobs[i].cells), i; },
-      [](size_t) { Wanted::stop_if_not(); }, 16);
+      [&](size_t i, int worker) { return work(jobs[i], static_cast<size_t>(worker)), i; }, [](size_t) { Wanted::stop_if_not(); }, 16);
 }
 
 template <class T>

@@ -5,7 +5,8 @@
 #include <sched.h>
 
 #include <algorithm>
-#include <chrono>
+#include <atomic>
+#include <cstring>
 #include <limits>
 #include <mutex>
 #include <thread>
@@ -34,8 +35,10 @@ struct tc_grid {
     }
   }
 
-  static constexpr size_t kKept = size_t{32} << 20;  // bytes of decoded chunks: boxes next to each other share chunks
+  static constexpr size_t kKept = size_t{16} << 20;  // bytes of decoded chunks: boxes next to each other share them. malloc may take twice as much.
   const GridReader reader;
+  const std::string hash = reader.hash();
+  std::atomic<int64_t> owners = 1;
   std::vector<tc_material> materials;
   mutable std::once_flag info_made;
   mutable std::string info;
@@ -49,6 +52,7 @@ constexpr uint64_t kMostPartition = uint64_t{1} << 30;  // bytes of JSON
 constexpr int64_t kFarthest = int64_t{1} << 53;
 
 thread_local std::string last_error;
+thread_local int last_errno = 0;
 thread_local tc_watcher watcher{nullptr, nullptr};
 thread_local bool asking = false;  // whether this thread is in the watcher: it may hold what a nested call would wait for
 
@@ -57,7 +61,8 @@ struct Stopped : Unwanted {
   using Unwanted::Unwanted;
 };
 
-int failed(tc_status status, const char* message) noexcept {
+int failed(int status, const char* message, int number = 0) noexcept {
+  last_errno = number;
   try {
     last_error = message;
   } catch (...) {
@@ -72,6 +77,7 @@ int guarded(F&& f) {
   if (asking) return failed(TC_USAGE, "expected no call of this library from a function that watches another call");
   try {
     last_error.clear();
+    last_errno = 0;
     std::optional<Wanted> watched;
     if (watcher.watch)
       watched.emplace([w = watcher] {
@@ -87,7 +93,7 @@ int guarded(F&& f) {
   } catch (const UsageError& e) {
     return failed(TC_USAGE, e.what());
   } catch (const IoError& e) {
-    return failed(TC_IO, e.what());
+    return failed(TC_IO, e.what(), e.number);
   } catch (const FormatError& e) {
     return failed(TC_FORMAT, e.what());
   } catch (const InputError& e) {
@@ -108,6 +114,25 @@ int guarded(F&& f) {
 void check(bool good, const char* expected) {
   if (!good) throw UsageError(fmt::format("expected {}", expected));
 }
+
+// Structures of the caller, whose header may be older or newer than this library. As long as none has grown, all have their first size.
+template <class T>
+class Structures {
+ public:
+  Structures(T* data, size_t size, const char* type) : data_(reinterpret_cast<char*>(data)), size_(size) {
+    if (size < sizeof(T) || size > kMost) throw UsageError(fmt::format("size: expected sizeof({}), at least {}, found {}", type, sizeof(T), size));
+  }
+  void put(int64_t i, const T& value) {
+    char* const to = data_ + i * static_cast<int64_t>(size_);
+    std::memcpy(to, &value, sizeof value);
+    std::memset(to + sizeof value, 0, size_ - sizeof value);
+  }
+
+ private:
+  static constexpr size_t kMost = 4096;  // more is an argument in the wrong place
+  char* const data_;
+  const size_t size_;
+};
 
 const GridReader& reader_of(const tc_grid* grid) {
   check(grid != nullptr, "an open grid, found NULL");
@@ -156,9 +181,8 @@ void check_part(int64_t first, int64_t count, int64_t all, const char* what) {
 int64_t first_below(const Axis& axis, int level, int64_t cell) { return std::min(axis.cells(), cell << level); }
 
 // The value of each material, all of which fit the type; none when it is the id.
-std::vector<uint32_t> values_of(const GridReader& reader, const uint32_t* map, int64_t map_size, tc_type type, uint32_t outside) {
-  if (type != TC_U8 && type != TC_U16 && type != TC_U32)
-    throw UsageError(fmt::format("type: expected TC_U8, TC_U16 or TC_U32, found {}", static_cast<int>(type)));
+std::vector<uint32_t> values_of(const GridReader& reader, const uint32_t* map, int64_t map_size, int type, uint32_t outside) {
+  if (type != TC_U8 && type != TC_U16 && type != TC_U32) throw UsageError(fmt::format("type: expected TC_U8, TC_U16 or TC_U32, found {}", type));
   const std::vector<MaterialInfo>& materials = reader.meta().materials;
   const auto n = static_cast<int64_t>(materials.size());
   if (map && map_size < n) throw UsageError(fmt::format("map: expected a value for each of {} materials, found {}", n, map_size));
@@ -182,7 +206,7 @@ void check_strides(const Index3& count, const Index3& stride) {
   check(reach < std::numeric_limits<int64_t>::max() / 8, "strides and a box that fit into memory");
 }
 
-void read_cells(const GridReader& reader, int level, const Lattice& lattice, tc_type type, void* data, const int64_t* strides, uint32_t outside,
+void read_cells(const GridReader& reader, int level, const Lattice& lattice, int type, void* data, const int64_t* strides, uint32_t outside,
                 const uint32_t* map, int64_t map_size, int threads) {
   const Index3 stride = index_of(strides, "stride");
   const std::vector<uint32_t> values = values_of(reader, map, map_size, type, outside);
@@ -210,6 +234,8 @@ const char* tc_version(void) { return TERACELL_VERSION; }
 
 const char* tc_error(void) { return last_error.c_str(); }
 
+int tc_errno(void) { return last_errno; }
+
 int tc_open(const char* path, tc_grid** grid) {
   return guarded([&] {
     check(path != nullptr && grid != nullptr, "a path and a place for the grid, found NULL");
@@ -218,13 +244,22 @@ int tc_open(const char* path, tc_grid** grid) {
   });
 }
 
-void tc_close(tc_grid* grid) { delete grid; }
+tc_grid* tc_share(tc_grid* grid) {
+  if (grid) ++grid->owners;
+  return grid;
+}
+
+void tc_close(tc_grid* grid) {
+  if (grid && --grid->owners == 0) delete grid;
+}
 
 int tc_levels(const tc_grid* grid) { return grid ? grid->reader.levels() : 0; }
 
 int tc_ray_axis(const tc_grid* grid) { return grid ? grid->reader.meta().ray_axis : 0; }
 
 const char* tc_units(const tc_grid* grid) { return grid ? grid->reader.meta().units.c_str() : ""; }
+
+const char* tc_hash(const tc_grid* grid) { return grid ? grid->hash.c_str() : ""; }
 
 int tc_info(const tc_grid* grid, const char** json) {
   return guarded([&] {
@@ -269,16 +304,19 @@ int tc_samples(const tc_grid* grid, int level, int axis, int64_t first, int64_t 
   });
 }
 
-int tc_materials(const tc_grid* grid, const tc_material** materials, int64_t* count) {
+int64_t tc_material_count(const tc_grid* grid) { return grid ? static_cast<int64_t>(grid->materials.size()) : 0; }
+
+int tc_materials(const tc_grid* grid, int64_t first, int64_t count, tc_material* out, size_t size) {
   return guarded([&] {
     reader_of(grid);
-    check(materials != nullptr && count != nullptr, "places for the array and its size, found NULL");
-    *materials = grid->materials.data();
-    *count = static_cast<int64_t>(grid->materials.size());
+    check_part(first, count, tc_material_count(grid), "materials");
+    check(out != nullptr || count == 0, "memory for the materials, found NULL");
+    Structures structures(out, size, "tc_material");
+    for (int64_t i = 0; i < count; ++i) structures.put(i, grid->materials[static_cast<size_t>(first + i)]);
   });
 }
 
-int tc_read_box(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], tc_type type, void* data, const int64_t stride[3],
+int tc_read_box(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], int type, void* data, const int64_t stride[3],
                 uint32_t outside, const uint32_t* map, int64_t map_size, int threads) {
   return guarded([&] {
     const GridReader& reader = reader_of(grid);
@@ -289,7 +327,7 @@ int tc_read_box(const tc_grid* grid, int level, const int64_t lo[3], const int64
   });
 }
 
-int tc_read_lattice(const tc_grid* grid, int level, const int64_t first[3], const int64_t count[3], const int64_t step[3], tc_type type, void* data,
+int tc_read_lattice(const tc_grid* grid, int level, const int64_t first[3], const int64_t count[3], const int64_t step[3], int type, void* data,
                     const int64_t stride[3], uint32_t outside, const uint32_t* map, int64_t map_size, int threads) {
   return guarded([&] {
     const GridReader& reader = reader_of(grid);
@@ -313,33 +351,37 @@ int tc_runs(const tc_grid* grid, int level, const int64_t lo[3], const int64_t h
   });
 }
 
-int tc_column(const tc_grid* grid, int axis, int64_t a, int64_t b, int64_t from, int64_t to, tc_column_run* runs, int64_t capacity, int64_t* count) {
+int tc_column(const tc_grid* grid, int axis, int64_t a, int64_t b, int64_t from, int64_t to, tc_column_run* runs, size_t size, int64_t capacity,
+              int64_t* count) {
   return guarded([&] {
     const GridReader& reader = reader_of(grid);
     check(count != nullptr, "a place for the number of runs, found NULL");
     check(capacity >= 0 && (runs != nullptr || capacity == 0), "memory for the runs");
+    Structures structures(runs, size, "tc_column_run");
     const int64_t n = reader.meta().grid.axis[axis_of(axis)].cells();
     const int64_t lo = std::clamp<int64_t>(from, 0, n), hi = std::clamp<int64_t>(to, 0, n);
     const std::vector<ColumnRun> found = lo < hi ? read_column(reader, axis, a, b, lo, hi) : std::vector<ColumnRun>();
     *count = static_cast<int64_t>(found.size());
-    for (size_t i = 0; i < found.size() && static_cast<int64_t>(i) < capacity; ++i) runs[i] = {found[i].from, found[i].to, found[i].material};
+    for (int64_t i = 0; i < std::min(*count, capacity); ++i) {
+      const ColumnRun& run = found[static_cast<size_t>(i)];
+      structures.put(i, {run.from, run.to, run.material});
+    }
   });
 }
 
-int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], tc_cells* by_material, int64_t count) {
+int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], tc_cells* by_material, size_t size, int64_t count) {
   return guarded([&] {
     const GridReader& reader = reader_of(grid);
     check(by_material != nullptr, "memory for the counts, found NULL");
-    const auto materials = static_cast<int64_t>(reader.meta().materials.size());
+    Structures structures(by_material, size, "tc_cells");
+    const int64_t materials = tc_material_count(grid);
     if (count != materials) throw UsageError(fmt::format("count: expected {}, the number of materials, found {}", materials, count));
     const std::vector<MaterialStats> stats = read_stats(reader, within(reader, 0, box_of(lo, hi)));
-    for (size_t id = 0; id < stats.size(); ++id) {
-      const auto& [cells, volume, box] = stats[id];
-      by_material[id] = {static_cast<uint64_t>(cells),
-                         static_cast<uint64_t>(cells >> 64),
-                         volume,
-                         {box.lo[0], box.lo[1], box.lo[2]},
-                         {box.hi[0], box.hi[1], box.hi[2]}};
+    for (int64_t id = 0; id < materials; ++id) {
+      const auto& [cells, volume, box] = stats[static_cast<size_t>(id)];
+      tc_cells out{static_cast<uint64_t>(cells), static_cast<uint64_t>(cells >> 64), volume, {}, {}};
+      std::ranges::copy(box.lo, out.lo), std::ranges::copy(box.hi, out.hi);
+      structures.put(id, out);
     }
   });
 }
@@ -371,20 +413,27 @@ int tc_partition_open(const char* path, tc_partition** partition) {
 
 void tc_partition_close(tc_partition* partition) { delete partition; }
 
-int64_t tc_partition_ranks(const tc_partition* partition) { return partition ? partition->read.options.ranks : 0; }
+int tc_partition_plan(const tc_partition* partition, tc_plan* plan, size_t size) {
+  return guarded([&] {
+    check(partition != nullptr && plan != nullptr, "a partition and a place for its plan, found NULL");
+    const Partition& p = partition->read;
+    tc_plan out{p.options.ranks, {}, p.options.align, p.options.halo, p.total, name_of(p.options.method), p.grid_hash.c_str()};
+    std::ranges::copy(p.cells, out.cells);
+    Structures(plan, size, "tc_plan").put(0, out);
+  });
+}
 
-int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part) {
+int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part, size_t size) {
   return guarded([&] {
     check(partition != nullptr && part != nullptr, "a partition and a place for the part, found NULL");
     const std::vector<Part>& parts = partition->read.parts;
     if (rank < 0 || rank >= static_cast<int64_t>(parts.size()))
       throw UsageError(fmt::format("rank: expected 0 to {}, found {}", parts.size() - 1, rank));
     const Part& p = parts[static_cast<size_t>(rank)];
-    std::ranges::copy(p.box.lo, part->lo), std::ranges::copy(p.box.hi, part->hi);
-    std::ranges::copy(p.halo_box.lo, part->halo_lo), std::ranges::copy(p.halo_box.hi, part->halo_hi);
-    part->weight = p.weight;
-    part->neighbours = p.neighbours.data();
-    part->count = static_cast<int64_t>(p.neighbours.size());
+    tc_part out{{}, {}, {}, {}, p.weight, p.neighbours.data(), static_cast<int64_t>(p.neighbours.size())};
+    std::ranges::copy(p.box.lo, out.lo), std::ranges::copy(p.box.hi, out.hi);
+    std::ranges::copy(p.halo_box.lo, out.halo_lo), std::ranges::copy(p.halo_box.hi, out.halo_hi);
+    Structures(part, size, "tc_part").put(0, out);
   });
 }
 

@@ -8,10 +8,15 @@
  * prints, aborts or ends the process. Arguments are checked; pointers must be valid. After an error the content of output memory is
  * unspecified, and everything else is as before. Any number of threads may use a grid at the same time, except for tc_close().
  *
- * Functions may be added in later versions; what is here does not change within a major version. */
+ * Within a major version, functions and constants may be added, and structures may get more members at their end; nothing else changes.
+ * So a function that fills structures of the caller takes the size of one as the caller's compiler knows it, for example
+ * sizeof(tc_cells): an older program gets what it has memory for, and what a newer program knows beyond this library is 0. This
+ * costs less than a function for each member, and needs no member that the caller must set. Numbers that stand for one of
+ * several constants are plain int: an enum type has no fixed size, and holding another value in one is undefined in C++. */
 #ifndef TERACELL_H
 #define TERACELL_H
 
+#include <stddef.h>
 #include <stdint.h>
 
 #ifdef __cplusplus
@@ -28,7 +33,7 @@ extern "C" {
 #define TC_VERSION_MINOR 1
 #define TC_VERSION_PATCH 0
 
-typedef enum tc_status {
+enum {
   TC_OK = 0,
   TC_USAGE = 1,    /* an argument is wrong: out of range, or a value that does not fit its type */
   TC_IO = 2,       /* the operating system reports a failure */
@@ -36,13 +41,16 @@ typedef enum tc_status {
   TC_MEMORY = 4,   /* there is not enough memory */
   TC_STOPPED = 5,  /* a function of the caller asked to stop */
   TC_INTERNAL = 6  /* anything else: an error of this library */
-} tc_status;
+};
 
 /* The version of the library that runs, as "0.1.0". TC_VERSION_* are those of this header. */
 TC_API const char* tc_version(void);
 
 /* The message of the last error of the calling thread, or "". It is valid until this thread's next call of a function of this library. */
 TC_API const char* tc_error(void);
+
+/* The errno of the last error of the calling thread, if it was TC_IO and the number is known; otherwise 0. */
+TC_API int tc_errno(void);
 
 /* ---- Grids ---- */
 
@@ -52,7 +60,10 @@ typedef struct tc_grid tc_grid;
  * name is another grid. */
 TC_API int tc_open(const char* path, tc_grid** grid);
 
-/* Frees a grid. NULL is allowed. REQUIRES: no other thread uses it. */
+/* Returns the same grid for a second owner, who calls tc_close() as well: the last of them frees it. NULL gives NULL. */
+TC_API tc_grid* tc_share(tc_grid* grid);
+
+/* Frees a grid, unless other owners are left. NULL is allowed. REQUIRES: no other thread uses it for this owner. */
 TC_API void tc_close(tc_grid* grid);
 
 /* Levels are 0 to tc_levels() - 1. The last one has a single cell. */
@@ -63,6 +74,9 @@ TC_API int tc_ray_axis(const tc_grid* grid);
 
 /* The unit of all lengths: "m", "mm" ... Valid until tc_close(). */
 TC_API const char* tc_units(const tc_grid* grid);
+
+/* 32 hexadecimal digits that stand for the whole content of the file, whatever its name is. Valid until tc_close(). */
+TC_API const char* tc_hash(const tc_grid* grid);
 
 /* All that is known of the grid, with the report of the run that made it, as the JSON that `teracell info --json` prints. Valid until
  * tc_close(). */
@@ -80,35 +94,39 @@ TC_API int tc_planes(const tc_grid* grid, int level, int axis, int64_t first, in
 TC_API int tc_samples(const tc_grid* grid, int level, int axis, int64_t first, int64_t count, double* out);
 
 typedef struct tc_material {
-  const char* name;  /* UTF-8 */
+  const char* name;  /* UTF-8; valid until tc_close() */
   uint8_t color[4];  /* red, green, blue, alpha */
   uint32_t rank;     /* 0 is the strongest; no two are equal. Material 0, the background, is the weakest. */
 } tc_material;
 
-/* The materials. The number of a material in this array is its id. Valid until tc_close(). */
-TC_API int tc_materials(const tc_grid* grid, const tc_material** materials, int64_t* count);
+/* How many materials the grid has. Their ids are 0 to this number - 1. */
+TC_API int64_t tc_material_count(const tc_grid* grid);
+
+/* out[i] = the material with the id first + i, for i < count. `size` is sizeof *out. */
+TC_API int tc_materials(const tc_grid* grid, int64_t first, int64_t count, tc_material* out, size_t size);
 
 /* ---- Cells ---- */
 
-typedef enum tc_type { TC_U8 = 1, TC_U16 = 2, TC_U32 = 4 } tc_type;
+/* The type of the elements of an array: their size in bytes. */
+enum { TC_U8 = 1, TC_U16 = 2, TC_U32 = 4 };
 
-/* Writes the cells of a box to memory: cell (x, y, z) as an element of `type` at index
+/* Writes the cells of a box to memory: cell (x, y, z) as an element of `type` (TC_U8 ...) at index
  *   (x - lo[0]) * stride[0] + (y - lo[1]) * stride[1] + (z - lo[2]) * stride[2]
  * of `data`. With nx = hi[0] - lo[0] and so on, {1, nx, nx * ny} is an array [z][y][x] in C, or a(nx, ny, nz) in Fortran. Strides may be
  * negative. The value of a cell is the id of its material, on a coarse level that of the strongest one; with `map` it is map[id], and
  * `map_size` must be at least the number of materials. Cells outside the grid get `outside`. If `outside`, or the value of any material of
  * the grid, does not fit the type, that is an error before anything is written. `map` may be NULL. `threads`: how many may work, 0 for one
  * per core that the thread may run on (take 1 where each core has a rank of MPI). Elements must be aligned and distinct. */
-TC_API int tc_read_box(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], tc_type type, void* data,
+TC_API int tc_read_box(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], int type, void* data,
                        const int64_t stride[3], uint32_t outside, const uint32_t* map, int64_t map_size, int threads);
 
 /* The same for every step-th cell along each axis: cell (first[0] + i * step[0], ...) at index i * stride[0] + j * stride[1] + k *
  * stride[2], for i < count[0] and so on. What lies between is not read. Steps are at least 1. */
 TC_API int tc_read_lattice(const tc_grid* grid, int level, const int64_t first[3], const int64_t count[3], const int64_t step[3],
-                           tc_type type, void* data, const int64_t stride[3], uint32_t outside, const uint32_t* map, int64_t map_size,
+                           int type, void* data, const int64_t stride[3], uint32_t outside, const uint32_t* map, int64_t map_size,
                            int threads);
 
-/* Cells in a row along tc_ray_axis() with the same materials. */
+/* Cells in a row along tc_ray_axis() with the same materials. Only the library makes these. */
 typedef struct tc_run {
   int64_t start[3];           /* the first cell */
   int64_t length;             /* cells */
@@ -128,9 +146,10 @@ typedef struct tc_column_run {
 } tc_column_run;
 
 /* The cells `from` to `to` (half open; cut to the grid) of the column of level 0 along an axis through (a, b), its indices along the other
- * two axes in the order x, y, z. Neighbouring runs differ. Writes the first `capacity` runs, and the number of all to `count`. */
-TC_API int tc_column(const tc_grid* grid, int axis, int64_t a, int64_t b, int64_t from, int64_t to, tc_column_run* runs, int64_t capacity,
-                     int64_t* count);
+ * two axes in the order x, y, z. Neighbouring runs differ. Writes the first `capacity` runs, and the number of all to `count`.
+ * `size` is sizeof *runs. */
+TC_API int tc_column(const tc_grid* grid, int axis, int64_t a, int64_t b, int64_t from, int64_t to, tc_column_run* runs, size_t size,
+                     int64_t capacity, int64_t* count);
 
 typedef struct tc_cells {
   uint64_t cells;          /* their number, modulo 2^64 ... */
@@ -139,9 +158,9 @@ typedef struct tc_cells {
   int64_t lo[3], hi[3];    /* the box that holds them; empty if there are none */
 } tc_cells;
 
-/* Exact counts of the cells of level 0 in a box, by material id: `count` must be the number of materials. The part of the box outside the
- * grid is left out. Cells are not expanded. */
-TC_API int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], tc_cells* by_material, int64_t count);
+/* Exact counts of the cells of level 0 in a box, by material id: `count` must be the number of materials. `size` is
+ * sizeof *by_material. The part of the box outside the grid is left out. Cells are not expanded. */
+TC_API int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], tc_cells* by_material, size_t size, int64_t count);
 
 /* Whether all cells of a box have the same value as in tc_read_box(), and which. The part of the box outside the grid is
  * left out, and what is left must not be empty. If the cells differ, `material` is not changed. */
@@ -149,8 +168,19 @@ TC_API int tc_uniform(const tc_grid* grid, int level, const int64_t lo[3], const
 
 /* ---- Who computes what ---- */
 
-/* A file that `teracell partition` has written. */
+/* A file that `teracell partition` has written. Threads may share it. */
 typedef struct tc_partition tc_partition;
+
+/* What holds for all parts. The texts are valid until tc_partition_close(). */
+typedef struct tc_plan {
+  int64_t ranks;          /* parts, which are numbered from 0 */
+  int64_t cells[3];       /* of the grid */
+  int64_t align;          /* cuts lie at multiples of so many cells */
+  int64_t halo;           /* cells around each part */
+  double total;           /* the work in the whole grid */
+  const char* method;     /* "blocks" or "slabs" */
+  const char* grid_hash;  /* tc_hash() of the grid that was cut: compare it with that of the grid that you read */
+} tc_plan;
 
 typedef struct tc_part {
   int64_t lo[3], hi[3];           /* the cells of level 0 that the rank computes */
@@ -162,9 +192,13 @@ typedef struct tc_part {
 
 TC_API int tc_partition_open(const char* path, tc_partition** partition);
 TC_API void tc_partition_close(tc_partition* partition); /* NULL is allowed */
-TC_API int64_t tc_partition_ranks(const tc_partition* partition);
-TC_API int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part);
+/* `size` is sizeof *plan, or sizeof *part. */
+TC_API int tc_partition_plan(const tc_partition* partition, tc_plan* plan, size_t size);
+TC_API int tc_partition_part(const tc_partition* partition, int64_t rank, tc_part* part, size_t size);
 
+/* ---- Stopping ---- */
+
+/* A function and its argument. This structure never grows: it is handed over by value. */
 typedef struct tc_watcher {
   int (*watch)(void* user); /* NULL: nobody is asked */
   void* user;

@@ -33,12 +33,13 @@ struct Box {
 };
 
 struct Error : std::runtime_error {
-  Error(tc_status s, const char* message) : std::runtime_error(message), status(s) {}
-  tc_status status;
+  Error(int s, const char* message, int number = 0) : std::runtime_error(message), status(s), error_number(number) {}
+  int status;        // TC_USAGE ...
+  int error_number;  // the errno of a TC_IO, where it is known
 };
 
 inline void check(int status) {
-  if (status != TC_OK) throw Error(static_cast<tc_status>(status), tc_error());
+  if (status != TC_OK) throw Error(status, tc_error(), tc_errno());
 }
 
 template <class T>
@@ -66,6 +67,7 @@ class Grid {
   int levels() const { return tc_levels(get()); }
   int ray_axis() const { return tc_ray_axis(get()); }
   std::string_view units() const { return tc_units(get()); }
+  std::string_view hash() const { return tc_hash(get()); }
   std::string_view info() const {
     const char* json = nullptr;
     check(tc_info(get(), &json));
@@ -87,11 +89,11 @@ class Grid {
     check(tc_samples(get(), level, axis, 0, static_cast<int64_t>(out.size()), out.data()));
     return out;
   }
-  std::span<const tc_material> materials() const {
-    const tc_material* all = nullptr;
-    int64_t count = 0;
-    check(tc_materials(get(), &all, &count));
-    return {all, static_cast<size_t>(count)};
+  // By id.
+  std::vector<tc_material> materials() const {
+    std::vector<tc_material> out(static_cast<size_t>(tc_material_count(get())));
+    check(tc_materials(get(), 0, static_cast<int64_t>(out.size()), out.data(), sizeof(tc_material)));
+    return out;
   }
 
   // Reads the cells of a box into `out`, which must have an element for each, unless the caller gives strides of its own.
@@ -106,7 +108,7 @@ class Grid {
     }
     if (n[0] > 0 && n[1] > 0 && n[2] > 0 && last >= static_cast<double>(out.size()))
       throw Error(TC_USAGE, "expected memory for the elements that the strides reach");
-    check(tc_read_box(get(), how.level, box.lo.data(), box.hi.data(), static_cast<tc_type>(sizeof(T)), out.data(), stride.data(), how.outside,
+    check(tc_read_box(get(), how.level, box.lo.data(), box.hi.data(), static_cast<int>(sizeof(T)), out.data(), stride.data(), how.outside,
                       how.map.empty() ? nullptr : how.map.data(), static_cast<int64_t>(how.map.size()), how.threads));
   }
   // As an array [z][y][x].
@@ -147,15 +149,15 @@ class Grid {
     int64_t count = 16;
     do {
       runs.resize(static_cast<size_t>(count));
-      check(tc_column(get(), axis, a, b, 0, length(axis, 0), runs.data(), static_cast<int64_t>(runs.size()), &count));
+      check(tc_column(get(), axis, a, b, 0, length(axis, 0), runs.data(), sizeof(tc_column_run), static_cast<int64_t>(runs.size()), &count));
     } while (count > static_cast<int64_t>(runs.size()));
     runs.resize(static_cast<size_t>(count));
     return runs;
   }
   // Exact counts of level 0, by material.
   std::vector<tc_cells> stats(const Box& box) const {
-    std::vector<tc_cells> out(materials().size());
-    check(tc_stats(get(), box.lo.data(), box.hi.data(), out.data(), static_cast<int64_t>(out.size())));
+    std::vector<tc_cells> out(static_cast<size_t>(tc_material_count(get())));
+    check(tc_stats(get(), box.lo.data(), box.hi.data(), out.data(), sizeof(tc_cells), static_cast<int64_t>(out.size())));
     return out;
   }
   // The material of all cells of a box, if they have the same one.
@@ -175,6 +177,42 @@ class Grid {
     return shape(level)[static_cast<size_t>(axis)];
   }
   std::unique_ptr<tc_grid, Close> grid_;
+};
+
+struct Part {
+  Box box;       // the cells of level 0 that the rank computes
+  Box halo_box;  // those that it reads: with the halo, clipped to the grid
+  double weight = 0;
+  std::span<const int64_t> neighbours;  // ranks, ascending; valid as long as the partition
+};
+
+// A file that `teracell partition` has written. Threads may share it. Every function throws Error.
+class Partition {
+ public:
+  explicit Partition(const std::string& path) {
+    tc_partition* opened = nullptr;
+    check(tc_partition_open(path.c_str(), &opened));
+    partition_.reset(opened);
+  }
+  const tc_partition* get() const { return partition_.get(); }
+  // What holds for all parts; its texts are valid as long as the partition.
+  tc_plan plan() const {
+    tc_plan out;
+    check(tc_partition_plan(get(), &out, sizeof out));
+    return out;
+  }
+  Part part(int64_t rank) const {
+    tc_part p;
+    check(tc_partition_part(get(), rank, &p, sizeof p));
+    const auto index = [](const int64_t* n) { return Index{n[0], n[1], n[2]}; };
+    return {{index(p.lo), index(p.hi)}, {index(p.halo_lo), index(p.halo_hi)}, p.weight, {p.neighbours, static_cast<size_t>(p.count)}};
+  }
+
+ private:
+  struct Close {
+    void operator()(tc_partition* partition) const { tc_partition_close(partition); }
+  };
+  std::unique_ptr<tc_partition, Close> partition_;
 };
 
 }  // namespace tc

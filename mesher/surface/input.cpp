@@ -26,7 +26,7 @@ void Input::Release::operator()(z_stream_s* stream) const {
 
 Input::Input(const std::filesystem::path& path) : name_(path.string()) {
   descriptor_ = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor_ < 0) throw IoError(fmt::format("{}: can't be opened: {}", name_, std::strerror(errno)));
+  if (const int error = errno; descriptor_ < 0) throw IoError(fmt::format("{}: can't be opened: {}", name_, std::strerror(error)), error);
   try {
     struct stat status {};
     regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
                &lo[2], &hi[0], &hi[1], &hi[2]) == 9) {
     const int64_t nx = hi[0] - lo[0], ny = hi[1] - lo[1], nz = hi[2] - lo[2], stride[3] = {1, nx, nx * ny};
     void* data = malloc((size_t)(nx * ny * nz * bytes) + 1);
-    if (tc_read_box(grid, level, lo, hi, (tc_type)bytes, data, stride, outside, NULL, 0, 2) != TC_OK) return fprintf(stderr, "%s\n", tc_error()), 1;
+    if (tc_read_box(grid, level, lo, hi, bytes, data, stride, outside, NULL, 0, 2) != TC_OK) return fprintf(stderr, "%s\n", tc_error()), 1;
     fwrite(data, (size_t)bytes, (size_t)(nx * ny * nz), stdout);
     free(data);
   }

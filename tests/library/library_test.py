@@ -1,75 +1,17 @@
 """The installed library through C, C++, Fortran and Python, against `teracell export` and against NumPy."""
 import json
-import os
 import pathlib
 import pickle
 import random
-import shutil
+import re
 import signal
 import subprocess
-import tempfile
 import unittest
 
 import numpy
 import teracell
 
-PREFIX = os.environ["PREFIX"]
-PROGRAM = PREFIX + "/bin/teracell"
-SOURCES = pathlib.Path(__file__).parent
-EXAMPLES = SOURCES.parent.parent / "tools/examples"
-ENVIRONMENT = {**os.environ, "PKG_CONFIG_PATH": PREFIX + "/lib/pkgconfig", "LD_LIBRARY_PATH": PREFIX + "/lib"}
-
-
-def run(*args, **more):
-    done = subprocess.run([str(a) for a in args], env=ENVIRONMENT, capture_output=True, **more)
-    if done.returncode != 0:
-        raise AssertionError(f"{args} ended with {done.returncode}: {done.stderr}")
-    return done.stdout
-
-
-def setUpModule():
-    global folder, grids
-    folder = pathlib.Path(tempfile.mkdtemp())
-    unittest.addModuleCleanup(shutil.rmtree, folder)
-    run(PROGRAM, "sample", "stadium", "-o", folder / "stadium")
-    grids = []
-    for axis in "xyz":
-        grids.append(folder / f"{axis}.tcell")
-        run(PROGRAM, "mesh", folder / "stadium/scene.json", "--cells", "150", "--axis", axis, "-o", grids[-1])
-
-
-def exported(path, level):
-    run(PROGRAM, "export", path, "--level", level, "-o", folder / "all.npy")
-    return numpy.load(folder / "all.npy")
-
-
-def random_box(rng, shape, beyond=6):
-    """(z0, y0, x0, z1, y1, x1), half of them reaching outside."""
-    lo, hi = [], []
-    outside = rng.random() < 0.5
-    for n in shape:
-        a, b = sorted(rng.randint(-beyond, n + beyond) if outside else rng.randint(0, n) for _ in range(2))
-        lo.append(a), hi.append(max(b, a + 1))
-    return (*lo, *hi)
-
-
-def cut(cells, box, outside, dtype):
-    """What a box must hold, by NumPy alone."""
-    out = numpy.full([box[d + 3] - box[d] for d in range(3)], outside, dtype)
-    lo = [max(0, box[d]) for d in range(3)]
-    hi = [min(cells.shape[d], box[d + 3]) for d in range(3)]
-    if all(a < b for a, b in zip(lo, hi)):
-        out[tuple(slice(a - box[d], b - box[d]) for d, (a, b) in enumerate(zip(lo, hi)))] = cells[tuple(slice(a, b) for a, b in zip(lo, hi))]
-    return out
-
-
-def compiled(source, *flags):
-    """A program of one source file against the installed library, by pkg-config."""
-    package = "teracell-fortran" if source.suffix == ".f90" else "teracell"
-    compiler = {".c": ["cc", "-std=c11"], ".cpp": ["c++", "-std=c++20"], ".f90": ["gfortran"]}[source.suffix]
-    program = folder / (source.stem + source.suffix.replace(".", "-"))
-    run(*compiler, "-Wall", "-O1", source, *run("pkg-config", "--cflags", "--libs", package, text=True).split(), *flags, "-o", program)
-    return program
+from support import ENVIRONMENT, EXAMPLES, PREFIX, PROGRAM, SOURCES, compiled, cut, exported, folder, grids, random_box, run
 
 
 class Boxes(unittest.TestCase):
@@ -263,6 +205,44 @@ class Meshing(unittest.TestCase):
         with self.assertRaises(KeyboardInterrupt):
             while True:
                 teracell.open(grids[0])[...]
+
+
+class Memory(unittest.TestCase):
+    # The grid is large enough for every cache to be full: without a bound, its chunks would take 200 MB.
+    def test_a_grid_is_swept_box_by_box_in_64_mb_beside_the_array(self):
+        grid = folder / "large.tcell"
+        run(PROGRAM, "mesh", folder / "stadium/scene.json", "--cells", "3000", "-o", grid)
+        said = [run(*program, grid, "256", "2", text=True) for program in ([compiled(SOURCES / "sweep.c", "-O2")], ["/usr/bin/python3", SOURCES / "sweep.py"])]
+        (boxes, solid, memory), (_, solid_in_python, memory_in_python) = [[float(n) for n in re.findall(r"[\d.]+", line)] for line in said]
+        self.assertGreater(boxes, 100)
+        self.assertEqual(solid, solid_in_python)
+        self.assertEqual(solid, sum(m.cells for m in teracell.open(grid).stats()[1:]))
+        self.assertLessEqual(memory, 64)
+        self.assertLessEqual(memory_in_python, 64)
+
+
+class Fortran(unittest.TestCase):
+    def test_grids_are_assigned_and_errors_are_handed_over(self):
+        program = compiled(SOURCES / "grids.f90", "-g", "-fsanitize=address", "-fcheck=all")
+        said = subprocess.run([program, grids[0]], env={**ENVIRONMENT, "ASAN_OPTIONS": "detect_leaks=0"}, cwd=folder, capture_output=True, text=True)
+        self.assertEqual((said.returncode, said.stdout), (0, "done\n"), said.stderr)
+
+    # By the compiler of the project, so the module of another one must not be in the way.
+    def test_a_cmake_project_compiles_the_module(self):
+        project = folder / "fortran"
+        project.mkdir()
+        (project / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.20)\nproject(p Fortran)\nfind_package(teracell 0.1 REQUIRED)\n"
+                                                f"add_executable(heat {EXAMPLES}/heat.f90)\ntarget_link_libraries(heat teracell::fortran)\n")
+        run("cmake", "-G", "Ninja", "-S", project, "-B", project / "build", "-DCMAKE_PREFIX_PATH=" + PREFIX)
+        run("cmake", "--build", project / "build")
+        self.assertTrue((project / "build/teracell-fortran/teracell.mod").exists())
+        self.assertIn("solid cells", run(project / "build/heat", grids[0], text=True))
+
+    def test_pkg_config_says_where_the_source_of_the_module_is(self):
+        source = run("pkg-config", "--variable=fortran_source", "teracell", text=True).strip()
+        run("gfortran", "-c", source, cwd=folder)
+        run("gfortran", EXAMPLES / "heat.f90", "teracell.o", *run("pkg-config", "--cflags", "--libs", "teracell", text=True).split(), "-o", "heat", cwd=folder)
+        self.assertIn("solid cells", run(folder / "heat", grids[0], text=True))
 
 
 class Installed(unittest.TestCase):

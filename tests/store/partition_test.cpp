@@ -163,13 +163,24 @@ TEST_CASE("A file that is no partition, or whose boxes do not cover the grid, is
   CHECK_THROWS_AS(parse_partition(changed("\"box\":[0,0,0,", "\"box\":[1,0,0,")), InputError);
   CHECK_THROWS_AS(parse_partition(changed("\"rank\":1", "\"rank\":2")), InputError);
   CHECK_THROWS_AS(parse_partition(changed("\"blocks\"", "\"heaps\"")), InputError);
+  // Numbers that are not whole, boxes with another halo than the file says, and cuts at other places.
+  CHECK_THROWS_WITH(parse_partition(changed("\"ranks\":5", "\"ranks\":5.5")), Catch::Contains("ranks: expected a whole number, found 5.5"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"rank\":1", "\"rank\":true")), Catch::Contains("rank: expected a whole number, found boolean"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"halo\":1", "\"halo\":18446744073709551615")), Catch::Contains("whole number"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"box\":[0,", "\"box\":[0.25,")), Catch::Contains("box: expected a whole number, found 0.25"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"cells\":[", "\"cells\":[1,")), Catch::Contains("cells: expected 3 whole numbers, found 4"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"halo\":1", "\"halo\":2")), Catch::Contains("halo_box"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"halo\":1", "\"halo\":-1")), Catch::Contains("halo: expected 0"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"align\":1", "\"align\":7")), Catch::Contains("multiples of 7 cells"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"grid_hash\":\"", "\"grid_hash\":\"0")), Catch::Contains("32 hexadecimal digits"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"total\":", "\"total\":-")), Catch::Contains("total: expected a number of at least 0"));
   const auto part_json = [](int rank, const char* box) {
     return fmt::format(R"({{"rank":{},"box":{},"weight":1,"halo_box":{},"neighbours":[]}})", rank, box, box);
   };
   const auto two = [&](const char* a, const char* b) {
     return fmt::format(
-        R"({{"schema":1,"ranks":2,"method":"slabs","align":1,"halo":0,"weights":{{"a":1}},"cells":[4,1,1],"total":4,"parts":[{},{}]}})",
-        part_json(0, a), part_json(1, b));
+        R"({{"schema":1,"ranks":2,"method":"slabs","align":1,"halo":0,"weights":{{"a":1}},"cells":[4,1,1],"grid_hash":"{:032}","total":4,"parts":[{},{}]}})",
+        0, part_json(0, a), part_json(1, b));
   };
   CHECK_NOTHROW(parse_partition(two("[0,0,0,2,1,1]", "[2,0,0,4,1,1]")));
   CHECK_THROWS_WITH(parse_partition(two("[0,0,0,2,1,1]", "[1,0,0,3,1,1]")), Catch::Contains("ranks 0 and 1"));
@@ -177,17 +188,20 @@ TEST_CASE("A file that is no partition, or whose boxes do not cover the grid, is
   std::ofstream(c.folder / "p.json") << good;
   tc_partition* p = nullptr;
   REQUIRE(tc_partition_open((c.folder / "p.json").c_str(), &p) == TC_OK);
-  CHECK(tc_partition_ranks(p) == 5);
   const Partition expected = parse_partition(good);
+  tc_plan plan;
+  REQUIRE(tc_partition_plan(p, &plan, sizeof plan) == TC_OK);
+  CHECK((plan.ranks == 5 && plan.align == 1 && plan.halo == 1 && plan.total == expected.total && std::ranges::equal(plan.cells, c.grid.cells())));
+  CHECK((plan.method == std::string("blocks") && plan.grid_hash == c.reader->hash()));
   for (int64_t rank = 0; rank < 5; ++rank) {
     tc_part part;
-    REQUIRE(tc_partition_part(p, rank, &part) == TC_OK);
+    REQUIRE(tc_partition_part(p, rank, &part, sizeof part) == TC_OK);
     const Part& e = expected.parts[static_cast<size_t>(rank)];
     CHECK((std::ranges::equal(part.lo, e.box.lo) && std::ranges::equal(part.halo_hi, e.halo_box.hi) && part.weight == e.weight));
     CHECK(std::ranges::equal(std::span(part.neighbours, static_cast<size_t>(part.count)), e.neighbours));
   }
   tc_part part;
-  CHECK(tc_partition_part(p, 5, &part) == TC_USAGE);
+  CHECK(tc_partition_part(p, 5, &part, sizeof part) == TC_USAGE);
   tc_partition_close(p);
   std::ofstream(c.folder / "p.json") << "{}";
   CHECK(tc_partition_open((c.folder / "p.json").c_str(), &p) == TC_FORMAT);

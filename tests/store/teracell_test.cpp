@@ -1,6 +1,8 @@
 // The C API, through the shared library, against the reader that it stands on and against the cells.
 #include "store/teracell.h"
 
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 #include <memory>
 #include <thread>
@@ -61,7 +63,7 @@ struct Opened {
 int64_t volume(const Box& b) { return (b.hi[0] - b.lo[0]) * (b.hi[1] - b.lo[1]) * (b.hi[2] - b.lo[2]); }
 
 template <class T>
-void expect_box(Opened& o, int level, tc_type type, bool mapped) {
+void expect_box(Opened& o, int level, int type, bool mapped) {
   const Box box = o.random_box(level);
   const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1];
   const std::vector<uint32_t> map = {7, 200, 0, 13, 99};
@@ -157,16 +159,16 @@ TEST_CASE("Columns, counts and uniform boxes are those of the reader", "[api]") 
     const std::vector<ColumnRun> expected = read_column(*o.reader, axis, n[f.u] / 2, n[f.v] / 3);
     std::vector<tc_column_run> runs(expected.size());
     int64_t count = 0;
-    REQUIRE(tc_column(o.grid.get(), axis, n[f.u] / 2, n[f.v] / 3, INT64_MIN, INT64_MAX, runs.data(), 1, &count) == TC_OK);
+    REQUIRE(tc_column(o.grid.get(), axis, n[f.u] / 2, n[f.v] / 3, INT64_MIN, INT64_MAX, runs.data(), sizeof runs[0], 1, &count) == TC_OK);
     CHECK(count == static_cast<int64_t>(expected.size()));
-    REQUIRE(tc_column(o.grid.get(), axis, n[f.u] / 2, n[f.v] / 3, 0, n[axis], runs.data(), count, &count) == TC_OK);
+    REQUIRE(tc_column(o.grid.get(), axis, n[f.u] / 2, n[f.v] / 3, 0, n[axis], runs.data(), sizeof runs[0], count, &count) == TC_OK);
     for (size_t i = 0; i < expected.size(); ++i)
       CHECK((runs[i].from == expected[i].from && runs[i].to == expected[i].to && runs[i].material == expected[i].material));
   }
   for (int i = 0; i < 20; ++i) {
     const Box box = o.random_box(0), inside = o.inside(box, 0);
     std::vector<tc_cells> found(5);
-    REQUIRE(tc_stats(o.grid.get(), box.lo.data(), box.hi.data(), found.data(), 5) == TC_OK);
+    REQUIRE(tc_stats(o.grid.get(), box.lo.data(), box.hi.data(), found.data(), sizeof found[0], 5) == TC_OK);
     const auto expected = read_stats(*o.reader, inside);
     for (size_t m = 0; m < 5; ++m) {
       CHECK((found[m].cells == static_cast<uint64_t>(expected[m].cells) && found[m].cells_high == 0 && found[m].volume == expected[m].volume));
@@ -206,10 +208,9 @@ TEST_CASE("Planes, sample points, materials and information are those of the gri
       }
     }
   }
-  const tc_material* materials = nullptr;
-  int64_t count = 0;
-  REQUIRE(tc_materials(o.grid.get(), &materials, &count) == TC_OK);
-  REQUIRE(count == 5);
+  REQUIRE(tc_material_count(o.grid.get()) == 5);
+  tc_material materials[5];
+  REQUIRE(tc_materials(o.grid.get(), 0, 5, materials, sizeof materials[0]) == TC_OK);
   for (int i = 0; i < 5; ++i) {
     const MaterialInfo& m = o.reader->meta().materials[static_cast<size_t>(i)];
     CHECK((m.name == materials[i].name && m.rank == materials[i].rank));
@@ -218,6 +219,7 @@ TEST_CASE("Planes, sample points, materials and information are those of the gri
   REQUIRE(tc_info(o.grid.get(), &json) == TC_OK);
   CHECK(json == info_json(*o.reader));
   CHECK(std::string(tc_units(o.grid.get())) == o.reader->meta().units);
+  CHECK(std::string(tc_hash(o.grid.get())) == o.reader->hash());
   CHECK(std::string(tc_version()).starts_with("0."));
 }
 
@@ -226,8 +228,7 @@ TEST_CASE("Wrong arguments are refused with a message, before anything is writte
   tc_grid* g = o.grid.get();
   const int64_t lo[3] = {0, 0, 0}, hi[3] = {2, 2, 2}, far[3] = {INT64_MAX, 2, 2}, stride[3] = {1, 2, 4};
   std::vector<uint8_t> out(8, 55);
-  const auto read = [&](int level, const int64_t* a, const int64_t* b, tc_type type, uint32_t outside, const uint32_t* map, int64_t size,
-                        int threads) {
+  const auto read = [&](int level, const int64_t* a, const int64_t* b, int type, uint32_t outside, const uint32_t* map, int64_t size, int threads) {
     return message_of(tc_read_box(g, level, a, b, type, out.data(), stride, outside, map, size, threads), TC_USAGE);
   };
   const uint32_t map[5] = {0, 1, 256, 3, 4};
@@ -237,7 +238,7 @@ TEST_CASE("Wrong arguments are refused with a message, before anything is writte
   CHECK_THAT(read(0, lo, hi, TC_U8, 256, nullptr, 0, 1), Catch::Contains("outside") && Catch::Contains("255"));
   CHECK_THAT(read(0, lo, hi, TC_U8, 0, map, 5, 1), Catch::Contains("material 'm2'") && Catch::Contains("256"));
   CHECK_THAT(read(0, lo, hi, TC_U16, 0, map, 4, 1), Catch::Contains("5 materials, found 4"));
-  CHECK_THAT(read(0, lo, hi, static_cast<tc_type>(3), 0, nullptr, 0, 1), Catch::Contains("type"));
+  for (const int type : {0, 3, 8, -1}) CHECK_THAT(read(0, lo, hi, type, 0, nullptr, 0, 1), Catch::Contains("type: expected TC_U8"));
   CHECK_THAT(read(0, lo, hi, TC_U8, 0, nullptr, 0, -1), Catch::Contains("threads"));
   CHECK(out == std::vector<uint8_t>(8, 55));
   double value = 0;
@@ -245,19 +246,51 @@ TEST_CASE("Wrong arguments are refused with a message, before anything is writte
   CHECK_THAT(message_of(tc_samples(g, 0, 0, 0, INT64_MAX, &value), TC_USAGE), Catch::Contains("cells"));
   CHECK_THAT(message_of(tc_samples(g, 0, 0, INT64_MIN, 1, &value), TC_USAGE), Catch::Contains("cells"));
   tc_cells few[4];
-  CHECK_THAT(message_of(tc_stats(g, lo, hi, few, 4), TC_USAGE), Catch::Contains("5"));
+  CHECK_THAT(message_of(tc_stats(g, lo, hi, few, sizeof few[0], 4), TC_USAGE), Catch::Contains("5"));
+  CHECK_THAT(message_of(tc_materials(g, 3, 3, nullptr, sizeof(tc_material)), TC_USAGE), Catch::Contains("0 to 5"));
   int64_t count = 0;
-  CHECK_THAT(message_of(tc_column(g, 0, 1000, 0, 0, 9, nullptr, 0, &count), TC_USAGE), Catch::Contains("outside the grid"));
+  CHECK_THAT(message_of(tc_column(g, 0, 1000, 0, 0, 9, nullptr, sizeof(tc_column_run), 0, &count), TC_USAGE), Catch::Contains("outside the grid"));
   CHECK(message_of(tc_shape(nullptr, 0, nullptr), TC_USAGE) != "");
+}
+
+// A program whose header has larger structures than the library finds 0 in what the library does not know; smaller ones never were.
+TEST_CASE("Structures are written in the size that the caller has", "[api]") {
+  Opened o;
+  struct Larger {
+    tc_cells known;
+    uint64_t later;
+  };
+  std::vector<Larger> larger(5);
+  std::memset(larger.data(), 0xee, sizeof larger[0] * larger.size());
+  std::vector<tc_cells> found(5);
+  const int64_t lo[3] = {0, 0, 0}, hi[3] = {20, 20, 20};
+  REQUIRE(tc_stats(o.grid.get(), lo, hi, found.data(), sizeof found[0], 5) == TC_OK);
+  REQUIRE(tc_stats(o.grid.get(), lo, hi, &larger[0].known, sizeof larger[0], 5) == TC_OK);
+  for (size_t i = 0; i < 5; ++i) CHECK((std::memcmp(&larger[i].known, &found[i], sizeof found[i]) == 0 && larger[i].later == 0));
+  for (const size_t size : {size_t{0}, sizeof found[0] - 1, SIZE_MAX})
+    CHECK_THAT(message_of(tc_stats(o.grid.get(), lo, hi, found.data(), size, 5), TC_USAGE), Catch::Contains("sizeof(tc_cells)"));
+}
+
+TEST_CASE("A grid that has two owners lives until both have closed it", "[api]") {
+  Opened o;
+  tc_grid* const second = tc_share(o.grid.get());
+  CHECK(second == o.grid.get());
+  o.grid.reset();
+  int64_t n[3];
+  CHECK(tc_shape(second, 0, n) == TC_OK);
+  tc_close(second);
+  CHECK(tc_share(nullptr) == nullptr);
 }
 
 TEST_CASE("Files that are not there, are no grid or are damaged are errors of their kinds", "[api]") {
   Opened o;
   tc_grid* grid = nullptr;
   CHECK_THAT(message_of(tc_open((o.folder / "none.tcell").c_str(), &grid), TC_IO), Catch::Contains("none.tcell"));
+  CHECK(tc_errno() == ENOENT);
   CHECK(grid == nullptr);
   write_bytes(o.folder / "short.tcell", Bytes(100, 7));
   CHECK(tc_open((o.folder / "short.tcell").c_str(), &grid) == TC_FORMAT);
+  CHECK(tc_errno() == 0);
   Bytes bytes = file_bytes(o.folder / "g.tcell");
   for (size_t i = 40; i < 600; ++i) bytes[i] ^= 0x55;  // chunks
   write_bytes(o.folder / "bad.tcell", bytes);
@@ -266,6 +299,27 @@ TEST_CASE("Files that are not there, are no grid or are damaged are errors of th
   std::vector<uint8_t> out(27000);
   CHECK_THAT(message_of(tc_read_box(bad.get(), 0, lo, hi, TC_U8, out.data(), stride, 0, nullptr, 0, 2), TC_FORMAT), Catch::Contains("bad.tcell"));
   tc_close(nullptr);
+}
+
+TEST_CASE("What lies outside is filled by many threads, part by part, and can be stopped between parts", "[api][threads]") {
+  Opened o;
+  const int64_t n = 300, stride[3] = {n, 1, n * n};  // 27 million cells
+  for (const auto& [from, size] : {std::pair<int64_t, int64_t>(1000, n), {-n / 2, n}}) {
+    const int64_t lo[3] = {from, from, from}, hi[3] = {from + size, from + size, from + size};
+    for (const int threads : {1, 3}) {
+      std::vector<uint8_t> out(static_cast<size_t>(n * n * n), 1), expected(out.size(), 77);
+      if (from < 0)
+        read_box<uint8_t>(*o.reader, 0, {{from, from, from}, {hi[0], hi[1], hi[2]}}, strongest_material(o.reader->meta()), 77, expected.data(),
+                          {n, 1, n * n});
+      REQUIRE(tc_read_box(o.grid.get(), 0, lo, hi, TC_U8, out.data(), stride, 77, nullptr, 0, threads) == TC_OK);
+      CHECK(out == expected);
+      int asked = 0;
+      tc_watch({[](void* user) { return ++*static_cast<int*>(user) > 2 ? 1 : 0; }, &asked});
+      CHECK(tc_read_box(o.grid.get(), 0, lo, hi, TC_U8, out.data(), stride, 77, nullptr, 0, threads) == TC_STOPPED);
+      tc_watch({nullptr, nullptr});
+      CHECK(asked == 3);
+    }
+  }
 }
 
 TEST_CASE("A function of the caller stops what takes too long, in its own thread alone", "[api]") {

@@ -20,17 +20,19 @@ int main(int argc, char** argv) {
   tc_grid* grid;
   check(tc_open(argv[1], &grid));
 
-  int64_t n[3], count;
-  const tc_material* materials;
+  int64_t n[3];
+  const int64_t count = tc_material_count(grid);
+  tc_material* materials = malloc((size_t)count * sizeof *materials);
   check(tc_shape(grid, 0, n));
-  check(tc_materials(grid, &materials, &count));
+  check(tc_materials(grid, 0, count, materials, sizeof *materials));
   printf("%" PRId64 " x %" PRId64 " x %" PRId64 " cells\n", n[0], n[1], n[2]);
 
   tc_cells* cells = malloc((size_t)count * sizeof *cells);
-  check(tc_stats(grid, (int64_t[3]){0, 0, 0}, n, cells, count));
+  check(tc_stats(grid, (int64_t[3]){0, 0, 0}, n, cells, sizeof *cells, count));
   for (int64_t i = 0; i < count; ++i)
     printf("%-16s %" PRIu64 " cells, %g %s^3\n", materials[i].name, cells[i].cells, cells[i].volume, tc_units(grid));
   free(cells);
+  free(materials);
 
   /* The finest level that is at most 72 cells wide. */
   int level = 0;

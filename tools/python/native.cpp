@@ -1,4 +1,5 @@
 // What teracell/__init__.py stands on: the C API for arrays of NumPy, and the mesher.
+#include <cxxabi.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -28,44 +29,96 @@ Exceptions& exceptions() {
   return *all;
 }
 
-[[noreturn]] void raise(const py::object& type, const std::string& message) {
-  PyErr_SetString(type.ptr(), message.c_str());
+// Names of files in a message may be no UTF-8: they become what os.fsdecode() makes of them.
+py::object text_of(const std::string& message) {
+  return py::reinterpret_steal<py::object>(PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "surrogateescape"));
+}
+
+void set_error(const py::object& type, const std::string& message, int number = 0) {
+  const py::object text = text_of(message);
+  if (number != 0) PyErr_SetObject(type.ptr(), py::make_tuple(number, text).ptr());
+  else PyErr_SetObject(type.ptr(), text.ptr());
+}
+
+[[noreturn]] void raise(const py::object& type, const std::string& message, int number = 0) {
+  set_error(type, message, number);
   throw py::error_already_set();
 }
 
-// Lets Python act on signals now and then while its lock is released. Only the main thread is ever interrupted.
-class Signals {
+// While it lives, this thread does not hold Python's lock (the GIL). A daemon thread that asks for the lock when the interpreter has
+// begun to end never gets it: up to Python 3.13, Python ends such a thread by pthread_exit(), which unwinds it and aborts the process in
+// the first destructor or catch (...) that is in the way. So here it sleeps until the process ends, which is what Python itself does
+// from 3.14 on (PyThread_hang_thread, gh-87135).
+class Unlocked {
  public:
-  // Whether a handler has raised an exception.
-  bool raised() {
-    const auto now = std::chrono::steady_clock::now();
-    if (now < next_) return false;
-    next_ = now + std::chrono::milliseconds(50);
-    const py::gil_scoped_acquire lock;
-    return PyErr_CheckSignals() != 0;
+  Unlocked() = default;
+  ~Unlocked() { lock(); }
+  Unlocked(const Unlocked&) = delete;
+  // Calls f() with the lock.
+  template <class F>
+  auto locked(F&& f) {
+    struct Unlock {
+      Unlocked& whose;
+      ~Unlock() { whose.state_ = PyEval_SaveThread(); }
+    };
+    lock();
+    const Unlock after{*this};
+    return f();
   }
 
  private:
+  void lock() noexcept {
+    try {
+      PyEval_RestoreThread(state_);
+    } catch (abi::__forced_unwind&) {
+      for (;;) ::pause();
+    }
+  }
+  PyThreadState* state_ = PyEval_SaveThread();
+};
+
+// Lets Python act on signals now and then while its lock is released. It does so in the main thread alone: others need not ask.
+class Signals {
+ public:
+  Signals() : main_(py::module_::import("threading").attr("main_thread")().attr("ident").cast<unsigned long>() == PyThread_get_thread_ident()) {}
+  bool wanted() const { return main_; }
+  // Whether a handler has raised an exception.
+  bool raised(Unlocked& unlocked) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!main_ || now < next_) return false;
+    next_ = now + std::chrono::milliseconds(50);
+    return unlocked.locked([] { return PyErr_CheckSignals() != 0; });
+  }
+
+ private:
+  const bool main_;
   std::chrono::steady_clock::time_point next_{};
 };
 
 // Calls f() without Python's lock, and turns its status into an exception.
 template <class F>
 void call(F&& f) {
-  Signals signals;
-  int status;
+  struct Asked {
+    Signals signals;
+    Unlocked unlocked;
+  };
+  int status, number = 0;
   std::string message;
   {
-    const py::gil_scoped_release unlocked;
-    const tc_watcher before = tc_watch({[](void* s) { return static_cast<Signals*>(s)->raised() ? 1 : 0; }, &signals});
+    Asked asked;
+    const auto raised = [](void* user) {
+      auto& [signals, unlocked] = *static_cast<Asked*>(user);
+      return signals.raised(unlocked) ? 1 : 0;
+    };
+    const tc_watcher before = tc_watch(asked.signals.wanted() ? tc_watcher{raised, &asked} : tc_watcher{nullptr, nullptr});
     status = f();
     tc_watch(before);
-    if (status != TC_OK) message = tc_error();
+    if (status != TC_OK) message = tc_error(), number = tc_errno();
   }
   if (PyErr_Occurred()) throw py::error_already_set();
   if (status == TC_OK) return;
   if (status == TC_USAGE) raise(exceptions().usage, message);
-  if (status == TC_IO) raise(exceptions().io, message);
+  if (status == TC_IO) raise(exceptions().io, message, number);
   if (status == TC_FORMAT) raise(exceptions().format, message);
   if (status == TC_MEMORY) throw std::bad_alloc();
   raise(exceptions().error, message);
@@ -82,6 +135,7 @@ class Native {
   int levels() const { return tc_levels(grid_); }
   int ray_axis() const { return tc_ray_axis(grid_); }
   std::string units() const { return tc_units(grid_); }
+  std::string hash() const { return tc_hash(grid_); }
   std::string info() const {
     const char* json = nullptr;
     call([&] { return tc_info(grid_, &json); });
@@ -93,12 +147,10 @@ class Native {
     return n;
   }
   py::list materials() const {
-    const tc_material* all = nullptr;
-    int64_t count = 0;
-    call([&] { return tc_materials(grid_, &all, &count); });
+    std::vector<tc_material> all(static_cast<size_t>(tc_material_count(grid_)));
+    call([&] { return tc_materials(grid_, 0, tc_material_count(grid_), all.data(), sizeof(tc_material)); });
     py::list out;
-    for (int64_t i = 0; i < count; ++i)
-      out.append(py::make_tuple(all[i].name, py::make_tuple(all[i].color[0], all[i].color[1], all[i].color[2], all[i].color[3]), all[i].rank));
+    for (const tc_material& m : all) out.append(py::make_tuple(m.name, py::make_tuple(m.color[0], m.color[1], m.color[2], m.color[3]), m.rank));
     return out;
   }
   py::array_t<double> planes(int level, int axis) const { return positions(level, axis, 1, tc_planes); }
@@ -119,7 +171,7 @@ class Native {
     const uint32_t* values = map ? map->data() : nullptr;
     const int64_t size = map ? map->size() : 0;
     call([&] {
-      return tc_read_lattice(grid_, level, first.data(), count.data(), step.data(), static_cast<tc_type>(bytes), data, stride.data(), outside, values,
+      return tc_read_lattice(grid_, level, first.data(), count.data(), step.data(), static_cast<int>(bytes), data, stride.data(), outside, values,
                              size, threads);
     });
   }
@@ -149,7 +201,7 @@ class Native {
     std::vector<tc_column_run> runs(16);
     int64_t count = 0;
     for (;;) {
-      call([&] { return tc_column(grid_, axis, a, b, 0, INT64_MAX, runs.data(), static_cast<int64_t>(runs.size()), &count); });
+      call([&] { return tc_column(grid_, axis, a, b, 0, INT64_MAX, runs.data(), sizeof runs[0], static_cast<int64_t>(runs.size()), &count); });
       if (count <= static_cast<int64_t>(runs.size())) break;
       runs.resize(static_cast<size_t>(count));
     }
@@ -160,11 +212,9 @@ class Native {
 
   // For each material: cells, volume, lo, hi.
   py::list stats(const Index& lo, const Index& hi) const {
-    const tc_material* all = nullptr;
-    int64_t count = 0;
-    call([&] { return tc_materials(grid_, &all, &count); });
+    const int64_t count = tc_material_count(grid_);
     std::vector<tc_cells> found(static_cast<size_t>(count));
-    call([&] { return tc_stats(grid_, lo.data(), hi.data(), found.data(), count); });
+    call([&] { return tc_stats(grid_, lo.data(), hi.data(), found.data(), sizeof(tc_cells), count); });
     py::list out;
     for (const tc_cells& c : found) {
       const py::int_ cells = (py::int_(c.cells_high) << py::int_(64)) + py::int_(c.cells);
@@ -197,6 +247,33 @@ class Native {
   }
 
   tc_grid* grid_ = nullptr;
+};
+
+class NativePartition {
+ public:
+  explicit NativePartition(const std::string& path) {
+    call([&] { return tc_partition_open(path.c_str(), &partition_); });
+  }
+  ~NativePartition() { tc_partition_close(partition_); }
+  NativePartition(const NativePartition&) = delete;
+
+  // ranks, cells, align, halo, total, method, hash of the grid
+  py::tuple plan() const {
+    tc_plan p;
+    call([&] { return tc_partition_plan(partition_, &p, sizeof p); });
+    return py::make_tuple(p.ranks, index(p.cells), p.align, p.halo, p.total, p.method, p.grid_hash);
+  }
+  // lo, hi, those with the halo, weight, neighbours
+  py::tuple part(int64_t rank) const {
+    tc_part p;
+    call([&] { return tc_partition_part(partition_, rank, &p, sizeof p); });
+    return py::make_tuple(index(p.lo), index(p.hi), index(p.halo_lo), index(p.halo_hi), p.weight,
+                          std::vector<int64_t>(p.neighbours, p.neighbours + p.count));
+  }
+
+ private:
+  static Index index(const int64_t* n) { return {n[0], n[1], n[2]}; }
+  tc_partition* partition_ = nullptr;
 };
 
 std::string join(const std::vector<std::string>& words) {
@@ -234,7 +311,8 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   std::atomic<bool> stop = false;
   std::exception_ptr raised;
   Signals signals;
-  const py::gil_scoped_release unlocked;
+  const bool silent = progress.is_none();
+  Unlocked unlocked;
   try {
     Scene scene = surfaces.empty() ? parse_scene(scene_text, folder) : bare_scene({surfaces.begin(), surfaces.end()});
     override_grid(scene, grid);
@@ -243,11 +321,12 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
         [&](const char* phase, double share, double) {
           if (stop) return;
           try {
-            const bool interrupted = signals.raised();
-            if (!interrupted && progress.is_none()) return;
-            const py::gil_scoped_acquire lock;
-            if (interrupted) throw py::error_already_set();
-            progress(phase, share);
+            const bool interrupted = signals.raised(unlocked);
+            if (!interrupted && silent) return;
+            unlocked.locked([&] {
+              if (interrupted) throw py::error_already_set();
+              progress(phase, share);
+            });
           } catch (...) {
             raised = std::current_exception();
             stop = true;
@@ -269,13 +348,13 @@ PYBIND11_MODULE(_native, m) {
   const py::module_ errors = py::module_::import("teracell._errors");
   e.error = errors.attr("Error"), e.usage = errors.attr("UsageError"), e.io = errors.attr("IoError"), e.format = errors.attr("FormatError");
   py::register_exception_translator([](std::exception_ptr p) {
-    const auto set = [](const py::object& type, const std::exception& found) { PyErr_SetString(type.ptr(), found.what()); };
+    const auto set = [](const py::object& type, const std::exception& found, int number = 0) { set_error(type, found.what(), number); };
     try {
       if (p) std::rethrow_exception(p);
     } catch (const teracell::UsageError& found) {
       set(exceptions().usage, found);
     } catch (const teracell::IoError& found) {
-      set(exceptions().io, found);
+      set(exceptions().io, found, found.number);
     } catch (const teracell::FormatError& found) {
       set(exceptions().format, found);
     } catch (const teracell::InputError& found) {
@@ -286,11 +365,16 @@ PYBIND11_MODULE(_native, m) {
   });
   m.attr("version") = tc_version();
   m.def("mesh", &mesh);
+  py::class_<NativePartition>(m, "Partition")
+      .def(py::init<const std::string&>())
+      .def("plan", &NativePartition::plan)
+      .def("part", &NativePartition::part);
   py::class_<Native>(m, "Grid")
       .def(py::init<const std::string&>())
       .def("levels", &Native::levels)
       .def("ray_axis", &Native::ray_axis)
       .def("units", &Native::units)
+      .def("hash", &Native::hash)
       .def("info", &Native::info)
       .def("shape", &Native::shape)
       .def("materials", &Native::materials)

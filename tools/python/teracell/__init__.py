@@ -11,18 +11,19 @@
 Arrays have the axes z, y, x, and so have boxes: (z0, y0, x0, z1, y1, x1), half open, in cells of the level. The cells of a level
 never exist as a whole: an index reads what it selects, and dask and xarray read block by block.
 """
-import collections
+import collections.abc
 import json
 import math
-import operator
 import os
 
 import numpy
 
 from . import _native
+from ._arguments import corners, index_of, one_or_three, path_of, shown, whole, whole_key, wholes
 from ._errors import Error, FormatError, IoError, UsageError
 
-__all__ = ["open", "mesh", "Grid", "Level", "Axis", "Material", "Cells", "Error", "FormatError", "IoError", "UsageError", "__version__"]
+__all__ = ["open", "mesh", "Grid", "Level", "Axis", "Material", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
+           "__version__"]
 __version__ = _native.version
 
 Axis = collections.namedtuple("Axis", "name planes samples")
@@ -33,6 +34,10 @@ Material.__doc__ = """A material: its id, its name, its colour (red, green, blue
 
 Cells = collections.namedtuple("Cells", "cells volume box")
 Cells.__doc__ = """Exact counts of a material: the number of cells, their volume, and the box that holds them, or None if there are none."""
+
+Part = collections.namedtuple("Part", "rank box halo_box weight neighbours")
+Part.__doc__ = """What a rank computes: its box of level 0, the box that it reads (with the halo, clipped to the grid), the work in it, and the
+ranks next to it."""
 
 
 def open(path):
@@ -50,7 +55,7 @@ class Level:
         self._native = grid._native
         self._path = grid.path
         self.materials = grid.materials
-        self.number = operator.index(level)
+        self.number = whole("level", level, 0, self._native.levels() - 1)
         self.shape = tuple(self._native.shape(self.number))[::-1]
         self.dtype = numpy.dtype(numpy.uint8 if len(self.materials) <= 256 else numpy.uint16)
 
@@ -66,21 +71,26 @@ class Level:
         return tuple(Axis(name, self._native.planes(self.number, d), self._native.samples(self.number, d)) for d, name in ((2, "z"), (1, "y"), (0, "x")))
 
     def __repr__(self):
-        return f"<teracell level {self.number} of {self._path}: {' x '.join(map(str, self.shape))} cells (z, y, x), {self.dtype}>"
+        return f"<teracell level {self.number} of {self._path!r}: {' x '.join(map(str, self.shape))} cells (z, y, x), {self.dtype}>"
 
     def __len__(self):
         return self.shape[0]
 
-    def __array__(self, dtype=None):
-        return self[...] if dtype is None else self[...].astype(dtype)
+    def __array__(self, dtype=None, copy=None):
+        if copy is False:  # as NumPy 2 wants to be told
+            raise UsageError("copy: expected None or True, because reading a grid makes an array, found False")
+        return self[...] if dtype is None else self[...].astype(dtype, copy=False)
 
     def __reduce__(self):
         return _level_of, (self._path, self.number)
 
     def __getitem__(self, key):
         """Basic indexing as in NumPy: whole numbers, slices with any step, Ellipsis and None. Only what is selected is read."""
+        return self._select(key, 0)
+
+    def _select(self, key, threads):
         first, step, count, back, shown = [], [], [], [], []
-        for axis, part in enumerate(_whole_key(key, self.ndim)):
+        for axis, part in enumerate(whole_key(key, self.ndim)):
             if part is None:
                 shown.append(numpy.newaxis)
                 continue
@@ -89,7 +99,7 @@ class Level:
                 chosen = range(n)[part]
                 shown.append(slice(None))
             else:
-                i = _index(part, n, len(count))
+                i = index_of(part, n, len(count))
                 chosen = range(i, i + 1)
                 shown.append(0)
             if chosen.step < 0:
@@ -97,11 +107,11 @@ class Level:
             else:
                 reverse = slice(None)
             first.append(chosen.start if len(chosen) else 0)
-            step.append(chosen.step)
+            step.append(chosen.step if len(chosen) > 1 else 1)
             count.append(len(chosen))
             back.append(reverse)
         out = numpy.empty(count, self.dtype)
-        self._native.read(self.number, first[::-1], step[::-1], out, 0, None, 0)
+        self._native.read(self.number, first[::-1], step[::-1], out, 0, None, threads)
         return out[tuple(back)][tuple(shown)]
 
     def read(self, box, halo=0, out=None, outside=0, map=None, order="C", threads=0):
@@ -116,27 +126,34 @@ class Level:
 
         A value that does not fit the type of `out` is a UsageError, and nothing is written.
         """
-        lo, hi = _box(box)
-        halo = [operator.index(h) for h in (halo if numpy.ndim(halo) else (halo,) * 3)]
+        lo, hi = corners(box)
+        halo = one_or_three("halo", halo, 0)
+        halo = halo if isinstance(halo, list) else [halo] * 3
+        outside = whole("outside", outside, 0, (1 << 32) - 1)
+        threads = whole("threads", threads, 0, 1024)
+        if order not in ("C", "F"):
+            raise UsageError(f"order: expected 'C' or 'F', found {shown(order)}")
         shape = [max(0, hi[d] - lo[d] + 2 * halo[d]) for d in range(3)]
         lo = [lo[d] - halo[d] for d in range(3)]
         values = self._values(map)
         if out is None:
-            most = max(int(outside), int(values.max()) if values is not None else len(self.materials) - 1)
+            most = max(outside, int(values.max()) if values is not None else len(self.materials) - 1)
             out = numpy.empty(shape, numpy.min_scalar_type(most) if values is not None or outside else self.dtype, order)
+        elif not isinstance(out, numpy.ndarray):
+            raise UsageError(f"out: expected an array of NumPy, found {shown(out)}")
         elif list(out.shape) != shape:
             raise UsageError(f"out: expected an array of the shape {tuple(shape)}, found {out.shape}")
         if not out.flags.aligned:
             raise UsageError("out: expected an array whose items are aligned")
         if out.dtype.kind not in "ui" or out.dtype.itemsize > 4 or not out.dtype.isnative:
             raise UsageError(f"out: expected integers of 1, 2 or 4 bytes in the machine's order, found {out.dtype}")
-        if not 0 <= outside <= numpy.iinfo(out.dtype).max:
+        if outside > numpy.iinfo(out.dtype).max:
             raise UsageError(f"outside: expected 0 to {numpy.iinfo(out.dtype).max}, which {out.dtype} holds, found {outside}")
         if out.dtype.kind == "i":
             most = int(values.max()) if values is not None else len(self.materials) - 1
             if most > numpy.iinfo(out.dtype).max:
                 raise UsageError(f"out: expected a type that holds {most}, found {out.dtype}")
-        self._native.read(self.number, lo[::-1], [1, 1, 1], out, int(outside), values, threads)
+        self._native.read(self.number, lo[::-1], [1, 1, 1], out, outside, values, threads)
         return out
 
     def runs(self, box=None):
@@ -153,7 +170,7 @@ class Level:
         """A dask array that reads each of its blocks when it is needed."""
         import dask.array
 
-        return dask.array.from_array(self, chunks=chunks, name=f"teracell-{dask.base.tokenize(self._path, self.number, _stamp(self._path))}", asarray=False, lock=False)
+        return dask.array.from_array(_Blocks(self), chunks=chunks, name=f"teracell-{dask.base.tokenize(self._path, self.number, _stamp(self._path))}", asarray=False, lock=False)
 
     def xarray(self, chunks="auto"):
         """An xarray.DataArray with coordinates, over dask()."""
@@ -165,7 +182,7 @@ class Level:
                                 attrs={"units": self._native.units(), "materials": json.dumps(names)})
 
     def _box(self, box):
-        return _box((0, 0, 0) + self.shape if box is None else box)
+        return corners((0, 0, 0) + self.shape if box is None else box)
 
     def _values(self, map):
         if map is None:
@@ -176,7 +193,7 @@ class Level:
             for key, value in map.items():
                 id = by_name.get(key, key) if isinstance(key, str) else key
                 if not isinstance(id, (int, numpy.integer)) or not 0 <= id < len(values):
-                    raise UsageError(f"map: the grid has no material {key!r}")
+                    raise UsageError(f"map: the grid has no material {shown(key)}")
                 values[id] = value
             missing = [m.name for m in self.materials if values[m.id] is None]
             if missing:
@@ -188,12 +205,24 @@ class Level:
         return numpy.ascontiguousarray(values, numpy.uint32)
 
 
+class _Blocks:
+    """A level for dask, whose tasks run in threads of their own: each reads with one."""
+
+    ndim = 3
+
+    def __init__(self, level):
+        self._level, self.shape, self.dtype = level, level.shape, level.dtype
+
+    def __getitem__(self, key):
+        return self._level._select(key, 1)
+
+
 class Grid(Level):
     """A .tcell file. It is the array of its level 0; level(L) is a coarser one."""
 
     def __init__(self, path):
-        self.path = os.path.abspath(os.fspath(path))  # pickles and dask's workers may have another folder
-        self._native = _native.Grid(self.path)
+        self.path = os.path.abspath(path_of(path))  # pickles and dask's workers may have another folder
+        self._native = _native.Grid(os.fsencode(self.path))
         self.materials = [Material(i, *m) for i, m in enumerate(self._native.materials())]
         super().__init__(self, 0)
 
@@ -201,7 +230,7 @@ class Grid(Level):
         return Grid, (self.path,)
 
     def __repr__(self):
-        return f"<teracell grid {self.path}: {' x '.join(map(str, self.shape))} cells (z, y, x), {len(self.materials)} materials, {self.levels} levels>"
+        return f"<teracell grid {self.path!r}: {' x '.join(map(str, self.shape))} cells (z, y, x), {len(self.materials)} materials, {self.levels} levels>"
 
     @property
     def levels(self):
@@ -212,6 +241,11 @@ class Grid(Level):
     def units(self):
         """The unit of lengths: "m", "mm" ..."""
         return self._native.units()
+
+    @property
+    def hash(self):
+        """32 hexadecimal digits that stand for the whole content of the file, whatever its name is."""
+        return self._native.hash()
 
     @property
     def ray_axis(self):
@@ -235,9 +269,45 @@ class Grid(Level):
     def column(self, axis, at):
         """The column of level 0 along an axis ("z", "y", "x", or 0, 1, 2 of `shape`) through the cell `at` of the other two, in the
         order of `shape`: rows from, to (half open), material."""
-        d = "zyx".index(axis) if isinstance(axis, str) and axis in tuple("zyx") else operator.index(axis)
-        high, low = (operator.index(i) for i in at)
+        if isinstance(axis, str) and axis not in tuple("zyx"):
+            raise UsageError(f"axis: expected 'z', 'y', 'x' or 0, 1, 2, found {shown(axis)}")
+        d = "zyx".index(axis) if isinstance(axis, str) else whole("axis", axis, 0, 2)
+        high, low = wholes("at", at, 2)
         return self._native.column(2 - d, low, high)
+
+
+class Partition(collections.abc.Sequence):
+    """A file that `teracell partition` has written: partition[rank] is the Part of a rank. Boxes are (z0, y0, x0, z1, y1, x1).
+
+    cells      (nz, ny, nx) of the grid
+    align      cuts lie at multiples of so many cells
+    halo       cells around each part
+    total      the work in the whole grid
+    method     "blocks" or "slabs"
+    grid_hash  the `hash` of the grid that was cut: compare it with that of the grid that you read
+    """
+
+    def __init__(self, path):
+        self.path = os.path.abspath(path_of(path))
+        self._native = _native.Partition(os.fsencode(self.path))
+        self._ranks, cells, self.align, self.halo, self.total, self.method, self.grid_hash = self._native.plan()
+        self.cells = tuple(cells)[::-1]
+
+    def __reduce__(self):
+        return Partition, (self.path,)
+
+    def __repr__(self):
+        return f"<teracell partition {self.path!r}: {self._ranks} ranks, {self.method}>"
+
+    def __len__(self):
+        return self._ranks
+
+    def __getitem__(self, rank):
+        if isinstance(rank, slice):
+            return [self[i] for i in range(self._ranks)[rank]]
+        rank = index_of(rank, self._ranks, 0)
+        lo, hi, halo_lo, halo_hi, weight, neighbours = self._native.part(rank)
+        return Part(rank, tuple(lo[::-1] + hi[::-1]), tuple(halo_lo[::-1] + halo_hi[::-1]), weight, neighbours)
 
 
 def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=None, engine=None, threads=0, memory=None, tmp=None, thin=False,
@@ -255,28 +325,30 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
     The report of the run is the attribute `report` of the grid that is returned.
     """
     if axis is not None and axis not in ("x", "y", "z"):
-        raise UsageError(f"axis: expected 'x', 'y' or 'z', found {axis!r}")
-    text, base, surfaces = "", os.fspath(folder), []
+        raise UsageError(f"axis: expected 'x', 'y' or 'z', found {shown(axis)}")
+    if progress is not None and not callable(progress):
+        raise UsageError(f"progress: expected a function, found {shown(progress)}")
+    text, base, surfaces = "", path_of(folder), []
     if isinstance(scene, dict):
         text = json.dumps(scene)
     elif isinstance(scene, (list, tuple)):
-        surfaces = [os.fspath(s) for s in scene]
-    elif os.fspath(scene).endswith(".json"):
-        base = os.path.dirname(os.fspath(scene))
+        surfaces = [os.fsencode(path_of(s)) for s in scene]
+    elif path_of(scene).endswith(".json"):
+        base = os.path.dirname(path_of(scene))
         try:
-            with _open(scene, encoding="utf-8") as file:
+            with _open(path_of(scene), "rb") as file:
                 text = file.read()
         except OSError as e:
-            raise IoError(f"{os.fspath(scene)}: can't open: {e.strerror}") from e
+            raise IoError(e.errno, f"{path_of(scene)}: can't open: {e.strerror}") from e
     else:
-        surfaces = [os.fspath(scene)]
+        surfaces = [os.fsencode(path_of(scene))]
     if isinstance(scene, (list, tuple)) and not surfaces:
         raise UsageError("scene: expected at least one surface, found none")
-    options = {"cells": _given("cells", cells, _cells), "step": _given("step", step, float), "pad": _given("pad", pad, operator.index),
-               "axis": None if axis is None else "xyz".index(axis), "engine": _given("engine", engine, str),
-               "threads": _given("threads", threads, operator.index), "memory": _given("memory", memory, _size),
-               "tmp": None if tmp is None else os.fspath(tmp), "thin": bool(thin), "resume": bool(resume)}
-    report = _native.mesh(text, base, surfaces, os.fspath(output), options, progress)
+    options = {"cells": _given(cells, lambda n: one_or_three("cells", n, 1)), "step": _given(step, _length),
+               "pad": _given(pad, lambda n: whole("pad", n, 0)), "axis": _given(axis, "xyz".index), "engine": _given(engine, str),
+               "threads": whole("threads", threads, 0, 1024), "memory": _given(memory, lambda n: whole("memory", n, 1, (1 << 63) - 1)),
+               "tmp": _given(tmp, lambda path: os.fsencode(path_of(path))), "thin": bool(thin), "resume": bool(resume)}
+    report = _native.mesh(text, os.fsencode(base), surfaces, os.fsencode(path_of(output)), options, progress)
     grid = Grid(output)
     grid.report = json.loads(report)
     return grid
@@ -285,26 +357,15 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
 _open = __builtins__["open"] if isinstance(__builtins__, dict) else __builtins__.open
 
 
-def _given(name, value, convert):
-    if value is None:
-        return None
+def _given(value, convert):
+    return None if value is None else convert(value)
+
+
+def _length(step):
     try:
-        return convert(value)
-    except (TypeError, ValueError):
-        raise UsageError(f"{name}: found {value!r}, which is no such value") from None
-
-
-def _cells(value):
-    if numpy.ndim(value) == 0:
-        return operator.index(value)
-    x, y, z = (operator.index(n) for n in value)
-    return [x, y, z]
-
-
-def _size(value):
-    if not 0 < operator.index(value) < 1 << 63:
-        raise ValueError
-    return operator.index(value)
+        return float(step)
+    except (TypeError, ValueError, OverflowError):
+        raise UsageError(f"step: expected a number, found {shown(step)}") from None
 
 
 def _level_of(path, number):
@@ -314,38 +375,3 @@ def _level_of(path, number):
 def _stamp(path):
     found = os.stat(path)
     return found.st_ino, found.st_size, found.st_mtime_ns
-
-
-def _box(box):
-    if len(box) != 6:
-        raise UsageError(f"expected a box (z0, y0, x0, z1, y1, x1), found {box!r}")
-    box = [operator.index(b) for b in box]
-    return box[:3], box[3:]
-
-
-def _whole_key(key, ndim):
-    """A key as a list with a part for each axis, and None where an axis is added."""
-    key = list(key) if isinstance(key, tuple) else [key]
-    ellipses = sum(part is Ellipsis for part in key)
-    if ellipses > 1:
-        raise IndexError("an index can only have a single ellipsis ('...')")
-    given = sum(part is not None and part is not Ellipsis for part in key)
-    if given > ndim:
-        raise IndexError(f"too many indices: the array has {ndim} axes, but {given} were indexed")
-    at = next((i for i, part in enumerate(key) if part is Ellipsis), None)
-    if at is None:
-        at = len(key)
-        key.append(Ellipsis)
-    return key[:at] + [slice(None)] * (ndim - given) + key[at + 1:]
-
-
-def _index(part, n, axis):
-    if isinstance(part, (bool, numpy.bool_)) or numpy.ndim(part) != 0:
-        raise IndexError("only whole numbers, slices (':'), ellipsis ('...') and None are valid indices")
-    try:
-        i = operator.index(part)
-    except TypeError:
-        raise IndexError("only whole numbers, slices (':'), ellipsis ('...') and None are valid indices") from None
-    if not -n <= i < n:
-        raise IndexError(f"index {i} is out of bounds for axis {axis} with size {n}")
-    return i % n

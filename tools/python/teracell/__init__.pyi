@@ -1,6 +1,6 @@
 from os import PathLike
 from types import EllipsisType
-from typing import Any, Callable, Mapping, NamedTuple, Sequence, SupportsIndex
+from typing import Any, Callable, Mapping, NamedTuple, Sequence, SupportsIndex, overload
 
 import numpy
 from numpy.typing import NDArray
@@ -9,7 +9,7 @@ from ._errors import Error as Error, FormatError as FormatError, IoError as IoEr
 
 __version__: str
 
-_Path = str | PathLike[str]
+_Path = str | bytes | PathLike[str] | PathLike[bytes]
 _Part = SupportsIndex | slice | EllipsisType | None
 _Box = Sequence[int]  # z0, y0, x0, z1, y1, x1
 
@@ -29,6 +29,28 @@ class Cells(NamedTuple):
     volume: float
     box: tuple[int, int, int, int, int, int] | None
 
+class Part(NamedTuple):
+    rank: int
+    box: tuple[int, int, int, int, int, int]
+    halo_box: tuple[int, int, int, int, int, int]
+    weight: float
+    neighbours: list[int]
+
+class Partition(Sequence[Part]):
+    path: str
+    cells: tuple[int, int, int]
+    align: int
+    halo: int
+    total: float
+    method: str
+    grid_hash: str
+    def __init__(self, path: _Path) -> None: ...
+    def __len__(self) -> int: ...
+    @overload
+    def __getitem__(self, rank: SupportsIndex) -> Part: ...
+    @overload
+    def __getitem__(self, rank: slice) -> list[Part]: ...
+
 class Level:
     number: int
     shape: tuple[int, int, int]
@@ -40,7 +62,7 @@ class Level:
     @property
     def axes(self) -> tuple[Axis, Axis, Axis]: ...
     def __len__(self) -> int: ...
-    def __array__(self, dtype: Any = None) -> NDArray[Any]: ...
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
     def __getitem__(self, key: _Part | tuple[_Part, ...]) -> Any: ...
     def read(self, box: _Box, halo: int | Sequence[int] = 0, out: NDArray[Any] | None = None, outside: int = 0,
              map: Sequence[int] | Mapping[int | str, int] | None = None, order: str = "C", threads: int = 0) -> NDArray[Any]: ...
@@ -57,6 +79,8 @@ class Grid(Level):
     def levels(self) -> int: ...
     @property
     def units(self) -> str: ...
+    @property
+    def hash(self) -> str: ...
     @property
     def ray_axis(self) -> int: ...
     @property

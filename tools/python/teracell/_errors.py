@@ -10,7 +10,10 @@ class UsageError(Error, ValueError):
 
 
 class IoError(Error, OSError):
-    """The operating system reports a failure."""
+    """The operating system reports a failure. `errno` is its number, where that is known."""
+
+    def __str__(self):
+        return self.strerror or super().__str__()
 
 
 class FormatError(Error):

@@ -1,0 +1,88 @@
+"""Checks of arguments: what is wrong is said here, in the words of the library, before _native is asked."""
+import operator
+import os
+
+from ._errors import UsageError
+
+FARTHEST = 1 << 53  # cells; the library takes no farther ones
+
+
+def shown(value):
+    """A value in a message: short, whatever it is."""
+    try:
+        text = repr(value)
+    except Exception:  # a number of very many digits, for one
+        text = f"a value of the type {type(value).__name__}"
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def whole(name, value, least=-FARTHEST, most=FARTHEST):
+    """A whole number in a range."""
+    try:
+        found = operator.index(value)
+    except TypeError:
+        raise UsageError(f"{name}: expected a whole number, found {shown(value)}") from None
+    if not least <= found <= most:
+        raise UsageError(f"{name}: expected {least} to {most}, found {shown(found)}")
+    return found
+
+
+def wholes(name, values, count, least=-FARTHEST, or_one=""):
+    """A list of so many whole numbers."""
+    try:
+        found = list(values)
+    except TypeError:
+        found = []
+    if len(found) != count:
+        raise UsageError(f"{name}: expected {or_one}{count} whole numbers, found {shown(values)}")
+    return [whole(name, value, least) for value in found]
+
+
+def one_or_three(name, values, least):
+    """A whole number or a list of three, as such."""
+    if hasattr(values, "__index__") and not getattr(values, "ndim", 0):
+        return whole(name, values, least)
+    return wholes(name, values, 3, least, "one or ")
+
+
+def corners(box):
+    """The corners (z0, y0, x0) and (z1, y1, x1) of a box."""
+    found = wholes("box", box, 6)
+    return found[:3], found[3:]
+
+
+def path_of(path):
+    """A path as text. os.fsencode() gives its bytes, whatever they are."""
+    text = os.fsdecode(path)
+    if "\0" in text:
+        raise UsageError(f"expected a path without NUL characters, found {shown(path)}")
+    return text
+
+
+def whole_key(key, ndim):
+    """A key as a list with a part for each axis, and None where an axis is added."""
+    key = list(key) if isinstance(key, tuple) else [key]
+    ellipses = sum(part is Ellipsis for part in key)
+    if ellipses > 1:
+        raise IndexError("an index can only have a single ellipsis ('...')")
+    given = sum(part is not None and part is not Ellipsis for part in key)
+    if given > ndim:
+        raise IndexError(f"too many indices: the array has {ndim} axes, but {given} were indexed")
+    at = next((i for i, part in enumerate(key) if part is Ellipsis), None)
+    if at is None:
+        at = len(key)
+        key.append(Ellipsis)
+    return key[:at] + [slice(None)] * (ndim - given) + key[at + 1:]
+
+
+def index_of(part, n, axis):
+    """A whole number of a key."""
+    try:
+        if isinstance(part, bool) or getattr(part, "dtype", None) == bool or getattr(part, "ndim", 0) != 0:
+            raise TypeError
+        i = operator.index(part)
+    except TypeError:
+        raise IndexError("only whole numbers, slices (':'), ellipsis ('...') and None are valid indices") from None
+    if not -n <= i < n:
+        raise IndexError(f"index {shown(i)} is out of bounds for axis {axis} with size {n}")
+    return i % n
