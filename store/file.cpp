@@ -164,6 +164,17 @@ void OutputFile::append(std::span<const uint8_t> bytes) {
   if (buffer_.size() >= kBuffer) flush();
 }
 
+void OutputFile::write_at(uint64_t offset, std::span<const uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw IoError(fmt::format("{}: byte {}: can't write: {}", partial_.string(), offset, std::strerror(errno)));
+    offset += static_cast<uint64_t>(n);
+    size_ = std::max(size_, offset);
+    bytes = bytes.subspan(static_cast<size_t>(n));
+  }
+}
+
 void OutputFile::flush() {
   if (!write_all(fd_, buffer_)) fail("can't write");
   buffer_.clear();

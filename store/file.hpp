@@ -55,7 +55,9 @@ class OutputFile {
   OutputFile(const OutputFile&) = delete;
   uint64_t size() const { return size_; }
   void append(std::span<const uint8_t> bytes);
-  // Reads from the bytes that were kept. REQUIRES: nothing was appended yet.
+  // For libraries that write in an order of their own. Gaps are zeros. REQUIRES: nothing was appended.
+  void write_at(uint64_t offset, std::span<const uint8_t> bytes);
+  // Reads from the bytes that were kept or written by write_at(). REQUIRES: nothing was appended yet.
   void read_kept(uint64_t offset, std::span<uint8_t> out) const;
   // Closes the partial file and leaves it where it is.
   void abandon();

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <csignal>
 #include <thread>
 
@@ -55,37 +54,6 @@ int64_t parse_integer(const std::string& text, int64_t least, int64_t most, cons
   const int64_t value = parse_integers(text, 1, option)[0];
   if (value < least || value > most) throw UsageError(fmt::format("{}: expected {} to {}, found {}", option, least, most, value));
   return value;
-}
-
-double parse_number(const std::string& text, const std::string& option) {
-  double value = 0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size() || !std::isfinite(value))
-    throw UsageError(fmt::format("{}: expected a number, found '{}'", option, text));
-  return value;
-}
-
-size_t material_named(const std::vector<MaterialInfo>& materials, const std::string& name, const std::string& option) {
-  const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
-  if (it == materials.end()) throw UsageError(fmt::format("{}: the grid has no material '{}'", option, name));
-  return static_cast<size_t>(it - materials.begin());
-}
-
-std::vector<std::pair<std::string, std::string>> parse_assignments(const std::string& text, const std::string& option) {
-  std::vector<std::pair<std::string, std::string>> out;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
-    const size_t equal = part.rfind('=');
-    if (equal == std::string::npos || equal == 0 || equal + 1 == part.size())
-      throw UsageError(fmt::format("{}: expected NAME=VALUE, NAME=VALUE ..., separated by commas, found '{}'", option, part));
-    const std::string name = part.substr(0, equal);
-    if (std::ranges::count(out, name, &std::pair<std::string, std::string>::first) > 0)
-      throw UsageError(fmt::format("{}: '{}' occurs twice", option, name));
-    out.emplace_back(name, part.substr(equal + 1));
-    begin = end + 1;
-  }
-  return out;
 }
 
 uint64_t parse_size(const std::string& text, const std::string& option) {

@@ -21,12 +21,6 @@ using Run = std::function<void()>;
 std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option);
 // A whole number from `least` to `most`. Throws UsageError naming `option`.
 int64_t parse_integer(const std::string& text, int64_t least, int64_t most, const std::string& option);
-double parse_number(const std::string& text, const std::string& option);  // finite
-// The id of a material. Throws UsageError naming `option`.
-size_t material_named(const std::vector<MaterialInfo>& materials, const std::string& name, const std::string& option);
-// NAME=VALUE,NAME=VALUE ... in this order. A name may hold equal signs, but no comma.
-// Throws UsageError naming `option` when a name has no value or occurs twice.
-std::vector<std::pair<std::string, std::string>> parse_assignments(const std::string& text, const std::string& option);
 uint64_t parse_size(const std::string& text, const std::string& option);  // bytes; K, M, G, T are powers of 1024
 int parse_axis(const std::string& text);  // "x", "y", "z"
 void check_level(const Grid& grid, int level);

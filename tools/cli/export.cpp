@@ -3,8 +3,8 @@
 #include <fmt/ranges.h>
 
 #include "store/error.hpp"
-#include "store/stats.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/export/assignments.hpp"
 #include "tools/export/formats.hpp"
 
 namespace teracell {
@@ -50,12 +50,7 @@ std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reade
     numbers[id] = static_cast<uint32_t>(parse_integer(text, 0, 0xffffffff, "--map: " + name));
     named[id] = true;
   }
-  Box below = reader.meta().grid.box(0);  // the cells of level 0 that the box covers
-  for (int d = 0; d < 3; ++d) below.lo[d] = box.lo[d] << level, below.hi[d] = std::min(below.hi[d], box.hi[d] << level);
-  const std::vector<MaterialStats> stats = read_stats(reader, below);
-  for (size_t id = 0; id < materials.size(); ++id)
-    if (!named[id] && stats[id].cells > 0)
-      throw UsageError(fmt::format("--map: expected a number for each material, found none for '{}'", materials[id].name));
+  expect_named(reader, level, box, named, "--map");
   return numbers;
 }
 

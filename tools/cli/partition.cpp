@@ -6,6 +6,7 @@
 #include "store/stats.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"
+#include "tools/export/assignments.hpp"
 
 namespace teracell {
 namespace {

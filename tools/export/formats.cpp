@@ -2,17 +2,21 @@
 
 #include <algorithm>
 
-// One line per format NAME: the file NAME.cpp, or NAME/NAME.cpp, defines NAME_format(); vti and vtr share vtk.cpp.
+// One line per format NAME: the file NAME.cpp, or NAME/NAME.cpp, defines NAME_format(); vti and vtr share vtk.cpp, and
+// xdmf lies beside hdf5.
 // clang-format off
 #define TERACELL_EXPORT_FORMATS(format) \
+  format(hdf5) \
   format(mhd) \
   format(npy) \
   format(nrrd) \
+  format(openems) \
   format(openfoam) \
   format(palabos) \
   format(raw) \
   format(vti) \
   format(vtr) \
+  format(xdmf) \
   format(zarr)
 // clang-format on
 

@@ -9,10 +9,14 @@
 namespace teracell {
 
 std::vector<double> planes_of(const Export& e, int axis) {
-  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
   std::vector<double> planes;
-  for (int64_t i = e.box.lo[axis]; i <= e.box.hi[axis]; ++i) planes.push_back(a.plane(std::min(a.cells(), i << e.level)));
+  for (int64_t i = 0; i <= e.box.hi[axis] - e.box.lo[axis]; ++i) planes.push_back(plane_of(e, axis, i));
   return planes;
+}
+
+double plane_of(const Export& e, int axis, int64_t i) {
+  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
+  return a.plane(std::min(a.cells(), (e.box.lo[axis] + i) << e.level));
 }
 
 EqualCells equal_cells(const Export& e, const char* format) {

@@ -11,13 +11,6 @@
 namespace teracell {
 namespace {
 
-const std::filesystem::path& expect_other_file(const Export& e, const std::filesystem::path& file) {
-  std::error_code ignored;  // most are not there yet
-  if (std::filesystem::equivalent(e.reader.name(), file, ignored))
-    throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", file.string()));
-  return file;
-}
-
 std::string axis_line(const Export& e, int axis) {
   const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
   if (a.is_graded()) return fmt::format("{} planes: {:.17g}\n", axis_name(axis), fmt::join(planes_of(e, axis), " "));
@@ -26,6 +19,13 @@ std::string axis_line(const Export& e, int axis) {
 }
 
 }  // namespace
+
+const std::filesystem::path& expect_other_file(const Export& e, const std::filesystem::path& file) {
+  std::error_code ignored;  // most are not there yet
+  if (std::filesystem::equivalent(e.reader.name(), file, ignored))
+    throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", file.string()));
+  return file;
+}
 
 TwoFiles::TwoFiles(const Export& e, const std::filesystem::path& array, const std::filesystem::path& text)
     : text_name_(text), array_(expect_other_file(e, array)), text_(expect_other_file(e, text)) {}

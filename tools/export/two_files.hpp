@@ -5,6 +5,9 @@
 
 namespace teracell {
 
+// The name of a file that is written beside the output. Throws UsageError if it is the grid.
+const std::filesystem::path& expect_other_file(const Export& e, const std::filesystem::path& file);
+
 // The text appears last, so whoever finds it finds the array too.
 class TwoFiles {
  public:

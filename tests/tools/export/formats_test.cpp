@@ -99,8 +99,10 @@ TEST_CASE("A coarse level is exported as the reader gives it", "[export]") {
 TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves nothing", "[export]") {
   const Stored s({13, 9, 11}, 5);
   for (const ExportFormat& format : export_formats()) {
+    std::map<std::string, std::string> options;
+    if (format.name == "openems") options["--epsilon"] = "m1=2,m2=2,m3=2,m4=2";
     std::vector<double> shares;
-    format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / ("done-" + format.name), [&](double share) { shares.push_back(share); }});
+    format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / ("done-" + format.name), [&](double share) { shares.push_back(share); }, {}, options});
     CHECK(shares.front() == 0);
     CHECK(shares.back() == 1);
     CHECK(std::ranges::is_sorted(shares));
@@ -108,7 +110,7 @@ TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves not
       const auto stop = [&](double share) {
         if (share == last) throw Interrupted("stopped");
       };
-      CHECK_THROWS_AS(format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / "stopped", stop}), Interrupted);
+      CHECK_THROWS_AS(format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / "stopped", stop, {}, options}), Interrupted);
       for (const auto& left : std::filesystem::directory_iterator(s.folder.path()))
         CHECK_FALSE(left.path().filename().string().starts_with("stopped"));
     }

@@ -8,20 +8,14 @@
 #include <fmt/format.h>
 
 #include "store/error.hpp"
+#include "tools/export/metres.hpp"
 #include "tools/export/openfoam/case_folder.hpp"
 #include "tools/export/openfoam/mesh_writer.hpp"
+#include "tools/export/word.hpp"
 
 namespace teracell {
 namespace foam {
 namespace {
-
-const std::map<std::string, double> kMetres = {{"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"um", 1e-6}, {"nm", 1e-9}, {"in", 0.0254}, {"ft", 0.3048}};
-
-double metres(const std::string& unit) {
-  const auto it = kMetres.find(unit);
-  if (it == kMetres.end()) throw UsageError(fmt::format("OpenFOAM's lengths are in metres: the grid's unit '{}' has no length that is known", unit));
-  return it->second;
-}
 
 std::vector<bool> cells_of_mesh(const Export& e) {
   const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
@@ -46,16 +40,6 @@ uint32_t ranks_of(const Export& e) {
   if (error != std::errc() || end != text.data() + text.size() || ranks < 1 || ranks > 100'000)
     throw UsageError(fmt::format("--ranks: expected 1 to 100000, found '{}'", text));
   return ranks;
-}
-
-// OpenFOAM's words have no blanks, quotes, slashes, semicolons and braces; others are safe in most of its files only if they are plain.
-std::string word(const std::string& name, std::set<std::string>& taken) {
-  std::string plain;
-  for (const char c : name) plain += (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '-' || c == '.' ? c : '_';
-  if (plain.empty() || (plain[0] >= '0' && plain[0] <= '9') || plain[0] == '-' || plain[0] == '.') plain.insert(0, "_");
-  std::string out = plain;
-  for (int i = 2; !taken.insert(out).second; ++i) out = fmt::format("{}_{}", plain, i);
-  return out;
 }
 
 MeshNames names_of(const Export& e, const MeshCounts& counts) {
@@ -110,7 +94,7 @@ int64_t look(const Division& d, Regions* regions, const std::function<void(int64
 
 void write_case(const Export& e) {
   const uint32_t ranks = ranks_of(e);
-  const double scale = metres(e.reader.meta().units);
+  const double scale = metres(e.reader.meta().units, "OpenFOAM");
   Regions regions;
   Division division{e, cells_of_mesh(e), nullptr, {0, std::numeric_limits<int64_t>::max()}};
   const auto layers = static_cast<double>(size_of(e.box)[2]);

@@ -1,0 +1,156 @@
+"""h5py and ParaView read what `teracell export` writes as HDF5 and XDMF: cell by cell, and where the cells lie."""
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import h5py
+import numpy
+
+PROGRAM = sys.argv.pop(1)
+# Debian's ParaView can't be installed beside python3-vtk9, so it is unpacked here.
+PARAVIEW = pathlib.Path(__file__).resolve().parents[2] / "build" / "paraview"
+
+# A block in a corner, none of whose sides is like another, and one that lies across.
+SCENE = {"units": "mm", "bodies": [{"name": "corner", "mesh": "corner.stl", "material": "steel"}, {"name": "bar", "mesh": "bar.stl", "material": "brass"}],
+         "materials": {"air": {"color": "#00000000"}, "steel": {"color": "#8899aa"}, "brass": {"color": "#ccaa33"}}, "background": "air"}
+UNIFORM = {"min": [-1, 2, 5], "max": [11, 10, 10], "cells": [24, 16, 10]}
+GRADED = {**UNIFORM, "x": {"planes": [-1, -0.5, 0.25, 1, 2, 3, 4.5, 6, 8, 11]}}
+MEDIA = ("--epsilon", "air=1,steel=2.25,brass=9.5")
+
+
+def run(*args):
+    return subprocess.run([str(a) for a in args], check=True, capture_output=True, text=True).stdout
+
+
+def box_stl(path, lo, hi):
+    corner = [[(hi if i >> d & 1 else lo)[d] for d in range(3)] for i in range(8)]
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    lines = ["solid box"]
+    for a, b, c, d in quads:
+        for triangle in ((a, b, c), (a, c, d)):
+            lines += ["facet normal 0 0 0", "outer loop"] + ["vertex " + " ".join(map(str, corner[i])) for i in triangle] + ["endloop", "endfacet"]
+    path.write_text("\n".join(lines + ["endsolid box"]) + "\n")
+
+
+def setUpModule():
+    global folder, grids
+    folder = pathlib.Path(tempfile.mkdtemp())
+    unittest.addModuleCleanup(shutil.rmtree, folder)
+    box_stl(folder / "corner.stl", (-1, 2, 5), (2, 4, 6))
+    box_stl(folder / "bar.stl", (1, 3, 7), (9, 4.6, 8.1))
+    grids = []
+    for name, axes in (("uniform", UNIFORM), ("graded", GRADED)):
+        (folder / f"{name}.json").write_text(json.dumps({**SCENE, "grid": axes}))
+        for axis in "xz":
+            grids.append((name, folder / f"{name}-{axis}.tcell"))
+            run(PROGRAM, "mesh", folder / f"{name}.json", "--axis", axis, "-o", grids[-1][1])
+
+
+def exported(grid, name, *more):
+    run(PROGRAM, "export", grid, "-o", folder / name, *more)
+    return folder / name
+
+
+class H5py(unittest.TestCase):
+    def test_plain(self):
+        for kind, grid in grids:
+            for more in ((), ("--region", "1,2,3,8,9,7"), ("--level", "1")):
+                cells = numpy.load(exported(grid, "a.npy", *more))
+                self.assertTrue({0, 2} <= set(numpy.unique(cells)) and (more or 1 in cells), "the test sees the materials")
+                with h5py.File(exported(grid, "a.h5", *more)) as file:
+                    numpy.testing.assert_array_equal(file["material"][()], cells)
+                    self.assertEqual(file["material"].dtype, cells.dtype)
+                    self.assertEqual(file["materials/name"].asstr()[()].tolist(), ["air", "steel", "brass"])
+                    self.assertEqual(file["materials/color"].asstr()[()].tolist(), ["#00000000", "#8899aa", "#ccaa33"])
+                    self.assertEqual(file.attrs["units"], "mm")
+                    self.assertEqual(file.attrs["content_hash"], json.loads(run(PROGRAM, "info", "--json", grid))["file"]["hash"])
+                    if more:
+                        continue
+                    self.assertEqual(file["planes_x"][()].tolist(), GRADED["x"]["planes"] if kind == "graded" else [-1 + i / 2 for i in range(25)])
+                    self.assertEqual(file["planes_z"][()].tolist(), [5 + i / 2 for i in range(11)])
+
+    def test_numbers_of_a_map(self):
+        cells = numpy.load(exported(grids[0][1], "m.npy"))
+        with h5py.File(exported(grids[0][1], "m.h5", "--map", "air=0,steel=700,brass=70000")) as file:
+            numpy.testing.assert_array_equal(file["material"][()], numpy.array([0, 700, 70000])[cells])
+
+    # gprMax reads `data`, dx_dy_dz and the lines of materials; it is not in Debian.
+    def test_gprmax(self):
+        for _, grid in grids[:2]:
+            cells = numpy.load(exported(grid, "g.npy"))
+            with h5py.File(exported(grid, "g.h5", "--profile", "gprmax", "--epsilon", "steel=1,brass=9.5", "--sigma", "steel=inf")) as file:
+                numpy.testing.assert_array_equal(file["data"][()], numpy.array([-1, 0, 1])[cells].transpose())
+                self.assertEqual(file["data"].dtype, numpy.int16)
+                self.assertEqual(file.attrs["dx_dy_dz"].tolist(), [0.0005] * 3)
+            self.assertEqual((folder / "g_materials.txt").read_text(), "#material: 1.0 inf 1.0 0 steel\n#material: 9.5 0.0 1.0 0 brass\n")
+
+    # CSXCAD of Debian 12 can't read a DiscMaterial.
+    def test_disc_material(self):
+        for _, grid in grids:
+            cells = numpy.load(exported(grid, "d.npy"))
+            with h5py.File(exported(grid, "d.h5", "--profile", "openems", *MEDIA)) as file:
+                numpy.testing.assert_array_equal(file["DiscData"][()], cells)
+                self.assertEqual(file.attrs["Version"], 2.0)
+                self.assertEqual(file["DiscData"].attrs["epsR"].tolist(), [1, 2.25, 9.5])
+                self.assertEqual([file[f"mesh/{d}"].size for d in "zyx"], [n + 1 for n in cells.shape])
+
+    def test_a_graded_grid_is_refused_by_profiles_without_planes(self):
+        for profile in ("meep", "gprmax"):
+            said = subprocess.run([PROGRAM, "export", grids[2][1], "-o", folder / "r.h5", "--profile", profile, *MEDIA], capture_output=True, text=True)
+            self.assertEqual(said.returncode, 2)
+            self.assertIn("graded axis x", said.stderr)
+
+
+def paraview():
+    """The command of ParaView's Python."""
+    if not (PARAVIEW / "done").exists():
+        PARAVIEW.mkdir(parents=True, exist_ok=True)
+        wanted = [line.split()[1] for line in run("apt-get", "install", "-s", "--no-install-recommends", "python3-paraview").splitlines() if line.startswith("Inst")]
+        subprocess.run(["apt-get", "download", "-q", *wanted], cwd=PARAVIEW, check=True, stdout=subprocess.DEVNULL)
+        for package in PARAVIEW.glob("*.deb"):
+            run("dpkg", "-x", package, PARAVIEW)
+            package.unlink()
+        (PARAVIEW / "done").touch()
+    usr = PARAVIEW / "usr"
+    libraries = [usr / "lib/x86_64-linux-gnu", usr / "lib/x86_64-linux-gnu/paraview-5.11", usr / "lib/x86_64-linux-gnu/openmpi/lib"]
+    return ["env", "LD_LIBRARY_PATH=" + ":".join(map(str, libraries)), f"PYTHONPATH={usr}/lib/python3/dist-packages", usr / "bin/pvpython3.11"]
+
+
+# Prints bounds and planes, and saves the cells, by each of ParaView's two readers.
+PARAVIEW_SCRIPT = """
+import json, sys, numpy
+from paraview import simple, servermanager
+from paraview.vtk.util.numpy_support import vtk_to_numpy
+for kind in ("XDMFReader", "Xdmf3ReaderS"):
+    reader = getattr(simple, kind)(FileName=[sys.argv[1]]) if kind == "Xdmf3ReaderS" else getattr(simple, kind)(FileNames=[sys.argv[1]])
+    data = servermanager.Fetch(reader)
+    while data.IsA("vtkMultiBlockDataSet"):
+        data = data.GetBlock(0)
+    n = [max(1, k - 1) for k in data.GetDimensions()]
+    cells = vtk_to_numpy(data.GetCellData().GetArray("material"))
+    numpy.save(sys.argv[2] + kind, cells.reshape(n[::-1]))
+    print(json.dumps([vtk_to_numpy(c).tolist() for c in (data.GetXCoordinates(), data.GetYCoordinates(), data.GetZCoordinates())]))
+"""
+
+
+class ParaView(unittest.TestCase):
+    def test_every_cell_has_its_material_and_its_place(self):
+        (folder / "read.py").write_text(PARAVIEW_SCRIPT)
+        for kind, grid in grids[::2]:
+            for i, more in enumerate(((), ("--region", "1,2,3,8,9,7"), ("--map", "air=0,steel=700,brass=9"), ("--map", "air=0,steel=70000,brass=9"))):
+                cells = numpy.load(exported(grid, "x.npy", *more))
+                exported(grid, "x.xdmf", *more)
+                planes = [json.loads(line) for line in run(*paraview(), folder / "read.py", folder / "x.xdmf", folder / "read-").splitlines() if line[0] == "["]
+                self.assertEqual(len(planes), 2)
+                with h5py.File(folder / "x.h5") as file:
+                    self.assertEqual(planes, [[file[f"planes_{d}"][()].tolist() for d in "xyz"]] * 2)
+                for reader in ("XDMFReader", "Xdmf3ReaderS"):
+                    numpy.testing.assert_array_equal(numpy.load(folder / f"read-{reader}.npy"), cells)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,54 @@
+#include "tools/export/assignments.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "store/stats.hpp"
+
+namespace teracell {
+
+double parse_number(const std::string& text, const std::string& option) {
+  double value = 0;
+  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || rest != text.data() + text.size() || !std::isfinite(value))
+    throw UsageError(fmt::format("{}: expected a number, found '{}'", option, text));
+  return value;
+}
+
+size_t material_named(const std::vector<MaterialInfo>& materials, const std::string& name, const std::string& option) {
+  const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
+  if (it == materials.end()) throw UsageError(fmt::format("{}: the grid has no material '{}'", option, name));
+  return static_cast<size_t>(it - materials.begin());
+}
+
+std::vector<std::pair<std::string, std::string>> parse_assignments(const std::string& text, const std::string& option) {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (size_t begin = 0; begin <= text.size();) {
+    const size_t end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const size_t equal = part.rfind('=');
+    if (equal == std::string::npos || equal == 0 || equal + 1 == part.size())
+      throw UsageError(fmt::format("{}: expected NAME=VALUE, NAME=VALUE ..., separated by commas, found '{}'", option, part));
+    const std::string name = part.substr(0, equal);
+    if (std::ranges::count(out, name, &std::pair<std::string, std::string>::first) > 0)
+      throw UsageError(fmt::format("{}: '{}' occurs twice", option, name));
+    out.emplace_back(name, part.substr(equal + 1));
+    begin = end + 1;
+  }
+  return out;
+}
+
+void expect_named(const GridReader& reader, int level, const Box& box, const std::vector<bool>& named, const std::string& option) {
+  Box below = reader.meta().grid.box(0);  // the cells of level 0 that the box covers
+  for (int d = 0; d < 3; ++d) below.lo[d] = box.lo[d] << level, below.hi[d] = std::min(below.hi[d], box.hi[d] << level);
+  const std::vector<MaterialStats> stats = read_stats(reader, below);
+  for (size_t id = 0; id < named.size(); ++id)
+    if (!named[id] && stats[id].cells > 0)
+      throw UsageError(fmt::format("{}: expected a number for each material, found none for '{}'", option, reader.meta().materials[id].name));
+}
+
+}  // namespace teracell

@@ -1,0 +1,53 @@
+// HDF5 files. What lies in them, and by what name, depends on the program that reads them: a profile.
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "tools/export/hdf5/profiles.hpp"
+#include "tools/export/media.hpp"
+#include "tools/export/two_files.hpp"
+
+namespace teracell {
+namespace {
+
+struct Profile {
+  const char* name;
+  bool media;  // whether it takes the options of media instead of a map
+  void (*write)(const Export&);
+};
+constexpr Profile kProfiles[] = {
+    {"plain", false, write_plain}, {"meep", true, write_meep}, {"gprmax", true, write_gprmax}, {"openems", true, write_disc_material}};
+
+void write_hdf5(const Export& e) {
+  const std::string name = e.has("--profile") ? e.options.at("--profile") : "plain";
+  for (const Profile& p : kProfiles) {
+    if (name != p.name) continue;
+    if (p.media && !e.map.empty()) throw UsageError(fmt::format("--map: the profile {} has no numbers for materials: give --epsilon", name));
+    for (const ExportOption& option : media_options())
+      if (!p.media && e.has(option.name)) throw UsageError(fmt::format("{}: the profile {} has no such option", option.name, name));
+    return p.write(e);
+  }
+  throw UsageError(fmt::format("--profile: expected plain, meep, gprmax or openems, found '{}'", name));
+}
+
+}  // namespace
+
+std::filesystem::path beside(const Export& e, const std::filesystem::path& name) {
+  if (name == e.output) throw UsageError(fmt::format("--output: {} is the name of a second file of this format: take another one", name.string()));
+  return expect_other_file(e, name);
+}
+
+void expect_uniform(const Export& e, const char* profile) {
+  for (int d = 0; d < 3; ++d)
+    if (e.reader.meta().grid.axis[d].is_graded())
+      throw UsageError(
+          fmt::format("--profile: {} has uniform axes, found a graded axis {}: mesh with uniform axes, or take plain", profile, axis_name(d)));
+}
+
+ExportFormat hdf5_format() {
+  ExportFormat out = {"hdf5", {".h5", ".hdf5"}, "an HDF5 file, for any program or for one solver", write_hdf5};
+  out.options = media_options();
+  out.options.insert(out.options.begin(), {"--profile", "NAME", "plain (default), meep, gprmax or openems"});
+  return out;
+}
+
+}  // namespace teracell

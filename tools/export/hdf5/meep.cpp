@@ -1,0 +1,23 @@
+// Meep's epsilon_input_file: a dataset `eps`, [x][y][z], which Meep stretches over its cell and interpolates.
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "tools/export/hdf5/h5_cells.hpp"
+#include "tools/export/hdf5/profiles.hpp"
+#include "tools/export/media.hpp"
+
+namespace teracell {
+
+void write_meep(const Export& e) {
+  expect_uniform(e, "meep");
+  for (const char* option : {"--sigma", "--mu"})
+    if (e.has(option)) throw UsageError(fmt::format("{}: Meep reads --epsilon alone from a file", option));
+  std::vector<double> epsilon;
+  for (const Medium& m : media_of(e, true)) epsilon.push_back(m.epsilon);
+  H5File file(e.output);
+  write_cells(file, e, "eps", CellOrder::kXyz, epsilon);
+  file.finish();
+  file.commit();
+}
+
+}  // namespace teracell

@@ -1,0 +1,52 @@
+// The layout for programs that have none of their own: cells [z][y][x], planes, materials.
+#include <numeric>
+
+#include "tools/export/dense.hpp"
+#include "tools/export/hdf5/h5_cells.hpp"
+#include "tools/export/hdf5/profiles.hpp"
+#include "tools/export/place.hpp"
+
+namespace teracell {
+namespace {
+
+template <class T>
+void put_cells(H5File& file, const Export& e, const std::vector<uint32_t>& numbers) {
+  write_cells(file, e, "material", CellOrder::kZyx, std::vector<T>(numbers.begin(), numbers.end()));
+}
+
+}  // namespace
+
+void put_plain(H5File& file, const Export& e) {
+  const Metadata& meta = e.reader.meta();
+  file.attribute(file.id(), "units", meta.units);
+  file.attribute(file.id(), "level", int32_t{e.level});
+  file.attribute(file.id(), "region",
+                 std::span<const int64_t>(std::array{e.box.lo[0], e.box.lo[1], e.box.lo[2], e.box.hi[0], e.box.hi[1], e.box.hi[2]}));
+  file.attribute(file.id(), "content_hash", e.reader.hash());
+  for (int d = 0; d < 3; ++d)
+    file.doubles(file.id(), ("planes_" + axis_name(d)).c_str(), e.box.hi[d] - e.box.lo[d] + 1, [&](int64_t i) { return plane_of(e, d, i); });
+
+  std::vector<uint32_t> numbers(meta.materials.size());
+  std::iota(numbers.begin(), numbers.end(), 0);
+  if (!e.map.empty()) numbers = e.map;
+  std::vector<const char*> names, colors;
+  for (const MaterialInfo& m : meta.materials) names.push_back(m.name.c_str()), colors.push_back(m.color.c_str());
+  const H5Handle materials = file.group("materials");
+  file.dataset(materials, "number", std::span<const uint32_t>(numbers));
+  file.dataset(materials, "name", names);
+  file.dataset(materials, "color", colors);
+
+  const size_t bytes = bytes_per_cell(e.most());
+  if (bytes == 1) put_cells<uint8_t>(file, e, numbers);
+  else if (bytes == 2) put_cells<uint16_t>(file, e, numbers);
+  else put_cells<uint32_t>(file, e, numbers);
+}
+
+void write_plain(const Export& e) {
+  H5File file(e.output);
+  put_plain(file, e);
+  file.finish();
+  file.commit();
+}
+
+}  // namespace teracell

@@ -1,0 +1,61 @@
+// XDMF: an XML file that says what the arrays of an HDF5 file beside it mean, for ParaView and VisIt. All axes are written as planes, so
+// graded ones are right, and so are the last cells of a coarse level.
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "tools/export/dense.hpp"
+#include "tools/export/hdf5/profiles.hpp"
+#include "tools/export/xml.hpp"
+
+namespace teracell {
+namespace {
+
+// Readers look for a relative name in their own working folder, so the name is absolute.
+std::string description(const Export& e, const std::filesystem::path& cells) {
+  const std::string h5 = xml_text(std::filesystem::absolute(cells).lexically_normal().string());
+  Index3 n;
+  for (int d = 0; d < 3; ++d) n[d] = e.box.hi[d] - e.box.lo[d];
+  std::string planes;
+  for (int d = 0; d < 3; ++d)
+    planes += fmt::format("        <DataItem Dimensions=\"{}\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">{}:/planes_{}</DataItem>\n",
+                          n[d] + 1, h5, axis_name(d));
+  const size_t bytes = bytes_per_cell(e.most());
+  return fmt::format(
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n    <Grid Name=\"cells\" GridType=\"Uniform\">\n"
+      "      <Topology TopologyType=\"3DRectMesh\" Dimensions=\"{3} {2} {1}\"/>\n"
+      "      <Geometry GeometryType=\"VXVYVZ\">\n{0}      </Geometry>\n"
+      "      <Attribute Name=\"material\" AttributeType=\"Scalar\" Center=\"Cell\">\n"
+      "        <DataItem Dimensions=\"{6} {5} {4}\" NumberType=\"{7}\" Precision=\"{8}\" Format=\"HDF\">{9}:/material</DataItem>\n"
+      "      </Attribute>\n    </Grid>\n  </Domain>\n</Xdmf>\n",
+      planes, n[0] + 1, n[1] + 1, n[2] + 1, n[0], n[1], n[2],
+      bytes == 1   ? "UChar"
+      : bytes == 2 ? "UShort"
+                   : "UInt",
+      bytes, h5);
+}
+
+// Everything is on disk before the first name appears. A run that is killed between the two leaves the HDF5 file alone.
+void write_xdmf(const Export& e) {
+  const std::filesystem::path cells = beside(e, std::filesystem::path(e.output).replace_extension(".h5"));
+  if (cells.string().find(':') != std::string::npos || std::filesystem::absolute(cells).string().find(':') != std::string::npos)
+    throw UsageError(fmt::format("--output: XDMF has no names with a colon, found '{}'", std::filesystem::absolute(cells).string()));
+  OutputFile xml(e.output);
+  const std::string text = description(e, cells);
+  xml.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  H5File file(cells);
+  put_plain(file, e);
+  xml.sync();
+  file.finish();
+  std::error_code ignored;
+  std::filesystem::remove(e.output, ignored);  // an older one describes another file
+  file.commit();
+  xml.commit();
+}
+
+}  // namespace
+
+ExportFormat xdmf_format() {
+  return {"xdmf", {".xdmf", ".xmf"}, "a description of an HDF5 file, which is written beside it, for ParaView and VisIt", write_xdmf};
+}
+
+}  // namespace teracell
