@@ -10,7 +10,7 @@
 namespace teracell {
 namespace {
 
-// Readers look for a relative name in their own working folder, so the name is absolute.
+// The name is absolute: ParaView's reader of XDMF 3 aborts at a relative one when the XML itself is opened without its folder.
 std::string description(const Export& e, const std::filesystem::path& cells) {
   const std::string h5 = xml_text(std::filesystem::absolute(cells).lexically_normal().string());
   Index3 n;

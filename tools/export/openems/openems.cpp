@@ -14,7 +14,7 @@
 namespace teracell {
 namespace {
 
-constexpr size_t kMostBoxes = 1'000'000;
+constexpr size_t kMostBoxes = 100'000;
 
 class Xml {
  public:
