@@ -120,6 +120,9 @@ class Usage(Case):
                 ([".npy", ".raw", "--format"], ["export", "g.tcell", "-o", "x.bin"]),
                 (["--fluid", "'water'"], ["export", "g.tcell", "-o", "case", "--format", "openfoam", "--fluid", "water"]),
                 (["--ranks", "npy", "no such option"], ["export", "g.tcell", "-o", "x.npy", "--ranks", 2]),
+                (["--profile", "gprmax", "'matlab'"], ["export", "g.tcell", "-o", "x.h5", "--profile", "matlab"]),
+                (["--epsilon", "'water'"], ["export", "g.tcell", "-o", "x.h5", "--profile", "meep", "--epsilon", "water=1.77"]),
+                (["--epsilon", "none for"], ["export", "g.tcell", "-o", "x.xml", "--format", "openems"]),
                 (["--format", "npy", "raw"], ["export", "g.tcell", "-o", "x.npy", "--format", "vtk"])):
             self.refused(2, phrases, *args)
 

@@ -116,24 +116,25 @@ def paraview():
             package.unlink()
         (PARAVIEW / "done").touch()
     usr = PARAVIEW / "usr"
-    libraries = [usr / "lib/x86_64-linux-gnu", usr / "lib/x86_64-linux-gnu/paraview-5.11", usr / "lib/x86_64-linux-gnu/openmpi/lib"]
+    libraries = [usr / "lib", usr / "lib/x86_64-linux-gnu", usr / "lib/x86_64-linux-gnu/paraview-5.11", usr / "lib/x86_64-linux-gnu/openmpi/lib"]
     return ["env", "LD_LIBRARY_PATH=" + ":".join(map(str, libraries)), f"PYTHONPATH={usr}/lib/python3/dist-packages", usr / "bin/pvpython3.11"]
 
 
-# Prints bounds and planes, and saves the cells, by each of ParaView's two readers.
+# Prints the planes, and saves the cells, by each of ParaView's two readers.
 PARAVIEW_SCRIPT = """
 import json, sys, numpy
-from paraview import simple, servermanager
-from paraview.vtk.util.numpy_support import vtk_to_numpy
-for kind in ("XDMFReader", "Xdmf3ReaderS"):
-    reader = getattr(simple, kind)(FileName=[sys.argv[1]]) if kind == "Xdmf3ReaderS" else getattr(simple, kind)(FileNames=[sys.argv[1]])
-    data = servermanager.Fetch(reader)
+from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+from vtkmodules.vtkIOXdmf3 import vtkXdmf3Reader
+for kind in (vtkXdmfReader, vtkXdmf3Reader):
+    reader = kind()
+    reader.SetFileName(sys.argv[1])
+    reader.Update()
+    data = reader.GetOutputDataObject(0)
     while data.IsA("vtkMultiBlockDataSet"):
         data = data.GetBlock(0)
-    n = [max(1, k - 1) for k in data.GetDimensions()]
-    cells = vtk_to_numpy(data.GetCellData().GetArray("material"))
-    numpy.save(sys.argv[2] + kind, cells.reshape(n[::-1]))
-    print(json.dumps([vtk_to_numpy(c).tolist() for c in (data.GetXCoordinates(), data.GetYCoordinates(), data.GetZCoordinates())]))
+    numpy.save(sys.argv[2] + kind.__name__, vtk_to_numpy(data.GetCellData().GetArray("material")).reshape([n - 1 for n in data.GetDimensions()][::-1]))
+    print(json.dumps([vtk_to_numpy(p).tolist() for p in (data.GetXCoordinates(), data.GetYCoordinates(), data.GetZCoordinates())]))
 """
 
 
@@ -148,7 +149,7 @@ class ParaView(unittest.TestCase):
                 self.assertEqual(len(planes), 2)
                 with h5py.File(folder / "x.h5") as file:
                     self.assertEqual(planes, [[file[f"planes_{d}"][()].tolist() for d in "xyz"]] * 2)
-                for reader in ("XDMFReader", "Xdmf3ReaderS"):
+                for reader in ("vtkXdmfReader", "vtkXdmf3Reader"):
                     numpy.testing.assert_array_equal(numpy.load(folder / f"read-{reader}.npy"), cells)
 
 

@@ -25,8 +25,6 @@ struct Export {
   // What is written for a cell, and the largest number that can occur.
   SetValue number() const;
   uint32_t most() const;
-  // The i-th of the planes between the cells of the box, which has one more of them than cells.
-  double plane(int axis, int64_t i) const;
   bool has(const std::string& option) const { return options.contains(option); }
 };
 

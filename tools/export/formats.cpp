@@ -29,11 +29,6 @@ SetValue Export::number() const {
 
 uint32_t Export::most() const { return map.empty() ? static_cast<uint32_t>(reader.meta().materials.size()) - 1 : std::ranges::max(map); }
 
-double Export::plane(int axis, int64_t i) const {
-  const Axis& a = reader.meta().grid.axis[static_cast<size_t>(axis)];
-  return a.plane(std::min(a.cells(), (box.lo[static_cast<size_t>(axis)] + i) << level));
-}
-
 #define DECLARED(name) ExportFormat name##_format();
 #define LISTED(name) name##_format(),
 

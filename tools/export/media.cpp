@@ -16,7 +16,7 @@ void for_each_assignment(const Export& e, const std::string& option, const Take&
   if (!e.has(option)) return;
   for (const auto& [name, text] : parse_assignments(e.options.at(option), option))
     take(material_named(e.reader.meta().materials, name, option),
-         text == "inf" ? std::numeric_limits<double>::infinity() : parse_number(text, option + ": " + name));
+         text == "inf" ? std::numeric_limits<double>::infinity() : parse_number(text, fmt::format("{}: {}", option, name)));
 }
 
 }  // namespace

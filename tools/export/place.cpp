@@ -10,8 +10,13 @@ namespace teracell {
 
 std::vector<double> planes_of(const Export& e, int axis) {
   std::vector<double> planes;
-  for (int64_t i = 0; i <= e.box.hi[axis] - e.box.lo[axis]; ++i) planes.push_back(e.plane(axis, i));
+  for (int64_t i = 0; i <= e.box.hi[axis] - e.box.lo[axis]; ++i) planes.push_back(plane_of(e, axis, i));
   return planes;
+}
+
+double plane_of(const Export& e, int axis, int64_t i) {
+  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
+  return a.plane(std::min(a.cells(), (e.box.lo[axis] + i) << e.level));
 }
 
 EqualCells equal_cells(const Export& e, const char* format) {
@@ -20,7 +25,7 @@ EqualCells equal_cells(const Export& e, const char* format) {
     const Axis& a = e.reader.meta().grid.axis[d];
     if (a.is_graded()) throw UsageError(fmt::format("--format: {} has uniform axes, found a graded axis {}: take vtr", format, axis_name(d)));
     out.count[d] = e.box.hi[d] - e.box.lo[d];
-    out.origin[d] = e.plane(d, 0);
+    out.origin[d] = a.plane(std::min(a.cells(), e.box.lo[d] << e.level));
     out.step[d] = std::ldexp(a.step(), e.level);
   }
   return out;

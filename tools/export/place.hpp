@@ -6,6 +6,7 @@ namespace teracell {
 
 // The planes between the cells of the box, in order: one more than there are cells. On a coarse level the last cell ends with the grid.
 std::vector<double> planes_of(const Export& e, int axis);
+double plane_of(const Export& e, int axis, int64_t i);  // one of them
 
 // Cells of one size. On a coarse level the last ones may reach beyond the grid.
 struct EqualCells {

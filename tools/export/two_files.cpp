@@ -9,6 +9,16 @@
 #include "tools/export/place.hpp"
 
 namespace teracell {
+namespace {
+
+std::string axis_line(const Export& e, int axis) {
+  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
+  if (a.is_graded()) return fmt::format("{} planes: {:.17g}\n", axis_name(axis), fmt::join(planes_of(e, axis), " "));
+  return fmt::format("{0} first plane: {1:.17g}\n{0} step: {2:.17g}\n", axis_name(axis), a.plane(std::min(a.cells(), e.box.lo[axis] << e.level)),
+                     std::ldexp(a.step(), e.level));
+}
+
+}  // namespace
 
 const std::filesystem::path& expect_other_file(const Export& e, const std::filesystem::path& file) {
   std::error_code ignored;  // most are not there yet
@@ -16,16 +26,6 @@ const std::filesystem::path& expect_other_file(const Export& e, const std::files
     throw UsageError(fmt::format("{}: an input would be overwritten: give the output another name", file.string()));
   return file;
 }
-
-namespace {
-
-std::string axis_line(const Export& e, int axis) {
-  const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
-  if (a.is_graded()) return fmt::format("{} planes: {:.17g}\n", axis_name(axis), fmt::join(planes_of(e, axis), " "));
-  return fmt::format("{0} first plane: {1:.17g}\n{0} step: {2:.17g}\n", axis_name(axis), e.plane(axis, 0), std::ldexp(a.step(), e.level));
-}
-
-}  // namespace
 
 TwoFiles::TwoFiles(const Export& e, const std::filesystem::path& array, const std::filesystem::path& text)
     : text_name_(text), array_(expect_other_file(e, array)), text_(expect_other_file(e, text)) {}

@@ -5,7 +5,7 @@
 
 namespace teracell {
 
-// Returns the file. Throws UsageError if it is the grid.
+// The name of a file that is written beside the output. Throws UsageError if it is the grid.
 const std::filesystem::path& expect_other_file(const Export& e, const std::filesystem::path& file);
 
 // The text appears last, so whoever finds it finds the array too.

@@ -7,6 +7,7 @@
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/media.hpp"
+#include "tools/export/place.hpp"
 
 namespace teracell {
 
@@ -33,7 +34,7 @@ void write_disc_material(const Export& e) {
   H5File file(e.output);
   file.attribute(file.id(), "Version", 2.0);
   const H5Handle mesh = file.group("mesh");
-  for (int d = 0; d < 3; ++d) file.doubles(mesh, axis_name(d).c_str(), n[d] + 1, [&](int64_t i) { return e.plane(d, i); });
+  for (int d = 0; d < 3; ++d) file.doubles(mesh, axis_name(d).c_str(), n[d] + 1, [&](int64_t i) { return plane_of(e, d, i); });
   const H5Handle cells = write_cells(file, e, "DiscData", CellOrder::kZyx, places);
   file.attribute(cells, "DB_Size", static_cast<int32_t>(epsilon.size()));
   for (const auto& [name, list] : {std::pair("epsR", &epsilon), {"kappa", &kappa}, {"mueR", &mu}, {"sigma", &sigma}})

@@ -44,6 +44,8 @@ void write_gprmax(const Export& e) {
   write_cells(file, e, "data", CellOrder::kXyz, numbers);
   materials.sync();
   file.finish();
+  std::error_code ignored;
+  std::filesystem::remove(e.output, ignored);  // an older one has numbers of other lines
   materials.commit();
   file.commit();
 }

@@ -41,12 +41,17 @@ Index3 slab_of(const Index3& n, const Index3& chunk) {
   return slab;
 }
 
+// As the filters shuffle and deflate of HDF5 do: first the first bytes of all numbers, then the second ones. Deflate alone takes 30 times as
+// much for a chunk of some double.
 template <class T>
-Bytes deflated(const std::vector<T>& cells) {
-  const uLong size = cells.size() * sizeof(T);
-  Bytes out(compressBound(size));
+Bytes compressed(const std::vector<T>& cells) {
+  Bytes shuffled(cells.size() * sizeof(T));
+  const auto* bytes = reinterpret_cast<const uint8_t*>(cells.data());
+  for (size_t b = 0; b < sizeof(T); ++b)
+    for (size_t i = 0; i < cells.size(); ++i) shuffled[b * cells.size() + i] = bytes[i * sizeof(T) + b];
+  Bytes out(compressBound(shuffled.size()));
   uLongf used = out.size();
-  if (compress2(out.data(), &used, reinterpret_cast<const Bytef*>(cells.data()), size, Z_BEST_SPEED) != Z_OK) throw std::bad_alloc();
+  if (compress2(out.data(), &used, shuffled.data(), shuffled.size(), Z_BEST_SPEED) != Z_OK) throw std::bad_alloc();
   out.resize(used);
   return out;
 }
@@ -86,13 +91,13 @@ class ChunkMaker {
         T* out = cells_.data() + (i * size_[1] + j) * size_[2];
         for (const uint16_t id : row) *out++ = values_[id];
       });
-      return last_ = deflated(cells_);
+      return last_ = compressed(cells_);
     }
     if (uniform_.size() == kMostKept) uniform_.clear();
     const auto [it, added] = uniform_.try_emplace(*piece.ids);
     if (added) {
       std::ranges::fill(cells_, values_[*piece.ids]);
-      it->second = deflated(cells_);
+      it->second = compressed(cells_);
     }
     return it->second;
   }
@@ -112,6 +117,7 @@ H5Handle create(H5File& file, const char* name, const Index3& n, const Index3& c
   const H5Handle space(file.checked(H5Screate_simple(3, sizes(n).data(), nullptr), "describe a dataset"), H5Sclose);
   const H5Handle how(file.checked(H5Pcreate(H5P_DATASET_CREATE), "describe a dataset"), H5Pclose);
   file.checked(H5Pset_chunk(how, 3, sizes(chunk).data()), "choose the size of chunks");
+  if (sizeof(T) > 1) file.checked(H5Pset_shuffle(how), "choose shuffle");
   file.checked(H5Pset_deflate(how, Z_BEST_SPEED), "choose deflate");
   return {file.checked(H5Dcreate2(file.id(), name, h5_type<T>(), space, H5P_DEFAULT, how, H5P_DEFAULT), "create a dataset"), H5Dclose};
 }

@@ -1,4 +1,4 @@
-// Cells as a dataset of HDF5: in chunks of up to 256 KiB, each compressed by deflate.
+// Cells as a dataset of HDF5: in chunks of up to 256 KiB, each compressed by shuffle and deflate.
 #pragma once
 #include "tools/export/format.hpp"
 #include "tools/export/hdf5/h5_file.hpp"

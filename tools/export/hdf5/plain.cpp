@@ -4,6 +4,7 @@
 #include "tools/export/dense.hpp"
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
+#include "tools/export/place.hpp"
 
 namespace teracell {
 namespace {
@@ -23,7 +24,7 @@ void put_plain(H5File& file, const Export& e) {
                  std::span<const int64_t>(std::array{e.box.lo[0], e.box.lo[1], e.box.lo[2], e.box.hi[0], e.box.hi[1], e.box.hi[2]}));
   file.attribute(file.id(), "content_hash", e.reader.hash());
   for (int d = 0; d < 3; ++d)
-    file.doubles(file.id(), ("planes_" + axis_name(d)).c_str(), e.box.hi[d] - e.box.lo[d] + 1, [&](int64_t i) { return e.plane(d, i); });
+    file.doubles(file.id(), ("planes_" + axis_name(d)).c_str(), e.box.hi[d] - e.box.lo[d] + 1, [&](int64_t i) { return plane_of(e, d, i); });
 
   std::vector<uint32_t> numbers(meta.materials.size());
   std::iota(numbers.begin(), numbers.end(), 0);

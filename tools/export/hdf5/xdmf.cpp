@@ -10,7 +10,7 @@
 namespace teracell {
 namespace {
 
-// Readers look for a relative name in their own working folder, so the name is absolute.
+// The name is absolute: ParaView's reader of XDMF 3 aborts at a relative one when the XML itself is opened without its folder.
 std::string description(const Export& e, const std::filesystem::path& cells) {
   const std::string h5 = xml_text(std::filesystem::absolute(cells).lexically_normal().string());
   Index3 n;
@@ -34,8 +34,7 @@ std::string description(const Export& e, const std::filesystem::path& cells) {
       bytes, h5);
 }
 
-// Everything is on disk before the first name appears. A run that is killed between the two leaves the HDF5 file alone, or beside an
-// older description.
+// Everything is on disk before the first name appears. A run that is killed between the two leaves the HDF5 file alone.
 void write_xdmf(const Export& e) {
   const std::filesystem::path cells = beside(e, std::filesystem::path(e.output).replace_extension(".h5"));
   if (cells.string().find(':') != std::string::npos || std::filesystem::absolute(cells).string().find(':') != std::string::npos)
@@ -47,6 +46,8 @@ void write_xdmf(const Export& e) {
   put_plain(file, e);
   xml.sync();
   file.finish();
+  std::error_code ignored;
+  std::filesystem::remove(e.output, ignored);  // an older one describes another file
   file.commit();
   xml.commit();
 }

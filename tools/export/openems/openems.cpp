@@ -8,12 +8,13 @@
 #include "tools/export/media.hpp"
 #include "tools/export/metres.hpp"
 #include "tools/export/openems/boxes.hpp"
+#include "tools/export/place.hpp"
 #include "tools/export/xml.hpp"
 
 namespace teracell {
 namespace {
 
-constexpr size_t kMostBoxes = 1'000'000;
+constexpr size_t kMostBoxes = 100'000;
 
 class Xml {
  public:
@@ -29,8 +30,8 @@ class Xml {
     add(fmt::format("    <RectilinearGrid DeltaUnit=\"{}\" CoordSystem=\"0\">\n", metre));
     for (int d = 0; d < 3; ++d) {
       const char name = "XYZ"[d];
-      add(fmt::format("      <{}Lines>{}", name, e_.plane(d, 0)));
-      for (int64_t i = 1; i <= e_.box.hi[d] - e_.box.lo[d]; ++i) add(fmt::format(",{}", e_.plane(d, i)));
+      add(fmt::format("      <{}Lines>{}", name, plane_of(e_, d, 0)));
+      for (int64_t i = 1; i <= e_.box.hi[d] - e_.box.lo[d]; ++i) add(fmt::format(",{}", plane_of(e_, d, i)));
       add(fmt::format("</{}Lines>\n", name));
     }
     add("    </RectilinearGrid>\n    <Properties>\n");
@@ -47,7 +48,7 @@ class Xml {
  private:
   void add(const std::string& text) { file_.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()}); }
   void add_point(const char* name, const std::array<int32_t, 3>& p) {
-    add(fmt::format("<{} X=\"{}\" Y=\"{}\" Z=\"{}\"/>", name, e_.plane(0, p[0]), e_.plane(1, p[1]), e_.plane(2, p[2])));
+    add(fmt::format("<{} X=\"{}\" Y=\"{}\" Z=\"{}\"/>", name, plane_of(e_, 0, p[0]), plane_of(e_, 1, p[1]), plane_of(e_, 2, p[2])));
   }
   void add_material(uint32_t id, const Medium& m, std::span<const MaterialBox> boxes) {
     const MaterialInfo& info = e_.reader.meta().materials[id];
