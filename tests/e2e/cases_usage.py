@@ -119,6 +119,7 @@ class Usage(Case):
                 (["--level: expected", "0 to 4"], ["export", "g.tcell", "--level", 5, "-o", "x.npy"]),
                 ([".npy", ".raw", "--format"], ["export", "g.tcell", "-o", "x.bin"]),
                 (["--fluid", "'water'"], ["export", "g.tcell", "-o", "case", "--format", "openfoam", "--fluid", "water"]),
+                (["--zarr-version", "2 to 3", "'4'"], ["export", "g.tcell", "-o", "x.zarr", "--zarr-version", 4]),
                 (["--ranks", "npy", "no such option"], ["export", "g.tcell", "-o", "x.npy", "--ranks", 2]),
                 (["--profile", "gprmax", "'matlab'"], ["export", "g.tcell", "-o", "x.h5", "--profile", "matlab"]),
                 (["--epsilon", "'water'"], ["export", "g.tcell", "-o", "x.h5", "--profile", "meep", "--epsilon", "water=1.77"]),

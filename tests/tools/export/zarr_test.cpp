@@ -345,7 +345,7 @@ TEST_CASE("A grid of background alone is exported as documents alone", "[export]
   check_levels(e, files_in(e.output), 3);
 }
 
-TEST_CASE("The bytes in Zarr do not depend on the number of threads", "[export][zarr]") {
+TEST_CASE("The bytes in Zarr do not depend on the number of threads", "[export][zarr][threads]") {
   const ZarrGrid g({29, 18, 23}, 257);
   for (const int version : {2, 3}) {
     TempFolder folders;
@@ -429,6 +429,7 @@ TEST_CASE("OME-Zarr says where the cells of a region lie, what they are called, 
 
 TEST_CASE("Blocks are as near to cubes as their size and their volume allow", "[export][zarr]") {
   CHECK(zarr::block_within({1000, 1000, 1000}, 1 << 18) == Index3{64, 64, 64});
+  CHECK(zarr::block_within({3, 3, 3}, 27) == Index3{3, 3, 3});
   CHECK(zarr::block_within({16, 16, 16}, 1 << 12) == Index3{16, 16, 16});
   CHECK(zarr::block_within({100, 3, 1}, 1 << 18) == Index3{100, 3, 1});
   CHECK(zarr::block_within({1, 1, 1'000'000'000}, 1 << 18) == Index3{1, 1, 1 << 18});
