@@ -33,7 +33,7 @@ int64_t whole_number(const json& value, const char* key) {
 }
 int64_t whole_number(const char* key, const json& of) { return whole_number(of.at(key), key); }
 
-double work(const json& value, const char* key) {
+double work_of(const json& value, const char* key) {
   if (!value.is_number() || value.get<double>() < 0) refuse(key, "a number of at least 0", value);
   return value.get<double>();
 }
@@ -144,14 +144,14 @@ Partition parse_partition(const std::string& text) try {
   p.options.method = static_cast<PartitionMethod>(method - kMethods);
   p.options.align = whole_number("align", root);
   p.options.halo = whole_number("halo", root);
-  for (const auto& [name, weight] : root.at("weights").items()) p.materials.push_back(name), p.options.weights.push_back(work(weight, "weights"));
+  for (const auto& [name, weight] : root.at("weights").items()) p.materials.push_back(name), p.options.weights.push_back(work_of(weight, "weights"));
   p.cells = whole_numbers<3>("cells", root);
   p.grid_hash = root.at("grid_hash");
-  p.total = work(root.at("total"), "total");
+  p.total = work_of(root.at("total"), "total");
   for (const json& part : list("parts", root)) {
     if (whole_number("rank", part) != static_cast<int64_t>(p.parts.size()))
       throw InputError(fmt::format("partition: expected the parts in the order of their ranks, found another at {}", p.parts.size()));
-    Part& out = p.parts.emplace_back(Part{box_of("box", part), work(part.at("weight"), "weight"), box_of("halo_box", part), {}});
+    Part& out = p.parts.emplace_back(Part{box_of("box", part), work_of(part.at("weight"), "weight"), box_of("halo_box", part), {}});
     for (const json& rank : list("neighbours", part)) out.neighbours.push_back(whole_number(rank, "neighbours"));
   }
   check(p);

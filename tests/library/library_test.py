@@ -208,10 +208,10 @@ class Meshing(unittest.TestCase):
 
 
 class Memory(unittest.TestCase):
-    # The grid is large enough for every cache to be full: without a bound, its chunks would take 200 MB.
+    # The grid is so large that its chunks would take 140 MB if all of them were kept.
     def test_a_grid_is_swept_box_by_box_in_64_mb_beside_the_array(self):
         grid = folder / "large.tcell"
-        run(PROGRAM, "mesh", folder / "stadium/scene.json", "--cells", "3000", "-o", grid)
+        run(PROGRAM, "mesh", folder / "stadium/scene.json", "--cells", "4500", "-o", grid)
         said = [run(*program, grid, "256", "2", text=True) for program in ([compiled(SOURCES / "sweep.c", "-O2")], ["/usr/bin/python3", SOURCES / "sweep.py"])]
         (boxes, solid, memory), (_, solid_in_python, memory_in_python) = [[float(n) for n in re.findall(r"[\d.]+", line)] for line in said]
         self.assertGreater(boxes, 100)
