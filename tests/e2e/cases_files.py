@@ -140,9 +140,15 @@ class Outputs(Case):
                            lambda: os.path.exists(self.path("g.tcell.partial")), sent)
             self.assertEqual(self.bytes("g.tcell"), kept, "the older file stays")
         self.run_ok("mesh", "box.stl", "--cells", "8000,8000,8000", "-o", "large.tcell")
-        for args in (["export", "large.tcell", "-o", "large.raw"], ["slice", "large.tcell", "--axis", "z", "--index", 3999, "-o", "large.npy"]):
-            self.interrupt(args, lambda: os.path.exists(self.path(args[-1] + ".partial")))
-            self.assertFalse(os.path.exists(self.path(args[-1])))
+        before = set(os.listdir(self.folder))
+        formats = [line.split()[0] for line in self.run_ok("export", "--list").out.splitlines() if not line.startswith(" ")]
+        self.assertIn("ply", formats)
+        for name in formats:
+            self.interrupt(["export", "large.tcell", "-o", "out", "--format", name], lambda: set(os.listdir(self.folder)) != before)
+            self.assertEqual(set(os.listdir(self.folder)), before, name)
+        self.interrupt(["slice", "large.tcell", "--axis", "z", "--index", 3999, "-o", "large.npy"],
+                       lambda: os.path.exists(self.path("large.npy.partial")))
+        self.assertFalse(os.path.exists(self.path("large.npy")))
 
     def full_disk_refuses(self, folder, **options):
         for args in (["mesh", "s/scene.json", "--cells", 1500, "-o", f"{folder}/x.tcell"], ["export", "big.tcell", "-o", f"{folder}/x.raw"],
@@ -214,3 +220,18 @@ class Outputs(Case):
         told = self.run_ok("mesh", "box.stl", "--cells", 12, "-o", "x.tcell", "--progress", "plain")
         for word in ("read", "mesh", "%", "MB"):
             self.assertIn(word, told.err)
+        for name in ("x.raw", "x.stl"):
+            self.assertEqual(self.run_ok("export", "g.tcell", "-o", name).err, "")
+            told = self.run_ok("export", "g.tcell", "-o", name, "--progress", "plain")
+            for word in ("export", "%", "MB"):
+                self.assertIn(word, told.err)
+
+    def test_a_terminal_sees_the_progress_of_an_export(self):
+        ours, theirs = os.openpty()
+        self.addCleanup(os.close, ours)
+        subprocess.run([PROGRAM, "export", "g.tcell", "-o", "x.raw"], cwd=self.folder, stderr=theirs, check=True)
+        os.close(theirs)
+        seen = os.read(ours, 4096).decode()
+        self.assertIn("export", seen)
+        self.assertIn(" %", seen)
+        self.assertTrue(seen.endswith("\r\033[K"), "the line is cleared")

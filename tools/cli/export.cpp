@@ -4,6 +4,7 @@
 
 #include "store/error.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/cli/progress.hpp"
 #include "tools/export/assignments.hpp"
 #include "tools/export/formats.hpp"
 
@@ -11,7 +12,7 @@ namespace teracell {
 namespace {
 
 struct ExportArguments {
-  std::string grid, output, format, region, map;
+  std::string grid, output, format, region, map, progress = "auto";
   int level = 0;
   std::map<std::string, std::string> of_formats;  // the options that only some formats take
 };
@@ -72,7 +73,15 @@ void run(const ExportArguments& o) {
   const Box box = o.region.empty() ? grid.box(o.level) : parse_region(o.region, grid, o.level);
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
   const std::vector<uint32_t> map = o.map.empty() ? std::vector<uint32_t>() : numbers_of(o.map, reader, o.level, box);
-  format.write({reader, o.level, box, o.output, [&](double) { stop_if(stop, o.output); }, map, o.of_formats});
+  ProgressLine line(o.progress, "export");
+  double cells = 1;
+  for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);
+  line.set_cells(cells);
+  const auto progress = [&](double share) {
+    stop_if(stop, o.output);
+    line("export", share);
+  };
+  format.write({reader, o.level, box, o.output, progress, map, o.of_formats});
 }
 
 }  // namespace
@@ -86,6 +95,7 @@ Run setup_export(CLI::App& app) {
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells of the level (default: all)");
   app.add_option("--level", o->level, "the level of the pyramid (default 0)");
   app.add_option("--map", o->map, "NAME=NUMBER,...: the number to write for each material (default: its id)");
+  add_progress(app, o->progress);
   std::map<std::string, std::pair<ExportOption, std::vector<std::string>>> options;  // formats may share one
   for (const ExportFormat& format : export_formats())
     for (const ExportOption& option : format.options)

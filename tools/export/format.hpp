@@ -26,6 +26,9 @@ struct Export {
   SetValue number() const;
   uint32_t most() const;
   bool has(const std::string& option) const { return options.contains(option); }
+  // The values of options that were given: materials by id, from NAME,NAME..., and a whole number. Throw UsageError.
+  std::vector<bool> materials(const std::string& option) const;
+  int64_t integer(const std::string& option, int64_t least, int64_t most) const;
 };
 
 // An option that one format takes beside those of all.

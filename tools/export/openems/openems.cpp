@@ -72,7 +72,8 @@ class Xml {
   OutputFile file_;
 };
 
-void write_openems(const Export& e) {
+void write_openems(const Export& asked) {
+  const Export e = foam::for_layers(asked);
   const double metre = metres(e.reader.meta().units, "openEMS");
   const std::vector<Medium> media = media_of(e, false);
   std::vector<bool> in_mesh;

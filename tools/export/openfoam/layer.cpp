@@ -13,6 +13,12 @@ int64_t that_fit(int64_t count, int64_t cells_each) { return std::clamp<int64_t>
 
 }  // namespace
 
+Export for_layers(const Export& e) {
+  Export out = e;
+  out.progress = [told = e.progress, most = 0.0](double share) mutable { told(most = std::max(most, share)); };
+  return out;
+}
+
 LayerReader::LayerReader(const Export& e, const std::vector<bool>& in_mesh)
     : e_(e), in_mesh_(in_mesh), size_(size_of(e.box)), material_(strongest_material(e.reader.meta())) {
   columns_ = that_fit(size_[0], 1);
@@ -21,6 +27,7 @@ LayerReader::LayerReader(const Export& e, const std::vector<bool>& in_mesh)
 }
 
 void LayerReader::read_part(const Box& part) {
+  e_.progress(0);
   Box box = part;
   for (int d = 0; d < 3; ++d) box.lo[d] += e_.box.lo[d], box.hi[d] += e_.box.lo[d];
   const Index3 n = size_of(box);

@@ -30,6 +30,10 @@ struct Layer {
 // The size of the exported box.
 inline Index3 size_of(const Box& box) { return {box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]}; }
 
+// The same export for reading layers. LayerReader calls `progress` for each part of a layer, because a layer may take long. It does
+// not know what share of all is done, so it tells 0; the share that `e` is told never falls.
+Export for_layers(const Export& e);
+
 // Reads layers in ascending order. Runs that are to be cells of the mesh get the number 0.
 class LayerReader {
  public:

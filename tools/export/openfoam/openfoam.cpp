@@ -2,7 +2,7 @@
 //
 // The cells are gone through two or three times: to find what hangs together or how many cells there are, if that is asked for; to count
 // points and faces; to write. Counting first costs a tenth of writing, and every list has its place in its file from the beginning.
-#include <charconv>
+#include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
@@ -18,29 +18,13 @@ namespace foam {
 namespace {
 
 std::vector<bool> cells_of_mesh(const Export& e) {
-  const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
-  std::vector<bool> out(materials.size(), e.has("--zones") && !e.has("--fluid"));
-  if (!e.has("--fluid")) out[0] = true;
-  else
-    for (std::string_view rest = e.options.at("--fluid"); !rest.empty();) {
-      const std::string_view name = rest.substr(0, rest.find(','));
-      rest.remove_prefix(std::min(rest.size(), name.size() + 1));
-      const auto it = std::ranges::find(materials, name, &MaterialInfo::name);
-      if (it == materials.end()) throw UsageError(fmt::format("--fluid: the grid has no material '{}'", name));
-      out[static_cast<size_t>(it - materials.begin())] = true;
-    }
+  if (e.has("--fluid")) return e.materials("--fluid");
+  std::vector<bool> out(e.reader.meta().materials.size(), e.has("--zones"));
+  out[0] = true;
   return out;
 }
 
-uint32_t ranks_of(const Export& e) {
-  if (!e.has("--ranks")) return 1;
-  const std::string& text = e.options.at("--ranks");
-  uint32_t ranks = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), ranks);
-  if (error != std::errc() || end != text.data() + text.size() || ranks < 1 || ranks > 100'000)
-    throw UsageError(fmt::format("--ranks: expected 1 to 100000, found '{}'", text));
-  return ranks;
-}
+uint32_t ranks_of(const Export& e) { return e.has("--ranks") ? static_cast<uint32_t>(e.integer("--ranks", 1, 100'000)) : 1; }
 
 MeshNames names_of(const Export& e, const MeshCounts& counts) {
   static constexpr const char* kSideNames[] = {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
@@ -92,7 +76,8 @@ int64_t look(const Division& d, Regions* regions, const std::function<void(int64
   return regions->cells_kept();
 }
 
-void write_case(const Export& e) {
+void write_case(const Export& asked) {
+  const Export e = for_layers(asked);
   const uint32_t ranks = ranks_of(e);
   const double scale = metres(e.reader.meta().units, "OpenFOAM");
   Regions regions;

@@ -1,0 +1,108 @@
+"""admesh and VTK read the surfaces that `teracell export` writes and find them closed, and meshing them gives the same cells back."""
+import json
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+import vtk
+
+PROGRAM = sys.argv.pop(1)
+GRADED = [-150, -149, -147, *range(-144, 90, 3), 90.5, *range(92, 151, 2)]
+
+
+def run(*args):
+    return subprocess.run([str(a) for a in args], check=True, capture_output=True, text=True).stdout
+
+
+def scene_with(name, bodies, axes):
+    scene = json.loads((folder / "stadium" / "scene.json").read_text())
+    grid = {**scene["grid"], **axes}
+    scene = {**scene, "grid": grid, "bodies": bodies or scene["bodies"]}
+    (folder / "stadium" / name).write_text(json.dumps(scene))
+    return folder / "stadium" / name
+
+
+def setUpModule():
+    global folder, grids
+    folder = pathlib.Path(tempfile.mkdtemp())
+    unittest.addModuleCleanup(shutil.rmtree, folder)
+    run(PROGRAM, "sample", "stadium", "-o", folder / "stadium")
+    grids = []
+    for name, axes in (("uniform", {"cells": [200, 160, 40]}), ("graded", {"cells": [100, 140, 50], "x": {"planes": GRADED}})):
+        grids.append((folder / f"{name}.tcell", axes))
+        run(PROGRAM, "mesh", scene_with("s.json", None, axes), "-o", grids[-1][0])
+
+
+def exported(grid, name, *more):
+    run(PROGRAM, "export", grid, "-o", folder / name, *more)
+    return folder / name
+
+
+def edges(surface, kind):
+    """How many edges of this kind VTK finds."""
+    finder = vtk.vtkFeatureEdges()
+    finder.SetInputData(surface)
+    for each in ("Boundary", "Feature", "NonManifold", "Manifold"):
+        getattr(finder, each + "EdgesOn" if each == kind else each + "EdgesOff")()
+    finder.ColoringOff()
+    finder.Update()
+    return finder.GetOutput().GetNumberOfCells()
+
+
+def read(reader, path):
+    reader.SetFileName(str(path))
+    reader.Update()
+    assert reader.GetOutput().GetNumberOfCells() > 0
+    return reader.GetOutput()
+
+
+class Surfaces(unittest.TestCase):
+    def test_admesh_finds_stl_closed_and_turned_outwards(self):
+        for grid, _ in grids:
+            for more in ((), ("--region", "3,20,2,80,90,30"), ("--level", "1"), ("--material", "structure"), ("--smooth", "4")):
+                said = run("admesh", "--exact", exported(grid, "a.stl", *more))
+                facets = int(re.search(r"Number of facets +: +(\d+)", said)[1])
+                self.assertGreater(facets, 1000)
+                self.assertRegex(said, r"Total disconnected facets +: +0 +0\n")
+                for thing in ("Degenerate facets", "Edges fixed", "Facets removed", "Facets added", "Facets reversed", "Backwards edges", "Normals fixed"):
+                    self.assertRegex(said, thing + r" +: +0\n", more)
+                self.assertGreater(float(re.search(r"Volume +: +(\S+)", said)[1]), 0)
+
+    def test_vtk_finds_no_open_edge_and_in_ply_no_fork(self):
+        for grid, _ in grids:
+            for more in ((), ("--material", "structure,grandstand"), ("--smooth", "4")):
+                ply = read(vtk.vtkPLYReader(), exported(grid, "v.ply", *more))
+                stl = read(vtk.vtkSTLReader(), exported(grid, "v.stl", *more))  # joins points that have the same coordinates
+                self.assertEqual(ply.GetNumberOfCells(), stl.GetNumberOfCells())
+                self.assertEqual([edges(ply, "Boundary"), edges(ply, "NonManifold"), edges(stl, "Boundary")], [0, 0, 0], more)
+                self.assertEqual(2 * edges(ply, "Manifold"), 3 * ply.GetNumberOfCells())
+                if not more:
+                    self.assertGreater(edges(stl, "NonManifold"), 0, "the test sees cells that touch along an edge alone")
+
+    def test_the_volume_is_that_of_the_cells(self):
+        grid, _ = grids[0]
+        mass = vtk.vtkMassProperties()
+        mass.SetInputData(read(vtk.vtkPLYReader(), exported(grid, "m.ply")))
+        cells = numpy.load(exported(grid, "m.npy"))
+        self.assertAlmostEqual(mass.GetVolume() / (numpy.count_nonzero(cells) * 1.5**3), 1, places=4)
+
+    def test_meshing_the_surface_gives_the_same_cells(self):
+        for grid, axes in grids:
+            cells = numpy.load(exported(grid, "c.npy"))
+            for name, chosen, more in (("s.stl", cells != 0, ()), ("s.ply", cells != 0, ()), ("s.ply", cells == 2, ("--material", "grandstand")),
+                                       ("s.ply", cells != 0, ("--smooth", "1")), ("s.stl", cells != 0, ("--smooth", "20"))):
+                surface = exported(grid, name, *more)
+                scene = scene_with("back.json", [{"name": "all", "mesh": str(surface), "material": "structure"}], axes)
+                for axis in "xyz":
+                    run(PROGRAM, "mesh", scene, "--axis", axis, "--closing", "strict", "-o", folder / "back.tcell")
+                    back = numpy.load(exported(folder / "back.tcell", "back.npy"))
+                    self.assertEqual(numpy.count_nonzero((back != 0) != chosen), 0, (name, more, axis))
+
+
+if __name__ == "__main__":
+    unittest.main()
