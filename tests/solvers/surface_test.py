@@ -91,6 +91,22 @@ class Surfaces(unittest.TestCase):
         cells = numpy.load(exported(grid, "m.npy"))
         self.assertAlmostEqual(mass.GetVolume() / (numpy.count_nonzero(cells) * 1.5**3), 1, places=4)
 
+    def test_a_cube_of_many_blocks_has_its_faces_and_no_more(self):
+        """The block in its middle and those far from it are skipped."""
+        corner = [[384 * (i >> d & 1) for d in range(3)] for i in range(8)]
+        quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+        lines = [f"v {x} {y} {z}" for x, y, z in corner] + ["f " + " ".join(str(i + 1) for i in quad) for quad in quads]
+        (folder / "stadium" / "cube.obj").write_text("\n".join(lines) + "\n")
+        scene = scene_with("cube.json", [{"name": "cube", "mesh": "cube.obj", "material": "structure"}], {"min": [0] * 3, "max": [640] * 3, "cells": [640] * 3})
+        run(PROGRAM, "mesh", scene, "-o", folder / "cube.tcell")
+        data = exported(folder / "cube.tcell", "cube.stl").read_bytes()
+        facets = numpy.frombuffer(data[84:], numpy.dtype([("f", "<f4", (4, 3)), ("attribute", "<u2")]))["f"]
+        self.assertEqual(len(facets), 6 * 2 * 384**2)
+        a, b, c = (facets[:, i].astype(float) for i in (1, 2, 3))
+        self.assertEqual(numpy.einsum("ij,ij", a, numpy.cross(b, c)) / 6, 384**3)
+        header = exported(folder / "cube.tcell", "cube.ply").read_bytes()[:2000]
+        self.assertIn(b"element vertex %d\n" % (385**3 - 383**3), header)
+
     def test_meshing_the_surface_gives_the_same_cells(self):
         for grid, axes in grids:
             cells = numpy.load(exported(grid, "c.npy"))

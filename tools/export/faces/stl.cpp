@@ -8,6 +8,7 @@
 #include "store/error.hpp"
 #include "tools/export/faces/put_raw.hpp"
 #include "tools/export/faces/surface.hpp"
+#include "tools/export/place.hpp"
 
 namespace teracell {
 namespace faces {
@@ -17,10 +18,10 @@ namespace {
 void expect_distinct_planes(const Export& e) {
   for (int d = 0; d < 3; ++d)
     for (int64_t i = 0; i < e.box.hi[d] - e.box.lo[d]; ++i)
-      if (static_cast<float>(e.plane(d, i)) >= static_cast<float>(e.plane(d, i + 1)) || std::isinf(static_cast<float>(e.plane(d, i + 1))))
+      if (static_cast<float>(plane_of(e, d, i)) >= static_cast<float>(plane_of(e, d, i + 1)) || std::isinf(static_cast<float>(plane_of(e, d, i + 1))))
         throw UsageError(
             fmt::format("--format: stl has coordinates of single precision, in which the planes {:.17g} and {:.17g} of {} are one: take ply",
-                        e.plane(d, i), e.plane(d, i + 1), axis_name(d)));
+                        plane_of(e, d, i), plane_of(e, d, i + 1), axis_name(d)));
 }
 
 void put_point(Bytes& out, const Vec3& point) {

@@ -7,6 +7,7 @@
 
 #include "store/error.hpp"
 #include "store/query.hpp"
+#include "tools/export/place.hpp"
 
 namespace teracell::faces {
 namespace {
@@ -180,7 +181,7 @@ Planes Surface::planes() const {
   Planes out{cells_.box.lo, {}};
   for (int d = 0; d < 3; ++d)
     for (int64_t i = cells_.box.lo[d]; i <= cells_.box.hi[d]; ++i)
-      out.at[d].push_back(e_.plane(d, std::clamp(i, e_.box.lo[d], e_.box.hi[d]) - e_.box.lo[d]));
+      out.at[d].push_back(plane_of(e_, d, std::clamp(i, e_.box.lo[d], e_.box.hi[d]) - e_.box.lo[d]));
   return out;
 }
 
