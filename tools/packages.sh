@@ -21,4 +21,5 @@ test_packages=(catch2 groff-base clang-16 libclang-rt-16-dev python3 zstd nginx-
 # A Node.js from elsewhere has an npm of its own, and Debian's npm would not fit it.
 command -v npm >/dev/null || build_packages+=(nodejs npm)
 client_packages=(chromium libvips-tools python3-dask python3-fsspec python3-aiohttp python3-netcdf4 python3-pil python3-xarray python3-zarr)
-solver_packages=(admesh libopenmpi-dev openems openfoam openmpi-bin python3-h5py python3-meep python3-numpy python3-vtk9 teem-apps)
+blast_packages=(openfoam openmpi-bin python3-matplotlib python3-numpy)
+solver_packages=("${blast_packages[@]}" admesh libopenmpi-dev openems python3-h5py python3-meep python3-vtk9 teem-apps)

@@ -1,0 +1,91 @@
+"""Computes charges in open air and the burst in the stadium, and draws them. Called by tools/blast: run.py TERACELL FOLDER CELLS"""
+import concurrent.futures
+import json
+import math
+import pathlib
+import sys
+import time
+
+import numpy
+
+import gas
+import open_air
+import pictures
+import plots
+import stadium
+
+SHEET = (5, 15, 30, 50, 75, 110)  # ms
+SEDOV_CELLS, TNT_CELLS = (12, 24, 48), (24, 36, 54)  # along an edge of the octant
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def check_in_open_air(teracell, folder):
+    """The point blast and the burst on three grids each."""
+    blasts, bursts = [], []
+    for n in SEDOV_CELLS:
+        blasts.append(open_air.sedov(teracell, folder / f"sedov-{n}", n))
+        say("point blast, {cells} cells: front {0:+.2f} %, pressure {1:.1f} %, peak {2:+.1f} %".format(*(100 * blasts[-1][k] for k in ("radius_error", "profile_error", "peak_error")), **blasts[-1]))
+    for n in TNT_CELLS:
+        bursts.append(open_air.tnt(teracell, folder / f"tnt-{n}", n))
+        say("10 t of TNT, cells of {:.2f} m: peaks {}".format(bursts[-1]["cell"], ", ".join("%+.0f %% at %g m" % (100 * (g["peak"] / g["peak_reference"] - 1), g["radius"]) for g in bursts[-1]["gauges"])))
+    plots.open_air_plots(folder / "open-air.svg", blasts, bursts)
+    return blasts, bursts
+
+
+def ground_reference(place):
+    """Arrival and peak of the charge's shock over open ground: that of 1.8 times its mass in open air, because the ground reflects it."""
+    distance = math.dist(place, stadium.CHARGE)
+    return gas.kinney_graham_arrival(distance, 1.8 * stadium.TNT_MASS), float(gas.kinney_graham(distance, 1.8 * stadium.TNT_MASS))
+
+
+def draw(blast, folder):
+    """A picture of each time, by two processes, and a sheet of six of them."""
+    frames = folder / "frames"
+    frames.mkdir(exist_ok=True)
+    for old in frames.glob("*.png"):
+        old.unlink()
+    global drawn  # for the processes, which are copies of this one
+    drawn = blast, pictures.View(blast), frames
+    with concurrent.futures.ProcessPoolExecutor(2) as pool:
+        names = list(pool.map(draw_one, blast.case.times()))
+    last = len(names) - 1
+    pictures.draw_sheet(folder / "sheet.png", [names[min(last, round(ms / 1e3 / stadium.FRAME) - 1)] for ms in SHEET])
+    return len(names)
+
+
+def draw_one(name):
+    blast, view, frames = drawn
+    path = frames / f"{round(float(name) * 1e5):05d}.png"  # in hundredths of a millisecond
+    pictures.draw_frame(path, blast, view, name)
+    return path
+
+
+def main(teracell, folder, cells):
+    folder = pathlib.Path(folder)
+    began = time.monotonic()
+    blasts, bursts = check_in_open_air(teracell, folder)
+    checked = time.monotonic()
+    blast = stadium.Blast(teracell, folder, int(cells))
+    blast.compute()
+    computed = time.monotonic()
+    times, pressures = blast.case.gauges()
+    numpy.savetxt(folder / "gauges.csv", numpy.column_stack([times, pressures]), delimiter=",", header="time_s," + ",".join(stadium.GAUGES), comments="", fmt="%.9g")
+    references = {name: ground_reference(place) for name, place in stadium.GAUGES.items() if name.startswith("pitch")}
+    plots.gauges(folder / "gauges.svg", list(stadium.GAUGES), times, pressures, references)
+    frames = draw(blast, folder)
+    steps, seconds = blast.case.steps_and_seconds()
+    rows = {}
+    for i, name in enumerate(stadium.GAUGES):
+        arrival, peak = open_air.arrival_and_peak(times, pressures[:, i])
+        rows[name] = {"arrival": arrival, "peak": peak, **({"arrival_reference": references[name][0], "peak_reference": references[name][1]} if name in references else {})}
+    report = {"cells": len(blast.index[0]), "cell": blast.width, "steps": steps, "solver_seconds": seconds, "frames": frames, "gauges": rows,
+              "open_air_seconds": checked - began, "stadium_seconds": computed - checked, "picture_seconds": time.monotonic() - computed,
+              "point_blast": blasts, "burst": bursts}
+    (folder / "report.json").write_text(json.dumps(report, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
