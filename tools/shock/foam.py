@@ -36,7 +36,7 @@ FIELDS = {
 CONTROL = """application rhoCentralFoam; startFrom startTime; startTime 0; stopAt endTime; endTime {end!r}; deltaT {first_step!r}; adjustTimeStep yes; maxCo {courant!r};
 maxDeltaT 1; writeControl adjustableRunTime; writeInterval {end!r}; writeFormat binary; writePrecision 12; timePrecision 9; functions {{
 gauges {{ type probes; libs ("libsampling.so"); fields (p); probeLocations ({gauges}); writeControl timeStep; writeInterval 1; }}
-frames {{ type writeObjects; libs ("libutilityFunctionObjects.so"); objects ({frame_fields}); writeOption anyWrite; writeControl adjustableRunTime; writeInterval {frame!r}; }}
+frames {{ type writeObjects; libs ("libutilityFunctionObjects.so"); objects (p); writeOption anyWrite; writeControl adjustableRunTime; writeInterval {frame!r}; }}
 centres {{ type writeCellCentres; libs ("libfieldFunctionObjects.so"); writeControl writeTime; }}
 }}
 """
@@ -62,15 +62,15 @@ class Case:
         path.parent.mkdir(exist_ok=True)
         path.write_text(HEADER.format(kind, path.name) + text)
 
-    def run(self, charge, end, frame, gauges=((0, 0, 0),), courant=0.4, frame_fields="p", first_step=1e-7, far=100.0):
-        """Computes from 0 to `end`, in seconds, and writes `frame_fields` whenever `frame` of them have passed. `far` is the distance beyond the open
+    def run(self, charge, end, frame, gauges=((0, 0, 0),), courant=0.4, first_step=1e-7, far=100.0):
+        """Computes from 0 to `end`, in seconds, and writes the pressure whenever `frame` of them have passed. `far` is the distance beyond the open
         sides at which the air is at rest."""
         self.write("system/fvSchemes", "dictionary", SCHEMES)
         self.write("system/fvSolution", "dictionary", SOLUTION)
         self.write("constant/thermophysicalProperties", "dictionary", THERMO)
         self.write("constant/turbulenceProperties", "dictionary", "simulationType laminar;\n")
         self.write("system/controlDict", "dictionary", CONTROL.format(
-            end=end, first_step=first_step, courant=courant, frame=frame, frame_fields=frame_fields, gauges=" ".join("(%r %r %r)" % tuple(map(float, g)) for g in gauges)))
+            end=end, first_step=first_step, courant=courant, frame=frame, gauges=" ".join("(%r %r %r)" % tuple(map(float, g)) for g in gauges)))
         self.write("system/decomposeParDict", "dictionary", f"numberOfSubdomains {self.ranks}; method simple;\n")
         self.write("system/setFieldsDict", "dictionary", "defaultFieldValues (); regions ( zoneToCell { name explosive; fieldValues ("
                    f"volScalarFieldValue p {charge.pressure!r} volScalarFieldValue T {charge.temperature!r}); }} );\n")

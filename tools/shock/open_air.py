@@ -61,14 +61,14 @@ def front(radii, pressures):
     return radii[i] + (radii[i + 1] - radii[i]) * (pressures[i] - half) / (pressures[i] - pressures[i + 1])
 
 
-# The charge of the point blast: air of its usual density, so that the air that is swept along soon outweighs it. The shock ends at a
-# radius of 1 m with a pressure of 10^4 times that of the air, which therefore does not matter.
-SEDOV_RADIUS, SEDOV_LENGTH, SEDOV_CHARGE = 1.0, 1.2, 0.25
+# The charge of the point blast is as small as the grid allows: three cells in radius, of air at its usual density. The shock ends at a radius
+# of 1 m with a pressure of 10^4 times that of the air, which therefore does not matter.
+SEDOV_RADIUS, SEDOV_LENGTH, SEDOV_CHARGE = 1.0, 1.2, 3  # m, m, cells
 
 
 def sedov(teracell, folder, cells):
     """The point blast of Sedov on cells^3 cells of an octant: what is wrong with the computed one."""
-    case, width = octant(teracell, folder, cells, SEDOV_LENGTH, SEDOV_CHARGE)
+    case, width = octant(teracell, folder, cells, SEDOV_LENGTH, SEDOV_CHARGE * SEDOV_LENGTH / cells)
     alpha = gas.sedov_profile()[3]
     energy = 1e4 * gas.P0 * (gas.GAMMA + 1) / 2 * alpha * SEDOV_RADIUS**3 / 0.16
     end = gas.sedov_time(energy, SEDOV_RADIUS)

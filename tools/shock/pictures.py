@@ -15,7 +15,6 @@ SUN = numpy.array((0.45, 0.35, 0.82))
 STONE = {2: (0.42, 0.50, 0.60), 3: (0.40, 0.40, 0.43)}  # of grandstand and structure
 NIGHT = numpy.array((0.030, 0.036, 0.050), numpy.float32)
 WIDE, HIGH, SAMPLES = 1600, 800, 2
-HOT = 800.0  # K: from here on gas glows
 STEP = 0.5    # m along a ray through the air
 INK, PAPER = "#c9ced8", "#0b0d12"
 SECTION_X, PLAN_Z = stadium.CHARGE[0], 2.0
@@ -92,7 +91,7 @@ class View:
         self.leave = numpy.minimum(planes.max(0).min(1), distance.ravel()).astype(numpy.float32)
         self.eye, self.rays = camera.eye, rays.astype(numpy.float32)
 
-    def draw(self, pressure, temperature):
+    def draw(self, pressure):
         """The picture at one time, as RGB bytes."""
         over = numpy.nan_to_num(pressure - gas.P0).ravel()
         surface = self.stone.copy()
@@ -104,11 +103,11 @@ class View:
         image[:] = NIGHT
         image[self.hit] = surface
         image = image.reshape(high, SAMPLES, wide, SAMPLES, 3).mean(axis=(1, 3))
-        light, veil = self.fog(pressure, temperature)
+        light, veil = self.fog(pressure)
         image = image * veil[..., None] + light
         return (numpy.clip(image, 0, 1) ** (1 / 1.15) * 255 + 0.5).astype(numpy.uint8)
 
-    def fog(self, pressure, temperature):
+    def fog(self, pressure):
         """Light that the air sends to the eye along each ray, and the share of the light behind that it lets through."""
         over = numpy.nan_to_num(pressure - gas.P0)
         rise = numpy.zeros_like(over)  # the jump of pressure from cell to cell, in parts of the pressure: it marks shocks
@@ -122,12 +121,9 @@ class View:
                 part = tuple(slice(n, jump.shape[axis] + n) if a == axis else slice(None) for a in range(3))
                 rise[part] += jump / 2
         rise = numpy.sqrt(rise)
-        heat = numpy.clip((numpy.nan_to_num(temperature) - HOT) / 1500, 0, 1)
-        thick = doubled(0.045 * numpy.clip((rise - 0.02) / 0.4, 0, 1) + 0.35 * heat)
+        thick = doubled(0.06 * numpy.clip((rise - 0.02) / 0.4, 0, 1))
         haze = colours.colour(over) * 0.9 + numpy.array((0.10, 0.12, 0.15), numpy.float32)
-        fire = numpy.stack([0.4 + 0.6 * heat ** 0.4, 0.10 + 0.72 * heat, 0.02 + 0.55 * heat ** 2], axis=-1)
-        mixed = numpy.where(heat[..., None] > 0, fire, haze)
-        tint = numpy.stack([doubled(mixed[..., c]) for c in range(3)], axis=-1).reshape(-1, 3)
+        tint = numpy.stack([doubled(haze[..., c]) for c in range(3)], axis=-1).reshape(-1, 3)
         count = numpy.array(thick.shape[::-1])
         thick = thick.ravel()
         light, veil = numpy.zeros((len(self.rays), 3), numpy.float32), numpy.ones(len(self.rays), numpy.float32)
@@ -175,10 +171,10 @@ def slice_picture(pressure, materials):
 
 
 def draw_frame(path, blast, view, time):
-    pressure, temperature = (blast.array(name, time) for name in ("p", "T"))
+    pressure = blast.array("p", time)
     figure = plt.figure(figsize=(16, 13.6), dpi=100, facecolor=PAPER)
     top = figure.add_axes((0, 1 - HIGH / 1360, 1, HIGH / 1360))
-    top.imshow(view.draw(pressure, temperature), interpolation="nearest", aspect="auto")
+    top.imshow(view.draw(pressure), interpolation="nearest", aspect="auto")
     top.set_axis_off()
     top.text(0.018, 0.955, f"{float(time) * 1e3:5.1f} ms", transform=top.transAxes, color="white", fontsize=30, va="top", family="DejaVu Sans")
     w, corner, (nz, ny, nx) = blast.width, blast.corner, pressure.shape

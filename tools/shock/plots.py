@@ -8,32 +8,35 @@ import numpy  # noqa: E402
 import gas  # noqa: E402
 import open_air  # noqa: E402
 
-matplotlib.rcParams.update({"svg.hashsalt": "teracell", "font.size": 11, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
-                            "grid.color": "#dddddd", "grid.linewidth": 0.8, "axes.axisbelow": True})
+STYLE = {"svg.hashsalt": "teracell", "font.size": 11, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#dddddd",
+         "grid.linewidth": 0.8, "axes.axisbelow": True}
 COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#222222")
 
 
 def save(figure, path):
-    figure.savefig(path, metadata={"Date": None})  # so that the same numbers give the same bytes
+    figure.savefig(path, metadata={"Date": None} if str(path).endswith("svg") else None)  # so that the same numbers give the same bytes
     plt.close(figure)
 
 
+@matplotlib.rc_context(STYLE)
 def gauges(path, names, times, pressures, arrivals):
     """The overpressure of each gauge; `arrivals` says for some of them when a shock over open ground would arrive, and with which peak."""
     figure, all_axes = plt.subplots(len(names), 1, sharex=True, figsize=(8.6, 1.15 * len(names) + 0.6), constrained_layout=True)
     for name, colour, axes, pressure in zip(names, COLOURS, all_axes, pressures.T):
-        axes.plot(times * 1e3, thinned := (pressure - gas.P0) / 1e3, color=colour, lw=1.3)
+        axes.plot(times * 1e3, over := (pressure - gas.P0) / 1e3, color=colour, lw=1.3)
         axes.axhline(0, color="#999999", lw=0.8)
         axes.text(0.995, 0.93, name, transform=axes.transAxes, ha="right", va="top")
         if name in arrivals:
             when, peak = arrivals[name]
             axes.plot([when * 1e3], [peak / 1e3], marker="o", ms=7, mfc="none", mec="#222222")
-        axes.set_ylim(min(-20, 1.1 * thinned.min()), 1.15 * max(thinned.max(), arrivals.get(name, (0, 0))[1] / 1e3))
+        highest = max(over.max(), arrivals.get(name, (0, 0))[1] / 1e3)
+        axes.set_ylim(1.1 * min(-0.1 * highest, over.min()), 1.3 * highest)
     all_axes[-1].set_xlabel("time, ms")
     figure.supylabel("overpressure, kPa", fontsize=11)
     save(figure, path)
 
 
+@matplotlib.rc_context(STYLE)
 def open_air_plots(path, blasts, bursts):
     """Left: the pressure of the point blast on each grid, and Sedov's. Right: peaks of the burst on each grid, and the curve."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.2), constrained_layout=True)
@@ -46,7 +49,8 @@ def open_air_plots(path, blasts, bursts):
     right.loglog(distance, gas.kinney_graham(distance, open_air.TNT_MASS) / 1e3, color="#222222", lw=1.2, label="Kinney and Graham")
     for colour, marker, row in zip(COLOURS, "s^o", bursts):
         right.loglog([g["radius"] for g in row["gauges"]], [g["peak"] / 1e3 for g in row["gauges"]], ls="", marker=marker, ms=5, color=colour, label=f"cells of {row['cell']:.3g} m")
-    right.set(xlabel="distance, m", ylabel="peak overpressure, kPa", title="10 t of TNT", xticks=[10, 15, 20, 30, 40], xticklabels=[10, 15, 20, 30, 40])
+    right.set(xlabel="distance, m", ylabel="peak overpressure, kPa", title="10 t of TNT", xticks=(ticks := [10, 15, 20, 30, 40]), xticklabels=ticks,
+              yticks=(marks := [200, 500, 1000, 2000, 5000]), yticklabels=marks)
     right.minorticks_off()
     for axes in (left, right):
         axes.legend(frameon=False)

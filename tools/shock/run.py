@@ -3,6 +3,7 @@ import concurrent.futures
 import json
 import math
 import pathlib
+import subprocess
 import sys
 import time
 
@@ -13,6 +14,7 @@ import open_air
 import pictures
 import plots
 import stadium
+import tables
 
 SHEET = (5, 15, 30, 50, 75, 110)  # ms
 SEDOV_CELLS, TNT_CELLS = (12, 24, 48), (24, 36, 54)  # along an edge of the octant
@@ -26,11 +28,11 @@ def check_in_open_air(teracell, folder):
     """The point blast and the burst on three grids each."""
     blasts, bursts = [], []
     for n in SEDOV_CELLS:
-        blasts.append(open_air.sedov(teracell, folder / f"sedov-{n}", n))
-        say("point blast, {cells} cells: front {0:+.2f} %, pressure {1:.1f} %, peak {2:+.1f} %".format(*(100 * blasts[-1][k] for k in ("radius_error", "profile_error", "peak_error")), **blasts[-1]))
+        blasts.append(row := open_air.sedov(teracell, folder / f"sedov-{n}", n))
+        say(f"  point blast, {row['cells']} cells: shock {100 * row['radius_error']:+.1f} %, pressure {100 * row['profile_error']:.0f} % in the mean")
     for n in TNT_CELLS:
-        bursts.append(open_air.tnt(teracell, folder / f"tnt-{n}", n))
-        say("10 t of TNT, cells of {:.2f} m: peaks {}".format(bursts[-1]["cell"], ", ".join("%+.0f %% at %g m" % (100 * (g["peak"] / g["peak_reference"] - 1), g["radius"]) for g in bursts[-1]["gauges"])))
+        bursts.append(row := open_air.tnt(teracell, folder / f"tnt-{n}", n))
+        say(f"  10 t of TNT, cells of {row['cell']:.2f} m: peaks " + ", ".join(f"{100 * (g['peak'] / g['peak_reference'] - 1):+.0f} % at {g['radius']:g} m" for g in row["gauges"]))
     plots.open_air_plots(folder / "open-air.svg", blasts, bursts)
     return blasts, bursts
 
@@ -66,9 +68,11 @@ def draw_one(name):
 def main(teracell, folder, cells):
     folder = pathlib.Path(folder)
     began = time.monotonic()
+    say("charges in open air, on three grids each ...")
     blasts, bursts = check_in_open_air(teracell, folder)
     checked = time.monotonic()
     blast = stadium.Blast(teracell, folder, int(cells))
+    say(f"the stadium in cells of {blast.width:g} m: computing {1e3 * stadium.END:g} ms ...")
     blast.compute()
     computed = time.monotonic()
     times, pressures = blast.case.gauges()
@@ -85,7 +89,17 @@ def main(teracell, folder, cells):
               "open_air_seconds": checked - began, "stadium_seconds": computed - checked, "picture_seconds": time.monotonic() - computed,
               "point_blast": blasts, "burst": bursts}
     (folder / "report.json").write_text(json.dumps(report, indent=1) + "\n")
+    (folder / "tables.md").write_text("\n".join([tables.point_blast(blasts), tables.burst(bursts), tables.gauges(rows)]))
+    print(f"""
+  cells       {report["cells"]} of {blast.width:g} m, {steps} steps
+  time        {report["open_air_seconds"]:.0f} s for charges in open air, {report["stadium_seconds"]:.0f} s for the stadium, {report["picture_seconds"]:.0f} s for pictures
+  pictures    {folder}/frames, {frames} of them; {folder}/sheet.png
+  plots       {folder}/gauges.svg  {folder}/open-air.svg
+  figures     {folder}/report.json  {folder}/tables.md""")
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    try:
+        main(*sys.argv[1:])
+    except (RuntimeError, subprocess.CalledProcessError) as error:
+        sys.exit(f"tools/blast: {error}")

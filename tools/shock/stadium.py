@@ -50,7 +50,7 @@ class Blast:
             if self.materials[k, j, i] != 0:
                 raise RuntimeError(f"the gauge {name}: expected air at {place}, found a body; another number of cells may help")
         self.charge = gas.Charge(self.case.charge_volume(), TNT_MASS * gas.TNT, TNT_MASS)
-        self.case.run(self.charge, end, frame, GAUGES.values(), frame_fields="p T", far=100.0)
+        self.case.run(self.charge, end, frame, GAUGES.values(), far=100.0)
         centres = self.case.field("C", self.case.end())
         x, y, z = (numpy.floor((centres[:, a] - self.corner[a]) / self.width).astype(int) for a in range(3))
         self.index = z, y, x
