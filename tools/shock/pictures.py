@@ -194,7 +194,7 @@ def draw_frame(path, blast, view, time):
     plt.close(figure)
 
 
-def draw_sheet(path, frames, columns=2, wide=760):
+def draw_sheet(path, frames, columns=2, wide=600):
     """The upper parts of some frames in one small picture."""
     views = [PIL.Image.open(frame).convert("RGB").crop((0, 0, WIDE, HIGH)).resize((wide, wide * HIGH // WIDE), PIL.Image.LANCZOS) for frame in frames]
     gap, high = 6, wide * HIGH // WIDE
@@ -202,7 +202,7 @@ def draw_sheet(path, frames, columns=2, wide=760):
     sheet = PIL.Image.new("RGB", (columns * wide + (columns - 1) * gap, rows * high + (rows - 1) * gap), PAPER)
     for n, view in enumerate(views):
         sheet.paste(view, (n % columns * (wide + gap), n // columns * (high + gap)))
-    sheet.quantize(256, dither=PIL.Image.Dither.NONE).save(path, optimize=True)
+    sheet.save(path, optimize=True)
 
 
 def colour_bar(figure, place):

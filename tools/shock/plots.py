@@ -7,6 +7,7 @@ import numpy  # noqa: E402
 
 import gas  # noqa: E402
 import open_air  # noqa: E402
+import tables  # noqa: E402
 
 STYLE = {"svg.hashsalt": "teracell", "font.size": 11, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#dddddd",
          "grid.linewidth": 0.8, "axes.axisbelow": True}
@@ -43,7 +44,7 @@ def open_air_plots(path, blasts, bursts):
     r, p, _, _ = gas.sedov_profile()
     left.plot(numpy.append(r, [1, 1.15]), numpy.append(p, [0, 0]), color="#222222", lw=1.2, label="Sedov")
     for colour, marker, row in zip(COLOURS, "s^o", blasts):
-        left.plot(row["radii"], row["pressures"], marker=marker, ms=4, lw=0.8, color=colour, label=f"{row['cells']:,} cells, front {100 * row['radius_error']:+.1f} %")
+        left.plot(row["radii"], row["pressures"], marker=marker, ms=4, lw=0.8, color=colour, label=f"{row['cells']:,} cells, radius {tables.percent(row['radius_error'], 1)}")
     left.set(xlim=(0, 1.15), ylim=(0, 1.1), xlabel="radius / radius of the shock", ylabel="pressure / pressure behind the shock", title="a point blast")
     distance = numpy.geomspace(9, 44, 100)
     right.loglog(distance, gas.kinney_graham(distance, open_air.TNT_MASS) / 1e3, color="#222222", lw=1.2, label="Kinney and Graham")
