@@ -2,7 +2,6 @@
 import json
 import math
 import pathlib
-import subprocess
 
 import numpy
 
@@ -20,7 +19,8 @@ def sphere_obj(radius, around=96):
         polar = math.pi * i / rings
         for k in range(around):
             turn = 2 * math.pi * k / around
-            lines.append("v %r %r %r" % (radius * math.sin(polar) * math.cos(turn), radius * math.sin(polar) * math.sin(turn), -radius * math.cos(polar)))
+            across = radius * math.sin(polar)
+            lines.append("v %r %r %r" % (across * math.cos(turn), across * math.sin(turn), -radius * math.cos(polar)))
     at = lambda ring, k: 3 + (ring - 1) * around + k % around  # noqa: E731
     for k in range(around):
         lines += [f"f 1 {at(1, k + 1)} {at(1, k)}", f"f 2 {at(rings - 1, k)} {at(rings - 1, k + 1)}"]
@@ -116,7 +116,7 @@ def tnt(teracell, folder, cells):
         rows.append({"radius": r, "peak": peak, "peak_reference": expected[0], "arrival": arrival, "arrival_reference": expected[1],
                      "spread": (max(f[1] for f in found) - min(f[1] for f in found)) / peak})
     steps, seconds = case.steps_and_seconds()
-    return {"cells": cells**3, "cell": width, "steps": steps, "seconds": seconds, "gauges": rows, "times": times.tolist(), "pressures": pressures.T.tolist()}
+    return {"cells": cells**3, "cell": width, "steps": steps, "seconds": seconds, "gauges": rows}
 
 
 def arrival_and_peak(times, pressures):

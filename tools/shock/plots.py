@@ -44,12 +44,14 @@ def open_air_plots(path, blasts, bursts):
     r, p, _, _ = gas.sedov_profile()
     left.plot(numpy.append(r, [1, 1.15]), numpy.append(p, [0, 0]), color="#222222", lw=1.2, label="Sedov")
     for colour, marker, row in zip(COLOURS, "s^o", blasts):
-        left.plot(row["radii"], row["pressures"], marker=marker, ms=4, lw=0.8, color=colour, label=f"{row['cells']:,} cells, radius {tables.percent(row['radius_error'], 1)}")
+        label = f"{row['cells']:,} cells, radius {tables.percent(row['radius_error'], 1)}"
+        left.plot(row["radii"], row["pressures"], marker=marker, ms=4, lw=0.8, color=colour, label=label)
     left.set(xlim=(0, 1.15), ylim=(0, 1.1), xlabel="radius / radius of the shock", ylabel="pressure / pressure behind the shock", title="a point blast")
     distance = numpy.geomspace(9, 44, 100)
     right.loglog(distance, gas.kinney_graham(distance, open_air.TNT_MASS) / 1e3, color="#222222", lw=1.2, label="Kinney and Graham")
     for colour, marker, row in zip(COLOURS, "s^o", bursts):
-        right.loglog([g["radius"] for g in row["gauges"]], [g["peak"] / 1e3 for g in row["gauges"]], ls="", marker=marker, ms=5, color=colour, label=f"cells of {row['cell']:.3g} m")
+        distances, peaks = zip(*((g["radius"], g["peak"] / 1e3) for g in row["gauges"]))
+        right.loglog(distances, peaks, ls="", marker=marker, ms=5, color=colour, label=f"cells of {row['cell']:.3g} m")
     right.set(xlabel="distance, m", ylabel="peak overpressure, kPa", title="10 t of TNT", xticks=(ticks := [10, 15, 20, 30, 40]), xticklabels=ticks,
               yticks=(marks := [200, 500, 1000, 2000, 5000]), yticklabels=marks)
     right.minorticks_off()

@@ -35,24 +35,25 @@ class Cells:
         self.flat = self.padded.ravel()
         self.strides = numpy.array([1, self.size[0] + 2, (self.size[0] + 2) * (self.size[1] + 2)])
 
-    def cast(self, origins, directions, skip=False):
-        """For each ray the distance, the axis and the material of the first cell that stops it (J. Amanatides, A. Woo: A Fast Voxel Traversal Algorithm for
-        Ray Tracing, 1987). The material is 255 where nothing stops it. With `skip` the cell of the origin does not count."""
+    def cast(self, origins, directions):
+        """For each ray the distance, the axis and the material of the first cell that stops it (J. Amanatides, A. Woo: A Fast Voxel Traversal
+        Algorithm for Ray Tracing, 1987). The material is 255 where nothing stops it."""
         result = [numpy.empty(len(directions), kind) for kind in (numpy.float32, numpy.int8, numpy.uint8)]
         for begin in range(0, len(directions), BLOCK):
             rays = slice(begin, begin + BLOCK)
             here = origins if origins.ndim == 1 else origins[rays]
-            for all_, some in zip(result, self._cast((here - self.corner) / self.width, directions[rays].astype(float), skip)):
+            for all_, some in zip(result, self._cast((here - self.corner) / self.width, directions[rays].astype(float))):
                 all_[rays] = some
         result[0] *= self.width
         return result
 
-    def _cast(self, origin, direction, skip):
+    def _cast(self, origin, direction):
         origin = numpy.broadcast_to(origin, direction.shape)
         direction = numpy.where(numpy.abs(direction) < 1e-9, 1e-9, direction)
         planes = numpy.stack([-origin / direction, (self.size - origin) / direction])
         enter, leave = planes.min(0).max(1), planes.max(0).min(1)
-        distance, axis, material = numpy.full(len(direction), numpy.inf), planes.min(0).argmax(1).astype(numpy.int8), numpy.full(len(direction), 255, numpy.uint8)
+        distance, material = numpy.full(len(direction), numpy.inf), numpy.full(len(direction), 255, numpy.uint8)
+        axis = planes.min(0).argmax(1).astype(numpy.int8)
         alive = numpy.nonzero((enter < leave) & (leave > 0))[0]
         start = numpy.maximum(enter[alive], 0)
         d = direction[alive].T
@@ -63,13 +64,9 @@ class Cells:
         moves = [(step[a] * self.strides[a]).astype(numpy.int32) for a in range(3)]
         at = ((cell + 1) * self.strides[:, None]).sum(0).astype(numpy.int32)
         way, entered = start, axis[alive]
-        first = skip
         while len(alive):
             found = self.flat[at]
             stopped = found != 0
-            if first:
-                stopped[:] = False
-                first = False
             if stopped.any():
                 ended = alive[stopped]
                 distance[ended], axis[ended], material[ended] = way[stopped], entered[stopped], found[stopped]

@@ -32,7 +32,8 @@ def check_in_open_air(teracell, folder):
         say(f"  point blast, {row['cells']} cells: shock {100 * row['radius_error']:+.1f} %, pressure {100 * row['profile_error']:.0f} % in the mean")
     for n in TNT_CELLS:
         bursts.append(row := open_air.tnt(teracell, folder / f"tnt-{n}", n))
-        say(f"  10 t of TNT, cells of {row['cell']:.2f} m: peaks " + ", ".join(f"{100 * (g['peak'] / g['peak_reference'] - 1):+.0f} % at {g['radius']:g} m" for g in row["gauges"]))
+        errors = (f"{100 * (g['peak'] / g['peak_reference'] - 1):+.0f} % at {g['radius']:g} m" for g in row["gauges"])
+        say(f"  10 t of TNT, cells of {row['cell']:.2f} m: peaks " + ", ".join(errors))
     plots.open_air_plots(folder / "open-air.svg", blasts, bursts)
     return blasts, bursts
 
@@ -76,7 +77,8 @@ def main(teracell, folder, cells):
     blast.compute()
     computed = time.monotonic()
     times, pressures = blast.case.gauges()
-    numpy.savetxt(folder / "gauges.csv", numpy.column_stack([times, pressures]), delimiter=",", header="time_s," + ",".join(stadium.GAUGES), comments="", fmt="%.9g")
+    names = ",".join(name.replace(",", "") for name in stadium.GAUGES)
+    numpy.savetxt(folder / "gauges.csv", numpy.column_stack([times, pressures]), delimiter=",", header="time_s," + names, comments="", fmt="%.9g")
     references = {name: ground_reference(place) for name, place in stadium.GAUGES.items() if name.startswith("pitch")}
     plots.gauges(folder / "gauges.svg", list(stadium.GAUGES), times, pressures, references)
     frames = draw(blast, folder)
@@ -84,7 +86,9 @@ def main(teracell, folder, cells):
     rows = {}
     for i, name in enumerate(stadium.GAUGES):
         arrival, peak = open_air.arrival_and_peak(times, pressures[:, i])
-        rows[name] = {"arrival": arrival, "peak": peak, **({"arrival_reference": references[name][0], "peak_reference": references[name][1]} if name in references else {})}
+        rows[name] = {"arrival": arrival, "peak": peak}
+        if name in references:
+            rows[name]["arrival_reference"], rows[name]["peak_reference"] = references[name]
     report = {"cells": len(blast.index[0]), "cell": blast.width, "steps": steps, "solver_seconds": seconds, "frames": frames, "gauges": rows,
               "open_air_seconds": checked - began, "stadium_seconds": computed - checked, "picture_seconds": time.monotonic() - computed,
               "point_blast": blasts, "burst": bursts}
@@ -92,7 +96,7 @@ def main(teracell, folder, cells):
     (folder / "tables.md").write_text("\n".join([tables.point_blast(blasts), tables.burst(bursts), tables.gauges(rows)]))
     print(f"""
   cells       {report["cells"]} of {blast.width:g} m, {steps} steps
-  time        {report["open_air_seconds"]:.0f} s for charges in open air, {report["stadium_seconds"]:.0f} s for the stadium, {report["picture_seconds"]:.0f} s for pictures
+  time        {checked - began:.0f} s for charges in open air, {computed - checked:.0f} s for the stadium, {report["picture_seconds"]:.0f} s for pictures
   pictures    {folder}/frames, {frames} of them; {folder}/sheet.png
   plots       {folder}/gauges.svg  {folder}/open-air.svg
   figures     {folder}/report.json  {folder}/tables.md""")

@@ -16,16 +16,19 @@ def point_blast(rows):
 
 
 def burst(rows):
-    head = ["distance", "peak of the curve", *(f"cells of {r['cell']:.2f} m" for r in rows), "arrival by the curve", *(f"{r['cell']:.2f} m" for r in rows)]
+    cells = [f"{r['cell']:.2f} m" for r in rows]
+    head = ["distance", "peak of the curve", *(f"cells of {width}" for width in cells), "arrival by the curve", *cells]
     lines = []
     for gauges in zip(*(r["gauges"] for r in rows)):
         errors = [[percent(g[key] / g[key + "_reference"] - 1) for g in gauges] for key in ("peak", "arrival")]
-        lines.append([f"{gauges[0]['radius']:g} m", f"{gauges[0]['peak_reference'] / 1e3:,.0f} kPa", *errors[0], f"{gauges[0]['arrival_reference'] * 1e3:.1f} ms", *errors[1]])
-    means = [[f"{100 * sum(abs(g[key] / g[key + '_reference'] - 1) for g in r['gauges']) / len(r['gauges']):.0f} %" for r in rows] for key in ("peak", "arrival")]
+        first = gauges[0]
+        lines.append([f"{first['radius']:g} m", f"{first['peak_reference'] / 1e3:,.0f} kPa", *errors[0], f"{first['arrival_reference'] * 1e3:.1f} ms", *errors[1]])
+    mean = lambda row, key: sum(abs(g[key] / g[key + "_reference"] - 1) for g in row["gauges"]) / len(row["gauges"])  # noqa: E731
+    means = [[f"{100 * mean(row, key):.0f} %" for row in rows] for key in ("peak", "arrival")]
     return table(head, [*lines, ["mean error", "", *means[0], "", *means[1]]])
 
 
 def gauges(rows):
     pair = lambda when, peak: f"{1e3 * when:.1f} ms, {peak / 1e3:,.{0 if peak > 5e4 else 1}f} kPa"  # noqa: E731
-    return table(["gauge", "computed", "the curve"],
-                 [[name, pair(g["arrival"], g["peak"]), pair(g["arrival_reference"], g["peak_reference"]) if "peak_reference" in g else ""] for name, g in rows.items()])
+    curve = lambda g: pair(g["arrival_reference"], g["peak_reference"]) if "peak_reference" in g else ""  # noqa: E731
+    return table(["gauge", "computed", "the curve"], [[name, pair(g["arrival"], g["peak"]), curve(g)] for name, g in rows.items()])
