@@ -1,7 +1,7 @@
 // npm's zarrita reads the folders and zips that `teracell export` writes: Zarr v3 with shards and OME-Zarr 0.5.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { existsSync, openAsBlob } from "node:fs";
+import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import test from "node:test";
 import FileSystemStore from "@zarrita/storage/fs";
@@ -18,7 +18,7 @@ function teracell(...args) {
 
 async function written(grid, name, ...more) {
   if (!existsSync(join(folder, name))) teracell("export", grid, "-o", name, ...more);
-  return name.endsWith(".zarr") ? new FileSystemStore(join(folder, name)) : ZipFileStore.fromBlob(await openAsBlob(join(folder, name)));
+  return name.endsWith(".zarr") ? new FileSystemStore(join(folder, name)) : ZipFileStore.fromBlob(new Blob([readFileSync(join(folder, name))]));
 }
 
 // What the specification of OME-Zarr 0.5 says of "multiscales" and "image-label".
