@@ -97,10 +97,11 @@ void PngWriter::know(std::span<const uint16_t> numbers) {
 }
 
 void PngWriter::row(std::span<const uint16_t> numbers) {
+  if (std::ranges::equal(numbers_, numbers)) return rows_->repeat();
   changed_.clear();
   append_changes(numbers_, numbers, changed_);
   numbers_.assign(numbers.begin(), numbers.end());
-  if (!changed_.empty()) know(numbers);
+  know(numbers);
   rows_->row(numbers, changed_, value_.data());
 }
 

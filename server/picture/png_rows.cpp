@@ -8,6 +8,7 @@ namespace teracell {
 namespace {
 
 constexpr int64_t kAdlerBase = 65521;
+constexpr int64_t kReduceWeighted = int64_t{1} << 32, kReduceB = int64_t{1} << 62;
 
 }  // namespace
 
@@ -37,20 +38,20 @@ PngRows::PngRows(uint32_t width, uint32_t height, std::span<const Rgba> palette,
     : file_(width, height, palette, std::move(sink)),
       bits_(file_.bits()),
       length_((uint64_t{width} * bits_ + 7) / 8 + 1),
+      length_weight_(static_cast<int64_t>(length_) % kAdlerBase),
       matches_above_(length_ <= RunDeflate::kFarthest),
       near_(bits_ == 32 && matches_above_ ? 4 : 1),
       deflate_(near_, matches_above_ ? static_cast<uint32_t>(length_) : near_ + 1, [this](std::span<const uint8_t> bytes) { file_.data(bytes); }),
       line_(length_, 0) {}
 
 void PngRows::row(std::span<const uint16_t> numbers, std::span<const uint32_t> changed, const uint32_t* value) {
-  const auto length = static_cast<int64_t>(length_);
   if (matches_above_) {
     if (first_) byte(0, 0, 0);
     else same(0, 1);
   } else {
     sum_ = weighted_ = 0;
     line_[0] = 0;
-    byte(0, 2, length % kAdlerBase);
+    byte(0, 2, length_weight_);
   }
   uint64_t at = 1;  // bytes of the row that are done
   for (const uint32_t group : changed) {
@@ -67,14 +68,28 @@ void PngRows::row(std::span<const uint16_t> numbers, std::span<const uint32_t> c
     }
     const auto bytes = file_.pack(n, value);
     const uint64_t end = std::min(start + bits_, length_);
-    const int64_t weight = (length - static_cast<int64_t>(start)) % kAdlerBase;
+    const int64_t weight = static_cast<int64_t>(length_ - start) % kAdlerBase;
     for (at = start; at < end; ++at) byte(at, bytes[at - start], weight - static_cast<int64_t>(at - start));
   }
   if (at < length_) same(at, length_ - at);
-  weighted_ = (weighted_ % kAdlerBase + kAdlerBase) % kAdlerBase;
-  adler_b_ = (adler_b_ + length % kAdlerBase * adler_a_ + weighted_) % kAdlerBase;
-  adler_a_ = (adler_a_ + sum_) % kAdlerBase;
+  add_to_adler();
   first_ = false;
+}
+
+void PngRows::repeat() {
+  if (!matches_above_) return row({}, {}, nullptr);
+  extend(RunDeflate::kFar, 0, length_);
+  add_to_adler();
+}
+
+void PngRows::add_to_adler() {
+  // A remainder is taken only where a sum grows too large: seven of them per row were a third of the time of a picture that is
+  // one pixel wide and 2^26 high.
+  if (weighted_ < 0 || weighted_ >= kReduceWeighted) weighted_ = (weighted_ % kAdlerBase + kAdlerBase) % kAdlerBase;
+  adler_b_ += length_weight_ * adler_a_ + weighted_;
+  if (adler_b_ >= kReduceB) adler_b_ %= kAdlerBase;
+  adler_a_ += sum_;
+  if (adler_a_ >= kAdlerBase) adler_a_ %= kAdlerBase;
 }
 
 // The bytes [at, at + length) equal those of the row above.
@@ -124,7 +139,7 @@ void PngRows::flush(uint64_t at) {
 
 void PngRows::finish() {
   flush(0);
-  deflate_.finish(static_cast<uint32_t>(adler_b_ << 16 | adler_a_));
+  deflate_.finish(static_cast<uint32_t>(adler_b_ % kAdlerBase << 16 | adler_a_));
   file_.finish();
 }
 

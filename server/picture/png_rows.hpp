@@ -23,9 +23,11 @@ class PngRows {
   PngRows(const PngRows&) = delete;
   // The next row from the top. `changed` comes from append_changes(). `value` has an entry for each number, as for PngFile::pack().
   void row(std::span<const uint16_t> numbers, std::span<const uint32_t> changed, const uint32_t* value);
+  void repeat();  // the row above once more. REQUIRES: there is one
   void finish();  // REQUIRES: height rows were written
 
  private:
+  void add_to_adler();
   void same(uint64_t at, uint64_t length);
   void byte(uint64_t at, uint8_t value, int64_t weight);
   void extend(RunDeflate::Back back, uint64_t at, uint64_t length);
@@ -34,6 +36,7 @@ class PngRows {
   PngFile file_;
   const uint32_t bits_;       // per pixel
   const uint64_t length_;     // bytes of a row, with its filter byte
+  const int64_t length_weight_;  // the same, modulo the base of Adler-32
   const bool matches_above_;  // false: rows are written as differences
   const uint32_t near_;       // distance of runs
   bool first_ = true;         // whether the next row is the first
