@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesher/closing/lengths.hpp"
+
 namespace teracell {
 namespace {
 
@@ -75,12 +77,9 @@ void for_each_loop(Graph& graph, F&& f) {
   }
 }
 
-double length(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }  // unlike hypot, this is the same on every machine
-double distance(const Vec3& a, const Vec3& b) { return length(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
-
 double area(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 p = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, q = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
-  return length(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]) / 2;
+  const Vec3 p = minus(b, a), q = minus(c, a);
+  return length({p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]}) / 2;
 }
 
 }  // namespace

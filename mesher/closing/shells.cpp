@@ -6,7 +6,7 @@ namespace teracell {
 namespace {
 
 // The memory that a facet of a batch takes at worst: when it shares none of its three vertices.
-constexpr uint64_t kBytesPerFacet = 160;
+constexpr uint64_t kBytesInBatch = 160;
 
 // So many that each bucket is sorted within the processor's cache.
 size_t buckets_for(uint64_t records) { return static_cast<size_t>(std::bit_ceil(std::clamp<uint64_t>(records >> 14, 1, 4096))); }
@@ -19,7 +19,7 @@ size_t bucket_of(const Buckets<Record>& buckets, const VertexHash& hash) {
 }  // namespace
 
 Shells::Shells(uint64_t facets, const Budget& budget, bool bounded)
-    : most_(bounded ? std::max<uint64_t>(budget.bytes / 6 / kBytesPerFacet, 4096) : ~uint64_t{0}),
+    : most_(bounded ? std::max<uint64_t>(budget.bytes / 6 / kBytesInBatch, 4096) : ~uint64_t{0}),
       memory_(bounded ? std::max<uint64_t>(budget.bytes / 12, uint64_t{1} << 20) : ~uint64_t{0}) {
   if (facets > most_) {
     vertices_.emplace(buckets_for(facets / 2), memory_, budget.folder);

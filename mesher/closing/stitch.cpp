@@ -7,17 +7,14 @@
 
 #include <fmt/format.h>
 
+#include "mesher/closing/lengths.hpp"
 #include "mesher/closing/point_tree.hpp"
 #include "store/error.hpp"
 
 namespace teracell {
 namespace {
 
-// These fix the order of floating-point operations (ARCHITECTURE.md): nothing else here may compute distances.
-double length(const Vec3& d) { return std::sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]); }
 double dot(const Vec3& a, const Vec3& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
-Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
-double distance(const Vec3& a, const Vec3& b) { return length(minus(a, b)); }
 
 class Groups {
  public:

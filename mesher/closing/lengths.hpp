@@ -1,0 +1,14 @@
+// Lengths, in one order of floating-point operations (ARCHITECTURE.md): nothing else that closes surfaces may compute distances.
+// Unlike std::hypot, they are the same on every machine.
+#pragma once
+#include <cmath>
+
+#include "store/grid.hpp"
+
+namespace teracell {
+
+inline double length(const Vec3& d) { return std::sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]); }
+inline Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
+inline double distance(const Vec3& a, const Vec3& b) { return length(minus(a, b)); }
+
+}  // namespace teracell
