@@ -9,6 +9,7 @@ import time
 
 import numpy
 
+import charge
 import gas
 import open_air
 import pictures
@@ -38,10 +39,10 @@ def check_in_open_air(teracell, folder):
     return blasts, bursts
 
 
-def ground_reference(place):
-    """Arrival and peak of the charge's shock over open ground: that of 1.8 times its mass in open air, because the ground reflects it."""
+def surface_reference(place):
+    """Arrival and peak of the shock of a charge that lies on a plane: that of 1.8 times its mass in open air, because the plane reflects it."""
     distance = math.dist(place, stadium.CHARGE)
-    return gas.kinney_graham_arrival(distance, 1.8 * stadium.TNT_MASS), float(gas.kinney_graham(distance, 1.8 * stadium.TNT_MASS))
+    return gas.kinney_graham_arrival(distance, 1.8 * charge.TNT_MASS), float(gas.kinney_graham(distance, 1.8 * charge.TNT_MASS))
 
 
 def draw(blast, folder):
@@ -79,7 +80,7 @@ def main(teracell, folder, cells):
     times, pressures = blast.case.gauges()
     names = ",".join(name.replace(",", "") for name in stadium.GAUGES)
     numpy.savetxt(folder / "gauges.csv", numpy.column_stack([times, pressures]), delimiter=",", header="time_s," + names, comments="", fmt="%.9g")
-    references = {name: ground_reference(place) for name, place in stadium.GAUGES.items() if name.startswith("pitch")}
+    references = {name: surface_reference(place) for name, place in stadium.GAUGES.items() if name.startswith("above the seats")}
     plots.gauges(folder / "gauges.svg", list(stadium.GAUGES), times, pressures, references)
     frames = draw(blast, folder)
     steps, seconds = blast.case.steps_and_seconds()
