@@ -541,6 +541,9 @@ TEST_CASE("A case may hold other files, and a mesh in it is never touched", "[op
       for (const auto& entry : fs::recursive_directory_iterator(dir)) left.insert(fs::relative(entry.path(), dir));
       CHECK((left == std::set<std::string>{"0", "constant", "constant/triSurface"}));
     }
+  fs::create_directories(dir / "polyMesh-export" / "constant");  // of a run that was killed as it ended
+  CHECK_THROWS_WITH(export_case(reader, box, dir), Catch::Contains("polyMesh-export: expected no folder"));
+  fs::remove_all(dir / "polyMesh-export");
   export_case(reader, box, dir);
   CHECK(fs::exists(dir / "constant" / "triSurface"));
   CHECK_FALSE(fs::exists(dir / "polyMesh-export"));
