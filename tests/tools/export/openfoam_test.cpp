@@ -585,7 +585,13 @@ TEST_CASE("A mesh beyond 32-bit labels is refused with the number of ranks that 
   mesh_quietly(scene_of(folder, {{.facets = shapes::box({1, 1, 1}, {9, 7, 5})}}, grid), folder / "g.tcell");
   const GridReader reader(folder / "g.tcell");
   CHECK_THROWS_WITH(export_case(reader, grid.box(0), folder / "case"), Catch::Contains("--ranks 2 or more") && Catch::Contains("536870911"));
+  CHECK_THROWS_WITH(export_case(reader, grid.box(0), folder / "case", {{"--drop-unreachable", ""}}), Catch::Contains("--ranks 2 or more"));
   CHECK_FALSE(fs::exists(folder / "case"));
+  // Where the number of cells says it already, no cell is looked at.
+  bool looked = false;
+  const auto progress = [&](double) { looked = true; };
+  CHECK_THROWS_AS(export_format_named("openfoam")->write({reader, 0, grid.box(0), folder / "case", progress, {}, {}}), UsageError);
+  CHECK_FALSE(looked);
 }
 
 // The reader of layers takes at most 16,777,216 cells at once.
