@@ -115,6 +115,8 @@ class Usage(Case):
                 (["--region", "along x", "0 to 12"], ["stats", "g.tcell", "--region", "0,0,0,13,1,1"]),
                 (["--region", "along z", "empty"], ["stats", "g.tcell", "--region", "0,0,3,1,1,3"]),
                 (["--region", "6 whole numbers", "'a'"], ["stats", "g.tcell", "--region", "a"]),
+                (["--region", "6 whole numbers"], ["stats", "g.tcell", "--region", ""]),
+                (["--region", "6 whole numbers"], ["export", "g.tcell", "--region", "", "-o", "x.npy"]),
                 (["--region", "along x", "0 to 3", "level 2"], ["export", "g.tcell", "--level", 2, "--region", "0,0,0,4,1,1", "-o", "x.npy"]),
                 (["--level: expected", "0 to 4"], ["export", "g.tcell", "--level", 5, "-o", "x.npy"]),
                 ([".npy", ".raw", "--format"], ["export", "g.tcell", "-o", "x.bin"]),

@@ -12,7 +12,8 @@ namespace teracell {
 namespace {
 
 struct ExportArguments {
-  std::string grid, output, format, region, map, progress = "auto";
+  std::string grid, output, format, progress = "auto";
+  std::optional<std::string> region, map;  // given and empty is a mistake of a script
   int level = 0;
   std::map<std::string, std::string> of_formats;  // the options that only some formats take
 };
@@ -60,7 +61,7 @@ void check_options(const ExportArguments& o, const ExportFormat& format) {
   for (const auto& [name, value] : o.of_formats)
     if (std::ranges::count(format.options, name, &ExportOption::name) == 0)
       throw UsageError(fmt::format("{}: the format {} has no such option", name, format.name));
-  if (!o.map.empty() && !format.numbers)
+  if (o.map && !format.numbers)
     throw UsageError(fmt::format("--map: the format {} names materials, it has no numbers for them", format.name));
 }
 
@@ -71,9 +72,9 @@ void run(const ExportArguments& o) {
   const GridReader reader(o.grid);
   const Grid& grid = reader.meta().grid;
   check_level(grid, o.level);
-  const Box box = o.region.empty() ? grid.box(o.level) : parse_region(o.region, grid, o.level);
+  const Box box = !o.region ? grid.box(o.level) : parse_region(*o.region, grid, o.level);
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
-  const std::vector<uint32_t> map = o.map.empty() ? std::vector<uint32_t>() : numbers_of(o.map, reader, o.level, box, format);
+  const std::vector<uint32_t> map = !o.map ? std::vector<uint32_t>() : numbers_of(*o.map, reader, o.level, box, format);
   ProgressLine line(o.progress, "export");
   double cells = 1;
   for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);
