@@ -127,6 +127,11 @@ class Usage(Case):
                 (["--format", "npy", "raw"], ["export", "g.tcell", "-o", "x.npy", "--format", "vtk"])):
             self.refused(2, phrases, *args)
 
+    def test_a_map_names_all_materials_that_are_written(self):
+        corner = ["export", "g.tcell", "--region", "0,0,0,1,1,1", "--map", "air=5"]
+        self.run_ok(*corner, "-o", "x.npy")
+        self.refused(2, ["--map", "none for"], *corner, "-o", "x.zarr")  # the cells of its coarse levels reach beyond the region
+
     def test_at_outside_the_domain(self):
         lo, hi = [self.json_of("info", "g.tcell")["grid"][k][2] for k in ("min", "max")]
         for at in (lo - 1e-9, hi + 1e-9, "nan", "inf", 1e300):

@@ -41,8 +41,8 @@ const ExportFormat& format_of(const ExportArguments& o) {
   throw UsageError(fmt::format("--output: expected a name that ends in {}, or --format, found '{}'", fmt::join(extensions, " or "), o.output));
 }
 
-// The number of each material of the grid by --map, which must name all that the box holds.
-std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reader, int level, const Box& box) {
+// The number of each material of the grid by --map, which must name all that are written.
+std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reader, int level, const Box& box, const ExportFormat& format) {
   const std::vector<MaterialInfo>& materials = reader.meta().materials;
   std::vector<uint32_t> numbers(materials.size(), 0);
   std::vector<bool> named(materials.size(), false);
@@ -51,7 +51,8 @@ std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reade
     numbers[id] = static_cast<uint32_t>(parse_integer(text, 0, 0xffffffff, "--map: " + name));
     named[id] = true;
   }
-  expect_named(reader, level, box, named, "--map");
+  if (format.coarser) expect_named(reader, 0, reader.meta().grid.box(0), named, "--map");  // the cell of the last level has them all
+  else expect_named(reader, level, box, named, "--map");
   return numbers;
 }
 
@@ -72,7 +73,7 @@ void run(const ExportArguments& o) {
   check_level(grid, o.level);
   const Box box = o.region.empty() ? grid.box(o.level) : parse_region(o.region, grid, o.level);
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
-  const std::vector<uint32_t> map = o.map.empty() ? std::vector<uint32_t>() : numbers_of(o.map, reader, o.level, box);
+  const std::vector<uint32_t> map = o.map.empty() ? std::vector<uint32_t>() : numbers_of(o.map, reader, o.level, box, format);
   ProgressLine line(o.progress, "export");
   double cells = 1;
   for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);

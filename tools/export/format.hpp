@@ -51,6 +51,7 @@ struct ExportFormat {
   void (*write)(const Export&);
   bool numbers = true;  // whether numbers stand for the materials, so that Export::map makes sense
   std::vector<ExportOption> options = {};
+  bool coarser = false;  // whether the levels above the chosen one are written, too: their cells may reach beyond the box
 };
 
 }  // namespace teracell

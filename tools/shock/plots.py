@@ -22,7 +22,7 @@ def save(figure, path):
 
 @matplotlib.rc_context(STYLE)
 def gauges(path, names, times, pressures, arrivals):
-    """The overpressure of each gauge; `arrivals` says for some of them when a shock along the seats alone would arrive, and with which peak."""
+    """The overpressure of each gauge; `arrivals` says for some of them when the shock would arrive in open air, and with which peak."""
     figure, all_axes = plt.subplots(len(names), 1, sharex=True, figsize=(8.6, 1.15 * len(names) + 0.6), constrained_layout=True)
     for name, colour, axes, pressure in zip(names, COLOURS, all_axes, pressures.T):
         axes.plot(times * 1e3, over := (pressure - gas.P0) / 1e3, color=colour, lw=1.3)

@@ -39,10 +39,10 @@ def check_in_open_air(teracell, folder):
     return blasts, bursts
 
 
-def surface_reference(place):
-    """Arrival and peak of the shock of a charge that lies on a plane: that of 1.8 times its mass in open air, because the plane reflects it."""
+def open_air_reference(place):
+    """Arrival and peak of the charge's shock in open air."""
     distance = math.dist(place, stadium.CHARGE)
-    return gas.kinney_graham_arrival(distance, 1.8 * charge.TNT_MASS), float(gas.kinney_graham(distance, 1.8 * charge.TNT_MASS))
+    return gas.kinney_graham_arrival(distance, charge.TNT_MASS), float(gas.kinney_graham(distance, charge.TNT_MASS))
 
 
 def draw(blast, folder):
@@ -80,7 +80,7 @@ def main(teracell, folder, cells):
     times, pressures = blast.case.gauges()
     names = ",".join(name.replace(",", "") for name in stadium.GAUGES)
     numpy.savetxt(folder / "gauges.csv", numpy.column_stack([times, pressures]), delimiter=",", header="time_s," + names, comments="", fmt="%.9g")
-    references = {name: surface_reference(place) for name, place in stadium.GAUGES.items() if name.startswith("above the seats")}
+    references = {name: open_air_reference(place) for name, place in stadium.GAUGES.items() if name.startswith("above the seats")}
     plots.gauges(folder / "gauges.svg", list(stadium.GAUGES), times, pressures, references)
     frames = draw(blast, folder)
     steps, seconds = blast.case.steps_and_seconds()

@@ -182,6 +182,9 @@ TEST_CASE("A case may hold other files, and a mesh in it is never touched", "[op
       for (const auto& entry : fs::recursive_directory_iterator(dir)) left.insert(fs::relative(entry.path(), dir));
       CHECK((left == std::set<std::string>{"0", "constant", "constant/triSurface"}));
     }
+  fs::create_directories(dir / "polyMesh-export" / "constant");  // of a run that was killed as it ended
+  CHECK_THROWS_WITH(export_case(reader, box, dir), Catch::Contains("polyMesh-export: expected no folder"));
+  fs::remove_all(dir / "polyMesh-export");
   export_case(reader, box, dir);
   CHECK(fs::exists(dir / "constant" / "triSurface"));
   CHECK_FALSE(fs::exists(dir / "polyMesh-export"));
@@ -223,7 +226,13 @@ TEST_CASE("A mesh beyond 32-bit labels is refused with the number of ranks that 
   mesh_quietly(scene_of(folder, {{.facets = shapes::box({1, 1, 1}, {9, 7, 5})}}, grid), folder / "g.tcell");
   const GridReader reader(folder / "g.tcell");
   CHECK_THROWS_WITH(export_case(reader, grid.box(0), folder / "case"), Catch::Contains("--ranks 2 or more") && Catch::Contains("536870911"));
+  CHECK_THROWS_WITH(export_case(reader, grid.box(0), folder / "case", {{"--drop-unreachable", ""}}), Catch::Contains("--ranks 2 or more"));
   CHECK_FALSE(fs::exists(folder / "case"));
+  // Where the number of cells says it already, no cell is looked at.
+  bool looked = false;
+  const auto progress = [&](double) { looked = true; };
+  CHECK_THROWS_AS(export_format_named("openfoam")->write({reader, 0, grid.box(0), folder / "case", progress, {}, {}}), UsageError);
+  CHECK_FALSE(looked);
 }
 
 // The reader of layers takes at most 16,777,216 cells at once.

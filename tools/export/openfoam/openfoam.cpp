@@ -3,11 +3,13 @@
 // The cells are gone through two or three times: to find what hangs together or how many cells there are, if that is asked for; to count
 // points and faces; to write. Counting first costs a tenth of writing, and every list has its place in its file from the beginning.
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "store/error.hpp"
+#include "store/stats.hpp"
 #include "tools/export/metres.hpp"
 #include "tools/export/openfoam/case_folder.hpp"
 #include "tools/export/openfoam/mesh_writer.hpp"
@@ -51,6 +53,19 @@ void expect_labels(const MeshCounts& counts) {
                                    kMostLabel / 4, part.all_faces(), counts.all_faces() / (kMostLabel / 4 * 9 / 10) + 1));
 }
 
+// Going through 10^12 cells takes half an hour, but how many there are is known at once. A mesh has more than three faces for each.
+void expect_labels_for_cells(const Export& e, const Division& d, uint32_t ranks) {
+  if (e.level > 0 || e.has("--drop-unreachable")) return;
+  const std::vector<MaterialStats> stats = read_stats(e.reader, e.box);
+  double faces = 0;
+  for (size_t id = 0; id < stats.size(); ++id)
+    if (d.in_mesh[id]) faces += 3 * static_cast<double>(stats[id].cells);
+  if (faces / ranks > kMostLabel / 4)
+    throw UsageError(
+        fmt::format("OpenFOAM's 32-bit labels hold a mesh of {} faces, a part of this one has at least {:.0f}: give --ranks {:.0f} or more",
+                    kMostLabel / 4, faces / ranks, std::floor(faces / (kMostLabel / 4 * 0.9)) + 1));
+}
+
 void expect_cells(const Export& e, const Division& d, int64_t cells) {
   if (cells > 0) return;
   throw UsageError(fmt::format("the mesh would have no cell: expected cells of {} in the box, found none; --fluid chooses other materials",
@@ -84,6 +99,7 @@ void write_case(const Export& asked) {
   const auto share = [&](double from, double to) {
     return [&, from, to](int64_t done) { e.progress(from + (to - from) * static_cast<double>(done) / layers); };
   };
+  expect_labels_for_cells(e, division, ranks);
   e.progress(0);
   CaseFolder folder(e.output, ranks, e.has("--ranks"));
 

@@ -120,7 +120,8 @@ ExportFormat zarr_format() {
           .holds = "OME-Zarr: all levels from the chosen one up in a folder, or in a zip (.zip, .ozx)",
           .write = write_with_options,
           .options = {{"--zarr-version", "2|3", "Zarr 3 with many chunks in a file (default), or Zarr 2 with a file for each"},
-                      {"--threads", "N", "how many threads, 1 to 1024 (default: one per core)"}}};
+                      {"--threads", "N", "how many threads, 1 to 1024 (default: one per core)"}},
+          .coarser = true};
 }
 
 }  // namespace teracell
