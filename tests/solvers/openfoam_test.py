@@ -1,17 +1,15 @@
-"""OpenFOAM checks meshes of `teracell export --format openfoam`, and computes on them: the same on ranks as alone.
-
-Usage: openfoam_test.py PATH_TO_TERACELL
-"""
+"""OpenFOAM checks meshes of `teracell export --format openfoam`, and computes on them: the same on ranks as alone."""
 import json
 import os
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import numpy
+
+from support import PROGRAM, obj
 
 HEADER = "FoamFile {{ version 2.0; format ascii; class {}; object {}; }}\n"
 SYSTEM = {
@@ -43,13 +41,6 @@ PLANES = {"x": [0.2 * i + 0.01 * i * i for i in range(25)], "y": [0.5 * i for i 
 BOXES = [("copper", (4.9, 0, 0), (10.6, 3.2, 1.4)),   # in a corner, and across each axis of another size
          ("steel", (2.1, 5.2, 1.6), (4.2, 7.8, 3.9)),   # a casing ...
          ("air", (2.8, 6.1, 2.2), (3.6, 7.1, 3.1))]     # ... around air that nothing reaches
-PROGRAM = None
-
-
-def obj(lo, hi):
-    corners = [[(lo, hi)[i >> d & 1][d] for d in range(3)] for i in range(8)]
-    sides = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
-    return "".join("v %r %r %r\n" % tuple(c) for c in corners) + "".join("f %d %d %d %d\n" % s for s in sides)
 
 
 def values(path, width=1):
@@ -201,7 +192,4 @@ class OpenFoam(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit(__doc__)
-    PROGRAM = os.path.abspath(sys.argv.pop(1))
     unittest.main()

@@ -3,7 +3,6 @@
 
 #include "store/error.hpp"
 #include "store/partition.hpp"
-#include "store/stats.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"
 #include "tools/export/assignments.hpp"
@@ -26,10 +25,7 @@ std::vector<double> weights_of(const std::string& text, const GridReader& reader
     weights[id] = parse_number(value, "--weight: " + name);
     named[id] = true;
   }
-  const std::vector<MaterialStats> stats = read_stats(reader, reader.meta().grid.box(0));
-  for (size_t id = 0; id < materials.size(); ++id)
-    if (!named[id] && stats[id].cells > 0)
-      throw UsageError(fmt::format("--weight: expected a weight for each material, found none for '{}'", materials[id].name));
+  expect_named(reader, 0, reader.meta().grid.box(0), named, "--weight");
   return weights;
 }
 

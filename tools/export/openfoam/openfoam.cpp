@@ -26,7 +26,7 @@ std::vector<bool> cells_of_mesh(const Export& e) {
   return out;
 }
 
-uint32_t ranks_of(const Export& e) { return e.has("--ranks") ? static_cast<uint32_t>(e.integer("--ranks", 1, 100'000)) : 1; }
+uint32_t ranks_of(const Export& e) { return static_cast<uint32_t>(e.integer("--ranks", 1, 100'000, 1)); }
 
 MeshNames names_of(const Export& e, const MeshCounts& counts) {
   static constexpr const char* kSideNames[] = {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
@@ -68,10 +68,8 @@ void expect_labels_for_cells(const Export& e, const Division& d, uint32_t ranks)
 
 void expect_cells(const Export& e, const Division& d, int64_t cells) {
   if (cells > 0) return;
-  std::string names;
-  for (size_t id = 0; id < d.in_mesh.size() && names.size() < 200; ++id)
-    if (d.in_mesh[id]) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", e.reader.meta().materials[id].name);
-  throw UsageError(fmt::format("the mesh would have no cell: expected cells of {} in the box, found none; --fluid chooses other materials", names));
+  throw UsageError(fmt::format("the mesh would have no cell: expected cells of {} in the box, found none; --fluid chooses other materials",
+                               quoted_names(e.reader.meta().materials, d.in_mesh)));
 }
 
 // Finds the regions, if that is asked for, and the number of cells.
