@@ -115,7 +115,7 @@ std::array<hsize_t, 3> sizes(const Index3& n) { return {static_cast<hsize_t>(n[0
 template <class T>
 H5Handle create(H5File& file, const char* name, const Index3& n, const Index3& chunk) {
   const H5Handle space(file.checked(H5Screate_simple(3, sizes(n).data(), nullptr), "describe a dataset"), H5Sclose);
-  const H5Handle how(file.checked(H5Pcreate(H5P_DATASET_CREATE), "describe a dataset"), H5Pclose);
+  const H5Handle how = file.without_times();
   file.checked(H5Pset_chunk(how, 3, sizes(chunk).data()), "choose the size of chunks");
   if (sizeof(T) > 1) file.checked(H5Pset_shuffle(how), "choose shuffle");
   file.checked(H5Pset_deflate(how, Z_BEST_SPEED), "choose deflate");
