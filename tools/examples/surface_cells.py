@@ -8,6 +8,8 @@ import sys
 import numpy
 import teracell
 
+if len(sys.argv) != 2:
+    sys.exit("usage: surface_cells.py GRID.tcell")
 BLOCK = 128
 grid = teracell.open(sys.argv[1])
 outside = len(grid.materials)  # no material has this id
