@@ -119,7 +119,7 @@ class Usage(Case):
                 (["--region", "6 whole numbers"], ["export", "g.tcell", "--region", "", "-o", "x.npy"]),
                 (["--region", "along x", "0 to 3", "level 2"], ["export", "g.tcell", "--level", 2, "--region", "0,0,0,4,1,1", "-o", "x.npy"]),
                 (["--level: expected", "0 to 4"], ["export", "g.tcell", "--level", 5, "-o", "x.npy"]),
-                ([".npy", ".raw", "--format"], ["export", "g.tcell", "-o", "x.bin"]),
+                ([".npy", ".raw", "--format", "export --list"], ["export", "g.tcell", "-o", "x.bin"]),
                 (["--fluid", "'water'"], ["export", "g.tcell", "-o", "case", "--format", "openfoam", "--fluid", "water"]),
                 (["--zarr-version", "2 to 3", "'4'"], ["export", "g.tcell", "-o", "x.zarr", "--zarr-version", 4]),
                 (["--ranks", "npy", "no such option"], ["export", "g.tcell", "-o", "x.npy", "--ranks", 2]),

@@ -29,8 +29,8 @@ std::string typed(const ExportOption& o) { return o.argument.empty() ? o.name : 
 std::string list_of_formats() {
   std::string list;
   for (const ExportFormat& f : export_formats()) {
-    list += fmt::format("{}{:<10} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::format("{}", fmt::join(f.extensions, " ")), f.holds);
-    for (const ExportOption& o : f.options) list += fmt::format("\n{:23}   {}: {}", "", typed(o), o.help);
+    list += fmt::format("{}{:<10} {:<16} {}", list.empty() ? "" : "\n", f.name, fmt::format("{}", fmt::join(f.extensions, " ")), f.holds);
+    for (const ExportOption& o : f.options) list += fmt::format("\n{:27}   {}: {}", "", typed(o), o.help);
   }
   return list;
 }
@@ -39,7 +39,8 @@ const ExportFormat& format_of(const ExportArguments& o) {
   if (const ExportFormat* named = o.format.empty() ? export_format_of(o.output) : export_format_named(o.format)) return *named;
   std::vector<std::string> extensions;
   for (const ExportFormat& format : export_formats()) extensions.insert(extensions.end(), format.extensions.begin(), format.extensions.end());
-  throw UsageError(fmt::format("--output: expected a name that ends in {}, or --format, found '{}'", fmt::join(extensions, " or "), o.output));
+  throw UsageError(fmt::format("--output: expected a name that ends in {}, or --format (see teracell export --list), found '{}'",
+                               fmt::join(extensions, " or "), o.output));
 }
 
 // The number of each material of the grid by --map, which must name all that are written.

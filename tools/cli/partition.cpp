@@ -63,7 +63,8 @@ Run setup_partition(CLI::App& app) {
   app.add_option("--ranks", o->ranks, "how many boxes")->required();
   app.add_option("-o,--output", o->output, "the JSON file to write")->required();
   app.add_option("--weight", o->weight, "NAME=WORK,...: the work of a cell of each material (default: 1 for all)");
-  app.add_option("--method", o->method, "blocks: compact boxes; slabs: cut along the longest axis alone")->check(one_of({"blocks", "slabs"}));
+  app.add_option("--method", o->method, "blocks: compact boxes; slabs: cut along the longest axis alone (default blocks)")
+      ->check(one_of({"blocks", "slabs"}));
   app.add_option("--align", o->align, "cuts lie at multiples of so many cells (default 1)");
   app.add_option("--halo", o->halo, "cells around each box that its rank reads, too (default 0)");
   add_progress(app, o->progress);
