@@ -1,6 +1,7 @@
 """OpenFOAM checks meshes of `teracell export --format openfoam`, and computes on them: the same on ranks as alone."""
 import json
 import os
+import pathlib
 import re
 import shutil
 import subprocess
@@ -87,6 +88,13 @@ class OpenFoam(unittest.TestCase):
         mpi = "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; exec mpirun --oversubscribe -np %d" % ranks if ranks > 1 else "exec"
         parallel = ["-parallel"] if ranks > 1 else []
         return self.run_ok("bash", "-c", f'{environment}; {mpi} "$@"', "foam", *command, "-case", case, *parallel)
+
+    def test_what_the_page_of_formats_writes_for_check_mesh_is_enough(self):
+        page = (pathlib.Path(__file__).resolve().parents[2] / "tools/EXPORTS.md").read_text()
+        lines = re.search(r"^mkdir -p case/system\n(.*?)^```", page, re.S | re.M)[0].rstrip("`")
+        self.teracell("export", "g.tcell", "--format", "openfoam", "-o", "case", "--drop-unreachable")
+        self.run_ok("bash", "-ec", lines)
+        self.assertIn("Mesh OK", self.foam("case", "checkMesh"))
 
     def case(self, name, *options, ranks=1):
         """A case with a mesh for one rank, and one for several."""
