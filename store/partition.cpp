@@ -88,12 +88,15 @@ class Cutter {
   void slabs(const Box& box, int axis) {
     const std::vector<double> layers = by_layers(box, axis);
     const double total = std::accumulate(layers.begin(), layers.end(), 0.0);
-    const int64_t n = cells_in(box, axis);
+    const int64_t n = cells_in(box, axis), most_slabs = places(box.lo[axis], box.hi[axis]);
+    if (o_.ranks > most_slabs)
+      throw OptionError(fmt::format("ranks: expected at most {}, the slabs along {} that cuts at multiples of {} cells give, found {}", most_slabs,
+                                    axis_name(axis), o_.align, o_.ranks));
     Box rest = box;
     double before = 0, sum = 0;
     int64_t at = 0;
     for (int64_t rank = 0; rank < o_.ranks; ++rank) {
-      const int64_t left = o_.ranks - rank - 1, most = n - left * o_.align;  // each slab that follows needs a place
+      const int64_t left = o_.ranks - rank - 1, most = (most_slabs - left) * o_.align;  // each slab that follows needs a place
       const double target = total > 0 ? total * static_cast<double>(rank + 1) / static_cast<double>(o_.ranks) : 0;
       const double even = static_cast<double>(n) * static_cast<double>(rank + 1) / static_cast<double>(o_.ranks);
       int64_t end = left == 0 ? n : at;
@@ -106,9 +109,6 @@ class Cutter {
         if (end > at && !closer) break;
         end = next, end_sum = next_sum;
       }
-      if (end <= at)
-        throw OptionError(fmt::format("ranks: expected at most as many as there are slabs along {}, cut at multiples of {} cells, found {}",
-                                      axis_name(axis), o_.align, o_.ranks));
       if (left == 0) end_sum = total;
       sum = end_sum;
       rest.lo[axis] = box.lo[axis] + at, rest.hi[axis] = box.lo[axis] + end;

@@ -90,7 +90,7 @@ TEST_CASE("Parts cover each cell once, with the weights of their cells and the n
       for (const int64_t align : {1, 3})
         for (const int64_t halo : {0, 2}) {
           const Index3 n = c.grid.cells();
-          const int64_t most = method == PartitionMethod::kSlabs ? std::ranges::max(n) / align : 40;
+          const int64_t most = method == PartitionMethod::kSlabs ? (std::ranges::max(n) + align - 1) / align : 40;
           const PartitionOptions o{random_int(c.random, 1, static_cast<int>(std::max<int64_t>(1, most))), method, {1, 0, 2.5, 0.25}, align, halo};
           INFO("seed " << seed << ", " << o.ranks << " ranks, align " << align);
           try {
@@ -99,6 +99,7 @@ TEST_CASE("Parts cover each cell once, with the weights of their cells and the n
             CHECK(partition_json(parse_partition(partition_json(p))) == partition_json(p));
           } catch (const OptionError& e) {  // too many ranks for so coarse cuts
             CHECK(align > 1);
+            CHECK(method == PartitionMethod::kBlocks);
           }
         }
   }
@@ -158,6 +159,12 @@ TEST_CASE("More ranks than cells, and options out of range, are refused") {
   store_cells(c.folder / "cube.tcell", metadata_of({{axis, axis, axis}}, 0, 2), std::vector<Label>(64 * 64 * 64, 0));
   CHECK_THROWS_WITH(make_partition(GridReader(c.folder / "cube.tcell"), {10'000, PartitionMethod::kBlocks, {1, 1}, 1, 64}, kSilent),
                     Catch::StartsWith("halo: "));
+  // The last slab may be narrower than the others.
+  for (const int64_t ranks : {5, 6}) {
+    const auto slabs = [&] { return make_partition(GridReader(c.folder / "cube.tcell"), {ranks, PartitionMethod::kSlabs, {1, 1}, 15, 0}, kSilent); };
+    if (ranks == 5) CHECK(std::ranges::max(slabs().parts.back().box.lo) == 60);
+    else CHECK_THROWS_WITH(slabs(), Catch::Contains("at most 5"));
+  }
   // Every cell a rank of its own.
   const int64_t cells = static_cast<int64_t>(c.cells.size());
   for (const double weight : {0., 1.}) {

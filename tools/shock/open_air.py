@@ -8,6 +8,7 @@ import numpy
 import charge
 import foam
 import gas
+import radial
 
 OPEN = ("xmax", "ymax", "zmax")
 
@@ -98,6 +99,13 @@ def tnt(teracell, folder, cells):
                      "spread": (max(f[1] for f in found) - min(f[1] for f in found)) / peak})
     steps, seconds = case.steps_and_seconds()
     return {"cells": cells**3, "cell": width, "steps": steps, "seconds": seconds, "gauges": rows}
+
+
+def tnt_along_radius():
+    """The same burst, computed along its radius alone: arrival and peak at each distance."""
+    filling = gas.Charge(charge.VOLUME, charge.TNT_MASS * gas.TNT, charge.TNT_MASS)
+    times, pressures = radial.burst(filling, charge.VOLUME, TNT_GAUGES)
+    return [dict(zip(("arrival", "peak"), arrival_and_peak(times, gauge))) for gauge in pressures.T]
 
 
 def arrival_and_peak(times, pressures):

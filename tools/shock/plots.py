@@ -39,8 +39,9 @@ def gauges(path, names, times, pressures, arrivals):
 
 
 @matplotlib.rc_context(STYLE)
-def open_air_plots(path, blasts, bursts):
-    """Left: the pressure of the point blast on each grid, and Sedov's. Right: peaks of the burst on each grid, and the curve."""
+def open_air_plots(path, blasts, bursts, model):
+    """Left: the pressure of the point blast on each grid, and Sedov's. Right: peaks of the burst on each grid, of the model along the radius, and the
+    curve."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.2), constrained_layout=True)
     r, p, _, _ = gas.sedov_profile()
     left.plot(numpy.append(r, [1, 1.15]), numpy.append(p, [0, 0]), color="#222222", lw=1.2, label="Sedov")
@@ -50,6 +51,7 @@ def open_air_plots(path, blasts, bursts):
     left.set(xlim=(0, 1.15), ylim=(0, 1.1), xlabel="radius / radius of the shock", ylabel="pressure / pressure behind the shock", title="a point blast")
     distance = numpy.geomspace(9, 44, 100)
     right.loglog(distance, gas.kinney_graham(distance, charge.TNT_MASS) / 1e3, color="#222222", lw=1.2, label="Kinney and Graham")
+    right.loglog([g["radius"] for g in bursts[0]["gauges"]], [m["peak"] / 1e3 for m in model], color="#222222", lw=1.2, ls="--", label="the model, along the radius")
     for colour, marker, row in zip(COLOURS, "s^o", bursts):
         distances, peaks = zip(*((g["radius"], g["peak"] / 1e3) for g in row["gauges"]))
         right.loglog(distances, peaks, ls="", marker=marker, ms=5, color=colour, label=f"cells of {row['cell']:.3g} m")

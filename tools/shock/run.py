@@ -26,17 +26,17 @@ def say(text):
 
 
 def check_in_open_air(teracell, folder):
-    """The point blast and the burst on three grids each."""
-    blasts, bursts = [], []
+    """The point blast and the burst on three grids each, and the burst along its radius alone."""
+    blasts, bursts, model = [], [], open_air.tnt_along_radius()
     for n in SEDOV_CELLS:
         blasts.append(row := open_air.sedov(teracell, folder / f"sedov-{n}", n))
         say(f"  point blast, {row['cells']} cells: shock {100 * row['radius_error']:+.1f} %, pressure {100 * row['profile_error']:.0f} % in the mean")
     for n in TNT_CELLS:
         bursts.append(row := open_air.tnt(teracell, folder / f"tnt-{n}", n))
-        errors = (f"{100 * (g['peak'] / g['peak_reference'] - 1):+.0f} % at {g['radius']:g} m" for g in row["gauges"])
+        errors = (f"{100 * (g['peak'] / m['peak'] - 1):+.0f} % at {g['radius']:g} m" for g, m in zip(row["gauges"], model))
         say(f"  10 t of TNT, cells of {row['cell']:.2f} m: peaks " + ", ".join(errors))
-    plots.open_air_plots(folder / "open-air.svg", blasts, bursts)
-    return blasts, bursts
+    plots.open_air_plots(folder / "open-air.svg", blasts, bursts, model)
+    return blasts, bursts, model
 
 
 def open_air_reference(place):
@@ -71,7 +71,7 @@ def main(teracell, folder, cells):
     folder = pathlib.Path(folder)
     began = time.monotonic()
     say("charges in open air, on three grids each ...")
-    blasts, bursts = check_in_open_air(teracell, folder)
+    blasts, bursts, model = check_in_open_air(teracell, folder)
     checked = time.monotonic()
     blast = stadium.Blast(teracell, folder, int(cells))
     say(f"the stadium in cells of {blast.width:g} m: computing {1e3 * stadium.END:g} ms ...")
@@ -92,9 +92,9 @@ def main(teracell, folder, cells):
             rows[name]["arrival_reference"], rows[name]["peak_reference"] = references[name]
     report = {"cells": len(blast.index[0]), "cell": blast.width, "steps": steps, "solver_seconds": seconds, "frames": frames, "gauges": rows,
               "open_air_seconds": checked - began, "stadium_seconds": computed - checked, "picture_seconds": time.monotonic() - computed,
-              "point_blast": blasts, "burst": bursts}
+              "point_blast": blasts, "burst": bursts, "burst_along_radius": model}
     (folder / "report.json").write_text(json.dumps(report, indent=1) + "\n")
-    (folder / "tables.md").write_text("\n".join([tables.point_blast(blasts), tables.burst(bursts), tables.gauges(rows)]))
+    (folder / "tables.md").write_text("\n".join([tables.point_blast(blasts), tables.burst(bursts, model), tables.gauges(rows)]))
     print(f"""
   cells       {report["cells"]} of {blast.width:g} m, {steps} steps
   time        {checked - began:.0f} s for charges in open air, {computed - checked:.0f} s for the stadium, {report["picture_seconds"]:.0f} s for pictures
