@@ -255,7 +255,7 @@ Response route_anew(Service& service, const Request& request) {
   try {
     return route(service, request);
   } catch (const Replaced&) {
-    service.grids().look();
+    service.grids().recheck();
     return route(service, request);
   }
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <tuple>
+#include <type_traits>
 
 #include "store/metadata.hpp"
 #include "store/run.hpp"
@@ -25,7 +26,7 @@ struct ChunkPart {
   bool all_rays, whole;
 };
 
-// Calls f(part) for the chunks that meet the box. REQUIRES: the box lies in the level.
+// Calls f(part) for the chunks that meet the box; if f returns a bool, up to the first false. REQUIRES: the box lies in the level.
 template <class F>
 void for_each_part(const LevelShape& s, const RayBox& b, F&& f) {
   const auto cut = [](int64_t lo, int64_t hi, int64_t first, int64_t size) {
@@ -40,7 +41,8 @@ void for_each_part(const LevelShape& s, const RayBox& b, F&& f) {
     std::tie(p.w0, p.w1) = cut(b.w0, b.w1, p.first_w, s.length(p.key.segment));
     p.all_rays = p.u0 == 0 && p.v0 == 0 && p.u1 == s.rays_u(p.key.cu) && p.v1 == s.rays_v(p.key.cv);
     p.whole = p.all_rays && p.w0 == 0 && p.w1 == s.length(p.key.segment);
-    f(p);
+    if constexpr (std::is_same_v<decltype(f(p)), bool>) return f(p);
+    else return f(p), true;
   };
   // Page by page, so that each page of the index is read once.
   const int64_t side = s.page_chunks;
@@ -49,7 +51,8 @@ void for_each_part(const LevelShape& s, const RayBox& b, F&& f) {
     for (int64_t pv = v0 / side; pv <= v1 / side; ++pv)
       for (int64_t pu = u0 / side; pu <= u1 / side; ++pu)
         for (int64_t cv = std::max(v0, pv * side); cv <= std::min(v1, pv * side + side - 1); ++cv)
-          for (int64_t cu = std::max(u0, pu * side); cu <= std::min(u1, pu * side + side - 1); ++cu) chunk(cu, cv, segment);
+          for (int64_t cu = std::max(u0, pu * side); cu <= std::min(u1, pu * side + side - 1); ++cu)
+            if (!chunk(cu, cv, segment)) return;
 }
 
 // Calls f(u, v) for the rays of a part.

@@ -14,6 +14,7 @@ enum class Remedy {
   kOtherFolder,  // for temporary files
   kOtherFolderOrMoreMemory,
   kFreshStart,  // instead of resuming
+  kAllowHttp,   // for an address without TLS
 };
 
 struct Error : std::runtime_error {

@@ -15,9 +15,10 @@ class KeptChunks final : public ChunkKeeper {
       return std::pair(std::move(chunk), bytes);
     });
   }
+  bool has(const ChunkKey& key) const override { return chunks_.find(key) != nullptr; }
 
  private:
-  SharedCache<ChunkKey, Chunk, ChunkKeyHash> chunks_;
+  mutable SharedCache<ChunkKey, Chunk, ChunkKeyHash> chunks_;
 };
 
 }  // namespace teracell

@@ -11,6 +11,7 @@ namespace teracell {
 void for_each_run(const GridReader& reader, int level, const Box& box, const std::function<void(const BoxRun&)>& f) {
   check_box(reader.meta(), level, box);
   if (box.empty()) return;
+  reader.prefetch(level, box);
   const RayFrame frame = reader.meta().frame();
   std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(box, frame), [&](const ChunkPart& p) {

@@ -244,6 +244,7 @@ void read_lattice(const GridReader& reader, int level, const Lattice& lattice, c
       box.lo[d] = lattice.first[d] + inside.lo[d] * lattice.step[d];
       box.hi[d] = lattice.first[d] + (inside.hi[d] - 1) * lattice.step[d] + 1;
     }
+    if (lattice.step == Index3{1, 1, 1}) reader.prefetch(level, box);
     for_each_part(shape, RayBox(box, f), [&](const ChunkPart& p) {
       Box part;
       part.lo[f.u] = p.first_u + p.u0, part.lo[f.v] = p.first_v + p.v0, part.lo[f.w] = p.first_w + p.w0;

@@ -6,6 +6,7 @@
 
 #include "store/checked_read.hpp"
 #include "store/chunk_codec.hpp"
+#include "store/chunk_parts.hpp"
 #include "store/json_check.hpp"
 #include "store/metadata_json.hpp"
 #include "store/pyramid.hpp"
@@ -57,6 +58,10 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
       throw FormatError(fmt::format("expected {} bytes, found {}: bytes are missing or were added", footer_.file_bytes, size));
     read_checked(*source_, footer_.metadata, "metadata", bytes);
     meta_ = decode_metadata(bytes);
+    std::vector<ByteRange> directories;
+    for (const LevelInfo& l : meta_.levels()) directories.push_back({l.directory, 8});
+    for (const Channel& c : meta_.others()) directories.push_back({c.cover, 8});
+    source_->prefetch(directories);
     for (const LevelInfo& l : meta_.levels()) {
       const LevelShape s = shape(l.level);
       // Two factors at a time: with a hostile grid the product of three could overflow.
@@ -162,6 +167,53 @@ std::optional<std::vector<Label>> GridReader::uniform(const ChunkKey& key) const
     all = std::move(set);
   }
   return all;
+}
+
+void GridReader::prefetch(int level, const Box& box, bool with_chunks) const {
+  constexpr size_t kMostPages = 64, kMostChunks = 4096;
+  if (!source_->is_far() || box.empty()) return;
+  if (!stored(level)) {
+    Box below = box;
+    const Index3 cells = meta_.grid.cells(level - 1);
+    for (int d = 0; d < 3; ++d) below.lo[d] *= 2, below.hi[d] = std::min(2 * below.hi[d], cells[d]);
+    return prefetch(level - 1, below, with_chunks);
+  }
+  const LevelShape s = shape(level);
+  const RayBox b(box, meta_.frame());
+  std::vector<ChunkKey> keys;
+  std::vector<uint64_t> pages;
+  for_each_part(s, b, [&](const ChunkPart& p) {
+    if (keeper_ && keeper_->has(p.key)) return true;
+    const uint64_t page = s.page_of(p.key);
+    const bool known = !pages.empty() && pages.back() == page;
+    if (keys.size() == kMostChunks || (!known && pages.size() == kMostPages)) return false;
+    if (!known) pages.push_back(page);
+    keys.push_back(p.key);
+    return true;
+  });
+  try {
+    std::vector<ByteRange> places;
+    for (const uint64_t page : pages) {
+      const BlockPlace block = directory_block(page / kBlockEntries, s.pages());
+      places.push_back({info(level).directory + block.offset, block.bytes()});
+    }
+    source_->prefetch(places);
+    places.clear();
+    for (const uint64_t page : pages) {
+      if (index_->find({number_, true, page * 32 + static_cast<uint64_t>(level)})) continue;
+      const DirectoryEntry place = page_place(level, page);
+      places.push_back({place.offset, place.size});
+    }
+    source_->prefetch(places);
+    if (!with_chunks) return;
+    places.clear();
+    for (const ChunkKey& key : keys)
+      if (const auto e = entry(key); e->size != 0) places.push_back({e->offset, e->size});
+    source_->prefetch(places);
+  } catch (const FormatError& e) {
+    const std::string message = e.what();
+    throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));
+  }
 }
 
 void GridReader::read_stored(const ChunkKey& key, const ChunkEntry& e, Chunk& out) const {

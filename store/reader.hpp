@@ -22,6 +22,7 @@ class ChunkKeeper {
   virtual ~ChunkKeeper() = default;
   // The chunk that is kept, or what make() returns.
   virtual std::shared_ptr<const Chunk> get(const ChunkKey& key, const Make& make) = 0;
+  virtual bool has(const ChunkKey&) const { return false; }
 };
 
 // Threads may share a reader. Throws IoError or FormatError; a FormatError names the file and the place in it.
@@ -52,6 +53,10 @@ class GridReader {
   void read(const ChunkKey& key, Chunk& out) const;
   // The same, through the keeper. Without a keeper, `scratch` holds the chunk until it is used again.
   std::shared_ptr<const Chunk> chunk(const ChunkKey& key, std::shared_ptr<Chunk>& scratch) const;
+
+  // Makes ready what the index says of the chunks that meet the box, and the chunks themselves, in as few round trips as possible,
+  // if the source is far away: otherwise each read of a chunk would be one. Of a large box, a part. REQUIRES: the box lies in the level.
+  void prefetch(int level, const Box& box, bool with_chunks = true) const;
 
   // ---- The parts of the file, for a program that goes through all of them. FormatErrors don't name the file yet, except
   // those of chunks.

@@ -72,6 +72,21 @@ struct Picture {
   Band tail(const Band& band, int64_t rows) const { return top_down ? Band{band.from, band.to - rows} : Band{band.from + rows, band.to}; }
   int64_t nth(const Band& band, int64_t i) const { return top_down ? band.to - 1 - i : band.from + i; }
 
+  // Makes ready what a band needs.
+  void prefetch(const Band& band) const {
+    const RayFrame f = RayFrame::along(view.axis);
+    Box box;
+    box.lo[f.u] = view.u0, box.hi[f.u] = view.u1;
+    box.lo[f.v] = band.from, box.hi[f.v] = band.to;
+    box.lo[f.w] = view.index, box.hi[f.w] = view.index + 1;
+    reader.prefetch(view.level, box);
+  }
+  // The same for all of a small picture, in fewer round trips.
+  void prefetch_if_small() const {
+    if (width() * (view.v1 - view.v0) <= kSmall) prefetch({view.v0, view.v1});
+  }
+  static constexpr int64_t kSmall = 1 << 20;  // pixels
+
   // The columns [u0, u1) of a band, the lowest row first.
   struct Part {
     Band band;
@@ -98,6 +113,7 @@ struct Picture {
           if (u == view.u1) {
             if (left.from == left.to) return std::nullopt;
             band = next_band(left, size_v);
+            prefetch(band);
             band = head(band, std::min(rows, band.to - band.from));
             left = tail(left, band.to - band.from);
             u = view.u0;
@@ -301,6 +317,7 @@ struct Picture {
 
   // Delivers the first rows of a band within a segment, as many as can be held. Returns their number.
   int64_t sweep(const Band& band) const {
+    prefetch(band);
     int64_t rows = 2 * width() <= held ? band.to - band.from : 1;
     std::vector<uint16_t> current(rows > 1 ? static_cast<size_t>(width()) : 0);
     std::vector<Columns> parts;  // those of all columns so far
@@ -383,6 +400,7 @@ void for_each_row(const GridReader& reader, const SliceView& view, const SetValu
   check_view(reader.meta(), view);
   const RayFrame rays = reader.meta().frame();
   const Picture picture{reader, view, value, top_down, threads, row, held, reader.shape(view.level), rays};
+  picture.prefetch_if_small();
   if (rays.w == view.axis) picture.across();
   else if (rays.w == RayFrame::along(view.axis).v) picture.upright();
   else picture.lying();

@@ -57,6 +57,7 @@ std::vector<MaterialStats> read_stats(const GridReader& reader, const Box& box) 
   const bool graded = std::ranges::any_of(grid.axis, &Axis::is_graded);
   const auto length = [&](int axis, int64_t lo, int64_t hi) { return grid.axis[axis].plane(hi) - grid.axis[axis].plane(lo); };
 
+  reader.prefetch(0, box, false);
   std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(0), RayBox(box, f), [&](const ChunkPart& p) {
     const auto entry = reader.entry(p.key);

@@ -18,6 +18,7 @@
 #include "store/kept_chunks.hpp"
 #include "store/partition.hpp"
 #include "store/query.hpp"
+#include "store/sources.hpp"
 #include "store/stats.hpp"
 #include "store/wanted.hpp"
 
@@ -28,7 +29,7 @@ struct tc_partition {
 };
 
 struct tc_grid {
-  explicit tc_grid(const char* path) : reader(std::make_unique<InputFile>(path), std::make_shared<KeptChunks>(kKept)) {
+  tc_grid(const char* path, const SourceOptions& source) : reader(open_source(path, source), std::make_shared<KeptChunks>(kKept)) {
     for (const MaterialInfo& m : reader.meta().materials) {
       const Rgba c = parse_color(m.color).value_or(Rgba{0, 0, 0, 255});
       materials.push_back({m.name.c_str(), {c[0], c[1], c[2], c[3]}, m.rank});
@@ -241,7 +242,22 @@ int tc_open(const char* path, tc_grid** grid) {
   return guarded([&] {
     check(path != nullptr && grid != nullptr, "a path and a place for the grid, found NULL");
     *grid = nullptr;
-    *grid = new tc_grid(path);
+    *grid = new tc_grid(path, {});
+  });
+}
+
+int tc_open_source(const char* path, const tc_source* source, size_t size, tc_grid** grid) {
+  return guarded([&] {
+    check(path != nullptr && grid != nullptr, "a path and a place for the grid, found NULL");
+    *grid = nullptr;
+    tc_source given{};  // an older program knows fewer members
+    if (source != nullptr) std::memcpy(&given, source, std::min(size, sizeof given));
+    SourceOptions options;
+    if (given.cache_dir != nullptr) options.cache_dir = given.cache_dir;
+    if (given.cache_dir_bytes != 0) options.cache_dir_bytes = given.cache_dir_bytes;
+    if (given.endpoint != nullptr) options.endpoint = given.endpoint;
+    options.allow_http = given.allow_http != 0;
+    *grid = new tc_grid(path, options);
   });
 }
 

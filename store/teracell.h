@@ -60,6 +60,19 @@ typedef struct tc_grid tc_grid;
  * name is another grid. */
 TC_API int tc_open(const char* path, tc_grid** grid);
 
+/* How to read from an address: a grid may lie at https://host/g.tcell or s3://bucket/key. NULL and 0 stand for the defaults. */
+typedef struct tc_source {
+  const char* cache_dir;     /* a folder that keeps what is read, for the next time; default: none */
+  uint64_t cache_dir_bytes;  /* how much it keeps; default: 2^30 */
+  const char* endpoint;      /* the address of the store of s3:// addresses; default: that of Amazon */
+  int allow_http;            /* not 0: also from http:// addresses of other machines */
+} tc_source;
+
+/* Opens a file or an address. tc_open() does the same with the defaults. Requests to s3:// addresses are signed if the environment holds a
+ * key: AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_SESSION_TOKEN, AWS_REGION. If the object is replaced while the grid is open, functions
+ * return TC_IO: cells of two versions are never mixed. `size` is sizeof *source; `source` may be NULL. */
+TC_API int tc_open_source(const char* path, const tc_source* source, size_t size, tc_grid** grid);
+
 /* Returns the same grid for a second owner, who calls tc_close() as well: the last of them frees it. NULL gives NULL. */
 TC_API tc_grid* tc_share(tc_grid* grid);
 

@@ -10,7 +10,9 @@
 
 #include "server/service/message.hpp"
 #include "store/json_text.hpp"
+#include "store/sources.hpp"
 #include "store/text.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -31,25 +33,32 @@ std::vector<fs::path> grids_in(const fs::path& folder, std::error_code& error) {
   return out;
 }
 
+// An address without its query, which may hold a signature; the name of a file as it is.
+fs::path shown(const fs::path& path) {
+  const std::string text = path.string();
+  return is_address(text) && !text.starts_with("s3:") ? fs::path(text.substr(0, text.find_first_of("?#"))) : path;
+}
+
 // A message about a file, as clients see it: without the folders of this machine.
 std::string without_folder(std::string message, const fs::path& path) {
-  const std::string whole = path.string(), name = path.filename().string();
+  const std::string whole = shown(path).string(), name = shown(path).filename().string();
   for (size_t at = 0; (at = message.find(whole, at)) != std::string::npos; at += name.size()) message.replace(at, whole.size(), name);
   return message;
 }
 
 // The same message as the operator of the server sees it: with the folder, since several may be served.
 std::string with_folder(const std::string& message, const fs::path& path) {
-  const std::string name = path.filename().string();
-  return path.string() + (message.starts_with(name + ":") ? message.substr(name.size()) : ": " + message);
+  const std::string name = shown(path).filename().string();
+  return shown(path).string() + (message.starts_with(name + ":") ? message.substr(name.size()) : ": " + message);
 }
 
 // The stem in a form that addresses and JSON can hold: UTF-8 without control characters, and neither "." nor "..", which clients
 // resolve, and not too long: what is not UTF-8 takes up to three times as many bytes.
 std::string stem_of(const fs::path& path) {
-  std::string stem = utf8_of(path.stem().string());
+  std::string stem = utf8_of(shown(path).stem().string());
   std::ranges::replace_if(
       stem, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
+  if (stem.empty()) stem = "grid";  // of an address that ends with a slash
   if (stem == "." || stem == "..") std::ranges::replace(stem, '.', '_');
   return std::string(first_bytes(stem, kMostStem));
 }
@@ -63,15 +72,28 @@ size_t count_grids(const std::vector<fs::path>& named) {
   return n;
 }
 
-Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) : open_(std::move(open)), complain_(std::move(complain)) {
+Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, double recheck_after)
+    : open_(std::move(open)), complain_(std::move(complain)) {
+  bool addresses = false;
   for (const auto& path : named) {
+    if (is_address(path.string())) {
+      served_.push_back({path, false, true, {path}, ""});
+      addresses = true;
+      WatchedFile& file = watched(path);
+      if (file.grid) continue;  // named twice
+      const uint64_t number = next_number_++;
+      auto reader = open_(path, number);
+      const std::string hash = reader->hash();
+      file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader)});
+      continue;
+    }
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
     if (!fs::status_known(status)) throw IoError(fmt::format("{}: can't be read: {}", path.string(), error.message()));
     if (!fs::is_directory(status) && !fs::is_regular_file(status))
       throw UsageError(
           fmt::format("{}: expected a .tcell file or a folder, found {}", path.string(), fs::exists(status) ? "something else" : "nothing"));
-    served_.push_back({path, fs::is_directory(status), {path}, ""});
+    served_.push_back({path, fs::is_directory(status), false, {path}, ""});
   }
   look();
   for (const ServedPath& served : served_) {
@@ -95,12 +117,73 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain) :
       }
     }
   });
+  if (!addresses) return;
+  watch_addresses_ = std::jthread([this, recheck_after](const std::stop_token& stop) {
+    for (;;) {
+      {
+        std::unique_lock lock(waiting_);
+        woken_.wait_for(lock, stop, std::chrono::duration<double>(recheck_after), [&] { return recheck_soon_; });
+        recheck_soon_ = false;
+      }
+      if (stop.stop_requested()) return;
+      try {
+        const Wanted until_stopped([&] {
+          if (stop.stop_requested()) throw Unwanted("the server stops");
+        });
+        recheck();
+      } catch (const std::exception&) {  // asked again next time
+      }
+    }
+  });
+}
+
+void Grids::recheck() {
+  {
+    std::lock_guard one(rechecking_);
+    for (const ServedPath& served : served_)  // which does not change after the constructor, but for the files of folders
+      if (served.address) open_address(served.path);
+  }
+  look();
+}
+
+// Opens the object of an address if it is not the one that is open. While its host can't be asked, the old one is served.
+void Grids::open_address(const fs::path& path) {
+  std::shared_ptr<const ServedGrid> old;
+  uint64_t number;
+  std::string id;
+  {
+    std::lock_guard lock(looking_);
+    old = files_.at(path).grid;
+    id = files_.at(path).id;
+    number = next_number_++;
+  }
+  std::shared_ptr<const ServedGrid> next;
+  std::string error;
+  try {
+    if (old && !old->reader().source().was_replaced()) return;
+    auto reader = open_(path, number);
+    const std::string hash = reader->hash();
+    next = std::make_shared<const ServedGrid>(ServedGrid{id, number, hash, std::move(reader)});
+  } catch (const Unwanted&) {
+    throw;
+  } catch (const FormatError& e) {
+    error = e.what();
+  } catch (const std::exception& e) {
+    if (old) return;
+    error = e.what();
+  }
+  std::lock_guard lock(looking_);
+  WatchedFile& file = files_.at(path);
+  const std::string message = error.empty() ? "" : shortened(without_folder(error, path));
+  if (!message.empty() && message != file.error) complain_(with_folder(message, path));
+  file.grid = next;
+  file.error = message;
 }
 
 void Grids::look_soon() {
   {
     std::lock_guard lock(waiting_);
-    look_soon_ = true;
+    look_soon_ = recheck_soon_ = true;
   }
   woken_.notify_all();
 }
@@ -134,16 +217,26 @@ void Grids::list(ServedPath& served) {
   served.error = error ? fmt::format("{}: can't be read: {}", served.path.string(), error.message()) : "";
 }
 
-Grids::WatchedFile* Grids::check_file(const fs::path& path, bool anew) {
-  struct stat s;
-  const int error = stat(path.c_str(), &s) == 0 ? 0 : errno;
-  if (error == ENOENT || error == ENOTDIR || (error == 0 && !S_ISREG(s.st_mode))) return nullptr;
+// The entry of a path, which is made if there is none.
+Grids::WatchedFile& Grids::watched(const fs::path& path) {
   auto it = files_.find(path);
   if (it == files_.end()) {
     it = files_.emplace(path, WatchedFile{new_id(path)}).first;
     ids_.insert(it->second.id);
   }
-  WatchedFile& file = it->second;
+  return it->second;
+}
+
+Grids::WatchedFile* Grids::check_file(const fs::path& path, bool anew) {
+  if (is_address(path.string())) {
+    WatchedFile& file = watched(path);
+    file.seen = looks_;
+    return &file;
+  }
+  struct stat s;
+  const int error = stat(path.c_str(), &s) == 0 ? 0 : errno;
+  if (error == ENOENT || error == ENOTDIR || (error == 0 && !S_ISREG(s.st_mode))) return nullptr;
+  WatchedFile& file = watched(path);
   file.seen = looks_;
   if (error != 0) {  // perhaps for a moment only; a file that was opened can still be read
     if (!file.grid) file.error = fmt::format("{}: {}", path.filename().string(), std::generic_category().message(error));

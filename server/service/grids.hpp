@@ -3,6 +3,9 @@
 // replaced, added or removed is noticed within a second; a caller that holds the old grid goes on reading it while its descriptor
 // is kept. A file that can't be
 // opened is not tried at each look: not before it changes if it breaks the format, or else after pauses of up to a minute.
+//
+// A grid may lie behind an address. Another thread asks its host now and then whether it was replaced. Cells of two versions never mix,
+// since a source notices by itself when its object is another one: what is asked here is how long answers of the old one are given.
 #pragma once
 #include <atomic>
 #include <condition_variable>
@@ -44,7 +47,8 @@ class Grids {
   // Throws UsageError for a path that is neither a folder nor a file, IoError for a folder that can't be read, FormatError for
   // a named file that can't be opened. For a file in a folder, or one that can't be read later, `complain` is called instead, on
   // any thread: once, when the file has stopped changing.
-  Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain);
+  // `recheck`: seconds between two questions to the host of an address.
+  Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain, double recheck = 60);
 
   // Throws HttpError: 404 when there is no such grid, 500 with what is wrong when its file can't be read.
   std::shared_ptr<const ServedGrid> find(const std::string& id) const;
@@ -61,6 +65,8 @@ class Grids {
   std::vector<Unreadable> unreadable() const;
   // Looks at the files now. The thread does so every half second. `anew`: tries also files that are not due.
   void look(bool anew = false);
+  // Asks the hosts of all addresses now, and looks at the files.
+  void recheck();
   // Makes the thread look anew now. Returns at once. From any thread.
   void look_soon();
 
@@ -76,7 +82,7 @@ class Grids {
   };
   struct ServedPath {
     std::filesystem::path path;
-    bool folder;
+    bool folder, address;
     std::vector<std::filesystem::path> files;  // the file itself, or what the folder held when it was last readable
     std::string error;                         // why the folder can't be read now
   };
@@ -93,6 +99,8 @@ class Grids {
   };
 
   void list(ServedPath& served);
+  WatchedFile& watched(const std::filesystem::path& path);
+  void open_address(const std::filesystem::path& path);
   WatchedFile* check_file(const std::filesystem::path& path, bool anew);  // null when it is not there
   void open(const std::filesystem::path& path, WatchedFile& file, const FileState& state);
   void forget_gone();
@@ -112,10 +120,11 @@ class Grids {
   std::shared_ptr<const Snapshot> snapshot_ = std::make_shared<const Snapshot>();
   std::atomic<uint64_t> epoch_ = 0;  // of snapshot_
 
-  std::mutex waiting_;  // guards look_soon_
+  std::mutex waiting_;  // guards the next two
   std::condition_variable_any woken_;
-  bool look_soon_ = false;
-  std::jthread watch_;  // last: it uses the others
+  bool look_soon_ = false, recheck_soon_ = false;
+  std::mutex rechecking_;  // one thread asks the hosts at a time
+  std::jthread watch_, watch_addresses_;  // last: they use the others
 };
 
 }  // namespace teracell

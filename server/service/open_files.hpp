@@ -18,11 +18,6 @@ class OpenFiles : public LruCache<uint64_t, InputFile> {
   std::atomic<uint64_t> files_ = 0;
 };
 
-// A file that had to be opened again is gone, or no longer the one that was opened first.
-struct Replaced : IoError {
-  using IoError::IoError;
-};
-
 // Threads may share it.
 class ReopenedFile : public ByteSource {
  public:

@@ -12,31 +12,38 @@ namespace {
 // Part of every ETag. Raise it when the server makes other bytes from the same grid.
 constexpr int kRevision = 1;
 
-// Counts the reads of a file. Its name has no folder, since messages show it to clients.
+// Counts the reads of a file. Its name has no folder and no host, since messages show it to clients.
 class CountedSource : public ByteSource {
  public:
-  CountedSource(const std::filesystem::path& path, std::shared_ptr<Service::Counters> counters, std::shared_ptr<OpenFiles> open)
-      : file_(path, std::move(open)), name_(path.filename().string()), counters_(std::move(counters)) {}
-  uint64_t size() const override { return file_.size(); }
+  CountedSource(std::unique_ptr<ByteSource> source, std::shared_ptr<Service::Counters> counters)
+      : source_(std::move(source)), name_(std::filesystem::path(source_->name()).filename().string()), counters_(std::move(counters)) {}
+  uint64_t size() const override { return source_->size(); }
   const std::string& name() const override { return name_; }
   void read(uint64_t offset, std::span<uint8_t> out) const override {
     counters_->reads.fetch_add(1, std::memory_order_relaxed);
     counters_->bytes.fetch_add(out.size(), std::memory_order_relaxed);
-    try {
-      file_.read(offset, out);
-    } catch (const Replaced& e) {
-      throw Replaced(without_folder(e.what()));
-    } catch (const IoError& e) {
-      throw IoError(without_folder(e.what()));
-    }
+    without_folder([&] { source_->read(offset, out); });
   }
+  bool is_far() const override { return source_->is_far(); }
+  void prefetch(std::span<const ByteRange> soon) const override {
+    without_folder([&] { source_->prefetch(soon); });
+  }
+  bool was_replaced() const override { return source_->was_replaced(); }
 
  private:
-  std::string without_folder(std::string message) const {
-    if (message.starts_with(file_.name())) message.replace(0, file_.name().size(), name_);
+  template <class F>
+  void without_folder(F&& f) const try {
+    f();
+  } catch (const Replaced& e) {
+    throw Replaced(without_folder_of(e.what()));
+  } catch (const IoError& e) {
+    throw IoError(without_folder_of(e.what()));
+  }
+  std::string without_folder_of(std::string message) const {
+    if (message.starts_with(source_->name())) message.replace(0, source_->name().size(), name_);
     return message;
   }
-  ReopenedFile file_;
+  const std::unique_ptr<ByteSource> source_;
   const std::string name_;
   std::shared_ptr<Service::Counters> counters_;
 };
@@ -52,6 +59,7 @@ class Keeper : public ChunkKeeper {
       return std::pair(std::move(chunk), bytes);
     });
   }
+  bool has(const ChunkKey& key) const override { return cache_->find({grid_, key}) != nullptr; }
 
  private:
   std::shared_ptr<Service::ChunkCache> cache_;
@@ -112,11 +120,15 @@ Service::Service(ServiceOptions options)
       answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
       grids_(std::make_unique<Grids>(
           options_.named,
-          [counters = counters_, chunks = chunks_, index = index_, files = files_](const std::filesystem::path& path, uint64_t number) {
-            return std::make_unique<const GridReader>(std::make_unique<CountedSource>(path, counters, files),
+          [counters = counters_, chunks = chunks_, index = index_, files = files_, remote = options_.source](const std::filesystem::path& path,
+                                                                                                             uint64_t number) {
+            std::unique_ptr<ByteSource> source;
+            if (is_address(path.string())) source = open_source(path.string(), remote);
+            else source = std::make_unique<ReopenedFile>(path, files);
+            return std::make_unique<const GridReader>(std::make_unique<CountedSource>(std::move(source), counters),
                                                       std::make_shared<Keeper>(chunks, number), index);
           },
-          [this](const std::string& message) { complain(message); })) {}
+          [this](const std::string& message) { complain(message); }, options_.recheck)) {}
 
 Service::AnswerCache::Pointer Service::find_cached(const Request& request) {
   const uint64_t epoch = grids_->epoch();

@@ -11,6 +11,7 @@
 #include "server/service/open_files.hpp"
 #include "server/service/target.hpp"
 #include "store/shared_cache.hpp"
+#include "store/sources.hpp"
 
 namespace teracell {
 
@@ -25,12 +26,14 @@ struct ChunkPlaceHash {
 };
 
 struct ServiceOptions {
-  std::vector<std::filesystem::path> named;  // files and folders
+  std::vector<std::filesystem::path> named;  // files, folders and addresses
   size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; answers take up to 1/8 of this on top
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
   size_t open_files = 256;                   // descriptors of grids that are kept
   bool anybody = true;                       // answers are for everybody, so proxies may keep them
   std::function<void(const std::string&)> complain;  // called with each damage that is found, once, on any thread
+  SourceOptions source = {};                 // for addresses
+  double recheck = 60;                       // seconds between two questions to the host of an address whether the grid was replaced
 };
 
 // Threads share it.

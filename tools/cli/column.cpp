@@ -10,12 +10,13 @@ namespace teracell {
 namespace {
 
 struct ColumnArguments {
-  std::string grid, axis, at;
+  GridArgument grid;
+  std::string axis, at;
   bool json = false;
 };
 
 void run(const ColumnArguments& o) {
-  const GridReader reader(o.grid);
+  const GridReader reader = open_grid(o.grid);
   const Metadata& meta = reader.meta();
   const int axis = parse_axis(o.axis);
   const auto at = parse_integers(o.at, 2, "--at");
@@ -37,7 +38,7 @@ void run(const ColumnArguments& o) {
 
 Run setup_column(CLI::App& app) {
   const auto o = std::make_shared<ColumnArguments>();
-  app.add_option("grid", o->grid, "a .tcell file")->required();
+  add_grid(app, o->grid);
   app.add_option("--axis", o->axis, "the axis that the column is along: x, y or z")->required();
   app.add_option("--at", o->at, "I,J: the cells on the other two axes: x,y for a column along z, x,z along y, y,z along x")->required();
   app.add_flag("--json", o->json, "as JSON");

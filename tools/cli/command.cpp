@@ -120,6 +120,31 @@ CLI::Validator one_of(std::vector<std::string> words) {
       "");
 }
 
+void add_grid(CLI::App& app, GridArgument& grid) {
+  app.add_option("grid", grid.name, "a .tcell file, or its address: https://HOST/PATH or s3://BUCKET/KEY")->required();
+  add_source_options(app, grid.source);
+}
+
+void add_source_options(CLI::App& app, SourceOptions& source) {
+  app.add_option("--cache-dir", source.cache_dir, "a folder that keeps what is read from addresses, for the next time");
+  app.add_option_function<std::string>(
+         "--cache-dir-size", [&source](const std::string& text) { source.cache_dir_bytes = parse_size(text, "--cache-dir-size"); },
+         "how much that folder keeps (default 1G)")
+      ->type_name("SIZE");
+  app.add_option("--endpoint", source.endpoint, "the address of the store of s3:// addresses (default: that of Amazon)");
+  app.add_flag("--allow-http", source.allow_http, "read from http:// addresses of other machines, which are not protected on their way");
+  app.add_option("--address-timeout", source.timeout, "seconds without progress after which a request to an address is tried again (default 15)")
+      ->check(CLI::Validator(
+          [](std::string& found) {
+            double value;
+            return CLI::detail::lexical_cast(found, value) && value >= 0.1 && value <= 3600 ? ""
+                                                                                            : fmt::format("expected 0.1 to 3600, found '{}'", found);
+          },
+          ""));
+}
+
+GridReader open_grid(const GridArgument& grid) { return GridReader(open_source(grid.name, grid.source)); }
+
 void add_threads(CLI::App& app, int& threads) {
   app.add_option("--threads", threads, "how many threads, 1 to 1024 (default: one per core)")
       ->check(CLI::Validator(

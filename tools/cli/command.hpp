@@ -11,7 +11,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "store/metadata.hpp"
+#include "store/reader.hpp"
+#include "store/sources.hpp"
 
 namespace teracell {
 
@@ -27,6 +28,14 @@ void check_level(const Grid& grid, int level);
 // Throws UsageError unless 0 <= lo < hi <= the level's cells on the axis.
 void check_region(const Grid& grid, int level, int axis, int64_t lo, int64_t hi);
 Box parse_region(const std::string& text, const Grid& grid, int level);
+// A grid that a command reads: a file or an address.
+struct GridArgument {
+  std::string name;
+  SourceOptions source;
+};
+void add_grid(CLI::App& app, GridArgument& grid);
+void add_source_options(CLI::App& app, SourceOptions& source);  // --cache-dir and so on, which add_grid() adds, too
+GridReader open_grid(const GridArgument& grid);
 void add_threads(CLI::App& app, int& threads);  // stays 0, which means one per core, unless it is given
 int threads_or_all(int threads);
 void add_progress(CLI::App& app, std::string& mode);

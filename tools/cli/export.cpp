@@ -12,7 +12,8 @@ namespace teracell {
 namespace {
 
 struct ExportArguments {
-  std::string grid, output, format, progress = "auto";
+  GridArgument grid;
+  std::string output, format, progress = "auto";
   std::optional<std::string> region, map;  // given and empty is a mistake of a script
   int level = 0;
   std::map<std::string, std::string> of_formats;  // the options that only some formats take
@@ -68,8 +69,8 @@ void check_options(const ExportArguments& o, const ExportFormat& format) {
 void run(const ExportArguments& o) {
   const ExportFormat& format = format_of(o);
   check_options(o, format);
-  refuse_overwriting({o.grid}, o.output);
-  const GridReader reader(o.grid);
+  refuse_overwriting({o.grid.name}, o.output);
+  const GridReader reader = open_grid(o.grid);
   const Grid& grid = reader.meta().grid;
   check_level(grid, o.level);
   const Box box = !o.region ? grid.box(o.level) : parse_region(*o.region, grid, o.level);
@@ -90,7 +91,7 @@ void run(const ExportArguments& o) {
 
 Run setup_export(CLI::App& app) {
   const auto o = std::make_shared<ExportArguments>();
-  app.add_option("grid", o->grid, "a .tcell file")->required();
+  add_grid(app, o->grid);
   app.add_option("-o,--output", o->output, "the file or folder to write")->required();
   app.add_option("--format", o->format, fmt::format("{} (default: by the ending of the name)", fmt::join(format_names(), ", ")))
       ->check(one_of(format_names()));

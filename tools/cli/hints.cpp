@@ -13,6 +13,7 @@ const char* hint(Remedy remedy) {
     case Remedy::kOtherFolder: return ": give another folder with --tmp";
     case Remedy::kOtherFolderOrMoreMemory: return ": give another folder with --tmp, or more --memory";
     case Remedy::kFreshStart: return ": start again without --resume";
+    case Remedy::kAllowHttp: return ": give --allow-http if this is what you want";
   }
   return "";
 }

@@ -18,7 +18,7 @@ namespace teracell {
 namespace {
 
 struct InfoArguments {
-  std::string grid;
+  GridArgument grid;
   bool json = false;
 };
 
@@ -158,7 +158,7 @@ void print(const GridReader& reader) {
 }
 
 void run(const InfoArguments& o) {
-  const GridReader reader(o.grid);
+  const GridReader reader = open_grid(o.grid);
   if (!o.json) return print(reader);
   std::cout << info_json(reader) << "\n";
 }
@@ -167,7 +167,7 @@ void run(const InfoArguments& o) {
 
 Run setup_info(CLI::App& app) {
   const auto o = std::make_shared<InfoArguments>();
-  app.add_option("grid", o->grid, "a .tcell file")->required();
+  add_grid(app, o->grid);
   app.add_flag("--json", o->json, "as JSON");
   app.footer("Example:\n  teracell info g.tcell");
   return [o] { run(*o); };

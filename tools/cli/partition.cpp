@@ -11,7 +11,8 @@ namespace teracell {
 namespace {
 
 struct PartitionArguments {
-  std::string grid, output, weight, method = "blocks", progress = "auto";
+  GridArgument grid;
+  std::string output, weight, method = "blocks", progress = "auto";
   int64_t ranks = 0, align = 1, halo = 0;
 };
 
@@ -30,8 +31,8 @@ std::vector<double> weights_of(const std::string& text, const GridReader& reader
 }
 
 void run(const PartitionArguments& o) {
-  refuse_overwriting({o.grid}, o.output);
-  const GridReader reader(o.grid);
+  refuse_overwriting({o.grid.name}, o.output);
+  const GridReader reader = open_grid(o.grid);
   PartitionOptions options{o.ranks, o.method == "slabs" ? PartitionMethod::kSlabs : PartitionMethod::kBlocks, weights_of(o.weight, reader), o.align,
                            o.halo};
   const std::atomic<bool>& stop = watch_interrupts();
@@ -59,7 +60,7 @@ void run(const PartitionArguments& o) {
 
 Run setup_partition(CLI::App& app) {
   const auto o = std::make_shared<PartitionArguments>();
-  app.add_option("grid", o->grid, "a .tcell file")->required();
+  add_grid(app, o->grid);
   app.add_option("--ranks", o->ranks, "how many boxes")->required();
   app.add_option("-o,--output", o->output, "the JSON file to write")->required();
   app.add_option("--weight", o->weight, "NAME=WORK,...: the work of a cell of each material (default: 1 for all)");

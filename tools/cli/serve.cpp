@@ -21,6 +21,7 @@
 #include "server/service/descriptors.hpp"
 #include "server/web.hpp"
 #include "store/error.hpp"
+#include "store/sources.hpp"
 #include "store/text.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/notice.hpp"
@@ -33,6 +34,8 @@ struct ServeArguments {
   std::string host = "127.0.0.1", cache = "256M", base_path, token_file, web, log = "text";
   int port = 8080, threads = 0;
   uint64_t max_pixels = uint64_t{1} << 26, max_connections = 1024;
+  SourceOptions source;
+  double recheck = 60;
   double request_timeout = 10, idle_timeout = 60, drain_timeout = 10, work_timeout = 60;
   std::vector<std::string> trusted_proxies;
 };
@@ -137,8 +140,10 @@ void run(const ServeArguments& o) {
   listen.drain_timeout = milliseconds(o.drain_timeout);
   listen.stop_on_signals = true;
   const std::vector<std::filesystem::path> named(o.grids.begin(), o.grids.end());
+  const auto addresses = static_cast<uint64_t>(std::ranges::count_if(o.grids, is_address));
+  const uint64_t fetching = addresses * kMostFetches * static_cast<uint64_t>(listen.threads);
   const DescriptorShares wanted =
-      wanted_descriptors(o.max_connections, count_grids(named), static_cast<uint64_t>(listen.threads), open_descriptors());
+      wanted_descriptors(o.max_connections, count_grids(named), static_cast<uint64_t>(listen.threads), open_descriptors() + fetching);
   const DescriptorShares shares = share_descriptors(wanted);
   listen.max_connections = shares.connections;
   listen.max_connections_per_client = std::max<uint64_t>(1, listen.max_connections / 4);
@@ -153,7 +158,7 @@ void run(const ServeArguments& o) {
                      shares.connections, wanted.connections, shares.all(), wanted.all()));
   if (!o.token_file.empty() && others_can_read(o.token_file))
     note(fmt::format("warning: --token-file {}: other users of this machine can read it: chmod 600 {}", o.token_file, o.token_file));
-  Service service({named, parse_size(o.cache, "--cache"), o.max_pixels, shares.files, listen.token.empty(), note});
+  Service service({named, parse_size(o.cache, "--cache"), o.max_pixels, shares.files, listen.token.empty(), note, o.source, o.recheck});
   Listener* listening = nullptr;
   listen.on_hangup = [&] {
     service.grids().look_soon();
@@ -188,12 +193,18 @@ void run(const ServeArguments& o) {
 
 Run setup_serve(CLI::App& app) {
   const auto o = std::make_shared<ServeArguments>();
-  app.add_option("grids", o->grids, ".tcell files, and folders: all .tcell files in them are served, also those that are added later")->required();
+  app.add_option("grids", o->grids,
+                 ".tcell files; folders: all .tcell files in them are served, also those that are added later; addresses: https://HOST/PATH or "
+                 "s3://BUCKET/KEY")
+      ->required();
   app.add_option("--host", o->host, "the address to listen at (default 127.0.0.1: this machine only)");
   app.add_option("--port", o->port, "the port to listen at (default 8080); 0: any that is free")->check(in_range(0, 65535));
   add_threads(app, o->threads);
   app.add_option("--cache", o->cache,
                  "memory for decoded chunks and index pages of all grids (default 256M); encoded answers take up to an eighth of this on top");
+  add_source_options(app, o->source);
+  app.add_option("--recheck", o->recheck, "seconds after which the host of an address is asked again whether the grid was replaced (default 60)")
+      ->check(in_range(1, 86400));
   app.add_option("--max-pixels", o->max_pixels, "the most pixels of one picture (default 67108864)")->check(in_range(1, 1e12));
   app.add_option("--base-path", o->base_path, "serve below this path, such as /grids (default: at the root)");
   app.add_option("--token-file", o->token_file, "a file whose first line is the token that clients must send (Authorization: Bearer TOKEN)");

@@ -12,7 +12,8 @@ namespace teracell {
 namespace {
 
 struct SliceArguments {
-  std::string grid, output, axis, region;
+  GridArgument grid;
+  std::string output, axis, region;
   std::optional<int64_t> index;
   std::optional<double> at;
   int level = 0, threads = 0;
@@ -70,8 +71,8 @@ void run(const SliceArguments& o) {
   const std::string extension = std::filesystem::path(o.output).extension();
   if (extension != ".png" && extension != ".npy")
     throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
-  refuse_overwriting({o.grid}, o.output);
-  const GridReader reader(o.grid);
+  refuse_overwriting({o.grid.name}, o.output);
+  const GridReader reader = open_grid(o.grid);
   const SliceView view = view_of(o, reader.meta());
   const std::atomic<bool>& stop = watch_interrupts();
   OutputFile file(o.output);
@@ -84,7 +85,7 @@ void run(const SliceArguments& o) {
 
 Run setup_slice(CLI::App& app) {
   const auto o = std::make_shared<SliceArguments>();
-  app.add_option("grid", o->grid, "a .tcell file")->required();
+  add_grid(app, o->grid);
   app.add_option("--axis", o->axis, "the axis that the slice is across: x, y or z")->required();
   app.add_option("--index", o->index, "which slice, counted in cells of the level");
   app.add_option("--at", o->at, "the coordinate that the slice holds, instead of --index");

@@ -10,13 +10,13 @@ namespace teracell {
 namespace {
 
 struct StatsArguments {
-  std::string grid;
+  GridArgument grid;
   std::optional<std::string> region;
   bool json = false;
 };
 
 void run(const StatsArguments& o) {
-  const GridReader reader(o.grid);
+  const GridReader reader = open_grid(o.grid);
   const Metadata& meta = reader.meta();
   const Box box = !o.region ? meta.grid.box(0) : parse_region(*o.region, meta.grid, 0);
   const auto stats = read_stats(reader, box);
@@ -39,7 +39,7 @@ void run(const StatsArguments& o) {
 
 Run setup_stats(CLI::App& app) {
   const auto o = std::make_shared<StatsArguments>();
-  app.add_option("grid", o->grid, "a .tcell file")->required();
+  add_grid(app, o->grid);
   app.add_option("--region", o->region, "X0,Y0,Z0,X1,Y1,Z1: half open, in cells (default: the whole grid)");
   app.add_flag("--json", o->json, "as JSON");
   app.footer("The counts are exact; they come from runs, without expanding a cell. Example:\n  teracell stats g.tcell --region 0,0,0,100,100,100");

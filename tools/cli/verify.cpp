@@ -10,27 +10,28 @@ namespace teracell {
 namespace {
 
 struct VerifyArguments {
-  std::string grid, progress = "auto";
+  GridArgument grid;
+  std::string progress = "auto";
   int threads = 0;
 };
 
 void run(const VerifyArguments& o) {
-  const GridReader reader(o.grid);
+  const GridReader reader = open_grid(o.grid);
   {
     ProgressLine line(o.progress, "");
     verify(reader, threads_or_all(o.threads), [&](double share) { line("verify", share); });
   }
   uint64_t chunks = 0;
   for (const LevelInfo& l : reader.meta().levels()) chunks += l.chunks;
-  say(fmt::format("{}: sound. {}, {} on {}: every checksum holds, every level is the union of the one below, every byte is accounted for.", o.grid,
-                  bytes_text(reader.file_bytes()), plural(chunks, "chunk"), plural(reader.meta().levels().size(), "stored level")));
+  say(fmt::format("{}: sound. {}, {} on {}: every checksum holds, every level is the union of the one below, every byte is accounted for.",
+                  reader.name(), bytes_text(reader.file_bytes()), plural(chunks, "chunk"), plural(reader.meta().levels().size(), "stored level")));
 }
 
 }  // namespace
 
 Run setup_verify(CLI::App& app) {
   const auto o = std::make_shared<VerifyArguments>();
-  app.add_option("grid", o->grid, "a .tcell file")->required();
+  add_grid(app, o->grid);
   add_threads(app, o->threads);
   add_progress(app, o->progress);
   app.footer("Example:\n  teracell verify g.tcell");

@@ -126,8 +126,9 @@ void call(F&& f) {
 
 class Native {
  public:
-  explicit Native(const std::string& path) {
-    call([&] { return tc_open(path.c_str(), &grid_); });
+  Native(const std::string& path, const std::string& cache_dir, uint64_t cache_dir_bytes, const std::string& endpoint, bool allow_http) {
+    const tc_source source{cache_dir.c_str(), cache_dir_bytes, endpoint.c_str(), allow_http};
+    call([&] { return tc_open_source(path.c_str(), &source, sizeof source, &grid_); });
   }
   ~Native() { tc_close(grid_); }
   Native(const Native&) = delete;
@@ -370,7 +371,7 @@ PYBIND11_MODULE(_native, m) {
       .def("plan", &NativePartition::plan)
       .def("part", &NativePartition::part);
   py::class_<Native>(m, "Grid")
-      .def(py::init<const std::string&>())
+      .def(py::init<const std::string&, const std::string&, uint64_t, const std::string&, bool>())
       .def("levels", &Native::levels)
       .def("ray_axis", &Native::ray_axis)
       .def("units", &Native::units)

@@ -19,7 +19,7 @@ import os
 import numpy
 
 from . import _native
-from ._arguments import corners, index_of, one_or_three, path_of, shown, whole, whole_key, wholes
+from ._arguments import corners, index_of, is_address, one_or_three, path_of, shown, whole, whole_key, wholes
 from ._errors import Error, FormatError, IoError, UsageError
 
 __all__ = ["open", "mesh", "Grid", "Level", "Axis", "Material", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
@@ -40,9 +40,14 @@ Part.__doc__ = """What a rank computes: its box of level 0, the box that it read
 ranks next to it."""
 
 
-def open(path):
-    """Opens a .tcell file and returns its Grid. This reads kilobytes, however large the grid is."""
-    return Grid(path)
+def open(path, *, cache_dir=None, cache_dir_size=None, endpoint=None, allow_http=False):
+    """Opens a .tcell file and returns its Grid. This reads kilobytes, however large the grid is.
+
+    The path may be an address, https://host/g.tcell or s3://bucket/key. Then `cache_dir` is a folder that keeps what is read, up to
+    `cache_dir_size` bytes; `endpoint` is the address of the store of s3:// addresses, if it is not Amazon's; `allow_http` allows http://
+    addresses of other machines. AWS_ACCESS_KEY_ID and the other usual variables hold the key that signs requests to s3:// addresses.
+    """
+    return Grid(path, cache_dir, cache_dir_size, endpoint, allow_http)
 
 
 class Level:
@@ -53,7 +58,7 @@ class Level:
 
     def __init__(self, grid, level):
         self._native = grid._native
-        self._path = grid.path
+        self._path, self._opened = grid.path, grid._opened
         self.materials = grid.materials
         self.number = whole("level", level, 0, self._native.levels() - 1)
         self.shape = tuple(self._native.shape(self.number))[::-1]
@@ -82,7 +87,7 @@ class Level:
         return self[...] if dtype is None else self[...].astype(dtype, copy=False)
 
     def __reduce__(self):
-        return _level_of, (self._path, self.number)
+        return _level_of, (self._opened, self.number)
 
     def __getitem__(self, key):
         """Basic indexing as in NumPy: whole numbers, slices with any step, Ellipsis and None. Only what is selected is read."""
@@ -172,7 +177,7 @@ class Level:
         """A dask array that reads each of its blocks when it is needed."""
         import dask.array
 
-        return dask.array.from_array(_Blocks(self), chunks=chunks, name=f"teracell-{dask.base.tokenize(self._path, self.number, _stamp(self._path))}", asarray=False, lock=False)
+        return dask.array.from_array(_Blocks(self), chunks=chunks, name=f"teracell-{dask.base.tokenize(self._path, self.number, _stamp(self))}", asarray=False, lock=False)
 
     def xarray(self, chunks="auto"):
         """An xarray.DataArray with coordinates, over dask()."""
@@ -222,14 +227,18 @@ class _Blocks:
 class Grid(Level):
     """A .tcell file. It is the array of its level 0; level(L) is a coarser one."""
 
-    def __init__(self, path):
-        self.path = os.path.abspath(path_of(path))  # pickles and dask's workers may have another folder
-        self._native = _native.Grid(os.fsencode(self.path))
+    def __init__(self, path, cache_dir=None, cache_dir_size=None, endpoint=None, allow_http=False):
+        # Pickles and dask's workers may have another folder.
+        self.path = path_of(path) if is_address(path_of(path)) else os.path.abspath(path_of(path))
+        folder = _given(cache_dir, lambda name: os.path.abspath(path_of(name)))
+        size = 0 if cache_dir_size is None else whole("cache_dir_size", cache_dir_size, 1)
+        self._opened = self.path, folder, size or None, endpoint, bool(allow_http)
+        self._native = _native.Grid(os.fsencode(self.path), os.fsencode(folder or ""), size, os.fsencode(endpoint or ""), bool(allow_http))
         self.materials = [Material(i, *m) for i, m in enumerate(self._native.materials())]
         super().__init__(self, 0)
 
     def __reduce__(self):
-        return Grid, (self.path,)
+        return Grid, self._opened
 
     def __repr__(self):
         return f"<teracell grid {self.path!r}: {' x '.join(map(str, self.shape))} cells (z, y, x), {len(self.materials)} materials, {self.levels} levels>"
@@ -370,10 +379,12 @@ def _length(step):
         raise UsageError(f"step: expected a number, found {shown(step)}") from None
 
 
-def _level_of(path, number):
-    return Grid(path).level(number)
+def _level_of(opened, number):
+    return Grid(*opened).level(number)
 
 
-def _stamp(path):
-    found = os.stat(path)
+def _stamp(level):
+    if is_address(level._path):
+        return level._native.hash()
+    found = os.stat(level._path)
     return found.st_ino, found.st_size, found.st_mtime_ns

@@ -1,6 +1,7 @@
 """Checks of arguments: what is wrong is said here, in the words of the library, before _native is asked."""
 import operator
 import os
+import re
 
 from ._errors import UsageError
 
@@ -57,6 +58,11 @@ def path_of(path):
     if "\0" in text:
         raise UsageError(f"expected a path without NUL characters, found {shown(path)}")
     return text
+
+
+def is_address(path):
+    """Whether a path begins with a scheme, as https:// does."""
+    return re.match(r"[A-Za-z][A-Za-z0-9+.-]*://", path) is not None
 
 
 def whole_key(key, ndim):

@@ -1,0 +1,60 @@
+#include "store/remote/url.hpp"
+
+#include <cctype>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "store/remote/libcurl.hpp"
+#include "store/text.hpp"
+
+namespace teracell {
+namespace {
+
+std::string without_query(const std::string& address) { return printable(first_bytes(address.substr(0, address.find_first_of("?#")), 256)); }
+
+}  // namespace
+
+std::string Url::shown() const { return printable(first_bytes(text.substr(0, text.find('?')), 512)); }
+
+Url parse_url(const std::string& address) {
+  const LibCurl& curl = libcurl();
+  const std::unique_ptr<CURLU, void (*)(CURLU*)> parsed(curl.url(), curl.url_cleanup);
+  const std::string whole = address.substr(0, address.find('#'));
+  if (const CURLUcode code = curl.url_set(parsed.get(), CURLUPART_URL, whole.c_str(), CURLU_URLENCODE | CURLU_PATH_AS_IS); code != CURLUE_OK)
+    throw UsageError(fmt::format("{}: not an address: {}", without_query(address), curl.url_strerror(code)));
+  const auto part = [&](CURLUPart which, unsigned flags = 0) {
+    char* found = nullptr;
+    if (curl.url_get(parsed.get(), which, &found, flags) != CURLUE_OK || found == nullptr) return std::string();
+    std::string text = found;
+    curl.free(found);
+    return text;
+  };
+  if (!part(CURLUPART_USER).empty() || !part(CURLUPART_PASSWORD).empty())
+    throw UsageError("expected an address without a name and a password in it, found one with them: programs show addresses, and log them");
+  return {part(CURLUPART_SCHEME), part(CURLUPART_HOST),  part(CURLUPART_PORT, CURLU_DEFAULT_PORT),
+          part(CURLUPART_PATH),   part(CURLUPART_QUERY), part(CURLUPART_URL)};
+}
+
+bool is_loopback(const std::string& host) {
+  if (host == "localhost" || host == "[::1]") return true;
+  if (!host.starts_with("127.")) return false;
+  int dots = 0;  // a name like 127.example.org is not one
+  for (const char c : host) {
+    if (c == '.') ++dots;
+    else if (!std::isdigit(static_cast<unsigned char>(c))) return false;
+  }
+  return dots == 3;
+}
+
+std::string encoded_path(std::string_view path) {
+  std::string out;
+  for (const char c : path) {
+    if (std::isalnum(static_cast<unsigned char>(c)) || std::string_view("-._~/").find(c) != std::string_view::npos) out += c;
+    else out += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return out;
+}
+
+}  // namespace teracell

@@ -1,0 +1,312 @@
+"""Grids behind addresses: hosts that do as they should, and hosts that don't. Every command gives the cells of the file or says what is wrong."""
+import hashlib
+import math
+import os
+import shutil
+import socket
+import subprocess
+import time
+
+import solids
+from origin import Origin
+from program import PROGRAM, Case
+
+PATH = os.environ.get("PATH", "") + ":/usr/sbin"
+KEYS = {"key": "AKIDEXAMPLE", "secret": "wJalrXUtnFEMI/K7MDENG+bPxRfiCYEXAMPLEKEY", "region": "eu-central-1"}
+NO_KEYS = {k: v for k, v in os.environ.items() if not k.startswith("AWS_")}
+
+
+def bumpy_ball(rows=40):
+    """Facets whose cells take some hundred kilobytes."""
+    def at(i, j):
+        a, b = math.pi * i / rows, 2 * math.pi * (j % (2 * rows)) / (2 * rows)
+        r = 20 + math.sin(9 * a) * math.cos(7 * b)
+        return (r * math.sin(a) * math.cos(b), r * math.sin(a) * math.sin(b), r * math.cos(a))
+    facets = []
+    for i in range(rows):
+        for j in range(2 * rows):
+            p, q, r, s = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+            facets += [(p, q, r)] * (i < rows - 1) + [(p, r, s)] * (i > 0)
+    return facets
+
+
+class RemoteCase(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("ball.stl", solids.binary_stl(bumpy_ball()))
+        self.run_ok("mesh", "ball.stl", "--cells", 900, "-o", "g.tcell", "--progress", "none")
+        self.file = self.bytes("g.tcell")
+
+    def origin(self, mode="good", **options):
+        origin = Origin({"/g.tcell": self.file}, mode, **options)
+        self.addCleanup(origin.close)
+        return origin
+
+    def same_cells(self, address, *options, **run):
+        """Compares what commands say of the address with what they say of the file."""
+        for arguments in [["slice", "--axis", "z", "--index", "300", "-o", "out.npy"], ["slice", "--axis", "x", "--index", "200", "--level", "1", "-o", "out.png"],
+                          ["export", "--level", "3", "-o", "out.npy"]]:
+            out = self.path(arguments[-1])
+            self.run_ok(arguments[0], "g.tcell", *arguments[1:])
+            expected = self.bytes(arguments[-1])
+            os.remove(out)
+            self.run_ok(arguments[0], address, *arguments[1:], *options, **run)
+            self.assertEqual(self.bytes(arguments[-1]), expected, arguments)
+        for arguments in [["info", "--json"], ["column", "--axis", "z", "--at", "400,400", "--json"], ["stats", "--json"]]:
+            expected = self.run_ok(arguments[0], "g.tcell", *arguments[1:]).out
+            self.assertEqual(self.run_ok(arguments[0], address, *arguments[1:], *options, **run).out, expected, arguments)
+        self.assertIn("sound", self.run_ok("verify", address, *options, **run).out)
+
+    def slice_fails(self, status, phrases, address, *options, **run):
+        return self.refused(status, phrases, "slice", address, "--axis", "z", "--index", "300", "-o", "out.png", *options, **run)
+
+
+class GoodHosts(RemoteCase):
+    def test_every_command_gives_the_cells_of_the_file(self):
+        self.same_cells(self.origin().url + "/g.tcell")
+
+    def test_later_requests_name_the_version_of_the_first_answer(self):
+        origin = self.origin()
+        self.run_ok("verify", origin.url + "/g.tcell")
+        first, *others = origin.requests
+        self.assertNotIn("If-Match", first[1])
+        self.assertTrue(others)
+        for _, headers in others:
+            self.assertEqual(headers["If-Match"], f'"{hashlib.md5(self.file).hexdigest()}"')
+
+    def test_a_host_without_ranges_from_the_end(self):
+        for mode in ["no_suffix", "suffix_from_start"]:
+            self.same_cells(self.origin(mode).url + "/g.tcell")
+
+    def test_a_small_object_of_a_host_without_ranges_is_taken_as_a_whole(self):
+        origin = self.origin("whole")
+        self.same_cells(origin.url + "/g.tcell")
+        origin.requests.clear()
+        self.run_ok("verify", origin.url + "/g.tcell")
+        self.assertEqual(len(origin.requests), 1)
+
+    def test_weak_or_no_etags(self):
+        for mode in ["weak", "no_etag"]:
+            self.same_cells(self.origin(mode).url + "/g.tcell")
+
+    def test_failures_that_pass(self):
+        for mode in ["busy", "reset"]:
+            origin = self.origin(mode)
+            origin.failures_left = 3
+            self.run_ok("verify", origin.url + "/g.tcell")
+            self.assertEqual(origin.failures_left, 0)
+
+    def test_redirects_are_followed_and_remembered(self):
+        there, here = self.origin(), self.origin("elsewhere")
+        here.target = there.url
+        self.same_cells(here.url + "/g.tcell")
+        here.requests.clear()
+        self.run_ok("verify", here.url + "/g.tcell")
+        self.assertEqual(len(here.requests), 1)
+
+    def test_messages_show_no_query(self):
+        self.assertNotIn("secret", self.run_ok("verify", self.origin().url + "/g.tcell?signature=secret").out)
+
+
+class HostileHosts(RemoteCase):
+    def fails(self, mode, phrases, *options, **more):
+        origin = self.origin(mode, **more)
+        return self.slice_fails(1, phrases, origin.url + "/g.tcell", *options)
+
+    def test_lies(self):
+        self.fails("total", "changed while it was read")
+        self.fails("range", ["asked for bytes", "as its Content-Range"])
+        self.fails("no_content_range", "Content-Range")
+        self.fails("short", ["expected", "bytes, the host sent"])
+        self.fails("long", "the host sent more")
+        self.fails("other_bytes", "does not start with a teracell header")
+        self.fails("encoded", "encoded as 'gzip'")
+        self.fails("no_version", "neither ETag nor Last-Modified")
+
+    def test_an_object_that_is_replaced(self):
+        self.fails("etag", ["/g.tcell", "changed while it was read"])
+        origin = self.origin()
+        other = self.file[:-200] + bytes(200)
+        right = origin.right
+
+        def replaced(h, body, **options):
+            right(h, body, **options)
+            origin.objects["/g.tcell"] = other
+        origin.right = replaced
+        self.slice_fails(1, "changed while it was read", origin.url + "/g.tcell")
+
+    def test_a_host_that_ignores_ranges(self):
+        self.fails("whole_later", "the host ignores ranges")
+        origin = Origin({"/g.tcell": self.file + bytes(20 << 20)}, "whole")
+        self.addCleanup(origin.close)
+        self.slice_fails(1, "the host ignores ranges", origin.url + "/g.tcell")
+
+    def test_stalls_and_cuts(self):
+        began = time.monotonic()
+        self.fails("stall", "/g.tcell", "--address-timeout", "1")
+        self.assertLess(time.monotonic() - began, 60)
+        self.fails("cut", "/g.tcell")
+        origin = self.origin("busy")
+        origin.failures_left = 1000
+        self.slice_fails(1, ["status", "SlowDown"], origin.url + "/g.tcell")
+
+    def test_refusals_are_told_with_the_words_of_the_host(self):
+        self.fails("forbidden", ["status 403", "AccessDenied", "Access Denied"])
+        self.fails("forbidden_later", ["status 403", "the token has expired"])
+        origin = self.origin()
+        said = self.slice_fails(1, ["status 404", "Not Found"], origin.url + "/h.tcell")
+        self.assertLess(len(said), 500)
+        self.assertNotIn("\x1b", said)
+
+    def test_redirects(self):
+        self.fails("circle", "redirects more than 5 times")
+        origin = self.origin("elsewhere")
+        origin.target = "http://192.0.2.1"
+        self.slice_fails(1, ["the host sends us to http://192.0.2.1/", "--allow-http"], origin.url + "/g.tcell")
+        origin.target = "file://"
+        self.slice_fails(1, "the host sends us to", origin.url + "/g.tcell")
+
+    def test_nobody_listens(self):
+        with socket.socket() as s:
+            s.bind(("127.0.0.1", 0))
+            self.slice_fails(1, f"127.0.0.1:{s.getsockname()[1]}", f"http://127.0.0.1:{s.getsockname()[1]}/g.tcell")
+
+    def test_addresses_that_are_refused(self):
+        self.slice_fails(2, ["https://", "--allow-http"], "http://192.0.2.1/g.tcell")
+        self.slice_fails(2, "a name and a password", "https://me:secret@localhost/g.tcell")
+        self.slice_fails(2, ["ftp://", "https"], "ftp://localhost/g.tcell")
+        self.slice_fails(2, "s3://bucket/key", "s3://bucket")
+
+
+class Folders(RemoteCase):
+    def test_a_second_run_reads_from_the_folder(self):
+        origin = self.origin()
+        self.same_cells(origin.url + "/g.tcell", "--cache-dir", "kept")
+        origin.sent = 0
+        self.same_cells(origin.url + "/g.tcell", "--cache-dir", "kept")
+        self.assertLess(origin.sent, 7 * min(len(self.file), 65536) + 1)  # the end of the file, which tells its version
+
+    def test_damaged_blocks_are_fetched_again(self):
+        origin = self.origin()
+        self.same_cells(origin.url + "/g.tcell", "--cache-dir", "kept")
+        damaged = 0
+        for name in os.listdir(self.path("kept")):
+            with open(self.path("kept/" + name), "r+b") as f:
+                data = bytearray(f.read())
+                for at in range(1000, len(data), 5000):
+                    data[at] ^= 1
+                    damaged += 1
+                f.seek(0)
+                f.write(data)
+        self.assertGreater(damaged, 0)
+        self.same_cells(origin.url + "/g.tcell", "--cache-dir", "kept")
+
+    def test_another_version_is_another_object(self):
+        origin = self.origin()
+        self.same_cells(origin.url + "/g.tcell", "--cache-dir", "kept")
+        self.run_ok("mesh", "ball.stl", "--cells", 600, "-o", "g.tcell", "--progress", "none")
+        origin.objects["/g.tcell"] = self.bytes("g.tcell")
+        self.same_cells(origin.url + "/g.tcell", "--cache-dir", "kept")
+
+    def test_the_folder_is_bounded_and_other_files_in_it_stay(self):
+        origin = self.origin()
+        os.mkdir(self.path("kept"))
+        self.write("kept/mine.txt", "mine")
+        for i in range(4):
+            origin.objects[f"/{i}.tcell"] = self.file
+            self.run_ok("verify", origin.url + f"/{i}.tcell", "--cache-dir", "kept", "--cache-dir-size", "100K")
+        names = os.listdir(self.path("kept"))
+        self.assertIn("mine.txt", names)
+        self.assertLess(sum(os.stat(self.path("kept/" + n)).st_blocks * 512 for n in names), 250_000 + len(self.file) // 4)
+
+    def test_several_processes_share_a_folder(self):
+        origin = self.origin()
+        address = origin.url + "/g.tcell"
+        running = [subprocess.Popen([PROGRAM, "verify", address, "--cache-dir", "kept"], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE) for _ in range(4)]
+        for p in running:
+            out, err = p.communicate(timeout=120)
+            self.assertEqual(p.returncode, 0, err)
+        self.same_cells(address, "--cache-dir", "kept")
+
+    def test_a_folder_that_can_not_be_made(self):
+        self.write("file", "")
+        self.slice_fails(1, "file/kept", self.origin().url + "/g.tcell", "--cache-dir", "file/kept")
+
+
+class Buckets(RemoteCase):
+    def environment(self, **more):
+        return dict(NO_KEYS, AWS_ACCESS_KEY_ID=KEYS["key"], AWS_SECRET_ACCESS_KEY=KEYS["secret"], AWS_REGION=KEYS["region"], **more)
+
+    def bucket(self, key="g.tcell", keys=KEYS):
+        origin = Origin({f"/bucket/{key}": self.file}, keys=keys)
+        self.addCleanup(origin.close)
+        return origin
+
+    def test_requests_are_signed(self):
+        origin = self.bucket()
+        self.same_cells("s3://bucket/g.tcell", "--endpoint", origin.url, env=self.environment())
+
+    def test_keys_with_all_kinds_of_characters(self):
+        for key in ["a b+c&d=e/~x_.-(1)!'*,;:@$.tcell", "über/100%/g?x#y.tcell", "a//b.tcell", "p/./q/../r.tcell"]:
+            origin = self.bucket(key)
+            self.run_ok("verify", f"s3://bucket/{key}", "--endpoint", origin.url, env=self.environment())
+
+    def test_tokens_of_sessions(self):
+        origin = self.bucket(keys=dict(KEYS, token="AQoDYXdzEJr/EXAMPLE+token=="))
+        self.run_ok("verify", "s3://bucket/g.tcell", "--endpoint", origin.url, env=self.environment(AWS_SESSION_TOKEN="AQoDYXdzEJr/EXAMPLE+token=="))
+        self.slice_fails(1, "status 403", "s3://bucket/g.tcell", "--endpoint", origin.url, env=self.environment(AWS_SESSION_TOKEN="another"))
+
+    def test_without_keys_requests_are_not_signed(self):
+        origin = self.bucket(keys=None)
+        self.run_ok("verify", "s3://bucket/g.tcell", "--endpoint", origin.url, env=NO_KEYS)
+        self.assertFalse(any("Authorization" in headers for _, headers in origin.requests))
+        self.slice_fails(1, ["status 403", "AWS_ACCESS_KEY_ID"], "s3://bucket/g.tcell", "--endpoint", self.bucket().url, env=NO_KEYS)
+
+    def test_other_hosts_get_no_signature(self):
+        there = Origin({"/bucket/g.tcell": self.file})
+        self.addCleanup(there.close)
+        here = self.bucket()
+        here.mode, here.target = "elsewhere", there.url
+        self.run_ok("verify", "s3://bucket/g.tcell", "--endpoint", here.url, env=self.environment(AWS_SESSION_TOKEN="token"))
+        self.assertTrue(all("Authorization" in headers for _, headers in here.requests))
+        for _, headers in there.requests:
+            self.assertFalse({"authorization", "x-amz-security-token"} & {name.lower() for name in headers})
+
+
+NGINX = """daemon off;
+%(user)s
+pid %(folder)s/nginx.pid;
+error_log %(folder)s/nginx.log warn;
+events {}
+http {
+  access_log %(folder)s/access.log;
+  client_body_temp_path %(folder)s/body;
+  proxy_temp_path %(folder)s/proxy;
+  fastcgi_temp_path %(folder)s/fastcgi;
+  uwsgi_temp_path %(folder)s/uwsgi;
+  scgi_temp_path %(folder)s/scgi;
+  server {
+    listen 127.0.0.1:%(port)d;
+    root %(folder)s/served;
+  }
+}
+"""
+
+
+class NginxHost(RemoteCase):
+    def test_a_file_behind_nginx(self):
+        with socket.socket() as s:
+            s.bind(("127.0.0.1", 0))
+            port = s.getsockname()[1]
+        os.mkdir(self.path("served"))
+        shutil.copy(self.path("g.tcell"), self.path("served"))
+        os.chmod(self.folder, 0o755)
+        self.write("nginx.conf", NGINX % {"user": "user root;" if os.geteuid() == 0 else "", "folder": self.folder, "port": port})
+        nginx = subprocess.Popen([shutil.which("nginx", path=PATH), "-e", self.path("nginx.log"), "-c", self.path("nginx.conf")])
+        self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
+        for _ in range(100):
+            with socket.socket() as s:
+                if s.connect_ex(("127.0.0.1", port)) == 0:
+                    break
+            time.sleep(0.1)
+        self.same_cells(f"http://127.0.0.1:{port}/g.tcell")

@@ -1,0 +1,99 @@
+"""`teracell serve` with grids behind addresses."""
+import os
+import shutil
+import socket
+import subprocess
+import time
+
+from cases_remote import RemoteCase
+from serving import ServeCase
+
+PATH = os.environ.get("PATH", "") + ":/usr/sbin"
+PATHS = ["slice/z/300.png", "slice/x/100.png?level=2", "tile/y/200/1/0_0.png", "column/z/400_400", "stats", "cell?i=1&j=2&k=3"]
+
+
+class RemoteServing(ServeCase, RemoteCase):
+    def test_the_same_answers_and_etags_as_from_the_file(self):
+        origin = self.origin()
+        server, local = self.serve(origin.url + "/g.tcell?signature=secret"), self.serve("g.tcell")
+        self.assertEqual(server.get("/api/v1/grids").json()["grids"][0]["id"], "g")
+        for path in PATHS:
+            ours, theirs = server.get("/api/v1/grids/g/" + path), local.get("/api/v1/grids/g/" + path)
+            self.assertEqual((ours.status, ours.body, ours.headers["ETag"]), (200, theirs.body, theirs.headers["ETag"]), path)
+        self.assertNotIn("secret", server.get("/").body.decode() + server.get("/api/v1/grids").body.decode())
+        self.stop(server)
+        self.stop(local)
+
+    def test_a_replaced_object_is_noticed_by_what_is_read_and_by_asking(self):
+        self.run_ok("mesh", "ball.stl", "--cells", 800, "-o", "h.tcell", "--progress", "none")
+        origin = self.origin()
+        server, local = self.serve(origin.url + "/g.tcell", "--recheck", "3600"), self.serve("h.tcell")
+        path = "/api/v1/grids/{}/column/z/10_10"
+        before = server.get(path.format("g"))
+        self.assertEqual(before.status, 200)
+        origin.objects["/g.tcell"] = self.bytes("h.tcell")
+        self.assertEqual(server.get(path.format("g")).body, before.body)  # from memory
+        after = local.get("/api/v1/grids/h/slice/z/300.png")
+        self.assertEqual(server.get("/api/v1/grids/g/slice/z/300.png").body, after.body)  # has to be read
+        self.assertEqual(server.get(path.format("g")).body, local.get(path.format("h")).body)
+        self.stop(server)
+        quick = self.serve(origin.url + "/g.tcell", "--recheck", "1")
+        self.assertEqual(quick.get(path.format("g")).body, local.get(path.format("h")).body)
+        origin.objects["/g.tcell"] = self.file
+        for _ in range(100):
+            if quick.get(path.format("g")).body == before.body:
+                break
+            time.sleep(0.1)
+        self.assertEqual(quick.get(path.format("g")).body, before.body)
+        self.stop(quick)
+        self.stop(local)
+
+    def test_a_host_that_goes_away_and_comes_back(self):
+        origin = self.origin()
+        server = self.serve(origin.url + "/g.tcell", "--recheck", "1")
+        path = "/api/v1/grids/g/column/z/10_10"
+        before = server.get(path)
+        origin.mode = "forbidden"
+        time.sleep(1.5)
+        self.assertEqual(server.get(path).body, before.body)
+        failed = server.get("/api/v1/grids/g/slice/z/300.png")
+        self.assertEqual(failed.status, 500)
+        self.assertIn("g.tcell: the host answers with status 403", failed.json()["error"]["message"])
+        self.assertNotIn("127.0.0.1", failed.json()["error"]["message"])
+        origin.mode = "good"
+        self.assertEqual(server.get("/api/v1/grids/g/slice/z/300.png").status, 200)
+        self.stop(server, problems=1)  # the refusal is in the log
+
+    def test_two_servers_behind_nginx_one_of_which_is_killed(self):
+        origin = self.origin()
+        servers = [self.serve(origin.url + "/g.tcell") for _ in range(2)]
+        with socket.socket() as s:
+            s.bind(("127.0.0.1", 0))
+            port = s.getsockname()[1]
+        folders = "".join(f"{kind}_temp_path {self.folder}/{kind}; " for kind in ["client_body", "proxy", "fastcgi", "uwsgi", "scgi"])
+        upstream = " ".join(f"server 127.0.0.1:{s.port};" for s in servers)
+        self.write("nginx.conf", f"""daemon off; {'user root;' if os.geteuid() == 0 else ''} pid {self.folder}/nginx.pid; events {{}}
+            http {{ access_log off; {folders} upstream teracell {{ {upstream} }}
+              server {{ listen 127.0.0.1:{port}; location / {{ proxy_pass http://teracell; proxy_set_header Host localhost;
+                proxy_next_upstream error timeout; }} }} }}""")
+        nginx = subprocess.Popen([shutil.which("nginx", path=PATH), "-e", self.path("nginx.log"), "-c", self.path("nginx.conf")])
+        self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
+        front = servers[0].__class__.__new__(servers[0].__class__)
+        front.port = port
+        for _ in range(100):
+            with socket.socket() as s:
+                if s.connect_ex(("127.0.0.1", port)) == 0:
+                    break
+            time.sleep(0.1)
+        expected = {}
+        for path in PATHS:
+            answers = [s.get("/api/v1/grids/g/" + path) for s in servers]
+            self.assertEqual((answers[0].body, answers[0].headers["ETag"]), (answers[1].body, answers[1].headers["ETag"]), path)
+            expected[path] = answers[0].body, answers[0].headers["ETag"]
+        for i in range(60):
+            if i == 20:
+                servers[0].kill()
+            path = PATHS[i % len(PATHS)]
+            answer = front.get("/api/v1/grids/g/" + path)
+            self.assertEqual((answer.status, answer.body, answer.headers["ETag"]), (200, *expected[path]), (i, path))
+        self.stop(servers[1])
