@@ -24,8 +24,8 @@ class BlockFolder {
   // A block that can't be written is none that is kept.
   void add(uint64_t block, const Bytes& bytes) const;
 
-  static constexpr uint64_t kBlock = 1 << 14;  // bytes; the last block of an object may be shorter
-  static constexpr uint64_t kBlocksPerFile = 64;
+  static constexpr uint64_t kBlock = 1 << 13;  // bytes; the last block of an object may be shorter
+  static constexpr uint64_t kBlocksPerFile = 128;
 
  private:
   std::filesystem::path file_of(uint64_t block) const;

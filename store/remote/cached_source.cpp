@@ -22,12 +22,20 @@ void CachedSource::read(uint64_t offset, std::span<uint8_t> out) const {
     std::copy_n(kept_.bytes.data() + (offset - kept_.offset), out.size(), out.data());
     return;
   }
+  if (offset + out.size() <= kHead && is_far() && size() >= kHead) {
+    std::ranges::copy_n(head().data() + offset, static_cast<std::ptrdiff_t>(out.size()), out.data());
+    return;
+  }
   // What is too large to be kept, or reaches beyond the end, which the source knows how to say.
   if (!is_far() || out.size() > memory_ / 4 || offset > size() || out.size() > size() - offset) return far_->read(offset, out);
   const uint64_t first = offset / kBlock, last = (offset + out.size() - 1) / kBlock;
   std::vector<uint64_t> wanted;
-  for (uint64_t b = first; b <= last; ++b) wanted.push_back(b);
-  for (uint64_t b = last + 1, n = ahead_of(first, last); n > 0; --n, ++b) wanted.push_back(b);
+  bool missing = false;
+  for (uint64_t b = first; b <= last; ++b) {
+    wanted.push_back(b);
+    missing = missing || !cache_.find(b);
+  }
+  for (uint64_t b = last + 1, n = missing ? ahead_of(first, last) : 0; n > 0; --n, ++b) wanted.push_back(b);
   const std::vector<Block> found = blocks(wanted);
   for (uint64_t b = first; b <= last; ++b) {
     const Bytes& bytes = *found[b - first];
@@ -36,11 +44,15 @@ void CachedSource::read(uint64_t offset, std::span<uint8_t> out) const {
   }
 }
 
+const std::array<uint8_t, CachedSource::kHead>& CachedSource::head() const {
+  std::call_once(head_read_, [&] { far_->read(0, head_); });
+  return head_;
+}
+
 // How many blocks behind these to fetch with them: some, more each time, while each read begins where the last one ended.
 uint64_t CachedSource::ahead_of(uint64_t first, uint64_t last) const {
   const uint64_t end = (size() + kBlock - 1) / kBlock;
   std::lock_guard lock(mutex_);
-  if (last < next_ && last + kLongest >= next_) return 0;  // was fetched ahead, or is read again
   const bool in_a_row = first <= next_ && last >= next_ && next_ > 0;
   window_ = in_a_row ? std::clamp<uint64_t>(2 * window_, 2, kLongest) : 0;
   const uint64_t ahead = std::min(window_, end - last - 1);

@@ -1,6 +1,7 @@
 // Blocks of a far source, kept in memory and perhaps on disk. What is read is fetched in whole blocks; neighbouring blocks are fetched
 // together, and several stretches at the same time. Of threads that want the same block, one fetches it.
 #pragma once
+#include <array>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -31,9 +32,10 @@ class CachedSource : public ByteSource {
   void prefetch(std::span<const ByteRange> soon) const override;
   bool was_replaced() const override { return far_->was_replaced(); }
 
+  static constexpr uint64_t kHead = 64;  // bytes at the start that come alone: what opens a file has no neighbours that are read next
   static constexpr uint64_t kBlock = BlockFolder::kBlock;
-  static constexpr uint64_t kLongest = 64;  // blocks that are fetched by one request
-  static constexpr uint64_t kGap = 4;       // blocks that are fetched though nobody wants them, to save a request
+  static constexpr uint64_t kLongest = (1 << 20) / kBlock;  // blocks that are fetched by one request
+  static constexpr uint64_t kGap = (1 << 16) / kBlock;      // blocks that are fetched though nobody wants them, to save a request
 
  private:
   using Block = std::shared_ptr<const Bytes>;
@@ -44,10 +46,14 @@ class CachedSource : public ByteSource {
   std::vector<Block> fetch(const std::vector<uint64_t>& missing) const;
   uint64_t ahead_of(uint64_t first, uint64_t last) const;
 
+  const std::array<uint8_t, kHead>& head() const;
+
   const std::unique_ptr<ByteSource> far_;
   const std::unique_ptr<BlockFolder> disk_;
   const Kept kept_;
   const size_t memory_;
+  mutable std::once_flag head_read_;
+  mutable std::array<uint8_t, kHead> head_{};
   mutable LruCache<uint64_t, Bytes> cache_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;

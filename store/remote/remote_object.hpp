@@ -50,7 +50,7 @@ class RemoteObject : public ByteSource {
   // Stands for these bytes, and for no others: what a cache on disk is kept under. Empty if the host gives no strong ETag.
   const std::string& version() const { return strong_etag_; }
 
-  static constexpr uint64_t kTail = 1 << 16;
+  static constexpr uint64_t kTail = 1 << 15;
   static constexpr uint64_t kMostWhole = uint64_t{16} << 20;  // an object that is taken as a whole from a host without ranges
   static constexpr int kAttempts = 4;
 
