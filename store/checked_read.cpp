@@ -19,6 +19,8 @@ void check_sum(const DirectoryEntry& place, const std::string& what, uint64_t fo
 
 void read_checked(const ByteSource& source, const DirectoryEntry& place, const std::string& what, Bytes& out) {
   check_inside(source, place, what);
+  // A host may say that its file has any size. No part that FORMAT.md allows has a frame of so many bytes.
+  if (source.is_far() && place.size > uint64_t{1} << 29) throw FormatError(fmt::format("{}: {} bytes are more than it can need", what, place.size));
   out.resize(place.size);
   source.read(place.offset, out);
   check_sum(place, what, checksum(out));

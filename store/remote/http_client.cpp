@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -109,7 +110,7 @@ class HttpClient::Session {
   }
   Session(const Session&) = delete;
 
-  void perform(std::span<Exchange> exchanges) {
+  void perform(std::span<Exchange> exchanges, const HttpClient& client) {
     size_t next = 0, running = 0;
     const auto begin_more = [&] {
       for (Transfer& t : transfers_)
@@ -117,7 +118,7 @@ class HttpClient::Session {
     };
     begin_more();
     while (running > 0) {
-      Wanted::stop_if_not();
+      client.go_on();
       int ignored;
       if (const CURLMcode code = curl_.multi_perform(multi_, &ignored); code != CURLM_OK) throw IoError(curl_.multi_strerror(code));
       bool ended = false;
@@ -155,6 +156,11 @@ class HttpClient::Session {
     set(CURLOPT_HEADERDATA, static_cast<void*>(&t));
     set(CURLOPT_WRITEFUNCTION, &on_body);
     set(CURLOPT_WRITEDATA, static_cast<void*>(&t));
+    for (const char* name : {"CURL_CA_BUNDLE", "SSL_CERT_FILE"})  // as the program curl takes them, for hosts with certificates of their own
+      if (const char* file = std::getenv(name)) {
+        set(CURLOPT_CAINFO, file);
+        break;
+      }
     if (e.loopback) set(CURLOPT_PROXY, "");
     if (e.signing != nullptr && !e.signing->key_id.empty()) {
       set(CURLOPT_AWS_SIGV4, fmt::format("aws:amz:{}:s3", e.signing->region).c_str());
@@ -194,8 +200,13 @@ class HttpClient::Session {
   std::array<Transfer, kAtOnce> transfers_;
 };
 
-HttpClient::HttpClient(double timeout) : timeout_(timeout) {}
+HttpClient::HttpClient(double timeout, const std::atomic<bool>* stop) : timeout_(timeout), stop_(stop) {}
 HttpClient::~HttpClient() = default;
+
+void HttpClient::go_on() const {
+  if (stop_ != nullptr && *stop_) throw Interrupted("interrupted while a host was asked");
+  Wanted::stop_if_not();
+}
 
 void HttpClient::perform(std::span<Exchange> exchanges) {
   std::unique_ptr<Session> session;
@@ -204,7 +215,7 @@ void HttpClient::perform(std::span<Exchange> exchanges) {
     if (!idle_.empty()) session = std::move(idle_.back()), idle_.pop_back();
   }
   if (!session) session = std::make_unique<Session>(timeout_);
-  session->perform(exchanges);  // a session in which something was thrown is not used again
+  session->perform(exchanges, *this);  // a session in which something was thrown is not used again
   std::lock_guard lock(mutex_);
   idle_.push_back(std::move(session));
 }

@@ -42,17 +42,20 @@ struct Exchange {
 
 class HttpClient {
  public:
-  // `timeout`: seconds until a connection stands, and without progress.
-  explicit HttpClient(double timeout);
+  // `timeout`: seconds until a connection stands, and without progress. `stop` may be null.
+  HttpClient(double timeout, const std::atomic<bool>* stop);
   ~HttpClient();
   HttpClient(const HttpClient&) = delete;
-  // Does all of them, at most kAtOnce at a time, each once. Failures are in the exchanges. Throws what Wanted throws.
+  // Does all of them, at most kAtOnce at a time, each once. Failures are in the exchanges. Throws what go_on() throws.
   void perform(std::span<Exchange> exchanges);
+  // Throws Interrupted once `stop` is true, and what Wanted throws.
+  void go_on() const;
   static constexpr size_t kAtOnce = kMostFetches;
 
  private:
   class Session;  // what one thread uses at a time, with its connections
   const double timeout_;
+  const std::atomic<bool>* const stop_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<Session>> idle_;
 };

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "store/text.hpp"
-#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -31,10 +30,10 @@ double pause_before(int attempt, const Exchange& failed) {
   return std::min(std::max(own, asked), kLongestPause);
 }
 
-void wait(double seconds) {
+void wait(double seconds, const HttpClient& client) {
   using Clock = std::chrono::steady_clock;
   for (const auto until = Clock::now() + std::chrono::duration<double>(seconds); Clock::now() < until;) {
-    Wanted::stop_if_not();
+    client.go_on();
     std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(until - Clock::now(), std::chrono::milliseconds(100)));
   }
 }
@@ -86,7 +85,7 @@ std::optional<ContentRange> parse_content_range(const std::string& text) {
   return r;
 }
 
-RemoteObject::RemoteObject(RemotePlace place) : place_(std::move(place)), client_(place_.timeout) {
+RemoteObject::RemoteObject(RemotePlace place) : place_(std::move(place)), client_(place_.timeout, place_.stop) {
   expect_allowed(place_.url, place_.allow_http);
   // Some hosts know ranges, but none that are counted from the end.
   if (open(fmt::format("-{}", kTail))) return;
@@ -240,15 +239,15 @@ std::string RemoteObject::current_url() const {
 
 // Sends the exchange to where the host says. `from` is where it was sent.
 void RemoteObject::follow(Exchange& e, std::string& from) const {
-  const Url old = parse_url(from), next = parse_url(e.redirect);
-  if (old.scheme == "https" && next.scheme != "https")
-    throw IoError(fmt::format("{}: the host sends us from https:// to {}, which is not safe", name(), next.shown()));
   try {
+    const Url next = parse_url(e.redirect);
+    if (parse_url(from).scheme == "https" && next.scheme != "https")
+      throw UsageError(fmt::format("{}: expected to stay at an https:// address", next.shown()));
     expect_allowed(next, place_.allow_http);
+    from = next.text;
   } catch (const UsageError& refused) {
     throw IoError(fmt::format("{}: the host sends us to {}", name(), refused.what()), refused.remedy);
   }
-  from = next.text;
 }
 
 // Does the exchanges, with redirects, and again what may pass. What is left of failures is in them.
@@ -299,7 +298,7 @@ void RemoteObject::perform(std::span<Exchange> exchanges) const {
       }
     }
     left = std::move(again);
-    if (pause > 0) wait(pause);
+    if (pause > 0) wait(pause, client_);
   }
   for (Exchange& e : exchanges)
     if (e.status == 0) fail(e);

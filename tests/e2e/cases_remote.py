@@ -3,6 +3,7 @@ import hashlib
 import math
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import time
@@ -108,6 +109,24 @@ class GoodHosts(RemoteCase):
         self.assertNotIn("secret", self.run_ok("verify", self.origin().url + "/g.tcell?signature=secret").out)
 
 
+class Packed(RemoteCase):
+    def test_the_same_cells_in_few_requests(self):
+        self.run_ok("pack", "g.tcell", "-o", "p.tcell")
+        self.run_ok("verify", "p.tcell")
+        self.assertEqual(self.export("p.tcell", "--level", "1"), self.export("g.tcell", "--level", "1"))
+        self.assertEqual(self.json_of("stats", "p.tcell"), self.json_of("stats", "g.tcell"))
+        self.refused(2, "would be overwritten", "pack", "g.tcell", "-o", "g.tcell")
+        packed = Origin({"/p.tcell": self.bytes("p.tcell")})
+        self.addCleanup(packed.close)
+        for level, tile in [("0", "0,0,512,512"), ("0", "512,512,890,890"), ("1", "0,0,256,256"), ("2", "0,0,200,200"), ("5", "0,0,10,10")]:
+            for axis in "xyz":
+                packed.requests.clear()
+                self.run_ok("slice", packed.url + "/p.tcell", "--axis", axis, "--index", "10", "--level", level, "--region", tile, "-o", "out.png")
+                self.assertLessEqual(len(packed.requests), 4, (axis, level, tile))
+        self.run_ok("pack", self.origin().url + "/g.tcell", "-o", "q.tcell")
+        self.assertEqual(self.bytes("q.tcell"), self.bytes("p.tcell"))
+
+
 class HostileHosts(RemoteCase):
     def fails(self, mode, phrases, *options, **more):
         origin = self.origin(mode, **more)
@@ -149,6 +168,26 @@ class HostileHosts(RemoteCase):
         origin = self.origin("busy")
         origin.failures_left = 1000
         self.slice_fails(1, ["status", "SlowDown"], origin.url + "/g.tcell")
+
+    def test_an_interrupt_ends_a_stall(self):
+        origin = self.origin("stall")
+        p = subprocess.Popen([PROGRAM, "export", origin.url + "/g.tcell", "--level", "1", "-o", "out.npy"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        while len(origin.requests) < 2:
+            time.sleep(0.05)
+        began = time.monotonic()
+        p.send_signal(signal.SIGINT)
+        self.assertEqual(p.wait(timeout=60), -signal.SIGINT)  # nothing watches for it while the grid is opened
+        p.stderr.close()
+        origin.mode, origin.after = "stall_later", 3
+        p = subprocess.Popen([PROGRAM, "export", origin.url + "/g.tcell", "--level", "1", "-o", "out.npy"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        origin.requests.clear()
+        while len(origin.requests) < 3:
+            time.sleep(0.05)
+        p.send_signal(signal.SIGINT)
+        self.assertIn("interrupted", p.communicate(timeout=60)[1])
+        self.assertEqual(p.returncode, 130)
+        self.assertLess(time.monotonic() - began, 20)
+        self.no_debris()
 
     def test_refusals_are_told_with_the_words_of_the_host(self):
         self.fails("forbidden", ["status 403", "AccessDenied", "Access Denied"])
@@ -287,7 +326,12 @@ http {
   scgi_temp_path %(folder)s/scgi;
   server {
     listen 127.0.0.1:%(port)d;
+    listen 127.0.0.1:%(tls)d ssl;
+    ssl_certificate %(folder)s/cert.pem;
+    ssl_certificate_key %(folder)s/key.pem;
     root %(folder)s/served;
+    location /down/ { return 302 http://localhost:%(port)d/g.tcell; }
+    location /up/ { return 302 https://localhost:%(tls)d/g.tcell; }
   }
 }
 """
@@ -295,13 +339,16 @@ http {
 
 class NginxHost(RemoteCase):
     def test_a_file_behind_nginx(self):
-        with socket.socket() as s:
+        with socket.socket() as s, socket.socket() as t:
             s.bind(("127.0.0.1", 0))
-            port = s.getsockname()[1]
+            t.bind(("127.0.0.1", 0))
+            port, tls = s.getsockname()[1], t.getsockname()[1]
         os.mkdir(self.path("served"))
         shutil.copy(self.path("g.tcell"), self.path("served"))
         os.chmod(self.folder, 0o755)
-        self.write("nginx.conf", NGINX % {"user": "user root;" if os.geteuid() == 0 else "", "folder": self.folder, "port": port})
+        self.write("nginx.conf", NGINX % {"user": "user root;" if os.geteuid() == 0 else "", "folder": self.folder, "port": port, "tls": tls})
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost", "-addext",
+                        "subjectAltName=DNS:localhost", "-keyout", self.path("key.pem"), "-out", self.path("cert.pem")], check=True, stderr=subprocess.DEVNULL)
         nginx = subprocess.Popen([shutil.which("nginx", path=PATH), "-e", self.path("nginx.log"), "-c", self.path("nginx.conf")])
         self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
         for _ in range(100):
@@ -310,3 +357,8 @@ class NginxHost(RemoteCase):
                     break
             time.sleep(0.1)
         self.same_cells(f"http://127.0.0.1:{port}/g.tcell")
+        trusting = dict(NO_KEYS, SSL_CERT_FILE=self.path("cert.pem"))
+        self.same_cells(f"https://localhost:{tls}/g.tcell", env=trusting)
+        self.run_ok("verify", f"http://localhost:{port}/up/g.tcell", env=trusting)
+        self.slice_fails(1, "expected to stay at an https:// address", f"https://localhost:{tls}/down/g.tcell", env=trusting)
+        self.slice_fails(1, "certificate", f"https://localhost:{tls}/g.tcell", env=NO_KEYS)

@@ -179,6 +179,9 @@ class Origin:
             return True
         return False
 
+    def wrong_stall_later(self, h, name, body, number, failing):
+        return number >= self.after and self.wrong_stall(h, name, body, number, failing)
+
     def wrong_cut(self, h, name, body, number, failing):
         """Half of the body, then the end of the connection."""
         if number > 1:

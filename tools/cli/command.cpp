@@ -143,7 +143,11 @@ void add_source_options(CLI::App& app, SourceOptions& source) {
           ""));
 }
 
-GridReader open_grid(const GridArgument& grid) { return GridReader(open_source(grid.name, grid.source)); }
+GridReader open_grid(const GridArgument& grid) {
+  SourceOptions source = grid.source;
+  source.stop = &interrupted;  // of a command that watches for it; others just end
+  return GridReader(open_source(grid.name, source));
+}
 
 void add_threads(CLI::App& app, int& threads) {
   app.add_option("--threads", threads, "how many threads, 1 to 1024 (default: one per core)")

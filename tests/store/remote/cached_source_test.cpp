@@ -4,6 +4,7 @@
 #include <fstream>
 #include <thread>
 
+#include "store/checked_read.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {
@@ -115,6 +116,23 @@ TEST_CASE("A failure reaches those who asked, and the next one asks again") {
   REQUIRE_THROWS_AS(cache.read(5, 100), IoError);
   cache.far->failing = false;
   REQUIRE(cache.read(5, 100) == part(bytes, 5, 100));
+}
+
+class Endless : public ByteSource {
+ public:
+  uint64_t size() const override { return uint64_t{1} << 60; }
+  const std::string& name() const override { return name_; }
+  bool is_far() const override { return true; }
+  void read(uint64_t, std::span<uint8_t>) const override { throw IoError("asked"); }
+
+ private:
+  const std::string name_ = "endless.tcell";
+};
+
+TEST_CASE("A host that says that its file has any size gets no memory for it") {
+  Bytes out;
+  REQUIRE_THROWS_AS(read_checked(Endless(), {0, uint64_t{1} << 50, 0}, "metadata", out), FormatError);
+  REQUIRE(out.empty());
 }
 
 TEST_CASE("Blocks on disk serve the next program; damaged ones are fetched again; another version is another object") {
