@@ -357,7 +357,7 @@ class NginxHost(RemoteCase):
                     break
             time.sleep(0.1)
         self.same_cells(f"http://127.0.0.1:{port}/g.tcell")
-        trusting = dict(NO_KEYS, SSL_CERT_FILE=self.path("cert.pem"))
+        trusting = dict(NO_KEYS, CURL_CA_BUNDLE=self.path("cert.pem"))
         self.same_cells(f"https://localhost:{tls}/g.tcell", env=trusting)
         self.run_ok("verify", f"http://localhost:{port}/up/g.tcell", env=trusting)
         self.slice_fails(1, "expected to stay at an https:// address", f"https://localhost:{tls}/down/g.tcell", env=trusting)
