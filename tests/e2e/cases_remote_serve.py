@@ -3,6 +3,7 @@ import os
 import shutil
 import socket
 import subprocess
+import threading
 import time
 
 from cases_remote import RemoteCase
@@ -90,10 +91,22 @@ class RemoteServing(ServeCase, RemoteCase):
             answers = [s.get("/api/v1/grids/g/" + path) for s in servers]
             self.assertEqual((answers[0].body, answers[0].headers["ETag"]), (answers[1].body, answers[1].headers["ETag"]), path)
             expected[path] = answers[0].body, answers[0].headers["ETag"]
-        for i in range(60):
-            if i == 20:
-                servers[0].kill()
-            path = PATHS[i % len(PATHS)]
-            answer = front.get("/api/v1/grids/g/" + path)
-            self.assertEqual((answer.status, answer.body, answer.headers["ETag"]), (200, *expected[path]), (i, path))
+        wrong, asked = [], threading.Semaphore(0)
+
+        def ask(first):
+            for i in range(first, first + 40):
+                path = PATHS[i % len(PATHS)]
+                answer = front.get("/api/v1/grids/g/" + path)
+                asked.release()
+                if (answer.status, answer.body, answer.headers["ETag"]) != (200, *expected[path]):
+                    wrong.append((i, path, answer.status))
+        clients = [threading.Thread(target=ask, args=(i,)) for i in range(4)]
+        for client in clients:
+            client.start()
+        for _ in range(40):
+            asked.acquire()
+        servers[0].kill()
+        for client in clients:
+            client.join()
+        self.assertEqual(wrong, [])
         self.stop(servers[1])
