@@ -83,7 +83,8 @@ std::vector<CachedSource::Block> CachedSource::blocks(const std::vector<uint64_t
       std::unique_lock lock(mutex_);
       bool others = false;
       for (size_t i = 0; i < wanted.size(); ++i) {
-        if (found[i] || (found[i] = cache_.find(wanted[i]))) continue;
+        if (!found[i]) found[i] = cache_.find(wanted[i]);
+        if (found[i]) continue;
         complete = false;
         if (fetched_now_.insert(wanted[i]).second) mine.push_back(wanted[i]);
         else others = true;

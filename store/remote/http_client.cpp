@@ -53,7 +53,8 @@ struct Transfer {
 size_t on_header(const char* data, size_t, size_t size, void* at) try {
   auto& t = *static_cast<Transfer*>(at);
   const std::string_view line(data, size);
-  if ((t.header_bytes += size) > kMostOfHeaders) return 0;
+  t.header_bytes += size;
+  if (t.header_bytes > kMostOfHeaders) return 0;
   if (line.starts_with("HTTP/")) {  // of the last answer, if there are others like 100 before it
     t.exchange->answer_headers.clear();
     t.exchange->body.clear();

@@ -54,7 +54,7 @@ std::unique_ptr<ByteSource> open_s3(const std::string& address, const SourceOpti
   const std::string path = encoded_path(key);
   if (!options.endpoint.empty()) {
     std::string endpoint = parse_url(options.endpoint).text;
-    if (parse_url(endpoint).query != "")
+    if (!parse_url(endpoint).query.empty())
       throw UsageError(fmt::format("{}: expected the address of a store without a query", parse_url(endpoint).shown()));
     while (endpoint.ends_with('/')) endpoint.pop_back();
     place.url = parse_url(fmt::format("{}/{}/{}", endpoint, bucket, path));
