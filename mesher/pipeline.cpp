@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <mutex>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -213,6 +214,9 @@ class MeshRun {
       uint32_t row;
     };
     Job next{nullptr, TileGroupWork::kRows};
+    // Groups that are stored. To free them takes time, so a thread that casts does it.
+    std::vector<std::shared_ptr<TileGroupWork>> stored;
+    std::mutex of_stored;
     Checkpoints checkpoints(options_.checkpoint_seconds);
     in_order(
         threads_,
@@ -220,17 +224,26 @@ class MeshRun {
           if (next.row == TileGroupWork::kRows) {
             auto group = tiling.next();
             if (!group) return std::nullopt;
-            next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, plan_.meta), 0};
+            auto above = pyramid_->node_above(group->cu, group->cv);
+            next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, plan_.meta, std::move(above)), 0};
           }
           return Job{next.work, next.row++};
         },
         [&](Job job, int worker) {
+          std::unique_lock lock(of_stored);
+          auto freed = std::exchange(stored, {});
+          lock.unlock();
+          freed.clear();
           job.work->make_row(job.row, *workers[worker]);
           return job;
         },
-        [&](const Job& job) {
+        [&](Job job) {
           if (job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
           store(*job.work);
+          {
+            std::lock_guard lock(of_stored);
+            stored.push_back(std::move(job.work));
+          }
           checkpoints.maybe([&] { save(); });
           progress("mesh", static_cast<double>(groups_) / static_cast<double>(tiling.groups()));
         },
@@ -239,7 +252,7 @@ class MeshRun {
 
   void store(TileGroupWork& work) {
     for (const LevelChunk& chunk : work.chunks()) pyramid_->put(chunk);
-    pyramid_->add_to_level_above(2, work.group().cu, work.group().cv, std::move(work.coarse()));
+    pyramid_->put_above(work.above(), work.group().cu, work.group().cv);
     for (const RowTotals& row : work.totals()) totals_.add(row);
     ++groups_;
   }
