@@ -2,13 +2,6 @@
 
 namespace teracell {
 
-void CastTotals::add(const RowTotals& row) {
-  crossings += row.crossings;
-  exact_decisions += row.exact_decisions;
-  for (const BodyCells& b : row.cells) cells[b.body] += b.owned, covered[b.body] += b.covered;
-  tallies.add(row.tallies);
-}
-
 TileGroupWork::TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta, std::shared_ptr<PyramidNode> above)
     : group_(std::move(group)), tiling_(tiling), meta_(meta), shape_(meta, 0), above_(std::move(above)), chunks_(kChildren + 1) {}
 

@@ -1,9 +1,10 @@
 // The work on a tile group: cast its rays, compose, encode, coarsen. Its four rows of tiles are jobs for any threads; the
-// thread that ends the last of them makes the group's chunk of level 2, and adds it to the levels above. (Whole groups as jobs leave threads idle at the end
-// of a small grid: 1000 x 1000 rays are 16 groups.)
+// thread that ends the last of them makes the group's chunk of level 2 and adds it to the levels above. (Whole groups as jobs leave
+// threads idle at the end of a small grid: 1000 x 1000 rays are 16 groups.)
 #pragma once
 #include <atomic>
 
+#include "mesher/cast_totals.hpp"
 #include "mesher/compose.hpp"
 #include "mesher/scene/labels.hpp"
 #include "mesher/thin/marker.hpp"
@@ -24,21 +25,6 @@ struct Worker {
   Composer composer;
   ChunkEncoder encoder;
   Crossings crossings;
-};
-
-// What casting a row of tiles has counted.
-struct RowTotals {
-  uint64_t crossings = 0, exact_decisions = 0;
-  std::vector<BodyCells> cells;
-  Tallies tallies;
-};
-
-// What all casting has counted.
-struct CastTotals {
-  uint64_t crossings = 0, exact_decisions = 0;
-  std::vector<unsigned __int128> cells, covered;  // one per body: cells that it owns, and cells in it that a stronger body owns
-  Tallies tallies;
-  void add(const RowTotals& row);
 };
 
 class TileGroupWork {

@@ -31,8 +31,8 @@ uint32_t child_at(uint32_t u, uint32_t v) { return v % kFanOut * kFanOut + u % k
 
 }  // namespace
 
-PyramidNode::PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v, std::shared_ptr<PyramidNode> above)
-    : meta_(meta), level_(level), u_(u), v_(v), above_(std::move(above)) {
+PyramidNode::PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v, bool whole, std::shared_ptr<PyramidNode> above)
+    : meta_(meta), level_(level), u_(u), v_(v), whole_(whole), above_(std::move(above)) {
   const LevelShape below(meta, level);
   unput_ = std::min(kFanOut, below.chunks_u - u * kFanOut) * std::min(kFanOut, below.chunks_v - v * kFanOut);
   missing_ = unput_;
@@ -40,7 +40,7 @@ PyramidNode::PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v
 
 void PyramidNode::add(uint32_t cu, uint32_t cv, Chunk coarsened, ChunkEncoder& encoder) {
   children_[child_at(cu, cv)] = std::move(coarsened);
-  if (--missing_ == 0) make(encoder);
+  if (--missing_ == 0 && whole_) make(encoder);
 }
 
 // First the 2 x 2 chunks of the odd level, then from them the chunk of the even level above.
@@ -60,15 +60,15 @@ void PyramidNode::make(ChunkEncoder& encoder) {
   if (above_) above_->add(u_, v_, coarsen(even, 1), encoder);
 }
 
-PyramidWriter::PyramidWriter(GridWriter& writer)
-    : writer_(writer), path_(writer.meta().grid.levels() / 2), restored_(path_.size()) {}
+PyramidWriter::PyramidWriter(ChunkSink& sink, const TreeRange& range)
+    : sink_(sink), range_(range), path_(sink.meta().grid.levels() / 2), restored_(path_.size()) {}
 
 std::shared_ptr<PyramidNode> PyramidWriter::node_above(int level, uint32_t cu, uint32_t cv) {
-  if (level + 1 >= writer_.meta().grid.levels()) return nullptr;
+  if (level + 1 >= sink_.meta().grid.levels()) return nullptr;
   std::shared_ptr<PyramidNode>& node = path_[level / 2 - 1];
   const uint32_t u = cu / kFanOut, v = cv / kFanOut;
   if (node && node->u_ == u && node->v_ == v) return node;
-  node.reset(new PyramidNode(writer_.meta(), level, u, v, node_above(level + 2, u, v)));
+  node.reset(new PyramidNode(sink_.meta(), level, u, v, range_.has_all(level / 2, u, v), node_above(level + 2, u, v)));
   auto& before = restored_[level / 2 - 1];
   for (uint32_t i = 0; i < kChildren; ++i) {
     if (before[i].rays.rays() == 0) continue;
@@ -80,12 +80,13 @@ std::shared_ptr<PyramidNode> PyramidWriter::node_above(int level, uint32_t cu, u
 }
 
 void PyramidWriter::put(const LevelChunk& chunk) {
-  for (uint32_t s = 0; s < chunk.segments.size(); ++s) writer_.put({chunk.level, chunk.cu, chunk.cv, s}, chunk.segments[s]);
+  for (uint32_t s = 0; s < chunk.segments.size(); ++s) sink_.put({chunk.level, chunk.cu, chunk.cv, s}, chunk.segments[s]);
 }
 
 void PyramidWriter::put_above(const std::shared_ptr<PyramidNode>& first, uint32_t cu, uint32_t cv) {
   at_ = first;
   for (PyramidNode* node = first.get(); node; cu = node->u_, cv = node->v_, node = node->above_.get()) {
+    if (!node->whole_) return sink_.put_child(node->level_, cu, cv, std::exchange(node->children_[child_at(cu, cv)], {}));
     node->put_[child_at(cu, cv)] = true;
     if (--node->unput_ > 0) return;
     for (const LevelChunk& chunk : node->chunks_) put(chunk);
@@ -98,7 +99,7 @@ void PyramidWriter::save(Bytes& state) {
   const PyramidNode* node = at_.get();
   for (size_t n = 0; n < path_.size(); ++n, node = node ? node->above_.get() : nullptr)
     for (uint32_t i = 0; i < kChildren; ++i) {
-      const Chunk& child = node && node->unput_ > 0 && node->put_[i] ? node->children_[i] : none;
+      const Chunk& child = node && node->whole_ && node->unput_ > 0 && node->put_[i] ? node->children_[i] : none;
       put_varint(state, child.rays.nu);
       if (child.rays.nu == 0) continue;
       put_varint(state, child.rays.nv);
@@ -110,7 +111,7 @@ void PyramidWriter::save(Bytes& state) {
 }
 
 void PyramidWriter::restore(ByteReader& state) {
-  const Metadata& meta = writer_.meta();
+  const Metadata& meta = sink_.meta();
   ChunkDecoder decoder;
   for (auto& children : restored_)
     for (Chunk& child : children) {

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <memory>
 
+#include "store/chunk_sink.hpp"
 #include "store/pyramid.hpp"
-#include "store/writer.hpp"
 
 namespace teracell {
 
@@ -34,12 +34,13 @@ class PyramidNode {
 
  private:
   friend class PyramidWriter;
-  PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v, std::shared_ptr<PyramidNode> above);
+  PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v, bool whole, std::shared_ptr<PyramidNode> above);
   void make(ChunkEncoder& encoder);
 
   const Metadata& meta_;
   const int level_;  // of the children
   const uint32_t u_, v_;
+  const bool whole_;  // false: other parts of the grid have the other children
   const std::shared_ptr<PyramidNode> above_;  // null at the top
   std::array<Chunk, kChildren> children_;     // a checkpoint may need them until the node is put
   std::atomic<uint32_t> missing_;
@@ -50,23 +51,24 @@ class PyramidNode {
 
 class PyramidWriter {
  public:
-  explicit PyramidWriter(GridWriter& writer);
-  // The node to which chunk (cu, cv) of level 2 is to be added; null when there is none. REQUIRES: tree order. One thread at a time,
-  // which may be another than the one that puts.
-  std::shared_ptr<PyramidNode> node_above(uint32_t cu, uint32_t cv) { return node_above(2, cu, cv); }
+  // What goes into `sink` is what lies in `range`.
+  explicit PyramidWriter(ChunkSink& sink, const TreeRange& range = {});
+  // The node to which chunk (cu, cv) of an even level is to be added; null when there is none. REQUIRES: tree order. One thread at a
+  // time, which may be another than the one that puts.
+  std::shared_ptr<PyramidNode> node_above(int level, uint32_t cu, uint32_t cv);
 
   // One thread puts, in tree order.
   void put(const LevelChunk& chunk);
-  // To be called when chunk (cu, cv) of level 2 has been put and added to its node: puts the nodes that are complete by this.
+  // To be called when chunk (cu, cv) has been put and added to its node: puts the nodes that are complete by this. A node that is not
+  // whole is not made: its children are put.
   void put_above(const std::shared_ptr<PyramidNode>& node, uint32_t cu, uint32_t cv);
   // Appends what has been put of nodes that are not complete to `state`; restore() puts it into a fresh writer.
   void save(Bytes& state);
   void restore(ByteReader& state);
 
  private:
-  std::shared_ptr<PyramidNode> node_above(int level, uint32_t cu, uint32_t cv);
-
-  GridWriter& writer_;
+  ChunkSink& sink_;
+  const TreeRange range_;
   std::vector<std::shared_ptr<PyramidNode>> path_;         // the nodes that were asked for last, on levels 2, 4 ...
   std::vector<std::array<Chunk, kChildren>> restored_;     // the children of nodes on path_ that are not made yet
   std::shared_ptr<PyramidNode> at_;                        // the node that had a child put last

@@ -70,7 +70,7 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
     if (meta.grid.levels() <= 2) return;
     const Chunk level2 = join_pieces(pieces.data(), kFanOut, kFanOut, meta.chunk_rays, labels);
     pyramid.put(encode_level(encoder, meta, 2, cu, cv, level2));
-    if (const auto above = pyramid.node_above(cu, cv)) {
+    if (const auto above = pyramid.node_above(2, cu, cv)) {
       above->add(cu, cv, coarsen(level2, 1), encoder);
       pyramid.put_above(above, cu, cv);
     }

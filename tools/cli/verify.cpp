@@ -14,7 +14,15 @@ struct VerifyArguments {
   int threads = 0;
 };
 
+void run_of_part(const VerifyArguments& o) {
+  const PartReader part(o.grid);
+  const uint64_t chunks = verify(part);
+  say(fmt::format("{}: sound. Part {} of 0 to {} of a grid, {}, {}: every checksum holds.", o.grid, part.head().number, part.head().of - 1,
+                  bytes_text(part.bytes()), plural(chunks, "chunk")));
+}
+
 void run(const VerifyArguments& o) {
+  if (is_part(o.grid)) return run_of_part(o);
   const GridReader reader(o.grid);
   {
     ProgressLine line(o.progress, "");
@@ -30,7 +38,7 @@ void run(const VerifyArguments& o) {
 
 Run setup_verify(CLI::App& app) {
   const auto o = std::make_shared<VerifyArguments>();
-  app.add_option("grid", o->grid, "a .tcell file")->required();
+  app.add_option("grid", o->grid, "a .tcell file, or a part of one")->required();
   add_threads(app, o->threads);
   add_progress(app, o->progress);
   app.footer("Example:\n  teracell verify g.tcell");
