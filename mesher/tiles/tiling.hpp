@@ -47,10 +47,10 @@ struct TileGroup {
 class Tiling {
  public:
   // Of facets in memory; `widened` bodies as in rays.hpp.
-  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened, const TreeRange& range);
+  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened, const TreeRange& range = {});
   // `counter`, if not null, counts the facets of every bin; then bins outside the range are loaded, too. While the groups of one bin are
   // taken, the next `ahead` bins are loaded by other threads.
-  Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range);
+  Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range = {});
 
   uint64_t groups() const { return groups_; }
   // The groups of the range in the order of the tree, including those without facets.
