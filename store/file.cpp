@@ -159,6 +159,12 @@ void OutputFile::fail(const char* what) const {
 }
 
 void OutputFile::append(std::span<const uint8_t> bytes) {
+  if (bytes.size() >= kBuffer) {  // copying them would double the memory
+    flush();
+    if (!write_all(fd_, bytes)) fail("can't write");
+    size_ += bytes.size();
+    return;
+  }
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
   size_ += bytes.size();
   if (buffer_.size() >= kBuffer) flush();

@@ -15,7 +15,8 @@
 namespace teracell {
 namespace {
 
-constexpr int64_t kMostRanks = int64_t{1} << 24;
+// With these the JSON of a partition has less than the 1 GiB that the library reads.
+constexpr int64_t kMostRanks = int64_t{1} << 21, kMostNeighbours = int64_t{1} << 26;  // the neighbours of all parts together
 
 int64_t cells_in(const Box& b, int axis) { return b.hi[axis] - b.lo[axis]; }
 
@@ -41,7 +42,7 @@ class Cutter {
   void bisect(const Box& box, double weight, int64_t ranks, std::shared_ptr<const Layers> along = nullptr) {
     progress_(static_cast<double>(parts.size()) / static_cast<double>(o_.ranks));
     if (ranks == 1) {
-      parts.push_back({box, weight, {}, {}});
+      parts.push_back({box, std::max(0.0, weight), {}, {}});  // a difference, which rounding may leave below 0
       return;
     }
     const int64_t below = ranks / 2;
@@ -87,12 +88,15 @@ class Cutter {
   void slabs(const Box& box, int axis) {
     const std::vector<double> layers = by_layers(box, axis);
     const double total = std::accumulate(layers.begin(), layers.end(), 0.0);
-    const int64_t n = cells_in(box, axis);
+    const int64_t n = cells_in(box, axis), most_slabs = places(box.lo[axis], box.hi[axis]);
+    if (o_.ranks > most_slabs)
+      throw OptionError(fmt::format("ranks: expected at most {}, the slabs along {} that cuts at multiples of {} cells give, found {}", most_slabs,
+                                    axis_name(axis), o_.align, o_.ranks));
     Box rest = box;
     double before = 0, sum = 0;
     int64_t at = 0;
     for (int64_t rank = 0; rank < o_.ranks; ++rank) {
-      const int64_t left = o_.ranks - rank - 1, most = n - left * o_.align;  // each slab that follows needs a place
+      const int64_t left = o_.ranks - rank - 1, most = (most_slabs - left) * o_.align;  // each slab that follows needs a place
       const double target = total > 0 ? total * static_cast<double>(rank + 1) / static_cast<double>(o_.ranks) : 0;
       const double even = static_cast<double>(n) * static_cast<double>(rank + 1) / static_cast<double>(o_.ranks);
       int64_t end = left == 0 ? n : at;
@@ -105,13 +109,10 @@ class Cutter {
         if (end > at && !closer) break;
         end = next, end_sum = next_sum;
       }
-      if (end <= at)
-        throw OptionError(fmt::format("ranks: expected at most as many as there are slabs along {}, cut at multiples of {} cells, found {}",
-                                      axis_name(axis), o_.align, o_.ranks));
       if (left == 0) end_sum = total;
       sum = end_sum;
       rest.lo[axis] = box.lo[axis] + at, rest.hi[axis] = box.lo[axis] + end;
-      parts.push_back({rest, sum - before, {}, {}});
+      parts.push_back({rest, std::max(0.0, sum - before), {}, {}});
       before = sum, at = end;
     }
     progress_(1);
@@ -279,7 +280,7 @@ Box grown(const Box& box, int64_t by, int axis) {
 }
 
 // Sweeps along x: only boxes whose ranges of x are near each other are compared.
-void find_neighbours(std::vector<Part>& parts, int64_t halo) {
+void find_neighbours(std::vector<Part>& parts, int64_t halo, const std::function<void(double)>& progress) {
   const auto touch = [&](const Box& a, const Box& b) {
     if (halo == 0) return std::ranges::any_of(std::array{0, 1, 2}, [&](int d) { return overlap(grown(a, 1, d), b); });
     return overlap(grown(grown(grown(a, halo, 0), halo, 1), halo, 2), b);
@@ -288,12 +289,19 @@ void find_neighbours(std::vector<Part>& parts, int64_t halo) {
   std::iota(order.begin(), order.end(), size_t{0});
   std::ranges::sort(order, {}, [&](size_t i) { return parts[i].box.lo[0]; });
   const int64_t reach = std::max<int64_t>(halo, 1);
-  for (size_t i = 0; i < order.size(); ++i)
+  int64_t found = 0;
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (i % 1024 == 0) progress(1);
     for (size_t j = i + 1; j < order.size() && parts[order[j]].box.lo[0] < parts[order[i]].box.hi[0] + reach; ++j)
       if (touch(parts[order[i]].box, parts[order[j]].box)) {
         parts[order[i]].neighbours.push_back(static_cast<int64_t>(order[j]));
         parts[order[j]].neighbours.push_back(static_cast<int64_t>(order[i]));
+        found += 2;
       }
+    if (found > kMostNeighbours)
+      throw OptionError(fmt::format("halo: expected one with which {} parts have at most {} neighbours together, found {}, with which they have more",
+                                    parts.size(), kMostNeighbours, halo));
+  }
   for (Part& p : parts) std::ranges::sort(p.neighbours);
 }
 
@@ -330,7 +338,7 @@ Partition make_partition(const GridReader& reader, const PartitionOptions& optio
   else cutter.slabs(all, static_cast<int>(std::ranges::max_element(out.cells) - out.cells.begin()));
   out.parts = std::move(cutter.parts);
   for (Part& part : out.parts) part.halo_box = with_halo(part.box, options.halo, out.cells);
-  find_neighbours(out.parts, options.halo);
+  find_neighbours(out.parts, options.halo, progress);
   return out;
 }
 

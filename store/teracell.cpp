@@ -217,6 +217,7 @@ void read_cells(const GridReader& reader, int level, const Lattice& lattice, int
   }
   check_strides(lattice.count, stride);
   if (lattice.count[0] == 0 || lattice.count[1] == 0 || lattice.count[2] == 0) return;
+  for (int d = 0; d < 3; ++d) check(lattice.count[d] == 1 || stride[d] != 0, "strides other than 0 where there are several cells");
   check(data != nullptr, "memory for the cells, found NULL");
   const SetValue id = strongest_material(reader.meta());
   const SetValue value = values.empty() ? id : [&](const std::vector<Label>& set) { return values[id(set)]; };

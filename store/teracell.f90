@@ -280,6 +280,7 @@ contains
       status = found
     else if (found /= tc_ok) then
       write (error_unit, '(2a)') 'teracell: ', tc_error_text()
+      flush (error_unit)  ! or it comes after what the runtime says of error stop
       error stop 1
     end if
   end subroutine

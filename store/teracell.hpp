@@ -3,6 +3,9 @@
 //   tc::Grid grid("stadium.tcell");
 //   std::vector<uint8_t> cells = grid.read<uint8_t>({{0, 0, 0}, {64, 64, 64}});  // [z][y][x]
 #pragma once
+#if __cplusplus < 202002L
+#error "teracell.hpp needs C++20: -std=c++20, or in CMake set(CMAKE_CXX_STANDARD 20). For older standards there is teracell.h"
+#endif
 #include <array>
 #include <concepts>
 #include <exception>

@@ -17,7 +17,8 @@ need() {
 
 build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libboost-dev libhdf5-dev)
 library_packages=(gfortran pybind11-dev python3-dev python3-numpy)
-test_packages=(catch2 groff-base clang-16 libclang-rt-16-dev python3 zstd nginx-light curl openssl)
+test_packages=(catch2 groff-base python3 zstd nginx-light curl openssl)
+sanitizer_packages=(clang-16 libclang-rt-16-dev)
 # A Node.js from elsewhere has an npm of its own, and Debian's npm would not fit it.
 command -v npm >/dev/null || build_packages+=(nodejs npm)
 client_packages=(chromium libvips-tools python3-dask python3-fsspec python3-aiohttp python3-netcdf4 python3-pil python3-xarray python3-zarr)

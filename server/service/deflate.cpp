@@ -46,7 +46,7 @@ class GzipParts final : public Parts {
       z_.next_out = reinterpret_cast<Bytef*>(out.data() + before);
       z_.avail_out = kEnough;
       deflate(&z_, flush);
-      out.resize(out.size() - z_.avail_out);
+      out.erase(out.size() - z_.avail_out);  // not resize(): GCC 12 would warn of a string that grows by 2^64
     } while (z_.avail_out == 0);
   }
 

@@ -144,7 +144,7 @@ class Outputs(Case):
         formats = [line.split()[0] for line in self.run_ok("export", "--list").out.splitlines() if not line.startswith(" ")]
         self.assertIn("ply", formats)
         for name in formats:
-            media = ["--epsilon", "box=2"] if name == "openems" else []
+            media = {"openems": ["--epsilon", "box=2"], "openfoam": ["--ranks", 1000]}.get(name, [])  # 1000: labels that are wide enough
             self.interrupt(["export", "large.tcell", "-o", "out", "--format", name, *media], lambda: set(os.listdir(self.folder)) != before)
             self.assertEqual(set(os.listdir(self.folder)), before, name)
         self.interrupt(["slice", "large.tcell", "--axis", "z", "--index", 3999, "-o", "large.npy"],

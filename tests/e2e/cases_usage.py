@@ -115,9 +115,11 @@ class Usage(Case):
                 (["--region", "along x", "0 to 12"], ["stats", "g.tcell", "--region", "0,0,0,13,1,1"]),
                 (["--region", "along z", "empty"], ["stats", "g.tcell", "--region", "0,0,3,1,1,3"]),
                 (["--region", "6 whole numbers", "'a'"], ["stats", "g.tcell", "--region", "a"]),
+                (["--region", "6 whole numbers"], ["stats", "g.tcell", "--region", ""]),
+                (["--region", "6 whole numbers"], ["export", "g.tcell", "--region", "", "-o", "x.npy"]),
                 (["--region", "along x", "0 to 3", "level 2"], ["export", "g.tcell", "--level", 2, "--region", "0,0,0,4,1,1", "-o", "x.npy"]),
                 (["--level: expected", "0 to 4"], ["export", "g.tcell", "--level", 5, "-o", "x.npy"]),
-                ([".npy", ".raw", "--format"], ["export", "g.tcell", "-o", "x.bin"]),
+                ([".npy", ".raw", "--format", "export --list"], ["export", "g.tcell", "-o", "x.bin"]),
                 (["--fluid", "'water'"], ["export", "g.tcell", "-o", "case", "--format", "openfoam", "--fluid", "water"]),
                 (["--zarr-version", "2 to 3", "'4'"], ["export", "g.tcell", "-o", "x.zarr", "--zarr-version", 4]),
                 (["--ranks", "npy", "no such option"], ["export", "g.tcell", "-o", "x.npy", "--ranks", 2]),
@@ -126,6 +128,11 @@ class Usage(Case):
                 (["--epsilon", "none for"], ["export", "g.tcell", "-o", "x.xml", "--format", "openems"]),
                 (["--format", "npy", "raw"], ["export", "g.tcell", "-o", "x.npy", "--format", "vtk"])):
             self.refused(2, phrases, *args)
+
+    def test_a_map_names_all_materials_that_are_written(self):
+        corner = ["export", "g.tcell", "--region", "0,0,0,1,1,1", "--map", "air=5"]
+        self.run_ok(*corner, "-o", "x.npy")
+        self.refused(2, ["--map", "none for"], *corner, "-o", "x.zarr")  # the cells of its coarse levels reach beyond the region
 
     def test_at_outside_the_domain(self):
         lo, hi = [self.json_of("info", "g.tcell")["grid"][k][2] for k in ("min", "max")]

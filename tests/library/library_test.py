@@ -72,8 +72,8 @@ class Boxes(unittest.TestCase):
             with self.assertRaisesRegex(teracell.UsageError, words):
                 grid.read(box, **wrong)
         self.assertTrue((out == 99).all(), "nothing was written")
-        with self.assertRaises(ValueError):
-            out.flags.writeable = False
+        out.flags.writeable = False
+        with self.assertRaisesRegex(teracell.UsageError, "read-only"):
             grid.read(box, out=out)
 
 
@@ -222,6 +222,10 @@ class Memory(unittest.TestCase):
 
 
 class Fortran(unittest.TestCase):
+    def test_a_program_that_stops_says_why_first(self):
+        said = subprocess.run([compiled(EXAMPLES / "heat.f90"), "none.tcell"], env=ENVIRONMENT, cwd=folder, stderr=subprocess.PIPE, text=True)
+        self.assertTrue(said.stderr.startswith("teracell: none.tcell: can't open"), said.stderr)
+
     def test_grids_are_assigned_and_errors_are_handed_over(self):
         program = compiled(SOURCES / "grids.f90", "-g", "-fsanitize=address", "-fcheck=all")
         said = subprocess.run([program, grids[0]], env={**ENVIRONMENT, "ASAN_OPTIONS": "detect_leaks=0"}, cwd=folder, capture_output=True, text=True)
@@ -282,8 +286,20 @@ class Installed(unittest.TestCase):
         layers = run(compiled(EXAMPLES / "porosity.cpp"), grids[0], "air", text=True).splitlines()
         cells = exported(grids[0], 0)
         numpy.testing.assert_allclose([float(line.split()[1]) for line in layers], (cells == 0).mean(axis=(1, 2)), rtol=1e-5)
-        self.assertIn("solid cells", run(compiled(EXAMPLES / "heat.f90"), grids[0], text=True))
+        self.assertRegex(run(compiled(EXAMPLES / "heat.f90"), grids[0], text=True), r"solid cells: [1-9]\d* of 110592")
         self.assertIn("air", run("/usr/bin/python3", EXAMPLES / "surface_cells.py", grids[0], text=True))
+
+    def test_an_example_without_a_grid_says_how_it_is_called(self):
+        for call in ([compiled(EXAMPLES / "materials.c")], [compiled(EXAMPLES / "porosity.cpp")], [compiled(EXAMPLES / "heat.f90")],
+                     ["/usr/bin/python3", EXAMPLES / "surface_cells.py"]):
+            said = subprocess.run(call, env=ENVIRONMENT, capture_output=True, text=True)
+            self.assertIn("usage: ", said.stderr)
+            self.assertIn(said.returncode, (1, 2))
+
+    def test_an_older_standard_of_cpp_is_told_which_one_is_needed(self):
+        flags = run("pkg-config", "--cflags", "teracell", text=True).split()
+        said = subprocess.run(["c++", "-std=c++17", "-fsyntax-only", *flags, str(EXAMPLES / "porosity.cpp")], env=ENVIRONMENT, capture_output=True, text=True)
+        self.assertIn("teracell.hpp needs C++20", said.stderr)
 
     def test_a_cmake_project_finds_the_package(self):
         project = folder / "project"

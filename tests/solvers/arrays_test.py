@@ -7,15 +7,11 @@ import numpy
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-import vtk_test
-from vtk_test import GRADED, PROGRAM, UNIFORM, exported
+from support import GRADED, PROGRAM, UNIFORM, exported, folder, metal_grids
 
+grids = metal_grids()
 NAMES = ["air", "steel", "brass"]
 PARTS = ((), ("--region", "1,2,3,8,9,7"), ("--level", "1"))
-
-
-def setUpModule():
-    vtk_test.setUpModule()
 
 
 def header_of(path):
@@ -31,7 +27,7 @@ def planes_of(header, axis, cells):
 
 class MetaImage(unittest.TestCase):
     def test_vtk_reads_every_cell_and_its_place(self):
-        for kind, grid in vtk_test.grids:
+        for kind, grid in grids:
             for more, name in itertools.product(PARTS if kind == "uniform" else (), ("a.mhd", "a.mha")):
                 cells = numpy.load(exported(grid, "a.npy", *more))
                 reader = vtk.vtkMetaImageReader()
@@ -46,10 +42,10 @@ class MetaImage(unittest.TestCase):
                 self.assertEqual(image.GetOrigin(), tuple(UNIFORM["min"][d] + (first[d] + 0.5) * step for d in range(3)))
 
     def test_numbers_of_all_sizes(self):
-        cells = numpy.load(exported(vtk_test.grids[0][1], "m.npy"))
+        cells = numpy.load(exported(grids[0][1], "m.npy"))
         for steel, kind in ((255, numpy.uint8), (256, numpy.uint16), (70000, numpy.uint32)):
             reader = vtk.vtkMetaImageReader()
-            reader.SetFileName(str(exported(vtk_test.grids[0][1], "m.mhd", "--map", f"air=1,steel={steel},brass=0")))
+            reader.SetFileName(str(exported(grids[0][1], "m.mhd", "--map", f"air=1,steel={steel},brass=0")))
             reader.Update()
             found = vtk_to_numpy(reader.GetOutput().GetPointData().GetScalars())
             self.assertEqual(found.dtype, kind)
@@ -57,8 +53,8 @@ class MetaImage(unittest.TestCase):
 
     def test_a_graded_grid_is_refused(self):
         for name in ("g.mhd", "g.mha"):
-            path = vtk_test.folder / name
-            said = subprocess.run([PROGRAM, "export", vtk_test.grids[2][1], "-o", path], capture_output=True, text=True)
+            path = folder / name
+            said = subprocess.run([PROGRAM, "export", grids[2][1], "-o", path], capture_output=True, text=True)
             self.assertEqual(said.returncode, 2)
             self.assertIn("mhd has uniform axes", said.stderr)
             self.assertFalse(path.exists() or path.with_suffix(".raw").exists())
@@ -77,7 +73,7 @@ class Headers(unittest.TestCase):
         return cells
 
     def test_raw_cells_are_read_by_their_header_alone(self):
-        for kind, grid in vtk_test.grids:
+        for kind, grid in grids:
             for more in PARTS:
                 path = exported(grid, "h.raw", "--header", *more)
                 header = header_of(path)
@@ -86,7 +82,7 @@ class Headers(unittest.TestCase):
                 numpy.testing.assert_array_equal(found, self.check(header, grid, kind, more))
 
     def test_palabos_reads_x_slowest(self):
-        for kind, grid in vtk_test.grids:
+        for kind, grid in grids:
             for more in PARTS:
                 path = exported(grid, "h.dat", "--header", *more)
                 header = header_of(path)

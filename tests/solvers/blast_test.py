@@ -59,17 +59,17 @@ class Blast(unittest.TestCase):
             self.assertLess(abs(result["energy_error"]), 1e-6)
         self.assertEqual(open_air.sedov(PROGRAM, self.folder / "again", 12)["pressures"], coarse["pressures"])
 
-    def test_the_tanker_bursts(self):
+    def test_the_charge_bursts_on_the_stand(self):
         blast = stadium.Blast(PROGRAM, self.folder, 150, fine=200)
         blast.compute(end=0.008, frame=0.004)
         self.assertEqual(len(blast.case.times()), 2)
         times, pressures = blast.case.gauges()
         over = dict(zip(stadium.GAUGES, pressures.max(axis=0) - gas.P0))
-        self.assertGreater(over["pitch, 15 m"], 1e6)
+        self.assertGreater(over["above the seats, 15 m"], 7e5)
         self.assertGreater(over["lower tier"], 1e5)
-        for quiet in ("pitch, 30 m", "upper tier", "behind the stadium"):  # the shock is not yet there
+        for quiet in ("pitch", "upper tier", "behind the stadium"):  # the shock is not yet there
             self.assertLess(abs(over[quiet]), 1e3, quiet)
-        plots.gauges(self.folder / "gauges.svg", list(stadium.GAUGES), times, pressures, {"pitch, 15 m": (0.005, 3e6)})
+        plots.gauges(self.folder / "gauges.svg", list(stadium.GAUGES), times, pressures, {"above the seats, 15 m": (0.005, 3e6)})
         self.assertGreater((self.folder / "gauges.svg").stat().st_size, 10000)
 
         view = pictures.View(blast, wide=240, high=120)

@@ -1,58 +1,18 @@
 """h5py and ParaView read what `teracell export` writes as HDF5 and XDMF: cell by cell, and where the cells lie."""
 import json
 import pathlib
-import shutil
 import subprocess
-import sys
-import tempfile
 import unittest
 
 import h5py
 import numpy
 
-PROGRAM = sys.argv.pop(1)
+from support import GRADED, PROGRAM, exported, folder, metal_grids, run
+
 # Debian's ParaView can't be installed beside python3-vtk9, so it is unpacked here.
 PARAVIEW = pathlib.Path(__file__).resolve().parents[2] / "build" / "paraview"
-
-# A block in a corner, none of whose sides is like another, and one that lies across.
-SCENE = {"units": "mm", "bodies": [{"name": "corner", "mesh": "corner.stl", "material": "steel"}, {"name": "bar", "mesh": "bar.stl", "material": "brass"}],
-         "materials": {"air": {"color": "#00000000"}, "steel": {"color": "#8899aa"}, "brass": {"color": "#ccaa33"}}, "background": "air"}
-UNIFORM = {"min": [-1, 2, 5], "max": [11, 10, 10], "cells": [24, 16, 10]}
-GRADED = {**UNIFORM, "x": {"planes": [-1, -0.5, 0.25, 1, 2, 3, 4.5, 6, 8, 11]}}
 MEDIA = ("--epsilon", "air=1,steel=2.25,brass=9.5")
-
-
-def run(*args):
-    return subprocess.run([str(a) for a in args], check=True, capture_output=True, text=True).stdout
-
-
-def box_stl(path, lo, hi):
-    corner = [[(hi if i >> d & 1 else lo)[d] for d in range(3)] for i in range(8)]
-    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    lines = ["solid box"]
-    for a, b, c, d in quads:
-        for triangle in ((a, b, c), (a, c, d)):
-            lines += ["facet normal 0 0 0", "outer loop"] + ["vertex " + " ".join(map(str, corner[i])) for i in triangle] + ["endloop", "endfacet"]
-    path.write_text("\n".join(lines + ["endsolid box"]) + "\n")
-
-
-def setUpModule():
-    global folder, grids
-    folder = pathlib.Path(tempfile.mkdtemp())
-    unittest.addModuleCleanup(shutil.rmtree, folder)
-    box_stl(folder / "corner.stl", (-1, 2, 5), (2, 4, 6))
-    box_stl(folder / "bar.stl", (1, 3, 7), (9, 4.6, 8.1))
-    grids = []
-    for name, axes in (("uniform", UNIFORM), ("graded", GRADED)):
-        (folder / f"{name}.json").write_text(json.dumps({**SCENE, "grid": axes}))
-        for axis in "xz":
-            grids.append((name, folder / f"{name}-{axis}.tcell"))
-            run(PROGRAM, "mesh", folder / f"{name}.json", "--axis", axis, "-o", grids[-1][1])
-
-
-def exported(grid, name, *more):
-    run(PROGRAM, "export", grid, "-o", folder / name, *more)
-    return folder / name
+grids = metal_grids()
 
 
 class H5py(unittest.TestCase):

@@ -1,74 +1,46 @@
 """openEMS runs on the boxes that `teracell export --format openems` writes, and has the materials where the cells are."""
-import json
-import pathlib
-import shutil
 import subprocess
-import sys
-import tempfile
 import unittest
 
 import numpy
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
+from support import dielectric_grid, exported, folder
+
 EPSILON, KAPPA = [1, 2.25, 9.5], [0, 0, 0.25]
 X = [0, 0.5, 1.25, 2, 3, 3.5, 4.5, 6, 8, 10, 11, 12]
-GRID = {"min": [0, 0, 0], "max": [12, 8, 5], "cells": [24, 16, 10]}
 # What is the user's: an excitation, so that something happens, and a field that is written.
 OURS = """      <Excitation Name="e" Type="0" Excite="0,1,0"><Primitives><Box Priority="9"><P1 X="4.5" Y="6" Z="1"/><P2 X="4.5" Y="7" Z="1"/></Box></Primitives></Excitation>
       <DumpBox Name="Et" DumpType="0" DumpMode="0" FileType="0"><Primitives><Box Priority="0"><P1 X="0" Y="0" Z="0"/><P2 X="12" Y="8" Z="5"/></Box></Primitives></DumpBox>
     </Properties>"""
 
 
-def box_obj(lo, hi):
-    corners = [[(hi if i >> d & 1 else lo)[d] for d in range(3)] for i in range(8)]
-    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    return "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "".join("f " + " ".join(str(i + 1) for i in q) + "\n" for q in quads)
-
-
 class OpenEms(unittest.TestCase):
-    def setUp(self):
-        self.folder = pathlib.Path(tempfile.mkdtemp())
-        self.addCleanup(shutil.rmtree, self.folder)
-        (self.folder / "corner.obj").write_text(box_obj((0, 0, 0), (3, 2, 1.5)))  # in one corner, and no two sides alike
-        (self.folder / "bar.obj").write_text(box_obj((2, 3, 2), (10, 5, 4)))
-
-    def teracell(self, *args):
-        subprocess.run([PROGRAM, *map(str, args)], check=True, capture_output=True, cwd=self.folder)
-
-    def mesh(self, grid):
-        (self.folder / "s.json").write_text(json.dumps({
-            "units": "mm", "grid": grid, "background": "air", "materials": {"air": {}, "teflon": {}, "glass": {}},
-            "bodies": [{"mesh": "corner.obj", "material": "teflon"}, {"mesh": "bar.obj", "material": "glass"}]}))
-        self.teracell("mesh", "s.json", "-o", "g.tcell")
-
-    def compute(self, *media):
-        self.teracell("export", "g.tcell", "--format", "openems", "-o", "g.xml", *media)
-        xml = (self.folder / "g.xml").read_text()
+    def compute(self, grid, *media):
+        xml = exported(grid, "g.xml", "--format", "openems", *media).read_text()
         for old, new in (('NumberOfTimesteps="0"', 'NumberOfTimesteps="30"'), ('f0="0" fc="0"', 'f0="1e10" fc="1e10"'), ("    </Properties>", OURS)):
             self.assertEqual(xml.count(old), 1)
             xml = xml.replace(old, new)
-        (self.folder / "run.xml").write_text(xml)
-        said = subprocess.run(["openEMS", "run.xml", "--engine=basic", "--debug-material", "--debug-PEC"], cwd=self.folder, capture_output=True, text=True)
+        (folder / "run.xml").write_text(xml)
+        said = subprocess.run(["openEMS", "run.xml", "--engine=basic", "--debug-material", "--debug-PEC"], cwd=folder, capture_output=True, text=True)
         self.assertEqual(said.returncode, 0, said.stdout + said.stderr)
         self.assertIn("Time for 30 iterations", said.stdout)
         self.assertNotIn("Unused primitive", said.stderr)
 
     def points(self, reader, name):
-        reader.SetFileName(str(self.folder / name))
+        reader.SetFileName(str(folder / name))
         reader.Update()
         return reader.GetOutput()
 
     def test_materials_are_where_the_cells_are(self):
-        for grid in (GRID, {**GRID, "x": {"planes": X}}):
-            self.mesh(grid)
-            self.compute("--epsilon", "teflon=2.25,glass=9.5", "--sigma", "glass=0.25")
+        for axes in ({}, {"x": {"planes": X}}):
+            grid = dielectric_grid(**axes)
+            self.compute(grid, "--epsilon", "teflon=2.25,glass=9.5", "--sigma", "glass=0.25")
             data = self.points(vtk.vtkXMLRectilinearGridReader(), "material_dump.vtr")
             planes = [vtk_to_numpy(c) * 1000 for c in (data.GetZCoordinates(), data.GetYCoordinates(), data.GetXCoordinates())]
-            numpy.testing.assert_allclose(planes[2], grid.get("x", {"planes": [i / 2 for i in range(25)]})["planes"])
-            self.teracell("export", "g.tcell", "-o", "g.npy")
-            cells = numpy.load(self.folder / "g.npy")
+            numpy.testing.assert_allclose(planes[2], axes.get("x", {"planes": [i / 2 for i in range(25)]})["planes"])
+            cells = numpy.load(exported(grid, "g.npy"))
             for name, values in (("epsilon", EPSILON), ("kappa", KAPPA)):
                 found = vtk_to_numpy(data.GetPointData().GetArray(name)).reshape(*[p.size for p in planes], 3)
                 for axis in range(3):  # of the array: z, y, x. An edge has the mean of the four cells around it, by their areas.
@@ -83,14 +55,13 @@ class OpenEms(unittest.TestCase):
                         expected = sums / (width.take(below, across) + width.take(above, across))
                     numpy.testing.assert_allclose(found[(*inner, 2 - axis)], expected, rtol=1e-6)
                 self.assertEqual({round(float(v), 9) for v in numpy.unique(found)} & set(values), set(values), "the test sees the materials")
-            field = self.points(vtk.vtkXMLRectilinearGridReader(), sorted(p.name for p in self.folder.glob("Et_*.vtr"))[-1])
+            field = self.points(vtk.vtkXMLRectilinearGridReader(), sorted(p.name for p in folder.glob("Et_*.vtr"))[-1])
             field = vtk_to_numpy(field.GetPointData().GetArray(0))
             self.assertTrue(numpy.isfinite(field).all())
             self.assertGreater(numpy.abs(field).max(), 0)
 
     def test_perfect_conductors(self):
-        self.mesh(GRID)
-        self.compute("--epsilon", "teflon=2.25,glass=1", "--sigma", "glass=inf")
+        self.compute(dielectric_grid(), "--epsilon", "teflon=2.25,glass=1", "--sigma", "glass=inf")
         data = self.points(vtk.vtkXMLPolyDataReader(), "PEC_dump.vtp")
         points = vtk_to_numpy(data.GetPoints().GetData()) * 1000
         inside = ((points > 0) & (points < [12, 8, 5])).all(axis=1)  # the border of the domain conducts as well

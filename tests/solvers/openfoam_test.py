@@ -1,17 +1,16 @@
-"""OpenFOAM checks meshes of `teracell export --format openfoam`, and computes on them: the same on ranks as alone.
-
-Usage: openfoam_test.py PATH_TO_TERACELL
-"""
+"""OpenFOAM checks meshes of `teracell export --format openfoam`, and computes on them: the same on ranks as alone."""
 import json
 import os
+import pathlib
 import re
 import shutil
 import subprocess
-import sys
 import tempfile
 import unittest
 
 import numpy
+
+from support import PROGRAM, obj
 
 HEADER = "FoamFile {{ version 2.0; format ascii; class {}; object {}; }}\n"
 SYSTEM = {
@@ -43,13 +42,6 @@ PLANES = {"x": [0.2 * i + 0.01 * i * i for i in range(25)], "y": [0.5 * i for i 
 BOXES = [("copper", (4.9, 0, 0), (10.6, 3.2, 1.4)),   # in a corner, and across each axis of another size
          ("steel", (2.1, 5.2, 1.6), (4.2, 7.8, 3.9)),   # a casing ...
          ("air", (2.8, 6.1, 2.2), (3.6, 7.1, 3.1))]     # ... around air that nothing reaches
-PROGRAM = None
-
-
-def obj(lo, hi):
-    corners = [[(lo, hi)[i >> d & 1][d] for d in range(3)] for i in range(8)]
-    sides = [(1, 3, 4, 2), (5, 6, 8, 7), (1, 2, 6, 5), (3, 7, 8, 4), (1, 5, 7, 3), (2, 4, 8, 6)]
-    return "".join("v %r %r %r\n" % tuple(c) for c in corners) + "".join("f %d %d %d %d\n" % s for s in sides)
 
 
 def values(path, width=1):
@@ -96,6 +88,13 @@ class OpenFoam(unittest.TestCase):
         mpi = "export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1; exec mpirun --oversubscribe -np %d" % ranks if ranks > 1 else "exec"
         parallel = ["-parallel"] if ranks > 1 else []
         return self.run_ok("bash", "-c", f'{environment}; {mpi} "$@"', "foam", *command, "-case", case, *parallel)
+
+    def test_what_the_page_of_formats_writes_for_check_mesh_is_enough(self):
+        page = (pathlib.Path(__file__).resolve().parents[2] / "tools/EXPORTS.md").read_text()
+        lines = re.search(r"^mkdir -p case/system\n(.*?)^```", page, re.S | re.M)[0].rstrip("`")
+        self.teracell("export", "g.tcell", "--format", "openfoam", "-o", "case", "--drop-unreachable")
+        self.run_ok("bash", "-ec", lines)
+        self.assertIn("Mesh OK", self.foam("case", "checkMesh"))
 
     def case(self, name, *options, ranks=1):
         """A case with a mesh for one rank, and one for several."""
@@ -201,7 +200,4 @@ class OpenFoam(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
-        sys.exit(__doc__)
-    PROGRAM = os.path.abspath(sys.argv.pop(1))
     unittest.main()

@@ -1,22 +1,14 @@
 """admesh and VTK read the surfaces that `teracell export` writes and find them closed, and meshing them gives the same cells back."""
 import json
-import pathlib
 import re
-import shutil
-import subprocess
-import sys
-import tempfile
 import unittest
 
 import numpy
 import vtk
 
-PROGRAM = sys.argv.pop(1)
+from support import PROGRAM, exported, folder, obj, run
+
 GRADED = [-150, -149, -147, *range(-144, 90, 3), 90.5, *range(92, 151, 2)]
-
-
-def run(*args):
-    return subprocess.run([str(a) for a in args], check=True, capture_output=True, text=True).stdout
 
 
 def scene_with(name, bodies, axes):
@@ -28,19 +20,12 @@ def scene_with(name, bodies, axes):
 
 
 def setUpModule():
-    global folder, grids
-    folder = pathlib.Path(tempfile.mkdtemp())
-    unittest.addModuleCleanup(shutil.rmtree, folder)
+    global grids
     run(PROGRAM, "sample", "stadium", "-o", folder / "stadium")
     grids = []
     for name, axes in (("uniform", {"cells": [200, 160, 40]}), ("graded", {"cells": [100, 140, 50], "x": {"planes": GRADED}})):
         grids.append((folder / f"{name}.tcell", axes))
         run(PROGRAM, "mesh", scene_with("s.json", None, axes), "-o", grids[-1][0])
-
-
-def exported(grid, name, *more):
-    run(PROGRAM, "export", grid, "-o", folder / name, *more)
-    return folder / name
 
 
 def edges(surface, kind):
@@ -93,10 +78,7 @@ class Surfaces(unittest.TestCase):
 
     def test_a_cube_of_many_blocks_has_its_faces_and_no_more(self):
         """The block in its middle and those far from it are skipped."""
-        corner = [[384 * (i >> d & 1) for d in range(3)] for i in range(8)]
-        quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-        lines = [f"v {x} {y} {z}" for x, y, z in corner] + ["f " + " ".join(str(i + 1) for i in quad) for quad in quads]
-        (folder / "stadium" / "cube.obj").write_text("\n".join(lines) + "\n")
+        (folder / "stadium" / "cube.obj").write_text(obj((0, 0, 0), (384, 384, 384)))
         scene = scene_with("cube.json", [{"name": "cube", "mesh": "cube.obj", "material": "structure"}], {"min": [0] * 3, "max": [640] * 3, "cells": [640] * 3})
         run(PROGRAM, "mesh", scene, "-o", folder / "cube.tcell")
         data = exported(folder / "cube.tcell", "cube.stl").read_bytes()

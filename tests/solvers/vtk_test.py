@@ -1,57 +1,14 @@
 """VTK and teem read what `teracell export` writes: cell by cell, and where the cells lie."""
-import json
-import pathlib
-import shutil
 import subprocess
-import sys
-import tempfile
 import unittest
 
 import numpy
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-PROGRAM = sys.argv.pop(1)
+from support import GRADED, PROGRAM, exported, folder, metal_grids, run
 
-
-def run(*args):
-    return subprocess.run([str(a) for a in args], check=True, capture_output=True).stdout
-
-
-# A block in a corner, none of whose sides is like another, and one that lies across.
-SCENE = {"units": "mm", "bodies": [{"name": "corner", "mesh": "corner.stl", "material": "steel"}, {"name": "bar", "mesh": "bar.stl", "material": "brass"}],
-         "materials": {"air": {"color": "#00000000"}, "steel": {"color": "#8899aa"}, "brass": {"color": "#ccaa33"}}, "background": "air"}
-UNIFORM = {"min": [-1, 2, 5], "max": [11, 10, 10], "cells": [24, 16, 10]}
-GRADED = {**UNIFORM, "x": {"planes": [-1, -0.5, 0.25, 1, 2, 3, 4.5, 6, 8, 11]}}
-
-
-def box_stl(path, lo, hi):
-    corner = [[(hi if i >> d & 1 else lo)[d] for d in range(3)] for i in range(8)]
-    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    lines = ["solid box"]
-    for a, b, c, d in quads:
-        for triangle in ((a, b, c), (a, c, d)):
-            lines += ["facet normal 0 0 0", "outer loop"] + ["vertex " + " ".join(map(str, corner[i])) for i in triangle] + ["endloop", "endfacet"]
-    path.write_text("\n".join(lines + ["endsolid box"]) + "\n")
-
-
-def setUpModule():
-    global folder, grids
-    folder = pathlib.Path(tempfile.mkdtemp())
-    unittest.addModuleCleanup(shutil.rmtree, folder)
-    box_stl(folder / "corner.stl", (-1, 2, 5), (2, 4, 6))
-    box_stl(folder / "bar.stl", (1, 3, 7), (9, 4.6, 8.1))
-    grids = []
-    for name, axes in (("uniform", UNIFORM), ("graded", GRADED)):
-        (folder / f"{name}.json").write_text(json.dumps({**SCENE, "grid": axes}))
-        for axis in "xz":
-            grids.append((name, folder / f"{name}-{axis}.tcell"))
-            run(PROGRAM, "mesh", folder / f"{name}.json", "--axis", axis, "-o", grids[-1][1])
-
-
-def exported(grid, name, *more):
-    run(PROGRAM, "export", grid, "-o", folder / name, *more)
-    return folder / name
+grids = metal_grids()
 
 
 class Vtk(unittest.TestCase):
@@ -105,7 +62,7 @@ class Vtk(unittest.TestCase):
 class Teem(unittest.TestCase):
     def test_unu_reads_cells_and_places(self):
         path = exported(grids[1][1], "t.nrrd")
-        head = run("teem-unu", "head", path).decode()
+        head = run("teem-unu", "head", path)
         self.assertIn("sizes: 24 16 10", head)
         self.assertIn("space origin: (-0.75,2.25,5.25)", head)
         run("teem-unu", "save", "-f", "nrrd", "-e", "raw", "-i", path, "-o", folder / "u.nhdr")

@@ -31,6 +31,9 @@ class Wave(unittest.TestCase):
             self.assertTrue(all(abs(g) < 1 for g in gauges), "the scheme is stable")
             for ranks in (2, 3, 5):
                 self.assertEqual(run("mpirun", "--oversubscribe", "-n", ranks, folder + "/wave", folder + "/g.tcell", "air", 80, 100), alone, f"{ranks} ranks")
+            foreign = subprocess.run([folder + "/wave", folder + "/g.tcell", "air"], env={**ENVIRONMENT, "PMI_SIZE": "4"}, capture_output=True, text=True)
+            self.assertEqual(foreign.returncode, 1)
+            self.assertIn("expected 4 ranks, found 1", foreign.stderr, "the launcher of another MPI")
 
 
 if __name__ == "__main__":

@@ -90,7 +90,7 @@ TEST_CASE("Parts cover each cell once, with the weights of their cells and the n
       for (const int64_t align : {1, 3})
         for (const int64_t halo : {0, 2}) {
           const Index3 n = c.grid.cells();
-          const int64_t most = method == PartitionMethod::kSlabs ? std::ranges::max(n) / align : 40;
+          const int64_t most = method == PartitionMethod::kSlabs ? (std::ranges::max(n) + align - 1) / align : 40;
           const PartitionOptions o{random_int(c.random, 1, static_cast<int>(std::max<int64_t>(1, most))), method, {1, 0, 2.5, 0.25}, align, halo};
           INFO("seed " << seed << ", " << o.ranks << " ranks, align " << align);
           try {
@@ -99,6 +99,7 @@ TEST_CASE("Parts cover each cell once, with the weights of their cells and the n
             CHECK(partition_json(parse_partition(partition_json(p))) == partition_json(p));
           } catch (const OptionError& e) {  // too many ranks for so coarse cuts
             CHECK(align > 1);
+            CHECK(method == PartitionMethod::kBlocks);
           }
         }
   }
@@ -128,6 +129,19 @@ TEST_CASE("The parts do not depend on the axis of the rays where all cells weigh
   }
 }
 
+TEST_CASE("No part weighs less than nothing, whatever the weights are rounded to") {
+  for (uint64_t seed = 0; seed < rounds(12); ++seed) {
+    Cut c(seed, static_cast<int>(seed % 3));
+    for (const int64_t ranks : {16, 150, 500})
+      for (const std::vector<double>& weights : {std::vector<double>{0.3, 0.1, 0, 0.7}, {0, 0, 0.001, 0.1}, {1. / 3, 0.001, 0.3, 0}}) {
+        if (ranks > static_cast<int64_t>(c.cells.size())) continue;
+        const Partition p = make_partition(*c.reader, {ranks, PartitionMethod::kBlocks, weights, 1, 0}, kSilent);
+        for (const Part& part : p.parts) CHECK(part.weight >= 0);
+        CHECK_NOTHROW(parse_partition(partition_json(p)));
+      }
+  }
+}
+
 TEST_CASE("More ranks than cells, and options out of range, are refused") {
   Cut c(1, 2);
   const std::vector<double> ones(4, 1);
@@ -140,6 +154,17 @@ TEST_CASE("More ranks than cells, and options out of range, are refused") {
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, {1, 1}, 1, 0}, kSilent), Catch::StartsWith("weight: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, INT64_MAX, 0}, kSilent), Catch::StartsWith("align: "));
   CHECK_THROWS_WITH(make_partition(*c.reader, {2, PartitionMethod::kBlocks, ones, 1, INT64_MAX}, kSilent), Catch::StartsWith("halo: "));
+  // Each part a neighbour of all others: more than memory would hold.
+  const Axis axis = Axis::uniform(0, 1, 0, 64, 0.5);
+  store_cells(c.folder / "cube.tcell", metadata_of({{axis, axis, axis}}, 0, 2), std::vector<Label>(64 * 64 * 64, 0));
+  CHECK_THROWS_WITH(make_partition(GridReader(c.folder / "cube.tcell"), {10'000, PartitionMethod::kBlocks, {1, 1}, 1, 64}, kSilent),
+                    Catch::StartsWith("halo: "));
+  // The last slab may be narrower than the others.
+  for (const int64_t ranks : {5, 6}) {
+    const auto slabs = [&] { return make_partition(GridReader(c.folder / "cube.tcell"), {ranks, PartitionMethod::kSlabs, {1, 1}, 15, 0}, kSilent); };
+    if (ranks == 5) CHECK(std::ranges::max(slabs().parts.back().box.lo) == 60);
+    else CHECK_THROWS_WITH(slabs(), Catch::Contains("at most 5"));
+  }
   // Every cell a rank of its own.
   const int64_t cells = static_cast<int64_t>(c.cells.size());
   for (const double weight : {0., 1.}) {

@@ -240,6 +240,9 @@ TEST_CASE("Wrong arguments are refused with a message, before anything is writte
   CHECK_THAT(read(0, lo, hi, TC_U16, 0, map, 4, 1), Catch::Contains("5 materials, found 4"));
   for (const int type : {0, 3, 8, -1}) CHECK_THAT(read(0, lo, hi, type, 0, nullptr, 0, 1), Catch::Contains("type: expected TC_U8"));
   CHECK_THAT(read(0, lo, hi, TC_U8, 0, nullptr, 0, -1), Catch::Contains("threads"));
+  const int64_t everywhere[3] = {1, 0, 4};
+  CHECK_THAT(message_of(tc_read_box(g, 0, lo, hi, TC_U8, out.data(), everywhere, 0, nullptr, 0, 1), TC_USAGE),
+             Catch::Contains("strides other than 0"));
   CHECK(out == std::vector<uint8_t>(8, 55));
   double value = 0;
   CHECK_THAT(message_of(tc_planes(g, 0, 3, 0, 1, &value), TC_USAGE), Catch::Contains("axis"));

@@ -12,7 +12,8 @@ namespace teracell {
 namespace {
 
 struct ExportArguments {
-  std::string grid, output, format, region, map, progress = "auto";
+  std::string grid, output, format, progress = "auto";
+  std::optional<std::string> region, map;  // given and empty is a mistake of a script
   int level = 0;
   std::map<std::string, std::string> of_formats;  // the options that only some formats take
 };
@@ -28,8 +29,8 @@ std::string typed(const ExportOption& o) { return o.argument.empty() ? o.name : 
 std::string list_of_formats() {
   std::string list;
   for (const ExportFormat& f : export_formats()) {
-    list += fmt::format("{}{:<10} {:<12} {}", list.empty() ? "" : "\n", f.name, fmt::format("{}", fmt::join(f.extensions, " ")), f.holds);
-    for (const ExportOption& o : f.options) list += fmt::format("\n{:23}   {}: {}", "", typed(o), o.help);
+    list += fmt::format("{}{:<10} {:<16} {}", list.empty() ? "" : "\n", f.name, fmt::format("{}", fmt::join(f.extensions, " ")), f.holds);
+    for (const ExportOption& o : f.options) list += fmt::format("\n{:27}   {}: {}", "", typed(o), o.help);
   }
   return list;
 }
@@ -38,11 +39,12 @@ const ExportFormat& format_of(const ExportArguments& o) {
   if (const ExportFormat* named = o.format.empty() ? export_format_of(o.output) : export_format_named(o.format)) return *named;
   std::vector<std::string> extensions;
   for (const ExportFormat& format : export_formats()) extensions.insert(extensions.end(), format.extensions.begin(), format.extensions.end());
-  throw UsageError(fmt::format("--output: expected a name that ends in {}, or --format, found '{}'", fmt::join(extensions, " or "), o.output));
+  throw UsageError(fmt::format("--output: expected a name that ends in {}, or --format (see teracell export --list), found '{}'",
+                               fmt::join(extensions, " or "), o.output));
 }
 
-// The number of each material of the grid by --map, which must name all that the box holds.
-std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reader, int level, const Box& box) {
+// The number of each material of the grid by --map, which must name all that are written.
+std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reader, int level, const Box& box, const ExportFormat& format) {
   const std::vector<MaterialInfo>& materials = reader.meta().materials;
   std::vector<uint32_t> numbers(materials.size(), 0);
   std::vector<bool> named(materials.size(), false);
@@ -51,7 +53,8 @@ std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reade
     numbers[id] = static_cast<uint32_t>(parse_integer(text, 0, 0xffffffff, "--map: " + name));
     named[id] = true;
   }
-  expect_named(reader, level, box, named, "--map");
+  if (format.coarser) expect_named(reader, 0, reader.meta().grid.box(0), named, "--map");  // the cell of the last level has them all
+  else expect_named(reader, level, box, named, "--map");
   return numbers;
 }
 
@@ -59,8 +62,7 @@ void check_options(const ExportArguments& o, const ExportFormat& format) {
   for (const auto& [name, value] : o.of_formats)
     if (std::ranges::count(format.options, name, &ExportOption::name) == 0)
       throw UsageError(fmt::format("{}: the format {} has no such option", name, format.name));
-  if (!o.map.empty() && !format.numbers)
-    throw UsageError(fmt::format("--map: the format {} names materials, it has no numbers for them", format.name));
+  if (o.map && !format.numbers) throw UsageError(fmt::format("--map: the format {} names materials, it has no numbers for them", format.name));
 }
 
 void run(const ExportArguments& o) {
@@ -70,9 +72,9 @@ void run(const ExportArguments& o) {
   const GridReader reader(o.grid);
   const Grid& grid = reader.meta().grid;
   check_level(grid, o.level);
-  const Box box = o.region.empty() ? grid.box(o.level) : parse_region(o.region, grid, o.level);
+  const Box box = !o.region ? grid.box(o.level) : parse_region(*o.region, grid, o.level);
   const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
-  const std::vector<uint32_t> map = o.map.empty() ? std::vector<uint32_t>() : numbers_of(o.map, reader, o.level, box);
+  const std::vector<uint32_t> map = !o.map ? std::vector<uint32_t>() : numbers_of(*o.map, reader, o.level, box, format);
   ProgressLine line(o.progress, "export");
   double cells = 1;
   for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);

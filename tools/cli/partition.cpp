@@ -3,7 +3,6 @@
 
 #include "store/error.hpp"
 #include "store/partition.hpp"
-#include "store/stats.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"
 #include "tools/export/assignments.hpp"
@@ -26,10 +25,7 @@ std::vector<double> weights_of(const std::string& text, const GridReader& reader
     weights[id] = parse_number(value, "--weight: " + name);
     named[id] = true;
   }
-  const std::vector<MaterialStats> stats = read_stats(reader, reader.meta().grid.box(0));
-  for (size_t id = 0; id < materials.size(); ++id)
-    if (!named[id] && stats[id].cells > 0)
-      throw UsageError(fmt::format("--weight: expected a weight for each material, found none for '{}'", materials[id].name));
+  expect_named(reader, 0, reader.meta().grid.box(0), named, "--weight");
   return weights;
 }
 
@@ -67,7 +63,8 @@ Run setup_partition(CLI::App& app) {
   app.add_option("--ranks", o->ranks, "how many boxes")->required();
   app.add_option("-o,--output", o->output, "the JSON file to write")->required();
   app.add_option("--weight", o->weight, "NAME=WORK,...: the work of a cell of each material (default: 1 for all)");
-  app.add_option("--method", o->method, "blocks: compact boxes; slabs: cut along the longest axis alone")->check(one_of({"blocks", "slabs"}));
+  app.add_option("--method", o->method, "blocks: compact boxes; slabs: cut along the longest axis alone (default blocks)")
+      ->check(one_of({"blocks", "slabs"}));
   app.add_option("--align", o->align, "cuts lie at multiples of so many cells (default 1)");
   app.add_option("--halo", o->halo, "cells around each box that its rank reads, too (default 0)");
   add_progress(app, o->progress);

@@ -10,14 +10,15 @@ namespace teracell {
 namespace {
 
 struct StatsArguments {
-  std::string grid, region;
+  std::string grid;
+  std::optional<std::string> region;
   bool json = false;
 };
 
 void run(const StatsArguments& o) {
   const GridReader reader(o.grid);
   const Metadata& meta = reader.meta();
-  const Box box = o.region.empty() ? meta.grid.box(0) : parse_region(o.region, meta.grid, 0);
+  const Box box = !o.region ? meta.grid.box(0) : parse_region(*o.region, meta.grid, 0);
   const auto stats = read_stats(reader, box);
   if (o.json) {
     std::cout << stats_json(meta, box, stats) << "\n";

@@ -1,10 +1,11 @@
-! Heat in a box of cells with a layer of ghost cells: some explicit steps with a conductivity for each material.
+! Heat in a box of cells at the bottom of a grid, with a layer of ghost cells: explicit steps with a conductivity for each material.
 !
 !   gfortran heat.f90 $(pkg-config --cflags --libs teracell-fortran) -o heat && ./heat stadium.tcell
 program heat
+  use, intrinsic :: iso_fortran_env, only: error_unit
   use teracell
   implicit none
-  integer, parameter :: n = 48, steps = 50
+  integer, parameter :: n = 48, steps = 200
   type(tc_grid) :: grid
   integer(int8) :: cells(0:n + 1, 0:n + 1, 0:n + 1)
   real(real64), dimension(0:n + 1, 0:n + 1, 0:n + 1) :: t, k
@@ -12,13 +13,17 @@ program heat
   character(len=1000) :: path
   integer :: i, step
 
+  if (command_argument_count() /= 1) then
+    write (error_unit, '(a)') 'usage: heat GRID.tcell'
+    stop 2
+  end if
   call get_command_argument(1, path)
   call grid%open(trim(path))
   shape = grid%shape()
-  lo = (shape - n) / 2
+  lo = [(shape(1:2) - n) / 2, 0_int64]
   ! The box from lo, with one layer of ghost cells on each side; what lies outside the grid is material 0.
   call grid%read(lo - 1, cells, outside=0)
-  print '(a, i0, a, i0, a)', 'solid cells: ', count(cells(1:n, 1:n, 1:n) /= 0), ' of ', n**3, ' in the middle of the grid'
+  print '(a, i0, a, i0, a)', 'solid cells: ', count(cells(1:n, 1:n, 1:n) /= 0), ' of ', n**3, ' at the bottom of the grid'
 
   k = merge(0.01_real64, 1.0_real64, cells == 0)  ! air conducts little
   t = 0

@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
+#include <string>
 #include <teracell.hpp>
 
 namespace {
@@ -128,11 +129,21 @@ void run(const tc::Grid& grid, const std::string& air, int steps, int64_t most) 
   MPI_Comm_free(&ranks);
 }
 
+// A launcher of another MPI starts processes that each believe to be alone, and would all compute the whole.
+void expect_own_launcher() {
+  int size;
+  MPI_Comm_size(MPI_COMM_WORLD, &size);
+  for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
+    if (const char* launched = std::getenv(name); size == 1 && launched && std::atoi(launched) > 1)
+      throw std::runtime_error(std::string("expected ") + launched + " ranks, found 1: start it with the mpirun of the MPI that it was built with");
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   MPI_Init(&argc, &argv);
   try {
+    expect_own_launcher();
     if (argc < 3) throw std::runtime_error("usage: wave_mpi GRID.tcell MATERIAL [STEPS [CELLS]]");
     run(tc::Grid(argv[1]), argv[2], argc > 3 ? std::atoi(argv[3]) : 200, argc > 4 ? std::atoi(argv[4]) : 200);
   } catch (const std::exception& e) {

@@ -26,10 +26,14 @@ struct Export {
   SetValue number() const;
   uint32_t most() const;
   bool has(const std::string& option) const { return options.contains(option); }
-  // The values of options that were given: materials by id, from NAME,NAME..., and a whole number. Throw UsageError.
+  // Materials by id, from NAME,NAME... REQUIRES: the option was given. Throws UsageError.
   std::vector<bool> materials(const std::string& option) const;
-  int64_t integer(const std::string& option, int64_t least, int64_t most) const;
+  // A whole number, or `otherwise` when the option was not given. Throws UsageError.
+  int64_t integer(const std::string& option, int64_t least, int64_t most, int64_t otherwise) const;
 };
+
+// The names of chosen materials, for a message: the first of them when they are many.
+std::string quoted_names(const std::vector<MaterialInfo>& materials, const std::vector<bool>& chosen);
 
 // An option that one format takes beside those of all.
 struct ExportOption {
@@ -47,6 +51,7 @@ struct ExportFormat {
   void (*write)(const Export&);
   bool numbers = true;  // whether numbers stand for the materials, so that Export::map makes sense
   std::vector<ExportOption> options = {};
+  bool coarser = false;  // whether the levels above the chosen one are written, too: their cells may reach beyond the box
 };
 
 }  // namespace teracell

@@ -1,5 +1,6 @@
 #include "tools/export/media.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include <fmt/format.h>
@@ -28,30 +29,31 @@ std::vector<ExportOption> media_options() {
 }
 
 std::vector<Medium> media_of(const Export& e, bool all) {
-  std::vector<Medium> media(e.reader.meta().materials.size());
-  std::vector<bool> named(media.size(), false);
-  named[0] = !all;
+  const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
+  std::vector<Medium> media(materials.size());
+  const auto expect = [&](bool good, const char* option, size_t id, const char* expected, double found) {
+    if (!good) throw UsageError(fmt::format("{}: {}: expected {}, found {}", option, materials[id].name, expected, found));
+  };
+  const auto expect_given = [&](size_t id, const char* option) {
+    if (!media[id].given) throw UsageError(fmt::format("{0}: expected --epsilon for '{1}' too, found {0} alone", option, materials[id].name));
+  };
   for_each_assignment(e, "--epsilon", [&](size_t id, double value) {
-    if (!(value > 0) || value == std::numeric_limits<double>::infinity())
-      throw UsageError(fmt::format("--epsilon: {}: expected a number above 0, found {}", e.reader.meta().materials[id].name, value));
-    media[id].given = named[id] = true;
+    expect(value > 0 && std::isfinite(value), "--epsilon", id, "a number above 0", value);
+    media[id].given = true;
     media[id].epsilon = value;
   });
+  std::vector<bool> named;
+  for (const Medium& m : media) named.push_back(m.given);
+  if (!all) named[0] = true;
   expect_named(e.reader, e.level, e.box, named, "--epsilon");
-  const auto expect_given = [&](size_t id, const char* option) {
-    if (!media[id].given)
-      throw UsageError(fmt::format("{0}: expected --epsilon for '{1}' too, found {0} alone", option, e.reader.meta().materials[id].name));
-  };
   for_each_assignment(e, "--sigma", [&](size_t id, double value) {
     expect_given(id, "--sigma");
-    if (!(value >= 0))
-      throw UsageError(fmt::format("--sigma: {}: expected 0, a larger number or inf, found {}", e.reader.meta().materials[id].name, value));
+    expect(value >= 0, "--sigma", id, "0, a larger number or inf", value);
     media[id].sigma = value;
   });
   for_each_assignment(e, "--mu", [&](size_t id, double value) {
     expect_given(id, "--mu");
-    if (!(value > 0) || value == std::numeric_limits<double>::infinity())
-      throw UsageError(fmt::format("--mu: {}: expected a number above 0, found {}", e.reader.meta().materials[id].name, value));
+    expect(value > 0 && std::isfinite(value), "--mu", id, "a number above 0", value);
     media[id].mu = value;
   });
   return media;

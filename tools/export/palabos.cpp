@@ -32,14 +32,7 @@ void append_numbers(const Export& e, OutputFile& file) {
 }
 
 void write_palabos(const Export& e) {
-  if (!e.has("--header")) {
-    OutputFile file(e.output);
-    append_numbers(e, file);
-    return file.commit();
-  }
-  TwoFiles files(e, e.output, e.output.string() + ".txt");
-  append_numbers(e, files.array());
-  files.commit(describe(e, e.output, "integers as text", "z fastest, x slowest"));
+  write_array(e, "integers as text", "z fastest, x slowest", [&](OutputFile& file) { append_numbers(e, file); });
 }
 
 }  // namespace
@@ -49,7 +42,7 @@ ExportFormat palabos_format() {
           .extensions = {".dat"},
           .holds = "numbers as text with x slowest, which Palabos reads into a field",
           .write = write_palabos,
-          .options = {{"--header", "", "the type, order, sizes, planes and names as a text beside it, OUTPUT.txt"}}};
+          .options = {header_option()}};
 }
 
 }  // namespace teracell

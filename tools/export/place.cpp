@@ -10,7 +10,7 @@ namespace teracell {
 
 std::vector<double> planes_of(const Export& e, int axis) {
   std::vector<double> planes;
-  for (int64_t i = 0; i <= e.box.hi[axis] - e.box.lo[axis]; ++i) planes.push_back(plane_of(e, axis, i));
+  for (int64_t i = 0; i <= size_of(e.box)[axis]; ++i) planes.push_back(plane_of(e, axis, i));
   return planes;
 }
 
@@ -20,12 +20,11 @@ double plane_of(const Export& e, int axis, int64_t i) {
 }
 
 EqualCells equal_cells(const Export& e, const char* format) {
-  EqualCells out;
+  EqualCells out{size_of(e.box), {}, {}};
   for (int d = 0; d < 3; ++d) {
     const Axis& a = e.reader.meta().grid.axis[d];
     if (a.is_graded()) throw UsageError(fmt::format("--format: {} has uniform axes, found a graded axis {}: take vtr", format, axis_name(d)));
-    out.count[d] = e.box.hi[d] - e.box.lo[d];
-    out.origin[d] = a.plane(std::min(a.cells(), e.box.lo[d] << e.level));
+    out.origin[d] = plane_of(e, d, 0);
     out.step[d] = std::ldexp(a.step(), e.level);
   }
   return out;

@@ -4,6 +4,8 @@
 
 namespace teracell {
 
+inline Index3 size_of(const Box& box) { return {box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]}; }
+
 // The planes between the cells of the box, in order: one more than there are cells. On a coarse level the last cell ends with the grid.
 std::vector<double> planes_of(const Export& e, int axis);
 double plane_of(const Export& e, int axis, int64_t i);  // one of them

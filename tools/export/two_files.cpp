@@ -14,8 +14,7 @@ namespace {
 std::string axis_line(const Export& e, int axis) {
   const Axis& a = e.reader.meta().grid.axis[static_cast<size_t>(axis)];
   if (a.is_graded()) return fmt::format("{} planes: {:.17g}\n", axis_name(axis), fmt::join(planes_of(e, axis), " "));
-  return fmt::format("{0} first plane: {1:.17g}\n{0} step: {2:.17g}\n", axis_name(axis), a.plane(std::min(a.cells(), e.box.lo[axis] << e.level)),
-                     std::ldexp(a.step(), e.level));
+  return fmt::format("{0} first plane: {1:.17g}\n{0} step: {2:.17g}\n", axis_name(axis), plane_of(e, axis, 0), std::ldexp(a.step(), e.level));
 }
 
 }  // namespace
@@ -38,6 +37,19 @@ void TwoFiles::commit(const std::string& text) {
   array_.commit();
   text_.commit();
 }
+
+void write_array(const Export& e, const std::string& type, const std::string& order, const std::function<void(OutputFile&)>& append) {
+  if (!e.has("--header")) {
+    OutputFile file(e.output);
+    append(file);
+    return file.commit();
+  }
+  TwoFiles files(e, e.output, e.output.string() + ".txt");
+  append(files.array());
+  files.commit(describe(e, e.output, type, order));
+}
+
+ExportOption header_option() { return {"--header", "", "the type, order, sizes, planes and names as a text beside it, OUTPUT.txt"}; }
 
 std::string describe(const Export& e, const std::filesystem::path& array, const std::string& type, const std::string& order) {
   const auto& [lo, hi] = e.box;

@@ -22,6 +22,10 @@ class TwoFiles {
   OutputFile array_, text_;
 };
 
+// Writes an array by append(file), and with the option --header also describe() beside it, as OUTPUT.txt.
+void write_array(const Export& e, const std::string& type, const std::string& order, const std::function<void(OutputFile&)>& append);
+ExportOption header_option();
+
 // What the array holds, line by line: for people, and for programs that read "key: value". `type` says what a number is, `order` how
 // they follow each other.
 std::string describe(const Export& e, const std::filesystem::path& array, const std::string& type, const std::string& order);

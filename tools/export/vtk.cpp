@@ -35,8 +35,7 @@ struct Layout {
 
 void write(const Export& e, const Layout& layout) {
   const size_t bytes = bytes_per_cell(e.most());
-  std::array<int64_t, 3> n;
-  for (int d = 0; d < 3; ++d) n[static_cast<size_t>(d)] = e.box.hi[d] - e.box.lo[d];
+  const Index3 n = size_of(e.box);
   const uint64_t size = static_cast<uint64_t>(n[0]) * static_cast<uint64_t>(n[1]) * static_cast<uint64_t>(n[2]) * bytes;
   std::string header = fmt::format(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"{0}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"

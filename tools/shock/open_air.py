@@ -5,34 +5,19 @@ import pathlib
 
 import numpy
 
+import charge
 import foam
 import gas
+import radial
 
 OPEN = ("xmax", "ymax", "zmax")
-
-
-def sphere_obj(radius, around=96):
-    """A sphere about the origin, as polygons."""
-    rings = around // 2
-    lines = [f"v 0 0 {-radius!r}", f"v 0 0 {radius!r}"]
-    for i in range(1, rings):
-        polar = math.pi * i / rings
-        for k in range(around):
-            turn = 2 * math.pi * k / around
-            across = radius * math.sin(polar)
-            lines.append("v %r %r %r" % (across * math.cos(turn), across * math.sin(turn), -radius * math.cos(polar)))
-    at = lambda ring, k: 3 + (ring - 1) * around + k % around  # noqa: E731
-    for k in range(around):
-        lines += [f"f 1 {at(1, k + 1)} {at(1, k)}", f"f 2 {at(rings - 1, k)} {at(rings - 1, k + 1)}"]
-        lines += [f"f {at(i, k)} {at(i, k + 1)} {at(i + 1, k + 1)} {at(i + 1, k)}" for i in range(1, rings - 1)]
-    return "\n".join(lines) + "\n"
 
 
 def octant(teracell, folder, cells, length, radius, ranks=2):
     """A cube of `length` with a spherical charge of `radius` in its corner, and the width of its cells."""
     folder = pathlib.Path(folder)
     case = foam.Case(teracell, folder, folder / "grid.tcell", open_sides=OPEN, ranks=ranks)
-    (folder / "sphere.obj").write_text(sphere_obj(radius))
+    (folder / "sphere.obj").write_text(charge.sphere_obj(radius))
     (folder / "scene.json").write_text(json.dumps({
         "units": "m", "grid": {"min": [0, 0, 0], "max": [length] * 3, "cells": [cells] * 3}, "background": "air",
         "materials": {"air": {}, "explosive": {}}, "bodies": [{"name": "charge", "mesh": "sphere.obj", "material": "explosive"}]}))
@@ -73,8 +58,7 @@ def sedov(teracell, folder, cells):
     energy = 1e4 * gas.P0 * (gas.GAMMA + 1) / 2 * alpha * SEDOV_RADIUS**3 / 0.16
     end = gas.sedov_time(energy, SEDOV_RADIUS)
     volume = case.charge_volume()
-    charge = gas.Charge(volume, energy / 8)
-    case.run(charge, end, end, first_step=end * 1e-5)
+    case.run(gas.Charge(volume, energy / 8), end, end, first_step=end * 1e-5)
     radii, pressures = profile(case, case.end(), width)
     mass, total = totals(case, width, case.end())
     at_rest = gas.P0 / (gas.GAMMA - 1) * SEDOV_LENGTH**3
@@ -92,8 +76,6 @@ def sedov(teracell, folder, cells):
             "radii": radii.tolist(), "pressures": (pressures / peak).tolist()}
 
 
-# The charge of the stadium as a sphere: 10 t of TNT in 116 m^3.
-TNT_MASS, TNT_VOLUME = 10e3, 116.0
 TNT_LENGTH = 44.0
 TNT_GAUGES = (10.0, 15.0, 20.0, 25.0, 30.0, 35.0, 40.0)
 DIRECTIONS = ((1, 0, 0), (1, 1, 0), (1, 1, 1))  # along an axis, and the two diagonals
@@ -101,22 +83,29 @@ DIRECTIONS = ((1, 0, 0), (1, 1, 0), (1, 1, 1))  # along an axis, and the two dia
 
 def tnt(teracell, folder, cells):
     """The burst of the stadium's charge in open air on cells^3 cells of an octant, beside the curve of Kinney and Graham."""
-    case, width = octant(teracell, folder, cells, TNT_LENGTH, (TNT_VOLUME * 3 / 4 / math.pi) ** (1 / 3))
-    charge = gas.Charge(case.charge_volume(), TNT_MASS * gas.TNT / 8, TNT_MASS / 8)
+    case, width = octant(teracell, folder, cells, TNT_LENGTH, charge.RADIUS)
+    filling = gas.Charge(case.charge_volume(), charge.TNT_MASS * gas.TNT / 8, charge.TNT_MASS / 8)
     # A gauge on a plane of symmetry would lie between cells.
     places = [tuple(max(r * c / math.sqrt(sum(d)), width / 10) for c in d) for r in TNT_GAUGES for d in DIRECTIONS]
-    end = 1.25 * gas.kinney_graham_arrival(TNT_GAUGES[-1], TNT_MASS)
-    case.run(charge, end, end, places, far=50.0)
+    end = 1.25 * gas.kinney_graham_arrival(TNT_GAUGES[-1], charge.TNT_MASS)
+    case.run(filling, end, end, places, far=50.0)
     times, pressures = case.gauges()
     rows = []
     for i, r in enumerate(TNT_GAUGES):
         found = [arrival_and_peak(times, pressures[:, 3 * i + k]) for k in range(3)]
         arrival, peak = (sum(f[n] for f in found) / 3 for n in range(2))
-        expected = float(gas.kinney_graham(r, TNT_MASS)), gas.kinney_graham_arrival(r, TNT_MASS)
+        expected = float(gas.kinney_graham(r, charge.TNT_MASS)), gas.kinney_graham_arrival(r, charge.TNT_MASS)
         rows.append({"radius": r, "peak": peak, "peak_reference": expected[0], "arrival": arrival, "arrival_reference": expected[1],
                      "spread": (max(f[1] for f in found) - min(f[1] for f in found)) / peak})
     steps, seconds = case.steps_and_seconds()
     return {"cells": cells**3, "cell": width, "steps": steps, "seconds": seconds, "gauges": rows}
+
+
+def tnt_along_radius():
+    """The same burst, computed along its radius alone: arrival and peak at each distance."""
+    filling = gas.Charge(charge.VOLUME, charge.TNT_MASS * gas.TNT, charge.TNT_MASS)
+    times, pressures = radial.burst(filling, charge.VOLUME, TNT_GAUGES)
+    return [dict(zip(("arrival", "peak"), arrival_and_peak(times, gauge))) for gauge in pressures.T]
 
 
 def arrival_and_peak(times, pressures):

@@ -17,7 +17,7 @@ NIGHT = numpy.array((0.030, 0.036, 0.050), numpy.float32)
 WIDE, HIGH, SAMPLES = 1600, 800, 2
 STEP = 0.5    # m along a ray through the air
 INK, PAPER = "#c9ced8", "#0b0d12"
-SECTION_X, PLAN_Z = stadium.CHARGE[0], 2.0
+SECTION_X, PLAN_Z = stadium.CHARGE[0], stadium.CHARGE[2]
 
 
 class View:

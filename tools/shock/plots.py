@@ -5,13 +5,14 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
 import numpy  # noqa: E402
 
+import charge  # noqa: E402
 import gas  # noqa: E402
 import open_air  # noqa: E402
 import tables  # noqa: E402
 
 STYLE = {"svg.hashsalt": "teracell", "font.size": 11, "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True, "grid.color": "#dddddd",
          "grid.linewidth": 0.8, "axes.axisbelow": True}
-COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#222222")
+COLOURS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#222222", "#7f7f7f")
 
 
 def save(figure, path):
@@ -21,7 +22,7 @@ def save(figure, path):
 
 @matplotlib.rc_context(STYLE)
 def gauges(path, names, times, pressures, arrivals):
-    """The overpressure of each gauge; `arrivals` says for some of them when a shock over open ground would arrive, and with which peak."""
+    """The overpressure of each gauge; `arrivals` says for some of them when the shock would arrive in open air, and with which peak."""
     figure, all_axes = plt.subplots(len(names), 1, sharex=True, figsize=(8.6, 1.15 * len(names) + 0.6), constrained_layout=True)
     for name, colour, axes, pressure in zip(names, COLOURS, all_axes, pressures.T):
         axes.plot(times * 1e3, over := (pressure - gas.P0) / 1e3, color=colour, lw=1.3)
@@ -38,8 +39,9 @@ def gauges(path, names, times, pressures, arrivals):
 
 
 @matplotlib.rc_context(STYLE)
-def open_air_plots(path, blasts, bursts):
-    """Left: the pressure of the point blast on each grid, and Sedov's. Right: peaks of the burst on each grid, and the curve."""
+def open_air_plots(path, blasts, bursts, model):
+    """Left: the pressure of the point blast on each grid, and Sedov's. Right: peaks of the burst on each grid, of the model along the radius, and the
+    curve."""
     figure, (left, right) = plt.subplots(1, 2, figsize=(10.4, 4.2), constrained_layout=True)
     r, p, _, _ = gas.sedov_profile()
     left.plot(numpy.append(r, [1, 1.15]), numpy.append(p, [0, 0]), color="#222222", lw=1.2, label="Sedov")
@@ -48,7 +50,8 @@ def open_air_plots(path, blasts, bursts):
         left.plot(row["radii"], row["pressures"], marker=marker, ms=4, lw=0.8, color=colour, label=label)
     left.set(xlim=(0, 1.15), ylim=(0, 1.1), xlabel="radius / radius of the shock", ylabel="pressure / pressure behind the shock", title="a point blast")
     distance = numpy.geomspace(9, 44, 100)
-    right.loglog(distance, gas.kinney_graham(distance, open_air.TNT_MASS) / 1e3, color="#222222", lw=1.2, label="Kinney and Graham")
+    right.loglog(distance, gas.kinney_graham(distance, charge.TNT_MASS) / 1e3, color="#222222", lw=1.2, label="Kinney and Graham")
+    right.loglog([g["radius"] for g in bursts[0]["gauges"]], [m["peak"] / 1e3 for m in model], color="#222222", lw=1.2, ls="--", label="the model, along the radius")
     for colour, marker, row in zip(COLOURS, "s^o", bursts):
         distances, peaks = zip(*((g["radius"], g["peak"] / 1e3) for g in row["gauges"]))
         right.loglog(distances, peaks, ls="", marker=marker, ms=5, color=colour, label=f"cells of {row['cell']:.3g} m")

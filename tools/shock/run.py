@@ -9,6 +9,7 @@ import time
 
 import numpy
 
+import charge
 import gas
 import open_air
 import pictures
@@ -25,23 +26,23 @@ def say(text):
 
 
 def check_in_open_air(teracell, folder):
-    """The point blast and the burst on three grids each."""
-    blasts, bursts = [], []
+    """The point blast and the burst on three grids each, and the burst along its radius alone."""
+    blasts, bursts, model = [], [], open_air.tnt_along_radius()
     for n in SEDOV_CELLS:
         blasts.append(row := open_air.sedov(teracell, folder / f"sedov-{n}", n))
         say(f"  point blast, {row['cells']} cells: shock {100 * row['radius_error']:+.1f} %, pressure {100 * row['profile_error']:.0f} % in the mean")
     for n in TNT_CELLS:
         bursts.append(row := open_air.tnt(teracell, folder / f"tnt-{n}", n))
-        errors = (f"{100 * (g['peak'] / g['peak_reference'] - 1):+.0f} % at {g['radius']:g} m" for g in row["gauges"])
+        errors = (f"{100 * (g['peak'] / m['peak'] - 1):+.0f} % at {g['radius']:g} m" for g, m in zip(row["gauges"], model))
         say(f"  10 t of TNT, cells of {row['cell']:.2f} m: peaks " + ", ".join(errors))
-    plots.open_air_plots(folder / "open-air.svg", blasts, bursts)
-    return blasts, bursts
+    plots.open_air_plots(folder / "open-air.svg", blasts, bursts, model)
+    return blasts, bursts, model
 
 
-def ground_reference(place):
-    """Arrival and peak of the charge's shock over open ground: that of 1.8 times its mass in open air, because the ground reflects it."""
+def open_air_reference(place):
+    """Arrival and peak of the charge's shock in open air."""
     distance = math.dist(place, stadium.CHARGE)
-    return gas.kinney_graham_arrival(distance, 1.8 * stadium.TNT_MASS), float(gas.kinney_graham(distance, 1.8 * stadium.TNT_MASS))
+    return gas.kinney_graham_arrival(distance, charge.TNT_MASS), float(gas.kinney_graham(distance, charge.TNT_MASS))
 
 
 def draw(blast, folder):
@@ -70,7 +71,7 @@ def main(teracell, folder, cells):
     folder = pathlib.Path(folder)
     began = time.monotonic()
     say("charges in open air, on three grids each ...")
-    blasts, bursts = check_in_open_air(teracell, folder)
+    blasts, bursts, model = check_in_open_air(teracell, folder)
     checked = time.monotonic()
     blast = stadium.Blast(teracell, folder, int(cells))
     say(f"the stadium in cells of {blast.width:g} m: computing {1e3 * stadium.END:g} ms ...")
@@ -79,7 +80,7 @@ def main(teracell, folder, cells):
     times, pressures = blast.case.gauges()
     names = ",".join(name.replace(",", "") for name in stadium.GAUGES)
     numpy.savetxt(folder / "gauges.csv", numpy.column_stack([times, pressures]), delimiter=",", header="time_s," + names, comments="", fmt="%.9g")
-    references = {name: ground_reference(place) for name, place in stadium.GAUGES.items() if name.startswith("pitch")}
+    references = {name: open_air_reference(place) for name, place in stadium.GAUGES.items() if name.startswith("above the seats")}
     plots.gauges(folder / "gauges.svg", list(stadium.GAUGES), times, pressures, references)
     frames = draw(blast, folder)
     steps, seconds = blast.case.steps_and_seconds()
@@ -91,9 +92,9 @@ def main(teracell, folder, cells):
             rows[name]["arrival_reference"], rows[name]["peak_reference"] = references[name]
     report = {"cells": len(blast.index[0]), "cell": blast.width, "steps": steps, "solver_seconds": seconds, "frames": frames, "gauges": rows,
               "open_air_seconds": checked - began, "stadium_seconds": computed - checked, "picture_seconds": time.monotonic() - computed,
-              "point_blast": blasts, "burst": bursts}
+              "point_blast": blasts, "burst": bursts, "burst_along_radius": model}
     (folder / "report.json").write_text(json.dumps(report, indent=1) + "\n")
-    (folder / "tables.md").write_text("\n".join([tables.point_blast(blasts), tables.burst(bursts), tables.gauges(rows)]))
+    (folder / "tables.md").write_text("\n".join([tables.point_blast(blasts), tables.burst(bursts, model), tables.gauges(rows)]))
     print(f"""
   cells       {report["cells"]} of {blast.width:g} m, {steps} steps
   time        {checked - began:.0f} s for charges in open air, {computed - checked:.0f} s for the stadium, {report["picture_seconds"]:.0f} s for pictures

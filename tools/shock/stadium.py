@@ -1,20 +1,23 @@
-"""The burst of the tanker in front of the side stand: the case, and its fields as arrays."""
+"""A charge bursts on the side stand: the scene, the case, and its fields as arrays."""
+import json
 import pathlib
 import subprocess
 
 import numpy
 
+import charge
 import foam
 import gas
 
-TNT_MASS = 10e3  # kg: what the tanker carries
 END, FRAME = 0.13, 0.0025  # s
 LOW, HIGH = (-46.0, -108.0, 0.0), (80.0, 4.0, 57.0)  # m: what is computed, down to the ground
 DOMAIN_LOW, DOMAIN_LENGTH = (-150.0, -120.0, -3.0), 300.0  # of the sample's scene
-CHARGE = (17.0, -42.5, 3.3)
+CHARGE = (17.0, -57.0, 8.8)  # m: it lies on the seats of the lower tier, which rises by 1 m for each 2 m towards -y
+SLOPE = (0.0, 5**-0.5, 2 * 5**-0.5)  # the normal of that tier
 GAUGES = {
-    "pitch, 15 m": (17, -27.5, 1.8), "pitch, 30 m": (17, -12.5, 1.8), "lower tier": (17, -58.5, 8.6), "upper tier": (17, -79, 30.0),
-    "below the roof": (17, -70, 41.0), "ground floor": (17, -83, 3.4), "behind the stadium": (17, -105.5, 1.8),
+    "above the seats, 15 m": tuple(c + 15 * n for c, n in zip(CHARGE, SLOPE)), "above the seats, 30 m": tuple(c + 30 * n for c, n in zip(CHARGE, SLOPE)),
+    "lower tier": (37, -57, 8.0), "upper tier": (17, -79, 30.0), "below the roof": (17, -70, 41.0), "ground floor": (17, -83, 3.4),
+    "pitch": (17, -12.5, 1.8), "behind the stadium": (17, -105.5, 1.8),
 }
 OPEN = ("xmin", "xmax", "ymin", "ymax", "zmax")
 
@@ -39,18 +42,30 @@ class Blast:
         run(teracell, "export", self.mesh(teracell, fine, "fine.tcell"), "-o", self.folder / "fine.npy")
 
     def mesh(self, teracell, cells, name):
-        if not (self.folder / "stadium/scene.json").exists():
-            run(teracell, "sample", "stadium", "-o", self.folder / "stadium")
-        run(teracell, "mesh", self.folder / "stadium/scene.json", "--cells", cells, "-o", self.folder / name)
+        run(teracell, "mesh", self.scene(teracell), "--cells", cells, "-o", self.folder / name)
         return self.folder / name
+
+    def scene(self, teracell):
+        """The sample's stadium with the charge in it. What its tanker carries stays what it is: here it is a solid."""
+        folder = self.folder / "stadium"
+        if not (folder / "scene.json").exists():
+            run(teracell, "sample", "stadium", "-o", folder)
+        scene = json.loads((folder / "scene.json").read_text())
+        for body in scene["bodies"]:
+            if body["material"] == "explosive":
+                body["material"] = "structure"
+        (folder / "burst.obj").write_text(charge.sphere_obj(charge.RADIUS, CHARGE))
+        scene["bodies"].append({"name": "burst", "mesh": "burst.obj", "material": "explosive", "priority": 3})
+        (folder / "burst.json").write_text(json.dumps(scene, indent=1) + "\n")
+        return folder / "burst.json"
 
     def compute(self, end=END, frame=FRAME):
         for name, place in GAUGES.items():
             i, j, k = (int((a - b) / self.width) for a, b in zip(place, self.corner))
             if self.materials[k, j, i] != 0:
                 raise RuntimeError(f"the gauge {name}: expected air at {place}, found a body; another number of cells may help")
-        self.charge = gas.Charge(self.case.charge_volume(), TNT_MASS * gas.TNT, TNT_MASS)
-        self.case.run(self.charge, end, frame, GAUGES.values(), far=100.0)
+        filling = gas.Charge(self.case.charge_volume(), charge.TNT_MASS * gas.TNT, charge.TNT_MASS)
+        self.case.run(filling, end, frame, GAUGES.values(), far=100.0)
         centres = self.case.field("C", self.case.end())
         x, y, z = (numpy.floor((centres[:, a] - self.corner[a]) / self.width).astype(int) for a in range(3))
         self.index = z, y, x

@@ -15,17 +15,23 @@ def point_blast(rows):
                  [[f"{r['cells']:,}", percent(r["radius_error"], 1), f"{100 * r['profile_error']:.0f} %", percent(r["peak_error"])] for r in rows])
 
 
-def burst(rows):
+def burst(rows, model):
+    """The model against the curve, and the grids against the model."""
     cells = [f"{r['cell']:.2f} m" for r in rows]
-    head = ["distance", "peak of the curve", *(f"cells of {width}" for width in cells), "arrival by the curve", *cells]
-    lines = []
-    for gauges in zip(*(r["gauges"] for r in rows)):
-        errors = [[percent(g[key] / g[key + "_reference"] - 1) for g in gauges] for key in ("peak", "arrival")]
-        first = gauges[0]
-        lines.append([f"{first['radius']:g} m", f"{first['peak_reference'] / 1e3:,.0f} kPa", *errors[0], f"{first['arrival_reference'] * 1e3:.1f} ms", *errors[1]])
-    mean = lambda row, key: sum(abs(g[key] / g[key + "_reference"] - 1) for g in row["gauges"]) / len(row["gauges"])  # noqa: E731
-    means = [[f"{100 * mean(row, key):.0f} %" for row in rows] for key in ("peak", "arrival")]
-    return table(head, [*lines, ["mean error", "", *means[0], "", *means[1]]])
+    head = ["distance", "peak by the curve", "the model", *(f"cells of {width}" for width in cells), "arrival by the curve", "the model", *cells]
+    unit = {"peak": lambda p: f"{p / 1e3:,.0f} kPa", "arrival": lambda t: f"{t * 1e3:.1f} ms"}
+    lines, sums = [], {}
+    for i, m in enumerate(model):
+        grids = [r["gauges"][i] for r in rows]
+        line = [f"{grids[0]['radius']:g} m"]
+        for key in ("peak", "arrival"):
+            curve = grids[0][key + "_reference"]
+            errors = [m[key] / curve - 1, *(g[key] / m[key] - 1 for g in grids)]
+            sums[key] = [s + abs(e) for s, e in zip(sums.get(key, [0] * len(errors)), errors)]
+            line += [unit[key](curve), *map(percent, errors)]
+        lines.append(line)
+    means = {key: [f"{100 * s / len(model):.0f} %" for s in sums[key]] for key in sums}
+    return table(head, [*lines, ["mean error", "", *means["peak"], "", *means["arrival"]]])
 
 
 def gauges(rows):

@@ -1,6 +1,9 @@
+#include <chrono>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <numeric>
+#include <thread>
 
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -249,6 +252,17 @@ TEST_CASE("The profile openems is CSXCAD's DiscMaterial", "[export]") {
   CHECK(read_h5(path, "mesh/x").values.size() == 71);
   CHECK_THROWS_AS(H5Cells(2).write("disc.h5", {{0, 0, 0}, {1, 1, 1}}, {{"--profile", "openems"}, {"--epsilon", "m1=1"}, {"--sigma", "m1=inf"}}),
                   UsageError);
+}
+
+TEST_CASE("The same cells give the same HDF5 file, whenever it is written", "[export]") {
+  const H5Cells s(3, 0, false);
+  const auto bytes = [](const fs::path& path) {
+    std::ifstream in(path, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(in), {});
+  };
+  const std::string before = bytes(s.write("first.h5", s.all()));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 counts seconds
+  CHECK(bytes(s.write("second.h5", s.all())) == before);
 }
 
 TEST_CASE("XDMF names the arrays of an HDF5 file beside it", "[export]") {

@@ -15,8 +15,8 @@ using namespace teracell::testing;
 namespace {
 
 // A layer whose runs are those of rows of letters; '.' is no cell of the mesh.
-foam::Layer layer_of(const std::vector<std::string>& rows) {
-  foam::Layer out;
+Layer layer_of(const std::vector<std::string>& rows) {
+  Layer out;
   for (const std::string& row : rows) {
     for (size_t x = 0; x < row.size();) {
       size_t end = row.find_first_not_of(row[x], x);

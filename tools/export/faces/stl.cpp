@@ -17,7 +17,7 @@ namespace {
 // Planes that are two for the grid have to be two in single precision.
 void expect_distinct_planes(const Export& e) {
   for (int d = 0; d < 3; ++d)
-    for (int64_t i = 0; i < e.box.hi[d] - e.box.lo[d]; ++i)
+    for (int64_t i = 0; i < size_of(e.box)[d]; ++i)
       if (static_cast<float>(plane_of(e, d, i)) >= static_cast<float>(plane_of(e, d, i + 1)) || std::isinf(static_cast<float>(plane_of(e, d, i + 1))))
         throw UsageError(
             fmt::format("--format: stl has coordinates of single precision, in which the planes {:.17g} and {:.17g} of {} are one: take ply",

@@ -25,7 +25,7 @@ std::vector<bool> chosen_materials(const Export& e) {
   return all;
 }
 
-int rounds_of_smoothing(const Export& e) { return e.has("--smooth") ? static_cast<int>(e.integer("--smooth", 1, kMostRounds)) : 0; }
+int rounds_of_smoothing(const Export& e) { return static_cast<int>(e.integer("--smooth", 1, kMostRounds, 0)); }
 
 // Whether all cells of blocks belong to the body, or none. Blocks are the cells of a coarse level.
 class BlockStates {
@@ -39,7 +39,7 @@ class BlockStates {
 
   void read(const Box& blocks) {
     box_ = blocks;
-    for (int d = 0; d < 3; ++d) n_[d] = blocks.hi[d] - blocks.lo[d];
+    n_ = size_of(blocks);
     states_.assign(static_cast<size_t>(n_[0] * n_[1] * n_[2]), kMixed);
     if (coarse_ >= e_.reader.levels()) return;
     read_box<uint8_t>(e_.reader, coarse_, blocks, value_, kOut, states_.data(), {1, n_[0], n_[0] * n_[1]});
@@ -99,9 +99,7 @@ Surface::Surface(const Export& e, Leg leg)
     : e_(e), chosen_(chosen_materials(e)), rounds_(rounds_of_smoothing(e)), material_(strongest_material(e.reader.meta())) {
   find_blocks(leg);
   if (facets_ > 0) return;
-  std::string names;
-  for (size_t id = 0; id < chosen_.size() && names.size() < 200; ++id)
-    if (chosen_[id]) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", e.reader.meta().materials[id].name);
+  const std::string names = quoted_names(e.reader.meta().materials, chosen_);
   throw UsageError(fmt::format("the surface would have no facet: expected cells of {} in the box, found none; --material chooses other materials",
                                names.empty() ? "a material beside the background" : names));
 }

@@ -13,7 +13,7 @@ namespace teracell {
 
 void write_disc_material(const Export& e) {
   const std::vector<Medium> media = media_of(e, false);
-  const Index3 n = {e.box.hi[0] - e.box.lo[0], e.box.hi[1] - e.box.lo[1], e.box.hi[2] - e.box.lo[2]};
+  const Index3 n = size_of(e.box);
   if (static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]) > 0xffffffff)
     throw UsageError(fmt::format("CSXCAD has at most 4294967295 cells in a DiscMaterial, found {}: take --region or --level", cell_count_text(n)));
   std::vector<uint8_t> places(media.size(), 0);  // the first one is the background
@@ -35,7 +35,7 @@ void write_disc_material(const Export& e) {
   file.attribute(file.id(), "Version", 2.0);
   const H5Handle mesh = file.group("mesh");
   for (int d = 0; d < 3; ++d) file.doubles(mesh, axis_name(d).c_str(), n[d] + 1, [&](int64_t i) { return plane_of(e, d, i); });
-  const H5Handle cells = write_cells(file, e, "DiscData", CellOrder::kZyx, places);
+  const H5Handle cells = write_cells(file, e, "DiscData", kXFastest, places);
   file.attribute(cells, "DB_Size", static_cast<int32_t>(epsilon.size()));
   for (const auto& [name, list] : {std::pair("epsR", &epsilon), {"kappa", &kappa}, {"mueR", &mu}, {"sigma", &sigma}})
     file.attribute(cells, name, std::span<const float>(*list));

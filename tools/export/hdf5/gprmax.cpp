@@ -41,7 +41,7 @@ void write_gprmax(const Export& e) {
   std::array<double, 3> step;
   for (size_t d = 0; d < 3; ++d) step[d] = std::ldexp(meta.grid.axis[d].step(), e.level) * metre;
   file.attribute(file.id(), "dx_dy_dz", std::span<const double>(step));
-  write_cells(file, e, "data", CellOrder::kXyz, numbers);
+  write_cells(file, e, "data", kZFastest, numbers);
   materials.sync();
   file.finish();
   std::error_code ignored;

@@ -115,7 +115,7 @@ std::array<hsize_t, 3> sizes(const Index3& n) { return {static_cast<hsize_t>(n[0
 template <class T>
 H5Handle create(H5File& file, const char* name, const Index3& n, const Index3& chunk) {
   const H5Handle space(file.checked(H5Screate_simple(3, sizes(n).data(), nullptr), "describe a dataset"), H5Sclose);
-  const H5Handle how(file.checked(H5Pcreate(H5P_DATASET_CREATE), "describe a dataset"), H5Pclose);
+  const H5Handle how = file.without_times();
   file.checked(H5Pset_chunk(how, 3, sizes(chunk).data()), "choose the size of chunks");
   if (sizeof(T) > 1) file.checked(H5Pset_shuffle(how), "choose shuffle");
   file.checked(H5Pset_deflate(how, Z_BEST_SPEED), "choose deflate");
@@ -125,8 +125,7 @@ H5Handle create(H5File& file, const char* name, const Index3& n, const Index3& c
 }  // namespace
 
 template <class T>
-H5Handle write_cells(H5File& file, const Export& e, const char* name, CellOrder order, const std::vector<T>& values) {
-  const std::array<int, 3> axis = order == CellOrder::kZyx ? std::array{2, 1, 0} : std::array{0, 1, 2};
+H5Handle write_cells(H5File& file, const Export& e, const char* name, const AxisOrder& axis, const std::vector<T>& values) {
   Index3 n;
   for (int d = 0; d < 3; ++d) n[d] = e.box.hi[axis[d]] - e.box.lo[axis[d]];
   const Index3 chunk = chunk_of(n, kChunkBytes / static_cast<int64_t>(sizeof(T))), slab = slab_of(n, chunk);
@@ -166,10 +165,10 @@ H5Handle write_cells(H5File& file, const Export& e, const char* name, CellOrder 
   return dataset;
 }
 
-template H5Handle write_cells(H5File&, const Export&, const char*, CellOrder, const std::vector<uint8_t>&);
-template H5Handle write_cells(H5File&, const Export&, const char*, CellOrder, const std::vector<uint16_t>&);
-template H5Handle write_cells(H5File&, const Export&, const char*, CellOrder, const std::vector<uint32_t>&);
-template H5Handle write_cells(H5File&, const Export&, const char*, CellOrder, const std::vector<int16_t>&);
-template H5Handle write_cells(H5File&, const Export&, const char*, CellOrder, const std::vector<double>&);
+template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<uint8_t>&);
+template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<uint16_t>&);
+template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<uint32_t>&);
+template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<int16_t>&);
+template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<double>&);
 
 }  // namespace teracell

@@ -1,14 +1,12 @@
 // Cells as a dataset of HDF5: in chunks of up to 256 KiB, each compressed by shuffle and deflate.
 #pragma once
-#include "tools/export/format.hpp"
+#include "tools/export/dense.hpp"
 #include "tools/export/hdf5/h5_file.hpp"
 
 namespace teracell {
 
-enum class CellOrder { kZyx, kXyz };  // the last one varies fastest
-
 // Writes values[id] for the cells of each material, and calls e.progress with the share that is done, from 0 to 1. T is a type of h5_type().
 template <class T>
-H5Handle write_cells(H5File& file, const Export& e, const char* name, CellOrder order, const std::vector<T>& values);
+H5Handle write_cells(H5File& file, const Export& e, const char* name, const AxisOrder& order, const std::vector<T>& values);
 
 }  // namespace teracell

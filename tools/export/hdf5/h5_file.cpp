@@ -172,10 +172,16 @@ void H5File::attribute(hid_t object, const char* name, const std::string& text) 
   put_attribute(object, name, text_type(), 0, &value);
 }
 
+H5Handle H5File::without_times() const {
+  H5Handle how(checked(H5Pcreate(H5P_DATASET_CREATE), "describe a dataset"), H5Pclose);
+  checked(H5Pset_obj_track_times(how, 0), "leave out times");
+  return how;
+}
+
 void H5File::put_dataset(hid_t place, const char* name, hid_t type, size_t count, const void* values) {
   const hsize_t n = count;
   const H5Handle space(checked(H5Screate_simple(1, &n, nullptr), "describe a dataset"), H5Sclose);
-  const H5Handle dataset(checked(H5Dcreate2(place, name, type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "create a dataset"), H5Dclose);
+  const H5Handle dataset(checked(H5Dcreate2(place, name, type, space, H5P_DEFAULT, without_times(), H5P_DEFAULT), "create a dataset"), H5Dclose);
   checked(H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values), "write a dataset");
 }
 
@@ -187,7 +193,7 @@ void H5File::doubles(hid_t place, const char* name, int64_t count, const std::fu
   constexpr int64_t kPiece = 1 << 16;
   const hsize_t n = static_cast<hsize_t>(count);
   const H5Handle space(checked(H5Screate_simple(1, &n, nullptr), "describe a dataset"), H5Sclose);
-  const H5Handle dataset(checked(H5Dcreate2(place, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), "create a dataset"),
+  const H5Handle dataset(checked(H5Dcreate2(place, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, without_times(), H5P_DEFAULT), "create a dataset"),
                          H5Dclose);
   std::vector<double> piece;
   for (int64_t at = 0; at < count; at += kPiece) {

@@ -52,6 +52,8 @@ class H5File {
   }
 
   H5Handle group(const char* name);
+  // How datasets are created: without the time, so that the same cells give the same bytes.
+  H5Handle without_times() const;
   void attribute(hid_t object, const char* name, const std::string& text);
   template <class T>
   void attribute(hid_t object, const char* name, std::span<const T> values) {

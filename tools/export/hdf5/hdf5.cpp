@@ -17,6 +17,12 @@ struct Profile {
 constexpr Profile kProfiles[] = {
     {"plain", false, write_plain}, {"meep", true, write_meep}, {"gprmax", true, write_gprmax}, {"openems", true, write_disc_material}};
 
+std::string names_of_profiles() {
+  std::string out;
+  for (const Profile& p : kProfiles) out += fmt::format("{}{}", out.empty() ? "" : &p + 1 == std::end(kProfiles) ? " or " : ", ", p.name);
+  return out;
+}
+
 void write_hdf5(const Export& e) {
   const std::string name = e.has("--profile") ? e.options.at("--profile") : "plain";
   for (const Profile& p : kProfiles) {
@@ -26,7 +32,7 @@ void write_hdf5(const Export& e) {
       if (!p.media && e.has(option.name)) throw UsageError(fmt::format("{}: the profile {} has no such option", option.name, name));
     return p.write(e);
   }
-  throw UsageError(fmt::format("--profile: expected plain, meep, gprmax or openems, found '{}'", name));
+  throw UsageError(fmt::format("--profile: expected {}, found '{}'", names_of_profiles(), name));
 }
 
 }  // namespace
@@ -46,7 +52,7 @@ void expect_uniform(const Export& e, const char* profile) {
 ExportFormat hdf5_format() {
   ExportFormat out = {"hdf5", {".h5", ".hdf5"}, "an HDF5 file, for any program or for one solver", write_hdf5};
   out.options = media_options();
-  out.options.insert(out.options.begin(), {"--profile", "NAME", "plain (default), meep, gprmax or openems"});
+  out.options.insert(out.options.begin(), {"--profile", "NAME", names_of_profiles() + " (default plain)"});
   return out;
 }
 

@@ -15,7 +15,7 @@ void write_meep(const Export& e) {
   std::vector<double> epsilon;
   for (const Medium& m : media_of(e, true)) epsilon.push_back(m.epsilon);
   H5File file(e.output);
-  write_cells(file, e, "eps", CellOrder::kXyz, epsilon);
+  write_cells(file, e, "eps", kZFastest, epsilon);
   file.finish();
   file.commit();
 }

@@ -11,7 +11,7 @@ namespace {
 
 template <class T>
 void put_cells(H5File& file, const Export& e, const std::vector<uint32_t>& numbers) {
-  write_cells(file, e, "material", CellOrder::kZyx, std::vector<T>(numbers.begin(), numbers.end()));
+  write_cells(file, e, "material", kXFastest, std::vector<T>(numbers.begin(), numbers.end()));
 }
 
 }  // namespace
@@ -24,7 +24,7 @@ void put_plain(H5File& file, const Export& e) {
                  std::span<const int64_t>(std::array{e.box.lo[0], e.box.lo[1], e.box.lo[2], e.box.hi[0], e.box.hi[1], e.box.hi[2]}));
   file.attribute(file.id(), "content_hash", e.reader.hash());
   for (int d = 0; d < 3; ++d)
-    file.doubles(file.id(), ("planes_" + axis_name(d)).c_str(), e.box.hi[d] - e.box.lo[d] + 1, [&](int64_t i) { return plane_of(e, d, i); });
+    file.doubles(file.id(), ("planes_" + axis_name(d)).c_str(), size_of(e.box)[d] + 1, [&](int64_t i) { return plane_of(e, d, i); });
 
   std::vector<uint32_t> numbers(meta.materials.size());
   std::iota(numbers.begin(), numbers.end(), 0);

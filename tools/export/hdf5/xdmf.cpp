@@ -5,6 +5,7 @@
 #include "store/error.hpp"
 #include "tools/export/dense.hpp"
 #include "tools/export/hdf5/profiles.hpp"
+#include "tools/export/place.hpp"
 #include "tools/export/xml.hpp"
 
 namespace teracell {
@@ -13,8 +14,7 @@ namespace {
 // The name is absolute: ParaView's reader of XDMF 3 aborts at a relative one when the XML itself is opened without its folder.
 std::string description(const Export& e, const std::filesystem::path& cells) {
   const std::string h5 = xml_text(std::filesystem::absolute(cells).lexically_normal().string());
-  Index3 n;
-  for (int d = 0; d < 3; ++d) n[d] = e.box.hi[d] - e.box.lo[d];
+  const Index3 n = size_of(e.box);
   std::string planes;
   for (int d = 0; d < 3; ++d)
     planes += fmt::format("        <DataItem Dimensions=\"{}\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">{}:/planes_{}</DataItem>\n",

@@ -33,7 +33,7 @@ void join(std::vector<MaterialBox>& growing, std::vector<MaterialBox>& pieces, i
 
 }  // namespace
 
-void BoxMerger::add(const foam::Layer& layer, int32_t z) {
+void BoxMerger::add(const Layer& layer, int32_t z) {
   const auto check = [&](size_t boxes) {
     if (boxes > most_)
       throw UsageError(fmt::format(
@@ -43,7 +43,7 @@ void BoxMerger::add(const foam::Layer& layer, int32_t z) {
   for (size_t y = 0; y + 1 < layer.rows.size(); ++y) {
     pieces.clear();
     const auto row = static_cast<int32_t>(y);
-    for (const foam::CellRun& run : layer.row(row))
+    for (const CellRun& run : layer.row(row))
       if (run.in_mesh()) pieces.push_back({run.what, {run.begin, row, z}, {run.end, row + 1, z + 1}});
     join(growing, pieces, 1, rectangles);
     check(done_.size() + rectangles.size() + growing.size());

@@ -1,7 +1,7 @@
 // Cells of one material as boxes: runs that lie side by side become rectangles, and rectangles that lie on each other become boxes. It is
 // greedy, and makes no more boxes than there are runs.
 #pragma once
-#include "tools/export/openfoam/layer.hpp"
+#include "tools/export/layer.hpp"
 
 namespace teracell {
 
@@ -16,7 +16,7 @@ class BoxMerger {
   explicit BoxMerger(size_t most) : most_(most) {}
   // Takes the runs of the mesh in layer `z`. Layers come in ascending order, without a gap. Throws UsageError when there are more boxes than
   // `most`.
-  void add(const foam::Layer& layer, int32_t z);
+  void add(const Layer& layer, int32_t z);
   // All boxes, by material. Nothing may be added any more.
   std::vector<MaterialBox> finish();
 

@@ -31,7 +31,7 @@ class Xml {
     for (int d = 0; d < 3; ++d) {
       const char name = "XYZ"[d];
       add(fmt::format("      <{}Lines>{}", name, plane_of(e_, d, 0)));
-      for (int64_t i = 1; i <= e_.box.hi[d] - e_.box.lo[d]; ++i) add(fmt::format(",{}", plane_of(e_, d, i)));
+      for (int64_t i = 1; i <= size_of(e_.box)[d]; ++i) add(fmt::format(",{}", plane_of(e_, d, i)));
       add(fmt::format("</{}Lines>\n", name));
     }
     add("    </RectilinearGrid>\n    <Properties>\n");
@@ -73,16 +73,16 @@ class Xml {
 };
 
 void write_openems(const Export& asked) {
-  const Export e = foam::for_layers(asked);
+  const Export e = for_layers(asked);
   const double metre = metres(e.reader.meta().units, "openEMS");
   const std::vector<Medium> media = media_of(e, false);
   std::vector<bool> in_mesh;
   for (const Medium& m : media) in_mesh.push_back(m.given);
   Xml xml(e);
-  foam::LayerReader reader(e, in_mesh);
-  foam::Layer layer;
+  LayerReader reader(e, in_mesh);
+  Layer layer;
   BoxMerger merger(kMostBoxes);
-  const int64_t layers = e.box.hi[2] - e.box.lo[2];
+  const int64_t layers = size_of(e.box)[2];
   for (int64_t z = 0; z < layers; ++z) {
     e.progress(static_cast<double>(z) / static_cast<double>(layers));
     reader.read(z, layer);

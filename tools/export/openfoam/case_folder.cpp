@@ -28,6 +28,10 @@ CaseFolder::CaseFolder(const fs::path& path, uint32_t parts, bool divided)
     : path_(path.has_filename() ? path : path.parent_path()), parts_(parts), divided_(divided), made_(make_folder(path_)) {
   try {
     expect_free();
+    std::error_code ignored;
+    if (fs::exists(fs::symlink_status(path_ / kAside, ignored)))
+      throw UsageError(
+          fmt::format("{}: expected no folder of this name, which a run has left that was killed as it ended: remove it", (path_ / kAside).string()));
     aside_.emplace(path_ / kAside, "none");
   } catch (...) {
     std::error_code ignored;

@@ -1,6 +1,6 @@
 #include "tools/export/openfoam/mesh_writer.hpp"
 
-#include <algorithm>
+#include "tools/export/place.hpp"
 
 namespace teracell::foam {
 namespace {
@@ -87,10 +87,7 @@ class Writer : public MeshVisitor {
     return *parts_[number];
   }
 
-  double coordinate(int axis, int64_t plane) const {
-    const Axis& a = e_.reader.meta().grid.axis[axis];
-    return a.plane(std::min(a.cells(), (e_.box.lo[axis] + plane) << e_.level)) * output_.scale;
-  }
+  double coordinate(int axis, int64_t plane) const { return plane_of(e_, axis, plane) * output_.scale; }
 
   static Corners corners_of(const Segment& s, uint32_t part, int64_t x, unsigned rows) {
     Corners out{};

@@ -3,11 +3,13 @@
 // The cells are gone through two or three times: to find what hangs together or how many cells there are, if that is asked for; to count
 // points and faces; to write. Counting first costs a tenth of writing, and every list has its place in its file from the beginning.
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "store/error.hpp"
+#include "store/stats.hpp"
 #include "tools/export/metres.hpp"
 #include "tools/export/openfoam/case_folder.hpp"
 #include "tools/export/openfoam/mesh_writer.hpp"
@@ -24,7 +26,7 @@ std::vector<bool> cells_of_mesh(const Export& e) {
   return out;
 }
 
-uint32_t ranks_of(const Export& e) { return e.has("--ranks") ? static_cast<uint32_t>(e.integer("--ranks", 1, 100'000)) : 1; }
+uint32_t ranks_of(const Export& e) { return static_cast<uint32_t>(e.integer("--ranks", 1, 100'000, 1)); }
 
 MeshNames names_of(const Export& e, const MeshCounts& counts) {
   static constexpr const char* kSideNames[] = {"xmin", "xmax", "ymin", "ymax", "zmin", "zmax"};
@@ -51,12 +53,23 @@ void expect_labels(const MeshCounts& counts) {
                                    kMostLabel / 4, part.all_faces(), counts.all_faces() / (kMostLabel / 4 * 9 / 10) + 1));
 }
 
+// Going through 10^12 cells takes half an hour, but how many there are is known at once. A mesh has more than three faces for each.
+void expect_labels_for_cells(const Export& e, const Division& d, uint32_t ranks) {
+  if (e.level > 0 || e.has("--drop-unreachable")) return;
+  const std::vector<MaterialStats> stats = read_stats(e.reader, e.box);
+  double faces = 0;
+  for (size_t id = 0; id < stats.size(); ++id)
+    if (d.in_mesh[id]) faces += 3 * static_cast<double>(stats[id].cells);
+  if (faces / ranks > kMostLabel / 4)
+    throw UsageError(
+        fmt::format("OpenFOAM's 32-bit labels hold a mesh of {} faces, a part of this one has at least {:.0f}: give --ranks {:.0f} or more",
+                    kMostLabel / 4, faces / ranks, std::floor(faces / (kMostLabel / 4 * 0.9)) + 1));
+}
+
 void expect_cells(const Export& e, const Division& d, int64_t cells) {
   if (cells > 0) return;
-  std::string names;
-  for (size_t id = 0; id < d.in_mesh.size() && names.size() < 200; ++id)
-    if (d.in_mesh[id]) names += fmt::format("{}'{}'", names.empty() ? "" : ", ", e.reader.meta().materials[id].name);
-  throw UsageError(fmt::format("the mesh would have no cell: expected cells of {} in the box, found none; --fluid chooses other materials", names));
+  throw UsageError(fmt::format("the mesh would have no cell: expected cells of {} in the box, found none; --fluid chooses other materials",
+                               quoted_names(e.reader.meta().materials, d.in_mesh)));
 }
 
 // Finds the regions, if that is asked for, and the number of cells.
@@ -86,6 +99,7 @@ void write_case(const Export& asked) {
   const auto share = [&](double from, double to) {
     return [&, from, to](int64_t done) { e.progress(from + (to - from) * static_cast<double>(done) / layers); };
   };
+  expect_labels_for_cells(e, division, ranks);
   e.progress(0);
   CaseFolder folder(e.output, ranks, e.has("--ranks"));
 

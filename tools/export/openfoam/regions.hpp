@@ -4,7 +4,7 @@
 // A label begins where a run touches none that was seen before. What is kept is 8 bytes per label and two layers, so surfaces of
 // solids cost next to nothing, while random noise costs a byte or so per cell.
 #pragma once
-#include "tools/export/openfoam/layer.hpp"
+#include "tools/export/layer.hpp"
 
 namespace teracell::foam {
 

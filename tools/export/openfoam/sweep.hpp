@@ -1,7 +1,7 @@
 // A pass over the cells of the mesh in their order, x fastest: the points of each layer and the cells between them, with what lies
 // beyond their six faces. Two layers of points and three of cells are in memory, as runs.
 #pragma once
-#include "tools/export/openfoam/layer.hpp"
+#include "tools/export/layer.hpp"
 #include "tools/export/openfoam/regions.hpp"
 
 namespace teracell::foam {

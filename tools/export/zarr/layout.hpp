@@ -1,6 +1,6 @@
 // How the cells of a level lie in chunks and shards. Indices are x, y, z, and count from the lower corner of what is exported.
 #pragma once
-#include "tools/export/format.hpp"
+#include "tools/export/place.hpp"
 
 namespace teracell::zarr {
 
@@ -24,7 +24,6 @@ Index3 block_within(const Index3& size, int64_t most);
 std::vector<Layout> layouts_of(const Export& e, int64_t most_cells_of_chunk, int64_t most_chunks_of_shard);
 
 inline int64_t volume(const Index3& n) { return n[0] * n[1] * n[2]; }
-inline Index3 size_of(const Box& box) { return {box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]}; }
 // The number of an element of an array in C order, x fastest.
 inline int64_t in_c_order(const Index3& i, const Index3& size) { return (i[2] * size[1] + i[1]) * size[0] + i[0]; }
 inline Index3 from_c_order(int64_t number, const Index3& size) { return {number % size[0], number / size[0] % size[1], number / size[0] / size[1]}; }

@@ -1,6 +1,5 @@
 #include "tools/export/zarr/zarr.hpp"
 
-#include <charconv>
 #include <thread>
 
 #include <fmt/format.h>
@@ -20,17 +19,6 @@ namespace {
 
 // Programs that know this comment find all documents at the beginning of the archive and of its directory (OME-Zarr's RFC 9).
 constexpr char kZipComment[] = R"({"ome":{"version":"0.5","zipFile":{"centralDirectory":{"jsonFirst":true}}}})";
-
-int integer_of(const Export& e, const std::string& option, int least, int most, int otherwise) {
-  const auto given = e.options.find(option);
-  if (given == e.options.end()) return otherwise;
-  const std::string& text = given->second;
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < least || value > most)
-    throw UsageError(fmt::format("{}: expected {} to {}, found '{}'", option, least, most, text));
-  return value;
-}
 
 std::string key_of(const Index3& i) { return fmt::format("{}/{}/{}", i[2], i[1], i[0]); }
 
@@ -117,8 +105,8 @@ void write_zarr(const Export& e, int version, const Pieces& pieces, int threads)
 namespace {
 
 void write_with_options(const Export& e) {
-  const int version = zarr::integer_of(e, "--zarr-version", 2, 3, 3);
-  const int threads = zarr::integer_of(e, "--threads", 1, 1024, std::max(1, static_cast<int>(std::thread::hardware_concurrency())));
+  const auto version = static_cast<int>(e.integer("--zarr-version", 2, 3, 3));
+  const auto threads = static_cast<int>(e.integer("--threads", 1, 1024, std::max(1U, std::thread::hardware_concurrency())));
   if (version == 2 && e.output.extension() == ".ozx")
     throw UsageError("--zarr-version: a file .ozx has Zarr 3, found 2: take a name that ends in .zip");
   zarr::write_zarr(e, version, version == 3 ? zarr::kPieces3 : zarr::kPieces2, threads);
@@ -132,7 +120,8 @@ ExportFormat zarr_format() {
           .holds = "OME-Zarr: all levels from the chosen one up in a folder, or in a zip (.zip, .ozx)",
           .write = write_with_options,
           .options = {{"--zarr-version", "2|3", "Zarr 3 with many chunks in a file (default), or Zarr 2 with a file for each"},
-                      {"--threads", "N", "how many threads, 1 to 1024 (default: one per core)"}}};
+                      {"--threads", "N", "how many threads, 1 to 1024 (default: one per core)"}},
+          .coarser = true};
 }
 
 }  // namespace teracell

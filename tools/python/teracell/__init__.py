@@ -143,6 +143,8 @@ class Level:
             raise UsageError(f"out: expected an array of NumPy, found {shown(out)}")
         elif list(out.shape) != shape:
             raise UsageError(f"out: expected an array of the shape {tuple(shape)}, found {out.shape}")
+        if not out.flags.writeable:
+            raise UsageError("out: expected an array that may be written, found one that is read-only")
         if not out.flags.aligned:
             raise UsageError("out: expected an array whose items are aligned")
         if out.dtype.kind not in "ui" or out.dtype.itemsize > 4 or not out.dtype.isnative:

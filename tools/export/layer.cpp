@@ -1,15 +1,15 @@
-#include "tools/export/openfoam/layer.hpp"
+#include "tools/export/layer.hpp"
 
 #include <algorithm>
 
 #include "store/query.hpp"
 
-namespace teracell::foam {
+namespace teracell {
 namespace {
 
-constexpr int64_t kSlabCells = 16 << 20;
+constexpr int64_t kCellsAtOnce = 16 << 20;
 
-int64_t that_fit(int64_t count, int64_t cells_each) { return std::clamp<int64_t>(kSlabCells / cells_each, 1, count); }
+int64_t that_fit(int64_t count, int64_t cells_each) { return std::clamp<int64_t>(kCellsAtOnce / cells_each, 1, count); }
 
 }  // namespace
 
@@ -71,4 +71,4 @@ void LayerReader::append_row(const uint16_t* cells, int64_t x, int64_t count, La
   }
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell

@@ -2,9 +2,9 @@
 #pragma once
 #include <span>
 
-#include "tools/export/format.hpp"
+#include "tools/export/place.hpp"
 
-namespace teracell::foam {
+namespace teracell {
 
 // Beside a material, what a run can be: the outside of the box beyond its side xmin, xmax, ymin, ymax, zmin or zmax.
 inline constexpr uint32_t kSides = 65536;
@@ -26,9 +26,6 @@ struct Layer {
   std::span<const CellRun> row(int64_t y) const { return std::span(runs).subspan(rows[y], rows[y + 1] - rows[y]); }
   void clear() { runs.clear(), rows.assign(1, 0); }
 };
-
-// The size of the exported box.
-inline Index3 size_of(const Box& box) { return {box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]}; }
 
 // The same export for reading layers. LayerReader calls `progress` for each part of a layer, because a layer may take long. It does
 // not know what share of all is done, so it tells 0; the share that `e` is told never falls.
@@ -54,4 +51,4 @@ class LayerReader {
   std::vector<uint16_t> slab_;
 };
 
-}  // namespace teracell::foam
+}  // namespace teracell

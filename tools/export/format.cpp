@@ -1,0 +1,49 @@
+#include "tools/export/format.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+#include "tools/export/assignments.hpp"
+
+namespace teracell {
+
+SetValue Export::number() const {
+  if (map.empty()) return strongest_material(reader.meta());
+  return [material = strongest_material(reader.meta()), numbers = map](const std::vector<Label>& set) { return numbers[material(set)]; };
+}
+
+uint32_t Export::most() const { return map.empty() ? static_cast<uint32_t>(reader.meta().materials.size()) - 1 : std::ranges::max(map); }
+
+std::vector<bool> Export::materials(const std::string& option) const {
+  const std::vector<MaterialInfo>& all = reader.meta().materials;
+  std::vector<bool> out(all.size(), false);
+  for (std::string_view rest = options.at(option); !rest.empty();) {
+    const std::string_view name = rest.substr(0, rest.find(','));
+    rest.remove_prefix(std::min(rest.size(), name.size() + 1));
+    out[material_named(all, std::string(name), option)] = true;
+  }
+  return out;
+}
+
+int64_t Export::integer(const std::string& option, int64_t least, int64_t most, int64_t otherwise) const {
+  if (!has(option)) return otherwise;
+  const std::string& text = options.at(option);
+  int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < least || value > most)
+    throw UsageError(fmt::format("{}: expected {} to {}, found '{}'", option, least, most, text));
+  return value;
+}
+
+std::string quoted_names(const std::vector<MaterialInfo>& materials, const std::vector<bool>& chosen) {
+  constexpr size_t kEnough = 200;
+  std::string out;
+  for (size_t id = 0; id < chosen.size() && out.size() < kEnough; ++id)
+    if (chosen[id]) out += fmt::format("{}'{}'", out.empty() ? "" : ", ", materials[id].name);
+  return out;
+}
+
+}  // namespace teracell
