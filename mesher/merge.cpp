@@ -71,11 +71,10 @@ MeshReport merge(const std::vector<std::filesystem::path>& paths, const std::fil
   CastTotals totals;
   std::optional<SurfacesFound> surfaces;
   for (const auto& part : parts) {
-    uint64_t read = 0;
     const Bytes bytes = part->read(
         [&](const ChunkKey& key, const EncodedChunk& chunk) {
           writer.put(key, chunk);
-          if ((read += chunk.frame.size()) % 64 == 0 && stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output.string()));
+          if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output.string()));
         },
         [&](int level, uint32_t cu, uint32_t cv, Chunk&& coarsened) {
           const auto node = pyramid.node_above(level, cu, cv);
