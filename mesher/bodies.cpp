@@ -80,8 +80,8 @@ class Study {
 // job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
 class BodyReader {
  public:
-  BodyReader(const Scene& scene, const Budget& budget, Bodies& out)
-      : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), out_(out), counts_(out.counts) {}
+  BodyReader(const Scene& scene, const Budget& budget, bool count, Bodies& out)
+      : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), count_(count), out_(out), counts_(out.counts) {}
 
   void read(const std::function<void(double)>& progress) {
     out_.bodies.reserve(scene_.bodies.size());
@@ -169,7 +169,7 @@ class BodyReader {
         if (p.ends) study->end_body();
       }
     });
-    if (!out_.in_memory) return;
+    if (!out_.in_memory || !count_) return;
     out_.helper->run_later([counter = counter_, counts = counts_, batch] {
       for (const Piece& p : batch->pieces) {
         for (const SceneFacet& f : p.stored) counter->add(f.facet);
@@ -183,6 +183,7 @@ class BodyReader {
   const Scene& scene_;
   const Budget& budget_;
   const uint64_t most_;
+  const bool count_;
   std::vector<size_t> once_;  // bodies whose mesh was no regular file
   Bodies& out_;
   // Shared, because jobs may outlive the reading when it throws.
@@ -209,10 +210,10 @@ std::vector<SurfaceCounts> Bodies::wait_for_counts() {
   return *counts;
 }
 
-Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& progress) {
+Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, bool count, const std::function<void(double)>& progress) {
   Bodies out;
   out.helper = std::make_unique<Background>(threads > 1);
-  BodyReader(scene, budget, out).read(progress);
+  BodyReader(scene, budget, count, out).read(progress);
   return out;
 }
 
@@ -249,6 +250,20 @@ void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies
   read_again(body, found, budget, [&](std::span<const Facet> facets) {
     for (const Facet& facet : facets) f(facet);
   });
+}
+
+void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&, uint32_t layer)>& f) {
+  for (size_t b = 0; b < scene.bodies.size(); ++b) {
+    const SceneBody& body = scene.bodies[b];
+    const ClosedBody& closed = bodies.bodies[b].closed;
+    uint64_t number = 0;
+    for_each_facet(body, bodies.bodies[b], bodies, budget,
+                   [&](const Facet& facet) { f(moved(facet, body), closed.rules ? closed.rules->layer(b, number++) : closed.layer(b)); });
+    for (const bool parity : {false, true}) {
+      for (const Facet& facet : closed.added[parity]) f(moved(facet, body), layer_of(b, parity));
+      for (const Facet& facet : closed.walls[parity]) f(facet, layer_of(b, parity));
+    }
+  }
 }
 
 void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink) {

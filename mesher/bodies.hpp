@@ -31,15 +31,16 @@ struct Bodies {
   // What the surfaces in memory are made of decides no cell: it is counted beside the work, from the files' coordinates.
   std::shared_ptr<std::vector<SurfaceCounts>> counts = std::make_shared<std::vector<SurfaceCounts>>();
   std::unique_ptr<Background> helper;  // last: its jobs use the others
-  std::vector<SurfaceCounts> wait_for_counts();  // one per body. REQUIRES: in_memory
+  std::vector<SurfaceCounts> wait_for_counts();  // one per body. REQUIRES: in_memory, and they were to be counted
 
   uint64_t facet_count() const;  // without the facets that close holes
   bool float32() const;          // every vertex was declared as float32
 };
 
 // Reads every mesh, on one thread or two. Facets are kept in memory as long as they fit into `budget`; if they don't, they must be
-// read again later. `progress` is called every few thousand facets with the bodies read so far, as a share of 1.
-Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, const std::function<void(double)>& progress);
+// read again later. `count`: whether to count what the surfaces in memory are made of. `progress` is called every few thousand facets with
+// the bodies read so far, as a share of 1.
+Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, bool count, const std::function<void(double)>& progress);
 
 // Closes every solid (closing.hpp). The facets that this adds are appended to those in memory, except for walls.
 void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress);
@@ -47,6 +48,8 @@ void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bo
 // Calls f with the facets of a body as its file has them: from memory, or from the file. REQUIRES: they were not handed on.
 void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
                     const std::function<void(const Facet&)>& f);
+// Calls f with all facets, those that close surfaces included, as the grid sees them. REQUIRES: they were not handed on.
+void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&, uint32_t layer)>& f);
 // Reads a body's file once more. Throws InputError when the file has changed.
 void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink);
 

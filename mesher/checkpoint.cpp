@@ -10,9 +10,11 @@
 namespace teracell {
 namespace {
 
-constexpr char kMagic[] = "tcellru3";  // its last digit is raised when the layout changes
+constexpr char kMagic[] = "tcellru4";  // its last digit is raised when the layout changes
 
-// The first thing that differs, in words. An input's hash or size says most.
+}  // namespace
+
+// An input's hash or size says most.
 std::string difference(const std::string& before, const std::string& now) {
   const auto a = nlohmann::json::parse(before), b = nlohmann::json::parse(now);
   const auto patch = nlohmann::json::diff(a, b);
@@ -22,8 +24,6 @@ std::string difference(const std::string& before, const std::string& now) {
   return fmt::format("{} was {} and is {} now", path.substr(1), shown(a), shown(b));
 }
 
-}  // namespace
-
 std::filesystem::path checkpoint_path(const std::filesystem::path& output) { return output.string() + ".resume"; }
 
 void save_checkpoint(const Checkpoint& c, const std::filesystem::path& output) {
@@ -31,13 +31,8 @@ void save_checkpoint(const Checkpoint& c, const std::filesystem::path& output) {
   out.insert(out.end(), kMagic, kMagic + 8);
   put_varint(out, c.identity.size());
   out.insert(out.end(), c.identity.begin(), c.identity.end());
-  for (const uint64_t n : {c.groups, c.totals.crossings, c.totals.exact_decisions, uint64_t{c.totals.cells.size()}}) put_varint(out, n);
-  for (const auto* counts : {&c.totals.cells, &c.totals.covered})
-    for (const unsigned __int128 n : *counts) {
-      put_fixed(out, static_cast<uint64_t>(n));
-      put_fixed(out, static_cast<uint64_t>(n >> 64));
-    }
-  c.totals.tallies.save(out);
+  put_varint(out, c.groups);
+  c.totals.save(out);
   put_varint(out, c.writers.size());
   out.insert(out.end(), c.writers.begin(), c.writers.end());
   put_fixed(out, checksum(out));
@@ -66,17 +61,7 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   if (c.identity != identity)
     throw InputError(fmt::format("{}: can't resume: {}", output.string(), difference(c.identity, identity)), Remedy::kFreshStart);
   c.groups = in.varint();
-  c.totals.crossings = in.varint();
-  c.totals.exact_decisions = in.varint();
-  const uint64_t bodies = in.varint(0, in.remaining() / 32, "bodies");
-  for (auto* counts : {&c.totals.cells, &c.totals.covered}) {
-    counts->resize(bodies);
-    for (unsigned __int128& n : *counts) {
-      n = in.fixed<uint64_t>();
-      n |= static_cast<unsigned __int128>(in.fixed<uint64_t>()) << 64;
-    }
-  }
-  c.totals.tallies = Tallies::restored(in);
+  c.totals = CastTotals::restored(in);
   const auto writers = in.take(in.varint());
   c.writers.assign(writers.begin(), writers.end());
   in.expect_end();

@@ -21,6 +21,9 @@ struct Checkpoint {
   Bytes writers;         // the state of the GridWriter, then that of the PyramidWriter
 };
 
+// The first thing in which two identities differ, in words.
+std::string difference(const std::string& before, const std::string& now);
+
 std::filesystem::path checkpoint_path(const std::filesystem::path& output);
 // The checkpoint is durable when it returns.
 void save_checkpoint(const Checkpoint& checkpoint, const std::filesystem::path& output);

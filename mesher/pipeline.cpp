@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <mutex>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,12 +14,15 @@
 #include "mesher/closing/trust.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/make_report.hpp"
+#include "mesher/part_found.hpp"
 #include "mesher/report_json.hpp"
 #include "mesher/scene/placement.hpp"
 #include "mesher/tile_group.hpp"
 #include "mesher/tiled_facets.hpp"
 #include "store/in_order.hpp"
 #include "store/json_writer.hpp"
+#include "store/part.hpp"
+#include "store/writer.hpp"
 
 namespace teracell {
 namespace {
@@ -26,14 +30,6 @@ namespace {
 using nlohmann::ordered_json;
 
 std::filesystem::path folder_of(const std::filesystem::path& file) { return file.has_parent_path() ? file.parent_path() : "."; }
-
-// From /proc, because getrusage() has the peak of the program that launched this one, if that was larger.
-uint64_t peak_memory_bytes() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;)
-    if (uint64_t kib; word == "VmHWM:" && status >> kib) return kib * 1024;
-  return 0;
-}
 
 // Gives freed memory back to the system, which the allocator would keep: that of a large scene's JSON, and of facets that were dropped.
 void give_back_memory() {
@@ -69,7 +65,7 @@ class MeshRun {
   MeshRun(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress,
           const std::atomic<bool>& stop)
       : scene_(scene),
-        output_(output),
+        output_(options.shard ? part_path(output, *options.shard) : output),
         options_(options),
         progress_(progress),
         stop_(stop),
@@ -78,7 +74,7 @@ class MeshRun {
 
   MeshReport run() {
     give_back_memory();
-    bodies_ = read_bodies(scene_, threads_, budget_, [&](double share) { progress("read", share); });
+    bodies_ = read_bodies(scene_, threads_, budget_, counts(), [&](double share) { progress("read", share); });
     give_back_memory();
     end_phase("read");
     plan_ = make_plan(scene_, bodies_, options_.axis, options_.chunk_rays);
@@ -87,24 +83,33 @@ class MeshRun {
     end_phase("close");
     check_caps();
     end_phase("check");
+    const std::vector<bool> widened = widened_bodies(scene_, options_.thin);
+    if (options_.shard) range_ = stretch(widened);
     open_output();
-    TiledFacets facets(scene_, bodies_, plan_.meta, widened_bodies(scene_, options_.thin), budget_, threads_,
-                       [&](double share) { progress("spill", share); });
+    TiledFacets facets(scene_, bodies_, plan_.meta, widened, range_, counts(), budget_, threads_, [&](double share) { progress("spill", share); });
     const EngineMaker make_engine = engine_maker(options_.engine, plan_.meta.frame(), [&] { return of_solids(facets.in_memory()); });
     end_phase("prepare");
     cast(facets.tiling(), make_engine);
     MeshReport out;
-    out.report = make_report(scene_, std::move(bodies_), facets.counts(), plan_, totals_, options_.thin);
-    out.json = report_json(out.report, scene_);
-    end_phase("cast");
-    finish(out.json);
+    if (options_.shard) {
+      finish_part(facets);
+    } else {
+      out.report = make_report(scene_, std::move(bodies_), facets.counts(), plan_, totals_, options_.thin);
+      out.json = report_json(out.report, scene_);
+      end_phase("cast");
+      finish(out.json);
+    }
     describe_run(facets.spilled_bytes());
     out.run = std::move(run_);
+    out.scene = scene_;
     out.caps_written = caps_.size();
     return out;
   }
 
  private:
+  // Whether this run finds what the report says of the surfaces as a whole: of a grid that is made in parts, the first part does.
+  bool counts() const { return !options_.shard || options_.shard->number == 0; }
+
   void end_phase(const char* name) {
     const auto now = std::chrono::steady_clock::now();
     run_.phases.push_back({name, std::chrono::duration<double>(now - phase_began_).count()});
@@ -142,7 +147,13 @@ class MeshRun {
     }
   }
 
-  // What the file's bytes depend on. A long part is represented by its checksum, because every checkpoint holds all of this.
+  TreeRange stretch(const std::vector<bool>& widened) {
+    CostMap costs(plan_.meta, widened);
+    for_each_placed(scene_, bodies_, budget_, [&](const Facet& f, uint32_t layer) { costs.add(f, layer); });
+    return costs.stretch(*options_.shard);
+  }
+
+  // What the bytes of the whole grid depend on. A long part is represented by its checksum, because every checkpoint holds all of this.
   std::string identity() const {
     const auto brief = [](std::string text) {
       constexpr size_t kLongest = size_t{1} << 20;
@@ -164,24 +175,37 @@ class MeshRun {
     return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised(scene_)), rest.dump().substr(1));
   }
 
+  // What the bytes of this run's output depend on.
+  std::string identity_of_output() const {
+    if (!options_.shard) return identity();
+    return fmt::format("{},\"shard\":\"{}\"}}", identity().substr(0, identity().size() - 1), options_.shard->name());
+  }
+
   void open_output() {
     totals_.cells.resize(scene_.bodies.size());
     totals_.covered.resize(scene_.bodies.size());
     std::optional<Checkpoint> before;
-    if (options_.resume) before = load_checkpoint(output_, identity());
+    if (options_.resume) before = load_checkpoint(output_, identity_of_output());
     if (!before) {
-      writer_.emplace(output_, plan_.meta);
+      open_sink();
       remove_checkpoint(output_);  // of an earlier run; removed only now that the lock is ours
-      pyramid_.emplace(*writer_);
+      pyramid_.emplace(*sink_, range_);
       return;
     }
     ByteReader state(before->writers, checkpoint_path(output_).string());
-    writer_.emplace(output_, plan_.meta, state);
-    pyramid_.emplace(*writer_);
+    open_sink(state);
+    pyramid_.emplace(*sink_, range_);
     pyramid_->restore(state);
     totals_ = before->totals;
     groups_ = before->groups;
-    resumed_chunks_ = writer_->chunks();
+    resumed_chunks_ = sink_->chunks();
+  }
+
+  template <class... State>
+  void open_sink(State&... state) {
+    if (options_.shard)
+      sink_ = &part_.emplace(output_, PartHead{identity(), options_.shard->number, options_.shard->of, range_, plan_.meta}, state...);
+    else sink_ = &writer_.emplace(output_, plan_.meta, state...);
   }
 
   std::vector<const SceneFacet*> of_solids(const GridFacets* facets) const {
@@ -213,6 +237,9 @@ class MeshRun {
       uint32_t row;
     };
     Job next{nullptr, TileGroupWork::kRows};
+    // Groups that are stored. To free them takes time, so a thread that casts does it.
+    std::vector<std::shared_ptr<TileGroupWork>> stored;
+    std::mutex of_stored;
     Checkpoints checkpoints(options_.checkpoint_seconds);
     in_order(
         threads_,
@@ -220,17 +247,26 @@ class MeshRun {
           if (next.row == TileGroupWork::kRows) {
             auto group = tiling.next();
             if (!group) return std::nullopt;
-            next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, plan_.meta), 0};
+            auto above = pyramid_->node_above(2, group->cu, group->cv);
+            next = {std::make_shared<TileGroupWork>(std::move(*group), tiling, plan_.meta, std::move(above)), 0};
           }
           return Job{next.work, next.row++};
         },
         [&](Job job, int worker) {
+          std::unique_lock lock(of_stored);
+          auto freed = std::exchange(stored, {});
+          lock.unlock();
+          freed.clear();
           job.work->make_row(job.row, *workers[worker]);
           return job;
         },
-        [&](const Job& job) {
+        [&](Job job) {
           if (job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
           store(*job.work);
+          {
+            std::lock_guard lock(of_stored);
+            stored.push_back(std::move(job.work));
+          }
           checkpoints.maybe([&] { save(); });
           progress("mesh", static_cast<double>(groups_) / static_cast<double>(tiling.groups()));
         },
@@ -239,17 +275,30 @@ class MeshRun {
 
   void store(TileGroupWork& work) {
     for (const LevelChunk& chunk : work.chunks()) pyramid_->put(chunk);
-    pyramid_->add_to_level_above(2, work.group().cu, work.group().cv, std::move(work.coarse()));
+    pyramid_->put_above(work.above(), work.group().cu, work.group().cv);
     for (const RowTotals& row : work.totals()) totals_.add(row);
     ++groups_;
   }
 
   void save() {
-    if (identity_.empty()) identity_ = identity();
+    if (identity_.empty()) identity_ = identity_of_output();
     Checkpoint c{identity_, groups_, totals_, {}};
-    writer_->save(c.writers);
+    sink_->save(c.writers);
     pyramid_->save(c.writers);
     save_checkpoint(c, output_);
+  }
+
+  void finish_part(TiledFacets& facets) {
+    std::optional<SurfacesFound> found;
+    if (counts()) {
+      std::vector<SurfaceCounts> of_bodies = facets.counts();
+      found.emplace(SurfacesFound{scene_, std::move(bodies_), std::move(of_bodies), plan_.rays, options_.thin});
+    }
+    end_phase("cast");
+    progress("write", 0);
+    part_->finish(encode_found(totals_, found ? &*found : nullptr));
+    remove_checkpoint(output_);
+    end_phase("finish");
   }
 
   void finish(const std::string& report) {
@@ -267,11 +316,11 @@ class MeshRun {
     run_.exact_decisions = totals_.exact_decisions;
     run_.spilled_bytes = spilled_bytes;
     run_.resumed_chunks = resumed_chunks_;
-    run_.file_bytes = writer_->bytes();
+    run_.file_bytes = sink_->bytes();
   }
 
   const Scene& scene_;
-  const std::filesystem::path& output_;
+  const std::filesystem::path output_;
   const MeshOptions& options_;
   const Progress& progress_;
   const std::atomic<bool>& stop_;
@@ -282,7 +331,10 @@ class MeshRun {
   RunReport run_;
   std::chrono::steady_clock::time_point phase_began_ = std::chrono::steady_clock::now();
   Plan plan_;
-  std::optional<GridWriter> writer_;
+  TreeRange range_;
+  std::optional<GridWriter> writer_;  // or
+  std::optional<PartWriter> part_;
+  ChunkSink* sink_ = nullptr;         // the one that there is
   std::optional<PyramidWriter> pyramid_;
   std::string identity_;  // made by the first save()
   CastTotals totals_;
@@ -299,13 +351,26 @@ std::vector<std::string> MeshReport::warnings() const {
   return out;
 }
 
+// From /proc, because getrusage() has the peak of the program that launched this one, if that was larger.
+uint64_t peak_memory_bytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;)
+    if (uint64_t kib; word == "VmHWM:" && status >> kib) return kib * 1024;
+  return 0;
+}
+
+std::filesystem::path part_path(const std::filesystem::path& output, const Shard& shard) {
+  return fmt::format("{}.{}", output.string(), shard.name());
+}
+
 MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress,
                 const std::atomic<bool>& stop) {
+  const std::filesystem::path target = options.shard ? part_path(output, *options.shard) : output;
   try {
     return MeshRun(scene, output, options, progress, stop).run();
   } catch (...) {
     // A run that fails removes its partial file, so the checkpoint goes as well. A run that can't begin to resume leaves both.
-    if (!std::filesystem::exists(output.string() + ".partial")) remove_checkpoint(output);
+    if (!std::filesystem::exists(target.string() + ".partial")) remove_checkpoint(target);
     throw;
   }
 }

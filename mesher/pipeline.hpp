@@ -12,6 +12,7 @@
 
 #include "mesher/report.hpp"
 #include "mesher/scene/scene.hpp"
+#include "mesher/shards.hpp"
 
 namespace teracell {
 
@@ -25,6 +26,7 @@ struct MeshOptions {
   bool thin = false;                 // count what is lost between sample points, for all solids and along all axes
   bool resume = false;               // go on with what a killed run has left, if it has left anything
   double checkpoint_seconds = 1;     // at least so many between two checkpoints
+  std::optional<Shard> shard;        // make this part of the grid alone; merge.hpp puts parts together
   uint32_t chunk_rays = 64;          // a chunk has chunk_rays x chunk_rays rays
 };
 
@@ -35,12 +37,18 @@ struct MeshReport {
   Report report;            // what the file holds
   std::string json;         // the same, as the file holds it
   RunReport run;
+  Scene scene;              // as the report shows it
   size_t caps_written = 0;  // files
   std::vector<std::string> warnings() const;  // those of the report, and what was found by sums that round
 };
 
-// Writes `output` and returns the report. Throws Interrupted soon after `stop` is set. Whatever is thrown, a file stands under the
-// output's name only if it stood there before.
+uint64_t peak_memory_bytes();  // of this process so far
+
+// The name of a part of `output`.
+std::filesystem::path part_path(const std::filesystem::path& output, const Shard& shard);
+
+// Writes `output`, or a part of it under its own name, and returns the report; that of a part is empty. Throws Interrupted soon after `stop` is set.
+// Whatever is thrown, a file stands under the output's name only if it stood there before.
 MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress,
                 const std::atomic<bool>& stop);
 

@@ -2,15 +2,8 @@
 
 namespace teracell {
 
-void CastTotals::add(const RowTotals& row) {
-  crossings += row.crossings;
-  exact_decisions += row.exact_decisions;
-  for (const BodyCells& b : row.cells) cells[b.body] += b.owned, covered[b.body] += b.covered;
-  tallies.add(row.tallies);
-}
-
-TileGroupWork::TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta)
-    : group_(std::move(group)), tiling_(tiling), meta_(meta), shape_(meta, 0), chunks_(kChildren + 1) {}
+TileGroupWork::TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta, std::shared_ptr<PyramidNode> above)
+    : group_(std::move(group)), tiling_(tiling), meta_(meta), shape_(meta, 0), above_(std::move(above)), chunks_(kChildren + 1) {}
 
 void TileGroupWork::make_row(uint32_t row, Worker& worker) {
   const auto facets = tiling_.split(group_, row);
@@ -66,7 +59,7 @@ void TileGroupWork::make_level2(Worker& worker) {
   const Chunk level2 = join_pieces(pieces_.data(), kFanOut, kFanOut, meta_.chunk_rays, static_cast<uint32_t>(meta_.labels.size()));
   pieces_ = {};
   chunks_[kChildren] = encode_level(worker.encoder, meta_, 2, group_.cu, group_.cv, level2);
-  coarse_ = coarsen(level2, 1);
+  if (above_) above_->add(group_.cu, group_.cv, coarsen(level2, 1), worker.encoder);
 }
 
 }  // namespace teracell

@@ -1,9 +1,10 @@
 // The work on a tile group: cast its rays, compose, encode, coarsen. Its four rows of tiles are jobs for any threads; the
-// thread that ends the last of them makes the group's chunk of level 2. (Whole groups as jobs leave threads idle at the end
-// of a small grid: 1000 x 1000 rays are 16 groups.)
+// thread that ends the last of them makes the group's chunk of level 2 and adds it to the levels above. (Whole groups as jobs leave
+// threads idle at the end of a small grid: 1000 x 1000 rays are 16 groups.)
 #pragma once
 #include <atomic>
 
+#include "mesher/cast_totals.hpp"
 #include "mesher/compose.hpp"
 #include "mesher/scene/labels.hpp"
 #include "mesher/thin/marker.hpp"
@@ -26,35 +27,20 @@ struct Worker {
   Crossings crossings;
 };
 
-// What casting a row of tiles has counted.
-struct RowTotals {
-  uint64_t crossings = 0, exact_decisions = 0;
-  std::vector<BodyCells> cells;
-  Tallies tallies;
-};
-
-// What all casting has counted.
-struct CastTotals {
-  uint64_t crossings = 0, exact_decisions = 0;
-  std::vector<unsigned __int128> cells, covered;  // one per body: cells that it owns, and cells in it that a stronger body owns
-  Tallies tallies;
-  void add(const RowTotals& row);
-};
-
 class TileGroupWork {
  public:
   static constexpr uint32_t kRows = kFanOut;
-  // Keeps references to tiling and meta.
-  TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta);
+  // Keeps references to tiling and meta. The chunk of level 2 is added to `above`; null: there is no level above it.
+  TileGroupWork(TileGroup group, const Tiling& tiling, const Metadata& meta, std::shared_ptr<PyramidNode> above);
 
   // Makes the chunks of level 0 of a row, [0, kRows), and with the last row the group's chunk of level 2.
   // Different rows may be made by different threads at once.
   void make_row(uint32_t row, Worker& worker);
 
-  // When all rows are made: the group's chunks, and its rays on level 3.
   const TileGroup& group() const { return group_; }
+  const std::shared_ptr<PyramidNode>& above() const { return above_; }
+  // When all rows are made.
   const std::vector<LevelChunk>& chunks() const { return chunks_; }
-  Chunk& coarse() { return coarse_; }
   const std::array<RowTotals, kRows>& totals() const { return totals_; }
 
  private:
@@ -66,10 +52,10 @@ class TileGroupWork {
   const Tiling& tiling_;
   const Metadata& meta_;
   const LevelShape shape_;
+  const std::shared_ptr<PyramidNode> above_;
   std::atomic<uint32_t> rows_left_ = kRows;
   std::vector<LevelChunk> chunks_;    // kChildren of level 0, empty where they lie beyond the grid, and one of level 2
   std::array<Chunk, kChildren> pieces_;    // the chunks of level 0, coarsened to level 2
-  Chunk coarse_;
   std::array<RowTotals, kRows> totals_;
 };
 

@@ -16,22 +16,23 @@ std::vector<bool> which_move(const Scene& scene) {
 
 }  // namespace
 
-TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const Budget& budget,
-                         int threads, const std::function<void(double)>& progress)
+TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const TreeRange& range,
+                         bool count, const Budget& budget, int threads, const std::function<void(double)>& progress)
     : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()) {
   if (bodies.in_memory) {
-    use_memory(widened);
+    use_memory(widened, range, count);
     return;
   }
-  auto bins = fill_bins(widened, budget, threads, progress);
+  // What counts facets needs all of them.
+  auto bins = fill_bins(widened, count ? TreeRange() : range, budget, threads, progress);
   spilled_ = bins->bytes();
-  tiling_.emplace(std::move(bins), binned_, threads > 1 ? threads : 0, meta);
+  tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads > 1 ? threads : 0, meta, range);
 }
 
-void TiledFacets::use_memory(const std::vector<bool>& widened) {
+void TiledFacets::use_memory(const std::vector<bool>& widened, const TreeRange& range, bool count) {
   const std::vector<bool> moves = which_move(scene_);
   const bool any_moves = std::ranges::count(moves, true) > 0;
-  if (any_moves) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
+  if (any_moves && count) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
   const std::unique_ptr<FileFacets> facets = std::move(bodies_.facets);
   facets_ = any_moves ? std::make_shared<GridFacets>(std::move(*facets),
                                                      [&](SceneFacet& f) {
@@ -42,13 +43,13 @@ void TiledFacets::use_memory(const std::vector<bool>& widened) {
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
     for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
   for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
-  tiling_.emplace(facets_, meta_, widened);
+  tiling_.emplace(facets_, meta_, widened, range);
 }
 
 std::vector<SurfaceCounts> TiledFacets::counts() { return bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals(); }
 
 // They are read once more, from their files.
-std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& widened, const Budget& budget, int threads,
+std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& widened, const TreeRange& range, const Budget& budget, int threads,
                                                   const std::function<void(double)>& progress) {
   const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
     const uint32_t body = body_of_layer(layer);
@@ -56,7 +57,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& widen
   };
   const bool walls =
       std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
-  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, widened);
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, widened, range);
   struct Stretch {  // of facets that are alike
     size_t facets;
     uint32_t layer;

@@ -12,9 +12,9 @@ namespace teracell {
 class TiledFacets {
  public:
   // Takes the facets out of `bodies`. Keeps references to scene, bodies and meta; `progress` is called with shares of 1 while facets
-  // are spilled. `widened` bodies as in rays.hpp.
-  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const Budget& budget, int threads,
-              const std::function<void(double)>& progress);
+  // are spilled. `widened` bodies as in rays.hpp. Without `count`, counts() is not to be called.
+  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const TreeRange& range, bool count,
+              const Budget& budget, int threads, const std::function<void(double)>& progress);
 
   Tiling& tiling() { return *tiling_; }
   const GridFacets* in_memory() const { return facets_.get(); }  // null when they were spilled
@@ -23,8 +23,8 @@ class TiledFacets {
   std::vector<SurfaceCounts> counts();
 
  private:
-  void use_memory(const std::vector<bool>& widened);
-  std::unique_ptr<FacetBins> fill_bins(const std::vector<bool>& widened, const Budget& budget, int threads,
+  void use_memory(const std::vector<bool>& widened, const TreeRange& range, bool count);
+  std::unique_ptr<FacetBins> fill_bins(const std::vector<bool>& widened, const TreeRange& range, const Budget& budget, int threads,
                                        const std::function<void(double)>& progress);
 
   const Scene& scene_;

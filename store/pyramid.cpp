@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace teracell {
 namespace {
@@ -175,7 +176,30 @@ class CoarseRay {
   std::vector<SetId> present_;
 };
 
+// The keys below a node, the first and the last. Its own key is that of its place among the nodes of its height.
+std::pair<uint64_t, uint64_t> keys_below(int height, uint32_t cu, uint32_t cv) {
+  const int shift = 2 * kFanOutBits * height;
+  const uint64_t key = tree_key(cu, cv);
+  return {key << shift, ((key + 1) << shift) - 1};
+}
+
 }  // namespace
+
+uint64_t tree_key(uint32_t cu, uint32_t cv) {
+  uint64_t key = 0;
+  for (int shift = 0; shift < 32; shift += kFanOutBits) key |= uint64_t{(cv >> shift) % kFanOut * kFanOut + (cu >> shift) % kFanOut} << (2 * shift);
+  return key;
+}
+
+bool TreeRange::has_all(int height, uint32_t cu, uint32_t cv) const {
+  const auto [lowest, highest] = keys_below(height, cu, cv);
+  return first <= lowest && highest < end;
+}
+
+bool TreeRange::has_any(int height, uint32_t cu, uint32_t cv) const {
+  const auto [lowest, highest] = keys_below(height, cu, cv);
+  return first <= highest && lowest < end;
+}
 
 Chunk coarsen(const Chunk& chunk, int shift) {
   const RayBlock& fine = chunk.rays;

@@ -1,9 +1,12 @@
 // The levels above 2, made while the levels below them are written: each chunk is coarsened and becomes a part of the chunk
-// above it. Fed in the order of the tree of chunks (kFanOut in pyramid.hpp), a writer holds the children of at most one
-// unfinished chunk on every other level.
+// above it. The threads that make the chunks make these too. One thread puts all into the file, in the order of the tree of
+// chunks (kFanOut in pyramid.hpp); on every other level it holds the children of one chunk that is not put yet.
 #pragma once
+#include <atomic>
+#include <memory>
+
+#include "store/chunk_sink.hpp"
 #include "store/pyramid.hpp"
-#include "store/writer.hpp"
 
 namespace teracell {
 
@@ -21,26 +24,54 @@ LevelChunk encode_level(ChunkEncoder& encoder, const Metadata& meta, int level, 
 // pieces[v * stride + u]. Pieces beyond the edge have no rays; if none has any, neither has the result. Any thread.
 Chunk join_pieces(const Chunk* pieces, uint32_t side, uint32_t stride, uint32_t chunk_rays, uint32_t labels);
 
-// Not thread-safe.
+// A chunk of an even level above 2 and the 2 x 2 chunks of the odd level below it. They are made of up to 16 chunks of the even
+// level below that, their children.
+class PyramidNode {
+ public:
+  // Adds the child (cu, cv), coarsened by one level. The thread that adds the last child makes the node, and adds it to the node
+  // above. Any thread.
+  void add(uint32_t cu, uint32_t cv, Chunk coarsened, ChunkEncoder& encoder);
+
+ private:
+  friend class PyramidWriter;
+  PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v, bool whole, std::shared_ptr<PyramidNode> above);
+  void make(ChunkEncoder& encoder);
+
+  const Metadata& meta_;
+  const int level_;  // of the children
+  const uint32_t u_, v_;
+  const bool whole_;  // false: other parts of the grid have the other children
+  const std::shared_ptr<PyramidNode> above_;  // null at the top
+  std::array<Chunk, kChildren> children_;     // a checkpoint may need them until the node is put
+  std::atomic<uint32_t> missing_;
+  std::vector<LevelChunk> chunks_;
+  uint32_t unput_;                        // children that are not put yet
+  std::array<bool, kChildren> put_ = {};  // whether a child is
+};
+
 class PyramidWriter {
  public:
-  explicit PyramidWriter(GridWriter& writer);
+  // What goes into `sink` is what lies in `range`.
+  explicit PyramidWriter(ChunkSink& sink, const TreeRange& range = {});
+  // The node to which chunk (cu, cv) of an even level is to be added; null when there is none. REQUIRES: tree order. One thread at a
+  // time, which may be another than the one that puts.
+  std::shared_ptr<PyramidNode> node_above(int level, uint32_t cu, uint32_t cv);
+
+  // One thread puts, in tree order.
   void put(const LevelChunk& chunk);
-  // Adds the rays of chunk (cu, cv) of `level`, coarsened by one level, to the chunks of the level above. Those that are
-  // complete by this are put, and so are their own parents. REQUIRES: the level is even and at least 2; tree order.
-  void add_to_level_above(int level, uint32_t cu, uint32_t cv, Chunk coarsened);
-  // Appends the chunks that are not complete to `state`; restore() puts them into a fresh writer.
+  // To be called when chunk (cu, cv) has been put and added to its node: puts the nodes that are complete by this. A node that is not
+  // whole is not made: its children are put.
+  void put_above(const std::shared_ptr<PyramidNode>& node, uint32_t cu, uint32_t cv);
+  // Appends what has been put of nodes that are not complete to `state`; restore() puts it into a fresh writer.
   void save(Bytes& state);
   void restore(ByteReader& state);
 
  private:
-  struct Open {
-    std::array<Chunk, kChildren> pieces;
-    uint32_t missing = 0;  // 0: not begun
-  };
-  GridWriter& writer_;
-  ChunkEncoder encoder_;
-  std::vector<Open> open_;  // of levels 2, 4 ...
+  ChunkSink& sink_;
+  const TreeRange range_;
+  std::vector<std::shared_ptr<PyramidNode>> path_;         // the nodes that were asked for last, on levels 2, 4 ...
+  std::vector<std::array<Chunk, kChildren>> restored_;     // the children of nodes on path_ that are not made yet
+  std::shared_ptr<PyramidNode> at_;                        // the node that had a child put last
 };
 
 }  // namespace teracell

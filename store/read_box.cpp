@@ -95,9 +95,9 @@ void for_each_run_within(const RayBlock& rays, const Sampled& s, const Index3& s
 
 // Keeps its memory from chunk to chunk.
 template <class T>
-class PartReader {
+class PieceReader {
  public:
-  PartReader(const GridReader& reader, const SetValue& value) : reader_(reader), value_(value) {}
+  PieceReader(const GridReader& reader, const SetValue& value) : reader_(reader), value_(value) {}
 
   // `cells` has the axes of the rays: u, v, w.
   void read(const Sampled& s, const Cells<T>& cells) {
@@ -258,7 +258,7 @@ void read_lattice(const GridReader& reader, int level, const Lattice& lattice, c
                {cells.data, along_rays(cells.size), along_rays(cells.step)}});
     });
   };
-  std::vector<PartReader<T>> readers;
+  std::vector<PieceReader<T>> readers;
   for (int i = 0; i < std::max(1, threads); ++i) readers.emplace_back(reader, value);
   const auto work = [&](const Job& job, size_t worker) {
     if (job.sampled) readers[worker].read(*job.sampled, job.cells);

@@ -151,4 +151,23 @@ void verify(const GridReader& reader, int threads, const std::function<void(doub
   }
 }
 
+uint64_t verify(const PartReader& part) {
+  const Metadata& meta = part.head().meta;
+  ChunkDecoder decoder;
+  Chunk chunk;
+  uint64_t chunks = 0;
+  part.read(
+      [&](const ChunkKey& key, const EncodedChunk& found) {
+        if (found.entry.size == 0) return;
+        if (checksum(found.frame) != found.entry.checksum)
+          throw FormatError(fmt::format("{}: {}: its checksum differs", part.name(), chunk_name(key)));
+        const LevelShape shape(meta, key.level);
+        decoder.decode(found.frame, shape.rays_u(key.cu), shape.rays_v(key.cv), shape.length(key.segment), static_cast<uint32_t>(meta.labels.size()),
+                       chunk);
+        ++chunks;
+      },
+      [](int, uint32_t, uint32_t, Chunk&&) {});
+  return chunks;
+}
+
 }  // namespace teracell

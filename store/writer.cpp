@@ -1,5 +1,7 @@
 #include "store/writer.hpp"
 
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 #include "store/chunk_stats.hpp"
@@ -149,6 +151,8 @@ void GridWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
     l.open.erase(it);
   }
 }
+
+void GridWriter::put_child(int, uint32_t, uint32_t, const Chunk&) { throw std::logic_error("a part of a chunk was put into a whole grid"); }
 
 void GridWriter::put_frame(size_t channel, std::span<const uint8_t> frame) {
   auto& cover = covers_[channel];

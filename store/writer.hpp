@@ -4,23 +4,13 @@
 #include <filesystem>
 #include <map>
 
-#include "store/chunk_codec.hpp"
+#include "store/chunk_sink.hpp"
 #include "store/file.hpp"
-#include "store/format.hpp"
-#include "store/metadata.hpp"
 
 namespace teracell {
 
-// A chunk that is ready to be written. Any thread may make it.
-struct EncodedChunk {
-  Bytes frame;       // empty when the chunk is uniform
-  ChunkEntry entry;  // without the offset
-  uint64_t changes = 0;
-};
-EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const SetTable& sets, bool with_stats);
-
 // Not thread-safe. The file's bytes depend on the order of put().
-class GridWriter {
+class GridWriter : public ChunkSink {
  public:
   // Expects the chunks of level 0 and of all levels from 2 on, whatever `meta` says of levels, and at least one frame of every other
   // channel of `meta`, whatever it says of their covers.
@@ -29,18 +19,18 @@ class GridWriter {
   // Throws FormatError when the partial file is not what it was then.
   GridWriter(const std::filesystem::path& path, Metadata meta, ByteReader& state);
 
-  const Metadata& meta() const { return meta_; }
-  void put(const ChunkKey& key, const EncodedChunk& chunk);
+  const Metadata& meta() const override { return meta_; }
+  void put(const ChunkKey& key, const EncodedChunk& chunk) override;
+  void put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) override;  // never: the file has all
   // Appends the next frame of meta().channels[channel], which its cover names. Frames may come between chunks. REQUIRES: the channel is
   // not that of the labels; `frame` is one zstd frame or one skippable frame.
   void put_frame(size_t channel, std::span<const uint8_t> frame);
   // Writes index, covers, metadata and report, and gives the file its name. When it returns the file is durable.
   // REQUIRES: every chunk of every stored level was put once.
   void finish(const std::string& report, uint64_t crossings);
-  uint64_t bytes() const { return file_.size(); }
-  uint64_t chunks() const;  // stored so far
-  // Makes the chunks and frames that were put durable and appends to `state` what a writer needs to go on from here.
-  void save(Bytes& state);
+  uint64_t bytes() const override { return file_.size(); }
+  uint64_t chunks() const override;
+  void save(Bytes& state) override;
 
  private:
   struct OpenPage {

@@ -100,7 +100,7 @@ constexpr Root kRoots[] = {
     {"VTKFile", "a VTK file", kExtract}, {"Xdmf", "an XDMF file", kExtract},
     {"svg", "an SVG picture", kNone},
 };
-constexpr const char *kPage = "a web page", *kDownload = "did a download return a page in place of the file?";
+constexpr const char *kWebPage = "a web page", *kDownload = "did a download return a page in place of the file?";
 
 bool begins(std::string_view text, std::string_view word) {  // `word` in lower case
   return text.size() >= word.size() && is_keyword(text.substr(0, word.size()), word);
@@ -120,10 +120,10 @@ std::string_view xml_root(std::string_view text) {
 }
 
 std::optional<OtherKind> xml_kind(const Head& head, std::string_view start) {
-  if (begins(start, "<!doctype html") || begins(start, "<html")) return OtherKind{kPage, kDownload};
+  if (begins(start, "<!doctype html") || begins(start, "<html")) return OtherKind{kWebPage, kDownload};
   if (!start.starts_with("<?xml") && !(start.starts_with('<') && (head.text || start.starts_with("<VTKFile")))) return {};
   const std::string_view name = xml_root(start);
-  if (is_keyword(name, "html")) return OtherKind{kPage, kDownload};
+  if (is_keyword(name, "html")) return OtherKind{kWebPage, kDownload};
   for (const Root& root : kRoots)
     if (root.name == name) return OtherKind{root.what, root.advice};
   return OtherKind{name.empty() ? "an XML file" : fmt::format("an XML file with the root {}", shown(name)), kExport};

@@ -18,14 +18,16 @@ constexpr uint64_t kLoadedBytes = 200;
 
 }  // namespace
 
-FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened)
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened,
+                     const TreeRange& range)
     : rays_(meta, std::move(widened)),
+      range_(range),
       float32_(float32),
       record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + sizeof(uint32_t)),
       most_facets_(std::max<uint64_t>(budget.bytes / 16 / kLoadedBytes, 1024)),
       move_(std::move(move)),
       file_(budget.folder, static_cast<uint64_t>(kBinsOfAFacet * static_cast<double>(facets * record_bytes_))),
-      root_{rays_.root(), 0, {}, {}, {}},
+      root_{rays_.root(), true, 0, {}, {}, {}},
       writer_(own_writer) {
   // Starts with as many bins as are likely to be needed, if their buffers fit: a bin that must be split later is written twice.
   constexpr uint64_t kLeastBuffer = 4096;
@@ -50,7 +52,10 @@ void FacetBins::open_leaves(Bin& bin) const {
 }
 
 void FacetBins::open_children(Bin& bin) const {
-  for (uint32_t k = 0; k < kChildren; ++k) bin.children.push_back({bin.place.child(k), 0, {}, {}, {}});
+  for (uint32_t k = 0; k < kChildren; ++k) {
+    const TreePlace child = bin.place.child(k);
+    bin.children.push_back({child, range_.has_any(child.depth, child.cu, child.cv), 0, {}, {}, {}});
+  }
 }
 
 FacetBins::GroupRange FacetBins::groups_of(const RayRange& r) const {
@@ -67,6 +72,7 @@ void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin) {
 }
 
 void FacetBins::put(Bin& bin, const GroupRange& groups, std::span<const uint8_t> record) {
+  if (!bin.wanted) return;
   if (bin.children.empty()) {
     ++bin.facets;
     if (bin.buffer.empty()) bin.buffer.reserve(buffer_bytes_ + kPage);
@@ -102,7 +108,7 @@ void FacetBins::split_large(Bin& bin) {
     flush(bin);
     if (bin.facets <= most_facets_ || bin.place.depth == 0) return;
     Bin whole = std::move(bin);
-    bin = {whole.place, 0, {}, {}, {}};
+    bin = {whole.place, true, 0, {}, {}, {}};
     open_children(bin);
     writer_.finish();
     take_records(whole, [&](std::span<const uint8_t> record) {

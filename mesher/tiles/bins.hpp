@@ -28,8 +28,9 @@ class FacetBins {
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, in single precision if `float32`. `move` transforms a facet to where the grid sees it. A loaded
   // bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
-  // thread writes to the disk. `widened` bodies as in rays.hpp.
-  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened);
+  // thread writes to the disk. `widened` bodies as in rays.hpp. Facets that lie outside `range` alone are dropped.
+  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened,
+            const TreeRange& range = {});
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
@@ -50,6 +51,7 @@ class FacetBins {
   };
   struct Bin {
     TreePlace place;
+    bool wanted = true;  // it lies in the range, at least in part
     uint64_t facets = 0;
     std::vector<uint8_t> buffer;
     std::vector<Extent> extents;
@@ -77,6 +79,7 @@ class FacetBins {
   Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
 
   GridRays rays_;
+  const TreeRange range_;
   const bool float32_;
   const size_t record_bytes_;
   const uint64_t most_facets_;  // of a bin that is loaded

@@ -23,10 +23,25 @@ ListedFacet listed(uint32_t number, const ChunkRange& r, uint32_t cu, uint32_t c
 
 }  // namespace
 
-Tiling::Tiling(const Metadata& meta, std::vector<bool> widened) : rays_(meta, std::move(widened)) {
+Tiling::Tiling(const Metadata& meta, std::vector<bool> widened, const TreeRange& range) : rays_(meta, std::move(widened)), range_(range) {
   groups_u_ = (rays_.shape.chunks_u + kFanOut - 1) / kFanOut;
   groups_v_ = (rays_.shape.chunks_v + kFanOut - 1) / kFanOut;
-  groups_ = uint64_t{groups_u_} * groups_v_;
+  groups_ = groups_below(rays_.root());
+}
+
+// The groups of the range that lie below a node, and in the grid.
+uint64_t Tiling::groups_below(const TreePlace& place) const {
+  const auto inside = [&](uint32_t c, uint32_t groups) {  // of the node's side, in groups
+    const uint64_t from = uint64_t{c} << (kFanOutBits * place.depth),
+                   to = std::min<uint64_t>(from + (uint64_t{1} << (kFanOutBits * place.depth)), groups);
+    return to > from ? to - from : 0;
+  };
+  const uint64_t all = inside(place.cu, groups_u_) * inside(place.cv, groups_v_);
+  if (all == 0 || !wanted(place)) return 0;
+  if (range_.has_all(place.depth, place.cu, place.cv)) return all;
+  uint64_t sum = 0;
+  for (uint32_t k = 0; k < kChildren; ++k) sum += groups_below(place.child(k));
+  return sum;
 }
 
 // Makes a node of facets in memory. It lists them from the lowest to the highest along the rays, to the nearest 4096th of the
@@ -69,7 +84,8 @@ class Tiling::NodeBuilder {
   std::vector<uint32_t> order_ = std::vector<uint32_t>(kHeights + 2);
 };
 
-Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened) : Tiling(meta, std::move(widened)) {
+Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened, const TreeRange& range)
+    : Tiling(meta, std::move(widened), range) {
   NodeBuilder root(rays_);
   root.expect(facets->size());
   facets->for_each(0, facets->size(),
@@ -77,9 +93,10 @@ Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, s
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
 }
 
-Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter& counter, int ahead, const Metadata& meta) : Tiling(meta) {
+Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range)
+    : Tiling(meta, {}, range) {
   bins_ = std::move(bins);
-  counter_ = &counter;
+  counter_ = counter;
   ahead_ = static_cast<size_t>(ahead);
   path_.push_back({rays_.root(), nullptr, {}});
 }
@@ -87,14 +104,16 @@ Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter& counter, int ahea
 Tiling::Node Tiling::load(const TreePlace& place) const {
   const auto store = std::make_shared<GridFacets>();
   NodeBuilder node(rays_);
-  BinnedCounter::Bin counts(*counter_, bins_->facets(place));
+  std::optional<BinnedCounter::Bin> counts;
+  if (counter_) counts.emplace(*counter_, bins_->facets(place));
+  const bool kept = wanted(place);
   bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
-    counts.add(f);
-    if (range.empty()) return;
+    if (counts) counts->add(f);
+    if (!kept || range.empty()) return;
     store->append({&moved, 1}, f.layer);
     node.add(moved, range);
   });
-  counts.finish();
+  if (counts) counts->finish();
   return node.finish(place, store);
 }
 
@@ -115,6 +134,7 @@ std::optional<TileGroup> Tiling::next() {
     Node node = std::move(path_.back());
     path_.pop_back();
     if (!node.block && !bins_->is_split(node.place)) node = take_bin(node.place);
+    if (!wanted(node.place) && (node.block || !bins_->is_split(node.place))) continue;  // its facets were only counted
     if (node.place.depth == 0) return TileGroup{node.place.cu, node.place.cv, std::move(node.block), std::move(node.facets)};
     push_children(node);
   }
@@ -125,17 +145,23 @@ void Tiling::push_children(const Node& node) {
   const TreePlace& at = node.place;
   const int depth = at.depth - 1;
   std::array<std::vector<ListedFacet>, kChildren> lists;
-  for (auto& list : lists)
-    list.reserve(node.facets.size() / 8);  // memory that is reserved and unused is never touched; growing would touch all of it twice
+  std::array<bool, kChildren> here;
+  for (uint32_t k = 0; k < kChildren; ++k) {
+    here[k] = wanted(at.child(k));
+    if (here[k])
+      lists[k].reserve(node.facets.size() / 8);  // memory that is reserved and unused is never touched; growing would touch all of it twice
+  }
   for (const ListedFacet& f : node.facets) {
     const ChunkRange& chunks = node.block->chunks[f.number];
     for_each_child(chunks, at.cu, at.cv, kFanOutBits * at.depth, [&](uint32_t k) {
       const TreePlace child = at.child(k);
+      if (!here[k]) return;
       lists[k].push_back(depth == 0 ? listed(f.number, chunks, child.cu, child.cv) : f);
     });
   }
   for (uint32_t k = kChildren; k-- > 0;) {  // the last one first, because path_ is a stack
     const TreePlace child = at.child(k);
+    if (!wanted(child) && (node.block || !counter_)) continue;
     if (uint64_t{child.cu} << (kFanOutBits * depth) < groups_u_ && uint64_t{child.cv} << (kFanOutBits * depth) < groups_v_)
       path_.push_back({child, node.block, std::move(lists[k])});
   }

@@ -4,6 +4,8 @@
 // table of tiles. (Rejected: a list of facets for every tile. The twelve facets of a box over 10^5 x 10^5 rays would need
 // gigabytes.)
 //
+// A tiling may be of a stretch of the tree only: then a grid is made in parts.
+//
 // Facets that don't fit into memory lie in bins on disk. Each bin is a node of the tree (bins.hpp) and is loaded when the walk
 // reaches it.
 #pragma once
@@ -45,13 +47,13 @@ struct TileGroup {
 class Tiling {
  public:
   // Of facets in memory; `widened` bodies as in rays.hpp.
-  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened);
-  // `counter` counts the facets of every bin when it is loaded. While the groups of one bin are taken, the next `ahead` bins are
-  // loaded by other threads.
-  Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter& counter, int ahead, const Metadata& meta);
+  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened, const TreeRange& range = {});
+  // `counter`, if not null, counts the facets of every bin; then bins outside the range are loaded, too. While the groups of one bin are
+  // taken, the next `ahead` bins are loaded by other threads.
+  Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range = {});
 
   uint64_t groups() const { return groups_; }
-  // The groups in the order of the tree, including those without facets.
+  // The groups of the range in the order of the tree, including those without facets.
   std::optional<TileGroup> next();
   // For each tile in a row of the group's 4 x 4, the facets that may meet it, roughly from the lowest to the highest along the rays.
   std::array<std::vector<const SceneFacet*>, kFanOut> split(const TileGroup& group, uint32_t row) const;
@@ -63,13 +65,16 @@ class Tiling {
     std::vector<ListedFacet> facets;
   };
   class NodeBuilder;
-  explicit Tiling(const Metadata& meta, std::vector<bool> widened = {});
+  Tiling(const Metadata& meta, std::vector<bool> widened, const TreeRange& range);
+  bool wanted(const TreePlace& place) const { return range_.has_any(place.depth, place.cu, place.cv); }
+  uint64_t groups_below(const TreePlace& place) const;
   Node load(const TreePlace& place) const;
   Node take_bin(const TreePlace& place);
   void push_children(const Node& node);
 
   GridRays rays_;
-  uint32_t groups_u_, groups_v_;
+  const TreeRange range_;
+  uint32_t groups_u_, groups_v_;  // of the whole grid
   uint64_t groups_;
   std::unique_ptr<FacetBins> bins_;
   BinnedCounter* counter_ = nullptr;  // for bins

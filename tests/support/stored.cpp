@@ -70,7 +70,10 @@ void store_cells(const std::filesystem::path& path, const Metadata& meta, const 
     if (meta.grid.levels() <= 2) return;
     const Chunk level2 = join_pieces(pieces.data(), kFanOut, kFanOut, meta.chunk_rays, labels);
     pyramid.put(encode_level(encoder, meta, 2, cu, cv, level2));
-    pyramid.add_to_level_above(2, cu, cv, coarsen(level2, 1));
+    if (const auto above = pyramid.node_above(2, cu, cv)) {
+      above->add(cu, cv, coarsen(level2, 1), encoder);
+      pyramid.put_above(above, cu, cv);
+    }
   };
   const auto visit = [&](auto&& self, uint32_t cu, uint32_t cv, uint32_t width) -> void {
     if (cu * kFanOut >= shape.chunks_u || cv * kFanOut >= shape.chunks_v) return;

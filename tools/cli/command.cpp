@@ -120,8 +120,8 @@ CLI::Validator one_of(std::vector<std::string> words) {
       "");
 }
 
-void add_grid(CLI::App& app, GridArgument& grid) {
-  app.add_option("grid", grid.name, "a .tcell file, or its address: https://HOST/PATH or s3://BUCKET/KEY")->required();
+void add_grid(CLI::App& app, GridArgument& grid, const char* file) {
+  app.add_option("grid", grid.name, fmt::format("{}, or the address of a grid: https://HOST/PATH or s3://BUCKET/KEY", file))->required();
   add_source_options(app, grid.source);
 }
 

@@ -33,7 +33,7 @@ struct GridArgument {
   std::string name;
   SourceOptions source;
 };
-void add_grid(CLI::App& app, GridArgument& grid);
+void add_grid(CLI::App& app, GridArgument& grid, const char* file = "a .tcell file");
 void add_source_options(CLI::App& app, SourceOptions& source);  // --cache-dir and so on, which add_grid() adds, too
 GridReader open_grid(const GridArgument& grid);
 void add_threads(CLI::App& app, int& threads);  // stays 0, which means one per core, unless it is given

@@ -4,6 +4,7 @@
 // clang-format off
 #define TERACELL_COMMANDS(command) \
   command(mesh, "mesh a scene or bare surfaces into a .tcell file") \
+  command(merge, "put the parts of a grid together that were made apart") \
   command(info, "what a .tcell file holds") \
   command(slice, "one slice as a picture (.png) or an array (.npy)") \
   command(column, "the runs of one column along any axis") \

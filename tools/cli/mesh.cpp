@@ -5,16 +5,14 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "mesher/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
-#include "mesher/report_json.hpp"
 #include "store/error.hpp"
 #include "store/file.hpp"
-#include "store/reader.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/cli/mesh_summary.hpp"
 #include "tools/cli/progress.hpp"
 
 namespace teracell {
@@ -24,7 +22,7 @@ const std::vector<std::string> kFills(kFillNames.begin(), kFillNames.end());
 
 struct MeshArguments {
   std::vector<std::string> inputs;
-  std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, progress = "auto";
+  std::string output, cells, axis = "auto", fill, closing, engine = "scan", memory, tmp, caps, report, shard, progress = "auto";
   std::optional<double> step, stitch;
   std::optional<int64_t> pad;
   int threads = 0;
@@ -93,28 +91,15 @@ void check_outputs(const MeshArguments& o, const Scene& scene) {
 
 uint64_t machine_memory() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
 
-// Says in short what was done. The report has the rest.
-void summarise(const MeshArguments& o, const MeshReport& report) {
-  constexpr size_t kShown = 50;
-  const GridReader reader(o.output);
-  const Index3 n = reader.meta().grid.cells();
-  say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", o.output, n[0], n[1], n[2],
-                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), report.run.seconds(),
-                  bytes_text(reader.file_bytes()), bytes_text(static_cast<double>(report.run.peak_memory_bytes)), axis_name(reader.meta().ray_axis)));
-  if (!o.caps.empty() && report.caps_written == 0) warn(fmt::format("warning: --write-caps: no surface was open, so {} was not written", o.caps));
-  const std::vector<std::string> warnings = report.warnings();
-  for (size_t i = 0; i < std::min(warnings.size(), kShown); ++i) warn("warning: " + warnings[i]);
-  if (warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", warnings.size() - kShown, o.output));
-}
-
-// Indented for people, unless the report is so long that this would take too much memory.
-void write_report(const MeshReport& report, const Scene& scene, OutputFile& file) {
-  constexpr size_t kReadable = size_t{1} << 24;
-  std::string text = report_json(report.report, scene, report.run, report.warnings());
-  if (text.size() < kReadable) text = nlohmann::ordered_json::parse(text).dump(1);
-  text += '\n';
-  file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
-  file.commit();
+// --shard I/N.
+std::optional<Shard> parse_shard(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const size_t slash = text.find('/');
+  if (slash == std::string::npos) throw UsageError(fmt::format("--shard: expected I/N, such as 0/8, found '{}'", text));
+  constexpr int64_t kMost = 1'000'000;
+  const int64_t of = parse_integer(text.substr(slash + 1), 1, kMost, "--shard, the number of parts");
+  const int64_t number = parse_integer(text.substr(0, slash), 0, of - 1, "--shard, the number of the part");
+  return Shard{static_cast<uint32_t>(number), static_cast<uint32_t>(of)};
 }
 
 void run(const MeshArguments& o) {
@@ -134,6 +119,8 @@ void run(const MeshArguments& o) {
   options.write_caps = o.caps;
   options.resume = o.resume;
   options.thin = o.thin;
+  options.shard = parse_shard(o.shard);
+  if (options.shard && !o.report.empty()) throw UsageError("--report: expected a whole grid, found --shard: give it to `teracell merge`");
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);
@@ -148,12 +135,10 @@ void run(const MeshArguments& o) {
         },
         interrupted);
   }
-  if (report_file) try {
-      write_report(report, scene, *report_file);
-    } catch (const IoError& e) {
-      throw IoError(fmt::format("{} ({} is complete all the same)", e.what(), o.output));
-    }
-  summarise(o, report);
+  if (!o.caps.empty() && report.caps_written == 0) warn(fmt::format("warning: --write-caps: no surface was open, so {} was not written", o.caps));
+  if (options.shard) return say_part(part_path(o.output, *options.shard).string(), report);
+  if (report_file) write_report(report, *report_file, o.output);
+  say_grid(o.output, report);
 }
 
 }  // namespace
@@ -188,6 +173,8 @@ Run setup_mesh(CLI::App& app) {
   app.add_option("--tmp", o->tmp, "the folder for temporary files (default: the folder of the output)");
   app.add_flag("--resume", o->resume,
                "go on with what a killed run with the same inputs and options has left; if there is nothing, start from the beginning");
+  app.add_option("--shard", o->shard,
+                 "I/N: make part I of 0 to N-1 alone, as OUTPUT.shard-I-of-N; `teracell merge` puts the parts together to the same bytes");
   app.add_option("--write-caps", o->caps,
                  "write the facets that close open surfaces: .stl, or .ply in double precision; one file per body when there are several");
   app.add_option("--report", o->report, "write the report, with times and memory, as JSON");

@@ -15,7 +15,15 @@ struct VerifyArguments {
   int threads = 0;
 };
 
+void run_of_part(const VerifyArguments& o) {
+  const PartReader part(o.grid.name);
+  const uint64_t chunks = verify(part);
+  say(fmt::format("{}: sound. Part {} of 0 to {} of a grid, {}, {}: every checksum holds.", o.grid.name, part.head().number, part.head().of - 1,
+                  bytes_text(part.bytes()), plural(chunks, "chunk")));
+}
+
 void run(const VerifyArguments& o) {
+  if (!is_address(o.grid.name) && is_part(o.grid.name)) return run_of_part(o);
   const GridReader reader = open_grid(o.grid);
   {
     ProgressLine line(o.progress, "");
@@ -31,7 +39,7 @@ void run(const VerifyArguments& o) {
 
 Run setup_verify(CLI::App& app) {
   const auto o = std::make_shared<VerifyArguments>();
-  add_grid(app, o->grid);
+  add_grid(app, o->grid, "a .tcell file or a part of one");
   add_threads(app, o->threads);
   add_progress(app, o->progress);
   app.footer("Example:\n  teracell verify g.tcell");

@@ -19,7 +19,7 @@ FLUID = "air,explosive"
 HEADER = "FoamFile {{ version 2.0; format ascii; class {}; object {}; }}\n"
 SCHEMES = """fluxScheme Kurganov; ddtSchemes { default Euler; } gradSchemes { default Gauss linear; } divSchemes { default none; div(tauMC) Gauss linear; }
 laplacianSchemes { default Gauss linear corrected; } snGradSchemes { default corrected; }
-interpolationSchemes { default linear; reconstruct(rho) Minmod; reconstruct(U) MinmodV; reconstruct(T) Minmod; }
+interpolationSchemes { default linear; reconstruct(rho) vanLeer; reconstruct(U) vanLeerV; reconstruct(T) vanLeer; }
 """
 SOLUTION = 'solvers { "(rho|rhoU|rhoE)" { solver diagonal; } U { solver smoothSolver; smoother GaussSeidel; tolerance 1e-9; relTol 0; } e { $U; } }\n'
 THERMO = """thermoType { type hePsiThermo; mixture pureMixture; transport const; thermo hConst; equationOfState perfectGas; specie specie;

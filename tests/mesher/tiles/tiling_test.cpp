@@ -186,7 +186,7 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
       for (uint32_t i = 0; i < facets.size(); ++i) bins->add(facets[i], i, FacetBins::kOfFile);
       bins->finish();
       BinnedCounter survey(facets.size());
-      Tiling tiling(std::move(bins), survey, ahead, meta);
+      Tiling tiling(std::move(bins), &survey, ahead, meta);
       Given found = walk(tiling);
       for (Given* lists : {&expected, &found})
         for (auto& [tile, layers] : *lists) std::ranges::sort(layers);

@@ -7,8 +7,8 @@
 
 namespace teracell::foam {
 
-// The largest number and the longest list of OpenFOAM's 32-bit labels.
-inline constexpr int64_t kMostLabel = (int64_t{1} << 31) - 1;
+// What 32-bit labels of OpenFOAM can hold: the largest number and longest list, and the faces of a mesh, whose lists of points are four times as long.
+inline constexpr int64_t kMostLabel = (int64_t{1} << 31) - 1, kMostFaces = kMostLabel / 4;
 
 struct PatchInfo {
   std::string name;

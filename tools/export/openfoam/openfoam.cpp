@@ -44,13 +44,13 @@ MeshNames names_of(const Export& e, const MeshCounts& counts) {
 }
 
 // Each face has four entries in the list of corners.
-bool fits_labels(int64_t points, int64_t cells, int64_t faces) { return points <= kMostLabel && cells <= kMostLabel && faces <= kMostLabel / 4; }
+bool fits_labels(int64_t points, int64_t cells, int64_t faces) { return points <= kMostLabel && cells <= kMostLabel && faces <= kMostFaces; }
 
 void expect_labels(const MeshCounts& counts) {
   for (const PartCounts& part : counts.parts)
     if (!fits_labels(part.points, part.cells, part.all_faces()))
       throw UsageError(fmt::format("OpenFOAM's 32-bit labels hold a mesh of {} faces, a part of this one has {}: give --ranks {} or more",
-                                   kMostLabel / 4, part.all_faces(), counts.all_faces() / (kMostLabel / 4 * 9 / 10) + 1));
+                                   kMostFaces, part.all_faces(), counts.all_faces() / (kMostFaces * 9 / 10) + 1));
 }
 
 // Going through 10^12 cells takes half an hour, but how many there are is known at once. A mesh has more than three faces for each.
@@ -60,10 +60,10 @@ void expect_labels_for_cells(const Export& e, const Division& d, uint32_t ranks)
   double faces = 0;
   for (size_t id = 0; id < stats.size(); ++id)
     if (d.in_mesh[id]) faces += 3 * static_cast<double>(stats[id].cells);
-  if (faces / ranks > kMostLabel / 4)
+  if (faces / ranks > kMostFaces)
     throw UsageError(
         fmt::format("OpenFOAM's 32-bit labels hold a mesh of {} faces, a part of this one has at least {:.0f}: give --ranks {:.0f} or more",
-                    kMostLabel / 4, faces / ranks, std::floor(faces / (kMostLabel / 4 * 0.9)) + 1));
+                    kMostFaces, faces / ranks, std::floor(faces / (kMostFaces * 0.9)) + 1));
 }
 
 void expect_cells(const Export& e, const Division& d, int64_t cells) {

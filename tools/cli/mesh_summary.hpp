@@ -1,0 +1,13 @@
+// What mesh and merge say when they are done.
+#pragma once
+#include "mesher/pipeline.hpp"
+#include "store/file.hpp"
+
+namespace teracell {
+
+void say_grid(const std::string& output, const MeshReport& report);  // in short, with warnings
+void say_part(const std::string& part, const MeshReport& report);
+// Writes the whole report. Throws IoError that says that `output` is complete.
+void write_report(const MeshReport& report, OutputFile& file, const std::string& output);
+
+}  // namespace teracell
