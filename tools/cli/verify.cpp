@@ -18,7 +18,7 @@ void run_of_part(const VerifyArguments& o) {
   const PartReader part(o.grid);
   const uint64_t chunks = verify(part);
   say(fmt::format("{}: sound. Part {} of 0 to {} of a grid, {}, {}: every checksum holds.", o.grid, part.head().number, part.head().of - 1,
-                  bytes_text(part.bytes()), plural(chunks, "chunk")));
+                  bytes_text(part.file_bytes()), plural(chunks, "chunk")));
 }
 
 void run(const VerifyArguments& o) {
