@@ -54,6 +54,46 @@ std::vector<std::unique_ptr<PartReader>> open_parts(const std::vector<std::files
   return parts;
 }
 
+// Puts the bytes of a part into the file, and what joins it to others.
+class Joining : public PartTaker {
+ public:
+  Joining(const PartReader& part, GridWriter& writer, PyramidWriter& pyramid, const std::function<void(uint64_t done)>& progress)
+      : part_(part), writer_(writer), pyramid_(pyramid), progress_(progress) {}
+
+  void run() {
+    part_.replay(*this);
+    if (hash_.digest() != part_.hash()) throw FormatError(fmt::format("{}: damaged: expected other bytes, by their hash", part_.name()));
+  }
+
+  void bytes(uint64_t size) override {
+    for (uint64_t left = size; left > 0; left -= buffer_.size(), offset_ += buffer_.size()) {
+      buffer_.resize(std::min<uint64_t>(left, kPiece));
+      part_.read(offset_, buffer_);
+      hash_.add(buffer_);
+      writer_.put_bytes(buffer_);
+      progress_(offset_);
+    }
+  }
+  void chunk(const ChunkKey& key, ChunkEntry&& entry, uint64_t changes) override { writer_.put_entry(key, std::move(entry), changes); }
+  void page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum) override { writer_.put_page(chunks, page, size, checksum); }
+  void child(int level, uint32_t cu, uint32_t cv, Chunk&& coarsened) override {
+    const auto node = pyramid_.node_above(level, cu, cv);
+    node->add(cu, cv, std::move(coarsened), encoder_);
+    pyramid_.put_above(node, cu, cv);
+  }
+
+ private:
+  static constexpr size_t kPiece = 1 << 20;
+  const PartReader& part_;
+  GridWriter& writer_;
+  PyramidWriter& pyramid_;
+  const std::function<void(uint64_t done)>& progress_;
+  ContentHash hash_;
+  uint64_t offset_ = 0;
+  Bytes buffer_;
+  ChunkEncoder encoder_;
+};
+
 }  // namespace
 
 MeshReport merge(const std::vector<std::filesystem::path>& paths, const std::filesystem::path& output, const Progress& progress,
@@ -67,27 +107,18 @@ MeshReport merge(const std::vector<std::filesystem::path>& paths, const std::fil
 
   GridWriter writer(output, parts.front()->head().meta);
   PyramidWriter pyramid(writer);
-  ChunkEncoder encoder;
   CastTotals totals;
   std::optional<SurfacesFound> surfaces;
   for (const auto& part : parts) {
-    const Bytes bytes = part->read(
-        [&](const ChunkKey& key, const EncodedChunk& chunk) {
-          writer.put(key, chunk);
-          if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output.string()));
-        },
-        [&](int level, uint32_t cu, uint32_t cv, Chunk&& coarsened) {
-          const auto node = pyramid.node_above(level, cu, cv);
-          node->add(cu, cv, std::move(coarsened), encoder);
-          pyramid.put_above(node, cu, cv);
-        });
-    PartFound found = decode_found(bytes, part->name());
+    Joining(*part, writer, pyramid, [&](uint64_t of_part) {
+      if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output.string()));
+      progress("merge", static_cast<double>(done + of_part) / static_cast<double>(all), cells);
+    }).run();
+    PartFound found = decode_found(part->found(), part->name());
     if (found.surfaces) surfaces = std::move(found.surfaces);
     if (totals.cells.empty()) totals = std::move(found.totals);
     else totals.add(found.totals);
     done += part->bytes();
-    if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output.string()));
-    progress("merge", static_cast<double>(done) / static_cast<double>(all), cells);
   }
   if (!surfaces) throw FormatError(fmt::format("{}: expected what was found of the surfaces, found none", parts.front()->name()));
 

@@ -60,63 +60,88 @@ std::string decode_text(std::span<const uint8_t> frame, const std::string& what)
 
 // ---- index ------------------------------------------------------------------------------------------------------
 
-Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats) {
+namespace {
+
+void put_stats(Bytes& out, const std::vector<LabelStats>& stats) {
+  put_varint(out, stats.size());
+  for (const LabelStats& s : stats) {
+    put_varint(out, s.label);
+    put_varint(out, s.cells);
+    for (int d = 0; d < 3; ++d) put_varint(out, s.lo[d]), put_varint(out, s.hi[d] - s.lo[d]);
+  }
+}
+
+std::vector<LabelStats> take_stats(ByteReader& in, uint32_t labels) {
+  std::vector<LabelStats> stats(in.varint(1, std::min<uint64_t>(labels, in.remaining() / kLeastStats), "labels of a chunk"));
+  for (LabelStats& s : stats) {
+    s.label = static_cast<Label>(in.varint(0, labels - 1, "label"));
+    s.cells = in.varint();
+    for (int d = 0; d < 3; ++d) {
+      s.lo[d] = static_cast<uint32_t>(in.varint(0, Axis::kMaxCells, "box"));
+      s.hi[d] = s.lo[d] + static_cast<uint32_t>(in.varint(0, Axis::kMaxCells, "box"));
+    }
+  }
+  return stats;
+}
+
+}  // namespace
+
+Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats, uint64_t place) {
   Bytes out;
-  uint64_t base = ~uint64_t{0};
+  uint64_t first = ~uint64_t{0};
   for (const ChunkEntry& e : entries)
-    if (e.size != 0) base = std::min(base, e.offset);
-  if (base == ~uint64_t{0}) base = 0;
-  put_fixed(out, base);
+    if (e.size != 0) first = std::min(first, e.offset);
+  put_fixed(out, first == ~uint64_t{0} ? 0 : place - first);
   for (const ChunkEntry& e : entries) put_varint(out, e.size);
   for (const ChunkEntry& e : entries)
-    if (e.size != 0) put_varint(out, e.offset - base);
+    if (e.size != 0) put_varint(out, e.offset - first);
   for (const ChunkEntry& e : entries)
     if (e.size != 0) put_fixed(out, e.checksum);
   for (const ChunkEntry& e : entries)
     if (e.size == 0) put_set(out, e.uniform);
-  if (with_stats) {
-    for (const ChunkEntry& e : entries) {
-      if (e.size == 0) continue;
-      put_varint(out, e.stats.size());
-      for (const LabelStats& s : e.stats) {
-        put_varint(out, s.label);
-        put_varint(out, s.cells);
-        for (int d = 0; d < 3; ++d) put_varint(out, s.lo[d]), put_varint(out, s.hi[d] - s.lo[d]);
-      }
-    }
-  }
+  if (with_stats)
+    for (const ChunkEntry& e : entries)
+      if (e.size != 0) put_stats(out, e.stats);
   return compress(out, kPageBound);
 }
 
-std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunks, bool with_stats, uint32_t labels) {
+std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunks, bool with_stats, uint32_t labels, uint64_t place) {
   Bytes body;
   ZstdDecoder().decode(frame, kPageBound, "index page", body);
   ByteReader in(body, "index page");
   std::vector<ChunkEntry> entries(chunks);
-  const auto base = in.fixed<uint64_t>();
+  const uint64_t first = place - in.fixed<uint64_t>();
   for (ChunkEntry& e : entries) e.size = static_cast<uint32_t>(in.varint(0, ~0u, "chunk size"));
   for (ChunkEntry& e : entries)
-    if (e.size != 0) e.offset = base + in.varint(0, (uint64_t{1} << 62), "chunk offset");
+    if (e.size != 0) e.offset = first + in.varint(0, (uint64_t{1} << 62), "chunk offset");
   for (ChunkEntry& e : entries)
     if (e.size != 0) e.checksum = in.fixed<uint64_t>();
   for (ChunkEntry& e : entries)
     if (e.size == 0) e.uniform = take_set(in, labels, with_stats ? 1 : labels);  // a cell of level 0, the level with statistics, has one label
-  if (with_stats) {
-    for (ChunkEntry& e : entries) {
-      if (e.size == 0) continue;
-      e.stats.resize(in.varint(1, std::min<uint64_t>(labels, in.remaining() / kLeastStats), "labels of a chunk"));
-      for (LabelStats& s : e.stats) {
-        s.label = static_cast<Label>(in.varint(0, labels - 1, "label"));
-        s.cells = in.varint();
-        for (int d = 0; d < 3; ++d) {
-          s.lo[d] = static_cast<uint32_t>(in.varint(0, Axis::kMaxCells, "box"));
-          s.hi[d] = s.lo[d] + static_cast<uint32_t>(in.varint(0, Axis::kMaxCells, "box"));
-        }
-      }
-    }
-  }
+  if (with_stats)
+    for (ChunkEntry& e : entries)
+      if (e.size != 0) e.stats = take_stats(in, labels);
   in.expect_end();
   return entries;
+}
+
+void put_entry(Bytes& out, const ChunkEntry& entry, bool with_stats) {
+  put_varint(out, entry.size);
+  if (entry.size == 0) return put_set(out, entry.uniform);
+  put_fixed(out, entry.checksum);
+  if (with_stats) put_stats(out, entry.stats);
+}
+
+ChunkEntry take_entry(ByteReader& in, bool with_stats, uint32_t labels) {
+  ChunkEntry entry;
+  entry.size = static_cast<uint32_t>(in.varint(0, ~0u, "chunk size"));
+  if (entry.size == 0) {
+    entry.uniform = take_set(in, labels, with_stats ? 1 : labels);
+    return entry;
+  }
+  entry.checksum = in.fixed<uint64_t>();
+  if (with_stats) entry.stats = take_stats(in, labels);
+  return entry;
 }
 
 Bytes encode_directory(const std::vector<DirectoryEntry>& entries) {

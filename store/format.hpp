@@ -15,7 +15,7 @@
 
 namespace teracell {
 
-inline constexpr uint16_t kFormatMajor = 1, kFormatMinor = 0;
+inline constexpr uint16_t kFormatMajor = 2, kFormatMinor = 0;
 
 uint64_t checksum(std::span<const uint8_t> bytes);  // XXH3, 64 bits, seed 0
 std::string compressor_version();                   // another version may compress to other bytes
@@ -47,9 +47,14 @@ struct ChunkEntry {
   friend bool operator==(const ChunkEntry&, const ChunkEntry&) = default;
 };
 
-Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats);  // a zstd frame
+// A zstd frame. `place` is its own offset: its bytes say how far before it the chunks lie, so that they stay the same where both are moved.
+Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats, uint64_t place = 0);
 // Throws FormatError unless the frame holds `chunks` entries with labels below `labels`.
-std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunks, bool with_stats, uint32_t labels);
+std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunks, bool with_stats, uint32_t labels, uint64_t place = 0);
+
+// An entry alone, without its offset.
+void put_entry(Bytes& out, const ChunkEntry& entry, bool with_stats);
+ChunkEntry take_entry(ByteReader& in, bool with_stats, uint32_t labels);
 
 struct DirectoryEntry {
   uint64_t offset = 0;

@@ -135,7 +135,7 @@ class Packer {
         e.offset = offset;
         offset += e.size;
       });
-      directory[page] = append(encode_page(entries, level == 0));
+      directory[page] = append(encode_page(entries, level == 0, file_.size()));
       progress_(static_cast<double>(copied_) / static_cast<double>(reader_.file_bytes()));
     });
     return directory;

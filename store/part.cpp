@@ -10,13 +10,10 @@
 namespace teracell {
 namespace {
 
-constexpr std::string_view kMagic = "tcellpt1";  // its last digit is raised when the layout changes
-constexpr uint64_t kBlockHead = 16, kPartFooter = 40;
-enum Kind : uint8_t { kHead, kChunks, kFound };
-enum Record : uint8_t { kChunk, kChild };
-// A block ends with the record that reaches one of these.
-constexpr uint64_t kMostFrames = uint64_t{1} << 20, kMostRecords = 256;
-constexpr uint64_t kLongest = uint64_t{1} << 30;  // bytes of a block: a chunk of kMaxChunkBytes fits
+constexpr std::string_view kMagic = "tcellpt2";  // its last digit is raised when the layout changes
+constexpr uint64_t kPartFooter = 64;
+enum Record : uint8_t { kChunk, kPage, kChild, kEnd };
+constexpr uint64_t kMostBeside = uint64_t{1} << 32;  // bytes of the head, of the records and of what was found
 
 void put_bytes(Bytes& out, std::span<const uint8_t> bytes) {
   put_varint(out, bytes.size());
@@ -46,29 +43,39 @@ PartHead decode_head(std::span<const uint8_t> body, const std::string& name) {
           meta};
 }
 
-Bytes encode_block(const PartBlock& block) {
-  Bytes out;
-  put_varint(out, block.records);
-  put_bytes(out, block.places);
-  for (const auto* entries : {&block.fine, &block.coarse}) {
-    put_varint(out, entries->size());
-    put_bytes(out, encode_page(*entries, entries == &block.fine));
-  }
-  put_bytes(out, block.frames);
-  return out;
+// Whether all chunks of an index page lie in the range.
+bool has_page(const TreeRange& range, const LevelShape& s, const ChunkKey& chunk) {
+  const auto group = [&](uint32_t c) { return static_cast<uint32_t>((uint64_t{c} << s.level) >> 2); };  // the chunk of level 2 above or below
+  const auto first = [&](uint32_t c) { return group(c / s.page_chunks * s.page_chunks); };
+  const auto last = [&](uint32_t c, uint32_t chunks) {
+    return group(std::min(c / s.page_chunks * s.page_chunks + s.page_chunks, chunks) - 1) | ((s.level > 2 ? 1u << (s.level - 2) : 1u) - 1);
+  };
+  const uint32_t u0 = first(chunk.cu), v0 = first(chunk.cv), u1 = last(chunk.cu, s.chunks_u), v1 = last(chunk.cv, s.chunks_v);
+  int height = 0;
+  while (u0 >> (kFanOutBits * height) != u1 >> (kFanOutBits * height) || v0 >> (kFanOutBits * height) != v1 >> (kFanOutBits * height)) ++height;
+  return range.has_all(height, u0 >> (kFanOutBits * height), v0 >> (kFanOutBits * height));
 }
 
 }  // namespace
 
-PartWriter::PartWriter(const std::filesystem::path& path, PartHead head) : head_(std::move(head)), file_(path) {
-  file_.append({reinterpret_cast<const uint8_t*>(kMagic.data()), kMagic.size()});
-  append(kHead, encode_head(head_));
+PartWriter::PartWriter(const std::filesystem::path& path, PartHead head, uint64_t keep)
+    : head_(std::move(head)), encoded_head_(encode_head(head_)), file_(path, keep) {
+  for (int level = 0; level < meta().grid.levels(); level += level == 0 ? 2 : 1) levels_.push_back({OpenPages(meta(), level), {}});
+}
+
+PartWriter::PartWriter(const std::filesystem::path& path, PartHead head) : PartWriter(path, std::move(head), 0) {
+  Bytes begin(kMagic.begin(), kMagic.end());
+  put_fixed(begin, uint64_t{encoded_head_.size()});
+  put_fixed(begin, checksum(encoded_head_));
+  begin.insert(begin.end(), encoded_head_.begin(), encoded_head_.end());
+  file_.append(begin);
+  recorded_ = file_.size();
 }
 
 PartWriter::PartWriter(const std::filesystem::path& path, PartHead head, ByteReader& state)
-    : head_(std::move(head)), file_(path, state.fixed<uint64_t>()) {
+    : PartWriter(path, std::move(head), state.fixed<uint64_t>()) {
   Bytes piece(1 << 20);
-  for (uint64_t at = kMagic.size(); at < file_.size(); at += piece.size()) {
+  for (uint64_t at = kMagic.size() + 16 + encoded_head_.size(); at < file_.size(); at += piece.size()) {
     piece.resize(std::min<uint64_t>(piece.size(), file_.size() - at));
     file_.read_kept(at, piece);
     hash_.add(piece);
@@ -78,80 +85,92 @@ PartWriter::PartWriter(const std::filesystem::path& path, PartHead head, ByteRea
     state.fail("the partial file has other bytes than it had: it is damaged", Remedy::kFreshStart);
   }
   chunks_ = state.varint();
-  block_.records = state.varint();
-  for (Bytes* bytes : {&block_.places, &block_.frames}) {
-    const auto kept = state.take(state.varint());
-    bytes->assign(kept.begin(), kept.end());
-  }
-  for (auto* entries : {&block_.fine, &block_.coarse}) {
-    const uint64_t count = state.varint(0, kMostRecords, "chunks of a block");
-    *entries = decode_page(state.take(state.varint()), count, entries == &block_.fine, static_cast<uint32_t>(meta().labels.size()));
+  recorded_ = state.varint();
+  const auto records = state.take(state.varint());
+  records_.assign(records.begin(), records.end());
+  for (Level& l : levels_) {
+    l.open.restore(state);
+    for (uint64_t left = state.varint(0, l.open.shape().pages(), "open pages"); left > 0; --left) {
+      const uint64_t page = state.varint();
+      l.contents[page] = {l.open.shape().level, 0, state.varint(), state.varint(), state.varint()};
+    }
   }
 }
 
-// The state: the size and the hash of the file, and what is not in it yet.
+// The state: the size of the file and the hash of the grid's bytes in it; the records; of each level, its open pages and what is in them.
 void PartWriter::save(Bytes& state) {
   file_.sync();
   put_fixed(state, file_.size());
   const auto hash = hash_.digest();
   state.insert(state.end(), hash.begin(), hash.end());
   put_varint(state, chunks_);
-  put_varint(state, block_.records);
-  put_bytes(state, block_.places);
-  put_bytes(state, block_.frames);
-  for (const auto* entries : {&block_.fine, &block_.coarse}) {
-    put_varint(state, entries->size());
-    put_bytes(state, encode_page(*entries, entries == &block_.fine));
+  put_varint(state, recorded_);
+  put_bytes(state, records_);
+  for (const Level& l : levels_) {
+    l.open.save(state);
+    put_varint(state, l.contents.size());
+    for (const auto& [page, info] : l.contents)
+      for (const uint64_t n : {page, info.chunks, info.bytes, info.changes}) put_varint(state, n);
   }
 }
 
-void PartWriter::append(uint8_t kind, std::span<const uint8_t> body) {
-  Bytes bytes;
-  bytes.reserve(kBlockHead + 1 + body.size());
-  put_fixed(bytes, uint64_t{body.size() + 1});
-  bytes.resize(kBlockHead);
-  bytes.push_back(kind);
-  bytes.insert(bytes.end(), body.begin(), body.end());
-  Bytes sum;
-  put_fixed(sum, checksum(std::span(bytes).subspan(kBlockHead)));
-  std::ranges::copy(sum, bytes.begin() + 8);
+void PartWriter::append(std::span<const uint8_t> bytes) {
   hash_.add(bytes);
   file_.append(bytes);
 }
 
+// A record begins with its kind and the number of bytes of the grid since the record before it.
+void PartWriter::begin_record(uint8_t kind) {
+  records_.push_back(kind);
+  put_varint(records_, file_.size() - recorded_);
+  recorded_ = file_.size();
+}
+
 void PartWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
-  block_.places.push_back(kChunk);
-  for (const uint64_t n : {static_cast<uint64_t>(key.level), uint64_t{key.cu}, uint64_t{key.cv}, uint64_t{key.segment}, chunk.changes})
-    put_varint(block_.places, n);
+  Level& l = levels_[index_of(key.level)];
+  const bool with_stats = key.level == 0;
   ChunkEntry entry = chunk.entry;
-  entry.offset = block_.frames.size();
-  block_.frames.insert(block_.frames.end(), chunk.frame.begin(), chunk.frame.end());
+  entry.offset = file_.size();
+  append(chunk.frame);
   if (entry.size != 0) ++chunks_;
-  (key.level == 0 ? block_.fine : block_.coarse).push_back(std::move(entry));
-  if (++block_.records == kMostRecords || block_.frames.size() >= kMostFrames) flush();
+  if (!has_page(head_.range, l.open.shape(), key)) {
+    begin_record(kChunk);
+    for (const uint64_t n : {static_cast<uint64_t>(key.level), uint64_t{key.cu}, uint64_t{key.cv}, uint64_t{key.segment}, chunk.changes})
+      put_varint(records_, n);
+    put_entry(records_, entry, with_stats);
+    return;
+  }
+  LevelInfo& info = l.contents[l.open.shape().page_of(key)];
+  if (entry.size != 0) info.chunks += 1, info.bytes += entry.size, info.changes += chunk.changes;
+  const auto page = l.open.put(key, std::move(entry));
+  if (!page) return;
+  const Bytes frame = encode_page(page->entries, with_stats, file_.size());
+  append(frame);
+  begin_record(kPage);
+  for (const uint64_t n : {static_cast<uint64_t>(key.level), info.chunks, info.bytes, info.changes, page->number, uint64_t{frame.size()}})
+    put_varint(records_, n);
+  put_fixed(records_, checksum(frame));
+  l.contents.erase(page->number);
 }
 
 void PartWriter::put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) {
-  block_.places.push_back(kChild);
+  begin_record(kChild);
   const RayBlock& rays = coarsened.rays;
   for (const uint64_t n : {static_cast<uint64_t>(level), uint64_t{cu}, uint64_t{cv}, uint64_t{rays.nu}, uint64_t{rays.nv}, uint64_t{rays.length}})
-    put_varint(block_.places, n);
-  put_bytes(block_.places, encoder_.encode(rays, coarsened.sets));
-  if (++block_.records == kMostRecords) flush();
+    put_varint(records_, n);
+  put_bytes(records_, encoder_.encode(rays, coarsened.sets));
 }
 
-void PartWriter::flush() {
-  if (block_.records == 0) return;
-  append(kChunks, encode_block(block_));
-  block_ = {};
-}
-
-// The footer: where the block of what was found begins, the size of the file, the hash of all before it, and a checksum of these.
+// The footer: the sizes and checksums of the records and of what was found; the size of the file; the hash of the grid's bytes; a
+// checksum of all these.
 void PartWriter::finish(std::span<const uint8_t> found) {
-  flush();
+  begin_record(kEnd);
   Bytes footer;
-  put_fixed(footer, file_.size());
-  append(kFound, found);
+  for (const std::span<const uint8_t> tail : {std::span<const uint8_t>(records_), found}) {
+    put_fixed(footer, uint64_t{tail.size()});
+    put_fixed(footer, checksum(tail));
+    file_.append(tail);
+  }
   put_fixed(footer, file_.size() + kPartFooter);
   const auto hash = hash_.digest();
   footer.insert(footer.end(), hash.begin(), hash.end());
@@ -171,95 +190,86 @@ bool is_part(const std::filesystem::path& path) {
 
 PartReader::PartReader(const std::filesystem::path& path) : file_(path) {
   const auto fail = [&](const std::string& what) { throw FormatError(fmt::format("{}: {}", name(), what)); };
-  if (file_.size() < kMagic.size() + kPartFooter) fail(fmt::format("expected a part of a grid, found {} bytes", file_.size()));
+  constexpr uint64_t kBegin = kMagic.size() + 16;
+  if (file_.size() < kBegin + kPartFooter) fail(fmt::format("expected a part of a grid, found {} bytes", file_.size()));
   std::string magic(kMagic.size(), ' ');
   file_.read(0, {reinterpret_cast<uint8_t*>(magic.data()), magic.size()});
   if (magic != kMagic) fail("expected a part of a grid, which `mesh --shard` writes, found another kind of file or another version");
+
   Bytes footer(kPartFooter);
   file_.read(file_.size() - kPartFooter, footer);
-  ByteReader in(footer, name());
-  in.fixed<uint64_t>();
-  const auto bytes = in.fixed<uint64_t>();
-  in.take(16);
-  if (in.fixed<uint64_t>() != checksum(std::span(footer).first(kPartFooter - 8)) || bytes != file_.size())
+  ByteReader end(footer, name());
+  for (DirectoryEntry* place : {&records_, &found_}) place->size = end.fixed<uint64_t>(), place->checksum = end.fixed<uint64_t>();
+  const auto bytes = end.fixed<uint64_t>();
+  std::ranges::copy(end.take(16), hash_.begin());
+  if (end.fixed<uint64_t>() != checksum(std::span(footer).first(kPartFooter - 8)) || bytes != file_.size())
     fail("its end is damaged or missing: the file is cut or not a whole one");
-  uint64_t offset = kMagic.size();
-  const Block head = block_at(offset);
-  if (head.kind != kHead) fail("expected the head of a part first");
-  head_ = decode_head(head.body, name());
-  first_block_ = offset;
+
+  Bytes begin(16);
+  file_.read(kMagic.size(), begin);
+  ByteReader sizes(begin, name());
+  const DirectoryEntry head{kBegin, sizes.fixed<uint64_t>(), sizes.fixed<uint64_t>()};
+  uint64_t left = file_.size() - kBegin - kPartFooter;
+  for (const uint64_t part : {head.size, records_.size, found_.size}) {
+    if (part > left || part > kMostBeside) fail("its parts are larger than the file: it is damaged");
+    left -= part;
+  }
+  head_ = decode_head(take(head, "its head"), name());
+  first_ = kBegin + head.size;
+  bytes_ = left;
+  records_.offset = first_ + bytes_;
+  found_.offset = records_.offset + records_.size;
 }
 
-// Reads the block at `offset`, which is moved on to the next one.
-PartReader::Block PartReader::block_at(uint64_t& offset) const {
-  const auto fail = [&](const std::string& what) { throw FormatError(fmt::format("{}: byte {}: {}", name(), offset, what)); };
-  const uint64_t end = file_.size() - kPartFooter;
-  Bytes head(kBlockHead + 1);
-  if (end - offset < head.size()) fail("expected a block, found the end");
-  file_.read(offset, head);
-  ByteReader in(head, name());
-  const auto length = in.fixed<uint64_t>(), expected = in.fixed<uint64_t>();
-  if (length == 0 || length > kLongest || length > end - offset - kBlockHead) fail("the block is longer than the file: it is damaged");
-  Block out{0, Bytes(length)};
-  file_.read(offset + kBlockHead, out.body);
-  if (checksum(out.body) != expected) fail("the block's checksum differs: it is damaged");
-  out.kind = out.body[0];
-  out.body.erase(out.body.begin());
-  offset += kBlockHead + length;
+Bytes PartReader::take(const DirectoryEntry& place, const char* what) const {
+  Bytes out(place.size);
+  file_.read(place.offset, out);
+  if (checksum(out) != place.checksum) throw FormatError(fmt::format("{}: the checksum of {} differs: it is damaged", name(), what));
   return out;
 }
 
-Bytes PartReader::read(const TakeChunk& chunk, const TakeChild& child) const {
+Bytes PartReader::found() const { return take(found_, "what was found"); }
+
+void PartReader::replay(PartTaker& taker) const {
   const Metadata& meta = head_.meta;
   const auto labels = static_cast<uint32_t>(meta.labels.size());
   ChunkDecoder decoder;
-  for (uint64_t offset = first_block_;;) {
-    Block block = block_at(offset);
-    if (block.kind == kFound) {
-      if (offset != file_.size() - kPartFooter) throw FormatError(fmt::format("{}: byte {}: expected the end", name(), offset));
-      return std::move(block.body);
+  uint64_t left = bytes_;
+  const Bytes records = take(records_, "its records");
+  for (ByteReader in(records, name());;) {
+    const auto kind = in.fixed<uint8_t>();
+    const uint64_t bytes = in.varint(0, left, "bytes of a record");
+    left -= bytes;
+    if (bytes > 0) taker.bytes(bytes);
+    if (kind == kEnd) {
+      if (left != 0) in.fail("the records end before the bytes of the grid");
+      return in.expect_end();
     }
-    ByteReader in(block.body, name());
-    const uint64_t records = in.varint(0, kMostRecords, "records");
-    ByteReader places(in.take(in.varint()), name());
-    std::array<std::vector<ChunkEntry>, 2> entries;
-    for (size_t coarse = 0; coarse < 2; ++coarse) {
-      const uint64_t count = in.varint(0, kMostRecords, "chunks");
-      entries[coarse] = decode_page(in.take(in.varint()), count, coarse == 0, labels);
+    const int level = static_cast<int>(in.varint(0, static_cast<uint64_t>(meta.grid.levels() - 1), "level"));
+    if (level == 1) in.fail("level 1 is not stored");
+    const LevelShape shape(meta, level);
+    if (kind == kPage) {
+      LevelInfo info{level, 0, in.varint(), in.varint(), in.varint()};
+      const uint64_t page = in.varint(0, shape.pages() - 1, "page"), size = in.varint(1, bytes, "bytes of a page");
+      taker.page(info, page, size, in.fixed<uint64_t>());
+      continue;
     }
-    const auto frames = in.take(in.varint());
-    in.expect_end();
-    std::array<size_t, 2> next{};
-    for (uint64_t i = 0; i < records; ++i) {
-      const auto what = places.fixed<uint8_t>();
-      const int level = static_cast<int>(places.varint(0, static_cast<uint64_t>(meta.grid.levels() - 1), "level"));
-      const LevelShape shape(meta, level);
-      const auto cu = static_cast<uint32_t>(places.varint(0, shape.chunks_u - 1, "chunk")),
-                 cv = static_cast<uint32_t>(places.varint(0, shape.chunks_v - 1, "chunk"));
-      if (what == kChild) {
-        Chunk rays;
-        const auto nu = static_cast<uint32_t>(places.varint(1, meta.chunk_rays, "rays")),
-                   nv = static_cast<uint32_t>(places.varint(1, meta.chunk_rays, "rays"));
-        const auto length = static_cast<uint32_t>(places.varint(1, Axis::kMaxCells, "cells"));
-        decoder.decode(places.take(places.varint()), nu, nv, length, labels, rays);
-        child(level, cu, cv, std::move(rays));
-        continue;
-      }
-      if (what != kChunk) places.fail("expected a chunk or a child");
-      const ChunkKey key{level, cu, cv, static_cast<uint32_t>(places.varint(0, shape.segments - 1, "segment"))};
-      EncodedChunk made;
-      made.changes = places.varint();
-      const size_t coarse = level == 0 ? 0 : 1;
-      if (next[coarse] == entries[coarse].size()) places.fail("expected an entry for each chunk");
-      made.entry = std::move(entries[coarse][next[coarse]++]);
-      if (made.entry.size != 0) {
-        if (made.entry.offset > frames.size() || made.entry.size > frames.size() - made.entry.offset) places.fail("the chunk lies outside its block");
-        const auto frame = frames.subspan(made.entry.offset, made.entry.size);
-        made.frame.assign(frame.begin(), frame.end());
-      }
-      chunk(key, made);
+    const auto cu = static_cast<uint32_t>(in.varint(0, shape.chunks_u - 1, "chunk")),
+               cv = static_cast<uint32_t>(in.varint(0, shape.chunks_v - 1, "chunk"));
+    if (kind == kChild) {
+      Chunk rays;
+      const auto nu = static_cast<uint32_t>(in.varint(1, meta.chunk_rays, "rays")), nv = static_cast<uint32_t>(in.varint(1, meta.chunk_rays, "rays"));
+      const auto length = static_cast<uint32_t>(in.varint(1, Axis::kMaxCells, "cells"));
+      decoder.decode(in.take(in.varint()), nu, nv, length, labels, rays);
+      taker.child(level, cu, cv, std::move(rays));
+      continue;
     }
-    places.expect_end();
+    if (kind != kChunk) in.fail("expected a chunk, a page or a child");
+    const ChunkKey key{level, cu, cv, static_cast<uint32_t>(in.varint(0, shape.segments - 1, "segment"))};
+    const uint64_t changes = in.varint();
+    ChunkEntry entry = take_entry(in, level == 0, labels);
+    if (entry.size > bytes) in.fail("a chunk has more bytes than there are");
+    taker.chunk(key, std::move(entry), changes);
   }
 }
 

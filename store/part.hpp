@@ -1,16 +1,17 @@
-// A part of a grid: the chunks that lie in a stretch of the tree (pyramid.hpp), in the order in which the file of the whole grid has
-// them, and the children of chunks that lie in several parts. `merge` puts parts together. FORMAT.md, "Parts", has the bytes.
+// A part of a grid: the bytes of the chunks that lie in a stretch of the tree (pyramid.hpp), and of the index pages that lie in it as a
+// whole, as they follow each other in the file of the whole grid. Only what joins two parts is left to whoever puts them together:
+// entries of pages and children of chunks that lie in several parts. FORMAT.md, "Parts", has the layout.
 //
-//   head | blocks of chunks ... | what the run found | footer
+//   head | bytes of the grid ... | records: what these bytes are, and what joins parts | what the run found | footer
 //
-// Rejected: a .tcell file for each part. Its pages and directories would be made for nothing, since they say where chunks lie in it.
+// Rejected: a .tcell file for each part, whose chunks and pages would all have to be read to make pages and a directory of the whole.
 #pragma once
 #include <filesystem>
-#include <functional>
-#include <optional>
+#include <map>
 
 #include "store/chunk_sink.hpp"
 #include "store/file.hpp"
+#include "store/open_pages.hpp"
 #include "store/pyramid.hpp"
 
 namespace teracell {
@@ -20,14 +21,6 @@ struct PartHead {
   uint32_t number = 0, of = 1;
   TreeRange range;
   Metadata meta;  // of the whole grid, without what is known when it is complete
-};
-
-// What is written next, until there is enough for a block.
-struct PartBlock {
-  Bytes places;  // levels and places of chunks, in order, with numbers of changes; children with their frames
-  std::vector<ChunkEntry> fine, coarse;  // of level 0, and of the levels above; offsets count from the first frame of the block
-  Bytes frames;
-  uint64_t records = 0;
 };
 
 // Not thread-safe. The file's bytes depend on the order of put().
@@ -47,37 +40,59 @@ class PartWriter : public ChunkSink {
   void save(Bytes& state) override;
 
  private:
-  void append(uint8_t kind, std::span<const uint8_t> body);
-  void flush();
+  struct Level {
+    OpenPages open;                          // of pages that lie in the part as a whole
+    std::map<uint64_t, LevelInfo> contents;  // of their chunks so far
+  };
+  PartWriter(const std::filesystem::path& path, PartHead head, uint64_t keep);
+  static size_t index_of(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }
+  void append(std::span<const uint8_t> bytes);
+  void begin_record(uint8_t kind);
   PartHead head_;
+  Bytes encoded_head_;
   OutputFile file_;
-  ContentHash hash_;  // of all bytes so far
-  PartBlock block_;
+  ContentHash hash_;  // of the bytes of the grid so far
+  std::vector<Level> levels_;  // by index_of()
+  Bytes records_;
+  uint64_t recorded_ = 0;  // where the bytes of the last record end
   uint64_t chunks_ = 0;
   ChunkEncoder encoder_;
 };
 
-// Checks what it reads. Throws FormatError.
+// What the records of a part are told to, in order.
+class PartTaker {
+ public:
+  virtual ~PartTaker() = default;
+  virtual void bytes(uint64_t size) = 0;  // the next bytes of the grid
+  // These are what the last of these bytes are: a chunk (if it has a frame), and an index page (put_page() in writer.hpp).
+  virtual void chunk(const ChunkKey& key, ChunkEntry&& entry, uint64_t changes) = 0;
+  virtual void page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum) = 0;
+  // put_child() in chunk_sink.hpp.
+  virtual void child(int level, uint32_t cu, uint32_t cv, Chunk&& coarsened) = 0;
+};
+
+// Throws FormatError, like everything here that reads. Threads may share a reader.
 class PartReader {
  public:
   explicit PartReader(const std::filesystem::path& path);
   const std::string& name() const { return file_.name(); }
   const PartHead& head() const { return head_; }
-  uint64_t bytes() const { return file_.size(); }
-  using TakeChunk = std::function<void(const ChunkKey&, const EncodedChunk&)>;
-  using TakeChild = std::function<void(int level, uint32_t cu, uint32_t cv, Chunk&&)>;
-  // Calls one of them for each record, in order, and returns what the run found.
-  Bytes read(const TakeChunk& chunk, const TakeChild& child) const;
+  uint64_t file_bytes() const { return file_.size(); }
+  // The bytes of the grid, and their hash, which whoever reads them has to compare.
+  uint64_t bytes() const { return bytes_; }
+  void read(uint64_t offset, std::span<uint8_t> out) const { file_.read(first_ + offset, out); }
+  const std::array<uint8_t, 16>& hash() const { return hash_; }
+  Bytes found() const;
+  // Goes through the records.
+  void replay(PartTaker& taker) const;
 
  private:
-  struct Block {
-    uint8_t kind;
-    Bytes body;
-  };
-  Block block_at(uint64_t& offset) const;
+  Bytes take(const DirectoryEntry& place, const char* what) const;
   InputFile file_;
   PartHead head_;
-  uint64_t first_block_ = 0;
+  uint64_t first_ = 0, bytes_ = 0;
+  std::array<uint8_t, 16> hash_{};
+  DirectoryEntry records_, found_;
 };
 
 bool is_part(const std::filesystem::path& path);  // whether a file begins as parts do

@@ -137,8 +137,8 @@ std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint6
     const std::string what = fmt::format("level {} index page {}", level, page);
     read_checked(*source_, place_in_file, what, bytes);
     claims_.expect_own({level, true, page}, place_in_file);
-    part = std::make_shared<const IndexPart>(
-        IndexPart{{}, decode_page(bytes, shape(level).page_size(page), level == 0, static_cast<uint32_t>(meta_.labels.size()))});
+    part = std::make_shared<const IndexPart>(IndexPart{
+        {}, decode_page(bytes, shape(level).page_size(page), level == 0, static_cast<uint32_t>(meta_.labels.size()), place_in_file.offset)});
     index_->add(place, part, memory_of(*part));
   }
   return {part, &part->page};

@@ -151,23 +151,74 @@ void verify(const GridReader& reader, int threads, const std::function<void(doub
   }
 }
 
-uint64_t verify(const PartReader& part) {
-  const Metadata& meta = part.head().meta;
-  ChunkDecoder decoder;
-  Chunk chunk;
-  uint64_t chunks = 0;
-  part.read(
-      [&](const ChunkKey& key, const EncodedChunk& found) {
-        if (found.entry.size == 0) return;
-        if (checksum(found.frame) != found.entry.checksum)
-          throw FormatError(fmt::format("{}: {}: its checksum differs", part.name(), chunk_name(key)));
-        const LevelShape shape(meta, key.level);
-        decoder.decode(found.frame, shape.rays_u(key.cu), shape.rays_v(key.cv), shape.length(key.segment), static_cast<uint32_t>(meta.labels.size()),
-                       chunk);
-        ++chunks;
-      },
-      [](int, uint32_t, uint32_t, Chunk&&) {});
-  return chunks;
-}
+namespace {
+
+// Reads every chunk and page of a part, and the hash of its bytes.
+class PartCheck : public PartTaker {
+ public:
+  explicit PartCheck(const PartReader& part) : part_(part) {}
+  uint64_t run() {
+    part_.replay(*this);
+    part_.found();
+    if (hash_.digest() != part_.hash()) throw FormatError(fmt::format("{}: damaged: expected other bytes, by their hash", part_.name()));
+    return chunks_;
+  }
+
+  void bytes(uint64_t size) override {
+    Bytes piece;
+    for (uint64_t left = size; left > 0; left -= piece.size(), end_ += piece.size()) {
+      piece.resize(std::min<uint64_t>(left, 1 << 20));
+      part_.read(end_, piece);
+      hash_.add(piece);
+    }
+  }
+  void chunk(const ChunkKey& key, ChunkEntry&& entry, uint64_t) override {
+    entry.offset = end_ - entry.size;
+    check(key, entry);
+  }
+  void page(const LevelInfo& of, uint64_t page, uint64_t size, uint64_t expected) override {
+    const LevelShape shape(meta_, of.level);
+    const std::string what = fmt::format("level {} index page {}", of.level, page);
+    const Bytes frame = read({end_ - size, size, expected}, what);
+    LevelInfo found{of.level, 0, 0, 0, of.changes};
+    const std::vector<ChunkEntry> entries = decode_page(frame, shape.page_size(page), of.level == 0, labels_, end_ - size);
+    for (uint32_t slot = 0; slot < entries.size(); ++slot) {
+      const ChunkEntry& e = entries[slot];
+      check(shape.key_of(page, slot), e);
+      if (e.size != 0) found.chunks += 1, found.bytes += e.size;
+    }
+    if (found != of) throw FormatError(fmt::format("{}: {}: expected {} chunks, found {}", part_.name(), what, of.chunks, found.chunks));
+  }
+  void child(int, uint32_t, uint32_t, Chunk&&) override {}
+
+ private:
+  Bytes read(const DirectoryEntry& place, const std::string& what) const {
+    if (place.offset > end_ || place.size > end_ - place.offset) throw FormatError(fmt::format("{}: {}: it lies outside", part_.name(), what));
+    Bytes bytes(place.size);
+    part_.read(place.offset, bytes);
+    if (checksum(bytes) != place.checksum) throw FormatError(fmt::format("{}: {}: its checksum differs", part_.name(), what));
+    return bytes;
+  }
+  void check(const ChunkKey& key, const ChunkEntry& e) {
+    if (e.size == 0) return;
+    const LevelShape shape(meta_, key.level);
+    decoder_.decode(read({e.offset, e.size, e.checksum}, chunk_name(key)), shape.rays_u(key.cu), shape.rays_v(key.cv), shape.length(key.segment),
+                    labels_, chunk_);
+    ++chunks_;
+  }
+
+  const PartReader& part_;
+  const Metadata& meta_ = part_.head().meta;
+  const uint32_t labels_ = static_cast<uint32_t>(meta_.labels.size());
+  ContentHash hash_;
+  uint64_t end_ = 0;  // of the bytes that were told so far
+  ChunkDecoder decoder_;
+  Chunk chunk_;
+  uint64_t chunks_ = 0;
+};
+
+}  // namespace
+
+uint64_t verify(const PartReader& part) { return PartCheck(part).run(); }
 
 }  // namespace teracell

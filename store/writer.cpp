@@ -38,13 +38,13 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_
   if (const std::string beyond = beyond_bounds(meta_); !beyond.empty()) throw UsageError(beyond);
   // Level 1 would take about as many bytes as level 0, so it is derived when it is read. All levels above it take a tenth.
   for (int level = 0; level < meta_.grid.levels(); level += level == 0 ? 2 : 1) {
-    Level l{{level, 0, 0, 0, 0}, LevelShape(meta_, level), {}, {}};
+    Level l{{level, 0, 0, 0, 0}, OpenPages(meta_, level), {}};
     // Two factors at a time: the product of three could overflow.
-    const LevelShape& s = l.shape;
+    const LevelShape& s = l.open.shape();
     if (uint64_t{s.pages_u} * s.pages_v > kMaxEntries || s.pages() > kMaxEntries)
       throw UsageError(fmt::format("{} x {} rays are more than a file can index: take fewer cells across {}, or rays along the longest axes", s.nu,
                                    s.nv, axis_name(meta_.ray_axis)));
-    l.directory.resize(l.shape.pages());
+    l.directory.resize(s.pages());
     levels_.push_back(std::move(l));
   }
 }
@@ -60,17 +60,7 @@ void GridWriter::save(Bytes& state) {
     for (const uint64_t n : {l.info.chunks, l.info.bytes, l.info.changes}) put_varint(state, n);
     for (const DirectoryEntry& e : l.directory)
       for (const uint64_t n : {e.offset, e.size, e.checksum}) put_varint(state, n);
-    put_varint(state, l.open.size());
-    for (const auto& [page, open] : l.open) {
-      put_varint(state, page);
-      put_varint(state, open.missing);
-      std::vector<ChunkEntry> entries = open.entries;
-      for (ChunkEntry& e : entries)
-        if (e.size == 0 && e.uniform.empty()) e.uniform = {0};  // still missing, but a page is valid entries only
-      const Bytes frame = encode_page(entries, l.info.level == 0);
-      put_varint(state, frame.size());
-      state.insert(state.end(), frame.begin(), frame.end());
-    }
+    l.open.save(state);
   }
   for (const auto& cover : std::span(covers_).subspan(1)) {
     put_varint(state, cover.size());
@@ -91,19 +81,12 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteRea
     file_.abandon();
     state.fail("the partial file has other bytes than it had: it is damaged", Remedy::kFreshStart);
   }
-  const auto labels = static_cast<uint32_t>(meta_.labels.size());
   for (Level& l : levels_) {
     l.info.chunks = state.varint();
     l.info.bytes = state.varint();
     l.info.changes = state.varint();
     for (DirectoryEntry& e : l.directory) e = {state.varint(), state.varint(), state.varint()};
-    for (uint64_t left = state.varint(0, l.shape.pages(), "open pages"); left > 0; --left) {
-      const uint64_t page = state.varint(0, l.shape.pages() - 1, "page");
-      OpenPage& open = l.open[page];
-      const size_t chunks = l.shape.page_size(page);
-      open.missing = state.varint(1, chunks, "missing chunks");
-      open.entries = decode_page(state.take(state.varint()), chunks, l.info.level == 0, labels);
-    }
+    l.open.restore(state);
   }
   for (auto& cover : std::span(covers_).subspan(1)) {
     cover.resize(state.varint(0, state.remaining() / 3, "frames"));  // three numbers each
@@ -129,27 +112,28 @@ DirectoryEntry GridWriter::append(std::span<const uint8_t> frame) {
 }
 
 void GridWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
+  append_bytes(chunk.frame);
+  put_entry(key, chunk.entry, chunk.changes);
+}
+
+void GridWriter::put_entry(const ChunkKey& key, ChunkEntry entry, uint64_t changes) {
   Level& l = levels_[index_of(key.level)];
-  const uint64_t page = l.shape.page_of(key);
-  const auto [it, fresh] = l.open.try_emplace(page);
-  OpenPage& open = it->second;
-  if (fresh) {
-    open.missing = l.shape.page_size(page);
-    open.entries.resize(open.missing);
-  }
-  ChunkEntry& entry = open.entries[l.shape.slot_of(key, page)];
-  entry = chunk.entry;
   if (entry.size != 0) {
-    entry.offset = file_.size();
-    append_bytes(chunk.frame);
+    entry.offset = file_.size() - entry.size;
     l.info.chunks += 1;
     l.info.bytes += entry.size;
-    l.info.changes += chunk.changes;
+    l.info.changes += changes;
   }
-  if (--open.missing == 0) {
-    l.directory[page] = append(encode_page(open.entries, key.level == 0));
-    l.open.erase(it);
-  }
+  if (const auto page = l.open.put(key, std::move(entry)))
+    l.directory[page->number] = append(encode_page(page->entries, key.level == 0, file_.size()));
+}
+
+void GridWriter::put_page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum) {
+  Level& l = levels_[index_of(chunks.level)];
+  l.info.chunks += chunks.chunks;
+  l.info.bytes += chunks.bytes;
+  l.info.changes += chunks.changes;
+  l.directory[page] = {file_.size() - size, size, checksum};
 }
 
 void GridWriter::put_child(int, uint32_t, uint32_t, const Chunk&) { throw std::logic_error("a part of a chunk was put into a whole grid"); }

@@ -2,10 +2,10 @@
 // Memory: the open pages, and 24 bytes of directory per page and per frame of another channel.
 #pragma once
 #include <filesystem>
-#include <map>
 
 #include "store/chunk_sink.hpp"
 #include "store/file.hpp"
+#include "store/open_pages.hpp"
 
 namespace teracell {
 
@@ -22,6 +22,13 @@ class GridWriter : public ChunkSink {
   const Metadata& meta() const override { return meta_; }
   void put(const ChunkKey& key, const EncodedChunk& chunk) override;
   void put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) override;  // never: the file has all
+  // ---- What was made elsewhere, for merging. The bytes come first, then what they are.
+  void put_bytes(std::span<const uint8_t> bytes) { append_bytes(bytes); }
+  // The chunk whose frame, if it has one, the last bytes are.
+  void put_entry(const ChunkKey& key, ChunkEntry entry, uint64_t changes);
+  // A page that is complete: its frame, of which the last bytes are, and what its chunks add up to.
+  void put_page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum);
+
   // Appends the next frame of meta().channels[channel], which its cover names. Frames may come between chunks. REQUIRES: the channel is
   // not that of the labels; `frame` is one zstd frame or one skippable frame.
   void put_frame(size_t channel, std::span<const uint8_t> frame);
@@ -33,14 +40,9 @@ class GridWriter : public ChunkSink {
   void save(Bytes& state) override;
 
  private:
-  struct OpenPage {
-    std::vector<ChunkEntry> entries;
-    size_t missing;
-  };
   struct Level {
     LevelInfo info;
-    LevelShape shape;
-    std::map<uint64_t, OpenPage> open;
+    OpenPages open;
     std::vector<DirectoryEntry> directory;
   };
   GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep);

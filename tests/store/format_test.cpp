@@ -56,8 +56,8 @@ TEST_CASE("A newer minor version is read, a newer major one is refused and named
   Bytes minor = encode_header(), major = encode_header();
   minor[18] = 0xFF, minor[19] = 0xFF;
   REQUIRE(check_header(signed_again(minor, 24)) == 0xFFFF);
-  major[16] = 2;
-  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("2.0") && Catch::Contains("newer"));
+  major[16] = 3;
+  REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("3.0") && Catch::Contains("newer"));
   major[16] = 0;
   REQUIRE_THROWS_WITH(check_header(signed_again(major, 24)), Catch::Contains("0.0"));
 }

@@ -69,10 +69,13 @@ Bytes Assembly::finish(const At& at, const std::string& report, uint64_t page_ra
     for (uint64_t page = 0; page < s.pages(); ++page) {
       std::vector<ChunkEntry> entries;
       for (uint32_t slot = 0; slot < s.page_size(page); ++slot) entries.push_back(at(s.key_of(page, slot)));
-      Bytes body;
-      ZstdDecoder().decode(encode_page(entries, level.level == 0), {kMostText, kMostText}, "page", body);
-      const auto [it, fresh] = pages_.try_emplace(body);
-      if (fresh || own_pages) it->second = append(squeezed(body, page_ratio));
+      const auto body_at = [&](uint64_t place) {
+        Bytes body;
+        ZstdDecoder().decode(encode_page(entries, level.level == 0, place), {kMostText, kMostText}, "page", body);
+        return body;
+      };
+      const auto [it, fresh] = pages_.try_emplace(body_at(0));
+      if (fresh || own_pages) it->second = append(squeezed(body_at(out_.size()), page_ratio));
       places.push_back(it->second);
     }
   }

@@ -102,7 +102,7 @@ class Forger {
         entries.push_back(std::move(e));
       }
       if (lies_.page) lies_.page(info.level, entries);
-      places.push_back(append(squeezed_again(FilePart::kPage, encode_page(entries, info.level == 0))));
+      places.push_back(append(squeezed_again(FilePart::kPage, encode_page(entries, info.level == 0, out_.size()))));
     }
     return places;
   }

@@ -19,7 +19,7 @@ void run_of_part(const VerifyArguments& o) {
   const PartReader part(o.grid.name);
   const uint64_t chunks = verify(part);
   say(fmt::format("{}: sound. Part {} of 0 to {} of a grid, {}, {}: every checksum holds.", o.grid.name, part.head().number, part.head().of - 1,
-                  bytes_text(part.bytes()), plural(chunks, "chunk")));
+                  bytes_text(part.file_bytes()), plural(chunks, "chunk")));
 }
 
 void run(const VerifyArguments& o) {

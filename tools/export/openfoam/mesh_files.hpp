@@ -7,7 +7,8 @@
 
 namespace teracell::foam {
 
-// What 32-bit labels of OpenFOAM can hold: the largest number and longest list, and the faces of a mesh, whose lists of points are four times as long.
+// What 32-bit labels of OpenFOAM can hold: the largest number and longest list, and the faces of a mesh, whose lists of points are four times as
+// long.
 inline constexpr int64_t kMostLabel = (int64_t{1} << 31) - 1, kMostFaces = kMostLabel / 4;
 
 struct PatchInfo {

@@ -49,8 +49,8 @@ bool fits_labels(int64_t points, int64_t cells, int64_t faces) { return points <
 void expect_labels(const MeshCounts& counts) {
   for (const PartCounts& part : counts.parts)
     if (!fits_labels(part.points, part.cells, part.all_faces()))
-      throw UsageError(fmt::format("OpenFOAM's 32-bit labels hold a mesh of {} faces, a part of this one has {}: give --ranks {} or more",
-                                   kMostFaces, part.all_faces(), counts.all_faces() / (kMostFaces * 9 / 10) + 1));
+      throw UsageError(fmt::format("OpenFOAM's 32-bit labels hold a mesh of {} faces, a part of this one has {}: give --ranks {} or more", kMostFaces,
+                                   part.all_faces(), counts.all_faces() / (kMostFaces * 9 / 10) + 1));
 }
 
 // Going through 10^12 cells takes half an hour, but how many there are is known at once. A mesh has more than three faces for each.
