@@ -6,7 +6,9 @@
 #include <fmt/format.h>
 
 #include "store/checked_read.hpp"
+#include "store/in_order.hpp"
 #include "store/metadata_json.hpp"
+#include "store/writer.hpp"
 
 namespace teracell {
 namespace {
@@ -26,16 +28,25 @@ void for_each_in_morton_order(uint32_t nu, uint32_t nv, F&& f) {
 
 class Packer {
  public:
-  Packer(const GridReader& reader, const std::filesystem::path& path, const std::function<void(double)>& progress)
-      : reader_(reader), meta_(reader.meta()), progress_(progress), file_(path) {}
+  Packer(const GridReader& reader, const std::filesystem::path& path, const PackOptions& options, const std::function<void(double)>& progress)
+      : reader_(reader), meta_(reader.meta()), options_(options), progress_(progress), file_(path) {
+    std::erase_if(meta_.levels(), [](const LevelInfo& l) { return l.level == 1; });
+  }
 
   void run() {
     file_.append(encode_header());
     std::vector<std::vector<DirectoryEntry>> covers, directories;
     for (const Channel& c : reader_.meta().others()) covers.push_back(copy_frames(c));
     std::vector<std::vector<uint64_t>> begins;  // of the first chunk of each page, by level
-    for (const LevelInfo& l : reader_.meta().levels()) begins.push_back(copy_chunks(l.level));
-    for (size_t i = 0; i < begins.size(); ++i) directories.push_back(write_pages(reader_.meta().levels()[i].level, begins[i]));
+    for (const LevelInfo& l : meta_.levels()) begins.push_back(copy_chunks(l.level));
+    std::vector<DirectoryEntry> of_level_1;
+    LevelInfo level_1{1, 0, 0, 0, 0};
+    if (options_.with_level_1 && meta_.grid.levels() > 1) of_level_1 = make_level_1(level_1);
+    for (size_t i = 0; i < begins.size(); ++i) directories.push_back(write_pages(meta_.levels()[i].level, begins[i]));
+    if (!of_level_1.empty()) {
+      meta_.levels().insert(meta_.levels().begin() + 1, level_1);
+      directories.insert(directories.begin() + 1, std::move(of_level_1));
+    }
     ContentHash hash;
     const auto append_hashed = [&](const Bytes& frame) {
       hash.add(frame);
@@ -123,6 +134,45 @@ class Packer {
     return begins;
   }
 
+  // Nobody has to derive level 1, then, from four times as many chunks. It is made anew in any case, so a packed file packs to itself.
+  // Each page stands behind its chunks: there is no memory for all entries until the other pages are written.
+  std::vector<DirectoryEntry> make_level_1(LevelInfo& info) {
+    struct Made {
+      uint64_t page;
+      std::vector<EncodedChunk> chunks;  // by slot
+    };
+    const LevelShape s(meta_, 1);
+    std::vector<uint64_t> pages;
+    for_each_page(s, [&](uint64_t page) { pages.push_back(page); });
+    std::vector<DirectoryEntry> directory(s.pages());
+    std::vector<ChunkEncoder> encoders(static_cast<size_t>(options_.threads));
+    auto next = pages.begin();
+    in_order(
+        options_.threads, [&]() { return next == pages.end() ? std::nullopt : std::optional(*next++); },
+        [&](uint64_t page, int thread) {
+          Made made{page, std::vector<EncodedChunk>(s.page_size(page))};
+          Chunk chunk;
+          for (uint32_t slot = 0; slot < made.chunks.size(); ++slot) {
+            reader_.derive(s.key_of(page, slot), chunk);
+            made.chunks[slot] = encode_chunk(encoders[static_cast<size_t>(thread)], chunk.rays, chunk.sets, false);
+          }
+          return made;
+        },
+        [&](Made made) {
+          std::vector<ChunkEntry> entries(made.chunks.size());
+          for_each_slot(s, made.page, [&](uint32_t slot) {
+            const EncodedChunk& chunk = made.chunks[slot];
+            entries[slot] = chunk.entry;
+            entries[slot].offset = file_.size();
+            file_.append(chunk.frame);
+            if (!chunk.frame.empty()) info.chunks += 1, info.bytes += chunk.frame.size(), info.changes += chunk.changes;
+          });
+          directory[made.page] = append(encode_page(entries, false, file_.size()));
+          progress_(static_cast<double>(copied_) / static_cast<double>(reader_.file_bytes()));
+        });
+    return directory;
+  }
+
   std::vector<DirectoryEntry> write_pages(int level, const std::vector<uint64_t>& begins) {
     const LevelShape s = reader_.shape(level);
     std::vector<DirectoryEntry> directory(s.pages());
@@ -143,6 +193,7 @@ class Packer {
 
   const GridReader& reader_;
   Metadata meta_;
+  const PackOptions options_;
   const std::function<void(double)>& progress_;
   OutputFile file_;
   uint64_t copied_ = 0;
@@ -151,8 +202,8 @@ class Packer {
 
 }  // namespace
 
-void pack(const GridReader& reader, const std::filesystem::path& path, const std::function<void(double)>& progress) try {
-  Packer(reader, path, progress).run();
+void pack(const GridReader& reader, const std::filesystem::path& path, const PackOptions& options, const std::function<void(double)>& progress) try {
+  Packer(reader, path, options, progress).run();
 } catch (const FormatError& e) {
   const std::string message = e.what();
   throw FormatError(message.starts_with(reader.name()) ? message : fmt::format("{}: {}", reader.name(), message));

@@ -8,6 +8,7 @@ connecting takes that long.
 import asyncio
 import json
 import os
+import random
 import re
 import shutil
 import socket
@@ -102,9 +103,22 @@ class Bench:
         lines = self.log()[before:]
         print(f"{what:70} {len(lines):4} requests {sum(int(n) for _, n in lines) / 1000:9.1f} kB {took:7.3f} s", flush=True)
 
-    def slice(self, port, grid, axis, index, u, v, side=512, level=0):
+    def slice(self, port, grid, axis, index, u, v, side=512, level=0, most=(1 << 40, 1 << 40)):
         subprocess.run([self.program, "slice", f"http://127.0.0.1:{port}/{grid}", "--axis", axis, "--index", str(index), "--level", str(level), "--region",
-                        f"{u},{v},{u + side},{v + side}", "-o", "out.png"], cwd=self.folder, check=True)
+                        f"{u},{v},{min(u + side, most[0])},{min(v + side, most[1])}", "-o", "out.png"], cwd=self.folder, check=True)
+
+    def draw(self, port, grid, cells, tiles=100):
+        """Random tiles of the lowest six levels, the same for every grid: the most requests and bytes."""
+        drawn, most = random.Random(1), [0, 0]
+        for _ in range(tiles):
+            axis, level = drawn.choice("xyz"), drawn.randrange(6)
+            n = [-(-c // 2**level) for c in cells]
+            u, v = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}[axis]
+            before = len(self.log())
+            self.slice(port, grid, axis, drawn.randrange(n["xyz".index(axis)]), *(drawn.randrange(-(-n[d] // 512)) * 512 for d in (u, v)), level=level, most=(n[u], n[v]))
+            lines = self.log()[before:]
+            most = [max(most[0], len(lines)), max(most[1], sum(int(b) for _, b in lines))]
+        print(f"{grid}, here: at most, of {tiles} random tiles of the levels 0 to 5".ljust(70), f"{most[0]:4} requests {most[1] / 1000:9.1f} kB", flush=True)
 
     def view(self, port, grid, cells):
         """What a page asks for first: the grids, one of them, and three slices through the middle, in tiles of the level that fits."""
@@ -153,6 +167,8 @@ def main():
                         for level in [0, 1]:
                             at_u, at_v = ((middle[d] >> level) // 512 * 512 for d in (u, v))
                             bench.measure(f"{grid}, {name}: slice, tile across {axis}, level {level}", lambda: bench.slice(port, grid, axis, index >> level, at_u, at_v, level=level))
+                    if name == "here":
+                        bench.draw(port, grid, cells)
                     bench.measure(f"{grid}, {name}: serve, the first view", lambda: bench.view(port, grid, cells))
         finally:
             bench.nginx.terminate()

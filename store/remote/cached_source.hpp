@@ -35,7 +35,7 @@ class CachedSource : public ByteSource {
   static constexpr uint64_t kHead = 64;  // bytes at the start that come alone: what opens a file has no neighbours that are read next
   static constexpr uint64_t kBlock = BlockFolder::kBlock;
   static constexpr uint64_t kLongest = (1 << 20) / kBlock;  // blocks that are fetched by one request
-  static constexpr uint64_t kGap = (1 << 16) / kBlock;      // blocks that are fetched though nobody wants them, to save a request
+  static constexpr uint64_t kGap = (1 << 17) / kBlock;      // blocks that are fetched though nobody wants them, to save a request
 
  private:
   using Block = std::shared_ptr<const Bytes>;

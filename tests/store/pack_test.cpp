@@ -8,9 +8,9 @@ namespace {
 
 using namespace testing;
 
-Bytes packed(const Bytes& file) {
+Bytes packed(const Bytes& file, const PackOptions& options = {}) {
   const TempFolder folder;
-  pack(reader_of(file), folder / "p.tcell", [](double) {});
+  pack(reader_of(file), folder / "p.tcell", options, [](double) {});
   return file_bytes(folder / "p.tcell");
 }
 
@@ -26,6 +26,13 @@ TEST_CASE("A packed file is sound and has the same cells, report and statistics"
     const auto a = read_stats(old, all), b = read_stats(now, all);
     for (size_t i = 0; i < a.size(); ++i) REQUIRE((a[i].cells == b[i].cells && a[i].volume == b[i].volume));
     REQUIRE(packed(after) == after);
+    REQUIRE(packed(file, {.threads = 3}) == after);
+    const Bytes smaller = packed(file, {.with_level_1 = false});
+    verify_quietly(reader_of(smaller));
+    REQUIRE(packed(after, {.with_level_1 = false}) == smaller);
+    REQUIRE(packed(smaller) == after);
+    REQUIRE(now.stored(1) == (old.meta().grid.levels() > 1));
+    REQUIRE_FALSE(reader_of(smaller).stored(1));
   }
 }
 
@@ -36,7 +43,7 @@ TEST_CASE("In a packed file, squares of chunks are stretches of bytes, and pages
   for (const LevelInfo& l : reader.meta().levels()) {
     const LevelShape s = reader.shape(l.level);
     for (uint64_t p = 0; p < s.pages(); ++p) {
-      first_page = std::min(first_page, reader.page_place(l.level, p).offset);
+      if (l.level != 1) first_page = std::min(first_page, reader.page_place(l.level, p).offset);
       uint64_t from = ~uint64_t{0}, to = 0, bytes = 0;  // a page is a square
       for (const ChunkEntry& e : *reader.page(l.level, p)) {
         if (e.size == 0) continue;
@@ -55,7 +62,7 @@ TEST_CASE("Damage is not packed, and leaves no file") {
     Bytes damaged = file;
     damaged[at] ^= 1;
     const TempFolder folder;
-    REQUIRE_THROWS_AS(pack(reader_of(damaged), folder / "p.tcell", [](double) {}), FormatError);
+    REQUIRE_THROWS_AS(pack(reader_of(damaged), folder / "p.tcell", {}, [](double) {}), FormatError);
     REQUIRE(std::filesystem::is_empty(folder.path()));
   }
 }

@@ -12,6 +12,8 @@ namespace {
 struct PackArguments {
   GridArgument grid;
   std::string output, progress = "auto";
+  bool smaller = false;
+  int threads = 0;
 };
 
 void run(const PackArguments& o) {
@@ -19,7 +21,7 @@ void run(const PackArguments& o) {
   const GridReader reader = open_grid(o.grid);
   const std::atomic<bool>& stop = watch_interrupts();
   ProgressLine line(o.progress, "");
-  pack(reader, o.output, [&](double share) {
+  pack(reader, o.output, {!o.smaller, threads_or_all(o.threads)}, [&](double share) {
     stop_if(stop, o.output);
     line("pack", share);
   });
@@ -31,6 +33,8 @@ Run setup_pack(CLI::App& app) {
   const auto o = std::make_shared<PackArguments>();
   add_grid(app, o->grid);
   app.add_option("-o,--output", o->output, "the .tcell file to write")->required();
+  app.add_flag("--smaller", o->smaller, "leave out level 1, which a viewer then makes of four times the bytes that other levels take");
+  add_threads(app, o->threads);
   add_progress(app, o->progress);
   app.footer(
       "The cells stay the same. What leads to them lies at the end of the file, and neighbours lie together, so a viewer far away needs few\n"
