@@ -19,6 +19,7 @@ class CostMap {
  public:
   // Keeps references to the axes of `meta`; `widened` bodies as in rays.hpp.
   CostMap(const Metadata& meta, std::vector<bool> widened);
+  CostMap(Metadata&& meta, std::vector<bool> widened) = delete;
   void add(const Facet& facet, uint32_t layer);  // as the grid sees it
   TreeRange stretch(const Shard& shard) const;
 

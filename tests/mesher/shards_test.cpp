@@ -22,7 +22,8 @@ Metadata square(uint32_t rays) {
 TEST_CASE("Stretches follow each other and cover the tree, also where there are more than groups", "[parts]") {
   for (const uint32_t rays : {1u, 100u, 5000u, 200'000u})
     for (const uint32_t of : {1u, 2u, 7u, 1000u}) {
-      CostMap costs(square(rays), {});
+      const Metadata meta = square(rays);
+      CostMap costs(meta, {});
       costs.add({{{{1, 1, 1}, {0.9 * rays, 1, 2}, {1, 0.8 * rays, 3}}}}, 0);
       uint64_t end = 0;
       for (uint32_t i = 0; i < of; ++i) {
@@ -40,7 +41,8 @@ TEST_CASE("The order in which facets come does not matter", "[parts]") {
   std::vector<Facet> facets(200);
   for (Facet& f : facets)
     for (Vec3& p : f.vertex) p = {random_in(random, 0, 3000), random_in(random, 0, 3000), random_in(random, 0, 10)};
-  CostMap a(square(3000), {}), b(square(3000), {});
+  const Metadata meta = square(3000);
+  CostMap a(meta, {}), b(meta, {});
   for (const Facet& f : facets) a.add(f, 0);
   std::ranges::reverse(facets);
   for (const Facet& f : facets) b.add(f, 0);
