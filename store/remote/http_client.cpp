@@ -96,6 +96,11 @@ const std::string& Exchange::header(const std::string& name) const {
   return found == answer_headers.end() ? kNone : found->second;
 }
 
+const std::string& Exchange::redirect() const {
+  const bool leads_on = status == 301 || status == 302 || status == 303 || status == 307 || status == 308;
+  return header(leads_on ? "location" : "");
+}
+
 class HttpClient::Session {
  public:
   explicit Session(double timeout) : curl_(libcurl()), timeout_(timeout), multi_(curl_.multi_init()) {
@@ -183,14 +188,13 @@ class HttpClient::Session {
     Exchange& e = *t.exchange;
     curl_.multi_remove_handle(multi_, handle);
     t.exchange = nullptr;
-    if (result == CURLE_OK || (result == CURLE_WRITE_ERROR && e.cut)) {
-      const char* redirect = nullptr;
-      curl_.easy_getinfo(handle, CURLINFO_REDIRECT_URL, &redirect);
-      if (redirect != nullptr) e.redirect = redirect;
-      return;
-    }
+    if (result == CURLE_OK || (result == CURLE_WRITE_ERROR && e.cut)) return;
     e.status = 0;
     e.failure = t.error[0] != 0 ? t.error : curl_.easy_strerror(result);
+    if (e.failure.find('@') != std::string::npos) e.failure = curl_.easy_strerror(result);  // may be a proxy's address with a password
+    // What libcurl calls memory is its own limit for one line.
+    if (result == CURLE_OUT_OF_MEMORY || (result == CURLE_WRITE_ERROR && t.header_bytes > kMostOfHeaders))
+      e.failure = fmt::format("the host's answer has headers of more than {} kB", kMostOfHeaders >> 10);
     e.may_pass = is_passing(result);
     e.refused = result == CURLE_COULDNT_CONNECT;
   }

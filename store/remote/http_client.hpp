@@ -32,12 +32,13 @@ struct Exchange {
   std::map<std::string, std::string> answer_headers;
   Bytes body;
   bool cut = false;         // the body is longer than was taken
-  std::string redirect;     // where the host sends us
   std::string failure;      // why there is no whole answer
   bool may_pass = false;    // the failure may pass: a connection that broke, or a stall
   bool refused = false;     // nobody listens there
 
   const std::string& header(const std::string& name) const;
+  // Where the host sends us, perhaps relative to `url`; empty: nowhere.
+  const std::string& redirect() const;
 };
 
 class HttpClient {
