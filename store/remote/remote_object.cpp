@@ -225,7 +225,7 @@ bool RemoteObject::was_replaced() const {
   if (!etag_.empty()) headers = {"If-None-Match: " + etag_};
   else headers = {"If-Modified-Since: " + last_modified_};
   Exchange e = request("0-0", 1, headers);
-  perform({&e, 1}, place_.url.text);  // which may lead elsewhere by now
+  perform({&e, 1}, place_.url.text, 1);  // the address may lead elsewhere by now; who asks will ask again
   if (e.status == 304) return false;
   if (e.status == 416 || e.status == 404 || e.status == 410) return true;
   if (e.status != 200 && e.status != 206) fail(e);
@@ -267,7 +267,7 @@ void RemoteObject::follow(Exchange& e, std::string& from) const {
 }
 
 // Does the exchanges, with redirects, and again what may pass. What is left of failures is in them.
-void RemoteObject::perform(std::span<Exchange> exchanges, const std::string& url) const {
+void RemoteObject::perform(std::span<Exchange> exchanges, const std::string& url, int attempts) const {
   struct State {
     std::string url;
     int redirects = 0, attempts = 0;
@@ -305,7 +305,7 @@ void RemoteObject::perform(std::span<Exchange> exchanges, const std::string& url
       } else if (s.remembered && (e.status == 0 || (e.status >= 400 && e.status != 412 && e.status != 416))) {
         s = {place_.url.text, 0, s.attempts, false};  // such places expire, or are one of several that come and go
         again.push_back(i);
-      } else if (is_worth_another_try(e) && ++s.attempts < kAttempts) {
+      } else if (is_worth_another_try(e) && ++s.attempts < attempts) {
         pause = std::max(pause, pause_before(s.attempts, e));
         again.push_back(i);
       } else if (!s.remembered && (e.status == 200 || e.status == 206)) {

@@ -62,7 +62,7 @@ class RemoteObject : public ByteSource {
   std::vector<std::string> conditions() const;
   Exchange request(std::string range, size_t bytes, std::vector<std::string> headers) const;
   void perform(std::span<Exchange> exchanges) const { perform(exchanges, current_url()); }
-  void perform(std::span<Exchange> exchanges, const std::string& url) const;
+  void perform(std::span<Exchange> exchanges, const std::string& url, int attempts = kAttempts) const;
   void follow(Exchange& e, std::string& from) const;
   [[noreturn]] void fail(const Exchange& e) const;
   bool is_worth_another_try(const Exchange& e) const;
