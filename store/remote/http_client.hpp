@@ -1,4 +1,5 @@
-// Requests over HTTP, several at a time, by libcurl. Connections are kept and used again. Threads may share a client.
+// Requests over HTTP, several at a time, by libcurl. Connections are kept and used again, by all clients of the program: there are as many
+// as threads need, however many objects are read. Threads may share a client.
 #pragma once
 #include <map>
 #include <memory>
@@ -55,10 +56,11 @@ class HttpClient {
 
  private:
   class Session;  // what one thread uses at a time, with its connections
+  struct Idle;
+  static std::shared_ptr<Idle> shared_idle();
   const double timeout_;
   const std::atomic<bool>* const stop_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Session>> idle_;
+  const std::shared_ptr<Idle> idle_;
 };
 
 }  // namespace teracell
