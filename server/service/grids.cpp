@@ -138,10 +138,12 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, d
 }
 
 void Grids::recheck() {
-  {
-    std::lock_guard one(rechecking_);
+  const uint64_t mine = ++rechecks_;
+  if (std::lock_guard one(rechecking_); rechecked_ < mine) {
+    const uint64_t all = rechecks_;
     for (const ServedPath& served : served_)  // which does not change after the constructor, but for the files of folders
       if (served.address) open_address(served.path);
+    rechecked_ = all;
   }
   look();
 }

@@ -65,7 +65,7 @@ class Grids {
   std::vector<Unreadable> unreadable() const;
   // Looks at the files now. The thread does so every half second. `anew`: tries also files that are not due.
   void look(bool anew = false);
-  // Asks the hosts of all addresses now, and looks at the files.
+  // Asks the hosts of all addresses now, and looks at the files. Threads that call it at the same time share the answers.
   void recheck();
   // Makes the thread look anew now. Returns at once. From any thread.
   void look_soon();
@@ -123,7 +123,9 @@ class Grids {
   std::mutex waiting_;  // guards the next two
   std::condition_variable_any woken_;
   bool look_soon_ = false, recheck_soon_ = false;
-  std::mutex rechecking_;  // one thread asks the hosts at a time
+  std::atomic<uint64_t> rechecks_ = 0;  // that were asked for
+  std::mutex rechecking_;               // one thread asks the hosts at a time; guards the next one
+  uint64_t rechecked_ = 0;              // rechecks_ when the last one of them began
   std::jthread watch_, watch_addresses_;  // last: they use the others
 };
 

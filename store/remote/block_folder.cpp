@@ -27,7 +27,8 @@ constexpr time_t kFresh = 60;  // seconds for which a file's time of use is good
 
 class Descriptor {
  public:
-  Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0600)) {}
+  // O_NONBLOCK: a pipe that lies there under a file's name would be waited for.
+  Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600)) {}
   ~Descriptor() {
     if (fd_ >= 0) ::close(fd_);
   }

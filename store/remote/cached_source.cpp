@@ -7,8 +7,13 @@
 
 namespace teracell {
 
-CachedSource::CachedSource(std::unique_ptr<ByteSource> far, std::unique_ptr<BlockFolder> disk, Kept kept, size_t memory)
-    : far_(std::move(far)), disk_(std::move(disk)), kept_(std::move(kept)), memory_(memory), cache_(memory) {}
+CachedSource::CachedSource(std::unique_ptr<ByteSource> far, std::unique_ptr<BlockFolder> disk, Kept kept, std::shared_ptr<BlockCache> cache)
+    : far_(std::move(far)),
+      disk_(std::move(disk)),
+      kept_(std::move(kept)),
+      cache_(std::move(cache)),
+      number_(cache_->new_source()),
+      memory_(std::min(cache_->counts().limit, kMemory)) {}
 
 size_t CachedSource::size_of(uint64_t block) const { return static_cast<size_t>(std::min(kBlock, size() - block * kBlock)); }
 
@@ -22,7 +27,7 @@ void CachedSource::read(uint64_t offset, std::span<uint8_t> out) const {
     std::copy_n(kept_.bytes.data() + (offset - kept_.offset), out.size(), out.data());
     return;
   }
-  if (offset + out.size() <= kHead && is_far() && size() >= kHead) {
+  if (offset < kHead && offset + out.size() <= kHead && is_far() && size() >= kHead) {
     std::ranges::copy_n(head().data() + offset, static_cast<std::ptrdiff_t>(out.size()), out.data());
     return;
   }
@@ -33,7 +38,7 @@ void CachedSource::read(uint64_t offset, std::span<uint8_t> out) const {
   bool missing = false;
   for (uint64_t b = first; b <= last; ++b) {
     wanted.push_back(b);
-    missing = missing || !cache_.find(b);
+    missing = missing || !cache_->find({number_, b});
   }
   for (uint64_t b = last + 1, n = missing ? ahead_of(first, last) : 0; n > 0; --n, ++b) wanted.push_back(b);
   const std::vector<Block> found = blocks(wanted);
@@ -83,7 +88,7 @@ std::vector<CachedSource::Block> CachedSource::blocks(const std::vector<uint64_t
       std::unique_lock lock(mutex_);
       bool others = false;
       for (size_t i = 0; i < wanted.size(); ++i) {
-        if (!found[i]) found[i] = cache_.find(wanted[i]);
+        if (!found[i]) found[i] = cache_->find({number_, wanted[i]});
         if (found[i]) continue;
         complete = false;
         if (fetched_now_.insert(wanted[i]).second) mine.push_back(wanted[i]);
@@ -136,21 +141,25 @@ std::vector<CachedSource::Block> CachedSource::fetch(const std::vector<uint64_t>
     if (!stretches.empty() && b - stretches.back().last <= kGap + 1 && b - stretches.back().first < kLongest) stretches.back().last = b;
     else stretches.push_back({b, b, {}});
   }
-  std::vector<ByteRead> reads;
-  for (Stretch& s : stretches) {
-    s.bytes.resize(static_cast<size_t>((s.last - s.first) * kBlock + size_of(s.last)));
-    reads.push_back({s.first * kBlock, s.bytes});
+  auto next = far.begin();
+  for (size_t done = 0; done < stretches.size(); done += kTogether) {  // most of a stretch may be gaps: not all of them at once
+    const std::span together = std::span(stretches).subspan(done, std::min(kTogether, stretches.size() - done));
+    std::vector<ByteRead> reads;
+    for (Stretch& s : together) {
+      s.bytes.resize(static_cast<size_t>((s.last - s.first) * kBlock + size_of(s.last)));
+      reads.push_back({s.first * kBlock, s.bytes});
+    }
+    far_->read_many(reads);
+    for (Stretch& s : together) {
+      for (; next != far.end() && missing[*next] <= s.last; ++next) {
+        const auto begin = s.bytes.begin() + static_cast<std::ptrdiff_t>((missing[*next] - s.first) * kBlock);
+        out[*next] = std::make_shared<const Bytes>(begin, begin + static_cast<std::ptrdiff_t>(size_of(missing[*next])));
+        if (disk_) disk_->add(missing[*next], *out[*next]);
+      }
+      s.bytes = {};
+    }
   }
-  far_->read_many(reads);
-  auto s = stretches.begin();
-  for (const size_t i : far) {
-    const uint64_t b = missing[i];
-    while (b > s->last) ++s;
-    const auto begin = s->bytes.begin() + static_cast<std::ptrdiff_t>((b - s->first) * kBlock);
-    out[i] = std::make_shared<const Bytes>(begin, begin + static_cast<std::ptrdiff_t>(size_of(b)));
-    if (disk_) disk_->add(b, *out[i]);
-  }
-  for (size_t i = 0; i < missing.size(); ++i) cache_.add(missing[i], out[i], out[i]->size() + 128);
+  for (size_t i = 0; i < missing.size(); ++i) cache_->add({number_, missing[i]}, out[i], out[i]->size() + 128);
   return out;
 }
 

@@ -2,6 +2,7 @@
 // together, and several stretches at the same time. Of threads that want the same block, one fetches it.
 #pragma once
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -14,6 +15,24 @@
 
 namespace teracell {
 
+struct SourceBlock {
+  uint64_t source, block;
+  friend bool operator==(const SourceBlock&, const SourceBlock&) = default;
+};
+struct SourceBlockHash {
+  size_t operator()(const SourceBlock& p) const { return (p.source * 0x9E3779B97F4A7C15 ^ p.block) * 0x9E3779B97F4A7C15 >> 16; }
+};
+
+// The blocks in memory. Sources that share it share its memory. Threads may share it.
+class BlockCache : public LruCache<SourceBlock, Bytes, SourceBlockHash> {
+ public:
+  using LruCache::LruCache;
+  uint64_t new_source() { return sources_++; }
+
+ private:
+  std::atomic<uint64_t> sources_ = 0;
+};
+
 // Threads may share it.
 class CachedSource : public ByteSource {
  public:
@@ -22,7 +41,7 @@ class CachedSource : public ByteSource {
     uint64_t offset = 0;
     Bytes bytes;
   };
-  CachedSource(std::unique_ptr<ByteSource> far, std::unique_ptr<BlockFolder> disk, Kept kept, size_t memory = size_t{64} << 20);
+  CachedSource(std::unique_ptr<ByteSource> far, std::unique_ptr<BlockFolder> disk, Kept kept, std::shared_ptr<BlockCache> cache);
 
   uint64_t size() const override { return far_->size(); }
   const std::string& name() const override { return far_->name(); }
@@ -34,7 +53,9 @@ class CachedSource : public ByteSource {
 
   static constexpr uint64_t kHead = 64;  // bytes at the start that come alone: what opens a file has no neighbours that are read next
   static constexpr uint64_t kBlock = BlockFolder::kBlock;
+  static constexpr size_t kMemory = size_t{64} << 20;
   static constexpr uint64_t kLongest = (1 << 20) / kBlock;  // blocks that are fetched by one request
+  static constexpr size_t kTogether = 24;                   // requests that are under way for one caller, or wait for those that are
   static constexpr uint64_t kGap = (1 << 17) / kBlock;      // blocks that are fetched though nobody wants them, to save a request
 
  private:
@@ -51,10 +72,11 @@ class CachedSource : public ByteSource {
   const std::unique_ptr<ByteSource> far_;
   const std::unique_ptr<BlockFolder> disk_;
   const Kept kept_;
-  const size_t memory_;
+  const std::shared_ptr<BlockCache> cache_;
+  const uint64_t number_;  // in the cache
+  const size_t memory_;    // what one caller fills at a time, and a quarter of which is kept of one read
   mutable std::once_flag head_read_;
   mutable std::array<uint8_t, kHead> head_{};
-  mutable LruCache<uint64_t, Bytes> cache_;
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;
   mutable std::set<uint64_t> fetched_now_;  // blocks that some thread fetches

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 
 #include "store/error.hpp"
@@ -96,10 +98,16 @@ const std::string& Exchange::header(const std::string& name) const {
   return found == answer_headers.end() ? kNone : found->second;
 }
 
+const std::string& Exchange::redirect() const {
+  const bool leads_on = status == 301 || status == 302 || status == 303 || status == 307 || status == 308;
+  return header(leads_on ? "location" : "");
+}
+
 class HttpClient::Session {
  public:
-  explicit Session(double timeout) : curl_(libcurl()), timeout_(timeout), multi_(curl_.multi_init()) {
+  Session() : curl_(libcurl()), process_(::getpid()), multi_(curl_.multi_init()) {
     if (multi_ == nullptr) throw IoError("libcurl can't make a set of transfers");
+    curl_.multi_setopt(multi_, CURLMOPT_MAXCONNECTS, static_cast<long>(kAtOnce));
   }
   ~Session() {
     for (Transfer& t : transfers_) {
@@ -110,12 +118,14 @@ class HttpClient::Session {
     curl_.multi_cleanup(multi_);
   }
   Session(const Session&) = delete;
+  // After a fork, the connections are those of the parent, too.
+  bool is_of_this_process() const { return process_ == ::getpid(); }
 
   void perform(std::span<Exchange> exchanges, const HttpClient& client) {
     size_t next = 0, running = 0;
     const auto begin_more = [&] {
       for (Transfer& t : transfers_)
-        if (t.exchange == nullptr && next < exchanges.size()) begin(t, exchanges[next++]), ++running;
+        if (t.exchange == nullptr && next < exchanges.size()) begin(t, exchanges[next++], client.timeout_), ++running;
     };
     begin_more();
     while (running > 0) {
@@ -131,7 +141,7 @@ class HttpClient::Session {
   }
 
  private:
-  void begin(Transfer& t, Exchange& e) {
+  void begin(Transfer& t, Exchange& e, double timeout) {
     if (t.handle == nullptr) t.handle = curl_.easy_init();
     if (t.handle == nullptr) throw IoError("libcurl can't make a transfer");
     curl_.easy_reset(t.handle);
@@ -149,16 +159,16 @@ class HttpClient::Session {
     set(CURLOPT_USERAGENT, "teracell");
     set(CURLOPT_RANGE, e.range.c_str());
     set(CURLOPT_NOSIGNAL, 1L);
-    set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(std::lround(timeout_ * 1000)));
+    set(CURLOPT_CONNECTTIMEOUT_MS, static_cast<long>(std::lround(timeout * 1000)));
     set(CURLOPT_LOW_SPEED_LIMIT, kSlow);
-    set(CURLOPT_LOW_SPEED_TIME, static_cast<long>(std::max(1.0, std::ceil(timeout_))));
+    set(CURLOPT_LOW_SPEED_TIME, static_cast<long>(std::max(1.0, std::ceil(timeout))));
     set(CURLOPT_ERRORBUFFER, t.error);
     set(CURLOPT_HEADERFUNCTION, &on_header);
     set(CURLOPT_HEADERDATA, static_cast<void*>(&t));
     set(CURLOPT_WRITEFUNCTION, &on_body);
     set(CURLOPT_WRITEDATA, static_cast<void*>(&t));
     for (const char* name : {"CURL_CA_BUNDLE", "SSL_CERT_FILE"})  // as the program curl takes them, for hosts with certificates of their own
-      if (const char* file = std::getenv(name)) {
+      if (const char* file = std::getenv(name); file != nullptr && *file != 0) {
         set(CURLOPT_CAINFO, file);
         break;
       }
@@ -183,25 +193,39 @@ class HttpClient::Session {
     Exchange& e = *t.exchange;
     curl_.multi_remove_handle(multi_, handle);
     t.exchange = nullptr;
-    if (result == CURLE_OK || (result == CURLE_WRITE_ERROR && e.cut)) {
-      const char* redirect = nullptr;
-      curl_.easy_getinfo(handle, CURLINFO_REDIRECT_URL, &redirect);
-      if (redirect != nullptr) e.redirect = redirect;
-      return;
-    }
+    if (result == CURLE_OK || (result == CURLE_WRITE_ERROR && e.cut)) return;
     e.status = 0;
     e.failure = t.error[0] != 0 ? t.error : curl_.easy_strerror(result);
+    if (e.failure.find('@') != std::string::npos) e.failure = curl_.easy_strerror(result);  // may be a proxy's address with a password
+    // What libcurl calls memory is its own limit for one line.
+    if (result == CURLE_OUT_OF_MEMORY || (result == CURLE_WRITE_ERROR && t.header_bytes > kMostOfHeaders))
+      e.failure = fmt::format("the host's answer has headers of more than {} kB", kMostOfHeaders >> 10);
     e.may_pass = is_passing(result);
     e.refused = result == CURLE_COULDNT_CONNECT;
   }
 
   const LibCurl& curl_;
-  const double timeout_;
+  const pid_t process_;
   CURLM* const multi_;
   std::array<Transfer, kAtOnce> transfers_;
 };
 
-HttpClient::HttpClient(double timeout, const std::atomic<bool>* stop) : timeout_(timeout), stop_(stop) {}
+struct HttpClient::Idle {
+  std::mutex mutex;
+  std::vector<std::unique_ptr<Session>> sessions;
+};
+
+// They last as long as there are clients.
+std::shared_ptr<HttpClient::Idle> HttpClient::shared_idle() {
+  static std::mutex mutex;
+  static std::weak_ptr<Idle> shared;
+  std::lock_guard lock(mutex);
+  std::shared_ptr<Idle> idle = shared.lock();
+  if (!idle) shared = idle = std::make_shared<Idle>();
+  return idle;
+}
+
+HttpClient::HttpClient(double timeout, const std::atomic<bool>* stop) : timeout_(timeout), stop_(stop), idle_(shared_idle()) {}
 HttpClient::~HttpClient() = default;
 
 void HttpClient::go_on() const {
@@ -212,13 +236,18 @@ void HttpClient::go_on() const {
 void HttpClient::perform(std::span<Exchange> exchanges) {
   std::unique_ptr<Session> session;
   {
-    std::lock_guard lock(mutex_);
-    if (!idle_.empty()) session = std::move(idle_.back()), idle_.pop_back();
+    std::lock_guard lock(idle_->mutex);
+    while (!session && !idle_->sessions.empty()) {
+      session = std::move(idle_->sessions.back());
+      idle_->sessions.pop_back();
+      // Not deleted: that would end the parent's connections.
+      if (!session->is_of_this_process()) static_cast<void>(session.release());
+    }
   }
-  if (!session) session = std::make_unique<Session>(timeout_);
+  if (!session) session = std::make_unique<Session>();
   session->perform(exchanges, *this);  // a session in which something was thrown is not used again
-  std::lock_guard lock(mutex_);
-  idle_.push_back(std::move(session));
+  std::lock_guard lock(idle_->mutex);
+  idle_->sessions.push_back(std::move(session));
 }
 
 }  // namespace teracell

@@ -1,4 +1,5 @@
-// Requests over HTTP, several at a time, by libcurl. Connections are kept and used again. Threads may share a client.
+// Requests over HTTP, several at a time, by libcurl. Connections are kept and used again, by all clients of the program: there are as many
+// as threads need, however many objects are read. Threads may share a client.
 #pragma once
 #include <map>
 #include <memory>
@@ -32,12 +33,13 @@ struct Exchange {
   std::map<std::string, std::string> answer_headers;
   Bytes body;
   bool cut = false;         // the body is longer than was taken
-  std::string redirect;     // where the host sends us
   std::string failure;      // why there is no whole answer
   bool may_pass = false;    // the failure may pass: a connection that broke, or a stall
   bool refused = false;     // nobody listens there
 
   const std::string& header(const std::string& name) const;
+  // Where the host sends us, perhaps relative to `url`; empty: nowhere.
+  const std::string& redirect() const;
 };
 
 class HttpClient {
@@ -54,10 +56,11 @@ class HttpClient {
 
  private:
   class Session;  // what one thread uses at a time, with its connections
+  struct Idle;
+  static std::shared_ptr<Idle> shared_idle();
   const double timeout_;
   const std::atomic<bool>* const stop_;
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<Session>> idle_;
+  const std::shared_ptr<Idle> idle_;
 };
 
 }  // namespace teracell

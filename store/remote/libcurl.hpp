@@ -8,7 +8,7 @@
 #define TERACELL_CURL_FUNCTIONS(f) \
   f(global_init) f(free) f(slist_append) f(slist_free_all) \
   f(easy_init) f(easy_cleanup) f(easy_reset) f(easy_setopt) f(easy_getinfo) f(easy_strerror) \
-  f(multi_init) f(multi_cleanup) f(multi_add_handle) f(multi_remove_handle) f(multi_perform) f(multi_poll) f(multi_info_read) f(multi_strerror) \
+  f(multi_init) f(multi_setopt) f(multi_cleanup) f(multi_add_handle) f(multi_remove_handle) f(multi_perform) f(multi_poll) f(multi_info_read) f(multi_strerror) \
   f(url) f(url_cleanup) f(url_set) f(url_get) f(url_strerror)
 // clang-format on
 

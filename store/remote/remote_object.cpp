@@ -56,6 +56,23 @@ std::string words_of(const Bytes& body) {
   return out.size() <= 200 ? out : std::string(first_bytes(out, 200)) + " ...";
 }
 
+// What an answer to a request with a secret says: the code and the message of an error of S3. Other words may repeat the request; Amazon's
+// repeat the key and the token.
+std::string safe_words_of(const Bytes& body) {
+  const std::string_view text(reinterpret_cast<const char*>(body.data()), body.size());
+  Bytes words;
+  for (const std::string_view name : {"Code>", "Message>"}) {
+    const size_t begin = text.find(fmt::format("<{}", name)), end = text.find(fmt::format("</{}", name));
+    if (begin < end && end != std::string_view::npos) words.insert(words.end(), text.begin() + begin, text.begin() + end), words.push_back(' ');
+  }
+  return words_of(words);
+}
+
+std::string said_range(const Exchange& e) {
+  const std::string& said = e.header("content-range");
+  return said.empty() ? "without a Content-Range" : fmt::format("with '{}' as its Content-Range", words_of({said.begin(), said.end()}));
+}
+
 bool read_number(std::string_view& text, uint64_t& number) {
   const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   text.remove_prefix(static_cast<size_t>(rest - text.data()));
@@ -112,7 +129,7 @@ bool RemoteObject::open(const std::string& range) {
     throw IoError(
         fmt::format("{}: expected the bytes as they are, the host sends them encoded as '{}'", name(), words_of({coding.begin(), coding.end()})));
   etag_ = e.header("etag");
-  if (!etag_.empty() && !etag_.starts_with("W/")) strong_etag_ = etag_;
+  strong_etag_ = etag_.starts_with("W/") ? "" : etag_;
   last_modified_ = e.header("last-modified");
   if (etag_.empty() && last_modified_.empty())
     throw IoError(fmt::format("{}: the host sends neither ETag nor Last-Modified, so it would not be noticed if the object were replaced", name()));
@@ -126,9 +143,7 @@ bool RemoteObject::open(const std::string& range) {
   const uint64_t first = !found || !from_end ? 0 : found->size - std::min(found->size, kTail);
   if (!found || found->first != first || found->last != (from_end ? found->size : std::min(found->size, kTail)) - 1) {
     if (from_end) return false;  // s3rver, for one, takes -100 for 0-100
-    const std::string& said = e.header("content-range");
-    throw IoError(fmt::format("{}: asked for the range {}, the host answers with '{}' as its Content-Range", name(), range,
-                              words_of({said.begin(), said.end()})));
+    throw IoError(fmt::format("{}: asked for the range {}, the host answers {}", name(), range, said_range(e)));
   }
   size_ = found->size;
   if (e.cut || e.body.size() != found->last - first + 1)
@@ -195,11 +210,8 @@ void RemoteObject::accept(Exchange& e, uint64_t first, uint64_t last) const {
   expect_same(e);
   const auto found = parse_content_range(e.header("content-range"));
   if (found && found->size != size_) changed();
-  if (!found || found->first != first || found->last != last) {
-    const std::string& said = e.header("content-range");
-    throw IoError(fmt::format("{}: asked for bytes {} to {}, the host answers with '{}' as its Content-Range", name(), first, last,
-                              words_of({said.begin(), said.end()})));
-  }
+  if (!found || found->first != first || found->last != last)
+    throw IoError(fmt::format("{}: asked for bytes {} to {}, the host answers {}", name(), first, last, said_range(e)));
   if (const std::string& coding = e.header("content-encoding"); !coding.empty() && coding != "identity")
     throw IoError(
         fmt::format("{}: expected the bytes as they are, the host sends them encoded as '{}'", name(), words_of({coding.begin(), coding.end()})));
@@ -213,7 +225,7 @@ bool RemoteObject::was_replaced() const {
   if (!etag_.empty()) headers = {"If-None-Match: " + etag_};
   else headers = {"If-Modified-Since: " + last_modified_};
   Exchange e = request("0-0", 1, headers);
-  perform({&e, 1});
+  perform({&e, 1}, place_.url.text, 1);  // the address may lead elsewhere by now; who asks will ask again
   if (e.status == 304) return false;
   if (e.status == 416 || e.status == 404 || e.status == 410) return true;
   if (e.status != 200 && e.status != 206) fail(e);
@@ -225,12 +237,16 @@ bool RemoteObject::was_replaced() const {
 void RemoteObject::fail(const Exchange& e) const {
   if (e.status == 0)
     throw IoError(fmt::format("{}: {}{}", name(), words_of({e.failure.begin(), e.failure.end()}),
-                              e.may_pass && size_ > 0 ? fmt::format(" (tried {} times)", kAttempts) : ""));
-  const std::string words = words_of(e.body);
+                              is_worth_another_try(e) ? fmt::format(" (tried {} times)", kAttempts) : ""));
+  const bool secret = e.url.find('?') != std::string::npos || (e.signing != nullptr && !e.signing->key_id.empty());
+  const std::string words = secret ? safe_words_of(e.body) : words_of(e.body);
   const bool unsigned_s3 = e.status == 403 && place_.name.starts_with("s3://") && place_.signing.key_id.empty();
   throw IoError(fmt::format("{}: the host answers with status {}{}{}", name(), e.status, words.empty() ? "" : ": " + words,
                             unsigned_s3 ? " (the request was not signed: AWS_ACCESS_KEY_ID and AWS_SECRET_ACCESS_KEY are not set)" : ""));
 }
+
+// While the object is being opened, an address at which nobody listens is taken for a mistake.
+bool RemoteObject::is_worth_another_try(const Exchange& e) const { return may_pass(e) && !(e.refused && size_ == 0); }
 
 std::string RemoteObject::current_url() const {
   std::lock_guard lock(mutex_);
@@ -240,18 +256,18 @@ std::string RemoteObject::current_url() const {
 // Sends the exchange to where the host says. `from` is where it was sent.
 void RemoteObject::follow(Exchange& e, std::string& from) const {
   try {
-    const Url next = parse_url(e.redirect);
+    const Url next = parse_url(e.redirect(), from);
     if (parse_url(from).scheme == "https" && next.scheme != "https")
       throw UsageError(fmt::format("{}: expected to stay at an https:// address", next.shown()));
     expect_allowed(next, place_.allow_http);
     from = next.text;
   } catch (const UsageError& refused) {
-    throw IoError(fmt::format("{}: the host sends us to {}", name(), refused.what()), refused.remedy);
+    throw IoError(fmt::format("{}: the host sends us elsewhere: {}", name(), refused.what()), refused.remedy);
   }
 }
 
 // Does the exchanges, with redirects, and again what may pass. What is left of failures is in them.
-void RemoteObject::perform(std::span<Exchange> exchanges) const {
+void RemoteObject::perform(std::span<Exchange> exchanges, const std::string& url, int attempts) const {
   struct State {
     std::string url;
     int redirects = 0, attempts = 0;
@@ -260,7 +276,7 @@ void RemoteObject::perform(std::span<Exchange> exchanges) const {
   std::vector<State> states(exchanges.size());
   std::vector<size_t> left;
   for (size_t i = 0; i < exchanges.size(); ++i) {
-    states[i].url = current_url();
+    states[i].url = url;
     states[i].remembered = states[i].url != place_.url.text;
     left.push_back(i);
   }
@@ -282,19 +298,19 @@ void RemoteObject::perform(std::span<Exchange> exchanges) const {
       const size_t i = left[n];
       Exchange& e = exchanges[i] = std::move(round[n]);
       State& s = states[i];
-      if (!e.redirect.empty()) {
+      if (!e.redirect().empty()) {
         if (++s.redirects > kMostRedirects) throw IoError(fmt::format("{}: the host redirects more than {} times", name(), kMostRedirects));
         follow(e, s.url);
         again.push_back(i);
-      } else if (s.remembered && (e.status == 401 || e.status == 403 || e.status == 404 || e.status == 410)) {
-        s = {place_.url.text, 0, s.attempts, false};  // such places expire
+      } else if (s.remembered && (e.status == 0 || (e.status >= 400 && e.status != 412 && e.status != 416))) {
+        s = {place_.url.text, 0, s.attempts, false};  // such places expire, or are one of several that come and go
         again.push_back(i);
-      } else if (may_pass(e) && !(e.refused && size_ == 0) && ++s.attempts < kAttempts) {
+      } else if (is_worth_another_try(e) && ++s.attempts < attempts) {
         pause = std::max(pause, pause_before(s.attempts, e));
         again.push_back(i);
-      } else if (s.redirects > 0 && (e.status == 200 || e.status == 206)) {
+      } else if (!s.remembered && (e.status == 200 || e.status == 206)) {
         std::lock_guard lock(mutex_);
-        redirected_ = s.url;
+        redirected_ = s.redirects > 0 ? s.url : "";
       }
     }
     left = std::move(again);

@@ -2,7 +2,7 @@
 // first one (or, if that is not a strong one, with Last-Modified as well) and with the size, so what was replaced is an error.
 //
 // Every request may be sent again: after a failure that may pass, up to kAttempts times. Redirects are followed, and the place to which
-// the first request was sent is asked directly by the next ones.
+// the first request was sent is asked directly by the next ones, until it fails.
 #pragma once
 #include <mutex>
 #include <optional>
@@ -61,9 +61,11 @@ class RemoteObject : public ByteSource {
   void expect_same(const Exchange& e) const;
   std::vector<std::string> conditions() const;
   Exchange request(std::string range, size_t bytes, std::vector<std::string> headers) const;
-  void perform(std::span<Exchange> exchanges) const;
+  void perform(std::span<Exchange> exchanges) const { perform(exchanges, current_url()); }
+  void perform(std::span<Exchange> exchanges, const std::string& url, int attempts = kAttempts) const;
   void follow(Exchange& e, std::string& from) const;
   [[noreturn]] void fail(const Exchange& e) const;
+  bool is_worth_another_try(const Exchange& e) const;
   std::string current_url() const;
 
   const RemotePlace place_;

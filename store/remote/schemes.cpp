@@ -29,7 +29,8 @@ std::unique_ptr<ByteSource> cached(RemotePlace place, const SourceOptions& optio
         std::make_unique<BlockFolder>(options.cache_dir, options.cache_dir_bytes, fmt::format("{}\n{}\n{}", key, object->version(), object->size()));
   const uint64_t tail_offset = object->tail_offset();
   Bytes tail = object->tail();
-  return std::make_unique<CachedSource>(std::move(object), std::move(disk), CachedSource::Kept{tail_offset, std::move(tail)});
+  return std::make_unique<CachedSource>(std::move(object), std::move(disk), CachedSource::Kept{tail_offset, std::move(tail)},
+                                        options.blocks ? options.blocks : make_block_cache(CachedSource::kMemory));
 }
 
 std::unique_ptr<ByteSource> open_http(const std::string& address, const SourceOptions& options) {
@@ -68,6 +69,8 @@ std::unique_ptr<ByteSource> open_s3(const std::string& address, const SourceOpti
 }
 
 }  // namespace
+
+std::shared_ptr<BlockCache> make_block_cache(size_t bytes) { return std::make_shared<BlockCache>(bytes); }
 
 extern const SourceScheme kHttps{"https", open_http};
 extern const SourceScheme kHttp{"http", open_http};

@@ -12,18 +12,30 @@
 namespace teracell {
 namespace {
 
-std::string without_query(const std::string& address) { return printable(first_bytes(address.substr(0, address.find_first_of("?#")), 256)); }
+// For messages about what is not an address: without a query, and without what may be a name and a password.
+std::string without_secrets(const std::string& address) {
+  std::string text = address.substr(0, address.find_first_of("?#"));
+  if (const size_t at = text.rfind('@'); at != std::string::npos) {
+    const size_t scheme = text.find("://"), begin = scheme < at ? scheme + 3 : 0;
+    text.replace(begin, at - begin, "...");
+  }
+  return printable(first_bytes(text, 256));
+}
 
 }  // namespace
 
 std::string Url::shown() const { return printable(first_bytes(text.substr(0, text.find('?')), 512)); }
 
-Url parse_url(const std::string& address) {
+Url parse_url(const std::string& address, const std::string& base) {
   const LibCurl& curl = libcurl();
   const std::unique_ptr<CURLU, void (*)(CURLU*)> parsed(curl.url(), curl.url_cleanup);
   const std::string whole = address.substr(0, address.find('#'));
-  if (const CURLUcode code = curl.url_set(parsed.get(), CURLUPART_URL, whole.c_str(), CURLU_URLENCODE | CURLU_PATH_AS_IS); code != CURLUE_OK)
-    throw UsageError(fmt::format("{}: not an address: {}", without_query(address), curl.url_strerror(code)));
+  const auto set = [&](const std::string& text) {
+    return curl.url_set(parsed.get(), CURLUPART_URL, text.c_str(), CURLU_URLENCODE | CURLU_PATH_AS_IS);
+  };
+  if (!base.empty()) set(base);
+  if (const CURLUcode code = set(whole); code != CURLUE_OK)
+    throw UsageError(fmt::format("{}: not an address: {}", without_secrets(address), curl.url_strerror(code)));
   const auto part = [&](CURLUPart which, unsigned flags = 0) {
     char* found = nullptr;
     if (curl.url_get(parsed.get(), which, &found, flags) != CURLUE_OK || found == nullptr) return std::string();

@@ -12,8 +12,8 @@ struct Url {
   // For messages: without the query, which may hold a signature.
   std::string shown() const;
 };
-// Throws UsageError: not an address, or one with a name or a password in it.
-Url parse_url(const std::string& address);
+// Throws UsageError: not an address, or one with a name or a password in it. An address may be relative to `base`, if there is one.
+Url parse_url(const std::string& address, const std::string& base = "");
 
 bool is_loopback(const std::string& host);
 

@@ -58,6 +58,11 @@ class RemoteCase(Case):
             self.assertEqual(self.run_ok(arguments[0], address, *arguments[1:], *options, **run).out, expected, arguments)
         self.assertIn("sound", self.run_ok("verify", address, *options, **run).out)
 
+    def origin_of_bucket(self, mode):
+        origin = Origin({"/bucket/g.tcell": self.file}, mode)
+        self.addCleanup(origin.close)
+        return origin
+
     def slice_fails(self, status, phrases, address, *options, **run):
         return self.refused(status, phrases, "slice", address, "--axis", "z", "--index", "300", "-o", "out.png", *options, **run)
 
@@ -104,6 +109,18 @@ class GoodHosts(RemoteCase):
         here.requests.clear()
         self.run_ok("verify", here.url + "/g.tcell")
         self.assertEqual(len(here.requests), 1)
+
+    def test_the_body_of_a_redirect_does_not_matter(self):
+        origin = self.origin("long_redirect")
+        origin.objects["/there/g.tcell"] = self.file
+        self.run_ok("verify", origin.url + "/g.tcell")
+
+    def test_where_a_redirect_led_is_given_up_when_it_fails(self):
+        for mode in ["forbidden_later", "gone_later", "ill_later"]:
+            first, second, here = self.origin(mode), self.origin(), self.origin("elsewhere")
+            here.targets = [first.url, second.url]
+            self.run_ok("verify", here.url + "/g.tcell")
+            self.assertEqual(len(here.requests), 2)
 
     def test_messages_show_no_query(self):
         self.assertNotIn("secret", self.run_ok("verify", self.origin().url + "/g.tcell?signature=secret").out)
@@ -197,13 +214,34 @@ class HostileHosts(RemoteCase):
         self.assertLess(len(said), 500)
         self.assertNotIn("\x1b", said)
 
+    def test_too_many_headers(self):
+        self.fails("headers", "headers of more than 64 kB")
+
+    def test_errors_that_repeat_the_request_show_no_secrets(self):
+        origin = self.origin("echo")
+        said = self.slice_fails(1, ["status 403: InvalidToken The token is malformed."], origin.url + "/g.tcell?signature=secret")
+        self.assertNotIn("secret", said)
+        said = self.slice_fails(1, ["status 403: InvalidToken The token is malformed."], "s3://bucket/g.tcell", "--endpoint", self.origin_of_bucket("echo").url,
+                                env=dict(NO_KEYS, AWS_ACCESS_KEY_ID="hidden-id", AWS_SECRET_ACCESS_KEY="hidden-key", AWS_SESSION_TOKEN="hidden-token"))
+        self.assertNotIn("hidden", said)
+        here = self.origin("elsewhere")
+        here.target = origin.url + "/signature-follows?signature=secret&at="
+        self.assertNotIn("secret", self.slice_fails(1, "status", here.url + "/g.tcell"))
+
+    def test_what_is_not_an_address_shows_no_password(self):
+        for address in ["https://me:secret@ho st/g.tcell", "https://me:secret@host:99999999/g.tcell", "https://me:secret@[::x/g.tcell"]:
+            self.assertNotIn("secret", self.slice_fails(2, "not an address", address))
+            self.assertNotIn("secret", self.slice_fails(2, "not an address", "s3://bucket/key", "--endpoint", address))
+        proxy = dict(NO_KEYS, https_proxy="http://me:secret@ho st")
+        self.assertNotIn("secret", self.slice_fails(1, "proxy", "https://grids.invalid/g.tcell", env=proxy))
+
     def test_redirects(self):
         self.fails("circle", "redirects more than 5 times")
         origin = self.origin("elsewhere")
         origin.target = "http://192.0.2.1"
-        self.slice_fails(1, ["the host sends us to http://192.0.2.1/", "--allow-http"], origin.url + "/g.tcell")
+        self.slice_fails(1, ["the host sends us elsewhere: http://192.0.2.1/", "--allow-http"], origin.url + "/g.tcell")
         origin.target = "file://"
-        self.slice_fails(1, "the host sends us to", origin.url + "/g.tcell")
+        self.slice_fails(1, "the host sends us elsewhere: file:", origin.url + "/g.tcell")
 
     def test_nobody_listens(self):
         with socket.socket() as s:
@@ -266,6 +304,16 @@ class Folders(RemoteCase):
             out, err = p.communicate(timeout=120)
             self.assertEqual(p.returncode, 0, err)
         self.same_cells(address, "--cache-dir", "kept")
+
+    def test_what_lies_there_under_the_names_of_its_files(self):
+        address = self.origin().url + "/g.tcell"
+        for put in [os.mkfifo, os.mkdir, lambda path: os.symlink(self.path("ball.stl"), path)]:
+            self.run_ok("verify", address, "--cache-dir", "kept")
+            for name in os.listdir(self.path("kept")):
+                os.remove(self.path("kept/" + name))
+                put(self.path("kept/" + name))
+            self.same_cells(address, "--cache-dir", "kept")
+            shutil.rmtree(self.path("kept"))
 
     def test_a_folder_that_can_not_be_made(self):
         self.write("file", "")

@@ -49,6 +49,22 @@ class RemoteServing(ServeCase, RemoteCase):
         self.stop(quick)
         self.stop(local)
 
+    def test_an_address_that_leads_to_a_newer_object_is_noticed(self):
+        self.run_ok("mesh", "ball.stl", "--cells", 800, "-o", "h.tcell", "--progress", "none")
+        there, here = self.origin(), self.origin("elsewhere")
+        there.objects["/new/g.tcell"] = self.bytes("h.tcell")
+        here.target = there.url
+        server, local = self.serve(here.url + "/g.tcell", "--recheck", "1"), self.serve("h.tcell")
+        here.target = there.url + "/new"
+        path, expected = "/api/v1/grids/{}/column/z/10_10", local.get("/api/v1/grids/h/column/z/10_10").body
+        for _ in range(100):
+            if server.get(path.format("g")).body == expected:
+                break
+            time.sleep(0.1)
+        self.assertEqual(server.get(path.format("g")).body, expected)
+        self.stop(server)
+        self.stop(local)
+
     def test_a_host_that_goes_away_and_comes_back(self):
         origin = self.origin()
         server = self.serve(origin.url + "/g.tcell", "--recheck", "1")

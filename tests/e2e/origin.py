@@ -210,12 +210,51 @@ class Origin:
             send(h, 403, {}, b"the token has expired")
         return number > 1
 
+    def wrong_ill_later(self, h, name, body, number, failing):
+        if number > 1:
+            send(h, 503, {}, b"")
+        return number > 1
+
+    def wrong_gone_later(self, h, name, body, number, failing):
+        """Nobody listens any more."""
+        if number > 1:
+            h.close_connection = True
+        return number > 1
+
     def wrong_circle(self, h, name, body, number, failing):
         send(h, 302, {"Location": h.path}, b"")
         return True
 
+    def wrong_long_redirect(self, h, name, body, number, failing):
+        """A redirect with a body that does not end."""
+        if name == "/g.tcell":
+            h.send_response(302)
+            h.send_header("Location", "/there/g.tcell?signature=secret")
+            h.send_header("Content-Length", str(10**12))
+            h.end_headers()
+            try:
+                while True:
+                    h.wfile.write(b"moved " * 10000)
+            except OSError:
+                h.close_connection = True
+            return True
+        return False
+
+    def wrong_headers(self, h, name, body, number, failing):
+        h.wfile.write(b"HTTP/1.1 206 Partial\r\n" + b"".join(b"x-%d: %s\r\n" % (i, b"a" * 100) for i in range(1000)))
+        h.close_connection = True
+        return True
+
+    def wrong_echo(self, h, name, body, number, failing):
+        """Errors that repeat the request, as those of Amazon and of web frameworks do."""
+        send(h, 403, {}, f"<Error><Code>InvalidToken</Code><Message>The token is malformed.</Message><Token-0>{h.headers.get('x-amz-security-token')}"
+                         f"</Token-0></Error> Cannot GET {h.path} {h.headers}".encode())
+        return True
+
     def wrong_elsewhere(self, h, name, body, number, failing):
-        """Sends clients to `self.target`."""
+        """Sends clients to `self.target`, or to one of `self.targets` after the other."""
+        if hasattr(self, "targets"):
+            self.target = self.targets[min(number, len(self.targets)) - 1]
         send(h, 307, {"Location": self.target + h.path}, b"")
         return True
 

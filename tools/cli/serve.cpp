@@ -29,6 +29,9 @@
 namespace teracell {
 namespace {
 
+constexpr size_t kBlocks = size_t{256} << 20;  // memory for what was read from addresses
+constexpr uint64_t kMoreThreads = 3;           // that read grids: at the start, to ask hosts, and ahead of requests
+
 struct ServeArguments {
   std::vector<std::string> grids, allow_hosts, allow_origins;
   std::string host = "127.0.0.1", cache = "256M", base_path, token_file, web, log = "text";
@@ -141,7 +144,7 @@ void run(const ServeArguments& o) {
   listen.stop_on_signals = true;
   const std::vector<std::filesystem::path> named(o.grids.begin(), o.grids.end());
   const auto addresses = static_cast<uint64_t>(std::ranges::count_if(o.grids, is_address));
-  const uint64_t fetching = addresses * kMostFetches * static_cast<uint64_t>(listen.threads);
+  const uint64_t fetching = addresses > 0 ? kMostFetches * (static_cast<uint64_t>(listen.threads) + kMoreThreads) : 0;
   const DescriptorShares wanted =
       wanted_descriptors(o.max_connections, count_grids(named), static_cast<uint64_t>(listen.threads), open_descriptors() + fetching);
   const DescriptorShares shares = share_descriptors(wanted);
@@ -158,7 +161,9 @@ void run(const ServeArguments& o) {
                      shares.connections, wanted.connections, shares.all(), wanted.all()));
   if (!o.token_file.empty() && others_can_read(o.token_file))
     note(fmt::format("warning: --token-file {}: other users of this machine can read it: chmod 600 {}", o.token_file, o.token_file));
-  Service service({named, parse_size(o.cache, "--cache"), o.max_pixels, shares.files, listen.token.empty(), note, o.source, o.recheck});
+  SourceOptions source = o.source;
+  source.blocks = make_block_cache(kBlocks);
+  Service service({named, parse_size(o.cache, "--cache"), o.max_pixels, shares.files, listen.token.empty(), note, source, o.recheck});
   Listener* listening = nullptr;
   listen.on_hangup = [&] {
     service.grids().look_soon();

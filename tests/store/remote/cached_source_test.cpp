@@ -27,7 +27,11 @@ class Far : public ByteSource {
     if (offset > size() || out.size() > size() - offset) throw IoError("beyond the end");
     std::copy_n(bytes_.begin() + static_cast<std::ptrdiff_t>(offset), out.size(), out.begin());
   }
-  mutable std::atomic<uint64_t> requests = 0, read_bytes = 0;
+  void read_many(std::span<const ByteRead> reads) const override {
+    at_once = std::max<uint64_t>(at_once, reads.size());
+    ByteSource::read_many(reads);
+  }
+  mutable std::atomic<uint64_t> requests = 0, read_bytes = 0, at_once = 0;
   std::atomic<bool> failing = false;
 
  private:
@@ -46,7 +50,7 @@ struct CacheOf {
   explicit CacheOf(const Bytes& bytes, size_t memory = size_t{64} << 20, std::unique_ptr<BlockFolder> disk = nullptr, CachedSource::Kept kept = {}) {
     auto made = std::make_unique<Far>(bytes);
     far = made.get();
-    source = std::make_unique<CachedSource>(std::move(made), std::move(disk), std::move(kept), memory);
+    source = std::make_unique<CachedSource>(std::move(made), std::move(disk), std::move(kept), std::make_shared<BlockCache>(memory));
   }
   Bytes read(uint64_t offset, uint64_t size) const {
     Bytes out(size);
@@ -89,6 +93,33 @@ TEST_CASE("What is kept, or was read, is not asked for again; neighbours come in
   const uint64_t before = cache.far->requests;
   for (uint64_t b = 200; b < 399; ++b) cache.read(b * kBlock, kBlock);
   REQUIRE(cache.far->requests - before < 12);
+}
+
+TEST_CASE("Places that lie apart are fetched some at a time, and are right") {
+  constexpr uint64_t kApart = CachedSource::kGap + 3;
+  const Bytes bytes = noise(200 * kApart * kBlock);
+  const CacheOf cache(bytes);
+  std::vector<ByteRange> places;
+  for (uint64_t i = 0; i < 200; ++i) places.push_back({i * kApart * kBlock + 7, 100});
+  cache.source->prefetch(places);
+  REQUIRE(cache.far->requests == 200);
+  REQUIRE(cache.far->at_once == CachedSource::kTogether);
+  for (const ByteRange& r : places) REQUIRE(cache.read(r.offset, r.size) == part(bytes, r.offset, r.size));
+  REQUIRE(cache.far->requests == 200);
+}
+
+TEST_CASE("Sources that share their memory have blocks of their own, and no more memory") {
+  const Bytes first = noise(50 * kBlock), second = noise(60 * kBlock);
+  const auto memory = std::make_shared<BlockCache>(size_t{40} * kBlock);
+  CachedSource a(std::make_unique<Far>(first), nullptr, {}, memory), b(std::make_unique<Far>(second), nullptr, {}, memory);
+  Bytes found(100);
+  for (uint64_t block = 1; block < 50; ++block) {
+    a.read(block * kBlock + 3, found);
+    REQUIRE(found == part(first, block * kBlock + 3, 100));
+    b.read(block * kBlock + 3, found);
+    REQUIRE(found == part(second, block * kBlock + 3, 100));
+  }
+  REQUIRE(memory->counts().bytes <= memory->counts().limit);
 }
 
 TEST_CASE("Threads that want the same blocks fetch each once", "[threads]") {
