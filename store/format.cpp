@@ -207,8 +207,8 @@ uint16_t check_header(std::span<const uint8_t> bytes) {
   const auto expected = in.fixed<uint64_t>(), found = checksum(bytes.first(kHeaderBytes - 8));
   if (found != expected) throw FormatError(fmt::format("header: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
   if (major != kFormatMajor)
-    throw FormatError(fmt::format("the file has format version {}.{}, this program reads {}.x: use a{} teracell", major, minor, kFormatMajor,
-                                  major > kFormatMajor ? " newer" : "n older"));
+    throw FormatError(fmt::format("the file has format version {}.{}, this program reads {}.x: {}", major, minor, kFormatMajor,
+                                  major > kFormatMajor ? "use a newer teracell" : "mesh the surfaces again, or use an older teracell"));
   if (reserved != 0) throw FormatError("header: reserved bits are set");
   return minor;
 }
