@@ -17,6 +17,9 @@ namespace {
 // What a facet in memory takes: the facet, its place among the rays, its numbers in the lists of the tiling, and its part of the
 // tables that count what its surface is made of.
 constexpr uint64_t kBytesPerFacet = 160;
+// More facets than these are put into bins in any case, even if the bins stay in memory: a bin is read from end to end, and has a quarter
+// of the bytes. With 6.4 million facets both ways took the same processor time; with 25.6 million, bins took three quarters.
+constexpr uint64_t kMostTogether = uint64_t{8} << 20;
 
 // The one pass over all facets. Of each body it finds whether its surface is closed and whether it has opposite facets; of all of
 // them, where their matrices put them, the box and the areas of their projections.
@@ -76,12 +79,25 @@ class Study {
   std::vector<Found> bodies_;
 };
 
+// A pipe can't be read a second time, so its facets must stay.
+bool together(const Scene& scene, const Budget& budget) {
+  return budget.together || std::ranges::any_of(scene.bodies, [](const SceneBody& b) {
+           std::error_code ignored;
+           return std::filesystem::is_other(b.mesh, ignored);
+         });
+}
+
 // Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time. (With one
 // job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
 class BodyReader {
  public:
   BodyReader(const Scene& scene, const Budget& budget, bool count, Bodies& out)
-      : scene_(scene), budget_(budget), most_(budget.bytes / 8 * 5 / kBytesPerFacet), count_(count), out_(out), counts_(out.counts) {}
+      : scene_(scene),
+        budget_(budget),
+        most_(std::min(budget.bytes / 8 * 5 / kBytesPerFacet, together(scene, budget) ? ~uint64_t{0} : kMostTogether)),
+        count_(count),
+        out_(out),
+        counts_(out.counts) {}
 
   void read(const std::function<void(double)>& progress) {
     out_.bodies.reserve(scene_.bodies.size());
@@ -95,7 +111,7 @@ class BodyReader {
                                  take(b, layer, facets);
                                  progress(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
                                },
-                               {budget_, out_.helper.get()});
+                               {budget_, out_.helper.get(), [&](uint64_t facets) { make_room(facets); }});
       if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
       batch_.pieces.push_back({b, {}, 0, true});
@@ -122,7 +138,7 @@ class BodyReader {
   };
 
   void take(size_t b, uint32_t layer, std::span<const Facet> facets) {
-    if (out_.in_memory && out_.facets->size() + facets.size() > most_) spill();
+    make_room(facets.size());
     batch_.facets += facets.size();
     if (!out_.in_memory) {
       batch_.pieces.push_back({b, {}, facets.size(), false});
@@ -134,6 +150,10 @@ class BodyReader {
       facets = facets.subspan(stored.size());
     }
     if (batch_.facets >= kFacets) hand_on();
+  }
+
+  void make_room(uint64_t facets) {
+    if (out_.in_memory && out_.facets->size() + facets > most_) spill();
   }
 
   // Drops the facets that were kept, and no longer counts them.
@@ -256,9 +276,11 @@ void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& bud
   for (size_t b = 0; b < scene.bodies.size(); ++b) {
     const SceneBody& body = scene.bodies[b];
     const ClosedBody& closed = bodies.bodies[b].closed;
+    const bool moves = body.matrix != kIdentity;
     uint64_t number = 0;
-    for_each_facet(body, bodies.bodies[b], bodies, budget,
-                   [&](const Facet& facet) { f(moved(facet, body), closed.rules ? closed.rules->layer(b, number++) : closed.layer(b)); });
+    for_each_facet(body, bodies.bodies[b], bodies, budget, [&](const Facet& facet) {
+      f(moves ? moved(facet, body) : facet, closed.rules ? closed.rules->layer(b, number++) : closed.layer(b));
+    });
     for (const bool parity : {false, true}) {
       for (const Facet& facet : closed.added[parity]) f(moved(facet, body), layer_of(b, parity));
       for (const Facet& facet : closed.walls[parity]) f(facet, layer_of(b, parity));

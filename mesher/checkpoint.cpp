@@ -6,6 +6,7 @@
 #include "store/error.hpp"
 #include "store/file.hpp"
 #include "store/format.hpp"
+#include "store/json_text.hpp"
 
 namespace teracell {
 namespace {
@@ -15,13 +16,16 @@ constexpr char kMagic[] = "tcellru4";  // its last digit is raised when the layo
 }  // namespace
 
 // An input's hash or size says most.
-std::string difference(const std::string& before, const std::string& now) {
-  const auto a = nlohmann::json::parse(before), b = nlohmann::json::parse(now);
+std::string difference(const std::string& before, const std::string& now) try {
+  const nlohmann::json a = parse_json(before, "before"), b = parse_json(now, "now");
   const auto patch = nlohmann::json::diff(a, b);
-  const std::string path = patch.at(0).at("path");
+  const std::string path = patch.empty() ? "" : patch.at(0).at("path");
+  if (path.empty()) throw FormatError("it is in no value");
   const nlohmann::json::json_pointer at(path);
   const auto shown = [&](const nlohmann::json& j) { return j.contains(at) ? j.at(at).dump() : std::string("absent"); };
   return fmt::format("{} was {} and is {} now", path.substr(1), shown(a), shown(b));
+} catch (const FormatError&) {
+  return "its description is written in another way";
 }
 
 std::filesystem::path checkpoint_path(const std::filesystem::path& output) { return output.string() + ".resume"; }

@@ -6,59 +6,109 @@
 #include <fmt/ranges.h>
 
 #include "mesher/checkpoint.hpp"
+#include "mesher/joining.hpp"
 #include "mesher/make_report.hpp"
 #include "mesher/part_found.hpp"
 #include "mesher/report_json.hpp"
-#include "store/part.hpp"
-#include "store/pyramid_writer.hpp"
-#include "store/writer.hpp"
 
 namespace teracell {
 namespace {
 
-// The parts in their order. Throws InputError unless they are all parts of one grid.
-std::vector<std::unique_ptr<PartReader>> open_parts(const std::vector<std::filesystem::path>& paths) {
-  std::vector<std::unique_ptr<PartReader>> parts;
-  for (const auto& path : paths) parts.push_back(std::make_unique<PartReader>(path));
-  if (parts.empty()) throw UsageError("expected the parts of a grid, found none");
-  std::ranges::stable_sort(parts, {}, [](const auto& part) { return part->head().number; });
-  const PartReader& first = *parts.front();
-  for (const auto& part : parts) {
-    if (part->head().of != first.head().of)
-      throw InputError(fmt::format("{} is one of {} parts, but {} is one of {}", first.name(), first.head().of, part->name(), part->head().of));
-    if (part->head().run != first.head().run)
-      throw InputError(
-          fmt::format("{} is a part of another run than {}: {}", part->name(), first.name(), difference(first.head().run, part->head().run)));
+// What is kept of a part while the others are read. There may be more parts than files that a process may open.
+struct Listed {
+  std::filesystem::path path;
+  uint32_t number;
+  TreeRange range;
+  uint64_t bytes;  // of the grid
+};
+
+class Parts {
+ public:
+  // Throws InputError or FormatError unless these are all parts of one grid.
+  explicit Parts(const std::vector<std::filesystem::path>& paths) {
+    if (paths.empty()) throw UsageError("expected the parts of a grid, found none");
+    for (const auto& path : paths) add(path);
+    std::ranges::stable_sort(listed_, {}, &Listed::number);
+    expect_all();
+    expect_one_after_another();
+    expect_room_for_pages();
   }
-  std::vector<uint32_t> missing;
-  size_t at = 0;
-  for (uint32_t number = 0; number < first.head().of; ++number) {
-    if (at == parts.size() || parts[at]->head().number != number) missing.push_back(number);
-    else if (++at; at < parts.size() && parts[at]->head().number == number)
-      throw InputError(fmt::format("{} and {} are both part {}", parts[at - 1]->name(), parts[at]->name(), number));
+  const Metadata& meta() const { return head_.meta; }
+  const std::vector<Listed>& listed() const { return listed_; }
+  uint64_t bytes() const { return bytes_; }  // of the grid
+
+  std::unique_ptr<PartReader> open(const Listed& part) const {
+    auto reader = std::make_unique<PartReader>(part.path);
+    const PartHead& head = reader->head();
+    if (head.run != head_.run || head.of != head_.of || head.number != part.number || head.range != part.range || head.meta != head_.meta ||
+        reader->bytes() != part.bytes)
+      throw InputError(fmt::format("{}: another part took its place while the parts were merged", reader->name()));
+    return reader;
   }
-  if (!missing.empty()) {
-    constexpr size_t kShown = 20;
-    const size_t shown = std::min(missing.size(), kShown);
-    throw InputError(fmt::format("expected {} parts, found {}: {} {}{} missing", first.head().of, parts.size(),
-                                 fmt::join(missing.begin(), missing.begin() + static_cast<ptrdiff_t>(shown), ", "),
-                                 missing.size() > shown ? fmt::format("and {} more ", missing.size() - shown) : "",
-                                 missing.size() == 1 ? "is" : "are"));
+
+ private:
+  void add(const std::filesystem::path& path) {
+    if (path.extension() == ".partial" || path.extension() == ".resume")
+      throw InputError(fmt::format("{}: expected a part, found one that is not complete: it is being made, or its run was killed", path.string()));
+    PartReader part(path);
+    if (listed_.empty()) head_ = part.head(), first_ = part.name();
+    const PartHead& head = part.head();
+    if (head.of != head_.of) throw InputError(fmt::format("{} is one of {} parts, but {} is one of {}", first_, head_.of, part.name(), head.of));
+    if (head.run != head_.run)
+      throw InputError(fmt::format("{} is a part of another run than {}: {}", part.name(), first_, difference(head_.run, head.run)));
+    if (head.meta != head_.meta)
+      throw FormatError(fmt::format("{}: expected a part of the grid of {}, found one of another grid", part.name(), first_));
+    listed_.push_back({path, head.number, head.range, part.bytes()});
+    bytes_ += part.bytes();
+    file_bytes_ += part.file_bytes();
   }
-  uint64_t end = 0;
-  for (const auto& part : parts) {
-    if (part->head().range.first != end) throw FormatError(fmt::format("{}: does not begin where the part before it ends", part->name()));
-    end = part->head().range.end;
+
+  void expect_all() const {
+    for (size_t i = 1; i < listed_.size(); ++i)
+      if (listed_[i - 1].number == listed_[i].number)
+        throw InputError(fmt::format("{} and {} are both part {}", listed_[i - 1].path.string(), listed_[i].path.string(), listed_[i].number));
+    const uint64_t missing = head_.of - listed_.size();
+    if (missing == 0) return;
+    constexpr uint64_t kShown = 20;
+    std::vector<uint32_t> shown;
+    auto part = listed_.begin();
+    for (uint32_t number = 0; shown.size() < std::min(missing, kShown); ++number)
+      if (part != listed_.end() && part->number == number) ++part;
+      else shown.push_back(number);
+    throw InputError(fmt::format("expected {} parts, found {}: {} {}{} missing", head_.of, listed_.size(), fmt::join(shown, ", "),
+                                 missing > kShown ? fmt::format("and {} more ", missing - kShown) : "", missing == 1 ? "is" : "are"));
   }
-  if (end != TreeRange().end) throw FormatError(fmt::format("{}: expected the grid's last part to reach its end", parts.back()->name()));
-  return parts;
-}
+
+  void expect_one_after_another() const {
+    uint64_t end = 0;
+    for (const Listed& part : listed_) {
+      if (part.range.first != end) throw FormatError(fmt::format("{}: does not begin where the part before it ends", part.path.string()));
+      end = part.range.end;
+    }
+    if (end != TreeRange().end) throw FormatError(fmt::format("{}: expected the grid's last part to reach its end", listed_.back().path.string()));
+  }
+
+  // The index takes memory for each page, of which the parts hold several bytes.
+  void expect_room_for_pages() const {
+    for (int level = 0; level < meta().grid.levels(); ++level) {
+      const LevelShape s(meta(), level);
+      if (const double pages = double{1} * s.pages_u * s.pages_v * s.segments; level != 1 && pages > static_cast<double>(file_bytes_))
+        throw FormatError(fmt::format("{}: damaged: a grid with {:.3g} index pages on level {} has parts of more than {} bytes", first_, pages, level,
+                                      file_bytes_));
+    }
+  }
+
+  PartHead head_;      // of the first one that was given
+  std::string first_;  // its name
+  std::vector<Listed> listed_;
+  uint64_t bytes_ = 0, file_bytes_ = 0;
+};
 
 // Puts the bytes of a part into the file, and what joins it to others.
-class Joining : public PartTaker {
+class Copying : public Joining {
  public:
-  Joining(const PartReader& part, GridWriter& writer, PyramidWriter& pyramid, const std::function<void(uint64_t done)>& progress)
-      : part_(part), writer_(writer), pyramid_(pyramid), progress_(progress) {}
+  Copying(const PartReader& part, GridWriter& writer, PyramidWriter& pyramid, const std::function<void(uint64_t done)>& progress)
+      : Joining(writer, pyramid), part_(part), progress_(progress) {}
 
   void run() {
     part_.replay(*this);
@@ -74,24 +124,14 @@ class Joining : public PartTaker {
       progress_(offset_);
     }
   }
-  void chunk(const ChunkKey& key, ChunkEntry&& entry, uint64_t changes) override { writer_.put_entry(key, std::move(entry), changes); }
-  void page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum) override { writer_.put_page(chunks, page, size, checksum); }
-  void child(int level, uint32_t cu, uint32_t cv, Chunk&& coarsened) override {
-    const auto node = pyramid_.node_above(level, cu, cv);
-    node->add(cu, cv, std::move(coarsened), encoder_);
-    pyramid_.put_above(node, cu, cv);
-  }
 
  private:
   static constexpr size_t kPiece = 1 << 20;
   const PartReader& part_;
-  GridWriter& writer_;
-  PyramidWriter& pyramid_;
   const std::function<void(uint64_t done)>& progress_;
   ContentHash hash_;
   uint64_t offset_ = 0;
   Bytes buffer_;
-  ChunkEncoder encoder_;
 };
 
 }  // namespace
@@ -99,28 +139,30 @@ class Joining : public PartTaker {
 MeshReport merge(const std::vector<std::filesystem::path>& paths, const std::filesystem::path& output, const Progress& progress,
                  const std::atomic<bool>& stop) {
   const auto began = std::chrono::steady_clock::now();
-  const auto parts = open_parts(paths);
+  const Parts parts(paths);
   double cells = 1;
-  for (const int64_t n : parts.front()->head().meta.grid.cells()) cells *= static_cast<double>(n);
-  uint64_t all = 0, done = 0;
-  for (const auto& part : parts) all += part->bytes();
+  for (const int64_t n : parts.meta().grid.cells()) cells *= static_cast<double>(n);
+  uint64_t done = 0;
 
-  GridWriter writer(output, parts.front()->head().meta);
+  GridWriter writer(output, parts.meta());
   PyramidWriter pyramid(writer);
   CastTotals totals;
   std::optional<SurfacesFound> surfaces;
-  for (const auto& part : parts) {
-    Joining(*part, writer, pyramid, [&](uint64_t of_part) {
+  for (const Listed& listed : parts.listed()) {
+    const auto part = parts.open(listed);
+    const std::function<void(uint64_t)> copied = [&](uint64_t of_part) {
       if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output.string()));
-      progress("merge", static_cast<double>(done + of_part) / static_cast<double>(all), cells);
-    }).run();
+      progress("merge", static_cast<double>(done + of_part) / static_cast<double>(parts.bytes()), cells);
+    };
+    Copying(*part, writer, pyramid, copied).run();
     PartFound found = decode_found(part->found(), part->name());
-    if (found.surfaces) surfaces = std::move(found.surfaces);
-    if (totals.cells.empty()) totals = std::move(found.totals);
+    if (listed.number == 0) surfaces = std::move(found.surfaces);
+    if (!surfaces) throw FormatError(fmt::format("{}: expected what was found of the surfaces, found none", part->name()));
+    expect_fit(found.totals, *surfaces, parts.meta(), part->name());
+    if (listed.number == 0) totals = std::move(found.totals);
     else totals.add(found.totals);
     done += part->bytes();
   }
-  if (!surfaces) throw FormatError(fmt::format("{}: expected what was found of the surfaces, found none", parts.front()->name()));
 
   const Plan plan{writer.meta(), surfaces->rays, {}};
   MeshReport out;

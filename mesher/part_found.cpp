@@ -2,6 +2,8 @@
 
 #include <bit>
 
+#include <fmt/format.h>
+
 namespace teracell {
 namespace {
 
@@ -44,8 +46,8 @@ class Take {
   }
   template <class T>
   void operator()(std::vector<T>& list) {
-    list.resize(in_.varint(0, in_.remaining(), "entries"));
-    for (T& item : list) fields(*this, item);
+    list.clear();  // and grows with what is there, not with what a number says
+    for (uint64_t left = in_.varint(0, in_.remaining(), "entries"); left > 0; --left) fields(*this, list.emplace_back());
   }
 
  private:
@@ -109,7 +111,11 @@ PartFound decode_found(std::span<const uint8_t> bytes, const std::string& name) 
     Take take(in);
     std::string scene;
     take(scene);
-    surfaces.scene = parse_scene(scene, {});
+    try {
+      surfaces.scene = parse_scene(scene, {});
+    } catch (const Error& e) {
+      in.fail(fmt::format("the scene: {}", e.what()));
+    }
     take(surfaces.bodies.bodies);
     take(surfaces.counts);
     take(surfaces.rays.axis), take(surfaces.rays.asked_for), fields(take, surfaces.rays.crossings);
@@ -117,6 +123,25 @@ PartFound decode_found(std::span<const uint8_t> bytes, const std::string& name) 
   }
   in.expect_end();
   return out;
+}
+
+void expect_fit(const CastTotals& totals, const SurfacesFound& surfaces, const Metadata& meta, const std::string& name) {
+  const auto expect = [&](bool fits, const char* what) {
+    if (!fits) throw FormatError(fmt::format("{}: what was found does not fit the grid: {}", name, what));
+  };
+  const size_t bodies = surfaces.scene.bodies.size();
+  expect(surfaces.bodies.bodies.size() == bodies && surfaces.counts.size() == bodies && totals.cells.size() == bodies, "it is of other bodies");
+  expect(surfaces.rays.axis == meta.ray_axis, "its rays run along another axis");
+  for (const BodyFacets& body : surfaces.bodies.bodies)
+    for (const FillChoice& fill : body.closed.fill) expect(static_cast<size_t>(fill.rule) < kFillNames.size(), "there is no such fill rule");
+  for (const auto& [key, tally] : totals.tallies.all()) {
+    using What = TallyKey::What;
+    expect(key.what <= What::kLowerSide && key.axis < 3, "it counts something else");
+    expect(key.of < (key.what == What::kGaps ? surfaces.scene.materials.size() : bodies), "it counts in something else");
+    Index3 last = tally.cell;
+    if (key.what != What::kLowerSide) ++last[key.axis];  // it lies between two sample points
+    for (int d = 0; d < 3; ++d) expect(tally.cell[d] >= 0 && last[d] < meta.grid.axis[d].cells(), "it lies outside");
+  }
 }
 
 }  // namespace teracell

@@ -25,5 +25,7 @@ struct PartFound {
 // `surfaces`: for part 0; null for the others.
 Bytes encode_found(const CastTotals& totals, const SurfacesFound* surfaces);
 PartFound decode_found(std::span<const uint8_t> bytes, const std::string& name);
+// Throws FormatError unless a report can be made of these. `name`: whose totals these are.
+void expect_fit(const CastTotals& totals, const SurfacesFound& surfaces, const Metadata& meta, const std::string& name);
 
 }  // namespace teracell

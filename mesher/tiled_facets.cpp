@@ -16,20 +16,31 @@ std::vector<bool> which_move(const Scene& scene) {
 
 }  // namespace
 
-TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const TreeRange& range,
-                         bool count, const Budget& budget, int threads, const std::function<void(double)>& progress)
-    : scene_(scene), bodies_(bodies), meta_(meta), binned_(scene.bodies.size()) {
-  if (bodies.in_memory) {
-    use_memory(widened, range, count);
-    return;
+TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const Budget& budget,
+                         int threads, std::function<void(double)> progress)
+    : scene_(scene),
+      bodies_(bodies),
+      meta_(meta),
+      widened_(widened),
+      budget_(budget),
+      threads_(threads),
+      progress_(std::move(progress)),
+      binned_(scene.bodies.size()) {}
+
+Tiling& TiledFacets::tile(const TreeRange& range, bool count, bool again) {
+  tiling_.reset();
+  if (bodies_.in_memory) {
+    if (!facets_) take_from_memory(count);
+    return tiling_.emplace(facets_, meta_, widened_, range);
   }
   // What counts facets needs all of them.
-  auto bins = fill_bins(widened, count ? TreeRange() : range, budget, threads, progress);
-  spilled_ = bins->bytes();
-  tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads > 1 ? threads : 0, meta, range);
+  auto bins = fill_bins(count ? TreeRange() : range, again);
+  if (bins->in_memory()) held_ = std::max(held_, bins->bytes());
+  else spilled_ += bins->bytes();
+  return tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads_ > 1 ? threads_ : 0, meta_, range);
 }
 
-void TiledFacets::use_memory(const std::vector<bool>& widened, const TreeRange& range, bool count) {
+void TiledFacets::take_from_memory(bool count) {
   const std::vector<bool> moves = which_move(scene_);
   const bool any_moves = std::ranges::count(moves, true) > 0;
   if (any_moves && count) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
@@ -43,21 +54,19 @@ void TiledFacets::use_memory(const std::vector<bool>& widened, const TreeRange& 
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
     for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
   for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
-  tiling_.emplace(facets_, meta_, widened, range);
 }
 
 std::vector<SurfaceCounts> TiledFacets::counts() { return bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals(); }
 
 // They are read once more, from their files.
-std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& widened, const TreeRange& range, const Budget& budget, int threads,
-                                                  const std::function<void(double)>& progress) {
+std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool again) {
   const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
     const uint32_t body = body_of_layer(layer);
     return moves[body] ? moved(f, scene.bodies[body]) : f;
   };
   const bool walls =
       std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
-  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget, threads > 1, move, widened, range);
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range);
   struct Stretch {  // of facets that are alike
     size_t facets;
     uint32_t layer;
@@ -69,7 +78,7 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& widen
   };
   constexpr size_t kBatch = 4096;
   Batch batch;
-  Background background(threads > 1);
+  Background background(threads_ > 1);
   const auto hand_on = [&] {
     background.run([&bins, batch = std::exchange(batch, {})] {
       const Facet* f = batch.facets.data();
@@ -89,12 +98,12 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& widen
     const BodyFacets& found = bodies_.bodies[b];
     const ClosedBody& closed = found.closed;
     uint64_t number = 0;
-    read_again(scene_.bodies[b], found, budget, [&](std::span<const Facet> facets) {
+    read_again(scene_.bodies[b], found, budget_, [&](std::span<const Facet> facets) {
       if (!closed.rules) add(facets, closed.layer(b), FacetBins::kOfFile);
       else
         for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile);
       done += facets.size();
-      progress(static_cast<double>(done) / all);
+      progress_(static_cast<double>(done) / all);
     });
     for (const bool parity : {false, true}) {
       add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded);
@@ -103,7 +112,8 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const std::vector<bool>& widen
   }
   hand_on();
   background.finish();
-  for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
+  if (!again)
+    for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
   bins->finish();
   return bins;
 }

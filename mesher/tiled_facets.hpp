@@ -11,27 +11,33 @@ namespace teracell {
 
 class TiledFacets {
  public:
-  // Takes the facets out of `bodies`. Keeps references to scene, bodies and meta; `progress` is called with shares of 1 while facets
-  // are spilled. `widened` bodies as in rays.hpp. Without `count`, counts() is not to be called.
-  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const TreeRange& range, bool count,
-              const Budget& budget, int threads, const std::function<void(double)>& progress);
+  // Keeps references to scene, bodies, meta, widened and budget; `progress` is called with shares of 1 while facets are spilled. `widened`
+  // bodies as in rays.hpp.
+  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const Budget& budget, int threads,
+              std::function<void(double)> progress);
 
-  Tiling& tiling() { return *tiling_; }
+  // Tiles the facets of a stretch of the tree; the tiling before this one is gone. The first call takes facets in memory out of `bodies`;
+  // `again`: there may be another one, so those that were added are kept. `count` is for counts(): one tiling may do that.
+  Tiling& tile(const TreeRange& range, bool count, bool again);
   const GridFacets* in_memory() const { return facets_.get(); }  // null when they were spilled
-  uint64_t spilled_bytes() const { return spilled_; }
-  // One per body; waits. REQUIRES: every group was taken from the tiling.
+  uint64_t spilled_bytes() const { return spilled_; }  // to disk
+  uint64_t bytes_in_bins() const { return held_; }     // in memory
+  // One per body; waits. REQUIRES: every group was taken from the tiling that counts.
   std::vector<SurfaceCounts> counts();
 
  private:
-  void use_memory(const std::vector<bool>& widened, const TreeRange& range, bool count);
-  std::unique_ptr<FacetBins> fill_bins(const std::vector<bool>& widened, const TreeRange& range, const Budget& budget, int threads,
-                                       const std::function<void(double)>& progress);
+  void take_from_memory(bool count);
+  std::unique_ptr<FacetBins> fill_bins(const TreeRange& range, bool again);
 
   const Scene& scene_;
   Bodies& bodies_;
   const Metadata& meta_;
+  const std::vector<bool>& widened_;
+  const Budget& budget_;
+  const int threads_;
+  const std::function<void(double)> progress_;
   std::shared_ptr<GridFacets> facets_;
-  uint64_t spilled_ = 0;
+  uint64_t spilled_ = 0, held_ = 0;
   BinnedCounter binned_;
   std::optional<Tiling> tiling_;  // last: it uses the others
 };

@@ -42,4 +42,14 @@ struct Interrupted : Error {  // the user asked to stop
   using Error::Error;
 };
 
+// Calls f(). A FormatError that does not begin with the name of the file is thrown again with it.
+template <class F>
+auto naming(const std::string& file, F&& f) try {
+  return f();
+} catch (const FormatError& e) {
+  const std::string message = e.what();
+  if (message.starts_with(file)) throw;
+  throw FormatError(file + ": " + message, e.remedy);
+}
+
 }  // namespace teracell

@@ -28,10 +28,12 @@ using std::filesystem::path;
   fail_at(partial, "can't create", error);
 }
 
-// Closes `fd` and throws when another writer has the lock.
+// Closes `fd` and throws when another writer has the lock, or when the file system has none to give, as Lustre without the option `flock`.
 void lock(int fd, const path& partial, const path& target, const char* kind) {
   if (::flock(fd, LOCK_EX | LOCK_NB) == 0) return;
+  const int error = errno;
   ::close(fd);
+  if (error != EWOULDBLOCK) fail_at(partial, "can't lock", error);
   throw IoError(fmt::format("{}: another process is writing this {} (it holds the lock on {})", target.string(), kind, partial.string()));
 }
 
@@ -51,6 +53,16 @@ bool write_all(int fd, std::span<const uint8_t> bytes) {
     bytes = bytes.subspan(static_cast<size_t>(n));
   }
   return true;
+}
+
+void pwrite_all(int fd, const path& partial, uint64_t offset, std::span<const uint8_t> bytes) {
+  while (!bytes.empty()) {
+    const ssize_t n = ::pwrite(fd, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw IoError(fmt::format("{}: byte {}: can't write: {}", partial.string(), offset, std::strerror(errno)));
+    offset += static_cast<uint64_t>(n);
+    bytes = bytes.subspan(static_cast<size_t>(n));
+  }
 }
 
 // Makes the names in a folder durable. Returns the error, or 0.
@@ -163,6 +175,7 @@ void OutputFile::append(std::span<const uint8_t> bytes) {
     flush();
     if (!write_all(fd_, bytes)) fail("can't write");
     size_ += bytes.size();
+    begin_write_back();
     return;
   }
   buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
@@ -171,19 +184,32 @@ void OutputFile::append(std::span<const uint8_t> bytes) {
 }
 
 void OutputFile::write_at(uint64_t offset, std::span<const uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t n = ::pwrite(fd_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw IoError(fmt::format("{}: byte {}: can't write: {}", partial_.string(), offset, std::strerror(errno)));
-    offset += static_cast<uint64_t>(n);
-    size_ = std::max(size_, offset);
-    bytes = bytes.subspan(static_cast<size_t>(n));
-  }
+  if (bytes.empty()) return;
+  pwrite_all(fd_, partial_, offset, bytes);
+  size_ = std::max(size_, offset + bytes.size());
+}
+
+void OutputFile::skip(uint64_t bytes) {
+  flush();
+  if (::lseek(fd_, static_cast<off_t>(bytes), SEEK_CUR) < 0) fail("can't write");
+  size_ += bytes;
 }
 
 void OutputFile::flush() {
   if (!write_all(fd_, buffer_)) fail("can't write");
   buffer_.clear();
+  begin_write_back();
+}
+
+// The disk begins to write while the rest is made, so there is less to wait for at the end. It is only a hint.
+void OutputFile::begin_write_back() {
+#ifdef __linux__
+  constexpr uint64_t kStretch = uint64_t{8} << 20;
+  const uint64_t written = size_ - buffer_.size();
+  if (written - written_back_ < kStretch) return;
+  ::sync_file_range(fd_, static_cast<off_t>(written_back_), static_cast<off_t>(written - written_back_), SYNC_FILE_RANGE_WRITE);
+  written_back_ = written;
+#endif
 }
 
 void OutputFile::read_kept(uint64_t offset, std::span<uint8_t> out) const {
@@ -206,13 +232,28 @@ void OutputFile::sync() {
   if (::fsync(fd_) != 0) fail("can't make durable (fsync)");
 }
 
-void OutputFile::commit() {
+void OutputFile::commit(bool durable) {
   flush();
-  if (::fsync(fd_) != 0) fail("can't make durable (fsync)");
+  if (durable && ::fsync(fd_) != 0) fail("can't make durable (fsync)");
   if (::rename(partial_.c_str(), target_.c_str()) != 0) fail("can't rename to its final name");
   ::close(fd_);
   fd_ = -1;
-  if (const int error = sync_name(target_)) fail_in_place(target_, "file", error);
+  if (const int error = durable ? sync_name(target_) : 0) fail_in_place(target_, "file", error);
+}
+
+// Not for reading as well: a network file system would then read the page around what is written, and write all of it back, over what
+// others have written meanwhile.
+FileRoom::FileRoom(const std::filesystem::path& target)
+    : partial_(target.string() + ".partial"), fd_(::open(partial_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW)) {
+  if (fd_ < 0) fail_at(partial_, "can't open", errno);
+}
+
+FileRoom::~FileRoom() { ::close(fd_); }
+
+void FileRoom::write_at(uint64_t offset, std::span<const uint8_t> bytes) const { pwrite_all(fd_, partial_, offset, bytes); }
+
+void FileRoom::sync() const {
+  if (::fsync(fd_) != 0) fail_at(partial_, "can't make durable (fsync)", errno);
 }
 
 OutputFolder::OutputFolder(const std::filesystem::path& target, std::string mark)

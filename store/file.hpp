@@ -82,6 +82,8 @@ class OutputFile {
   void append(std::span<const uint8_t> bytes);
   // For libraries that write in an order of their own. Gaps are zeros. REQUIRES: nothing was appended.
   void write_at(uint64_t offset, std::span<const uint8_t> bytes);
+  // Leaves room for bytes that another process puts there by way of a FileRoom before commit().
+  void skip(uint64_t bytes);
   // Reads from the bytes that were kept or written by write_at(). REQUIRES: nothing was appended yet.
   void read_kept(uint64_t offset, std::span<uint8_t> out) const;
   // Closes the partial file and leaves it where it is.
@@ -89,16 +91,32 @@ class OutputFile {
   // When it returns, the bytes so far outlive a power failure, under the temporary name.
   void sync();
   // When it returns, the bytes and the name are durable (fsync of file and folder). When it throws there is no file. If only
-  // the folder fails, there is a complete file whose name may not be durable; the message says so.
-  void commit();
+  // the folder fails, there is a complete file whose name may not be durable; the message says so. Not durable: for bytes that are
+  // checked when they are read, and can be made again.
+  void commit(bool durable = true);
 
  private:
   void flush();
+  void begin_write_back();
   [[noreturn]] void fail(const char* what) const;
   std::filesystem::path target_, partial_;
   int fd_ = -1;
-  uint64_t size_ = 0;
+  uint64_t size_ = 0, written_back_ = 0;
   Bytes buffer_;
+};
+
+// What several processes write of one file: the places that its OutputFile, in any process, has skipped. Throws IoError.
+class FileRoom {
+ public:
+  explicit FileRoom(const std::filesystem::path& target);  // of that OutputFile
+  ~FileRoom();
+  FileRoom(const FileRoom&) = delete;
+  void write_at(uint64_t offset, std::span<const uint8_t> bytes) const;
+  void sync() const;  // when it returns, what was written outlives a power failure
+
+ private:
+  std::filesystem::path partial_;
+  int fd_;
 };
 
 // A folder of files that appears as a whole or not at all. Like a file, it is written under the name "<target>.partial", has one

@@ -1,5 +1,9 @@
 #include "store/open_pages.hpp"
 
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
 namespace teracell {
 
 std::optional<OpenPages::Page> OpenPages::put(const ChunkKey& key, ChunkEntry entry) {
@@ -12,6 +16,9 @@ std::optional<OpenPages::Page> OpenPages::put(const ChunkKey& key, ChunkEntry en
   }
   open.entries[shape_.slot_of(key, page)] = std::move(entry);
   if (--open.missing > 0) return std::nullopt;
+  for (const ChunkEntry& e : open.entries)
+    if (e.size == 0 && e.uniform.empty())
+      throw FormatError(fmt::format("level {} index page {}: a chunk is there twice, and another one is missing", shape_.level, page));
   Page complete{page, std::move(open.entries)};
   open_.erase(it);
   return complete;

@@ -17,7 +17,8 @@ class OpenPages {
   OpenPages(const Metadata& meta, int level) : shape_(meta, level), labels_(static_cast<uint32_t>(meta.labels.size())) {}
   const LevelShape& shape() const { return shape_; }
   bool empty() const { return open_.empty(); }
-  // Takes the entry of a chunk. Returns its page if this was the last chunk of it. REQUIRES: each chunk is put once.
+  // Takes the entry of a chunk. Returns its page if this was the last chunk of it. Throws FormatError when it then turns out that a chunk
+  // was put twice in place of another one.
   std::optional<Page> put(const ChunkKey& key, ChunkEntry entry);
   void save(Bytes& state) const;
   void restore(ByteReader& state);

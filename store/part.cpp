@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "store/json_text.hpp"
 #include "store/metadata_json.hpp"
 
 namespace teracell {
@@ -14,6 +14,7 @@ constexpr std::string_view kMagic = "tcellpt2";  // its last digit is raised whe
 constexpr uint64_t kPartFooter = 64;
 enum Record : uint8_t { kChunk, kPage, kChild, kEnd };
 constexpr uint64_t kMostBeside = uint64_t{1} << 32;  // bytes of the head, of the records and of what was found
+constexpr size_t kMostHeadValues = 16;
 
 void put_bytes(Bytes& out, std::span<const uint8_t> bytes) {
   put_varint(out, bytes.size());
@@ -34,13 +35,21 @@ Bytes encode_head(const PartHead& head) {
 
 PartHead decode_head(std::span<const uint8_t> body, const std::string& name) {
   ByteReader in(body, name);
-  const auto json = nlohmann::json::parse(decode_text(in.take(in.varint()), name));
-  const Metadata meta = decode_metadata(in.take(in.varint()));
-  return {json.at("run").get<std::string>(),
-          json.at("part").get<uint32_t>(),
-          json.at("parts").get<uint32_t>(),
-          {json.at("first").get<uint64_t>(), json.at("end").get<uint64_t>()},
-          meta};
+  const auto json = parse_json(decode_text(in.take(in.varint()), name), "its head", kMostHeadValues);
+  const auto whole = [&](const char* key) {
+    const auto at = json.find(key);
+    if (at == json.end() || !at->is_number_unsigned()) throw FormatError(fmt::format("its head: expected a whole number '{}', found none", key));
+    return at->get<uint64_t>();
+  };
+  if (!json.is_object() || !json.contains("run") || !json["run"].is_string())
+    throw FormatError("its head: expected what the grid depends on, found none");
+  const uint64_t number = whole("part"), of = whole("parts");
+  const TreeRange range{whole("first"), whole("end")};
+  if (number >= of || of > ~uint32_t{0} || range.first > range.end)
+    throw FormatError(fmt::format("its head: expected a part of a grid, found part {} of {} from {} to {}", number, of, range.first, range.end));
+  PartHead head{json["run"], static_cast<uint32_t>(number), static_cast<uint32_t>(of), range, decode_metadata(in.take(in.varint()))};
+  in.expect_end();
+  return head;
 }
 
 // Whether all chunks of an index page lie in the range.
@@ -163,7 +172,7 @@ void PartWriter::put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coa
 
 // The footer: the sizes and checksums of the records and of what was found; the size of the file; the hash of the grid's bytes; a
 // checksum of all these.
-void PartWriter::finish(std::span<const uint8_t> found) {
+void PartWriter::finish(std::span<const uint8_t> found, bool durable) {
   begin_record(kEnd);
   Bytes footer;
   for (const std::span<const uint8_t> tail : {std::span<const uint8_t>(records_), found}) {
@@ -176,7 +185,7 @@ void PartWriter::finish(std::span<const uint8_t> found) {
   footer.insert(footer.end(), hash.begin(), hash.end());
   put_fixed(footer, checksum(footer));
   file_.append(footer);
-  file_.commit();
+  file_.commit(durable);
 }
 
 // ---- reading
@@ -214,7 +223,7 @@ PartReader::PartReader(const std::filesystem::path& path) : file_(path) {
     if (part > left || part > kMostBeside) fail("its parts are larger than the file: it is damaged");
     left -= part;
   }
-  head_ = decode_head(take(head, "its head"), name());
+  head_ = naming(name(), [&] { return decode_head(take(head, "its head"), name()); });
   first_ = kBegin + head.size;
   bytes_ = left;
   records_.offset = first_ + bytes_;
@@ -231,6 +240,10 @@ Bytes PartReader::take(const DirectoryEntry& place, const char* what) const {
 Bytes PartReader::found() const { return take(found_, "what was found"); }
 
 void PartReader::replay(PartTaker& taker) const {
+  naming(name(), [&] { replay_unnamed(taker); });
+}
+
+void PartReader::replay_unnamed(PartTaker& taker) const {
   const Metadata& meta = head_.meta;
   const auto labels = static_cast<uint32_t>(meta.labels.size());
   ChunkDecoder decoder;
@@ -257,9 +270,11 @@ void PartReader::replay(PartTaker& taker) const {
     const auto cu = static_cast<uint32_t>(in.varint(0, shape.chunks_u - 1, "chunk")),
                cv = static_cast<uint32_t>(in.varint(0, shape.chunks_v - 1, "chunk"));
     if (kind == kChild) {
+      if (level % 2 != 0 || level == 0 || level + 1 >= meta.grid.levels()) in.fail("expected a child on a level that has parents, found another one");
+      const auto half = [](uint32_t n) { return (n + 1) / 2; };
+      const uint32_t nu = half(shape.rays_u(cu)), nv = half(shape.rays_v(cv)), length = half(shape.nw);
+      if (in.varint() != nu || in.varint() != nv || in.varint() != length) in.fail("a child has not the rays and cells of its place");
       Chunk rays;
-      const auto nu = static_cast<uint32_t>(in.varint(1, meta.chunk_rays, "rays")), nv = static_cast<uint32_t>(in.varint(1, meta.chunk_rays, "rays"));
-      const auto length = static_cast<uint32_t>(in.varint(1, Axis::kMaxCells, "cells"));
       decoder.decode(in.take(in.varint()), nu, nv, length, labels, rays);
       taker.child(level, cu, cv, std::move(rays));
       continue;

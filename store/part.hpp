@@ -33,8 +33,8 @@ class PartWriter : public ChunkSink {
   const Metadata& meta() const override { return head_.meta; }
   void put(const ChunkKey& key, const EncodedChunk& chunk) override;
   void put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) override;
-  // `found` is for the one who merges. When it returns the file is durable.
-  void finish(std::span<const uint8_t> found);
+  // `found` is for the one who merges. When it returns the file is durable, if it shall be.
+  void finish(std::span<const uint8_t> found, bool durable = true);
   uint64_t bytes() const override { return file_.size(); }
   uint64_t chunks() const override { return chunks_; }
   void save(Bytes& state) override;
@@ -83,11 +83,13 @@ class PartReader {
   void read(uint64_t offset, std::span<uint8_t> out) const { file_.read(first_ + offset, out); }
   const std::array<uint8_t, 16>& hash() const { return hash_; }
   Bytes found() const;
+  void check_records() const { take(records_, "its records"); }
   // Goes through the records.
   void replay(PartTaker& taker) const;
 
  private:
   Bytes take(const DirectoryEntry& place, const char* what) const;
+  void replay_unnamed(PartTaker& taker) const;  // with errors that need not name the file
   InputFile file_;
   PartHead head_;
   uint64_t first_ = 0, bytes_ = 0;

@@ -185,10 +185,16 @@ std::pair<uint64_t, uint64_t> keys_below(int height, uint32_t cu, uint32_t cv) {
 
 }  // namespace
 
+// Halves of halves move apart, so this takes four steps.
 uint64_t tree_key(uint32_t cu, uint32_t cv) {
-  uint64_t key = 0;
-  for (int shift = 0; shift < 32; shift += kFanOutBits) key |= uint64_t{(cv >> shift) % kFanOut * kFanOut + (cu >> shift) % kFanOut} << (2 * shift);
-  return key;
+  static_assert(kFanOutBits == 2);
+  const auto spread = [](uint64_t x) {  // the bits in pairs, with two zeros before each
+    x = (x | x << 16) & 0x0000ffff0000ffff;
+    x = (x | x << 8) & 0x00ff00ff00ff00ff;
+    x = (x | x << 4) & 0x0f0f0f0f0f0f0f0f;
+    return (x | x << 2) & 0x3333333333333333;
+  };
+  return spread(cv) << kFanOutBits | spread(cu);
 }
 
 bool TreeRange::has_all(int height, uint32_t cu, uint32_t cv) const {

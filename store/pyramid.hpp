@@ -18,6 +18,7 @@ struct TreeRange {
   // Of node (cu, cv), `height` levels of the tree above the chunks of level 2: whether all of it, or any of it, is in this stretch.
   bool has_all(int height, uint32_t cu, uint32_t cv) const;
   bool has_any(int height, uint32_t cu, uint32_t cv) const;
+  friend bool operator==(const TreeRange&, const TreeRange&) = default;
 };
 
 // Merges 2^shift x 2^shift rays, and 2^shift cells along them, into one; the last ones of each axis may be partial.

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
 namespace teracell {
 
 LevelChunk encode_level(ChunkEncoder& encoder, const Metadata& meta, int level, uint32_t cu, uint32_t cv, const Chunk& rays) {
@@ -39,7 +43,9 @@ PyramidNode::PyramidNode(const Metadata& meta, int level, uint32_t u, uint32_t v
 }
 
 void PyramidNode::add(uint32_t cu, uint32_t cv, Chunk coarsened, ChunkEncoder& encoder) {
-  children_[child_at(cu, cv)] = std::move(coarsened);
+  Chunk& child = children_[child_at(cu, cv)];
+  if (child.rays.rays() != 0) throw FormatError(fmt::format("level {} chunk ({}, {}): it is there twice", level_, cu, cv));
+  child = std::move(coarsened);
   if (--missing_ == 0 && whole_) make(encoder);
 }
 

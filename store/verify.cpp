@@ -131,7 +131,7 @@ void verify_frames(const GridReader& reader, const Channel& c, std::span<const C
 }  // namespace
 
 void verify(const GridReader& reader, int threads, const std::function<void(double)>& progress, std::span<const ChannelKind> known) {
-  try {
+  naming(reader.name(), [&] {
     const uint64_t size = reader.file_bytes();
     const Footer& footer = reader.footer();
     Coverage coverage;
@@ -145,10 +145,7 @@ void verify(const GridReader& reader, int threads, const std::function<void(doub
     for (const Channel& c : reader.meta().others()) verify_frames(reader, c, known, coverage, tell_progress);
     coverage.expect_whole(size);
     check_content_hash(reader);
-  } catch (const FormatError& e) {
-    const std::string message = e.what();
-    throw FormatError(message.starts_with(reader.name()) ? message : fmt::format("{}: {}", reader.name(), message));
-  }
+  });
 }
 
 namespace {

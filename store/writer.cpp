@@ -1,5 +1,6 @@
 #include "store/writer.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -125,7 +126,7 @@ void GridWriter::put_entry(const ChunkKey& key, ChunkEntry entry, uint64_t chang
     l.info.changes += changes;
   }
   if (const auto page = l.open.put(key, std::move(entry)))
-    l.directory[page->number] = append(encode_page(page->entries, key.level == 0, file_.size()));
+    put_place(l, page->number, append(encode_page(page->entries, key.level == 0, file_.size())));
 }
 
 void GridWriter::put_page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum) {
@@ -133,7 +134,12 @@ void GridWriter::put_page(const LevelInfo& chunks, uint64_t page, uint64_t size,
   l.info.chunks += chunks.chunks;
   l.info.bytes += chunks.bytes;
   l.info.changes += chunks.changes;
-  l.directory[page] = {file_.size() - size, size, checksum};
+  put_place(l, page, {file_.size() - size, size, checksum});
+}
+
+void GridWriter::put_place(Level& l, uint64_t page, const DirectoryEntry& place) {
+  if (l.directory[page].size != 0) throw FormatError(fmt::format("level {} index page {}: it is there twice", l.info.level, page));
+  l.directory[page] = place;
 }
 
 void GridWriter::put_child(int, uint32_t, uint32_t, const Chunk&) { throw std::logic_error("a part of a chunk was put into a whole grid"); }
@@ -151,7 +157,8 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
     return append(frame);
   };
   for (const Level& l : levels_)
-    if (!l.open.empty()) throw Error(fmt::format("level {} lacks chunks", l.info.level));
+    if (!l.open.empty() || std::ranges::any_of(l.directory, [](const DirectoryEntry& e) { return e.size == 0; }))
+      throw FormatError(fmt::format("level {} lacks chunks", l.info.level));
   for (size_t i = 1; i < covers_.size(); ++i)
     if (covers_[i].empty()) throw Error(fmt::format("channel '{}' has no frame", meta_.channels[i].name));
   meta_.levels().clear();

@@ -22,8 +22,10 @@ class GridWriter : public ChunkSink {
   const Metadata& meta() const override { return meta_; }
   void put(const ChunkKey& key, const EncodedChunk& chunk) override;
   void put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) override;  // never: the file has all
-  // ---- What was made elsewhere, for merging. The bytes come first, then what they are.
-  void put_bytes(std::span<const uint8_t> bytes) { append_bytes(bytes); }
+  // ---- What was made elsewhere, for merging. The bytes come first, then what they are. REQUIRES: no save().
+  void put_bytes(std::span<const uint8_t> bytes) { file_.append(bytes); }
+  // The same where another process writes these bytes, before finish() (FileRoom in file.hpp).
+  void skip(uint64_t bytes) { file_.skip(bytes); }
   // The chunk whose frame, if it has one, the last bytes are.
   void put_entry(const ChunkKey& key, ChunkEntry entry, uint64_t changes);
   // A page that is complete: its frame, of which the last bytes are, and what its chunks add up to.
@@ -47,6 +49,7 @@ class GridWriter : public ChunkSink {
   };
   GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep);
   void append_bytes(std::span<const uint8_t> bytes);
+  void put_place(Level& l, uint64_t page, const DirectoryEntry& place);
   DirectoryEntry append(std::span<const uint8_t> frame);
 
   Metadata meta_;

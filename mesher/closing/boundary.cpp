@@ -70,7 +70,7 @@ void OppositeSample::shrink() {
 }
 
 bool OppositeSample::take_answer() {
-  shrink();
+  if (facets_.size() > kFacets) shrink();
   std::vector<uint64_t> table(std::bit_ceil(2 * facets_.size() + 1));
   bool found = false;
   for (const uint64_t f : facets_) {

@@ -30,6 +30,6 @@ EngineMaker brute_maker(const RayFrame&, const AllFacets& all_facets) {
 
 }  // namespace
 
-const EngineKind kBruteEngine = {"brute", brute_maker};
+const EngineKind kBruteEngine = {"brute", true, brute_maker};
 
 }  // namespace teracell

@@ -74,7 +74,8 @@ using AllFacets = std::function<std::vector<const SceneFacet*>()>;
 
 // What an engine's file defines. engines.hpp lists all of them.
 struct EngineKind {
-  const char* name;  // of the option --engine
+  const char* name;     // of the option --engine
+  bool searches_scene;  // whether the maker calls `all_facets`
   // A maker of engines for rays of `frame`. It calls `all_facets` at most once, before it returns; the facets outlive the engines.
   EngineMaker (*maker)(const RayFrame& frame, const AllFacets& all_facets);
 };

@@ -14,6 +14,13 @@ namespace {
 constexpr const EngineKind* kEngines[] = {TERACELL_ENGINES(LISTED)};
 #undef LISTED
 
+const EngineKind& kind_named(const std::string& name) {
+  const auto kind = std::ranges::find(kEngines, name, &EngineKind::name);
+  if (kind == std::end(kEngines))
+    throw UsageError(fmt::format("expected one of the engines {1}, found '{0}'", name, fmt::join(engine_names(), ", ")));
+  return **kind;
+}
+
 }  // namespace
 
 const std::vector<std::string>& engine_names() {
@@ -25,11 +32,10 @@ const std::vector<std::string>& engine_names() {
   return names;
 }
 
+bool searches_scene(const std::string& name) { return kind_named(name).searches_scene; }
+
 EngineMaker engine_maker(const std::string& name, const RayFrame& frame, const AllFacets& all_facets) {
-  const auto kind = std::ranges::find(kEngines, name, &EngineKind::name);
-  if (kind == std::end(kEngines))
-    throw UsageError(fmt::format("expected one of the engines {1}, found '{0}'", name, fmt::join(engine_names(), ", ")));
-  return (*kind)->maker(frame, all_facets);
+  return kind_named(name).maker(frame, all_facets);
 }
 
 }  // namespace teracell

@@ -23,6 +23,9 @@ TERACELL_ENGINES(DECLARED)
 // In the order of the list.
 const std::vector<std::string>& engine_names();
 
+// Whether an engine needs all facets in memory. Throws UsageError unless `name` is one of engine_names().
+bool searches_scene(const std::string& name);
+
 // A maker of engines for rays of `frame`. If the engine searches the scene, `all_facets` is called once, by this function, and
 // the facets that it returns must outlive the engines. Throws UsageError unless `name` is one of engine_names().
 EngineMaker engine_maker(const std::string& name, const RayFrame& frame, const AllFacets& all_facets);

@@ -90,6 +90,6 @@ EngineMaker scan_maker(const RayFrame&, const AllFacets&) {
 
 }  // namespace
 
-const EngineKind kScanEngine = {"scan", scan_maker};
+const EngineKind kScanEngine = {"scan", false, scan_maker};
 
 }  // namespace teracell

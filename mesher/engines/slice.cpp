@@ -90,6 +90,6 @@ EngineMaker slice_maker(const RayFrame&, const AllFacets&) {
 
 }  // namespace
 
-const EngineKind kSliceEngine = {"slice", slice_maker};
+const EngineKind kSliceEngine = {"slice", false, slice_maker};
 
 }  // namespace teracell

@@ -80,6 +80,6 @@ EngineMaker tree_maker(const RayFrame& frame, const AllFacets& all_facets) {
 
 }  // namespace
 
-const EngineKind kTreeEngine = {"tree", tree_maker};
+const EngineKind kTreeEngine = {"tree", true, tree_maker};
 
 }  // namespace teracell

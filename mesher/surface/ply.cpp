@@ -390,6 +390,7 @@ void read_ply(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptio
   const Layout layout = layout_of(header, input);
   file.float32 = true;
   for (const Property* p : layout.xyz) file.float32 &= p->type == Type::kFloat32;
+  if (layout.face.element) options.expect(layout.face.element->count);
   if (header.format == "ascii") {
     file.format = "PLY (ASCII)";
     read_body(AsciiValues(input), header, layout, out, options.budget);

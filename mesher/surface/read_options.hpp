@@ -1,6 +1,9 @@
 // What a reader of surface files is told besides the file and the part. A format that needs more, such as a tolerance, gets a
 // field here, with a default that suits the other formats.
 #pragma once
+#include <cstdint>
+#include <functional>
+
 #include "mesher/surface/spill.hpp"
 
 namespace teracell {
@@ -10,6 +13,8 @@ class Background;
 struct ReadOptions {
   Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
   Background* helper = nullptr;  // may do part of the parsing; it may have other jobs
+  // Called before the first facet by a reader that knows about how many there are.
+  std::function<void(uint64_t)> expect = [](uint64_t) {};
 };
 
 }  // namespace teracell

@@ -6,6 +6,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
 
@@ -13,7 +14,10 @@
 
 namespace teracell {
 
-SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected) : folder_(folder.string()) {
+SpillFile::SpillFile(const std::filesystem::path& folder, uint64_t expected, bool in_memory) : folder_(folder.string()) {
+  if (in_memory) fd_ = ::memfd_create("teracell", MFD_CLOEXEC);
+  in_memory_ = fd_ >= 0;
+  if (in_memory_) return;
   struct statvfs disk;
   if (::statvfs(folder_.c_str(), &disk) != 0)
     throw IoError(fmt::format("{}: no folder for temporary files: {}", folder_, std::strerror(errno)), Remedy::kOtherFolder);

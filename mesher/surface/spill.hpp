@@ -1,4 +1,4 @@
-// Disk space for what exceeds the memory budget.
+// Disk space for what exceeds the memory budget, and memory that is used like it.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -11,6 +11,7 @@ namespace teracell {
 struct Budget {
   uint64_t bytes = ~uint64_t{0};
   std::filesystem::path folder = ".";  // for temporary files
+  bool together = false;               // the facets are needed all at once, even where bins would be faster (kMostTogether in bodies.cpp)
 };
 
 // A temporary file without a name, which disappears with the process, however that ends. Threads may share it. Throws IoError
@@ -18,17 +19,19 @@ struct Budget {
 // file, which took most of the time of a run.)
 class SpillFile {
  public:
-  // Throws unless the folder has `expected` bytes of free space.
-  SpillFile(const std::filesystem::path& folder, uint64_t expected);
+  // Throws unless the folder has `expected` bytes of free space. With `in_memory` it uses no folder, if the system has files in memory.
+  SpillFile(const std::filesystem::path& folder, uint64_t expected, bool in_memory = false);
   ~SpillFile();
   SpillFile(const SpillFile&) = delete;
 
   void write(uint64_t offset, std::span<const uint8_t> bytes);
   void read(uint64_t offset, std::span<uint8_t> out) const;
+  bool in_memory() const { return in_memory_; }
 
  private:
   std::string folder_;
   int fd_ = -1;
+  bool in_memory_ = false;
 };
 
 }  // namespace teracell

@@ -188,11 +188,12 @@ void skip_rest(Input& input, FacetStream& out, uint64_t facets) {
                                               : ""));
 }
 
-void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions&) {
+void read_binary(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptions& options) {
   file.format = "STL (binary)";
   const bool wanted = out.wants("");
   const uint64_t facets = counted_facets(input.window(kHeader));
   if (input.size() && *input.size() < kHeader + kRecord * facets) cut_short(input, facets, *input.size());
+  options.expect(facets);
   input.consume(kHeader);
   for (uint64_t done = 0; done < facets;) {
     const std::string_view records = input.window(kRecord);

@@ -28,7 +28,8 @@ class FacetBins {
   using Move = std::function<Facet(const Facet&, uint32_t layer)>;
   // For about `facets` facets, in single precision if `float32`. `move` transforms a facet to where the grid sees it. A loaded
   // bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
-  // thread writes to the disk. `widened` bodies as in rays.hpp. Facets that lie outside `range` alone are dropped.
+  // thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets that lie
+  // outside `range` alone are dropped.
   FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened,
             const TreeRange& range = {});
 
@@ -44,6 +45,7 @@ class FacetBins {
   // Calls f with each facet of a bin, with the facet as the grid sees it, and with its rays (none if it is ignored). Call once.
   void take(const TreePlace& place, const std::function<void(const BinnedFacet&, const Facet& moved, const RayRange&)>& f);
   uint64_t bytes() const { return end_; }  // ever written
+  bool in_memory() const { return file_.in_memory(); }
 
  private:
   struct Extent {

@@ -27,6 +27,7 @@ Tiling::Tiling(const Metadata& meta, std::vector<bool> widened, const TreeRange&
   groups_u_ = (rays_.shape.chunks_u + kFanOut - 1) / kFanOut;
   groups_v_ = (rays_.shape.chunks_v + kFanOut - 1) / kFanOut;
   groups_ = groups_below(rays_.root());
+  has_all_ = groups_ == uint64_t{groups_u_} * groups_v_;
 }
 
 // The groups of the range that lie below a node, and in the grid.
@@ -88,9 +89,18 @@ Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, s
     : Tiling(meta, std::move(widened), range) {
   NodeBuilder root(rays_);
   root.expect(facets->size());
-  facets->for_each(0, facets->size(),
-                   [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_.range_of(f.facet, f.layer)); });
+  facets->for_each(0, facets->size(), [&](const SceneFacet& f) { root.add(f.facet, f.layer & kIgnored ? RayRange{} : rays_of(f)); });
   path_.push_back(root.finish(rays_.root(), std::move(facets)));
+}
+
+// Empty if they are outside the range. A key never falls when a coordinate grows, so all groups of a box have keys between those of
+// its corners.
+RayRange Tiling::rays_of(const SceneFacet& f) const {
+  const RayRange r = rays_.range_of(f.facet, f.layer);
+  if (has_all_ || r.empty()) return r;
+  const ChunkRange c = rays_.chunks_of(r);
+  const auto key = [](uint32_t cu, uint32_t cv) { return tree_key(cu / kFanOut, cv / kFanOut); };
+  return key(c.first_u, c.first_v) < range_.end && key(c.last_u, c.last_v) >= range_.first ? r : RayRange{};
 }
 
 Tiling::Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range)

@@ -55,6 +55,8 @@ class Tiling {
   uint64_t groups() const { return groups_; }
   // The groups of the range in the order of the tree, including those without facets.
   std::optional<TileGroup> next();
+  // Leaves out the groups with lower keys (pyramid.hpp). REQUIRES: the facets are in memory.
+  void skip_to(uint64_t key) { range_.first = std::max(range_.first, key); }
   // For each tile in a row of the group's 4 x 4, the facets that may meet it, roughly from the lowest to the highest along the rays.
   std::array<std::vector<const SceneFacet*>, kFanOut> split(const TileGroup& group, uint32_t row) const;
 
@@ -68,14 +70,16 @@ class Tiling {
   Tiling(const Metadata& meta, std::vector<bool> widened, const TreeRange& range);
   bool wanted(const TreePlace& place) const { return range_.has_any(place.depth, place.cu, place.cv); }
   uint64_t groups_below(const TreePlace& place) const;
+  RayRange rays_of(const SceneFacet& facet) const;
   Node load(const TreePlace& place) const;
   Node take_bin(const TreePlace& place);
   void push_children(const Node& node);
 
   GridRays rays_;
-  const TreeRange range_;
+  TreeRange range_;
   uint32_t groups_u_, groups_v_;  // of the whole grid
   uint64_t groups_;
+  bool has_all_;  // the range is the whole grid
   std::unique_ptr<FacetBins> bins_;
   BinnedCounter* counter_ = nullptr;  // for bins
   size_t ahead_ = 0;

@@ -45,6 +45,15 @@ class Spilling(Case):
         self.assertEqual(self.bytes("x.tcell"), self.bytes("y.tcell"))
         self.assertNotIn(b'"spilled_bytes": 0,', self.bytes("r.json"))
 
+    def test_bins_that_fit_into_half_of_the_memory_are_not_spilled(self):
+        memory = 150 * (os.path.getsize(self.path("s.stl")) - 84) // 50  # the facets alone would take 256 bytes each of it
+        mesh = ["mesh", "s.stl", "--cells", 2000, "--axis", "x", "-o"]
+        self.run_ok(*mesh, "x.tcell", "--memory", memory, "--report", "r.json")
+        self.run_ok(*mesh, "y.tcell")
+        self.assertEqual(self.bytes("x.tcell"), self.bytes("y.tcell"))
+        self.assertIn(b'"spilled_bytes": 0,', self.bytes("r.json"))
+        self.refused(1, ["engine tree", "--memory"], *mesh, "x.tcell", "--memory", memory, "--engine", "tree")
+
     def test_a_folder_that_takes_no_files(self):
         self.fails(["nowhere: no folder for temporary files: No such file", "--tmp"], "--tmp", "nowhere")
         self.fails(["s.stl: no folder for temporary files: Not a directory", "--tmp"], "--tmp", "s.stl")
@@ -136,6 +145,15 @@ class Readings(Case):
                 self.refused(1, [f"s.stl: byte {at % size}: can't be read: Input/output error"], "mesh", "s.stl", *SPILLED,
                              "--write-caps", "caps.stl", env=env)
                 self.assertEqual(os.listdir(self.folder), ["s.stl"])
+
+    @unittest.skipUnless(os.path.exists(READ_FAULT), "there is no libread_fault.so beside the program; CMake builds it with the tests")
+    def test_a_file_system_without_locks_is_not_another_process(self):
+        self.write("s.stl", solids.binary_stl(STALKS))
+        env = {**os.environ, "LD_PRELOAD": READ_FAULT, "READ_FAULT_LOCKS": "1",
+               "ASAN_OPTIONS": "verify_asan_link_order=0:" + os.environ.get("ASAN_OPTIONS", "")}
+        r = teracell("mesh", "s.stl", "--cells", 20, "-o", "x.tcell", cwd=self.folder, env=env)
+        self.assertEqual((r.status, r.out), (1, ""), r.err)
+        self.assertIn("x.tcell.partial: can't lock: Function not implemented", r.err)
 
 
 class MemoryAndCaps(Case):

@@ -1,4 +1,5 @@
-// To be preloaded. Reading the file READ_FAULT_PATH fails after READ_FAULT_BYTES bytes in all, however often it is opened.
+// To be preloaded. Reading the file READ_FAULT_PATH fails after READ_FAULT_BYTES bytes in all, however often it is opened. With
+// READ_FAULT_LOCKS there are no locks.
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <errno.h>
@@ -27,4 +28,12 @@ ssize_t read(int fd, void* to, size_t room) {
   const ssize_t got = real(fd, to, room < (size_t)left ? room : (size_t)left);
   if (got > 0) taken += got;
   return got;
+}
+
+int flock(int fd, int operation) {
+  static int (*real)(int, int);
+  if (!real) real = (int (*)(int, int))dlsym(RTLD_NEXT, "flock");
+  if (!getenv("READ_FAULT_LOCKS")) return real(fd, operation);
+  errno = ENOSYS;
+  return -1;
 }

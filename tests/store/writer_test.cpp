@@ -128,6 +128,16 @@ TEST_CASE("A file that lacks a chunk of an open page is not finished") {
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));
 }
 
+TEST_CASE("A page that was made elsewhere is put once, and none is left out") {
+  const TempFolder folder;
+  GridWriter writer(folder / "g.tcell", some_metadata());
+  const Bytes frame = {1, 2, 3};
+  writer.put_bytes(frame);
+  writer.put_page({0, 0, 0, 0, 0}, 1, 3, checksum(frame));
+  CHECK_THROWS_WITH(writer.put_page({0, 0, 0, 0, 0}, 1, 3, checksum(frame)), Catch::Contains("level 0 index page 1: it is there twice"));
+  CHECK_THROWS_WITH(writer.finish("{}", 0), Catch::Contains("lacks chunks"));
+}
+
 TEST_CASE("A grid with more rays than a directory can name is refused before anything is written") {
   const TempFolder folder;
   const Axis longest = Axis::uniform(0, 1, 0, Axis::kMaxCells, 0.5);

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <sstream>
 
 #include "mesher/surface/read_facets.hpp"
@@ -94,6 +95,7 @@ inline std::string gzipped(const std::string& bytes) {
 struct Result {
   SurfaceFile file;
   Facets facets;
+  std::optional<uint64_t> expected;  // facets that the reader announced
 };
 
 inline Result read(const std::string& bytes, const std::string& part = "", const Budget& budget = {}, Background* helper = nullptr) {
@@ -103,7 +105,10 @@ inline Result read(const std::string& bytes, const std::string& part = "", const
                        [&](std::span<const Facet> some) {
                          for (const Facet& f : some) r.facets.push_back(f.vertex);
                        },
-                       {budget, helper});
+                       {budget, helper, [&](uint64_t facets) {
+                          if (r.expected || !r.facets.empty()) throw std::logic_error("announced late");
+                          r.expected = facets;
+                        }});
   return r;
 }
 

@@ -33,7 +33,9 @@ std::vector<uint8_t> bytes(uint8_t first, size_t count) {
 
 TEST_CASE("A temporary file gives back what was written, anywhere and in any order") {
   const Folder folder;
-  SpillFile file(folder.path, 0);
+  const bool in_memory = GENERATE(false, true);
+  SpillFile file(in_memory ? folder.path / "none" : folder.path, 0, in_memory);
+  CHECK(file.in_memory() == in_memory);
   const std::vector<uint8_t> far = bytes(3, 5000), near = bytes(200, 300), over = bytes(9, 10);
   file.write(uint64_t{1} << 33, far);  // beyond 4 GiB: a hole takes no room
   file.write(0, near);
@@ -52,8 +54,8 @@ TEST_CASE("A temporary file gives back what was written, anywhere and in any ord
 TEST_CASE("A temporary file has no name while it is used, and is gone with its descriptor afterwards") {
   const Folder folder;
   const size_t before = open_descriptors();
-  {
-    SpillFile file(folder.path, 0);
+  for (const bool in_memory : {false, true}) {
+    SpillFile file(folder.path, 0, in_memory);
     file.write(0, bytes(0, 100));
     CHECK(fs::is_empty(folder.path));
     CHECK(open_descriptors() == before + 1);

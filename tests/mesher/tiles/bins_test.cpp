@@ -215,12 +215,12 @@ TEST_CASE("Single precision takes half the room, and gives back coordinates that
   expect_bins(meta, numbered(facets), *bins, unmoved);
 }
 
-// The descriptor of the only file without a name in the folder.
+// The descriptor of the only file without a name, in the folder or in memory.
 int temporary_file(const TempFolder& folder) {
   for (int fd = 3; fd < 1024; ++fd) {
     std::error_code none;
     const std::string target = std::filesystem::read_symlink("/proc/self/fd/" + std::to_string(fd), none).string();
-    if (target.starts_with(folder.path().string()) && target.ends_with("(deleted)")) return fd;
+    if ((target.starts_with(folder.path().string()) || target.starts_with("/memfd:teracell")) && target.ends_with("(deleted)")) return fd;
   }
   throw std::runtime_error("no temporary file is open");
 }
@@ -229,8 +229,10 @@ TEST_CASE("A byte of the temporary file that changed, or is gone, is an error an
   const TempFolder folder;
   const Metadata meta = tile_grids()[0];
   const std::vector<Added> facets(100, Added{Facet{{Vec3{1, 1, 1}, {3, 1, 1}, {1, 3, 1}}}, 0});
+  const auto [budget, in_memory] = GENERATE(table<uint64_t, bool>({{1 << 30, true}, {10'000, false}}));
   for (const off_t at : {0, 71, 72, 5000, 100 * 76 - 1}) {  // a record has 76 bytes
-    const auto bins = filled(meta, facets, folder, {.budget = 1 << 30, .expected = facets.size()});
+    const auto bins = filled(meta, facets, folder, {.budget = budget, .expected = facets.size()});
+    REQUIRE(bins->in_memory() == in_memory);
     const int fd = temporary_file(folder);
     uint8_t byte;
     REQUIRE(::pread(fd, &byte, 1, at) == 1);
@@ -238,7 +240,7 @@ TEST_CASE("A byte of the temporary file that changed, or is gone, is an error an
     REQUIRE(::pwrite(fd, &byte, 1, at) == 1);
     REQUIRE_THROWS_AS(take_all(meta, *bins), IoError);
   }
-  const auto bins = filled(meta, facets, folder, {.budget = 1 << 30, .expected = facets.size()});
+  const auto bins = filled(meta, facets, folder, {.budget = budget, .expected = facets.size()});
   REQUIRE(::ftruncate(temporary_file(folder), 100 * 76 - 1) == 0);
   REQUIRE_THROWS_AS(take_all(meta, *bins), IoError);
 }

@@ -1,0 +1,58 @@
+// What rank 0 does besides: hands out the pieces, decides where their bytes go, and finishes the file.
+#pragma once
+#include <optional>
+
+#include "mesher/assembly.hpp"
+#include "tools/cli/mesh_options.hpp"
+#include "tools/cli/progress.hpp"
+#include "tools/mpi/member.hpp"
+
+namespace teracell {
+
+// A rank has failed; the message names it.
+struct RankFailed : std::runtime_error {
+  RankFailed(int exit_status, const std::string& message) : std::runtime_error(message), status(exit_status) {}
+  int status;
+};
+
+class Conductor {
+ public:
+  // Keeps references. Asks all ranks whether they see the folder of the output.
+  Conductor(Ranks& ranks, Caster& caster, const Member& self, const MeshArguments& arguments);
+  ~Conductor();
+  void take(const Message& message);  // throws RankFailed
+  bool step();                        // whether there was anything to do
+  // When the work has failed: removes what can't be used any more, and says how many pieces can.
+  uint32_t clean_up();
+  const MeshReport& report() const { return report_; }  // when the file is there
+
+ private:
+  void take_prepared(const Message& message);
+  void begin();
+  void answer(int rank);
+  void place();
+  void finish();
+  void show_progress();
+
+  Ranks& ranks_;
+  Caster& caster_;
+  const Member& self_;
+  const MeshArguments& arguments_;
+  const std::filesystem::path seen_;  // by all
+  ProgressLine line_;
+  std::optional<OutputFile> report_file_;
+  std::optional<std::string> run_;
+  bool in_memory_ = true;              // all facets, on every rank
+  std::vector<int> owner_;             // of each piece that is there, or -1
+  std::vector<int> asking_;            // before there is a queue
+  std::vector<int> has_;               // pieces that were given to each rank and are not made
+  std::optional<PieceQueue> queue_;
+  std::optional<Assembly> assembly_;
+  CastTotals totals_;
+  uint32_t made_ = 0, placed_ = 0, copied_ = 0;
+  uint64_t memory_ = 0;
+  int prepared_ = 0, synced_ = 0, threads_ = 0;
+  MeshReport report_;
+};
+
+}  // namespace teracell

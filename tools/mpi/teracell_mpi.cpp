@@ -1,0 +1,136 @@
+// teracell_mpi: what `teracell mesh` does, by all processes that mpirun starts. The file has the same bytes.
+#include <sched.h>
+
+#include <fmt/format.h>
+#include <thread>
+
+#include "store/error.hpp"
+#include "tools/cli/mesh_options.hpp"
+#include "tools/cli/mesh_summary.hpp"
+#include "tools/cli/program.hpp"
+#include "tools/mpi/conductor.hpp"
+
+namespace {
+
+using namespace teracell;
+using std::chrono::milliseconds;
+
+// Of the cores that this rank may use, its share when they are those of all ranks on the machine.
+int default_threads(const Ranks& ranks) {
+  cpu_set_t allowed;
+  const int mine = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 1;
+  return std::max(1, std::min(mine, threads_or_all(0) / ranks.on_this_machine()));
+}
+
+// Rank 0 tells the user, and ends the job.
+[[noreturn]] void end_job(Ranks& ranks, const Failure& failure) {
+  if (ranks.rank() != 0) {
+    Bytes body;
+    put_varint(body, static_cast<uint64_t>(failure.status));
+    put_text(body, failure.message);
+    ranks.send(0, Tag::kFailed, std::move(body));
+    for (int i = 0; i < 1000; ++i) {
+      ranks.receive();
+      std::this_thread::sleep_for(milliseconds(10));
+    }
+  }
+  warn("teracell_mpi: " + failure.message);
+  ranks.abort(failure.status);
+}
+
+Failure failure_of(const Ranks& ranks) {
+  try {
+    throw;
+  } catch (const RankFailed& e) {
+    return {e.status, e.what()};
+  } catch (...) {
+    const Failure failure = current_failure();
+    return {failure.status, fmt::format("{}: {}", ranks.name(), failure.message)};
+  }
+}
+
+void mesh_together(Ranks& ranks, const MeshArguments& arguments) {
+  const std::atomic<bool>& interrupted = watch_interrupts();
+  const bool first = ranks.rank() == 0;
+  const Scene scene = scene_from(arguments);
+  if (first) check_outputs(arguments, scene);
+  MeshOptions options = mesh_options(arguments, ranks.on_this_machine());
+  if (options.threads == 0) options.threads = default_threads(ranks);
+  const std::filesystem::path output = arguments.output;
+
+  Caster caster(scene, output, options, static_cast<uint32_t>(ranks.rank()), static_cast<uint32_t>(ranks.size()));
+  std::optional<Conductor> conductor;
+  std::function<void()> attend;
+  Member member(ranks, caster, output, options.threads, [&] { attend(); });
+  attend = [&] {
+    stop_if(interrupted, arguments.output);
+    while (const auto message = ranks.receive()) {
+      member.take(*message);
+      if (conductor) conductor->take(*message);
+    }
+  };
+  try {
+    if (first) conductor.emplace(ranks, caster, member, arguments);
+    constexpr milliseconds kShortest{1}, kLongest{5};
+    for (milliseconds pause = kShortest; !member.ended();) {
+      attend();
+      bool busy = member.step();
+      if (conductor) busy |= conductor->step();
+      pause = busy ? kShortest : std::min(pause * 2, kLongest);
+      if (!busy) std::this_thread::sleep_for(pause);
+    }
+  } catch (...) {
+    Failure failure = failure_of(ranks);
+    if (first && conductor) {
+      if (const uint32_t pieces = conductor->clean_up(); pieces > 0)
+        failure.message += fmt::format(" ({} pieces of the grid are kept: go on with --resume, or remove {}.piece-*)", pieces, arguments.output);
+      conductor.reset();
+    }
+    caster.stop(milliseconds(1000));
+    end_job(ranks, failure);  // before the caster is waited for
+  }
+  const MeshReport report = first ? conductor->report() : MeshReport();
+  conductor.reset();  // clears the line of progress
+  if (!first) return;
+  warn_of_caps(arguments, report);
+  say_grid(arguments.output, report);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  begin_program();
+  Ranks ranks(argc, argv);
+  CLI::App app("Trillion-cell Cartesian grids from CAD surfaces, by the processes that mpirun starts.", "teracell_mpi");
+  app.set_version_flag("--version", TERACELL_VERSION);
+  app.require_subcommand(1);
+  CLI::App& mesh = *app.add_subcommand("mesh", "mesh a scene or bare surfaces into a .tcell file: the same bytes as those of `teracell mesh`");
+  MeshArguments arguments;
+  add_mesh_options(mesh, arguments, true);
+  mesh.footer(
+      "Example:\n  mpirun -n 64 teracell_mpi mesh scene.json --step 0.05 -o scene.tcell\n"
+      "All ranks must see the folder of the output. Threads and memory are those of one rank.");
+  std::vector<std::string> words(argv + 1, argv + argc);
+  const auto refuse = [&](const std::string& message) {
+    if (ranks.rank() == 0) warn("teracell_mpi: " + message);
+    return 2;
+  };
+  try {
+    ranks.expect_own_launcher();
+    const bool meshes = !words.empty() && words[0] == "mesh";
+    refuse_unknown_options(meshes ? mesh : app, words);
+    app.parse(std::vector(words.rbegin(), words.rend()));  // CLI11 takes them from the back
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return ranks.rank() == 0 ? app.exit(e) : 0;
+    return refuse(fmt::format("{}. See: teracell_mpi mesh --help", explain(e, app.get_subcommands().empty() ? app : mesh)));
+  } catch (const UsageError& e) {
+    return refuse(e.what());
+  }
+  try {
+    mesh_together(ranks, arguments);
+  } catch (...) {
+    end_job(ranks, failure_of(ranks));
+  }
+  while (!ranks.sent_all()) std::this_thread::sleep_for(milliseconds(1));
+  return 0;
+}
