@@ -129,10 +129,10 @@ MeshReport Pieces::report(const CastTotals& totals) {
   return out;
 }
 
-void Pieces::remove_files(const std::function<bool(uint32_t piece)>& keep) const {
+std::vector<Pieces::PieceFile> Pieces::files() const {
   const std::string begin = output_.filename().string() + ".piece-";
   const std::filesystem::path folder = output_.has_parent_path() ? output_.parent_path() : ".";
-  std::vector<std::filesystem::path> found;
+  std::vector<PieceFile> out;
   for (const auto& file : std::filesystem::directory_iterator(folder)) {
     const std::string name = file.path().filename().string();
     if (!name.starts_with(begin)) continue;
@@ -140,10 +140,34 @@ void Pieces::remove_files(const std::function<bool(uint32_t piece)>& keep) const
     int used = 0;
     if (std::sscanf(name.c_str() + begin.size(), "%u-of-%u%n", &piece, &of, &used) != 2) continue;
     const std::string rest = name.substr(begin.size() + static_cast<size_t>(used));
-    if (!rest.empty() && rest != ".partial") continue;
-    if (!rest.empty() || of != size() || piece >= size() || !keep(piece)) found.push_back(file.path());
+    if (rest.empty() || rest == ".partial") out.push_back({file.path(), piece, of, rest.empty()});
   }
-  for (const auto& file : found) std::filesystem::remove(file);
+  return out;
+}
+
+void Pieces::expect_own_files() const {
+  for (const PieceFile& file : files()) {
+    std::string run;
+    try {
+      if (file.whole) run = PartReader(file.path).head().run;
+    } catch (const FormatError&) {  // it is damaged, so it is made anew
+    } catch (const IoError&) {
+    }
+    if (!run.empty() && run != run_id_)
+      throw InputError(fmt::format("{}: can't resume: expected a piece of this run, found one of a run with other inputs or options, or of another "
+                                   "version of the program: expected run {}, found {}",
+                                   file.path.string(), run_id_, run),
+                       Remedy::kFreshStart);
+  }
+}
+
+void Pieces::remove_files(const std::function<bool(uint32_t piece)>& keep) const {
+  for (const PieceFile& file : files()) {
+    if (file.whole && file.of == size() && file.piece < size() && keep(file.piece)) continue;
+    std::error_code error;
+    std::filesystem::remove(file.path, error);
+    if (error) throw IoError(fmt::format("{}: can't remove what another run has left: {}", file.path.string(), error.message()));
+  }
 }
 
 }  // namespace teracell

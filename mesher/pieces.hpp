@@ -32,10 +32,18 @@ class Pieces {
   // The report of the whole grid. REQUIRES: `first`, and counting is finished.
   MeshReport report(const CastTotals& totals);
   void commit_caps() { run_.commit_caps(); }
+  // Throws InputError if a whole piece of this output is there that another run has made: one that shall go on with it would lose it.
+  void expect_own_files() const;
   // Removes files of pieces of this output, whoever made them, unless keep() wants the piece.
   void remove_files(const std::function<bool(uint32_t piece)>& keep) const;
 
  private:
+  struct PieceFile {
+    std::filesystem::path path;
+    uint32_t piece, of;
+    bool whole;
+  };
+  std::vector<PieceFile> files() const;  // of pieces of this output, whoever made them
   void settle(const TreeRange& home);
   std::optional<TileGroup> next_in(const TreeRange& range);
 

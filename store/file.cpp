@@ -99,6 +99,24 @@ void sync_all(const path& folder) {
   if (const int failed = sync_folder(folder)) fail_at(folder, "can't make durable (fsync)", failed);
 }
 
+// Makes the temporary file, or opens one that is `left` there, and locks it. Returns its descriptor.
+int open_partial(const path& partial, const path& target, bool& left) {
+  constexpr int kFlags = O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+  int fd = ::open(partial.c_str(), kFlags | O_EXCL, 0666);
+  left = fd < 0 && errno == EEXIST;
+  if (left) fd = ::open(partial.c_str(), kFlags, 0666);
+  if (fd < 0) fail_to_create(partial, target, errno);
+  lock(fd, partial, target, "file");
+  // Anything else under this name belongs to someone: a pipe, or a file that has another name as well.
+  struct stat found;
+  if (::fstat(fd, &found) != 0 || !S_ISREG(found.st_mode) || found.st_nlink > 1) {
+    ::close(fd);
+    throw IoError(fmt::format("{}: expected no file, or one that a killed run has left; found something else: remove it", partial.string()));
+  }
+  expect_still_there(fd, partial, target, "file");
+  return fd;
+}
+
 const char* kind_of(const std::filesystem::file_status& found) {
   if (std::filesystem::is_directory(found)) return "a folder";
   return std::filesystem::is_regular_file(found) ? "a file" : "a device or a pipe";
@@ -138,16 +156,17 @@ OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep) : tar
   // The rename would replace a device by a file: root must not lose /dev/null.
   if (const auto found = std::filesystem::status(target_, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
     throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(), kind_of(found)));
-  fd_ = ::open(partial_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666);
-  if (fd_ < 0) fail_to_create(partial_, target_, errno);
-  lock(fd_, partial_, target_, "file");
-  // Anything else under this name belongs to someone: a pipe, or a file that has another name as well.
-  struct stat ours;
-  if (::fstat(fd_, &ours) != 0 || !S_ISREG(ours.st_mode) || ours.st_nlink > 1) {
+  bool left;
+  fd_ = open_partial(partial_, target_, left);
+  if (left && keep == 0) {
+    // Processes of a killed job may still write to its file by way of a FileRoom, so it is not used again.
+    const int error = ::unlink(partial_.c_str()) == 0 ? 0 : errno;
     ::close(fd_);
-    throw IoError(fmt::format("{}: expected no file, or one that a killed run has left; found something else: remove it", partial_.string()));
+    if (error != 0) fail_at(partial_, "can't remove what a killed run has left", error);
+    fd_ = open_partial(partial_, target_, left);
   }
-  expect_still_there(fd_, partial_, target_, "file");
+  struct stat ours;
+  if (::fstat(fd_, &ours) != 0) ours.st_size = 0;
   if (keep > static_cast<uint64_t>(ours.st_size)) {
     ::close(fd_);
     throw IoError(fmt::format("{}: expected the first {} bytes of a run to resume, found {}", partial_.string(), keep, ours.st_size));

@@ -98,7 +98,7 @@ class Mpi(unittest.TestCase):
     def test_resumed_after_kills(self):
         cells = 5000
         expected = self.bytes_of_one(cells)
-        seen = self.folder / "g.tcell.ranks"
+        seen = self.folder / "g.tcell.ranks.partial"
         partial = self.folder / "g.tcell.partial"
 
         def pieces():
@@ -169,7 +169,7 @@ class Mpi(unittest.TestCase):
             self.assertIn(word, said[0])
         self.assertFalse(self.output.exists())
         self.assertFalse((self.folder / "g.tcell.partial").exists())
-        self.assertFalse((self.folder / "g.tcell.ranks").exists())
+        self.assertFalse((self.folder / "g.tcell.ranks.partial").exists())
 
     def on_one(self, mpi, before, options, ranks=3):
         """All ranks, the last one of which is started by `before`."""
@@ -191,6 +191,69 @@ class Mpi(unittest.TestCase):
                 self.fails_once(mixed, 1, "other inputs")
                 self.fails_once(self.run_mpi(mpi, 3, "mesh", self.folder / "none.stl", "--cells", 10, "-o", self.output), 1, "none.stl")
                 self.fails_once(self.run_mpi(mpi, 3, *self.options(1000), "--shard", "0/2"), 2, "--shard")
+                mixed = subprocess.run([*launcher(mpi, 1), str(program_of(mpi)), *map(str, self.options(1000)), ":", "-n", "1", str(program_of(mpi)), *other, "--bogus"],
+                                       env=ENVIRONMENT, capture_output=True, text=True, timeout=60)
+                self.fails_once(mixed, 2, "rank 1 (", "--bogus")
+
+    def test_pieces_of_another_run_are_not_lost_by_a_resume(self):
+        for mpi in MPIS:
+            with self.subTest(mpi=mpi):
+                expected = self.bytes_of_one(5000)
+                job = subprocess.Popen([*launcher(mpi, 2), program_of(mpi), *map(str, self.options(5000))], env=ENVIRONMENT, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+                while len(list(self.folder.glob("g.tcell.piece-*"))) < 5:
+                    time.sleep(0.001)
+                os.kill(ranks_that_write(self.output)[1], signal.SIGTERM)
+                job.wait(60)
+                pieces = sorted(self.folder.glob("g.tcell.piece-*"))
+                self.assertGreater(len(pieces), 0)
+                self.fails_once(self.run_mpi(mpi, 2, *self.options(4999), "--resume"), 1, "can't resume", "of this run", "start again without --resume")
+                self.assertEqual(sorted(self.folder.glob("g.tcell.piece-*")), pieces)
+                self.expect_grid(self.run_mpi(mpi, 3, *self.options(5000), "--resume"), expected)
+
+    def test_what_belongs_to_others_stays(self):
+        for mpi in MPIS:
+            with self.subTest(mpi=mpi):
+                seen, precious = self.folder / "g.tcell.ranks.partial", self.folder / "precious"
+                precious.write_text("precious")
+                seen.symlink_to(precious)
+                done = self.run_mpi(mpi, 2, *self.options(100))
+                self.assertEqual(done.returncode, 1)
+                self.assertIn("g.tcell.ranks.partial", done.stderr)
+                self.assertEqual(precious.read_text(), "precious")
+                seen.unlink()
+                os.mkfifo(seen)
+                done = self.run_mpi(mpi, 2, *self.options(100))
+                self.assertEqual(done.returncode, 1)
+                self.assertIn("found something else: remove it", done.stderr)
+                seen.unlink()
+                taken = self.folder / "g.tcell.piece-0-of-9" / "full"
+                taken.mkdir(parents=True)
+                done = self.run_mpi(mpi, 2, *self.options(100))
+                self.assertEqual(done.returncode, 1)
+                self.assertIn("g.tcell.piece-0-of-9: can't remove what another run has left", done.stderr)
+                shutil.rmtree(taken.parent)
+
+    def test_a_rank_whose_launcher_is_gone_ends(self):
+        for mpi in MPIS:
+            with self.subTest(mpi=mpi):
+                expected = self.bytes_of_one(5000)
+                job = subprocess.Popen([*launcher(mpi, 2), program_of(mpi), *map(str, self.options(5000))], env=ENVIRONMENT, stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL)
+                while len(list(self.folder.glob("g.tcell.piece-*"))) < 3:
+                    time.sleep(0.001)
+                first, second = ranks_that_write(self.output)
+                os.kill(second, signal.SIGSTOP)  # it sleeps while all others die
+                parent = int(pathlib.Path(f"/proc/{second}/stat").read_text().rpartition(")")[2].split()[1])
+                for pid in {job.pid, parent, first}:
+                    os.kill(pid, signal.SIGKILL)
+                job.wait(60)
+                os.kill(second, signal.SIGCONT)
+                deadline = time.monotonic() + 60
+                while ranks_that_write(self.output) and time.monotonic() < deadline:
+                    time.sleep(0.01)
+                self.assertEqual(ranks_that_write(self.output), [])
+                self.expect_grid(self.run_mpi(mpi, 2, *self.options(5000)), expected)
 
     def test_a_signal_ends_the_job(self):
         for mpi in MPIS:

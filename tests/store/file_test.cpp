@@ -139,6 +139,20 @@ TEST_CASE("A partial file that a killed writer left is overwritten") {
   REQUIRE_FALSE(fs::exists(folder / "g.tcell.partial"));
 }
 
+TEST_CASE("What a process of a killed job still writes does not reach the next job's file") {
+  const TempFolder folder;
+  OutputFile killed(folder / "g.tcell");
+  killed.skip(100);
+  const FileRoom still_writing(folder / "g.tcell");
+  killed.abandon();
+  OutputFile next(folder / "g.tcell");
+  next.append(some_bytes(100));
+  still_writing.write_at(0, Bytes(100, 0xee));
+  next.commit();
+  still_writing.write_at(0, Bytes(100, 0xee));
+  REQUIRE(file_bytes(folder / "g.tcell") == some_bytes(100));
+}
+
 TEST_CASE("A place that can't be written is an IoError that names it") {
   const TempFolder folder;
   const size_t descriptors = open_descriptors();

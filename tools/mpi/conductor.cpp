@@ -1,8 +1,5 @@
 #include "tools/mpi/conductor.hpp"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <random>
 
 #include <fmt/format.h>
@@ -14,25 +11,24 @@
 namespace teracell {
 
 Conductor::Conductor(Ranks& ranks, Caster& caster, const Member& self, const MeshArguments& arguments)
-    : ranks_(ranks), caster_(caster), self_(self), arguments_(arguments), seen_(arguments.output + ".ranks"), line_(arguments.progress, "mesh") {
+    : ranks_(ranks), caster_(caster), self_(self), arguments_(arguments), line_(arguments.progress, "mesh") {
   if (!arguments.report.empty()) report_file_.emplace(arguments.report);
   const std::string text = fmt::format("{:016x}", std::random_device()() * 0x100000001b3u);
-  if (!(std::ofstream(seen_) << text << std::endl)) throw IoError(fmt::format("{}: can't create: {}", seen_.string(), std::strerror(errno)));
+  const std::string name = arguments.output + ".ranks";
+  seen_.emplace(name);
+  seen_->append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
+  seen_->sync();
   Bytes body;
-  put_text(body, seen_.string());
+  put_text(body, name + ".partial");
   put_text(body, text);
   ranks_.send_all(Tag::kSee, body);
-}
-
-Conductor::~Conductor() {
-  std::error_code ignored;
-  std::filesystem::remove(seen_, ignored);
 }
 
 void Conductor::take(const Message& message) {
   ByteReader in(message.body, "a message");
   switch (message.tag) {
     case Tag::kFailed: {
+      if (complete_) return;
       const auto status = static_cast<int>(in.varint());
       throw RankFailed(status, take_text(in));
     }
@@ -74,9 +70,9 @@ void Conductor::take_prepared(const Message& message) {
 
 void Conductor::begin() {
   const Pieces& pieces = caster_.pieces();
-  std::error_code ignored;
-  std::filesystem::remove(seen_, ignored);
-  assembly_.emplace(arguments_.output, pieces.meta());  // a second job for this output ends here
+  if (arguments_.resume) pieces.expect_own_files();
+  assembly_.emplace(arguments_.output, pieces.meta());
+  seen_.reset();
   pieces.remove_files([&](uint32_t piece) { return owner_[piece] >= 0; });
   std::vector<uint32_t> missing;
   for (uint32_t piece = 0; piece < owner_.size(); ++piece)
@@ -139,6 +135,7 @@ void Conductor::finish() {
   Pieces& pieces = caster_.pieces();
   report_ = pieces.report(totals_);
   assembly_->finish(report_.json, totals_.crossings);
+  complete_ = true;
   pieces.commit_caps();
   RunReport& run = report_.run;
   run.phases.push_back({"finish", std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()});
@@ -166,8 +163,11 @@ void Conductor::show_progress() {
 uint32_t Conductor::clean_up() {
   if (!queue_) return 0;
   assembly_.reset();
-  caster_.pieces().remove_files([&](uint32_t piece) { return owner_[piece] >= 0; });
-  return made_;
+  try {
+    caster_.pieces().remove_files([&](uint32_t piece) { return !complete_ && owner_[piece] >= 0; });
+  } catch (const IoError&) {  // what has failed first is told
+  }
+  return complete_ ? 0 : made_;
 }
 
 }  // namespace teracell

@@ -19,11 +19,11 @@ class Conductor {
  public:
   // Keeps references. Asks all ranks whether they see the folder of the output.
   Conductor(Ranks& ranks, Caster& caster, const Member& self, const MeshArguments& arguments);
-  ~Conductor();
   void take(const Message& message);  // throws RankFailed
   bool step();                        // whether there was anything to do
-  // When the work has failed: removes what can't be used any more, and says how many pieces can.
+  // When the work has failed: removes what can't be used any more, and says how many pieces can be.
   uint32_t clean_up();
+  bool complete() const { return complete_; }  // the grid is in place
   const MeshReport& report() const { return report_; }  // when the file is there
 
  private:
@@ -38,7 +38,7 @@ class Conductor {
   Caster& caster_;
   const Member& self_;
   const MeshArguments& arguments_;
-  const std::filesystem::path seen_;  // by all
+  std::optional<OutputFile> seen_;  // by all; it also keeps a second job from this output until the assembly does
   ProgressLine line_;
   std::optional<OutputFile> report_file_;
   std::optional<std::string> run_;
@@ -49,6 +49,7 @@ class Conductor {
   std::optional<PieceQueue> queue_;
   std::optional<Assembly> assembly_;
   CastTotals totals_;
+  bool complete_ = false;
   uint32_t made_ = 0, placed_ = 0, copied_ = 0;
   uint64_t memory_ = 0;
   int prepared_ = 0, synced_ = 0, threads_ = 0;

@@ -4,13 +4,15 @@
 #include <cstdlib>
 #include <thread>
 
+#include <unistd.h>
+
 #include <fmt/format.h>
 
 #include "store/error.hpp"
 
 namespace teracell {
 
-Ranks::Ranks(int& argc, char**& argv) {
+Ranks::Ranks(int& argc, char**& argv) : parent_(::getppid()) {
   int provided;
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
@@ -37,6 +39,14 @@ void Ranks::expect_own_launcher() const {
           fmt::format("expected {} ranks, found 1: the launcher is that of another MPI; start the program with the mpirun of the MPI that "
                       "it was built with",
                       launched));
+}
+
+bool Ranks::is_orphan() const { return size_ > 1 && ::getppid() != parent_; }
+
+int Ranks::least(int number) const {
+  int out;
+  MPI_Allreduce(&number, &out, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  return out;
 }
 
 void Ranks::send(int to, Tag tag, Bytes body) {

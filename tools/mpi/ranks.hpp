@@ -43,6 +43,10 @@ class Ranks {
   std::string name() const;                                 // "rank 3 (host)"
   // Throws UsageError when the launcher of another MPI has started processes that each believe to be alone.
   void expect_own_launcher() const;
+  // Whether what has started this process is gone, and with it the job. MPI does not always notice.
+  bool is_orphan() const;
+  // The least of the numbers that the ranks have. All of them must call it.
+  int least(int number) const;
 
   void send(int to, Tag tag, Bytes body = {});
   void send_all(Tag tag, const Bytes& body = {});
@@ -55,6 +59,7 @@ class Ranks {
     Bytes body;
     MPI_Request request;
   };
+  const pid_t parent_;
   int rank_ = 0, size_ = 1, on_this_machine_ = 1;
   std::list<Sending> sending_;
 };

@@ -22,15 +22,23 @@ int default_threads(const Ranks& ranks) {
   return std::max(1, std::min(mine, threads_or_all(0) / ranks.on_this_machine()));
 }
 
-// Rank 0 tells the user, and ends the job.
-[[noreturn]] void end_job(Ranks& ranks, const Failure& failure) {
+// A rank whose launcher is gone would work on beside the next job for the same output.
+void expect_launcher(const Ranks& ranks) {
+  if (!ranks.is_orphan()) return;
+  warn(fmt::format("teracell_mpi: {}: what has started this process is gone, and with it the job", ranks.name()));
+  std::_Exit(1);
+}
+
+// Rank 0 tells the user, and ends the job. On another rank it returns if rank 0 has the grid in place already.
+void end_job(Ranks& ranks, const Failure& failure) {
   if (ranks.rank() != 0) {
     Bytes body;
     put_varint(body, static_cast<uint64_t>(failure.status));
     put_text(body, failure.message);
     ranks.send(0, Tag::kFailed, std::move(body));
     for (int i = 0; i < 1000; ++i) {
-      ranks.receive();
+      expect_launcher(ranks);
+      if (const auto message = ranks.receive(); message && message->tag == Tag::kEnd) return;
       std::this_thread::sleep_for(milliseconds(10));
     }
   }
@@ -63,7 +71,8 @@ void mesh_together(Ranks& ranks, const MeshArguments& arguments) {
   std::function<void()> attend;
   Member member(ranks, caster, output, options.threads, [&] { attend(); });
   attend = [&] {
-    stop_if(interrupted, arguments.output);
+    expect_launcher(ranks);
+    if (!conductor || !conductor->complete()) stop_if(interrupted, arguments.output);
     while (const auto message = ranks.receive()) {
       member.take(*message);
       if (conductor) conductor->take(*message);
@@ -88,6 +97,7 @@ void mesh_together(Ranks& ranks, const MeshArguments& arguments) {
     }
     caster.stop(milliseconds(1000));
     end_job(ranks, failure);  // before the caster is waited for
+    member.take({0, Tag::kEnd, {}});
   }
   const MeshReport report = first ? conductor->report() : MeshReport();
   conductor.reset();  // clears the line of progress
@@ -111,21 +121,27 @@ int main(int argc, char** argv) {
       "Example:\n  mpirun -n 64 teracell_mpi mesh scene.json --step 0.05 -o scene.tcell\n"
       "All ranks must see the folder of the output. Threads and memory are those of one rank.");
   std::vector<std::string> words(argv + 1, argv + argc);
-  const auto refuse = [&](const std::string& message) {
-    if (ranks.rank() == 0) warn("teracell_mpi: " + message);
-    return 2;
-  };
+  // Nothing begins unless it can on all ranks: a launcher may give each its own arguments.
+  constexpr int kRefused = 0, kTold = 1, kGoOn = 2;
+  int outcome = kGoOn;
+  std::string refusal;
   try {
     ranks.expect_own_launcher();
     const bool meshes = !words.empty() && words[0] == "mesh";
     refuse_unknown_options(meshes ? mesh : app, words);
     app.parse(std::vector(words.rbegin(), words.rend()));  // CLI11 takes them from the back
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) return ranks.rank() == 0 ? app.exit(e) : 0;
-    return refuse(fmt::format("{}. See: teracell_mpi mesh --help", explain(e, app.get_subcommands().empty() ? app : mesh)));
+    outcome = e.get_exit_code() == 0 ? kTold : kRefused;
+    if (outcome == kRefused) refusal = fmt::format("{}. See: teracell_mpi mesh --help", explain(e, app.get_subcommands().empty() ? app : mesh));
+    else if (ranks.rank() == 0) app.exit(e);
   } catch (const UsageError& e) {
-    return refuse(e.what());
+    outcome = kRefused;
+    refusal = e.what();
   }
+  const int refuser = ranks.least(outcome == kRefused ? ranks.rank() : ranks.size());
+  if (refuser == ranks.rank()) warn(fmt::format("teracell_mpi: {}{}", refuser == 0 ? "" : ranks.name() + ": ", refusal));
+  if (refuser < ranks.size()) return 2;
+  if (ranks.least(outcome) == kTold) return 0;
   try {
     mesh_together(ranks, arguments);
   } catch (...) {
