@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -99,12 +100,13 @@ void sync_all(const path& folder) {
   if (const int failed = sync_folder(folder)) fail_at(folder, "can't make durable (fsync)", failed);
 }
 
-// Makes the temporary file, or opens one that is `left` there, and locks it. Returns its descriptor.
-int open_partial(const path& partial, const path& target, bool& left) {
-  constexpr int kFlags = O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
-  int fd = ::open(partial.c_str(), kFlags | O_EXCL, 0666);
+// Makes the temporary file, or opens one that is `left` there, and locks it. Returns its descriptor. What is opened for reading as well may
+// lose what others write (FileRoom): a network file system would read the page around what is written, and write all of it back.
+int open_partial(const path& partial, const path& target, bool reads, bool& left) {
+  const int flags = (reads ? O_RDWR : O_WRONLY) | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+  int fd = ::open(partial.c_str(), flags | O_EXCL, 0666);
   left = fd < 0 && errno == EEXIST;
-  if (left) fd = ::open(partial.c_str(), kFlags, 0666);
+  if (left) fd = ::open(partial.c_str(), flags, 0666);
   if (fd < 0) fail_to_create(partial, target, errno);
   lock(fd, partial, target, "file");
   // Anything else under this name belongs to someone: a pipe, or a file that has another name as well.
@@ -151,19 +153,25 @@ void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
   }
 }
 
-OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep) : target_(target), partial_(target.string() + ".partial") {
+// The rename would replace a device by a file: root must not lose /dev/null.
+void expect_file_name(const std::filesystem::path& target) {
   std::error_code ignored;  // open() will tell what else is wrong with the target
-  // The rename would replace a device by a file: root must not lose /dev/null.
-  if (const auto found = std::filesystem::status(target_, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
-    throw IoError(fmt::format("{}: expected the name of a file, found {}", target_.string(), kind_of(found)));
+  if (const auto found = std::filesystem::status(target, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
+    throw IoError(fmt::format("{}: expected the name of a file, found {}", target.string(), kind_of(found)));
+}
+
+OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep, bool reads)
+    : target_(target), partial_(target.string() + ".partial") {
+  expect_file_name(target_);
+  reads = reads || keep > 0;
   bool left;
-  fd_ = open_partial(partial_, target_, left);
+  fd_ = open_partial(partial_, target_, reads, left);
   if (left && keep == 0) {
     // Processes of a killed job may still write to its file by way of a FileRoom, so it is not used again.
     const int error = ::unlink(partial_.c_str()) == 0 ? 0 : errno;
     ::close(fd_);
     if (error != 0) fail_at(partial_, "can't remove what a killed run has left", error);
-    fd_ = open_partial(partial_, target_, left);
+    fd_ = open_partial(partial_, target_, reads, left);
   }
   struct stat ours;
   if (::fstat(fd_, &ours) != 0) ours.st_size = 0;
@@ -254,14 +262,18 @@ void OutputFile::sync() {
 void OutputFile::commit(bool durable) {
   flush();
   if (durable && ::fsync(fd_) != 0) fail("can't make durable (fsync)");
+  struct stat ours, there;
+  if (::fstat(fd_, &ours) != 0 || ::stat(partial_.c_str(), &there) != 0 || ours.st_ino != there.st_ino) {
+    ::close(std::exchange(fd_, -1));  // what has the name now belongs to another process
+    throw IoError(fmt::format("{}: another process has removed what this one was writing to it", partial_.string()));
+  }
   if (::rename(partial_.c_str(), target_.c_str()) != 0) fail("can't rename to its final name");
   ::close(fd_);
   fd_ = -1;
   if (const int error = durable ? sync_name(target_) : 0) fail_in_place(target_, "file", error);
 }
 
-// Not for reading as well: a network file system would then read the page around what is written, and write all of it back, over what
-// others have written meanwhile.
+// Not for reading as well, as in open_partial().
 FileRoom::FileRoom(const std::filesystem::path& target)
     : partial_(target.string() + ".partial"), fd_(::open(partial_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW)) {
   if (fd_ < 0) fail_at(partial_, "can't open", errno);

@@ -74,8 +74,9 @@ class InputFile : public ByteSource {
 // commit(), it removes the partial file. Not thread-safe.
 class OutputFile {
  public:
-  // Goes on after the first `keep` bytes of what a killed writer has left. Throws IoError when there are fewer.
-  explicit OutputFile(const std::filesystem::path& target, uint64_t keep = 0);
+  // Goes on after the first `keep` bytes of what a killed writer has left. Throws IoError when there are fewer. `reads`: read_kept() is
+  // called, though nothing is kept.
+  explicit OutputFile(const std::filesystem::path& target, uint64_t keep = 0, bool reads = false);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   uint64_t size() const { return size_; }
@@ -104,6 +105,9 @@ class OutputFile {
   uint64_t size_ = 0, written_back_ = 0;
   Bytes buffer_;
 };
+
+// Throws IoError if something else than a file has this name: an OutputFile would refuse it, perhaps after hours of other work.
+void expect_file_name(const std::filesystem::path& target);
 
 // What several processes write of one file: the places that its OutputFile, in any process, has skipped. Throws IoError.
 class FileRoom {

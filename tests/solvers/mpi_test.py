@@ -211,6 +211,31 @@ class Mpi(unittest.TestCase):
                 self.assertEqual(sorted(self.folder.glob("g.tcell.piece-*")), pieces)
                 self.expect_grid(self.run_mpi(mpi, 3, *self.options(5000), "--resume"), expected)
 
+    def test_a_report_that_can_not_be_written_leaves_the_grid_and_no_pieces(self):
+        full = self.folder / "small"
+        full.mkdir()
+        for mpi in MPIS:
+            with self.subTest(mpi=mpi):
+                expected = self.bytes_of_one(1000)
+                if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", full], capture_output=True).returncode != 0:
+                    self.skipTest("needs to be root")
+                try:
+                    done = self.run_mpi(mpi, 2, *self.options(1000), "--report", full / "report.json")
+                    self.assertEqual(done.returncode, 1, done.stderr)
+                    self.assertIn("is complete all the same", done.stderr)
+                    self.assertNotIn("kept", done.stderr)
+                    done.returncode = 0
+                    self.expect_grid(done, expected)
+                finally:
+                    subprocess.run(["umount", full], check=True)
+
+    def test_what_can_be_read_only_once_is_refused(self):
+        pipe = self.folder / "pipe.stl"
+        os.mkfifo(pipe)
+        for mpi in MPIS:
+            with self.subTest(mpi=mpi):
+                self.fails_once(self.run_mpi(mpi, 2, "mesh", pipe, "--cells", 10, "-o", self.output), 1, "pipe.stl: expected a file, which every rank can read")
+
     def test_what_belongs_to_others_stays(self):
         for mpi in MPIS:
             with self.subTest(mpi=mpi):

@@ -4,19 +4,34 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 
 #include <fmt/format.h>
 
 #include "mesher/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
 #include "store/error.hpp"
+#include "store/file.hpp"
 
 namespace teracell {
 namespace {
 
 const std::vector<std::string> kFills(kFillNames.begin(), kFillNames.end());
 
-uint64_t machine_memory() { return static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE)); }
+// What this process may take: the machine's, or less where a batch system or a container limits its control group or one above it.
+uint64_t machine_memory() {
+  uint64_t out = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::/")) continue;  // version 2
+    for (std::filesystem::path group = line.substr(4);; group = group.parent_path()) {
+      uint64_t limit = 0;  // stays 0 for "max"
+      if (std::ifstream("/sys/fs/cgroup" / group / "memory.max") >> limit && limit > 0) out = std::min(out, limit);
+      if (group.empty()) break;
+    }
+  }
+  return out;
+}
 
 // --shard I/N.
 std::optional<Shard> parse_shard(const std::string& text) {
@@ -54,9 +69,11 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
   app.add_option("--engine", o.engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")
       ->check(one_of(engine_names()));
   add_threads(app, o.threads);
-  app.add_option(
-      "--memory", o.memory,
-      "how much memory the run may take, such as 512M or 8G (default: a quarter of the machine's); surfaces that don't fit are spilled to a temporary file");
+  if (of_many) app.get_option("--threads")->description("how many threads a rank has, 1 to 1024 (default: its share of the cores that it may use)");
+  app.add_option("--memory", o.memory,
+                 fmt::format("how much memory {}, such as 512M or 8G (default: {}a quarter of the machine's); surfaces that don't fit are spilled "
+                             "to a temporary file",
+                             of_many ? "a rank may take" : "the run may take", of_many ? "its share of " : ""));
   app.add_option("--tmp", o.tmp, "the folder for temporary files (default: the folder of the output)");
   app.add_flag("--resume", o.resume,
                "go on with what a killed run with the same inputs and options has left; if there is nothing, start from the beginning");
@@ -113,6 +130,7 @@ void check_outputs(const MeshArguments& o, const Scene& scene) {
   for (const char* other : {".json", ".stl", ".obj", ".ply", ".gz", ".png", ".npy"})  // surely a slip
     if (strcasecmp(std::filesystem::path(o.output).extension().c_str(), other) == 0)
       throw UsageError(fmt::format("--output: expected a name for a .tcell file, found '{}'", o.output));
+  expect_file_name(o.output);
   std::error_code none;
   if (!o.report.empty() && (o.report == o.output || o.report == o.output + ".partial" || std::filesystem::equivalent(o.report, o.output, none)))
     throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));

@@ -72,7 +72,6 @@ void Conductor::begin() {
   const Pieces& pieces = caster_.pieces();
   if (arguments_.resume) pieces.expect_own_files();
   assembly_.emplace(arguments_.output, pieces.meta());
-  seen_.reset();
   pieces.remove_files([&](uint32_t piece) { return owner_[piece] >= 0; });
   std::vector<uint32_t> missing;
   for (uint32_t piece = 0; piece < owner_.size(); ++piece)
@@ -103,8 +102,7 @@ bool Conductor::step() {
     return true;
   }
   if (placed_ < owner_.size()) {
-    if (owner_[placed_] < 0) return false;
-    place();
+    if (owner_[placed_] < 0 || !place()) return false;
     if (placed_ < owner_.size()) return true;
   }
   if (copied_ == owner_.size()) {
@@ -118,8 +116,15 @@ bool Conductor::step() {
   return true;
 }
 
-// The next piece in order. Whoever made it copies it: its machine has the bytes in memory.
-void Conductor::place() {
+// The next piece in order. Whoever made it copies it: its machine has the bytes in memory. False while a network file system does not show a
+// piece that another machine has made.
+bool Conductor::place() {
+  if (std::error_code error; !std::filesystem::exists(caster_.pieces().path(placed_), error) && owner_[placed_] != 0) {
+    const auto now = std::chrono::steady_clock::now();
+    if (!missed_) missed_ = now;
+    if (now - *missed_ < kPatience) return false;
+  }
+  missed_.reset();
   const auto part = caster_.pieces().open(placed_);
   Bytes body;
   put_varint(body, placed_);
@@ -128,6 +133,7 @@ void Conductor::place() {
   if (totals_.cells.empty()) totals_ = found.totals;
   else totals_.add(found.totals);
   ranks_.send(owner_[placed_++], Tag::kCopy, std::move(body));
+  return true;
 }
 
 void Conductor::finish() {

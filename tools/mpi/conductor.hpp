@@ -30,7 +30,7 @@ class Conductor {
   void take_prepared(const Message& message);
   void begin();
   void answer(int rank);
-  void place();
+  bool place();
   void finish();
   void show_progress();
 
@@ -38,7 +38,7 @@ class Conductor {
   Caster& caster_;
   const Member& self_;
   const MeshArguments& arguments_;
-  std::optional<OutputFile> seen_;  // by all; it also keeps a second job from this output until the assembly does
+  std::optional<OutputFile> seen_;  // by all; as long as it is there, a second job for this output is refused
   ProgressLine line_;
   std::optional<OutputFile> report_file_;
   std::optional<std::string> run_;
@@ -52,6 +52,7 @@ class Conductor {
   bool complete_ = false;
   uint32_t made_ = 0, placed_ = 0, copied_ = 0;
   uint64_t memory_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> missed_;  // when the next piece was not to be seen
   int prepared_ = 0, synced_ = 0, threads_ = 0;
   MeshReport report_;
 };

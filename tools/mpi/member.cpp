@@ -7,12 +7,6 @@
 #include "store/error.hpp"
 
 namespace teracell {
-namespace {
-
-// How long another machine may take to see a new file: network file systems remember for some seconds that there was none.
-constexpr std::chrono::seconds kPatience{30};
-
-}  // namespace
 
 Member::Member(Ranks& ranks, Caster& caster, const std::filesystem::path& output, int threads, std::function<void()> attend)
     : ranks_(ranks), caster_(caster), output_(output), threads_(threads), attend_(std::move(attend)) {}
@@ -77,7 +71,8 @@ bool Member::look_for_file() {
   std::getline(std::ifstream(seen_path_), text);
   if (text == seen_text_) return true;
   if (std::chrono::steady_clock::now() > look_until_)
-    throw IoError(fmt::format("{}: rank 0 has written this file, and it can't be seen here: expected a folder that all ranks share", seen_path_));
+    throw IoError(fmt::format("{}: rank 0 has written this file, and it can't be seen here: expected a folder that all ranks share",
+                              std::filesystem::absolute(seen_path_).string()));
   return false;
 }
 

@@ -8,6 +8,9 @@
 
 namespace teracell {
 
+// How long another machine may take to see a new file: network file systems remember for some seconds that there was none.
+inline constexpr std::chrono::seconds kPatience{30};
+
 class Member {
  public:
   // Keeps references. `attend` is called while copying takes long.

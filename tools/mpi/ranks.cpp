@@ -1,5 +1,6 @@
 #include "tools/mpi/ranks.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <thread>
@@ -17,13 +18,14 @@ Ranks::Ranks(int& argc, char**& argv) : parent_(::getppid()) {
   MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
-  MPI_Comm here;
-  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
-  MPI_Comm_size(here, &on_this_machine_);
-  MPI_Comm_free(&here);
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here_);
+  MPI_Comm_size(here_, &on_this_machine_);
 }
 
-Ranks::~Ranks() { MPI_Finalize(); }
+Ranks::~Ranks() {
+  MPI_Comm_free(&here_);
+  MPI_Finalize();
+}
 
 std::string Ranks::name() const {
   char host[MPI_MAX_PROCESSOR_NAME];
@@ -42,6 +44,15 @@ void Ranks::expect_own_launcher() const {
 }
 
 bool Ranks::is_orphan() const { return size_ > 1 && ::getppid() != parent_; }
+
+int Ranks::with_same(std::span<const uint8_t> bytes) const {
+  const auto size = static_cast<int>(bytes.size());
+  Bytes all(bytes.size() * static_cast<size_t>(on_this_machine_));
+  MPI_Allgather(bytes.data(), size, MPI_BYTE, all.data(), size, MPI_BYTE, here_);
+  int same = 0;
+  for (size_t i = 0; i < all.size(); i += bytes.size()) same += std::equal(bytes.begin(), bytes.end(), all.begin() + static_cast<ptrdiff_t>(i));
+  return same;
+}
 
 int Ranks::least(int number) const {
   int out;

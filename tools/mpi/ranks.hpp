@@ -5,6 +5,7 @@
 
 #include <list>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "store/bytes.hpp"
@@ -45,6 +46,8 @@ class Ranks {
   void expect_own_launcher() const;
   // Whether what has started this process is gone, and with it the job. MPI does not always notice.
   bool is_orphan() const;
+  // How many ranks on this machine have these bytes, this one among them. All of them must call it, with as many bytes.
+  int with_same(std::span<const uint8_t> bytes) const;
   // The least of the numbers that the ranks have. All of them must call it.
   int least(int number) const;
 
@@ -60,6 +63,7 @@ class Ranks {
     MPI_Request request;
   };
   const pid_t parent_;
+  MPI_Comm here_;  // the ranks on this machine
   int rank_ = 0, size_ = 1, on_this_machine_ = 1;
   std::list<Sending> sending_;
 };

@@ -15,11 +15,18 @@ namespace {
 using namespace teracell;
 using std::chrono::milliseconds;
 
-// Of the cores that this rank may use, its share when they are those of all ranks on the machine.
+// Of the cores that this rank may use, its share when other ranks may use the same ones.
 int default_threads(const Ranks& ranks) {
   cpu_set_t allowed;
-  const int mine = sched_getaffinity(0, sizeof allowed, &allowed) == 0 ? CPU_COUNT(&allowed) : 1;
-  return std::max(1, std::min(mine, threads_or_all(0) / ranks.on_this_machine()));
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return std::max(1, threads_or_all(0) / ranks.on_this_machine());
+  return std::max(1, CPU_COUNT(&allowed) / ranks.with_same({reinterpret_cast<const uint8_t*>(&allowed), sizeof allowed}));
+}
+
+// Ranks would each take some of what can be read only once.
+void expect_files(const Scene& scene) {
+  for (const SceneBody& body : scene.bodies)
+    if (std::error_code ignored; std::filesystem::exists(body.mesh, ignored) && !std::filesystem::is_regular_file(body.mesh, ignored))
+      throw InputError(fmt::format("{}: expected a file, which every rank can read, found something else", body.mesh.string()));
 }
 
 // A rank whose launcher is gone would work on beside the next job for the same output.
@@ -57,13 +64,14 @@ Failure failure_of(const Ranks& ranks) {
   }
 }
 
-void mesh_together(Ranks& ranks, const MeshArguments& arguments) {
+void mesh_together(Ranks& ranks, const MeshArguments& arguments, int threads) {
   const std::atomic<bool>& interrupted = watch_interrupts();
   const bool first = ranks.rank() == 0;
   const Scene scene = scene_from(arguments);
   if (first) check_outputs(arguments, scene);
+  if (ranks.size() > 1) expect_files(scene);
   MeshOptions options = mesh_options(arguments, ranks.on_this_machine());
-  if (options.threads == 0) options.threads = default_threads(ranks);
+  if (options.threads == 0) options.threads = threads;
   const std::filesystem::path output = arguments.output;
 
   Caster caster(scene, output, options, static_cast<uint32_t>(ranks.rank()), static_cast<uint32_t>(ranks.size()));
@@ -92,7 +100,8 @@ void mesh_together(Ranks& ranks, const MeshArguments& arguments) {
     Failure failure = failure_of(ranks);
     if (first && conductor) {
       if (const uint32_t pieces = conductor->clean_up(); pieces > 0)
-        failure.message += fmt::format(" ({} pieces of the grid are kept: go on with --resume, or remove {}.piece-*)", pieces, arguments.output);
+        failure.message += fmt::format(" ({} of the grid {} kept: go on with --resume, or remove {}.piece-*)",
+                                       pieces == 1 ? "1 piece" : fmt::format("{} pieces", pieces), pieces == 1 ? "is" : "are", arguments.output);
       conductor.reset();
     }
     caster.stop(milliseconds(1000));
@@ -111,6 +120,7 @@ void mesh_together(Ranks& ranks, const MeshArguments& arguments) {
 int main(int argc, char** argv) {
   begin_program();
   Ranks ranks(argc, argv);
+  const int threads = default_threads(ranks);  // before any rank may fail, because all of them are asked
   CLI::App app("Trillion-cell Cartesian grids from CAD surfaces, by the processes that mpirun starts.", "teracell_mpi");
   app.set_version_flag("--version", TERACELL_VERSION);
   app.require_subcommand(1);
@@ -143,7 +153,7 @@ int main(int argc, char** argv) {
   if (refuser < ranks.size()) return 2;
   if (ranks.least(outcome) == kTold) return 0;
   try {
-    mesh_together(ranks, arguments);
+    mesh_together(ranks, arguments, threads);
   } catch (...) {
     end_job(ranks, failure_of(ranks));
   }

@@ -128,7 +128,7 @@ H5Handle text_type() {
 
 }  // namespace
 
-H5File::H5File(const std::filesystem::path& target) : name_(target.string()), file_(target) {
+H5File::H5File(const std::filesystem::path& target) : name_(target.string()), file_(target, 0, true) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // it prints nothing
   static const hid_t driver = H5FDregister(&H5Driver::kClass);
   const H5Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
