@@ -160,8 +160,7 @@ void expect_file_name(const std::filesystem::path& target) {
     throw IoError(fmt::format("{}: expected the name of a file, found {}", target.string(), kind_of(found)));
 }
 
-OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep, bool reads)
-    : target_(target), partial_(target.string() + ".partial") {
+OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep, bool reads) : target_(target), partial_(target.string() + ".partial") {
   expect_file_name(target_);
   reads = reads || keep > 0;
   bool left;
