@@ -36,7 +36,8 @@ FirstHits::FirstHits(const Subject& subject, const Camera& camera)
 
 double FirstHits::time(int axis, int64_t plane) const {
   const double p = grid_.axis[axis].plane(plane), from = line_.sight.from[axis];
-  if (line_.sight.along[axis] == 0) return p <= from ? -kInfinity : kInfinity;
+  // The domain's max belongs to the last cell.
+  if (line_.sight.along[axis] == 0) return p < from || (p == from && plane < cells_[axis]) ? -kInfinity : kInfinity;
   return (p - from) * line_.inverse[axis];
 }
 
@@ -49,8 +50,6 @@ bool FirstHits::clip() {
     if (subject_.hi[d] < grid_.axis[d].max()) {
       const double cut = subject_.hi[d] - line_.sight.from[d];
       leave = along == 0 ? (cut > 0 ? kInfinity : -kInfinity) : cut * line_.inverse[d];
-    } else if (along == 0 && line_.sight.from[d] == grid_.axis[d].max()) {
-      leave = kInfinity;  // the domain's max belongs to the last cell
     }
     if (along < 0) std::swap(enter, leave);
     if (enter > line_.begin) line_.begin = enter, line_.face = d;
