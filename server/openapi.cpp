@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "render/options.hpp"
 #include "server/protocols/protocols.hpp"
 #include "server/service/slice_picture.hpp"
 
@@ -195,6 +196,12 @@ std::string openapi_json(const Request& request) {
       get("the exact number of cells, volume and box of every material, counted from runs",
           {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()},
           "application/json", "Stats");
+  ordered_json view = {id, version()};
+  for (const RenderOption& o : render_options()) {
+    const std::string name(o.name), help(o.value.empty() ? fmt::format("1: {}", o.help) : fmt::format("{}: {}", o.value, o.help));
+    view.push_back(parameter(name.c_str(), "query", help, o.value.empty() ? flag() : kString));
+  }
+  paths[grid + "/view.png"] = get("a picture in three dimensions: the first visible cell on the line of sight of each pixel", view, "image/png", nullptr);
   const ordered_json bearer = {{"type", "http"}, {"scheme", "bearer"}, {"description", "needed when the server was started with a token"}};
   const ordered_json out = {{"openapi", "3.1.0"},
                             {"info", {{"title", "teracell"}, {"version", "1"}, {"description", description()}}},

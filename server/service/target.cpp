@@ -45,7 +45,7 @@ const std::string* Target::find(std::string_view key) const {
   return found;
 }
 
-void Target::allow(std::initializer_list<std::string_view> known) const {
+void Target::allow(std::span<const std::string_view> known) const {
   for (const auto& [name, value] : query)
     if (std::ranges::find(known, name) == known.end())
       throw bad_request(fmt::format("there is no parameter {}; expected {}", clipped(name),

@@ -2,6 +2,7 @@
 #pragma once
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,7 +17,8 @@ struct Target {
   // The value of a parameter, or null. Throws HttpError 400 when the parameter is there twice.
   const std::string* find(std::string_view key) const;
   // Throws HttpError 400 naming the first parameter that is not one of `known`.
-  void allow(std::initializer_list<std::string_view> known) const;
+  void allow(std::span<const std::string_view> known) const;
+  void allow(std::initializer_list<std::string_view> known) const { allow(std::span(known.begin(), known.size())); }
 };
 
 // Throws HttpError 400 unless it begins with '/', its percent-encodings are whole, and decoded it is free of NUL and other

@@ -6,7 +6,7 @@ import shutil
 import tempfile
 
 import pyramid
-from program import Case, read_npy, teracell
+from program import Case, read_npy, read_png, teracell
 
 ORDER = [1, 3, 2, 0]  # explosive, structure, grandstand, air: the strongest first
 UV = {"z": (0, 1), "y": (0, 2), "x": (1, 2)}
@@ -78,6 +78,24 @@ class Stadium(Case):
             shape, cells = self.level_cells(level)
             rows, columns, expected = pyramid.plane(shape, cells, axis, index)
             self.assertEqual(self.slice_npy(self.grid, "--axis", axis, "--index", index, "--level", level), ((rows, columns), expected))
+
+    def test_views_show_the_first_material_of_each_column(self):
+        nz, ny, nx = self.shape
+        at = lambda x, y, z: self.cells[(z * ny + y) * nx + x]
+        # The picture's size, and for its column and row the cells from the front to the back.
+        views = {
+            "x": (ny, nz, lambda c, r: (at(x, ny - 1 - c, nz - 1 - r) for x in range(nx))),
+            "-x": (ny, nz, lambda c, r: (at(x, c, nz - 1 - r) for x in reversed(range(nx)))),
+            "y": (nx, nz, lambda c, r: (at(c, y, nz - 1 - r) for y in range(ny))),
+            "-z": (nx, ny, lambda c, r: (at(c, ny - 1 - r, z) for z in reversed(range(nz)))),
+        }
+        for view, (width, height, column) in views.items():
+            self.run_ok("render", self.grid, "--view", view, "--flat", "--size", f"{width},{height}", "-o", "v.png", "--background", "#00000000")
+            picture = read_png(self.bytes("v.png"))
+            self.assertEqual((picture.width, picture.height), (width, height))
+            for r in range(0, height, 3):
+                expected = [next((self.colors[m] for m in column(c, r) if m), (0, 0, 0, 0)) for c in range(width)]
+                self.assertEqual(picture.rows[r], expected, f"{view} row {r}")
 
     def test_regions_are_cut_from_the_whole(self):
         rng = random.Random(7)

@@ -60,6 +60,19 @@ class Damage(Case):
         self.assertEqual(self.bytes("precious"), b"precious")
         self.assertEqual(self.bytes("g.tcell"), self.whole)
 
+    def test_a_picture_in_three_dimensions_is_whole_or_not_there(self):
+        self.run_ok("render", "g.tcell", "-o", "v.jpg", "--size", "64,48", "--cut", "y=0", "--materials", "grandstand,structure")
+        self.assertEqual(self.bytes("v.jpg")[:3], b"\xff\xd8\xff")
+        self.refused(2, "ends in .png, .jpg or .jpeg", "render", "g.tcell", "-o", "v.gif")
+        self.refused(2, ["--materials", "found 'wood'"], "render", "g.tcell", "-o", "v.png", "--materials", "wood")
+        self.refused(2, ["--from, --at: expected two points"], "render", "g.tcell", "-o", "v.png", "--from", "1,2,3", "--at", "1,2,3")
+        os.link(self.path("g.tcell"), self.path("k.png"))
+        self.refused(2, ["overwritten"], "render", "g.tcell", "-o", "k.png")
+        self.write("d.tcell", self.whole[: len(self.whole) // 2])
+        self.refused(1, ["d.tcell", "cut short"], "render", "d.tcell", "-o", "v.png")
+        self.assertFalse(os.path.exists(self.path("v.png")))
+        self.no_debris()
+
     def test_any_truncation_is_found(self):
         size = len(self.whole)
         for length in (0, 1, 31, 32, 159, 160, size // 3, size // 2, size - 128, size - 1):

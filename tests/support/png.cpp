@@ -1,5 +1,7 @@
 #include "tests/support/png.hpp"
 
+#include <cstdlib>
+
 #include <algorithm>
 
 #include <zlib.h>
@@ -71,8 +73,17 @@ Decoded decode(std::span<const uint8_t> png) {
   std::vector<uint8_t> above(line, 0);
   for (uint32_t r = 0; r < d.height; ++r) {
     const uint8_t* p = &raw[r * (line + 1)];
-    REQUIRE((p[0] == 0 || p[0] == 2));
-    for (size_t i = 0; i < line; ++i) above[i] = static_cast<uint8_t>(p[i + 1] + (p[0] == 2 ? above[i] : 0));
+    REQUIRE(p[0] <= 4);
+    const size_t pixel = palette ? 1 : 4;
+    std::vector<uint8_t> here(line);
+    for (size_t i = 0; i < line; ++i) {
+      const int left = i < pixel ? 0 : here[i - pixel], up = above[i], corner = i < pixel ? 0 : above[i - pixel];
+      const int to_left = std::abs(up - corner), to_up = std::abs(left - corner), to_corner = std::abs(left + up - 2 * corner);
+      const int paeth = to_left <= to_up && to_left <= to_corner ? left : to_up <= to_corner ? up : corner;
+      const int predicted[] = {0, left, up, (left + up) / 2, paeth};
+      here[i] = static_cast<uint8_t>(p[i + 1] + predicted[p[0]]);
+    }
+    above = here;
     auto& row = d.rows.emplace_back();
     for (uint32_t i = 0; i < d.width; ++i) {
       if (!palette) {

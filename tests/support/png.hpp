@@ -1,4 +1,4 @@
-// Decodes PNG pictures: palette or RGBA, filters "none" and "up", not interlaced. REQUIREs that the file keeps every rule: order
+// Decodes PNG pictures: palette or RGBA, all filters, not interlaced. REQUIREs that the file keeps every rule: order
 // and CRCs of chunks, a zlib stream that zlib itself inflates (with its Adler-32), and no byte too many.
 #pragma once
 #include <span>

@@ -143,10 +143,10 @@ void add_source_options(CLI::App& app, SourceOptions& source) {
           ""));
 }
 
-GridReader open_grid(const GridArgument& grid) {
+GridReader open_grid(const GridArgument& grid, std::shared_ptr<ChunkKeeper> keeper) {
   SourceOptions source = grid.source;
   source.stop = &interrupted;  // of a command that watches for it; others just end
-  return GridReader(open_source(grid.name, source));
+  return GridReader(open_source(grid.name, source), std::move(keeper));
 }
 
 void add_threads(CLI::App& app, int& threads) {

@@ -35,7 +35,7 @@ struct GridArgument {
 };
 void add_grid(CLI::App& app, GridArgument& grid, const char* file = "a .tcell file");
 void add_source_options(CLI::App& app, SourceOptions& source);  // --cache-dir and so on, which add_grid() adds, too
-GridReader open_grid(const GridArgument& grid);
+GridReader open_grid(const GridArgument& grid, std::shared_ptr<ChunkKeeper> keeper = nullptr);
 void add_threads(CLI::App& app, int& threads);  // stays 0, which means one per core, unless it is given
 int threads_or_all(int threads);
 void add_progress(CLI::App& app, std::string& mode);

@@ -7,6 +7,7 @@
   command(merge, "put the parts of a grid together that were made apart") \
   command(info, "what a .tcell file holds") \
   command(slice, "one slice as a picture (.png) or an array (.npy)") \
+  command(render, "a picture in three dimensions (.png, .jpg)") \
   command(column, "the runs of one column along any axis") \
   command(stats, "exact cells, volume and box of every material") \
   command(export, "a box of cells in the format of another program") \

@@ -1,0 +1,177 @@
+#include "render/options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "store/error.hpp"
+
+namespace teracell {
+namespace {
+
+constexpr RenderOption kOptions[] = {
+    {"from", "X,Y,Z", "where the eye is; default: from (1, -1.4, 0.9) times the grid's diagonal, seen from its middle"},
+    {"at", "X,Y,Z", "what it looks at; default: the middle of the grid"},
+    {"up", "AXIS", "x, y or z; default: z"},
+    {"fov", "DEGREES", "the field of view from bottom to top; default: 30"},
+    {"view", "DIRECTION", "x, y, z, -x, -y or -z: look along it, without perspective"},
+    {"size", "W,H", "pixels; default: 1280,960"},
+    {"level", "L", "draw the cells of this level; default: those that take at most half a pixel"},
+    {"cut", "x=X,y=Y,z=Z", "keep what is below these coordinates; one or more of them"},
+    {"materials", "NAME,...", "show these alone; default: all but the background"},
+    {"background", "#rrggbbaa", "the colour where nothing is; default: #ffffff"},
+    {"flat", "", "the materials' colours alone: no shading, no smoothing"},
+};
+
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> out;
+  for (size_t from = 0;;) {
+    const size_t comma = text.find(',', from);
+    out.push_back(text.substr(from, comma - from));
+    if (comma == std::string_view::npos) return out;
+    from = comma + 1;
+  }
+}
+
+class Options {
+ public:
+  Options(const OptionText& text, const Metadata& meta, std::string_view dashes) : text_(text), meta_(meta), dashes_(dashes) {}
+
+  RenderOptions parse() const {
+    RenderOptions out;
+    const PictureSize size = picture_size();
+    out.camera = camera(size);
+    if (const std::string* text = text_("level")) out.level = level(*text);
+    if (const std::string* text = text_("cut")) out.cut = cut(*text);
+    if (const std::string* text = text_("materials")) out.materials = materials(*text);
+    if (const std::string* text = text_("background")) out.ground = color(*text);
+    if (const std::string* text = text_("flat")) out.flat = flag("flat", *text);
+    return out;
+  }
+
+ private:
+  [[noreturn]] void refuse(std::string_view name, const std::string& expected, std::string_view found) const {
+    throw UsageError(fmt::format("{}{}: expected {}, found '{}'", dashes_, name, expected, found));
+  }
+
+  double number(std::string_view name, std::string_view text, const char* expected) const {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) refuse(name, expected, text);
+    return value;
+  }
+
+  Vec3 point(std::string_view name, const std::string& text) const {
+    const auto words = split(text);
+    if (words.size() != 3) refuse(name, "three numbers, as in 1,2,3", text);
+    Vec3 out;
+    for (size_t d = 0; d < 3; ++d) out[d] = number(name, words[d], "three numbers, as in 1,2,3");
+    return out;
+  }
+
+  PictureSize picture_size() const {
+    const std::string* const text = text_("size");
+    if (!text) return {};
+    const std::string expected = fmt::format("width and height from 1 to {} pixels, at most {} in all, as in 1280,960", kLongestPictureSide, kMostPicturePixels);
+    const auto words = split(*text);
+    uint64_t n[2] = {};
+    for (size_t i = 0; i < 2; ++i) {
+      const char* const end = words.size() == 2 ? words[i].data() + words[i].size() : nullptr;
+      if (!end || std::from_chars(words[i].data(), end, n[i]).ptr != end || n[i] < 1 || n[i] > kLongestPictureSide) refuse("size", expected, *text);
+    }
+    if (n[0] * n[1] > kMostPicturePixels) refuse("size", expected, *text);
+    return {static_cast<uint32_t>(n[0]), static_cast<uint32_t>(n[1])};
+  }
+
+  Camera camera(PictureSize size) const {
+    if (const std::string* view = text_("view")) {
+      for (const char* other : {"from", "at", "up", "fov"})
+        if (text_(other)) throw UsageError(fmt::format("{0}view: expected alone, found with {0}{1}", dashes_, other));
+      const bool positive = !view->starts_with('-');
+      const auto axis = axis_named(std::string_view(*view).substr(positive ? 0 : 1));
+      if (!axis) refuse("view", "x, y, z, -x, -y or -z", *view);
+      return axis_camera(meta_.grid, *axis, positive, size);
+    }
+    int up = 2;
+    if (const std::string* text = text_("up")) {
+      const auto axis = axis_named(*text);
+      if (!axis) refuse("up", "x, y or z", *text);
+      up = *axis;
+    }
+    double fov = 30;
+    if (const std::string* text = text_("fov")) {
+      fov = number("fov", *text, "degrees");
+      if (!(fov >= 1e-6 && fov <= 179)) refuse("fov", "0.000001 to 179 degrees", *text);
+    }
+    const std::string *from = text_("from"), *at = text_("at");
+    Vec3 middle, eye;
+    double diagonal = 0;
+    for (int d = 0; d < 3; ++d) {
+      const double length = meta_.grid.axis[d].max() - meta_.grid.axis[d].min();
+      middle[d] = meta_.grid.axis[d].min() + length / 2;
+      diagonal = std::hypot(diagonal, length);
+    }
+    const Vec3 target = at ? point("at", *at) : middle;
+    eye = from ? point("from", *from) : middle + Vec3{1, -1.4, 0.9} * diagonal;
+    if (eye == target) throw UsageError(fmt::format("{0}from, {0}at: expected two points, found ({1}, {2}, {3}) twice", dashes_, eye[0], eye[1], eye[2]));
+    return perspective_camera(eye, target, up, fov, size);
+  }
+
+  int level(const std::string& text) const {
+    int out = 0;
+    const char* const end = text.data() + text.size();
+    if (std::from_chars(text.data(), end, out).ptr != end || text.empty() || out < 0 || out >= meta_.grid.levels())
+      refuse("level", fmt::format("0 to {}", meta_.grid.levels() - 1), text);
+    return out;
+  }
+
+  std::array<std::optional<double>, 3> cut(const std::string& text) const {
+    std::array<std::optional<double>, 3> out;
+    for (const std::string_view word : split(text)) {
+      const auto axis = word.size() > 2 && word[1] == '=' ? axis_named(word.substr(0, 1)) : std::nullopt;
+      if (!axis || out[*axis]) refuse("cut", "one coordinate per axis at most, as in x=1.5,z=20", text);
+      out[*axis] = number("cut", word.substr(2), "one coordinate per axis at most, as in x=1.5,z=20");
+    }
+    return out;
+  }
+
+  std::vector<bool> materials(const std::string& text) const {
+    std::vector<bool> out(meta_.materials.size());
+    // A name may hold commas, so the longest name that fits is taken.
+    for (std::string_view rest = text;;) {
+      const MaterialInfo* best = nullptr;
+      for (const MaterialInfo& m : meta_.materials)
+        if (rest.starts_with(m.name) && (rest.size() == m.name.size() || rest[m.name.size()] == ',') && (!best || m.name.size() > best->name.size())) best = &m;
+      if (!best) refuse("materials", "names of materials of this grid, separated by commas", rest.substr(0, rest.find(',')));
+      out[static_cast<size_t>(best - meta_.materials.data())] = true;
+      if (rest.size() == best->name.size()) return out;
+      rest.remove_prefix(best->name.size() + 1);
+    }
+  }
+
+  Rgba color(const std::string& text) const {
+    const auto out = parse_color(text);
+    if (!out) refuse("background", "#rrggbb or #rrggbbaa", text);
+    return *out;
+  }
+
+  bool flag(std::string_view name, const std::string& text) const {
+    if (text.empty() || text == "1" || text == "true") return true;
+    if (text != "0" && text != "false") refuse(name, "0 or 1", text);
+    return false;
+  }
+
+  const OptionText& text_;
+  const Metadata& meta_;
+  const std::string_view dashes_;
+};
+
+}  // namespace
+
+std::span<const RenderOption> render_options() { return kOptions; }
+
+RenderOptions parse_render_options(const OptionText& text, const Metadata& meta, std::string_view dashes) { return Options(text, meta, dashes).parse(); }
+
+}  // namespace teracell
