@@ -47,7 +47,8 @@ Sight Camera::sight(double x, double y) const {
 Camera perspective_camera(const Vec3& from, const Vec3& at, int up, double fov, PictureSize size) {
   if (!(fov > 0 && fov < 180)) throw UsageError(fmt::format("--fov: expected more than 0 and less than 180 degrees, found {}", fov));
   const Vec3 forward = normalised(at - from);
-  if (dot(forward, forward) == 0) throw UsageError(fmt::format("--from, --at: expected two points, found ({}, {}, {}) twice", from[0], from[1], from[2]));
+  if (dot(forward, forward) == 0)
+    throw UsageError(fmt::format("--from, --at: expected two points, found ({}, {}, {}) twice", from[0], from[1], from[2]));
   Camera camera{.perspective = true, .from = from, .size = size};
   camera.pixel = 2 * std::tan(fov / 2 * std::numbers::pi / 180) / size.height;
   turn(camera, forward, up);

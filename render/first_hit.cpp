@@ -19,7 +19,12 @@ double widest_cell(const Axis& axis) {
 }  // namespace
 
 FirstHits::FirstHits(const Subject& subject, const Camera& camera)
-    : subject_(subject), camera_(camera), grid_(subject.reader.meta().grid), cells_(grid_.cells()), frame_(subject.reader.meta().frame()), kept_(kKept) {
+    : subject_(subject),
+      camera_(camera),
+      grid_(subject.reader.meta().grid),
+      cells_(grid_.cells()),
+      frame_(subject.reader.meta().frame()),
+      kept_(kKept) {
   const GridReader& reader = subject.reader;
   const int drawn = subject.level.value_or(0);
   double widest = 0;
@@ -130,7 +135,8 @@ int FirstHits::face_of(size_t rung, const Index3& cell, double t0) const {
 
 bool FirstHits::occupied(size_t rung, const Index3& cell) {
   if (const int level = rungs_[rung].level; level >= subject_.occupancy.level())
-    return subject_.occupancy.at(level, static_cast<uint32_t>(cell[frame_.u]), static_cast<uint32_t>(cell[frame_.v]), static_cast<uint32_t>(cell[frame_.w]));
+    return subject_.occupancy.at(level, static_cast<uint32_t>(cell[frame_.u]), static_cast<uint32_t>(cell[frame_.v]),
+                                 static_cast<uint32_t>(cell[frame_.w]));
   return seen(rung, cell) != 0;
 }
 

@@ -81,7 +81,8 @@ void Occupancy::read(const GridReader& reader, const Visible& visible, int threa
           SetMemo<bool> known;
           for (uint32_t ray = 0; ray < rays.rays(); ++ray)
             rays.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId set) {
-              if (known.get(set, [&] { return visible.of(chunk->sets.members(set)) != 0; })) fill(ray_words(ray % rays.nu, ray / rays.nu), w0 + from, w0 + to);
+              if (known.get(set, [&] { return visible.of(chunk->sets.members(set)) != 0; }))
+                fill(ray_words(ray % rays.nu, ray / rays.nu), w0 + from, w0 + to);
             });
         }
         return 0;

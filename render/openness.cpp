@@ -34,7 +34,8 @@ Openness::Openness(const Grid& grid, const RayFrame& frame, const Occupancy& occ
     std::vector<float> next(share_.size());
     for (int64_t i = 0; i < static_cast<int64_t>(share_.size()); ++i) {
       const int64_t place = i / stride[d] % size_[d];
-      const float before = place > 0 ? share_[static_cast<size_t>(i - stride[d])] : 0, after = place + 1 < size_[d] ? share_[static_cast<size_t>(i + stride[d])] : 0;
+      const float before = place > 0 ? share_[static_cast<size_t>(i - stride[d])] : 0,
+                  after = place + 1 < size_[d] ? share_[static_cast<size_t>(i + stride[d])] : 0;
       next[static_cast<size_t>(i)] = (before + 2 * share_[static_cast<size_t>(i)] + after) / 4;
     }
     share_ = std::move(next);

@@ -74,7 +74,8 @@ class Options {
   PictureSize picture_size() const {
     const std::string* const text = text_("size");
     if (!text) return {};
-    const std::string expected = fmt::format("width and height from 1 to {} pixels, at most {} in all, as in 1280,960", kLongestPictureSide, kMostPicturePixels);
+    const std::string expected =
+        fmt::format("width and height from 1 to {} pixels, at most {} in all, as in 1280,960", kLongestPictureSide, kMostPicturePixels);
     const auto words = split(*text);
     uint64_t n[2] = {};
     for (size_t i = 0; i < 2; ++i) {
@@ -115,7 +116,8 @@ class Options {
     }
     const Vec3 target = at ? point("at", *at) : middle;
     eye = from ? point("from", *from) : middle + Vec3{1, -1.4, 0.9} * diagonal;
-    if (eye == target) throw UsageError(fmt::format("{0}from, {0}at: expected two points, found ({1}, {2}, {3}) twice", dashes_, eye[0], eye[1], eye[2]));
+    if (eye == target)
+      throw UsageError(fmt::format("{0}from, {0}at: expected two points, found ({1}, {2}, {3}) twice", dashes_, eye[0], eye[1], eye[2]));
     return perspective_camera(eye, target, up, fov, size);
   }
 
@@ -143,7 +145,8 @@ class Options {
     for (std::string_view rest = text;;) {
       const MaterialInfo* best = nullptr;
       for (const MaterialInfo& m : meta_.materials)
-        if (rest.starts_with(m.name) && (rest.size() == m.name.size() || rest[m.name.size()] == ',') && (!best || m.name.size() > best->name.size())) best = &m;
+        if (rest.starts_with(m.name) && (rest.size() == m.name.size() || rest[m.name.size()] == ',') && (!best || m.name.size() > best->name.size()))
+          best = &m;
       if (!best) refuse("materials", "names of materials of this grid, separated by commas", rest.substr(0, rest.find(',')));
       out[static_cast<size_t>(best - meta_.materials.data())] = true;
       if (rest.size() == best->name.size()) return out;
@@ -172,6 +175,8 @@ class Options {
 
 std::span<const RenderOption> render_options() { return kOptions; }
 
-RenderOptions parse_render_options(const OptionText& text, const Metadata& meta, std::string_view dashes) { return Options(text, meta, dashes).parse(); }
+RenderOptions parse_render_options(const OptionText& text, const Metadata& meta, std::string_view dashes) {
+  return Options(text, meta, dashes).parse();
+}
 
 }  // namespace teracell

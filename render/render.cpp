@@ -58,10 +58,14 @@ class Renderer {
       const Rows rows = cast(std::max<int64_t>(0, y - halo), std::min(height, end + halo), [&](double share) {
         progress((static_cast<double>(y) + 0.8 * share * static_cast<double>(end - y)) / static_cast<double>(height));
       });
-      each_tile(y, end, [&](int64_t x0, int64_t y0, int64_t x1, int64_t y1, int worker) {
-        for (int64_t py = y0; py < y1; ++py)
-          for (int64_t px = x0; px < x1; ++px) std::ranges::copy(color(rows, px, py, worker), &out.rgba[static_cast<size_t>(4 * (py * size.width + px))]);
-      }, [](double) {});
+      each_tile(
+          y, end,
+          [&](int64_t x0, int64_t y0, int64_t x1, int64_t y1, int worker) {
+            for (int64_t py = y0; py < y1; ++py)
+              for (int64_t px = x0; px < x1; ++px)
+                std::ranges::copy(color(rows, px, py, worker), &out.rgba[static_cast<size_t>(4 * (py * size.width + px))]);
+          },
+          [](double) {});
     }
     return out;
   }
@@ -108,10 +112,13 @@ class Renderer {
   Rows cast(int64_t first, int64_t end, const std::function<void(double)>& progress) {
     Rows rows{first, end, options_.camera.size.width, {}};
     rows.samples.resize(static_cast<size_t>((end - first) * rows.width));
-    each_tile(first, end, [&](int64_t x0, int64_t y0, int64_t x1, int64_t y1, int worker) {
-      for (int64_t y = y0; y < y1; ++y)
-        for (int64_t x = x0; x < x1; ++x) rows.at(x, y) = sample(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, worker);
-    }, progress);
+    each_tile(
+        first, end,
+        [&](int64_t x0, int64_t y0, int64_t x1, int64_t y1, int worker) {
+          for (int64_t y = y0; y < y1; ++y)
+            for (int64_t x = x0; x < x1; ++x) rows.at(x, y) = sample(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, worker);
+        },
+        progress);
     return rows;
   }
 
@@ -136,8 +143,10 @@ class Renderer {
 
   Vec3 normal_near(const Rows& rows, int64_t x, int64_t y, const Sample& s, double dx, double dy) const {
     const int sx = dx > 0 ? 1 : -1, sy = dy > 0 ? 1 : -1;
-    for (const auto& [i, j] : {std::pair{0, 0}, std::abs(dx) > std::abs(dy) ? std::pair{sx, 0} : std::pair{0, sy}, {sx, 0}, {0, sy}, {sx, sy}, {-sx, 0}, {0, -sy}})
-      if (rows.has(x + i, y + j) && rows.at(x + i, y + j).shown() && shading_.is_near(rows.at(x + i, y + j), s)) return shading_.normal(rows, x + i, y + j);
+    for (const auto& [i, j] :
+         {std::pair{0, 0}, std::abs(dx) > std::abs(dy) ? std::pair{sx, 0} : std::pair{0, sy}, {sx, 0}, {0, sy}, {sx, sy}, {-sx, 0}, {0, -sy}})
+      if (rows.has(x + i, y + j) && rows.at(x + i, y + j).shown() && shading_.is_near(rows.at(x + i, y + j), s))
+        return shading_.normal(rows, x + i, y + j);
     return shading_.face_normal(options_.camera.sight(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5), s.face);
   }
 

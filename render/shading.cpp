@@ -66,7 +66,8 @@ Vec3 Shading::normal(const Rows& rows, int64_t x, int64_t y) const {
         const double rise = linear(s.t) - q, off = (rise - b * fx - c * fy) / (2 * tolerance);
         if (std::abs(off) >= 1) continue;
         const double w = (1 - off * off) * (1 - off * off);
-        n += w, sx += w * fx, sy += w * fy, sq += w * rise, xx += w * fx * fx, xy += w * fx * fy, yy += w * fy * fy, xq += w * fx * rise, yq += w * fy * rise;
+        n += w, sx += w * fx, sy += w * fy, sq += w * rise, xx += w * fx * fx, xy += w * fx * fy, yy += w * fy * fy, xq += w * fx * rise,
+            yq += w * fy * rise;
       }
     if (n == 0) break;
     xx -= sx * sx / n, xy -= sx * sy / n, yy -= sy * sy / n, xq -= sx * sq / n, yq -= sy * sq / n;

@@ -201,7 +201,8 @@ std::string openapi_json(const Request& request) {
     const std::string name(o.name), help(o.value.empty() ? fmt::format("1: {}", o.help) : fmt::format("{}: {}", o.value, o.help));
     view.push_back(parameter(name.c_str(), "query", help, o.value.empty() ? flag() : kString));
   }
-  paths[grid + "/view.png"] = get("a picture in three dimensions: the first visible cell on the line of sight of each pixel", view, "image/png", nullptr);
+  paths[grid + "/view.png"] =
+      get("a picture in three dimensions: the first visible cell on the line of sight of each pixel", view, "image/png", nullptr);
   const ordered_json bearer = {{"type", "http"}, {"scheme", "bearer"}, {"description", "needed when the server was started with a token"}};
   const ordered_json out = {{"openapi", "3.1.0"},
                             {"info", {{"title", "teracell"}, {"version", "1"}, {"description", description()}}},

@@ -221,7 +221,8 @@ Response view(const GridRequest& r) {
     throw bad_request(fmt::format("size: expected at most {} pixels, found {} x {}", most, size.width, size.height));
   return r.service.answer(r.request, r.target, r.grid, {.route = "view", .content_type = "image/png", .make = [&] {
                                                           const std::atomic<bool> never = false;
-                                                          return encode_picture(render(r.reader(), options, 1, never, [](double) { Wanted::stop_if_not(); }), "png");
+                                                          return encode_picture(
+                                                              render(r.reader(), options, 1, never, [](double) { Wanted::stop_if_not(); }), "png");
                                                         }});
 }
 

@@ -48,7 +48,8 @@ TEST_CASE("flat views along the axes are the first materials of the columns", "[
     std::vector<Label> cells = random_cells(random, n, kLabels);
     for (Label& label : cells)
       if (random() % 3) label = 0;
-    Metadata meta = with_tiny_chunks(metadata_of({{Axis::uniform(0, 1, 0, n[0], 0.5), Axis::uniform(-3, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 2, n[2], 0.5)}}, ray_axis, kLabels));
+    Metadata meta = with_tiny_chunks(
+        metadata_of({{Axis::uniform(0, 1, 0, n[0], 0.5), Axis::uniform(-3, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 2, n[2], 0.5)}}, ray_axis, kLabels));
     for (uint32_t m = 0; m < kLabels; ++m) meta.materials[m].color = fmt::format("#{:02x}{:02x}40", 40 * m, 255 - 50 * m);
     const auto file = folder / std::to_string(ray_axis);
     store_cells(file, meta, cells);
@@ -59,7 +60,8 @@ TEST_CASE("flat views along the axes are the first materials of the columns", "[
       // Up is z, or y along z. To the right, forward x up, is -y, +x and -x in the views along x, y and z.
       const int up = axis == 2 ? 1 : 2, across = 3 - axis - up;
       const int64_t width = n[across], height = n[up];
-      const Picture3D picture = picture_of(reader, {{"view", view}, {"size", fmt::format("{},{}", width, height)}, {"flat", ""}, {"background", "#01020304"}}, 1 + ray_axis);
+      const Picture3D picture = picture_of(
+          reader, {{"view", view}, {"size", fmt::format("{},{}", width, height)}, {"flat", ""}, {"background", "#01020304"}}, 1 + ray_axis);
       for (int64_t y = 0; y < height; ++y)
         for (int64_t x = 0; x < width; ++x) {
           CAPTURE(ray_axis, view, x, y);
@@ -151,7 +153,8 @@ TEST_CASE("pictures as files: PNG keeps every pixel, JPEG puts what is transpare
   for (uint8_t i = 0; i < 24; ++i) picture.rgba.push_back(static_cast<uint8_t>(i * 10));
   const Png png = png_of(encode_picture(picture, "png"));
   REQUIRE(png.width == 3);
-  for (size_t i = 0; i < 6; ++i) CHECK(png.pixels[i] == Rgba{picture.rgba[4 * i], picture.rgba[4 * i + 1], picture.rgba[4 * i + 2], picture.rgba[4 * i + 3]});
+  for (size_t i = 0; i < 6; ++i)
+    CHECK(png.pixels[i] == Rgba{picture.rgba[4 * i], picture.rgba[4 * i + 1], picture.rgba[4 * i + 2], picture.rgba[4 * i + 3]});
   CHECK(encode_picture(picture, "jpg").starts_with("\xff\xd8\xff"));
   CHECK(picture_format("a.b.jpeg") == "jpg");
   CHECK(picture_format("a.PNG").empty());
@@ -196,7 +199,8 @@ TEST_CASE("an interrupted picture ends at once, and a damaged chunk is an error"
   const TempFolder folder;
   store_cells(folder / "ball", with_tiny_chunks(metadata_of(cube_grid(-1, 1, 24), 2, 2)), ball(24));
   const std::atomic<bool> stop = true;
-  REQUIRE_THROWS_AS(render(stored_with_cache(folder / "ball"), {default_camera(cube_grid(-1, 1, 24), 2, 30, {64, 64})}, 2, stop, [](double) {}), Interrupted);
+  REQUIRE_THROWS_AS(render(stored_with_cache(folder / "ball"), {default_camera(cube_grid(-1, 1, 24), 2, 30, {64, 64})}, 2, stop, [](double) {}),
+                    Interrupted);
   Bytes bytes = file_bytes(folder / "ball");
   const GridReader sound = stored_with_cache(folder / "ball");
   const auto entry = sound.entry({0, 3, 3, 0});

@@ -53,8 +53,13 @@ Run setup_render(CLI::App& app) {
   app.add_option("-o,--output", o->output, "the picture to write: .png, .jpg or .jpeg")->required();
   for (const RenderOption& option : render_options()) {
     const std::string name(option.name), dashed = "--" + name, help(option.help);
-    if (option.value.empty()) app.add_flag_callback(dashed, [o, name] { o->words[name] = ""; }, help);
-    else app.add_option_function<std::string>(dashed, [o, name](const std::string& text) { o->words[name] = text; }, help)->type_name(std::string(option.value));
+    if (option.value.empty())
+      app.add_flag_callback(
+          dashed, [o, name] { o->words[name] = ""; }, help);
+    else
+      app.add_option_function<std::string>(
+             dashed, [o, name](const std::string& text) { o->words[name] = text; }, help)
+          ->type_name(std::string(option.value));
   }
   add_threads(app, o->threads);
   add_progress(app, o->progress);
