@@ -49,7 +49,7 @@ void Target::allow(std::span<const std::string_view> known) const {
   for (const auto& [name, value] : query)
     if (std::ranges::find(known, name) == known.end())
       throw bad_request(fmt::format("there is no parameter {}; expected {}", clipped(name),
-                                    known.size() == 0 ? std::string("none") : fmt::format("one of {}", fmt::join(known, ", "))));
+                                    known.empty() ? std::string("none") : fmt::format("one of {}", fmt::join(known, ", "))));
 }
 
 std::string clipped(std::string_view text) { return fmt::format("'{}{}'", text.substr(0, 48), text.size() > 48 ? "..." : ""); }
