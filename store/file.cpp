@@ -107,13 +107,17 @@ int open_partial(const path& partial, const path& target, bool reads, bool& left
   int fd = ::open(partial.c_str(), flags | O_EXCL, 0666);
   left = fd < 0 && errno == EEXIST;
   if (left) fd = ::open(partial.c_str(), flags, 0666);
+  // Anything else under this name belongs to someone: a pipe, or a file that has another name as well.
+  const auto refuse = [&] {
+    throw IoError(fmt::format("{}: expected no file, or one that a killed run has left; found something else: remove it", partial.string()));
+  };
+  if (fd < 0 && errno == ENXIO) refuse();  // a pipe that nobody reads
   if (fd < 0) fail_to_create(partial, target, errno);
   lock(fd, partial, target, "file");
-  // Anything else under this name belongs to someone: a pipe, or a file that has another name as well.
   struct stat found;
   if (::fstat(fd, &found) != 0 || !S_ISREG(found.st_mode) || found.st_nlink > 1) {
     ::close(fd);
-    throw IoError(fmt::format("{}: expected no file, or one that a killed run has left; found something else: remove it", partial.string()));
+    refuse();
   }
   expect_still_there(fd, partial, target, "file");
   return fd;
