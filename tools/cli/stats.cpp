@@ -26,7 +26,7 @@ void run(const StatsArguments& o) {
   }
   size_t width = 8;
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
-  say(fmt::format("{:>3}  {:<{}} {:>20} {:>16}   box of cells", "id", "material", width, "cells", fmt::format("volume {}^3", meta.units)));
+  say(fmt::format("{:>3}  {:<{}} {:>20} {:>16}   box of cells", "id", "material", width, "cells", fmt::format("volume {}³", meta.units)));
   for (size_t i = 0; i < stats.size(); ++i) {
     const MaterialStats& s = stats[i];
     const auto& [lo, hi] = s.box;

@@ -50,6 +50,7 @@ test("bytes come in decimal units", () => {
   assert.equal(bytes_text(999), "999 B");
   assert.equal(bytes_text(15645947), "15.6 MB");
   assert.equal(bytes_text(1e12), "1.00 TB");
+  assert.equal(bytes_text(1.02e15), "1.02 PB");
 });
 
 test("a share is 0 or 100 % only when it is", () => {

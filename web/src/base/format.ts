@@ -49,7 +49,7 @@ export function significant(x: number, digits = 5): string {
 export const unit_name = (units: string): string => (units === "um" ? "µm" : units);
 
 export function bytes_text(n: number): string {
-  const units = ["B", "kB", "MB", "GB", "TB"];
+  const units = ["B", "kB", "MB", "GB", "TB", "PB", "EB"];
   let at = 0;
   let x = n;
   while (x >= 999.5 && at + 1 < units.length) {
