@@ -6,7 +6,7 @@
 #include "mesher/closing/closing.hpp"
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/compose.hpp"
-#include "mesher/surface/spill.hpp"
+#include "store/spill.hpp"
 #include "mesher/tiles/facet_store.hpp"
 #include "store/background.hpp"
 

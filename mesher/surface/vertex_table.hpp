@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "mesher/surface/spill.hpp"
+#include "store/spill.hpp"
 #include "store/grid.hpp"
 
 namespace teracell {

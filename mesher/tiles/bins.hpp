@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "mesher/surface/spill.hpp"
+#include "store/spill.hpp"
 #include "mesher/tiles/rays.hpp"
 #include "store/background.hpp"
 
