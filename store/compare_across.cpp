@@ -14,7 +14,7 @@ namespace teracell {
 namespace {
 
 constexpr size_t kMostChangesOfPlane = size_t{1} << 18;
-constexpr uint32_t kLeastBlock = 4096, kRowsAhead = 16;
+constexpr uint32_t kLeastBlock = 4096, kFetchedAhead = 16;
 
 uint32_t round_up(uint64_t n, uint32_t by) { return static_cast<uint32_t>((n + by - 1) / by * by); }
 
@@ -86,8 +86,8 @@ class CompareAcross {
         [&]() -> std::optional<ChunkKey> {
           const auto row = static_cast<uint32_t>(row0 + next / in_row);
           if (row == rows || (next > 0 && next % in_row == 0 && bytes > c_.memory / 2)) return std::nullopt;
-          if (next % (in_row * kRowsAhead) == 0)
-            c_.b.prefetch(0, box(b0, b1, row * size, static_cast<uint32_t>(std::min<uint64_t>(uint64_t{row + kRowsAhead} * size, shape_.nw))));
+          if (next % (in_row * kFetchedAhead) == 0)
+            c_.b.prefetch(0, box(b0, b1, row * size, static_cast<uint32_t>(std::min<uint64_t>(uint64_t{row + kFetchedAhead} * size, shape_.nw))));
           const auto tile = static_cast<uint32_t>(loaded_.tile0 + next % in_row / loaded_.segments);
           const auto segment = static_cast<uint32_t>(loaded_.segment0 + next % loaded_.segments);
           ++next;
@@ -182,7 +182,12 @@ class CompareAcross {
           const uint32_t first = key.segment * shape_.chunk_cells, u0 = key.cu * side, v0 = key.cv * side;
           return comparisons_[static_cast<size_t>(worker)].compare(
               key, std::max(w0, first), std::min(w1, first + shape_.length(key.segment)),
-              [&](uint32_t u, uint32_t v) { return b_is_u ? planes_[v0 + v - t0_].column(u0 + u - b0) : planes_[u0 + u - t0_].column(v0 + v - b0); });
+              [&](uint32_t u, uint32_t v) {
+                const TurnedPlane& plane = planes_[b_is_u ? v0 + v - t0_ : u0 + u - t0_];
+                const uint32_t column = b_is_u ? u0 + u - b0 : v0 + v - b0;
+                plane.prefetch(column + 2);
+                return plane.column(column);
+              });
         },
         [&](std::optional<FoundChanges> found) {
           if (found) c_.found(std::move(*found));

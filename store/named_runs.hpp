@@ -1,9 +1,9 @@
 // Runs of materials that two grids call by the same numbers, whatever the labels of each: what is compared with what.
 #pragma once
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "store/run.hpp"
@@ -25,12 +25,19 @@ struct NamedRuns {
   }
 };
 
-inline bool same_runs(const NamedRuns& a, const NamedRuns& b) {
-  if (a.changes != b.changes || a.first != b.first) return false;
+// There are usually so few runs that a call of memcmp would cost more.
+inline bool same_names(const NamedRuns& a, const NamedRuns& b) {
+  if (a.changes != b.changes) return false;
   if (a.names != b.names)
     for (uint32_t i = 0; i <= a.changes; ++i)
       if (a.names[i] != b.names[i]) return false;
-  return a.ends == b.ends || a.changes == 0 || std::memcmp(a.ends, b.ends, size_t{4} * a.changes) == 0;
+  return true;
+}
+inline bool same_runs(const NamedRuns& a, const NamedRuns& b) {
+  if (a.first != b.first || !same_names(a, b)) return false;
+  for (uint32_t i = 0; i < a.changes; ++i)
+    if (a.ends[i] != b.ends[i]) return false;
+  return true;
 }
 
 // Calls f(from, to, a's name, b's name) for the stretches of the cells [from, to) along which neither changes. REQUIRES: both have them.
@@ -43,6 +50,28 @@ void for_each_stretch(const NamedRuns& a, const NamedRuns& b, uint32_t from, uin
     i += end_a == end, j += end_b == end;
     from = end;
   }
+}
+
+// Calls f(from, to, b's name) for the stretches of the cells [from, to) that have another name in b. Where both have the same names, which
+// is so of most neighbours, each stretch lies between the ends of a run in a and in b: there is no need to look for it.
+template <class F>
+void for_each_difference(const NamedRuns& a, const NamedRuns& b, uint32_t from, uint32_t to, F&& f) {
+  if (a.first == b.first && same_names(a, b)) {
+    const auto move = [&](uint32_t i) { return std::pair(std::min(a.ends[i], b.ends[i]) + a.first, std::max(a.ends[i], b.ends[i]) + a.first); };
+    uint32_t i = 0;
+    for (; i < a.changes; ++i) {
+      const auto [lo, hi] = move(i);
+      if (lo == hi) continue;
+      if (i + 1 < a.changes && hi > move(i + 1).first) break;
+      const uint32_t lowest = std::max(lo, from), highest = std::min(hi, to);
+      if (lowest < highest && a.names[i] != a.names[i + 1]) f(lowest, highest, b.names[b.end(i) == lo ? i + 1 : i]);
+    }
+    if (i == a.changes) return;
+    from = std::max(from, move(i).first);
+  }
+  for_each_stretch(a, b, from, to, [&](uint32_t lo, uint32_t hi, MaterialName in_a, MaterialName in_b) {
+    if (in_a != in_b) f(lo, hi, in_b);
+  });
 }
 
 // A chunk of level 0 with names in place of labels. Keeps its memory from chunk to chunk.
@@ -64,6 +93,11 @@ class NamedChunk {
   NamedRuns ray(uint32_t ray) const {
     const RayBlock& b = chunk_->rays;
     return {names_.data() + begin_[b.pattern[ray]], b.at.data() + b.begin[ray], b.begin[ray + 1] - b.begin[ray], first_};
+  }
+  // Brings the changes of a ray closer, if there is such a ray.
+  void prefetch(uint32_t ray) const {
+    const RayBlock& b = chunk_->rays;
+    if (ray < b.rays()) __builtin_prefetch(b.at.data() + b.begin[ray]);
   }
   size_t memory() const { return sizeof *this + chunk_->memory() + names_.capacity() * sizeof names_[0] + begin_.capacity() * sizeof begin_[0]; }
 

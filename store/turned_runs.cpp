@@ -3,6 +3,11 @@
 #include <numeric>
 
 namespace teracell {
+namespace {
+
+constexpr uint32_t kRowsAhead = 8;
+
+}  // namespace
 
 uint32_t RowSweep::turn(const Rows& rows, uint32_t b0, uint32_t b1, uint32_t w0, uint32_t w1, size_t most, TurnedPlane& out) {
   changes_.clear();
@@ -15,15 +20,16 @@ uint32_t RowSweep::turn(const Rows& rows, uint32_t b0, uint32_t b1, uint32_t w0,
     const uint32_t row = w % rows.chunk_rows;
     for (size_t s = 0; s < chunks.size(); ++s) {
       if (w == w0 || row == 0) chunks[s] = rows.chunk(s, w);
-      const NamedRuns now = chunks[s].chunk->ray(chunks[s].ray0 + row * chunks[s].step);
+      const uint32_t ray = chunks[s].ray0 + row * chunks[s].step;
+      chunks[s].chunk->prefetch(ray + kRowsAhead * chunks[s].step);  // the next rows of the plane may lie far apart in memory
+      const NamedRuns now = chunks[s].chunk->ray(ray);
       const uint32_t from = std::max(b0, s == 0 ? 0 : rows.ends[s - 1]), to = std::min(b1, rows.ends[s]);
       if (w == w0) {
         for_each_stretch(now, now, from, to, [&](uint32_t lo, uint32_t hi, MaterialName name, MaterialName) {
           std::fill(first.begin() + (lo - b0), first.begin() + (hi - b0), name);
         });
-      } else if (!same_runs(last_[s], now)) {
-        for_each_stretch(last_[s], now, from, to, [&](uint32_t lo, uint32_t hi, MaterialName was, MaterialName name) {
-          if (was == name) return;
+      } else {
+        for_each_difference(last_[s], now, from, to, [&](uint32_t lo, uint32_t hi, MaterialName name) {
           for (uint32_t b = lo; b < hi; ++b) {
             changes_.push_back({b - b0, w, name});
             ++out.begin_[b - b0 + 1];

@@ -15,6 +15,12 @@ namespace teracell {
 class TurnedPlane {
  public:
   NamedRuns column(uint32_t i) const { return {names_.data() + begin_[i] + i, ends_.data() + begin_[i], begin_[i + 1] - begin_[i], 0}; }
+  // Brings a column closer, if there is such a column.
+  void prefetch(uint32_t i) const {
+    if (size_t{i} + 1 >= begin_.size()) return;
+    __builtin_prefetch(ends_.data() + begin_[i]);
+    __builtin_prefetch(names_.data() + begin_[i] + i);
+  }
 
  private:
   friend class RowSweep;
