@@ -48,7 +48,8 @@ class ChangeNumbers {
     std::lock_guard lock(mutex_);
     const auto [known, is_new] = numbers_.try_emplace(uint64_t{from} << 32 | to, static_cast<uint32_t>(pairs_.size() + 1));
     if (!is_new) return known->second;
-    if (pairs_.size() == most_) throw InputError(fmt::format("the grids differ by more than {} pairs of materials, which is all that can be told apart", most_));
+    if (pairs_.size() == most_)
+      throw InputError(fmt::format("the grids differ by more than {} pairs of materials, which is all that can be told apart", most_));
     pairs_.push_back({from, to});
     return known->second;
   }

@@ -166,7 +166,8 @@ class CompareAcross {
   void compare(uint32_t b0, uint32_t b1, uint32_t w0, uint32_t w1) {
     const bool b_is_u = frame_.u == b_;
     const uint32_t side = shape_.chunk_rays, segment0 = w0 / shape_.chunk_cells;
-    const uint64_t columns = (b1 - b0 + side - 1) / side, tiles = (t1_ - t0_ + side - 1) / side, segments = (w1 - 1) / shape_.chunk_cells - segment0 + 1;
+    const uint64_t columns = (b1 - b0 + side - 1) / side, tiles = (t1_ - t0_ + side - 1) / side,
+                   segments = (w1 - 1) / shape_.chunk_cells - segment0 + 1;
     c_.a.prefetch(0, box(b0, b1, w0, w1));
     uint64_t next = 0;
     in_order(
@@ -180,14 +181,13 @@ class CompareAcross {
         },
         [&](const ChunkKey& key, int worker) {
           const uint32_t first = key.segment * shape_.chunk_cells, u0 = key.cu * side, v0 = key.cv * side;
-          return comparisons_[static_cast<size_t>(worker)].compare(
-              key, std::max(w0, first), std::min(w1, first + shape_.length(key.segment)),
-              [&](uint32_t u, uint32_t v) {
-                const TurnedPlane& plane = planes_[b_is_u ? v0 + v - t0_ : u0 + u - t0_];
-                const uint32_t column = b_is_u ? u0 + u - b0 : v0 + v - b0;
-                plane.prefetch(column + 2);
-                return plane.column(column);
-              });
+          return comparisons_[static_cast<size_t>(worker)].compare(key, std::max(w0, first), std::min(w1, first + shape_.length(key.segment)),
+                                                                   [&](uint32_t u, uint32_t v) {
+                                                                     const TurnedPlane& plane = planes_[b_is_u ? v0 + v - t0_ : u0 + u - t0_];
+                                                                     const uint32_t column = b_is_u ? u0 + u - b0 : v0 + v - b0;
+                                                                     plane.prefetch(column + 2);
+                                                                     return plane.column(column);
+                                                                   });
         },
         [&](std::optional<FoundChanges> found) {
           if (found) c_.found(std::move(*found));

@@ -101,7 +101,10 @@ class BlocksOfChunks {
 class CompareAlong {
  public:
   explicit CompareAlong(const GridComparison& c)
-      : c_(c), shape_(c.a.shape(0)), other_(c.b.shape(0)), alike_(shape_.chunk_rays == other_.chunk_rays && shape_.chunk_cells == other_.chunk_cells) {}
+      : c_(c),
+        shape_(c.a.shape(0)),
+        other_(c.b.shape(0)),
+        alike_(shape_.chunk_rays == other_.chunk_rays && shape_.chunk_cells == other_.chunk_cells) {}
 
   void run() {
     KeptChunks kept(kKeptBytes);
@@ -140,8 +143,8 @@ class CompareAlong {
           const RayBox box(box_of(key), c_.a.meta().frame());
           OtherChunks& other = others[static_cast<size_t>(worker)];
           other.load(box);
-          job.result.found = comparisons[static_cast<size_t>(worker)].compare(
-              key, static_cast<uint32_t>(box.w0), static_cast<uint32_t>(box.w1), [&](uint32_t u, uint32_t v) { return other.ray(u, v); });
+          job.result.found = comparisons[static_cast<size_t>(worker)].compare(key, static_cast<uint32_t>(box.w0), static_cast<uint32_t>(box.w1),
+                                                                              [&](uint32_t u, uint32_t v) { return other.ray(u, v); });
           return std::move(job.result);
         },
         [&](Result result) {
@@ -202,7 +205,8 @@ class CompareAlong {
     if (in_a && in_a == in_b) return true;
     if (c_.with_cells || (!in_a && !in_b)) return false;
     const ChunkEntry& e = in_a ? *b : *a;  // the other one has one material, or both have
-    const auto &[lo, hi] = std::pair(std::array<uint32_t, 3>{0, 0, 0}, std::array{shape_.rays_u(key.cu), shape_.rays_v(key.cv), shape_.length(key.segment)});
+    const auto& [lo, hi] =
+        std::pair(std::array<uint32_t, 3>{0, 0, 0}, std::array{shape_.rays_u(key.cu), shape_.rays_v(key.cv), shape_.length(key.segment)});
     FoundChanges out{key, key.segment * shape_.chunk_cells, hi[2], {}, {}};
     const std::vector<LabelStats> whole = {{e.size == 0 ? e.uniform[0] : 0, uint64_t{hi[0]} * hi[1] * hi[2], lo, hi}};
     for (LabelStats l : e.size == 0 ? whole : e.stats) {

@@ -89,7 +89,12 @@ std::string report_of(const GridReader& a, const GridReader& b) {
   out.begin_object().field("schema", 1).key("bodies").begin_array().end_array().key("warnings").begin_array().end_array();
   out.key("inputs").begin_array();
   for (const GridReader* grid : {&a, &b})
-    out.begin_object().field("path", grid->name()).field("format", "tcell").field("bytes", grid->file_bytes()).field("hash", grid->hash()).end_object();
+    out.begin_object()
+        .field("path", grid->name())
+        .field("format", "tcell")
+        .field("bytes", grid->file_bytes())
+        .field("hash", grid->hash())
+        .end_object();
   out.end_array().end_object();
   return text;
 }
@@ -109,7 +114,14 @@ Difference find_difference(const GridReader& a, const GridReader& b, const Diffe
   const MaterialNames names(a.meta(), b.meta());
   ChangeNumbers numbers(with_cells ? kMostChangeLabels : kMostChanges);
   ChangeSums sums(a);
-  const GridComparison comparison{a, b, names, numbers, with_cells, options.threads, options.memory, [&](double share) { progress("compare", share); },
+  const GridComparison comparison{a,
+                                  b,
+                                  names,
+                                  numbers,
+                                  with_cells,
+                                  options.threads,
+                                  options.memory,
+                                  [&](double share) { progress("compare", share); },
                                   [&](const FoundChanges& found) {
                                     sums.add(found);
                                     if (spilled) spilled->put(found.key.cu, found.key.cv, found.first, found.length, found.frame);

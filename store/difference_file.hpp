@@ -3,8 +3,13 @@
 // What labels there are is known when all cells have been compared. So the blocks of rays in which something differs wait on disk, in any
 // order, and are then written in the order of the tree, with the levels above. What is the same takes no space there.
 #pragma once
+#include <filesystem>
+#include <functional>
+#include <string>
+
 #include "store/chunk_codec.hpp"
-#include "store/difference.hpp"
+#include "store/metadata.hpp"
+#include "store/run.hpp"
 #include "store/spill.hpp"
 
 namespace teracell {

@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "store/spill.hpp"
 #include "mesher/tiles/rays.hpp"
 #include "store/background.hpp"
+#include "store/spill.hpp"
 
 namespace teracell {
 

@@ -139,7 +139,8 @@ TEST_CASE("differences are those of the cells, for all axes of rays, sizes of ch
     const TempFolder folder;
     for (int axis_a = 0; axis_a < 3; ++axis_a)
       for (int axis_b = 0; axis_b < 3; ++axis_b) {
-        const Layout of_a = random_layout(random, axis_a), of_b = random() % 2 ? random_layout(random, axis_b) : Layout{axis_b, of_a.rays, of_a.cells};
+        const Layout of_a = random_layout(random, axis_a),
+                     of_b = random() % 2 ? random_layout(random, axis_b) : Layout{axis_b, of_a.rays, of_a.cells};
         INFO("seed " << seed << ", rays along " << axis_name(axis_a) << " and " << axis_name(axis_b) << ", chunks of " << of_a.rays << " rays, "
                      << of_a.cells << " cells and " << of_b.rays << ", " << of_b.cells);
         store(folder / "a.tcell", grid, a, of_a);

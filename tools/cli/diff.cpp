@@ -36,8 +36,8 @@ void print(const Difference& d) {
   say(fmt::format("{:<{}}  {:<{}}  {:>{}}   box of cells", "from", from, "to", to, "cells", cells));
   for (const Change& c : d.changes) {
     const auto& [lo, hi] = c.box;
-    say(fmt::format("{:<{}}  {:<{}}  {:>{}}   ({}, {}, {}) to ({}, {}, {})", c.from, from, c.to, to, grouped(c.cells), cells, lo[0], lo[1], lo[2], hi[0],
-                    hi[1], hi[2]));
+    say(fmt::format("{:<{}}  {:<{}}  {:>{}}   ({}, {}, {}) to ({}, {}, {})", c.from, from, c.to, to, grouped(c.cells), cells, lo[0], lo[1], lo[2],
+                    hi[0], hi[1], hi[2]));
   }
 }
 
