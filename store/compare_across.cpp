@@ -13,7 +13,7 @@
 namespace teracell {
 namespace {
 
-constexpr size_t kMostChangesOfPlane = size_t{1} << 18;
+constexpr size_t kMostChangesOfPlane = size_t{1} << 18, kSweepBytes = 12;  // a change while its plane is swept
 constexpr uint32_t kLeastBlock = 4096, kFetchedAhead = 16;
 
 uint32_t round_up(uint64_t n, uint32_t by) { return static_cast<uint32_t>((n + by - 1) / by * by); }
@@ -113,13 +113,14 @@ class CompareAcross {
   void compare_rows(uint32_t b0, uint32_t b1, uint32_t w0, uint32_t w1) {
     const uint32_t side = shape_.chunk_rays;
     const size_t for_plane = c_.memory / 2 / (t1_ - t0_);
+    const size_t for_sweeps = c_.memory / 8 / kSweepBytes / static_cast<size_t>(c_.threads);
+    const size_t changes = std::max<size_t>(side, std::min({for_plane / 2 / kChangeBytes, for_sweeps, kMostChangesOfPlane}));
     uint32_t width = b1 - b0;
     const auto halve = [&] { width = round_up(width / 2, side); };
     while (width > side && width * kColumnBytes > for_plane / 2) halve();
     for (uint32_t b = b0; b < b1;) {
       uint32_t w = w0, end = std::min<uint32_t>(b + std::min(width, b1 - b), b1);
       while (w < w1) {
-        const size_t changes = std::clamp<size_t>(for_plane / 2 / kChangeBytes, side, kMostChangesOfPlane);
         const uint32_t reached = turn(b, end, w, w1, changes);
         if (reached < w1 && end - b > side) {
           width = end - b;

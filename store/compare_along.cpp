@@ -15,6 +15,8 @@ namespace {
 
 constexpr size_t kKeptBytes = size_t{96} << 20;  // of the second grid's chunks, where several chunks of the first one lie in one of them
 constexpr uint32_t kBlockRays = 256, kBlockChunks = 4096;
+// Runs take some thirty times as much memory as in a frame, and what is held of them twice.
+constexpr uint64_t kMemoryOfFrame = 64;
 
 // The chunks of the second grid that meet a chunk of the first one.
 class OtherChunks {
@@ -119,11 +121,11 @@ class CompareAlong {
     };
     struct Job {
       Result result;
-      std::optional<ChunkKey> key;
+      std::optional<PartToRead> part;
     };
     uint64_t next_block = 0;
     size_t next = 0;
-    std::vector<ChunkKey> left;  // of the block, those that the index does not decide
+    std::vector<PartToRead> left;  // of the block, what the index does not decide
     in_order(
         c_.threads,
         [&]() -> std::optional<Job> {
@@ -134,17 +136,17 @@ class CompareAlong {
             left = undecided(all.block(next_block++), job.result.known);
             next = 0;
           }
-          if (next < left.size()) job.key = left[next++];
+          if (next < left.size()) job.part = left[next++];
           return job;
         },
         [&](Job job, int worker) {
-          if (!job.key) return std::move(job.result);
-          const ChunkKey& key = *job.key;
-          const RayBox box(box_of(key), c_.a.meta().frame());
+          if (!job.part) return std::move(job.result);
+          const auto& [key, w0, w1] = *job.part;
+          RayBox box(box_of(key), c_.a.meta().frame());
+          box.w0 = w0, box.w1 = w1;
           OtherChunks& other = others[static_cast<size_t>(worker)];
           other.load(box);
-          job.result.found = comparisons[static_cast<size_t>(worker)].compare(key, static_cast<uint32_t>(box.w0), static_cast<uint32_t>(box.w1),
-                                                                              [&](uint32_t u, uint32_t v) { return other.ray(u, v); });
+          job.result.found = comparisons[static_cast<size_t>(worker)].compare(key, w0, w1, [&](uint32_t u, uint32_t v) { return other.ray(u, v); });
           return std::move(job.result);
         },
         [&](Result result) {
@@ -156,6 +158,12 @@ class CompareAlong {
   }
 
  private:
+  // A chunk of the first grid, or the cells [w0, w1) of its rays.
+  struct PartToRead {
+    ChunkKey key;
+    uint32_t w0, w1;
+  };
+
   Box box_of(const ChunkKey& key) const {
     const RayFrame f = c_.a.meta().frame();
     Box box;
@@ -165,8 +173,8 @@ class CompareAlong {
     return box;
   }
 
-  // The chunks of a block that have to be read. What the index says of the others goes to `known`.
-  std::vector<ChunkKey> undecided(std::vector<ChunkKey> keys, std::vector<FoundChanges>& known) const {
+  // What has to be read of the chunks of a block. What the index says of the others goes to `known`.
+  std::vector<PartToRead> undecided(std::vector<ChunkKey> keys, std::vector<FoundChanges>& known) const {
     const bool far = c_.a.source().is_far() || c_.b.source().is_far();
     if (far)
       for (const GridReader* reader : {&c_.a, &c_.b}) reader->prefetch(0, around(keys), false);
@@ -180,7 +188,30 @@ class CompareAlong {
           });
         reader->source().prefetch(soon);
       }
-    return keys;
+    std::vector<PartToRead> out;
+    for (const ChunkKey& key : keys) add_parts(key, out);
+    return out;
+  }
+
+  // Chunks of the second grid may be much shorter than one of the first, and hold much more. Then it is compared in parts, and decoded for
+  // each of them.
+  void add_parts(const ChunkKey& key, std::vector<PartToRead>& out) const {
+    const uint32_t first = key.segment * shape_.chunk_cells, end = first + shape_.length(key.segment);
+    PartToRead part{key, first, end};
+    const uint64_t most = c_.memory / kMemoryOfFrame / static_cast<uint64_t>(c_.threads);
+    uint64_t bytes = 0;
+    if (other_.chunk_cells < shape_.chunk_cells)
+      for_each_part(other_, RayBox(box_of(key), c_.a.meta().frame()), [&](const ChunkPart& p) {  // segment by segment
+        const auto w0 = static_cast<uint32_t>(p.first_w + p.w0);
+        if (bytes > most && w0 > part.w0 && p.w0 == 0) {
+          part.w1 = w0;
+          out.push_back(part);
+          part = {key, w0, end};
+          bytes = 0;
+        }
+        bytes += c_.b.entry(p.key)->size;
+      });
+    out.push_back(part);
   }
 
   Box around(const std::vector<ChunkKey>& keys) const {

@@ -24,7 +24,7 @@ struct Difference {
 
 struct DifferenceOptions {
   int threads = 1;
-  size_t memory = size_t{256} << 20;  // for runs of the second grid, where its rays lie along another axis
+  size_t memory = size_t{256} << 20;  // for runs of the second grid
   std::filesystem::path output;       // a .tcell file with the changes as labels; empty: none
   std::filesystem::path folder;       // for temporary files; empty: that of the output
 };

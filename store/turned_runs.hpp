@@ -28,7 +28,7 @@ class TurnedPlane {
   std::vector<uint32_t> ends_;
   std::vector<MaterialName> names_;
 };
-// What a column and a change of it take, in bytes, and for a change also what it takes while its plane is made.
+// What a column and a change of it take, in bytes.
 inline constexpr size_t kColumnBytes = 8, kChangeBytes = 8;
 
 // The part of a row that one chunk has: it holds the cells [first, end) along the row. Row w has ray `ray0 + w * step`
