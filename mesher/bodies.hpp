@@ -6,9 +6,9 @@
 #include "mesher/closing/closing.hpp"
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/compose.hpp"
-#include "mesher/surface/spill.hpp"
 #include "mesher/tiles/facet_store.hpp"
 #include "store/background.hpp"
+#include "store/spill.hpp"
 
 namespace teracell {
 

@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace teracell {
@@ -20,5 +21,8 @@ inline std::optional<Rgba> parse_color(std::string_view text) {
   }
   return color;
 }
+
+// The default colour of material `id` >= 1: seven colours that colour-blind readers can tell apart, then darker shades of them.
+std::string palette_color(uint32_t id);
 
 }  // namespace teracell

@@ -110,6 +110,24 @@ std::string stats_json(const Metadata& meta, const Box& region, const std::vecto
   return text;
 }
 
+std::string difference_json(const Difference& difference) {
+  std::string text;
+  JsonWriter out(text);
+  out.begin_object().field("schema", 1);
+  write_count(out, "cells", difference.cells);
+  write_count(out, "same", difference.same);
+  write_all(out, "changes", difference.changes, [&](size_t i) {
+    const Change& change = difference.changes[i];
+    out.begin_object().field("from", change.from).field("to", change.to);
+    write_count(out, "cells", change.cells);
+    out.key("box");
+    write_box(out, change.box);
+    out.end_object();
+  });
+  out.end_object();
+  return text;
+}
+
 void ColumnJson::begin(std::string& text) const {
   JsonWriter out(text);
   out.begin_object().field("schema", 1).field("axis", axis_name(axis_)).key("at").begin_array().value(a_).value(b_).end_array();

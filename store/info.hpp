@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "store/difference.hpp"
 #include "store/query.hpp"
 #include "store/stats.hpp"
 
@@ -12,6 +13,8 @@ namespace teracell {
 // it is empty.
 std::string info_json(const GridReader& reader, std::string_view id = {});
 std::string stats_json(const Metadata& meta, const Box& region, const std::vector<MaterialStats>& stats);
+// {"schema": 1, "cells", "same", "changes": [{"from", "to", "cells", "box"}]}
+std::string difference_json(const Difference& difference);
 std::string column_json(const Metadata& meta, int axis, int64_t a, int64_t b, const std::vector<ColumnRun>& runs);
 // The same piece by piece, each appended to a text: begin(), run() for each run, end().
 class ColumnJson {

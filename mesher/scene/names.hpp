@@ -15,9 +15,6 @@ inline constexpr size_t kMaxMaterials = 65535;  // besides the background: a lab
 inline constexpr int64_t kMaxPad = Axis::kMaxCells / 2;
 inline constexpr const char* kBackgroundColor = "#00000000";
 
-// The default colour of material `id` >= 1: seven colours that colour-blind readers can tell apart, then darker shades of them.
-std::string palette_color(uint32_t id);
-
 // "hull" for "meshes/hull.stl" and "meshes/hull.stl.gz".
 std::string mesh_stem(const std::filesystem::path& mesh);
 

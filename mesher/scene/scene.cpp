@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "mesher/scene/names.hpp"
+#include "store/color.hpp"
 #include "store/error.hpp"
 #include "store/text.hpp"
 

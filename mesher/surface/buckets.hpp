@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "mesher/surface/spill.hpp"
+#include "store/spill.hpp"
 
 namespace teracell {
 

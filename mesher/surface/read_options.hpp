@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "mesher/surface/spill.hpp"
+#include "store/spill.hpp"
 
 namespace teracell {
 

@@ -11,8 +11,8 @@
 #include <optional>
 #include <vector>
 
-#include "mesher/surface/spill.hpp"
 #include "store/grid.hpp"
+#include "store/spill.hpp"
 
 namespace teracell {
 

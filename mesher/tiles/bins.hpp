@@ -6,9 +6,9 @@
 #include <memory>
 #include <vector>
 
-#include "mesher/surface/spill.hpp"
 #include "mesher/tiles/rays.hpp"
 #include "store/background.hpp"
+#include "store/spill.hpp"
 
 namespace teracell {
 

@@ -126,6 +126,27 @@ class GoodHosts(RemoteCase):
         self.assertNotIn("secret", self.run_ok("verify", self.origin().url + "/g.tcell?signature=secret").out)
 
 
+    def test_differences_from_a_grid_elsewhere(self):
+        self.write("other.stl", solids.binary_stl(solids.box_facets((-0.5, -0.5, -0.5), (0.5, 0.5, 0.5))))
+        grid = self.json_of("info", "g.tcell")["grid"]
+        self.write("s.json", {"units": "m", "grid": {"min": grid["min"], "max": grid["max"], "cells": grid["cells"]}, "materials": {"ball": {}},
+                              "bodies": [{"mesh": "ball.stl", "material": "ball"}]})
+        self.write("o.json", {"units": "m", "grid": {"min": grid["min"], "max": grid["max"], "cells": grid["cells"]}, "materials": {"ball": {}},
+                              "bodies": [{"mesh": "other.stl", "material": "ball"}]})
+        self.run_ok("mesh", "s.json", "--axis", "z", "-o", "s.tcell")
+        self.file = self.bytes("s.tcell")
+        for axis in "zx":
+            self.run_ok("mesh", "o.json", "--axis", axis, "-o", "o.tcell")
+            expected = self.json_of("diff", "s.tcell", "o.tcell")
+            self.assertNotEqual(expected["changes"], [])
+            origin = self.origin()
+            self.assertEqual(self.json_of("diff", origin.url + "/g.tcell", "o.tcell"), expected)
+            self.assertLess(len(origin.requests), 40)
+            back = self.json_of("diff", "o.tcell", self.origin().url + "/g.tcell")
+            self.assertEqual({(c["to"], c["from"]): c["cells"] for c in back["changes"]},
+                             {(c["from"], c["to"]): c["cells"] for c in expected["changes"]})
+
+
 class Packed(RemoteCase):
     def test_the_same_cells_in_few_requests(self):
         self.run_ok("pack", "g.tcell", "-o", "p.tcell")

@@ -6,7 +6,7 @@ from program import Case, teracell
 
 BODY = {"mesh": "box.stl", "material": "steel"}
 GRID = {"min": [-1, -1, -1], "max": [5, 4, 3], "cells": [6, 5, 4]}
-COMMANDS = ("mesh", "info", "slice", "column", "stats", "export", "verify", "sample")
+COMMANDS = ("mesh", "info", "slice", "column", "stats", "diff", "export", "verify", "sample")
 
 
 class Usage(Case):

@@ -1,5 +1,5 @@
 // Temporary files, and records that wait in them by bucket.
-#include "mesher/surface/spill.hpp"
+#include "store/spill.hpp"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "mesher/surface/spill.hpp"
+#include "store/spill.hpp"
 
 #include <cerrno>
 #include <cstdlib>
