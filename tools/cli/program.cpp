@@ -4,6 +4,7 @@
 #include <csignal>
 #include <new>
 #include <system_error>
+#include <utility>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -40,14 +41,18 @@ void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>&
   std::vector<std::string> known;
   for (const CLI::Option* option : app.get_options())
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  bool is_value = false;  // of the option before, even if it begins with a minus: "--view -x"
   for (std::string word : words) {
     if (word == "--") return;
+    if (std::exchange(is_value, false) && !word.starts_with("--")) continue;
+    const bool with_value = word.starts_with("--") ? word.find('=') != std::string::npos : word.size() > 2;
     if (word.starts_with("--")) word.resize(std::min(word.find('='), word.size()));
     else if (word.size() > 1 && word[0] == '-' && std::isalpha(static_cast<unsigned char>(word[1]))) word.resize(2);  // the rest is its value
     else continue;
     if (app.get_option_no_throw(word) == nullptr)
       throw UsageError(fmt::format("there is no option '{}'{} See: {} --help", word, word.starts_with("--") ? did_you_mean(word, known) : ".",
                                    app.get_parent() ? app.get_parent()->get_name() + " " + app.get_name() : app.get_name()));
+    is_value = !with_value && app.get_option_no_throw(word)->get_items_expected_min() > 0;
   }
 }
 
