@@ -55,11 +55,10 @@ Camera perspective_camera(const Vec3& from, const Vec3& at, int up, double fov, 
   return camera;
 }
 
-Camera default_camera(const Grid& grid, int up, double fov, PictureSize size) {
+DefaultView default_view(const Grid& grid) {
   Vec3 extent, centre;
   for (int d = 0; d < 3; ++d) extent[d] = length(grid.axis[d]), centre[d] = middle(grid.axis[d]);
-  const double diagonal = std::hypot(extent[0], extent[1], extent[2]);
-  return perspective_camera(centre + Vec3{1, -1.4, 0.9} * diagonal, centre, up, fov, size);
+  return {centre + Vec3{1, -1.4, 0.9} * std::hypot(extent[0], extent[1], extent[2]), centre};
 }
 
 Camera axis_camera(const Grid& grid, int axis, bool positive, PictureSize size) {

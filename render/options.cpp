@@ -106,16 +106,9 @@ class Options {
       fov = number("fov", *text, "degrees");
       if (!(fov >= 1e-6 && fov <= 179)) refuse("fov", "0.000001 to 179 degrees", *text);
     }
+    const DefaultView usual = default_view(meta_.grid);
     const std::string *from = text_("from"), *at = text_("at");
-    Vec3 middle, eye;
-    double diagonal = 0;
-    for (int d = 0; d < 3; ++d) {
-      const double length = meta_.grid.axis[d].max() - meta_.grid.axis[d].min();
-      middle[d] = meta_.grid.axis[d].min() + length / 2;
-      diagonal = std::hypot(diagonal, length);
-    }
-    const Vec3 target = at ? point("at", *at) : middle;
-    eye = from ? point("from", *from) : middle + Vec3{1, -1.4, 0.9} * diagonal;
+    const Vec3 eye = from ? point("from", *from) : usual.from, target = at ? point("at", *at) : usual.at;
     if (eye == target)
       throw UsageError(fmt::format("{0}from, {0}at: expected two points, found ({1}, {2}, {3}) twice", dashes_, eye[0], eye[1], eye[2]));
     return perspective_camera(eye, target, up, fov, size);

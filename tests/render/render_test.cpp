@@ -132,7 +132,8 @@ TEST_CASE("a ball is round: its outline is a circle, and light changes smoothly 
 TEST_CASE("the default view has the whole grid in it, from the same direction for any shape", "[render]") {
   for (const Index3& n : {Index3{8, 8, 8}, Index3{40, 3, 5}, Index3{2, 2, 50}}) {
     const Grid grid{{Axis::uniform(7, 0.5, 0, n[0], 0.5), Axis::uniform(-70, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 0, n[2], 0.5)}};
-    const Camera camera = default_camera(grid, 2, 30, {90, 90});
+    const DefaultView view = default_view(grid);
+    const Camera camera = perspective_camera(view.from, view.at, 2, 30, {90, 90});
     for (int corner = 0; corner < 8; ++corner) {
       Vec3 p;
       for (int d = 0; d < 3; ++d) p[d] = grid.axis[d].plane(corner >> d & 1 ? n[d] : 0);
@@ -199,7 +200,7 @@ TEST_CASE("an interrupted picture ends at once, and a damaged chunk is an error"
   const TempFolder folder;
   store_cells(folder / "ball", with_tiny_chunks(metadata_of(cube_grid(-1, 1, 24), 2, 2)), ball(24));
   const std::atomic<bool> stop = true;
-  REQUIRE_THROWS_AS(render(stored_with_cache(folder / "ball"), {default_camera(cube_grid(-1, 1, 24), 2, 30, {64, 64})}, 2, stop, [](double) {}),
+  REQUIRE_THROWS_AS(render(stored_with_cache(folder / "ball"), {axis_camera(cube_grid(-1, 1, 24), 0, true, {64, 64})}, 2, stop, [](double) {}),
                     Interrupted);
   Bytes bytes = file_bytes(folder / "ball");
   const GridReader sound = stored_with_cache(folder / "ball");

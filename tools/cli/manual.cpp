@@ -37,13 +37,18 @@ bool takes_value(const CLI::Option& option) { return option.get_items_expected_m
 
 // ---- roff ----
 
-// A line of text: no character of it may look like a request or an escape.
+// A line of text: no character of it may look like a request or an escape. roff has names for characters beyond ASCII: \[u2192].
 std::string roff(const std::string& text) {
   std::string out;
   bool line_begins = true;
-  for (const char c : text) {
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
     if (line_begins && (c == '.' || c == '\'')) out += "\\&";
-    if (c == '\\') out += "\\e";
+    if (const auto byte = static_cast<unsigned char>(c); byte >= 0xC0) {
+      uint32_t code = byte & (byte >= 0xF0 ? 0x07 : byte >= 0xE0 ? 0x0F : 0x1F);
+      for (; i + 1 < text.size() && (text[i + 1] & 0xC0) == 0x80; ++i) code = code << 6 | (text[i + 1] & 0x3F);
+      out += fmt::format("\\[u{:04X}]", code);
+    } else if (c == '\\') out += "\\e";
     else if (c == '-') out += "\\-";
     else out += c;
     line_begins = c == '\n';
