@@ -24,6 +24,8 @@ struct Camera {
 
   // Of the point (x, y) of the picture, in pixels from its upper left corner. Pixel (i, j) has its centre at (i + 0.5, j + 0.5).
   Sight sight(double x, double y) const;
+  // What is drawn is at most this large where the choice is free.
+  double finest_at(double t) const { return pixel_at(t) / 4; }
   double pixel_at(double t) const { return perspective ? pixel * t : pixel; }
 };
 

@@ -77,7 +77,7 @@ std::optional<Hit> FirstHits::first(const Sight& sight) {
 bool FirstHits::is_drawn(size_t rung, double t) const {
   if (rung + 1 == rungs_.size()) return true;
   if (to_the_end_) return false;
-  return subject_.level ? rung == drawn_ : widest_[rung] <= camera_.pixel_at(t) / 2;
+  return subject_.level ? rung == drawn_ : widest_[rung] <= camera_.finest_at(t);
 }
 
 // Looks for the first visible cell in an occupied one, through which the line goes from t0 to t1.

@@ -26,7 +26,7 @@ struct Subject {
   const Visible& visible;
   const Occupancy& occupancy;
   Vec3 hi;                   // only what is below
-  std::optional<int> level;  // its cells are drawn; without it, those that take at most half a pixel
+  std::optional<int> level;  // its cells are drawn; without it, those that take at most a quarter of a pixel
 };
 
 // Each thread has its own.
@@ -73,7 +73,7 @@ class FirstHits {
   const Grid& grid_;
   const Index3 cells_;
   const RayFrame frame_;
-  std::vector<LevelShape> rungs_;  // from one cell down to the finest that is drawn
+  std::vector<LevelShape> rungs_;  // from one cell down to level 0
   std::vector<double> widest_;     // cell of a rung, along any axis
   std::vector<Known> kept_;
   std::vector<size_t> last_;       // of each rung, in kept_

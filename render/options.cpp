@@ -18,7 +18,7 @@ constexpr RenderOption kOptions[] = {
     {"fov", "DEGREES", "the field of view from bottom to top; default: 30"},
     {"view", "DIRECTION", "x, y, z, -x, -y or -z: look along it, without perspective"},
     {"size", "W,H", "pixels; default: 1280,960"},
-    {"level", "L", "draw the cells of this level; default: those that take at most half a pixel"},
+    {"level", "L", "draw the cells of this level; default: those that take at most a quarter of a pixel"},
     {"cut", "x=X,y=Y,z=Z", "keep what is below these coordinates; one or more of them"},
     {"materials", "NAME,...", "show these alone; default: all but the background"},
     {"background", "#rrggbbaa", "the colour where nothing is; default: #ffffff"},
@@ -59,15 +59,17 @@ class Options {
   double number(std::string_view name, std::string_view text, const char* expected) const {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) refuse(name, expected, text);
+    // No grid has larger coordinates.
+    if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value) <= 1e75)) refuse(name, expected, text);
     return value;
   }
 
   Vec3 point(std::string_view name, const std::string& text) const {
     const auto words = split(text);
-    if (words.size() != 3) refuse(name, "three numbers, as in 1,2,3", text);
+    constexpr const char* kExpected = "three numbers up to 1e75, as in 1,2,3";
+    if (words.size() != 3) refuse(name, kExpected, text);
     Vec3 out;
-    for (size_t d = 0; d < 3; ++d) out[d] = number(name, words[d], "three numbers, as in 1,2,3");
+    for (size_t d = 0; d < 3; ++d) out[d] = number(name, words[d], kExpected);
     return out;
   }
 

@@ -12,7 +12,7 @@ namespace teracell {
 namespace {
 
 constexpr int64_t kTile = 32;                       // pixels along a side
-constexpr int64_t kBandPixels = int64_t{1} << 22;   // that are held as samples
+constexpr int64_t kBandPixels = int64_t{1} << 21;   // that are held as samples
 
 // A colour that is added up: premultiplied by alpha.
 struct Sum {
@@ -39,7 +39,7 @@ class Renderer {
         occupancy_(reader, visible_, options.level.value_or(0), threads, stop),
         subject_{reader, visible_, occupancy_, cuts(reader.meta().grid, options), options.level},
         openness_(reader.meta().grid, reader.meta().frame(), occupancy_, subject_.hi),
-        shading_(reader.meta().grid, options.camera, openness_) {
+        shading_(reader.meta().grid, options.camera, openness_, options.level) {
     for (const LabelInfo& label : reader.meta().labels) {
       Rgba color = parse_color(reader.meta().materials[label.material].color).value_or(Rgba{128, 128, 128, 255});
       if (!options.flat) color[3] = 255;
@@ -106,7 +106,7 @@ class Renderer {
 
   Sample sample(double x, double y, int worker) {
     const auto hit = hits_[static_cast<size_t>(worker)].first(options_.camera.sight(x, y));
-    return hit ? Sample{static_cast<float>(hit->t), hit->label, static_cast<int8_t>(hit->face)} : Sample{};
+    return hit ? Sample{hit->t, hit->label, static_cast<int8_t>(hit->face)} : Sample{};
   }
 
   Rows cast(int64_t first, int64_t end, const std::function<void(double)>& progress) {

@@ -12,7 +12,7 @@ namespace teracell {
 
 struct RenderOptions {
   Camera camera;
-  std::optional<int> level;         // without it, cells that take at most half a pixel
+  std::optional<int> level;         // without it, cells that take at most a quarter of a pixel
   std::array<std::optional<double>, 3> cut;  // what lies at or above this coordinate is cut away
   std::vector<bool> materials;      // shown; empty: all but the background
   Rgba ground{255, 255, 255, 255};  // where nothing is seen

@@ -14,14 +14,15 @@ double step_from(double lo, double hi, double x) {
 
 }  // namespace
 
-double Shading::cell_at(const Vec3& point) const {
+double Shading::cell_at(const Vec3& point, double t) const {
   double sum = 0;
   for (int d = 0; d < 3; ++d) {
     const Axis& axis = grid_.axis[d];
     const int64_t cell = axis.is_graded() ? axis.cell_at(std::clamp(point[d], axis.min(), axis.max())) : 0;
     sum += axis.is_graded() ? axis.plane(cell + 1) - axis.plane(cell) : axis.step();
   }
-  return sum / 3;
+  const double cell = std::ldexp(sum / 3, level_.value_or(0));
+  return level_ ? cell : std::max(cell, camera_.finest_at(t));
 }
 
 Vec3 Shading::face_normal(const Sight& sight, int face) const {
@@ -37,7 +38,7 @@ Vec3 Shading::normal(const Rows& rows, int64_t x, int64_t y) const {
   const Sample& here = rows.at(x, y);
   const Sight sight = camera_.sight(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
   const Vec3 face = face_normal(sight, here.face), point = sight.from + sight.along * here.t;
-  const double cell = cell_at(point), pixels = cell / camera_.pixel_at(here.t), blocks = step_from(8, 16, pixels);
+  const double cell = cell_at(point, here.t), pixels = cell / camera_.pixel_at(here.t), blocks = step_from(8, 16, pixels);
   if (blocks >= 1) return face;
   const int64_t stride = std::clamp<int64_t>(std::llround(pixels * 0.7), 1, kReach / 2);
   const double q = linear(here.t);
@@ -98,7 +99,7 @@ bool Shading::is_edge(const Rows& rows, int64_t x, int64_t y) const {
   bool faces = false;  // whether cells are large enough to see their faces
   if (here.shown()) {
     const Sight sight = camera_.sight(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
-    faces = cell_at(sight.from + sight.along * here.t) > 4 * camera_.pixel_at(here.t);
+    faces = cell_at(sight.from + sight.along * here.t, here.t) > 4 * camera_.pixel_at(here.t);
   }
   for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
     if (!rows.has(x + dx, y + dy)) continue;

@@ -157,7 +157,7 @@ TEST_CASE("the first visible cell of a line of sight is that of a search through
   CHECK(found > 1000);
 }
 
-TEST_CASE("cells that take at most half a pixel are drawn unless a level is asked for", "[render]") {
+TEST_CASE("cells that take at most a quarter of a pixel are drawn unless a level is asked for", "[render]") {
   // A plate one cell thick, half of which lies in each coarse cell: the coarser the cell, the earlier it is met.
   const Axis axis = Axis::uniform(0, 1, 0, 64, 0.5);
   const Grid grid{{axis, axis, axis}};
@@ -170,7 +170,7 @@ TEST_CASE("cells that take at most half a pixel are drawn unless a level is aske
   const std::atomic<bool> stop = false;
   const Occupancy occupancy(reader, visible, 0, 1, stop);
   const Subject subject{reader, visible, occupancy, {64, 64, 64}, std::nullopt};
-  for (const auto& [pixel, plane] : {std::pair{0.1, 47}, {1.9, 47}, {4.0, 46}, {8.0, 44}, {32.0, 32}}) {
+  for (const auto& [pixel, plane] : {std::pair{0.1, 47}, {7.9, 47}, {8.0, 46}, {16.0, 44}, {64.0, 32}}) {
     CAPTURE(pixel);
     Camera camera{.perspective = false};
     camera.pixel = pixel;

@@ -149,6 +149,21 @@ TEST_CASE("the default view has the whole grid in it, from the same direction fo
   }
 }
 
+TEST_CASE("a picture does not depend on the unit of length, however large or small", "[render]") {
+  const TempFolder folder;
+  std::optional<Picture3D> first;
+  for (const int power : {0, -200, 200}) {  // of two, so that all coordinates are scaled exactly
+    CAPTURE(power);
+    const auto file = folder / std::to_string(power);
+    store_cells(file, metadata_of(cube_grid_of(std::ldexp(-20, power), std::ldexp(1, power), 40), 2, 2), ball(40));
+    const Picture3D picture = picture_of(stored_with_cache(file), {{"size", "100,80"}});
+    if (!first) first = picture;
+    size_t differ = 0;  // only the rounding of what is smooth
+    for (size_t i = 0; i < picture.rgba.size(); ++i) differ += std::abs(picture.rgba[i] - first->rgba[i]) > 2;
+    REQUIRE(differ == 0);
+  }
+}
+
 TEST_CASE("pictures as files: PNG keeps every pixel, JPEG puts what is transparent on white", "[render]") {
   Picture3D picture{{3, 2}, {}};
   for (uint8_t i = 0; i < 24; ++i) picture.rgba.push_back(static_cast<uint8_t>(i * 10));
@@ -173,6 +188,7 @@ TEST_CASE("options that make no sense are usage errors that say what is expected
       {{{"size", "99999999999999999999,1"}}, "--size"},
       {{{"from", "1,2"}}, "--from: expected three numbers"},
       {{{"from", "1,2,nan"}}, "--from"},
+      {{{"from", "1,2,1e308"}}, "--from: expected three numbers up to 1e75"},
       {{{"from", "1,2,3"}, {"at", "1,2,3"}}, "expected two points"},
       {{{"up", "w"}}, "--up: expected x, y or z"},
       {{{"fov", "180"}}, "--fov"},

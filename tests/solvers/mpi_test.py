@@ -64,6 +64,14 @@ class Mpi(unittest.TestCase):
     def run_mpi(self, mpi, ranks, *options, **more):
         return subprocess.run([*launcher(mpi, ranks), program_of(mpi), *map(str, options)], env=ENVIRONMENT, capture_output=True, text=True, timeout=600, **more)
 
+    def started(self, mpi, pieces):
+        """A job of two ranks for 5000 cells that has made some pieces."""
+        job = subprocess.Popen([*launcher(mpi, 2), program_of(mpi), *map(str, self.options(5000))], env=ENVIRONMENT, stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+        while len(list(self.folder.glob("g.tcell.piece-*"))) < pieces:
+            time.sleep(0.001)
+        return job
+
     def expect_grid(self, done, expected):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(self.output.read_bytes() == expected, "the bytes of one process")
@@ -199,10 +207,7 @@ class Mpi(unittest.TestCase):
         for mpi in MPIS:
             with self.subTest(mpi=mpi):
                 expected = self.bytes_of_one(5000)
-                job = subprocess.Popen([*launcher(mpi, 2), program_of(mpi), *map(str, self.options(5000))], env=ENVIRONMENT, stdout=subprocess.DEVNULL,
-                                       stderr=subprocess.DEVNULL)
-                while len(list(self.folder.glob("g.tcell.piece-*"))) < 5:
-                    time.sleep(0.001)
+                job = self.started(mpi, 5)
                 os.kill(ranks_that_write(self.output)[1], signal.SIGTERM)
                 job.wait(60)
                 pieces = sorted(self.folder.glob("g.tcell.piece-*"))
@@ -263,10 +268,7 @@ class Mpi(unittest.TestCase):
         for mpi in MPIS:
             with self.subTest(mpi=mpi):
                 expected = self.bytes_of_one(5000)
-                job = subprocess.Popen([*launcher(mpi, 2), program_of(mpi), *map(str, self.options(5000))], env=ENVIRONMENT, stdout=subprocess.DEVNULL,
-                                       stderr=subprocess.DEVNULL)
-                while len(list(self.folder.glob("g.tcell.piece-*"))) < 3:
-                    time.sleep(0.001)
+                job = self.started(mpi, 3)
                 first, second = ranks_that_write(self.output)
                 os.kill(second, signal.SIGSTOP)  # it sleeps while all others die
                 parent = int(pathlib.Path(f"/proc/{second}/stat").read_text().rpartition(")")[2].split()[1])
@@ -310,9 +312,7 @@ class Mpi(unittest.TestCase):
         for mpi in MPIS:
             with self.subTest(mpi=mpi):
                 expected = self.bytes_of_one(5000)
-                job = subprocess.Popen([*launcher(mpi, 2), program_of(mpi), *map(str, self.options(5000))], env=ENVIRONMENT, stdout=subprocess.DEVNULL)
-                while len(list(self.folder.glob("g.tcell.piece-*"))) < 3:
-                    time.sleep(0.001)
+                job = self.started(mpi, 3)
                 second = self.run_mpi(mpi, 2, *self.options(5000))
                 self.assertEqual(job.wait(300), 0)
                 self.assertEqual(second.returncode, 1, second.stderr)
