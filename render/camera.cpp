@@ -20,6 +20,7 @@ Vec3 unit(int axis) {
 // Vectors at right angles, as near to `up` as can be.
 void turn(Camera& camera, const Vec3& forward, int up) {
   camera.forward = forward;
+  camera.sky = up;
   const double steepest = 1 - 1e-12;
   if (std::abs(forward[up]) >= steepest) up = up == 2 ? 1 : 2;
   camera.right = normalised(cross(forward, unit(up)));

@@ -18,6 +18,7 @@ struct Sight {
 // Lengths are those of the grid. `right`, `up` and `forward` have length 1 and are at right angles to each other.
 struct Camera {
   bool perspective = true;
+  int sky = 2;  // the axis that light falls along
   Vec3 from{}, right{}, up{}, forward{};
   PictureSize size;
   double pixel = 1;  // the side of a pixel: at distance 1, or, without perspective, everywhere

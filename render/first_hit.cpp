@@ -7,7 +7,8 @@ namespace teracell {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr size_t kKept = 256;  // chunks that a thread finds without asking others
+constexpr size_t kKept = 256;         // chunks that a thread finds without asking others
+constexpr double kParallel = 1e-290;  // what is less counts as 0, so that the inverse is finite
 
 double widest_cell(const Axis& axis) {
   if (!axis.is_graded()) return axis.step();
@@ -46,31 +47,59 @@ double FirstHits::time(int axis, int64_t plane) const {
   return (p - from) * line_.inverse[axis];
 }
 
-// To the domain, and to what is not cut away. False when nothing is left.
-bool FirstHits::clip() {
-  line_.begin = 0, line_.end = kInfinity, line_.face = -1;
+// To the domain, and to what is not cut away.
+void FirstHits::clip() {
+  Stretch all{0, kInfinity, -1};
   for (int d = 0; d < 3; ++d) {
-    const double along = line_.sight.along[d];
     double enter = time(d, 0), leave = time(d, cells_[d]);
-    if (subject_.hi[d] < grid_.axis[d].max()) {
-      const double cut = subject_.hi[d] - line_.sight.from[d];
-      leave = along == 0 ? (cut > 0 ? kInfinity : -kInfinity) : cut * line_.inverse[d];
-    }
-    if (along < 0) std::swap(enter, leave);
-    if (enter > line_.begin) line_.begin = enter, line_.face = d;
-    line_.end = std::min(line_.end, leave);
+    if (line_.sight.along[d] < 0) std::swap(enter, leave);
+    if (enter > all.begin) all.begin = enter, all.face = d;
+    all.end = std::min(all.end, leave);
   }
-  return line_.begin < line_.end;
+  stretches_.clear();
+  if (all.begin < all.end) stretches_.push_back(all);
+  int plane = 0;
+  for (const Cut& cut : subject_.cuts) {
+    remove(cut, plane);
+    plane += static_cast<int>(cut.size());
+  }
+}
+
+// `plane`: the number of the cut's first plane.
+void FirstHits::remove(const Cut& cut, int plane) {
+  double from = -kInfinity, to = kInfinity;  // of the line, what is cut away
+  int face = -1;                             // where it ends
+  for (size_t i = 0; i < cut.size(); ++i) {
+    const double along = dot(cut[i].normal, line_.sight.along), off = cut[i].offset - dot(cut[i].normal, line_.sight.from);
+    if (std::abs(along) < kParallel) {
+      if (off > 0) return;
+      continue;
+    }
+    const double t = off * (1 / along);
+    if (along > 0) from = std::max(from, t);
+    else if (t < to) to = t, face = 3 + plane + static_cast<int>(i);
+  }
+  if (from >= to) return;
+  shorter_.clear();
+  for (const Stretch& s : stretches_) {
+    if (s.begin < std::min(s.end, from)) shorter_.push_back({s.begin, std::min(s.end, from), s.face});
+    if (std::max(s.begin, to) < s.end) shorter_.push_back({std::max(s.begin, to), s.end, s.begin < to ? face : s.face});
+  }
+  std::swap(stretches_, shorter_);
 }
 
 std::optional<Hit> FirstHits::first(const Sight& sight) {
   line_.sight = sight;
   for (int d = 0; d < 3; ++d) {
-    if (std::abs(sight.along[d]) < 1e-290) line_.sight.along[d] = 0;  // so that the inverse is finite
+    if (std::abs(sight.along[d]) < kParallel) line_.sight.along[d] = 0;
     line_.inverse[d] = 1 / line_.sight.along[d];
   }
   hit_.reset();
-  if (clip() && occupied(0, {0, 0, 0})) descend(0, {0, 0, 0}, line_.begin, line_.end);
+  clip();
+  for (const Stretch& s : stretches_) {
+    line_.begin = s.begin, line_.face = s.face;
+    if (occupied(0, {0, 0, 0}) && descend(0, {0, 0, 0}, s.begin, s.end)) break;
+  }
   return hit_;
 }
 
@@ -117,7 +146,7 @@ bool FirstHits::take(size_t rung, const Index3& cell, double t0, double t1) {
     to_the_end_ = false;
     if (found) return true;
   }
-  hit_ = Hit{t0, of == Visible::kSeveral ? strongest(rung, cell) : of - 1, face_of(rung, cell, t0)};
+  hit_ = Hit{t0, of == Visible::kSeveral ? strongest(rung, cell) : of - 1, face_of(rung, cell, t0), cell, rungs_[rung].level};
   return true;
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "render/camera.hpp"
+#include "render/cut.hpp"
 #include "render/occupancy.hpp"
 
 namespace teracell {
@@ -17,7 +18,9 @@ namespace teracell {
 struct Hit {
   double t;
   Label label;
-  int face;  // the axis of the plane by which the line enters the cell
+  int face;     // the axis of the plane by which the line enters the cell; 3 + i: plane i of the cuts; -1: the line begins in the cell
+  Index3 cell;  // of level `level`
+  int level;
 };
 
 // What is drawn of a grid.
@@ -25,7 +28,7 @@ struct Subject {
   const GridReader& reader;
   const Visible& visible;
   const Occupancy& occupancy;
-  Vec3 hi;                   // only what is below
+  const Cuts& cuts;
   std::optional<int> level;  // its cells are drawn; without it, those that take at most a quarter of a pixel
 };
 
@@ -45,14 +48,20 @@ class FirstHits {
     std::vector<uint32_t> of_sets;   // Visible::of(), of those of several labels
     std::vector<Label> set;          // when there is no chunk
   };
-  struct Line {
-    Sight sight;
-    Vec3 inverse;
+  // What is left of a line of sight between two cuts.
+  struct Stretch {
     double begin, end;
     int face;  // of `begin`
   };
+  struct Line {
+    Sight sight;
+    Vec3 inverse;
+    double begin;  // of the stretch
+    int face;
+  };
   double time(int axis, int64_t plane) const;  // of a plane of level 0
-  bool clip();
+  void clip();
+  void remove(const Cut& cut, int plane);
   bool descend(size_t rung, const Index3& cell, double t0, double t1);
   bool take(size_t rung, const Index3& cell, double t0, double t1);
   uint32_t seen(size_t rung, const Index3& cell);
@@ -79,6 +88,7 @@ class FirstHits {
   std::vector<size_t> last_;       // of each rung, in kept_
   std::shared_ptr<Chunk> scratch_;
   Line line_;
+  std::vector<Stretch> stretches_, shorter_;
   size_t drawn_ = 0;         // the rung of subject_.level
   bool to_the_end_ = false;  // down to level 0, whatever is drawn
   std::optional<Hit> hit_;

@@ -90,6 +90,12 @@ void Occupancy::read(const GridReader& reader, const Visible& visible, int threa
       [](int) {});
 }
 
+size_t Occupancy::memory() const {
+  size_t words = 0;
+  for (const Bits& bits : levels_) words += bits.words.size();
+  return words * sizeof(uint64_t);
+}
+
 void Occupancy::halve(const Bits& fine, Bits& coarse) const {
   for (uint32_t v = 0; v < fine.nv; ++v)
     for (uint32_t u = 0; u < fine.nu; ++u) {

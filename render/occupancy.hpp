@@ -1,6 +1,7 @@
 // Where anything visible is: a bit for each cell of a level, and of all coarser ones. It takes 20 MB at most, whatever the grid.
 #pragma once
 #include <atomic>
+#include <bit>
 
 #include "render/visible.hpp"
 #include "store/reader.hpp"
@@ -18,6 +19,12 @@ class Occupancy {
     const Bits& b = levels_[level - first_];
     return b.words[(size_t{v} * b.nu + u) * b.per_ray + w / 64] >> (w % 64) & 1;
   }
+  // How many of the cells from `w` to `w + count` have something visible. REQUIRES: `count` is 1, 2, 4 ... 64 and divides `w`.
+  int count(int level, uint32_t u, uint32_t v, uint32_t w, uint32_t count) const {
+    const Bits& b = levels_[level - first_];
+    return std::popcount(b.words[(size_t{v} * b.nu + u) * b.per_ray + w / 64] >> (w % 64) & ~uint64_t{0} >> (64 - count));
+  }
+  size_t memory() const;  // bytes on the heap
 
  private:
   // The bits of a ray begin with a word of their own.

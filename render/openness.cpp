@@ -5,30 +5,63 @@
 #include <limits>
 
 namespace teracell {
+namespace {
 
-Openness::Openness(const Grid& grid, const RayFrame& frame, const Occupancy& occupancy, const Vec3& hi) : grid_(grid), level_(occupancy.level()) {
+constexpr int64_t kMost = 64;  // blocks along an axis
+
+}  // namespace
+
+Density::Density(const Grid& grid, const RayFrame& frame, const Occupancy& occupancy) : level_(occupancy.level()) {
   while (std::ranges::max(grid.cells(level_)) > kMost) ++level_;
-  const int level = level_, fine = std::max(occupancy.level(), level - 3);  // whose cells are counted
-  const Index3 blocks = grid.cells(level), cells = grid.cells(fine);
-  reach_ = std::numeric_limits<double>::infinity();
-  for (int d = 0; d < 3; ++d) {
-    size_[d] = blocks[d] + 2;
-    const Axis& axis = grid.axis[d];
-    reach_ = std::min(reach_, std::ldexp((axis.max() - axis.min()) / static_cast<double>(axis.cells()), level));
-  }
+  const int fine = std::max(occupancy.level(), level_ - 3), shift = level_ - fine;  // whose cells are counted
+  const Index3 blocks = grid.cells(level_), cells = grid.cells(fine);
+  for (int d = 0; d < 3; ++d) size_[d] = blocks[d] + 2;
   share_.resize(static_cast<size_t>(size_[0] * size_[1] * size_[2]));
-  const float one = std::ldexp(1.0f, -3 * (level - fine));
-  Index3 at;
-  for (at[2] = 0; at[2] < cells[2]; ++at[2])
-    for (at[1] = 0; at[1] < cells[1]; ++at[1])
-      for (at[0] = 0; at[0] < cells[0]; ++at[0]) {
-        bool cut = false;
-        for (int d = 0; d < 3; ++d) cut = cut || grid.axis[d].plane(at[d] << fine) >= hi[d];
-        const auto cell = [&](int d) { return static_cast<uint32_t>(at[d]); };
-        if (cut || !occupancy.at(fine, cell(frame.u), cell(frame.v), cell(frame.w))) continue;
-        const auto block = [&](int d) { return (at[d] >> (level - fine)) + 1; };
-        share_[static_cast<size_t>((block(2) * size_[1] + block(1)) * size_[0] + block(0))] += one;
+  const float one = std::ldexp(1.0f, -3 * shift);
+  const uint32_t side = uint32_t{1} << shift;
+  const auto nu = static_cast<uint32_t>(cells[frame.u]), nv = static_cast<uint32_t>(cells[frame.v]), nw = static_cast<uint32_t>(cells[frame.w]);
+  for (uint32_t v = 0; v < nv; ++v)
+    for (uint32_t u = 0; u < nu; ++u)
+      for (uint32_t w = 0; w < nw; w += side) {
+        Index3 block;
+        block[frame.u] = (u >> shift) + 1, block[frame.v] = (v >> shift) + 1, block[frame.w] = (w >> shift) + 1;
+        share_[static_cast<size_t>((block[2] * size_[1] + block[1]) * size_[0] + block[0])] +=
+            one * static_cast<float>(occupancy.count(fine, u, v, w, side));
       }
+}
+
+Openness::Openness(const Grid& grid, const Density& density, const Cuts& cuts)
+    : grid_(grid), level_(density.level_), size_(density.size_), reach_(std::numeric_limits<double>::infinity()), share_(density.share_) {
+  for (const Axis& axis : grid.axis) reach_ = std::min(reach_, std::ldexp((axis.max() - axis.min()) / static_cast<double>(axis.cells()), level_));
+  if (!cuts.empty()) cut(cuts);
+  blur();
+}
+
+// A block counts as far as the middles of its eight parts remain.
+void Openness::cut(const Cuts& cuts) {
+  std::array<std::vector<double>, 3> middles;
+  for (int d = 0; d < 3; ++d) {
+    const Axis& axis = grid_.axis[d];
+    for (int64_t block = 0; block + 2 < size_[d]; ++block) {
+      const double lo = axis.plane(block << level_), hi = axis.plane(std::min((block + 1) << level_, axis.cells()));
+      for (const double share : {0.25, 0.75}) middles[d].push_back(lo + share * (hi - lo));
+    }
+  }
+  for (int64_t z = 0; z + 2 < size_[2]; ++z)
+    for (int64_t y = 0; y + 2 < size_[1]; ++y)
+      for (int64_t x = 0; x + 2 < size_[0]; ++x) {
+        float& share = share_[static_cast<size_t>(((z + 1) * size_[1] + y + 1) * size_[0] + x + 1)];
+        if (share == 0) continue;
+        int left = 0;
+        for (int part = 0; part < 8; ++part) {
+          const auto middle = [&](int d, int64_t block) { return middles[d][static_cast<size_t>(2 * block + (part >> d & 1))]; };
+          left += !is_cut(cuts, {middle(0, x), middle(1, y), middle(2, z)});
+        }
+        share *= static_cast<float>(left) / 8;
+      }
+}
+
+void Openness::blur() {
   const Index3 stride = {1, size_[0], size_[0] * size_[1]};
   for (int d = 0; d < 3; ++d) {
     std::vector<float> next(share_.size());

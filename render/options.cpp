@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -20,7 +21,11 @@ constexpr RenderOption kOptions[] = {
     {"size", "W,H", "pixels; default: 1280,960"},
     {"level", "L", "draw the cells of this level; default: those that take at most a quarter of a pixel"},
     {"cut", "x=X,y=Y,z=Z", "keep what is below these coordinates; one or more of them"},
+    {"open", "X,Y,Z", "cut away the corner in front of this point, as the eye sees it"},
+    {"plane", "NX,NY,NZ,D", "cut away the points p with (NX, NY, NZ) . p >= D"},
     {"materials", "NAME,...", "show these alone; default: all but the background"},
+    {"bodies", "NAME,...", "show these bodies alone, where the file keeps bodies apart"},
+    {"labels", "RANGES", "show the labels with these numbers alone, as in 1-4,7: materials, or bodies where the file keeps them apart"},
     {"background", "#rrggbbaa", "the colour where nothing is; default: #ffffff"},
     {"flat", "", "the materials' colours alone: no shading, no smoothing"},
 };
@@ -42,10 +47,12 @@ class Options {
   RenderOptions parse() const {
     RenderOptions out;
     const PictureSize size = picture_size();
-    out.camera = camera(size);
-    if (const std::string* text = text_("level")) out.level = level(*text);
-    if (const std::string* text = text_("cut")) out.cut = cut(*text);
-    if (const std::string* text = text_("materials")) out.materials = materials(*text);
+    out.aim.camera = camera(size);
+    if (const std::string* text = text_("level")) out.aim.level = level(*text);
+    if (const std::string* text = text_("cut")) out.aim.cuts = cut(*text);
+    if (const std::string* text = text_("open")) out.aim.cuts.push_back(corner(out.aim.camera, point("open", *text)));
+    if (const std::string* text = text_("plane")) out.aim.cuts.push_back({plane(*text)});
+    out.shown = shown();
     if (const std::string* text = text_("background")) out.ground = color(*text);
     if (const std::string* text = text_("flat")) out.flat = flag("flat", *text);
     return out;
@@ -124,29 +131,96 @@ class Options {
     return out;
   }
 
-  std::array<std::optional<double>, 3> cut(const std::string& text) const {
-    std::array<std::optional<double>, 3> out;
+  Cuts cut(const std::string& text) const {
+    constexpr const char* kExpected = "one coordinate per axis at most, as in x=1.5,z=20";
+    Cuts out;
+    std::array<bool, 3> given{};
     for (const std::string_view word : split(text)) {
       const auto axis = word.size() > 2 && word[1] == '=' ? axis_named(word.substr(0, 1)) : std::nullopt;
-      if (!axis || out[*axis]) refuse("cut", "one coordinate per axis at most, as in x=1.5,z=20", text);
-      out[*axis] = number("cut", word.substr(2), "one coordinate per axis at most, as in x=1.5,z=20");
+      if (!axis || std::exchange(given[static_cast<size_t>(*axis)], true)) refuse("cut", kExpected, text);
+      HalfSpace half{{}, number("cut", word.substr(2), kExpected)};
+      half.normal[static_cast<size_t>(*axis)] = 1;
+      out.push_back({half});
     }
     return out;
   }
 
-  std::vector<bool> materials(const std::string& text) const {
-    std::vector<bool> out(meta_.materials.size());
+  static Cut corner(const Camera& camera, const Vec3& at) {
+    Cut out;
+    for (size_t d = 0; d < 3; ++d) {
+      const bool above = camera.perspective ? camera.from[d] >= at[d] : camera.forward[d] <= 0;
+      HalfSpace half{{}, above ? at[d] : -at[d]};
+      half.normal[d] = above ? 1 : -1;
+      out.push_back(half);
+    }
+    return out;
+  }
+
+  HalfSpace plane(const std::string& text) const {
+    constexpr const char* kExpected = "four numbers up to 1e75, the first three not all 0, as in 1,1,0,25";
+    const auto words = split(text);
+    if (words.size() != 4) refuse("plane", kExpected, text);
+    HalfSpace out{};
+    for (size_t d = 0; d < 3; ++d) out.normal[d] = number("plane", words[d], kExpected);
+    out.offset = number("plane", words[3], kExpected);
+    const double longest = std::max({std::abs(out.normal[0]), std::abs(out.normal[1]), std::abs(out.normal[2])});
+    if (longest == 0) refuse("plane", kExpected, text);
+    return {out.normal * (1 / longest), out.offset / longest};
+  }
+
+  // Of each label; empty when nothing is chosen.
+  std::vector<bool> shown() const {
+    const char* const chosen[] = {"materials", "bodies", "labels"};
+    std::vector<const char*> given;
+    for (const char* name : chosen)
+      if (text_(name)) given.push_back(name);
+    if (given.size() > 1) throw UsageError(fmt::format("{0}{1}: expected alone, found with {0}{2}", dashes_, given[0], given[1]));
+    if (const std::string* text = text_("materials"))
+      return of_names("materials", *text, "materials of this grid", [](const Metadata& meta, const LabelInfo& label) -> const std::string& {
+        return meta.materials[label.material].name;
+      });
+    if (const std::string* text = text_("bodies"))
+      return of_names("bodies", *text, "bodies that this grid keeps apart", [](const Metadata&, const LabelInfo& label) -> const std::string& {
+        return label.body;
+      });
+    if (const std::string* text = text_("labels")) return ranges(*text);
+    return {};
+  }
+
+  template <class NameOf>
+  std::vector<bool> of_names(std::string_view option, const std::string& text, const char* what, NameOf name_of) const {
+    std::vector<bool> out(meta_.labels.size());
     // A name may hold commas, so the longest name that fits is taken.
     for (std::string_view rest = text;;) {
-      const MaterialInfo* best = nullptr;
-      for (const MaterialInfo& m : meta_.materials)
-        if (rest.starts_with(m.name) && (rest.size() == m.name.size() || rest[m.name.size()] == ',') && (!best || m.name.size() > best->name.size()))
-          best = &m;
-      if (!best) refuse("materials", "names of materials of this grid, separated by commas", rest.substr(0, rest.find(',')));
-      out[static_cast<size_t>(best - meta_.materials.data())] = true;
-      if (rest.size() == best->name.size()) return out;
-      rest.remove_prefix(best->name.size() + 1);
+      std::string_view best;
+      for (const LabelInfo& label : meta_.labels)
+        if (const std::string& name = name_of(meta_, label);
+            rest.starts_with(name) && (rest.size() == name.size() || rest[name.size()] == ',') && name.size() > best.size())
+          best = name;
+      if (best.empty()) refuse(option, fmt::format("names of {}, separated by commas", what), rest.substr(0, rest.find(',')));
+      for (size_t i = 0; i < out.size(); ++i)
+        if (name_of(meta_, meta_.labels[i]) == best) out[i] = true;
+      if (rest.size() == best.size()) return out;
+      rest.remove_prefix(best.size() + 1);
     }
+  }
+
+  std::vector<bool> ranges(const std::string& text) const {
+    const std::string expected = fmt::format("numbers from 0 to {} and ranges of them, as in 1-4,7", meta_.labels.size() - 1);
+    std::vector<bool> out(meta_.labels.size());
+    if (text.empty()) return out;  // nothing is shown
+    for (const std::string_view word : split(text)) {
+      size_t ends[2] = {};
+      const size_t dash = word.find('-');
+      const std::string_view parts[2] = {word.substr(0, dash), dash == std::string_view::npos ? word : word.substr(dash + 1)};
+      for (size_t i = 0; i < 2; ++i) {
+        const char* const end = parts[i].data() + parts[i].size();
+        if (parts[i].empty() || std::from_chars(parts[i].data(), end, ends[i]).ptr != end || ends[i] >= out.size()) refuse("labels", expected, text);
+      }
+      if (ends[0] > ends[1]) refuse("labels", expected, text);
+      for (size_t label = ends[0]; label <= ends[1]; ++label) out[label] = true;
+    }
+    return out;
   }
 
   Rgba color(const std::string& text) const {

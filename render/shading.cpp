@@ -26,20 +26,21 @@ double Shading::cell_at(const Vec3& point, double t) const {
 }
 
 Vec3 Shading::face_normal(const Sight& sight, int face) const {
-  Vec3 out{};
   if (face < 0) return normalised(sight.along * -1);
+  if (face >= 3) return normalised(plane_of(cuts_, face - 3).normal);
+  Vec3 out{};
   out[face] = sight.along[face] > 0 ? -1 : 1;
   return out;
 }
 
 // A plane through the hits around: `linear(t)` is linear in x and y on it. Two rounds: the first takes for each direction the side that rises
 // less, the second fits a plane to what is near that of the first. Cells much larger than a pixel keep their faces.
-Vec3 Shading::normal(const Rows& rows, int64_t x, int64_t y) const {
-  const Sample& here = rows.at(x, y);
+Vec3 Shading::normal(const Samples& samples, int64_t x, int64_t y) const {
+  const Sample& here = samples.at(x, y);
   const Sight sight = camera_.sight(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
   const Vec3 face = face_normal(sight, here.face), point = sight.from + sight.along * here.t;
   const double cell = cell_at(point, here.t), pixels = cell / camera_.pixel_at(here.t), blocks = step_from(8, 16, pixels);
-  if (blocks >= 1) return face;
+  if (blocks >= 1 || here.face >= 3) return face;
   const int64_t stride = std::clamp<int64_t>(std::llround(pixels * 0.7), 1, kReach / 2);
   const double q = linear(here.t);
   const double noise = 1.5 * std::abs(linear(here.t + cell) - q);
@@ -48,8 +49,8 @@ Vec3 Shading::normal(const Rows& rows, int64_t x, int64_t y) const {
     for (const int64_t sign : {-1, 1})
       for (const int64_t far : {stride, 2 * stride}) {
         const int64_t at_x = x + sign * far * dx, at_y = y + sign * far * dy;
-        if (!rows.has(at_x, at_y) || !rows.at(at_x, at_y).shown()) break;
-        const double s = (linear(rows.at(at_x, at_y).t) - q) / static_cast<double>(sign * far);
+        if (!samples.has(at_x, at_y) || !samples.at(at_x, at_y).shown()) break;
+        const double s = (linear(samples.at(at_x, at_y).t) - q) / static_cast<double>(sign * far);
         if (std::abs(s) < std::abs(best)) best = s;
       }
     return std::isfinite(best) ? best : 0;
@@ -60,8 +61,8 @@ Vec3 Shading::normal(const Rows& rows, int64_t x, int64_t y) const {
     double n = 0, sx = 0, sy = 0, sq = 0, xx = 0, xy = 0, yy = 0, xq = 0, yq = 0;
     for (int64_t dy = -2 * stride; dy <= 2 * stride; dy += stride)
       for (int64_t dx = -2 * stride; dx <= 2 * stride; dx += stride) {
-        if (!rows.has(x + dx, y + dy)) continue;
-        const Sample& s = rows.at(x + dx, y + dy);
+        if (!samples.has(x + dx, y + dy)) continue;
+        const Sample& s = samples.at(x + dx, y + dy);
         if (!s.shown()) continue;
         const auto fx = static_cast<double>(dx), fy = static_cast<double>(dy);
         const double rise = linear(s.t) - q, off = (rise - b * fx - c * fy) / (2 * tolerance);
@@ -94,35 +95,38 @@ bool Shading::is_near(const Sample& a, const Sample& b) const {
   return std::abs(a.t - b.t) <= 8 * camera_.pixel_at(nearer) + 1e-6 * nearer;
 }
 
-bool Shading::is_edge(const Rows& rows, int64_t x, int64_t y) const {
-  const Sample& here = rows.at(x, y);
+bool Shading::is_edge(const Samples& samples, int64_t x, int64_t y) const {
+  const Sample& here = samples.at(x, y);
   bool faces = false;  // whether cells are large enough to see their faces
   if (here.shown()) {
     const Sight sight = camera_.sight(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5);
     faces = cell_at(sight.from + sight.along * here.t, here.t) > 4 * camera_.pixel_at(here.t);
   }
   for (const auto& [dx, dy] : {std::pair{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
-    if (!rows.has(x + dx, y + dy)) continue;
-    const Sample& there = rows.at(x + dx, y + dy);
+    if (!samples.has(x + dx, y + dy)) continue;
+    const Sample& there = samples.at(x + dx, y + dy);
     if (here.shown() != there.shown() || (here.shown() && (!is_near(here, there) || (faces && here.face != there.face)))) return true;
   }
   return false;
 }
 
-// As in the dashboard's 3D view: light is computed on the squares of colours, which are near enough to linear values.
-Rgba Shading::lit(const Rgba& color, const Vec3& point, const Vec3& normal, const Vec3& along) const {
-  const Vec3 eye = normalised(along * -1), n = {dot(normal, camera_.right), dot(normal, camera_.up), -dot(normal, camera_.forward)};
+Light Shading::light(const Sight& sight, const Sample& sample, const Vec3& normal) const {
+  if (sample.face >= 3) return {0.82f, 0};
+  const Vec3 eye = normalised(sight.along * -1), n = {dot(normal, camera_.right), dot(normal, camera_.up), -dot(normal, camera_.forward)};
   const Vec3 e = {dot(eye, camera_.right), dot(eye, camera_.up), -dot(eye, camera_.forward)};
   constexpr Vec3 kLight = {-0.448, 0.617, 0.647};
-  const double open = openness_.at(point, normal);
+  const double open = openness_.at(sight.from + sight.along * sample.t, normal);
   const double key = std::max(dot(n, kLight), 0.0), glancing = 1 - std::abs(dot(n, e));
-  const double sky = (0.52 + 0.22 * normal[2]) * (0.35 + 0.65 * open), direct = key * (0.47 + 0.31 * open);
+  const double sky = (0.52 + 0.22 * normal[camera_.sky]) * (0.35 + 0.65 * open), direct = key * (0.47 + 0.31 * open);
   const double shine = std::pow(std::max(dot(n, normalised(kLight + e)), 0.0), 32);
+  return {static_cast<float>(sky + direct), static_cast<float>(open * (0.1 * shine + 0.1 * glancing * glancing * glancing))};
+}
+
+Rgba lit(const Rgba& color, const Light& light) {
   Rgba out = color;
   for (int c = 0; c < 3; ++c) {
     const double own = color[c] / 255.0;
-    const double light = own * own * (sky + direct) + open * (0.1 * shine + 0.1 * glancing * glancing * glancing);
-    out[c] = static_cast<uint8_t>(std::lround(255 * std::sqrt(std::clamp(light, 0.0, 1.0))));
+    out[c] = static_cast<uint8_t>(std::lround(255 * std::sqrt(std::clamp(own * own * light.own + light.added, 0.0, 1.0))));
   }
   return out;
 }

@@ -2,7 +2,6 @@
 #pragma once
 #include <optional>
 
-#include "render/camera.hpp"
 #include "render/openness.hpp"
 #include "store/color.hpp"
 
@@ -17,30 +16,45 @@ struct Sample {
   bool shown() const { return label != kNothing; }
 };
 
-// A stretch of rows of a picture.
-struct Rows {
-  int64_t first = 0, end = 0;
-  uint32_t width = 0;
-  std::vector<Sample> samples;
-  const Sample& at(int64_t x, int64_t y) const { return samples[static_cast<size_t>((y - first) * width + x)]; }
-  Sample& at(int64_t x, int64_t y) { return samples[static_cast<size_t>((y - first) * width + x)]; }
-  bool has(int64_t x, int64_t y) const { return x >= 0 && x < width && y >= first && y < end; }
+// Pixels of a picture, half open.
+struct Window {
+  int64_t x0, y0, x1, y1;
+  int64_t width() const { return x1 - x0; }
+  int64_t height() const { return y1 - y0; }
+  bool has(int64_t x, int64_t y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
 };
+
+// What the pixels of a window show.
+struct Samples {
+  Window window;
+  std::vector<Sample> samples;
+  explicit Samples(const Window& w) : window(w), samples(static_cast<size_t>(w.width() * w.height())) {}
+  const Sample& at(int64_t x, int64_t y) const { return samples[static_cast<size_t>((y - window.y0) * window.width() + x - window.x0)]; }
+  Sample& at(int64_t x, int64_t y) { return samples[static_cast<size_t>((y - window.y0) * window.width() + x - window.x0)]; }
+  bool has(int64_t x, int64_t y) const { return window.has(x, y); }
+};
+
+// Light that a surface sends to the eye, whatever its colour c: c * c * own + added. On squares of colours, which are near enough to linear
+// values.
+struct Light {
+  float own = 0, added = 0;
+};
+Rgba lit(const Rgba& color, const Light& light);  // sRGB; alpha is kept
 
 class Shading {
  public:
   static constexpr int64_t kReach = 8;  // pixels around one that its normal depends on
   // Keeps references. `level`: whose cells are drawn; without it, those that take at most a quarter of a pixel.
-  Shading(const Grid& grid, const Camera& camera, const Openness& openness, std::optional<int> level)
-      : grid_(grid), camera_(camera), openness_(openness), level_(level) {}
+  Shading(const Grid& grid, const Camera& camera, const Openness& openness, const Cuts& cuts, std::optional<int> level)
+      : grid_(grid), camera_(camera), openness_(openness), cuts_(cuts), level_(level) {}
   // Towards the camera, of length 1. REQUIRES: the pixel shows something.
-  Vec3 normal(const Rows& rows, int64_t x, int64_t y) const;
+  Vec3 normal(const Samples& samples, int64_t x, int64_t y) const;
   Vec3 face_normal(const Sight& sight, int face) const;
   // Whether a pixel shows something else than the one beside it, or something far behind it: there, one line of sight is too few.
-  bool is_edge(const Rows& rows, int64_t x, int64_t y) const;
+  bool is_edge(const Samples& samples, int64_t x, int64_t y) const;
   bool is_near(const Sample& a, const Sample& b) const;  // part of the same surface, as far as two pixels tell
-  // sRGB.
-  Rgba lit(const Rgba& color, const Vec3& point, const Vec3& normal, const Vec3& along) const;
+  // Of what a line of sight meets. Where something is cut, light is the same everywhere, so that colours can be compared.
+  Light light(const Sight& sight, const Sample& sample, const Vec3& normal) const;
 
  private:
   double linear(double t) const { return camera_.perspective ? 1 / t : t; }  // of the picture's x and y on a plane
@@ -49,6 +63,7 @@ class Shading {
   const Grid& grid_;
   const Camera& camera_;
   const Openness& openness_;
+  const Cuts& cuts_;
   const std::optional<int> level_;
 };
 

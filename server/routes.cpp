@@ -5,16 +5,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "render/encode.hpp"
-#include "render/options.hpp"
 #include "server/openapi.hpp"
 #include "server/protocols/protocols.hpp"
 #include "server/service/column_parts.hpp"
 #include "server/service/picture_parts.hpp"
 #include "server/start_page.hpp"
+#include "server/view.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
-#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -76,8 +74,6 @@ PictureStyle style_of(const Target& target, const Metadata& meta) {
   }
   return style;
 }
-
-constexpr uint64_t kMostViewPixels = uint64_t{1} << 23;
 
 // A request below /api/v1/grids/{id}/: the grid, and the segments after the id.
 struct GridRequest {
@@ -210,22 +206,6 @@ Response stats(const GridRequest& r) {
   return json_answer(r, "stats", [&, box] { return stats_json(r.meta(), box, read_stats(r.reader(), box)); });
 }
 
-// Others wait meanwhile, so there are fewer pixels than in a slice.
-Response view(const GridRequest& r) {
-  std::vector<std::string_view> known = {"v"};
-  for (const RenderOption& option : render_options()) known.push_back(option.name);
-  r.target.allow(known);
-  const RenderOptions options = parse_render_options([&](std::string_view name) { return r.target.find(name); }, r.meta(), "");
-  const PictureSize size = options.camera.size;
-  if (const uint64_t most = std::min(r.service.options().max_pixels, kMostViewPixels); uint64_t{size.width} * size.height > most)
-    throw bad_request(fmt::format("size: expected at most {} pixels, found {} x {}", most, size.width, size.height));
-  return r.service.answer(r.request, r.target, r.grid, {.route = "view", .content_type = "image/png", .make = [&] {
-                                                          const std::atomic<bool> never = false;
-                                                          return encode_picture(
-                                                              render(r.reader(), options, 1, never, [](double) { Wanted::stop_if_not(); }), "png");
-                                                        }});
-}
-
 Response list(Service& service, const Target& target) {
   target.allow({});
   ordered_json j = {{"schema", 1}, {"grids", ordered_json::array()}, {"unreadable", ordered_json::array()}};
@@ -256,7 +236,8 @@ Response api(Service& service, const Request& request, const Target& target) {
   if (is("cell", 1)) return cell(r);
   if (is("column", 3)) return column(r);
   if (is("stats", 1)) return stats(r);
-  if (is("view.png", 1)) return view(r);
+  if (const auto [name, ending] = split_name(r.rest[0]); name == "view" && r.rest.size() == 1)
+    if (const auto recipe = view_recipe(service, *r.grid, target, ending)) return service.answer(request, target, r.grid, *recipe);
   throw no_such_address(request);
 }
 
@@ -286,7 +267,7 @@ bool is_dear(const Request& request) try {
   const std::vector<std::string> path = parse_target(request.target).path;
   for (const Protocol& p : protocols())
     if (path[0] == p.prefix) return p.dear;
-  return path[0] == "api" && path.size() > 4 && (path[4] == "stats" || path[4] == "slice" || path[4] == "column" || path[4] == "view.png");
+  return path[0] == "api" && path.size() > 4 && (path[4] == "stats" || path[4] == "slice" || path[4] == "column" || path[4].starts_with("view."));
 } catch (const HttpError&) {
   return false;  // handle() refuses it
 }

@@ -10,7 +10,7 @@ namespace teracell {
 namespace {
 
 // Part of every ETag. Raise it when the server makes other bytes from the same grid.
-constexpr int kRevision = 1;
+constexpr int kRevision = 2;
 
 // Counts the reads of a file. Its name has no folder and no host, since messages show it to clients.
 class CountedSource : public ByteSource {
@@ -118,6 +118,7 @@ Service::Service(ServiceOptions options)
       index_(std::make_shared<IndexCache>(options_.cache_bytes / 16)),
       files_(std::make_shared<OpenFiles>(options_.open_files)),
       answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
+      prepared_(options_.cache_bytes / 4),
       grids_(std::make_unique<Grids>(
           options_.named,
           [counters = counters_, chunks = chunks_, index = index_, files = files_, remote = options_.source](const std::filesystem::path& path,

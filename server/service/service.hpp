@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "render/prepared.hpp"
 #include "server/service/grids.hpp"
 #include "server/service/message.hpp"
 #include "server/service/open_files.hpp"
@@ -27,7 +28,8 @@ struct ChunkPlaceHash {
 
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files, folders and addresses
-  size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; answers take up to 1/8 of this on top
+  size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; on top of this, answers take up
+                                             // to 1/8, and what pictures in three dimensions share 1/4
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
   size_t open_files = 256;                   // descriptors of grids that are kept
   bool anybody = true;                       // answers are for everybody, so proxies may keep them
@@ -78,6 +80,8 @@ class Service {
   ChunkCache& chunks() { return *chunks_; }
   AnswerCache& answers() { return *answers_; }
   IndexCache& index() { return *index_; }
+  using PreparedCache = SharedCache<std::string, Prepared>;  // the key: ServedGrid::number, level and labels
+  PreparedCache& prepared() { return prepared_; }
 
  private:
   void complain(const std::string& message);
@@ -89,6 +93,7 @@ class Service {
   std::shared_ptr<IndexCache> index_;
   std::shared_ptr<OpenFiles> files_;
   std::unique_ptr<AnswerCache> answers_;
+  PreparedCache prepared_;
   std::mutex complaints_mutex_;
   std::set<std::string> complaints_;
   std::unique_ptr<Grids> grids_;  // last: it looks at files, and complains, on a thread of its own

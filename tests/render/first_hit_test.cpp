@@ -22,13 +22,13 @@ struct Span {
 };
 
 // The part of the line that lies in a box of planes, half open along each axis.
-Span within(const Grid& grid, const Sight& sight, const Index3& lo, const Index3& hi, const Vec3& cut) {
+Span within(const Grid& grid, const Sight& sight, const Index3& lo, const Index3& hi) {
   Span out{0, kInfinity};
   for (int d = 0; d < 3; ++d) {
     const double from = sight.from[d], along = sight.along[d];
-    const double below = grid.axis[d].plane(lo[d]), above = std::min(grid.axis[d].plane(hi[d]), cut[d]);
+    const double below = grid.axis[d].plane(lo[d]), above = grid.axis[d].plane(hi[d]);
     if (along == 0) {
-      const bool last = from == grid.axis[d].max() && hi[d] == grid.axis[d].cells() && cut[d] >= grid.axis[d].max();
+      const bool last = from == grid.axis[d].max() && hi[d] == grid.axis[d].cells();
       if (!(below <= from && (from < above || last))) return {1, 0};
       continue;
     }
@@ -39,9 +39,39 @@ Span within(const Grid& grid, const Sight& sight, const Index3& lo, const Index3
   return out;
 }
 
+// The part of the line that is cut away.
+Span cut_away(const Sight& sight, const Cut& cut) {
+  Span out{-kInfinity, kInfinity};
+  for (const HalfSpace& half : cut) {
+    const double along = dot(half.normal, sight.along), off = half.offset - dot(half.normal, sight.from);
+    if (along == 0 && off > 0) return {1, 0};
+    if (along > 0) out.enter = std::max(out.enter, off * (1 / along));
+    if (along < 0) out.leave = std::min(out.leave, off * (1 / along));
+  }
+  return out;
+}
+
+// When the line first is in what is left of the span; infinite when nothing is left.
+double first_left(const Sight& sight, Span span, const Cuts& cuts) {
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (const Cut& cut : cuts)
+      if (const Span gone = cut_away(sight, cut); gone.enter < gone.leave && gone.enter <= span.enter && span.enter < gone.leave)
+        span.enter = gone.leave, moved = true;
+  }
+  return span.enter < span.leave ? span.enter : kInfinity;
+}
+
+// Whether nothing is cut away between two times.
+bool is_whole(const Sight& sight, double from, double to, const Cuts& cuts) {
+  for (const Cut& cut : cuts)
+    if (const Span gone = cut_away(sight, cut); gone.enter < gone.leave && from < gone.leave && gone.enter < to) return false;
+  return true;
+}
+
 // The visible cell of a level that the line enters first, as the time when it does; infinite when there is none.
 template <class IsVisible>
-std::pair<double, Index3> first_by_search(const Grid& grid, int level, const Sight& sight, const Vec3& cut, IsVisible is_visible) {
+std::pair<double, Index3> first_by_search(const Grid& grid, int level, const Sight& sight, const Cuts& cuts, IsVisible is_visible) {
   std::pair<double, Index3> best{kInfinity, {}};
   const Index3 n = grid.cells(level), all = grid.cells();
   Index3 c;
@@ -51,10 +81,35 @@ std::pair<double, Index3> first_by_search(const Grid& grid, int level, const Sig
         if (!is_visible(c)) continue;
         Index3 lo, hi;
         for (int d = 0; d < 3; ++d) lo[d] = c[d] << level, hi[d] = std::min((c[d] + 1) << level, all[d]);
-        const Span span = within(grid, sight, lo, hi, cut);
-        if (span.enter < span.leave && span.enter < best.first) best = {span.enter, c};
+        if (const double t = first_left(sight, within(grid, sight, lo, hi), cuts); t < best.first) best = {t, c};
       }
   return best;
+}
+
+// Half-spaces along an axis, corners and oblique planes, some of them through planes of cells.
+Cuts random_cuts(std::mt19937_64& random, const Grid& grid) {
+  Cuts out(random() % 3);
+  for (Cut& cut : out) {
+    Vec3 at;
+    for (int d = 0; d < 3; ++d) {
+      const Axis& axis = grid.axis[d];
+      std::uniform_real_distribution<double> inside(axis.min(), axis.max());
+      at[d] = random() % 2 ? axis.plane(axis.cells() / 2) : inside(random);
+    }
+    const int kind = static_cast<int>(random() % 3);
+    std::uniform_real_distribution<double> component(-1, 1);
+    if (kind == 2) {
+      const Vec3 normal = {component(random), component(random), component(random)};
+      cut = {{normal, dot(normal, at)}};
+    } else
+      for (int d = 0; d < 3; ++d) {
+        Vec3 normal{};
+        normal[d] = random() % 2 ? 1 : -1;
+        if (kind == 1 || d == static_cast<int>(random() % 3)) cut.push_back({normal, normal[d] * at[d]});
+      }
+    if (cut.empty()) cut = {{{1, 0, 0}, at[0]}};
+  }
+  return out;
 }
 
 Axis random_axis(std::mt19937_64& random, int64_t n) {
@@ -114,13 +169,8 @@ TEST_CASE("the first visible cell of a line of sight is that of a search through
     const std::atomic<bool> stop = false;
     const int level = static_cast<int>(random() % 3) % reader.levels();
     const Occupancy occupancy(reader, visible, level, 1 + round % 3, stop);
-    Vec3 cut;
-    for (int d = 0; d < 3; ++d) {
-      const Axis& axis = scene.grid.axis[d];
-      std::uniform_real_distribution<double> inside(axis.min(), axis.max());
-      cut[d] = random() % 3 ? axis.max() : random() % 2 ? axis.plane(axis.cells() / 2) : inside(random);
-    }
-    const Subject subject{reader, visible, occupancy, cut, level};
+    const Cuts cuts = random_cuts(random, scene.grid);
+    const Subject subject{reader, visible, occupancy, cuts, level};
     const Camera camera{};
     FirstHits hits(subject, camera);
     const std::vector<Mask> sets = level_by_hand(scene.grid, scene.cells, level);
@@ -134,20 +184,23 @@ TEST_CASE("the first visible cell of a line of sight is that of a search through
     for (int i = 0; i < 300; ++i) {
       const Sight sight = random_sight(random, scene.grid);
       CAPTURE(i, level, sight.from[0], sight.from[1], sight.from[2], sight.along[0], sight.along[1], sight.along[2]);
-      const auto [t, cell] = first_by_search(scene.grid, level, sight, cut, [&](const Index3& c) { return set_of(c) != 0; });
+      const auto [t, cell] = first_by_search(scene.grid, level, sight, cuts, [&](const Index3& c) { return set_of(c) != 0; });
       const auto hit = hits.first(sight);
       REQUIRE(hit.has_value() == std::isfinite(t));
       if (!hit) continue;
       ++found;
-      // What is seen of a coarse cell is the first of its own cells; where the line meets none of them, the strongest of its labels.
+      // What is seen of a coarse cell is the first of its own cells; where the line meets none of them, before it is cut, the strongest of its
+      // labels.
       const Mask set = set_of(cell);
-      const auto [fine_t, fine] = first_by_search(scene.grid, 0, sight, cut, [&, cell = cell](const Index3& c) {
+      const auto [fine_t, fine] = first_by_search(scene.grid, 0, sight, cuts, [&, cell = cell](const Index3& c) {
         for (int d = 0; d < 3; ++d)
           if (c[d] >> level != cell[d]) return false;
         return static_cast<bool>(shown[scene.at(c)]);
       });
-      const bool several = (set & (set - 1)) != 0, meets = std::isfinite(fine_t);
+      const bool several = (set & (set - 1)) != 0, meets = std::isfinite(fine_t) && is_whole(sight, t, fine_t, cuts);
       REQUIRE(hit->t == (several && meets ? fine_t : t));
+      REQUIRE(hit->level == (several && meets ? 0 : level));
+      REQUIRE(hit->cell == (several && meets ? fine : cell));
       Label strongest = 0;
       for (Label l = 0; l < kLabels; ++l)
         if (set >> l & 1) strongest = l;  // metadata_of(): the last is the strongest
@@ -169,7 +222,7 @@ TEST_CASE("cells that take at most a quarter of a pixel are drawn unless a level
   const Visible visible({false, true});
   const std::atomic<bool> stop = false;
   const Occupancy occupancy(reader, visible, 0, 1, stop);
-  const Subject subject{reader, visible, occupancy, {64, 64, 64}, std::nullopt};
+  const Subject subject{reader, visible, occupancy, {}, std::nullopt};
   for (const auto& [pixel, plane] : {std::pair{0.1, 47}, {7.9, 47}, {8.0, 46}, {16.0, 44}, {64.0, 32}}) {
     CAPTURE(pixel);
     Camera camera{.perspective = false};

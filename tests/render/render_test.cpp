@@ -201,7 +201,15 @@ TEST_CASE("options that make no sense are usage errors that say what is expected
       {{{"cut", "x=1,x=2"}}, "--cut"},
       {{{"cut", "x"}}, "--cut"},
       {{{"cut", "x=inf"}}, "--cut"},
+      {{{"open", "1,2"}}, "--open: expected three numbers"},
+      {{{"plane", "1,2,3"}}, "--plane: expected four numbers"},
+      {{{"plane", "0,0,0,1"}}, "the first three not all 0"},
       {{{"materials", "steel"}}, "found 'steel'"},
+      {{{"bodies", "a"}}, "--bodies: expected names of bodies that this grid keeps apart"},
+      {{{"labels", "2"}}, "--labels: expected numbers from 0 to 1"},
+      {{{"labels", "1-0"}}, "--labels"},
+      {{{"labels", "1,"}}, "--labels"},
+      {{{"labels", "1"}, {"materials", "a"}}, "--materials: expected alone, found with --labels"},
       {{{"background", "white"}}, "--background: expected #rrggbb"},
       {{{"flat", "maybe"}}, "--flat"},
   };
@@ -216,7 +224,7 @@ TEST_CASE("an interrupted picture ends at once, and a damaged chunk is an error"
   const TempFolder folder;
   store_cells(folder / "ball", with_tiny_chunks(metadata_of(cube_grid(-1, 1, 24), 2, 2)), ball(24));
   const std::atomic<bool> stop = true;
-  REQUIRE_THROWS_AS(render(stored_with_cache(folder / "ball"), {axis_camera(cube_grid(-1, 1, 24), 0, true, {64, 64})}, 2, stop, [](double) {}),
+  REQUIRE_THROWS_AS(render(stored_with_cache(folder / "ball"), {.aim = {.camera = axis_camera(cube_grid(-1, 1, 24), 0, true, {64, 64})}}, 2, stop, [](double) {}),
                     Interrupted);
   Bytes bytes = file_bytes(folder / "ball");
   const GridReader sound = stored_with_cache(folder / "ball");
