@@ -111,15 +111,18 @@ bool Shading::is_edge(const Samples& samples, int64_t x, int64_t y) const {
 }
 
 Light Shading::light(const Sight& sight, const Sample& sample, const Vec3& normal) const {
-  if (sample.face >= 3) return {0.82f, 0};
-  const Vec3 eye = normalised(sight.along * -1), n = {dot(normal, camera_.right), dot(normal, camera_.up), -dot(normal, camera_.forward)};
+  const Vec3 eye = normalised(sight.along * -1);
+  const double facing = std::min(1.0, std::abs(dot(normal, eye)));
+  if (sample.face >= 3) return {0.82f, 0, static_cast<float>(facing)};
+  const Vec3 n = {dot(normal, camera_.right), dot(normal, camera_.up), -dot(normal, camera_.forward)};
   const Vec3 e = {dot(eye, camera_.right), dot(eye, camera_.up), -dot(eye, camera_.forward)};
   constexpr Vec3 kLight = {-0.448, 0.617, 0.647};
   const double open = openness_.at(sight.from + sight.along * sample.t, normal);
-  const double key = std::max(dot(n, kLight), 0.0), glancing = 1 - std::abs(dot(n, e));
+  const double key = std::max(dot(n, kLight), 0.0), glancing = 1 - facing;
   const double sky = (0.52 + 0.22 * normal[camera_.sky]) * (0.35 + 0.65 * open), direct = key * (0.47 + 0.31 * open);
   const double shine = std::pow(std::max(dot(n, normalised(kLight + e)), 0.0), 32);
-  return {static_cast<float>(sky + direct), static_cast<float>(open * (0.1 * shine + 0.1 * glancing * glancing * glancing))};
+  return {static_cast<float>(sky + direct), static_cast<float>(open * (0.1 * shine + 0.1 * glancing * glancing * glancing)),
+          static_cast<float>(facing)};
 }
 
 Rgba lit(const Rgba& color, const Light& light) {

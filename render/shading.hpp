@@ -38,6 +38,7 @@ struct Samples {
 // values.
 struct Light {
   float own = 0, added = 0;
+  float facing = 0;  // the cosine of the angle between the normal and the line of sight
 };
 Rgba lit(const Rgba& color, const Light& light);  // sRGB; alpha is kept
 

@@ -10,7 +10,7 @@
 namespace teracell {
 namespace {
 
-constexpr double kOwn = 160, kAdded = 1275;  // of light, per step of a byte
+constexpr double kOwn = 160, kAdded = 1275, kFacing = 255;  // steps of a byte per unit of light
 
 uint8_t byte_of(double x) { return static_cast<uint8_t>(std::lround(std::clamp(x, 0.0, 255.0))); }
 
@@ -83,7 +83,7 @@ std::string encode_sights(const GridReader& reader, const Prepared& prepared, co
   const Distances distances(samples, window, aim.camera.perspective);
   const auto pixels = static_cast<size_t>(window.width() * window.height());
   std::vector<Seen> middles(pixels);
-  std::vector<uint16_t> distance(pixels), own(pixels), added(pixels);
+  std::vector<uint16_t> distance(pixels), own(pixels), added(pixels), facing(pixels);
   std::vector<uint8_t> is_edge(pixels);
   std::vector<std::vector<Edge>> found(static_cast<size_t>(threads));
   caster.each_part(
@@ -96,6 +96,7 @@ std::string encode_sights(const GridReader& reader, const Prepared& prepared, co
             distance[at] = distances.code(samples.at(x, y));
             own[at] = byte_of(kOwn * middles[at].light.own);
             added[at] = byte_of(kAdded * middles[at].light.added);
+            facing[at] = byte_of(kFacing * middles[at].light.facing);
             if (quick || !caster.is_edge(samples, x, y)) continue;
             is_edge[at] = 1;
             found[static_cast<size_t>(worker)].push_back({at, caster.around(samples, x, y, worker)});
@@ -118,6 +119,7 @@ std::string encode_sights(const GridReader& reader, const Prepared& prepared, co
   encoder.differences(distance, 2);
   encoder.differences(own, 1);
   encoder.differences(added, 1);
+  encoder.differences(facing, 1);
   encoder.bits(is_edge);
   for (const Edge& edge : edges)
     for (const Seen& s : edge.seen) encoder.label(s);
@@ -125,6 +127,8 @@ std::string encode_sights(const GridReader& reader, const Prepared& prepared, co
     for (const Seen& s : edge.seen) encoder.out.push_back(byte_of(kOwn * s.light.own));
   for (const Edge& edge : edges)
     for (const Seen& s : edge.seen) encoder.out.push_back(byte_of(kAdded * s.light.added));
+  for (const Edge& edge : edges)
+    for (const Seen& s : edge.seen) encoder.out.push_back(byte_of(kFacing * s.light.facing));
   return {reinterpret_cast<const char*>(encoder.out.data()), encoder.out.size()};
 }
 

@@ -45,17 +45,17 @@ Decoded decoded(const std::string& text, bool perspective) {
     return code;
   };
   for (size_t i = 0; i < n; ++i) out.label.push_back(label());
-  const auto low = in.take(n), high = in.take(n), own = in.take(n), added = in.take(n);
+  const auto low = in.take(n), high = in.take(n), own = in.take(n), added = in.take(n), facing = in.take(n);
   out.light.resize(n);
   for (size_t y = 0; y < out.height; ++y) {
     uint16_t distance = 0;
-    uint8_t o = 0, a = 0;
+    uint8_t o = 0, a = 0, f = 0;
     for (size_t i = y * out.width; i < (y + 1) * out.width; ++i) {
       distance = static_cast<uint16_t>(distance + low[i] + 256 * high[i]);
       const double share = (distance - 1) / 65534.0;
       out.distance.push_back(perspective ? nearest * std::pow(farthest / nearest, share) : nearest + share * (farthest - nearest));
-      o = static_cast<uint8_t>(o + own[i]), a = static_cast<uint8_t>(a + added[i]);
-      out.light[i] = {static_cast<float>(o / 160.0), static_cast<float>(a / 1275.0)};
+      o = static_cast<uint8_t>(o + own[i]), a = static_cast<uint8_t>(a + added[i]), f = static_cast<uint8_t>(f + facing[i]);
+      out.light[i] = {static_cast<float>(o / 160.0), static_cast<float>(a / 1275.0), static_cast<float>(f / 255.0)};
     }
   }
   const auto bits = in.take((n + 7) / 8);
@@ -69,6 +69,8 @@ Decoded decoded(const std::string& text, bool perspective) {
     for (Seen& s : out.edges[at]) s.light.own = static_cast<float>(in.fixed<uint8_t>() / 160.0);
   for (const size_t at : places)
     for (Seen& s : out.edges[at]) s.light.added = static_cast<float>(in.fixed<uint8_t>() / 1275.0);
+  for (const size_t at : places)
+    for (Seen& s : out.edges[at]) s.light.facing = static_cast<float>(in.fixed<uint8_t>() / 255.0);
   in.expect_end();
   return out;
 }
@@ -137,6 +139,8 @@ TEST_CASE("the numbers have the colours of the picture", "[render]") {
       if (!hit) continue;
       REQUIRE(hit->label + 1 == numbers.label[i]);
       REQUIRE(numbers.distance[i] == Approx(hit->t).epsilon(1e-3));
+      REQUIRE(numbers.light[i].facing >= 0);
+      REQUIRE(numbers.light[i].facing <= 1);
     }
   }
 }

@@ -62,6 +62,7 @@ export interface GridInfo {
   ray_axis: string;
   grid: { min: number[]; max: number[]; cells: Index3; sample: number[]; axes: AxisJson[]; cells_text: string };
   materials: Material[];
+  labels?: { material: number; body: string }[]; // where the file keeps bodies apart; otherwise labels are materials
   levels: { level: number; cells: Index3; stored: boolean; chunks: number; bytes: number }[];
   file: { bytes: number; version: string; hash: string };
   crossings: number;
@@ -125,10 +126,9 @@ export class GridAddress {
   tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
     return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1&v=${this.hash}`;
   }
-  // A cube of 64^3 cells of a level, with the strongest material of each cell: gzip around one byte per cell, or two
-  // when there are more than 256 materials.
-  cube(level: number, [x, y, z]: Index3): string {
-    return `zarr/${encodeURIComponent(this.id)}/${level}/c/${z}/${y}/${x}?v=${this.hash}`;
+  // What is seen from somewhere: a picture, numbers for each of its pixels, or what is at one of its points. `query` says from where.
+  view(ending: "png" | "bin" | "json", query: string): string {
+    return `${this.base}/view.${ending}?${query}&v=${this.hash}`;
   }
   column(axis: AxisIndex, a: number, b: number): string {
     return `${this.base}/column/${AXIS_NAMES[axis]}/${a}_${b}?v=${this.hash}`;

@@ -1,13 +1,17 @@
-// The overview's camera: it looks at a target from a direction and a distance. Angles are in degrees. z is up, and
-// views straight from above or below work like any other. Pure.
-import type { Vec3 } from "./level_axis";
+// The overview's camera: it looks at a target from a direction and a distance. Angles are in degrees. z is up, or y.
+// Views straight from above or below work like any other. Pure.
+import type { Vec3 } from "./space";
 
 export interface Orbit {
-  readonly azimuth: number; // of the camera around the target, from +x towards +y
+  readonly azimuth: number; // of the camera around the target: from +x towards +y, or from +z towards +x where y is up
   readonly elevation: number; // -90 to 90
   readonly distance: number;
   readonly target: Vec3;
+  readonly sky: Sky;
 }
+
+export type Sky = 1 | 2; // the axis that is up
+const STEEPEST = 89.999; // degrees: beyond, a camera that is given by two points and "up" could turn
 
 export const FIELD = 26; // degrees: the field of view along the shorter side of the panel
 const rad = (degrees: number) => (degrees * Math.PI) / 180;
@@ -15,12 +19,13 @@ export const dot = (a: Readonly<Vec3>, b: Readonly<Vec3>) => a[0] * b[0] + a[1] 
 export const add = (a: Readonly<Vec3>, b: Readonly<Vec3>, times = 1): Vec3 => [a[0] + times * b[0], a[1] + times * b[1], a[2] + times * b[2]];
 
 // Unit vectors: right, up, and back from the target to the camera.
-export function basis(orbit: Orbit): { right: Vec3; up: Vec3; back: Vec3 } {
-  const [a, e] = [rad(orbit.azimuth), rad(orbit.elevation)];
+export function basis({ azimuth, elevation, sky }: Orbit): { right: Vec3; up: Vec3; back: Vec3 } {
+  const [a, e] = [rad(azimuth), rad(Math.min(Math.max(elevation, -STEEPEST), STEEPEST))];
+  const turned = (v: Vec3): Vec3 => (sky === 2 ? v : [v[1], v[2], v[0]]);
   return {
-    right: [-Math.sin(a), Math.cos(a), 0],
-    up: [-Math.sin(e) * Math.cos(a), -Math.sin(e) * Math.sin(a), Math.cos(e)],
-    back: [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)],
+    right: turned([-Math.sin(a), Math.cos(a), 0]),
+    up: turned([-Math.sin(e) * Math.cos(a), -Math.sin(e) * Math.sin(a), Math.cos(e)]),
+    back: turned([Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)]),
   };
 }
 
@@ -45,11 +50,33 @@ export function panned(orbit: Orbit, right: number, up: number, aspect: number):
   return { ...orbit, target: add(add(orbit.target, b.right, right * height), b.up, up * height) };
 }
 
-export const dollied = (orbit: Orbit, factor: number): Orbit => ({ ...orbit, distance: Math.min(Math.max(orbit.distance * factor, 0.02), 60) });
+export const FARTHEST = 60;
+// Moves towards the target, or away from it, but no nearer than `nearest`.
+export const dollied = (orbit: Orbit, factor: number, nearest: number): Orbit => ({
+  ...orbit,
+  distance: Math.min(Math.max(orbit.distance * factor, nearest), FARTHEST),
+});
+
+// Makes a point on the line of sight of a pixel the one that the camera moves to and turns around: it goes to the depth
+// of this point, and what is seen stays as it is.
+export function at_depth_of(orbit: Orbit, p: Readonly<Vec3>): Orbit {
+  const { back } = basis(orbit);
+  const eye = eye_of(orbit);
+  const distance = dot(add(eye, p, -1), back);
+  return distance > 0 ? { ...orbit, distance, target: add(eye, back, -distance) } : orbit;
+}
+
+// Moves towards a point, or away from it, so that the point stays where it is seen.
+export function dollied_to(orbit: Orbit, p: Readonly<Vec3>, factor: number, nearest: number): Orbit {
+  const from = at_depth_of(orbit, p);
+  const to = dollied(from, factor, nearest);
+  const by = to.distance / from.distance;
+  return { ...to, target: add(from.target, add(p, from.target, -1), 1 - by) };
+}
 
 // The view from a direction in which the box from -half to half fills this share of the panel.
-export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number, aspect: number, share = 0.8): Orbit {
-  const orbit: Orbit = { azimuth, elevation, distance: 1, target: [0, 0, 0] };
+export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number, aspect: number, share = 0.8, sky: Sky = 2): Orbit {
+  const orbit: Orbit = { azimuth, elevation, distance: 1, target: [0, 0, 0], sky };
   const b = basis(orbit);
   const { x, y } = reach(aspect);
   let distance = 0.1;
@@ -63,18 +90,23 @@ export function fitted(half: Readonly<Vec3>, azimuth: number, elevation: number,
 
 export const HOME = { azimuth: -122, elevation: 24 };
 // The direction from the upper or the lower end of an axis.
-export const straight = (axis: number, from_above: boolean): { azimuth: number; elevation: number } =>
-  axis === 2 ? { azimuth: -90, elevation: from_above ? 90 : -90 } : { azimuth: axis * 90 + (from_above ? 0 : 180), elevation: 0 };
+export const straight = (axis: number, from_above: boolean, sky: Sky = 2): { azimuth: number; elevation: number } =>
+  axis === sky ? { azimuth: -90, elevation: from_above ? 90 : -90 } : { azimuth: ((axis + 2 - sky) % 3) * 90 + (from_above ? 0 : 180), elevation: 0 };
 
-// A view on the way from one view to another. The azimuth turns the shorter way round.
+// A view on the way from one view to another. The azimuth turns the shorter way round. The target moves as the distance
+// shrinks or grows, so that what is seen moves evenly.
 export function between(a: Orbit, b: Orbit, t: number): Orbit {
   const turn = ((((b.azimuth - a.azimuth) % 360) + 540) % 360) - 180;
   const mix = (x: number, y: number) => x + (y - x) * t;
+  const ratio = b.distance / a.distance;
+  const share = Math.abs(ratio - 1) < 1e-6 ? t : (1 - ratio ** t) / (1 - ratio);
+  const move = (d: number) => a.target[d]! + (b.target[d]! - a.target[d]!) * share;
   return {
     azimuth: a.azimuth + turn * t,
     elevation: mix(a.elevation, b.elevation),
-    distance: a.distance * (b.distance / a.distance) ** t,
-    target: [mix(a.target[0], b.target[0]), mix(a.target[1], b.target[1]), mix(a.target[2], b.target[2])],
+    distance: a.distance * ratio ** t,
+    target: [move(0), move(1), move(2)],
+    sky: b.sky,
   };
 }
 

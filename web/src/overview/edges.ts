@@ -1,7 +1,7 @@
 // Which edges of a box carry the numbers. There is one per axis: of its edges on the outline, as the camera sees it,
 // the lowest, or for z the leftmost. Also which edges lie behind the box, and which in front of it. Pure.
 import { type Projection, project } from "./camera";
-import type { Vec3 } from "./level_axis";
+import type { Vec3 } from "./space";
 import { box_edges } from "./lines";
 
 export interface LabelledEdge {

@@ -3,7 +3,7 @@
 // a line is drawn both ways, the one over is faint. Pure.
 import type { Projection } from "./camera";
 import { edge_depths } from "./edges";
-import { type Axes, type Space, type Vec3, point_to_space, to_space } from "./level_axis";
+import { type Axes, type Space, type Vec3, point_to_space, to_space } from "./space";
 import { type Rgba, type Segment, box_edges } from "./lines";
 import type { Theme } from "./theme";
 

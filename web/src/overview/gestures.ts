@@ -1,16 +1,21 @@
 // Pointer, wheel and keys on the overview's canvas. A left drag orbits. A right or middle drag, or one with shift,
-// pans. The wheel and pinching dolly, and a double click picks. The arrow keys orbit, + and - dolly, and Home shows
-// everything.
-import { type Orbit, dollied, panned, turned } from "./camera";
+// pans. The wheel and pinching move towards what is under the pointer, a click selects it, and a double click goes
+// there. The arrow keys orbit, + and - move, and Home shows everything.
+import { type Orbit, panned, turned } from "./camera";
 
 export interface GestureTarget {
   orbit(): Orbit;
   move(to: Orbit): void; // and draws it soon
+  dolly(factor: number, x?: number, y?: number): void; // towards what is seen there, or else towards the middle
   home(): void;
-  pick(x: number, y: number): void;
+  select(x: number, y: number): void;
+  go_to(x: number, y: number): void;
+  hover(x: number, y: number): void; // with no button pressed
+  leave(): void;
 }
 
 const TURN = 0.4; // degrees per pixel
+const STILL = 4; // pixels that a click may move
 const KEYS: Record<string, readonly [number, number]> = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
 
 export function listen_gestures(canvas: HTMLCanvasElement, target: GestureTarget): () => void {
@@ -19,53 +24,67 @@ export function listen_gestures(canvas: HTMLCanvasElement, target: GestureTarget
     canvas.addEventListener(type, call, { ...options, signal: stop.signal });
   const pointers = new Map<number, { x: number; y: number }>();
   let panning = false;
+  let moved = 0; // pixels since the button was pressed
 
   const pan = (dx: number, dy: number) => {
     const { width, height } = canvas.getBoundingClientRect();
     target.move(panned(target.orbit(), -dx / height, dy / height, width / height));
+  };
+  const place = (event: MouseEvent): [number, number] => {
+    const box = canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
   };
   on("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
     canvas.focus({ preventScroll: true });
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     panning = event.button !== 0 || event.shiftKey;
+    moved = pointers.size > 1 || event.button !== 0 ? Infinity : 0;
+    target.leave();
     event.preventDefault();
   });
   on("pointermove", (event) => {
     const before = pointers.get(event.pointerId);
-    if (!before) return;
+    if (!before) {
+      if (event.pointerType !== "touch") target.hover(...place(event));
+      return;
+    }
     const now = { x: event.clientX, y: event.clientY };
     const [dx, dy] = [now.x - before.x, now.y - before.y];
+    if (moved + Math.hypot(dx, dy) <= STILL) return;
+    moved += Math.hypot(dx, dy);
     pointers.set(event.pointerId, now);
     if (pointers.size === 2) {
       const other = [...pointers].find(([id]) => id !== event.pointerId)![1];
       const apart = (p: { x: number; y: number }) => Math.max(Math.hypot(p.x - other.x, p.y - other.y), 1);
-      target.move(dollied(target.orbit(), apart(before) / apart(now)));
+      const box = canvas.getBoundingClientRect();
+      target.dolly(apart(before) / apart(now), (now.x + other.x) / 2 - box.left, (now.y + other.y) / 2 - box.top);
       pan(dx / 2, dy / 2);
     } else if (panning) pan(dx, dy);
     else target.move(turned(target.orbit(), -dx * TURN, dy * TURN));
   });
-  for (const type of ["pointerup", "pointercancel"] as const) on(type, (event) => pointers.delete(event.pointerId));
+  on("pointerup", (event) => {
+    if (pointers.delete(event.pointerId) && moved <= STILL) target.select(...place(event));
+  });
+  on("pointercancel", (event) => pointers.delete(event.pointerId));
+  on("pointerleave", () => target.leave());
   on("contextmenu", (event) => event.preventDefault());
   on(
     "wheel",
     (event) => {
       event.preventDefault();
       const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1);
-      target.move(dollied(target.orbit(), Math.exp(Math.min(Math.max(pixels, -240), 240) * (event.ctrlKey ? 0.008 : 0.0015))));
+      target.dolly(Math.exp(Math.min(Math.max(pixels, -240), 240) * (event.ctrlKey ? 0.008 : 0.0015)), ...place(event));
     },
     { passive: false },
   );
-  on("dblclick", (event) => {
-    const box = canvas.getBoundingClientRect();
-    target.pick(event.clientX - box.left, event.clientY - box.top);
-  });
+  on("dblclick", (event) => target.go_to(...place(event)));
   on("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const turn = KEYS[event.key];
     if (turn) target.move(turned(target.orbit(), turn[0], turn[1]));
-    else if (event.key === "+" || event.key === "=") target.move(dollied(target.orbit(), 1 / 1.15));
-    else if (event.key === "-") target.move(dollied(target.orbit(), 1.15));
+    else if (event.key === "+" || event.key === "=") target.dolly(1 / 1.15);
+    else if (event.key === "-") target.dolly(1.15);
     else if (event.key === "Home") target.home();
     else return;
     event.preventDefault();

@@ -1,7 +1,7 @@
 // Lines with a width in pixels, which WebGL does not draw by itself: each segment is a quad that the shader widens on
 // the screen. A segment without length becomes a round dot.
 import { BufferAttribute, DynamicDrawUsage, GLSL3, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, RawShaderMaterial, Vector2 } from "three";
-import type { Vec3 } from "./level_axis";
+import type { Vec3 } from "./space";
 
 const vertexShader = `
 precision highp float;

@@ -1,21 +1,26 @@
 // The overview in three dimensions: it mounts into an element, follows the signals of the viewer, and removes itself
 // again. It is loaded together with three.js when it is first shown, so no other part of the page may import it, except
 // by import().
+//
+// What is seen comes from the server, which follows the line of sight of each pixel through the grid: so the picture is
+// right for any grid, however many cells it has, and however near the camera is. While the camera moves, the newest
+// picture is drawn as points in space, until the next one has come.
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
 import { returned } from "../server/connection";
 import type { Viewer } from "../state/viewer";
-import { type Bodies, load_bodies } from "./body_source";
-import { basis, project, straight } from "./camera";
+import { type Orbit, FARTHEST, basis, dollied, dollied_to, dot, project, straight } from "./camera";
 import { type Chrome, make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
+import { point_at } from "./frame";
 import { listen_gestures } from "./gestures";
-import { type Space, type Vec3, from_space, point_to_space, space_of } from "./level_axis";
+import { Hover, type Seen, ask_seen } from "./hover";
 import { make_pace } from "./pace";
 import { make_ladder } from "./quality";
 import { type Rulers, make_rulers } from "./rulers";
-import { Settling } from "./settling";
-import { type SliceSource, follow_slices } from "./slice_source";
+import { make_scale_bar } from "./scale_bar";
+import { type Aim, SightSource } from "./sight_source";
+import { type Space, type Vec3, point_to_space, shortest_side, space_of } from "./space";
 import { Stage } from "./stage";
 import { type Theme, on_theme, read_theme } from "./theme";
 import { type Triad, make_triad } from "./triad";
@@ -23,8 +28,11 @@ import { Viewpoint } from "./viewpoint";
 import { draw_picture } from "./writing";
 import "./overview.css";
 
-const TINT = 0.045; // opacity of a plane where it shows nothing
 const MARKER = 9; // pixels around a marker that belong to it
+const SETTLE = 160; // milliseconds after the last movement until the sharp picture is asked for
+const SAME_PLACE = 400; // milliseconds in which turns of the wheel go to the same point
+const NEAREST = 3; // cells between the camera and what it moves to
+const CLOSER = 0.4; // of the distance, by a double click
 
 // Returns a function that removes it.
 export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
@@ -48,14 +56,21 @@ class Overview {
   private readonly stops: (() => void)[] = [];
   private readonly ladder = make_ladder();
   private readonly pace = make_pace((calm) => this.draw(calm));
-  private readonly settling = new Settling(this.ladder, this.pace);
   private readonly viewpoint: Viewpoint;
   private readonly triad: Triad;
   private readonly rulers: Rulers;
-  private readonly slices: SliceSource;
+  private readonly bar: ReturnType<typeof make_scale_bar>;
+  private readonly sights: SightSource;
+  private readonly hover: Hover;
+  private readonly nearest: number;
   private theme: Theme;
   private visible = false;
   private lost = false; // the graphics card took the context back
+  private moving = false;
+  private settle = 0; // a timer
+  private aim: Aim | null = null;
+  private drawn_from = ""; // the place of the last frame
+  private wheel: { point: Vec3 | null; x: number; y: number; time: number } | null = null;
 
   constructor(
     private readonly viewer: Viewer,
@@ -64,33 +79,43 @@ class Overview {
     private readonly stage: Stage,
   ) {
     this.viewpoint = new Viewpoint(viewer, space);
+    this.nearest = NEAREST * shortest_side(space, viewer.axes);
     this.triad = make_triad((axis, above) => this.look_straight(axis, above));
-    this.rulers = make_rulers(viewer, space, () => this.settling.moved());
-    this.slices = follow_slices(
-      viewer,
-      this.abort.signal,
-      (axis, picture) => {
-        stage.planes.set_picture(axis, picture);
-        this.settling.followed();
+    this.rulers = make_rulers(viewer, space, () => this.moved());
+    this.bar = make_scale_bar(viewer.units);
+    this.sights = new SightSource(viewer, space, this.abort.signal, {
+      quick: (frame) => {
+        stage.set_cloud(frame);
+        this.came("ready");
       },
-      (error) => chrome.say(`The slices could not be loaded: ${words_of(error)}.`, () => this.slices.update()),
-    );
-    chrome.root.append(...this.rulers.roots, this.triad.root);
+      sharp: (frame, done) => {
+        stage.set_still(frame);
+        this.came(done ? "sharp" : "ready");
+      },
+      failed: (error) => {
+        chrome.root.dataset.state = "failed";
+        chrome.busy("");
+        chrome.say(`What is seen could not be loaded: ${words_of(error)}.`, () => this.ask_again());
+      },
+    });
+    this.hover = new Hover((label) => this.name_of(label), (x, y, signal) => this.seen_at(x, y, signal));
+    chrome.root.append(...this.rulers.roots, this.triad.root, this.bar.root, this.hover.root);
     this.theme = read_theme(chrome.root);
   }
 
   start(host: HTMLElement): void {
-    this.read_colors();
+    this.chrome.root.dataset.state = "loading";
+    this.chrome.busy("Loading …");
     this.stops.push(on_theme(() => this.read_colors()));
     this.listen(host);
     this.follow_signals();
     this.follow_size();
-    this.bring_bodies();
   }
 
   stop(): void {
     this.abort.abort();
-    this.settling.stop();
+    clearTimeout(this.settle);
+    this.hover.hide();
     this.pace.stop();
     for (const stop of this.stops) stop();
     this.stage.dispose();
@@ -102,19 +127,23 @@ class Overview {
     const { signal } = this.abort;
     const go_home = () => this.fly_home();
     this.chrome.on_home(go_home);
-    this.chrome.on_mode((mode) => (this.viewer.bodies.value = mode));
+    this.chrome.on_mode((mode) => {
+      if (mode === "plane") this.viewer.plane_normal.value = basis(this.viewpoint.orbit).back;
+      this.viewer.bodies.value = mode;
+    });
+    this.chrome.on_sky(() => (this.viewer.sky.value = this.viewer.sky.value === 2 ? 1 : 2));
     this.stops.push(
       listen_gestures(canvas, {
         orbit: () => this.viewpoint.orbit,
-        move: (to) => {
-          this.viewpoint.move(to);
-          this.settling.moved();
-        },
+        move: (to) => this.move(to),
+        dolly: (factor, x, y) => this.dolly(factor, x, y),
         home: go_home,
-        pick: (x, y) => this.pick(x, y),
+        select: (x, y) => void this.select(x, y),
+        go_to: (x, y) => void this.go_to(x, y),
+        hover: (x, y) => this.name_what_is_at(x, y),
+        leave: () => this.hover.hide(),
       }),
     );
-    canvas.addEventListener("pointermove", (event) => this.name_marker(event), { signal });
     canvas.addEventListener("webglcontextlost", (event) => this.lose(event), { signal });
     canvas.addEventListener("webglcontextrestored", () => this.restore(), { signal });
     // A picture of all views asks for this one with an event that says where to draw it.
@@ -126,13 +155,24 @@ class Overview {
     const { viewer } = this;
     this.stops.push(
       effect(() => {
-        this.stage.set_looks(viewer.looks.value, viewer.bodies.value);
+        void [viewer.looks.value, viewer.bodies.value, viewer.plane_normal.value];
         this.chrome.show_mode(viewer.bodies.value);
-        untracked(() => this.settling.moved());
+        untracked(() => {
+          this.sights.recolor();
+          this.moved();
+        });
       }),
       effect(() => {
-        void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value, viewer.looks.value];
-        if (!this.viewpoint.own) untracked(() => this.settling.followed());
+        this.chrome.show_sky(viewer.sky.value);
+        untracked(() => this.moved());
+      }),
+      effect(() => {
+        void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value];
+        if (!this.viewpoint.own) untracked(() => this.followed());
+      }),
+      effect(() => {
+        const visit = viewer.visited.value;
+        if (visit) untracked(() => this.fly_to(point_to_space(this.space, visit.point), visit.extent * this.space.scale));
       }),
       effect(() => {
         void returned.value;
@@ -144,123 +184,198 @@ class Overview {
   private follow_size(): void {
     const observer = new ResizeObserver(([entry]) => {
       const { width, height } = entry!.contentRect;
-      const appears = !this.visible;
       this.visible = width > 8 && height > 8;
       if (!this.visible) return;
       this.viewpoint.aspect = width / height;
       this.stage.set_size(width, height);
       this.ladder.changed();
-      if (appears) this.slices.update();
       this.pace.soon();
     });
     observer.observe(this.chrome.root);
     this.stops.push(() => observer.disconnect());
   }
 
+  // Something moves here: it is drawn with the next frame, and sharply once it has come to rest.
+  private moved(): void {
+    this.moving = true;
+    clearTimeout(this.settle);
+    this.settle = window.setTimeout(() => {
+      this.moving = false;
+      this.pace.soon();
+    }, SETTLE);
+    this.pace.soon();
+  }
+
+  // Something changed elsewhere on the page: it is drawn in a quiet moment.
+  private followed(): void {
+    this.pace.later();
+  }
+
+  // A picture has come.
+  private came(state: "ready" | "sharp"): void {
+    this.chrome.root.dataset.state = state;
+    this.chrome.busy("");
+    this.chrome.say("");
+    this.pace.soon();
+  }
+
+  private move(to: Orbit): void {
+    this.viewpoint.move(to);
+    this.moved();
+  }
+
+  // Towards what is seen at a pixel, and no farther than to it.
+  private dolly(factor: number, x?: number, y?: number): void {
+    const { orbit } = this.viewpoint;
+    if (x === undefined || y === undefined) return this.move(dollied(orbit, factor, this.nearest));
+    const now = performance.now();
+    const is_same = this.wheel && now - this.wheel.time < SAME_PLACE && Math.hypot(this.wheel.x - x, this.wheel.y - y) < 3;
+    const point = is_same ? this.wheel!.point : this.point_at(x, y);
+    this.wheel = { point, x, y, time: now };
+    this.move(point ? dollied_to(orbit, point, factor, this.nearest) : dollied(orbit, factor, this.nearest));
+  }
+
   // `calm`: in a quiet moment of the page, and not because something moves here.
   private draw(calm: boolean): void {
     if (!this.visible || this.lost) return;
-    if (this.viewpoint.advance()) this.settling.moved();
-    const { viewer, stage, ladder, settling } = this;
+    if (this.viewpoint.advance()) this.moved();
+    const { viewer, stage, ladder } = this;
     const { orbit } = this.viewpoint;
     const view = stage.projection(orbit);
     const at = point_to_space(this.space, viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!)));
-    stage.set_point(at);
+    this.look(orbit, view.width, view.height, calm);
     const { under, over } = figure(view, this.space.half, scenery_of(viewer, viewer.axes, this.space, at), this.theme);
     stage.set_lines(under, over);
     this.rulers.update(view, at);
     this.triad.update(view);
-    if (calm) this.slices.update();
-    const quality = ladder.quality(settling.rest);
-    const measured = (settling.rest === 0 && !calm) || settling.rest === 2 || ladder.curious();
-    const milliseconds = stage.draw(orbit, quality, measured);
+    this.bar.update(view, orbit.distance, this.space.scale);
+    const quality = ladder.quality();
+    const milliseconds = stage.draw(orbit, quality, this.moving && !calm);
     if (milliseconds === 0) return;
     ladder.measured(quality, milliseconds);
     this.pace.cost(milliseconds);
     this.chrome.root.dataset.frame = milliseconds.toFixed(1);
   }
 
+  // Asks for what is to be seen now.
+  private look(orbit: Orbit, width: number, height: number, calm: boolean): void {
+    this.aim = { orbit, width: Math.round(width), height: Math.round(height), cut: this.cut() };
+    const place = JSON.stringify([orbit, this.aim.cut, width, height]);
+    if (place !== this.drawn_from) {
+      this.stage.leave(this.chrome.root.dataset.state === "sharp");
+      if (this.chrome.root.dataset.state === "sharp") this.chrome.root.dataset.state = "ready";
+      this.drawn_from = place;
+    }
+    this.sights.want(this.aim, !this.moving || calm);
+  }
+
+  // What is cut away, as a part of an address.
+  private cut(): string {
+    const { viewer } = this;
+    const at = viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!));
+    if (viewer.bodies.value === "cut") return `&open=${at.join(",")}`;
+    const normal = viewer.plane_normal.value;
+    if (viewer.bodies.value === "plane" && normal) return `&plane=${normal.join(",")},${dot(normal, at as Vec3)}`;
+    return "";
+  }
+
   // The canvas keeps what WebGL has drawn only for the current task, so it is drawn anew.
   private draw_into(context: CanvasRenderingContext2D): void {
     if (!this.visible || this.lost) return;
-    this.settling.rest = 2;
     this.draw(true);
     draw_picture(context, this.chrome.root, this.chrome.canvas, this.theme.ground);
   }
 
   private read_colors(): void {
     this.theme = read_theme(this.chrome.root);
-    for (const d of [0, 1, 2] as const) {
-      const [r, g, b] = this.theme.axes[d];
-      this.stage.planes.set_tint(d, [r * TINT, g * TINT, b * TINT, TINT]);
-    }
     this.pace.soon();
   }
 
   private fly_home(): void {
     this.viewpoint.fly(this.viewpoint.home(), true);
-    this.settling.moved();
+    this.moved();
+  }
+
+  // So near that a length fills the view.
+  private fly_to(target: Vec3, extent: number): void {
+    const { y } = this.stage.projection(this.viewpoint.orbit).reach;
+    const distance = Math.min(Math.max(extent / (2 * y), this.nearest), FARTHEST);
+    this.viewpoint.fly({ ...this.viewpoint.orbit, target, distance });
+    this.moved();
   }
 
   // Looks along an axis from one of its ends, or from the other end if the view is already there: that one lies behind
   // the first.
   private look_straight(axis: number, above: boolean): void {
-    const is_there = basis(this.viewpoint.orbit).back[axis]! * (above ? 1 : -1) > 0.9999;
-    const { azimuth, elevation } = straight(axis, above !== is_there);
+    const { orbit } = this.viewpoint;
+    const is_there = basis(orbit).back[axis]! * (above ? 1 : -1) > 0.9999;
+    const { azimuth, elevation } = straight(axis, above !== is_there, orbit.sky);
     this.viewpoint.fly(this.viewpoint.home(azimuth, elevation));
-    this.settling.moved();
+    this.moved();
   }
 
-  // Puts the crosshair on what is seen at a pixel.
-  private pick(x: number, y: number): void {
-    const p = this.stage.pick(this.viewpoint.orbit, x, y);
-    if (!p) return;
-    this.viewer.set_cell([0, 1, 2].map((d) => this.viewer.axes[d]!.cell_at(from_space(this.space, d, p[d]!))) as Vec3);
-    this.pace.soon();
+  // What the picture that is shown has at a pixel of the panel. Null when that picture is not of what is to be seen.
+  private pixel_at(x: number, y: number): { label: number | null; point: Vec3 | null } | null {
+    const frame = this.stage.shown;
+    if (!frame || !this.aim || JSON.stringify(frame.orbit) !== JSON.stringify(this.aim.orbit)) return null;
+    const [px, py] = [Math.floor((x / this.aim.width) * frame.width), Math.floor((y / this.aim.height) * frame.height)];
+    if (px < 0 || py < 0 || px >= frame.width || py >= frame.height) return null;
+    const label = frame.label[py * frame.width + px]!;
+    return { label: label === 0 ? null : label - 1, point: point_at(frame, px, py) };
+  }
+  private point_at(x: number, y: number): Vec3 | null {
+    return this.pixel_at(x, y)?.point ?? null;
   }
 
-  // The marker under the pointer says what it marks.
-  private name_marker({ offsetX, offsetY }: PointerEvent): void {
+  private name_of(label: number): string {
+    const { info } = this.viewer;
+    const { material, body } = info.labels?.[label] ?? { material: label, body: "" };
+    const name = info.materials[material]?.name ?? "";
+    return body ? `${body} · ${name}` : name;
+  }
+
+  private async seen_at(x: number, y: number, signal: AbortSignal): Promise<Seen | null> {
+    return this.aim ? ask_seen(this.sights.point_address(this.aim, x, y), signal) : null;
+  }
+
+  // The marker under the pointer says what it marks; otherwise the body there has a name.
+  private name_what_is_at(x: number, y: number): void {
     const view = this.stage.projection(this.viewpoint.orbit);
     const under = this.viewer.markers.value.find((marker) => {
       const p = project(view, point_to_space(this.space, marker.at));
-      return p.far > 0 && Math.hypot(p.x - offsetX, p.y - offsetY) < MARKER;
+      return p.far > 0 && Math.hypot(p.x - x, p.y - y) < MARKER;
     });
     this.chrome.canvas.title = under?.text ?? "";
+    if (under) this.hover.hide();
+    else this.hover.show(x, y, this.pixel_at(x, y)?.label ?? null, view.width);
   }
 
-  private bring_bodies(): void {
-    const { chrome, stage } = this;
-    chrome.root.dataset.state = "loading";
-    chrome.busy("Loading the bodies …");
-    stage.clear_bodies();
-    load_bodies(this.viewer, this.space, this.abort.signal, (bodies) => this.show_bodies(bodies))
-      .then(() => {
-        chrome.busy("");
-        chrome.root.dataset.state = "ready";
-      })
-      .catch((error: unknown) => {
-        if (this.abort.signal.aborted) return;
-        chrome.busy("");
-        chrome.root.dataset.state = "failed";
-        chrome.say(`The bodies could not be loaded: ${words_of(error)}.`, () => this.bring_bodies());
-      });
+  // A click keeps the cell in the read-out.
+  private async select(x: number, y: number): Promise<void> {
+    const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
+    this.viewer.pinned.value = seen ? seen.cell : null;
   }
 
-  private show_bodies({ level, surfaces }: Bodies): void {
-    this.stage.add_bodies(surfaces);
-    this.ladder.changed();
-    const { dataset } = this.chrome.root; // for tests and measurements
-    dataset.level = String(level);
-    dataset.triangles = String(surfaces.reduce((sum, s) => sum + s.indices.length / 3, 0));
-    this.pace.soon();
+  // Puts the crosshair on what is seen at a pixel, and moves the camera closer.
+  private async go_to(x: number, y: number): Promise<void> {
+    const orbit = this.viewpoint.orbit;
+    const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
+    if (!seen) return;
+    this.viewer.pinned.value = null;
+    this.viewer.go_to_cell(seen.cell);
+    const target = point_to_space(this.space, seen.at);
+    const { back } = basis(orbit);
+    const away = dot([0, 1, 2].map((d) => orbit.target[d]! + orbit.distance * back[d]! - target[d]!) as Vec3, back);
+    this.viewpoint.fly({ ...orbit, target, distance: Math.max(CLOSER * away, 8 * this.nearest) });
+    this.moved();
   }
 
   // The server is back: what failed while it was away is asked for again.
   private ask_again(): void {
     this.chrome.say("");
-    if (this.visible) this.slices.update();
-    if (this.chrome.root.dataset.state === "failed") this.bring_bodies();
+    if (this.chrome.root.dataset.state !== "failed") return;
+    this.chrome.root.dataset.state = "loading";
+    this.sights.again();
   }
 
   private lose(event: Event): void {
@@ -275,3 +390,4 @@ class Overview {
     this.pace.soon();
   }
 }
+

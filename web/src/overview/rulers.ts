@@ -6,7 +6,7 @@ import type { Viewer } from "../state/viewer";
 import { type Projection, along_axis, project } from "./camera";
 import { element } from "./dom";
 import { labelled_edges } from "./edges";
-import { type Space, from_space } from "./level_axis";
+import { type Space, from_space } from "./space";
 import { type Point, type Rect, type Wish, end_text, place_numbers } from "./numbers";
 
 export interface Rulers {
@@ -19,7 +19,8 @@ const KNOB = 9; // pixels, half its size
 // The corners of the panel, which belong to its title, the buttons and the triad.
 const corners = (width: number, height: number): Rect[] => [
   { left: 0, top: 0, right: 60, bottom: 40 },
-  { left: width - 230, top: 0, right: width, bottom: 40 },
+  { left: width - 312, top: 0, right: width, bottom: 40 },
+  { left: width - 135, top: height - 36, right: width, bottom: height }, // the scale bar
   { left: 10, top: height - 76, right: 86, bottom: height - 20 }, // nearly a disc, together with the next one
   { left: 20, top: height - 86, right: 76, bottom: height - 10 },
 ];

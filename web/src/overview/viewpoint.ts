@@ -2,9 +2,10 @@
 // another.
 import type { Viewer } from "../state/viewer";
 import { HOME, type Orbit, between, fitted } from "./camera";
-import { type Space, type Vec3, from_space, point_to_space } from "./level_axis";
+import { type Space, type Vec3, from_space, point_to_space } from "./space";
 
 const FLIGHT = 320; // milliseconds from view to view
+const FAR_FLIGHT = 900; // where the distance changes much
 
 export class Viewpoint {
   aspect = 1; // the panel's width divided by its height
@@ -18,12 +19,12 @@ export class Viewpoint {
 
   // The view that shows the whole domain, from a direction.
   home(azimuth = HOME.azimuth, elevation = HOME.elevation): Orbit {
-    return fitted(this.space.half, azimuth, elevation, this.aspect, 0.8);
+    return fitted(this.space.half, azimuth, elevation, this.aspect, 0.8, this.viewer.sky.value);
   }
 
   get orbit(): Orbit {
     const orbit = this.viewer.orbit.value;
-    return orbit ? { ...orbit, target: point_to_space(this.space, orbit.target) } : this.home();
+    return orbit ? { ...orbit, target: point_to_space(this.space, orbit.target), sky: this.viewer.sky.value } : this.home();
   }
 
   // Ends any flight.
@@ -42,7 +43,8 @@ export class Viewpoint {
   advance(): boolean {
     if (!this.flight) return false;
     const { from, to, began, goes_home } = this.flight;
-    const t = Math.min((performance.now() - began) / FLIGHT, 1);
+    const ratio = to.distance / from.distance;
+    const t = Math.min((performance.now() - began) / (ratio > 0.25 && ratio < 4 ? FLIGHT : FAR_FLIGHT), 1);
     this.set(between(from, to, t * t * (3 - 2 * t)));
     if (t < 1) return true;
     if (goes_home) this.set(null);
@@ -52,7 +54,12 @@ export class Viewpoint {
 
   private set(to: Orbit | null): void {
     this.own = true;
-    this.viewer.orbit.value = to && { ...to, target: to.target.map((x, d) => from_space(this.space, d, x)) as Vec3 };
+    this.viewer.orbit.value = to && {
+      azimuth: to.azimuth,
+      elevation: to.elevation,
+      distance: to.distance,
+      target: to.target.map((x, d) => from_space(this.space, d, x)) as Vec3,
+    };
     this.own = false;
   }
 }

@@ -51,6 +51,9 @@ export function read_address(viewer: Viewer): void {
     if (query.get("marks") === "1") viewer.markers.value = places_found(viewer.info);
     const bodies = query.get("bodies") as BodyMode | null;
     if (bodies && BODY_MODES.includes(bodies)) viewer.bodies.value = bodies;
+    const plane = numbers(query.get("plane"), 3);
+    if (plane?.some((n) => n !== 0)) viewer.plane_normal.value = plane as [number, number, number];
+    if (query.get("up") === "y") viewer.sky.value = 1;
     const measure = numbers(query.get("measure"), 7);
     if (measure && [0, 1, 2].includes(measure[0]!))
       viewer.measure.value = { axis: measure[0] as AxisIndex, from: measure.slice(1, 4) as Index3, to: measure.slice(4) as Index3 };
@@ -81,6 +84,8 @@ export function address_of(viewer: Viewer): string {
   const o = viewer.orbit.value;
   if (o) start.set("orbit", [o.azimuth, o.elevation, o.distance, ...o.target].map((x) => Number(x.toPrecision(6))).join(","));
   if (viewer.bodies.value !== "cut") start.set("bodies", viewer.bodies.value);
+  if (viewer.bodies.value === "plane" && viewer.plane_normal.value) start.set("plane", viewer.plane_normal.value.map((x) => Number(x.toPrecision(6))).join(","));
+  if (viewer.sky.value === 1) start.set("up", "y");
   const m = viewer.measure.value;
   if (m) start.set("measure", [m.axis, ...m.from, ...m.to].join(","));
   const changed = viewer.looks.value.flatMap((look, id) => {

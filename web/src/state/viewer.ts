@@ -21,8 +21,8 @@ export interface OrbitState {
   distance: number;
   target: [number, number, number];
 }
-export const BODY_MODES = ["cut", "whole", "glass"] as const;
-// How the overview shows bodies: cut open at the crosshair, whole, or like glass.
+export const BODY_MODES = ["cut", "plane", "whole", "glass"] as const;
+// How the overview shows bodies: cut open at the crosshair, cut by a plane through it, whole, or like glass.
 export type BodyMode = (typeof BODY_MODES)[number];
 
 export interface Measure {
@@ -70,6 +70,10 @@ export class Viewer {
 
   readonly orbit = signal<OrbitState | null>(null); // null: the whole domain is in view
   readonly bodies = signal<BodyMode>("cut");
+  readonly plane_normal = signal<[number, number, number] | null>(null); // of the plane that cuts: towards what is cut away
+  readonly sky = signal<1 | 2>(2); // the axis that is up in the overview: y or z
+  // The last place that was gone to from a list: the overview flies there. `extent`: a length that is to fill the view.
+  readonly visited = signal<{ point: [number, number, number]; extent: number } | null>(null);
 
   // The cell under the pointer, and the view that it is in; null outside the grid.
   readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; materials: readonly number[] | null } | null>(null);
@@ -117,6 +121,8 @@ export class Viewer {
       this.markers.value = [];
       this.orbit.value = null;
       this.bodies.value = "cut";
+      this.plane_normal.value = null;
+      this.sky.value = 2;
     });
   }
 
@@ -145,6 +151,13 @@ export class Viewer {
   }
   go_to(point: readonly [number, number, number]): void {
     this.go_to_cell([this.axes[0].cell_at(point[0]), this.axes[1].cell_at(point[1]), this.axes[2].cell_at(point[2])]);
+  }
+
+  // The same, and the overview flies there. `extent`: a length that is to fill its view; by default some cells.
+  visit(point: readonly [number, number, number], extent = 0): void {
+    this.go_to(point);
+    const cell = Math.max(...this.axes.map((axis, d) => axis.width(this.cell.value[d]!)));
+    this.visited.value = { point: [...point], extent: Math.max(extent, 60 * cell) };
   }
 
   // Looks at a box of cells so that all views show the whole of it.

@@ -1,0 +1,206 @@
+// Asks the server what is seen, and colours it. A quick picture of few pixels comes first, and again while something
+// moves, one at a time. Once everything rests, the sharp picture follows, part by part from the middle outwards. What is
+// not wanted any more is called off.
+import type { Viewer } from "../state/viewer";
+import { get } from "../server/api";
+import { type Orbit, eye_of, reach } from "./camera";
+import { type Palette, compose } from "./compose";
+import { type Frame, empty_frame, put_part } from "./frame";
+import { layers_of, palette_of, ranges } from "./layers";
+import { type Sights, decode_sights } from "./sights";
+import { type Space, type Vec3, from_space } from "./space";
+
+const QUICK_PIXELS = 80_000;
+const MOST_PIXELS = 2_600_000; // of a sharp picture
+const PART = 384; // pixels along a side
+const AT_ONCE = 2; // requests: browsers open six connections, and the slices come first
+
+// What is to be seen.
+export interface Aim {
+  readonly orbit: Orbit;
+  readonly width: number; // of the panel, in CSS pixels
+  readonly height: number;
+  readonly cut: string; // as a part of an address, or empty
+}
+
+interface Part {
+  readonly x0: number;
+  readonly y0: number;
+  readonly x1: number;
+  readonly y1: number;
+}
+
+export interface SightEvents {
+  quick(frame: Frame): void;
+  sharp(frame: Frame, done: boolean): void; // also when a part of the same frame has come
+  failed(error: unknown): void;
+}
+
+// From the middle outwards.
+export function parts_of(width: number, height: number): Part[] {
+  const parts: Part[] = [];
+  const cuts = (length: number) => {
+    const count = Math.ceil(length / PART);
+    return Array.from({ length: count + 1 }, (_, i) => Math.round((i * length) / count));
+  };
+  const [columns, rows] = [cuts(width), cuts(height)];
+  for (let j = 0; j + 1 < rows.length; ++j)
+    for (let i = 0; i + 1 < columns.length; ++i) parts.push({ x0: columns[i]!, y0: rows[j]!, x1: columns[i + 1]!, y1: rows[j + 1]! });
+  const off = ({ x0, y0, x1, y1 }: Part) => Math.hypot(x0 + x1 - width, y0 + y1 - height);
+  return parts.sort((a, b) => off(a) - off(b));
+}
+
+// The camera as the server is told of it.
+export function camera_query(space: Space, orbit: Orbit, width: number, height: number): string {
+  const point = (p: Vec3) => p.map((x, d) => from_space(space, d, x)).join(",");
+  const field = (2 * Math.atan(reach(width / height).y) * 180) / Math.PI;
+  return `size=${width},${height}&fov=${field}&from=${point(eye_of(orbit))}&at=${point(orbit.target)}&up=${orbit.sky === 1 ? "y" : "z"}`;
+}
+
+export class SightSource {
+  private aim: Aim | null = null;
+  private quick_key = ""; // of the newest quick picture
+  private sharp_key = ""; // of the sharp picture that is there or comes
+  private quick_runs = false;
+  private sharp_abort: AbortController | null = null;
+  private kept: { quick: { frame: Frame; layers: Sights[] } | null; sharp: { frame: Frame; parts: { at: Part; layers: Sights[] }[]; whole: boolean } | null } = {
+    quick: null,
+    sharp: null,
+  };
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly space: Space,
+    private readonly signal: AbortSignal,
+    private readonly events: SightEvents,
+  ) {}
+
+  // Whether the sharp picture of what is wanted is there.
+  get is_sharp(): boolean {
+    return this.kept.sharp?.whole === true && this.aim !== null && this.sharp_key === this.key_of(this.aim);
+  }
+  get asks(): boolean {
+    return this.quick_runs || this.sharp_abort !== null;
+  }
+
+  // The size of a sharp picture in a panel.
+  static size(width: number, height: number): [number, number] {
+    const ratio = Math.min(globalThis.devicePixelRatio || 1, 2, Math.sqrt(MOST_PIXELS / (width * height)));
+    return [Math.max(1, Math.round(width * ratio)), Math.max(1, Math.round(height * ratio))];
+  }
+
+  want(aim: Aim, at_rest: boolean): void {
+    this.aim = aim;
+    const key = this.key_of(aim);
+    if (this.sharp_abort && (!at_rest || key !== this.sharp_key)) this.call_off();
+    if (key !== this.quick_key) void this.ask_quick();
+    else if (at_rest && key !== this.sharp_key) void this.ask_sharp();
+  }
+
+  // Colours have changed.
+  recolor(): void {
+    const palette = this.palette();
+    const { quick, sharp } = this.kept;
+    if (quick) this.events.quick((quick.frame = { ...quick.frame, ...compose(quick.layers, palette) }));
+    if (!sharp) return;
+    for (const { at, layers } of sharp.parts) put_part(sharp.frame, compose(layers, palette), at.x0, at.y0);
+    this.events.sharp(sharp.frame, sharp.whole);
+  }
+
+  // Asks again for what is missing.
+  again(): void {
+    this.call_off();
+    this.quick_key = this.sharp_key = "";
+    if (this.aim) this.want(this.aim, true);
+  }
+
+  // The address of what is seen at a point of a picture, in pixels.
+  point_address(aim: Aim, x: number, y: number): string {
+    const labels = ranges(this.layers().flat().sort((a, b) => a - b));
+    return this.viewer.address.view("json", `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut}&labels=${labels}&level=0&pixel=${x},${y}`);
+  }
+
+  private material_of(): readonly number[] {
+    return this.viewer.info.labels?.map((label) => label.material) ?? this.viewer.info.materials.map((_, id) => id);
+  }
+  private layers(): number[][] {
+    return layers_of(this.material_of(), this.viewer.looks.value, this.viewer.bodies.value);
+  }
+  private palette(): Palette {
+    return palette_of(this.material_of(), this.viewer.looks.value, this.viewer.bodies.value);
+  }
+  private key_of(aim: Aim): string {
+    return `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut} ${this.layers().map(ranges).join(" ")} ${SightSource.size(aim.width, aim.height).join()}`;
+  }
+
+  private async fetch_layers(query: string, signal: AbortSignal): Promise<Sights[]> {
+    const layers = this.layers();
+    const one = async (labels: readonly number[]) => {
+      const response = await get(this.viewer.address.view("bin", `${query}&labels=${ranges(labels)}`), { signal, priority: "low" });
+      return decode_sights(await response.arrayBuffer(), this.space.scale);
+    };
+    return Promise.all((layers.length ? layers : [[]]).map(one));
+  }
+
+  private async ask_quick(): Promise<void> {
+    if (this.quick_runs || !this.aim) return;
+    this.quick_runs = true;
+    const { aim } = this;
+    const key = this.key_of(aim);
+    const scale = Math.min(1, Math.sqrt(QUICK_PIXELS / (aim.width * aim.height)));
+    const [width, height] = [Math.max(1, Math.round(aim.width * scale)), Math.max(1, Math.round(aim.height * scale))];
+    let frame: Frame | null = null;
+    try {
+      const layers = await this.fetch_layers(`${camera_query(this.space, aim.orbit, width, height)}${aim.cut}&quick=1`, this.signal);
+      frame = { ...compose(layers, this.palette()), orbit: aim.orbit };
+      this.kept.quick = { frame, layers };
+    } catch (error) {
+      if (!this.signal.aborted) this.events.failed(error);
+    }
+    this.quick_runs = false;
+    this.quick_key = key; // also after an error, which is not to be repeated for ever
+    if (frame) this.events.quick(frame);
+  }
+
+  private call_off(): void {
+    this.sharp_abort?.abort();
+    this.sharp_abort = null;
+    this.sharp_key = "";
+    this.kept.sharp = null;
+  }
+
+  private async ask_sharp(): Promise<void> {
+    this.call_off();
+    const aim = this.aim!;
+    const abort = (this.sharp_abort = new AbortController());
+    const stop = () => abort.abort();
+    this.signal.addEventListener("abort", stop, { once: true });
+    this.sharp_key = this.key_of(aim);
+    const [width, height] = SightSource.size(aim.width, aim.height);
+    const sharp: NonNullable<typeof this.kept.sharp> = { frame: empty_frame(aim.orbit, width, height), parts: [], whole: false };
+    this.kept.sharp = sharp;
+    const waiting = parts_of(width, height);
+    const query = `${camera_query(this.space, aim.orbit, width, height)}${aim.cut}`;
+    const take = async () => {
+      for (let part = waiting.shift(); part; part = waiting.shift()) {
+        const layers = await this.fetch_layers(`${query}&window=${part.x0},${part.y0},${part.x1},${part.y1}`, abort.signal);
+        put_part(sharp.frame, compose(layers, this.palette()), part.x0, part.y0);
+        sharp.parts.push({ at: part, layers });
+        if (waiting.length > 0) this.events.sharp(sharp.frame, false);
+      }
+    };
+    try {
+      await Promise.all(Array.from({ length: AT_ONCE }, take));
+      sharp.whole = true;
+      this.sharp_abort = null;
+      this.events.sharp(sharp.frame, true);
+    } catch (error) {
+      if (abort.signal.aborted) return;
+      abort.abort();
+      this.sharp_abort = null; // the key stays: what failed is asked for again by again()
+      this.events.failed(error);
+    } finally {
+      this.signal.removeEventListener("abort", stop);
+    }
+  }
+}
