@@ -1,32 +1,18 @@
-// The overview's space: levels of graded and uneven axes lie true to scale, pictures of slices too, and the camera maps both ways.
+// The overview's space and camera: axes lie true to scale, and the camera maps both ways. Which picture follows which.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Axis } from "@page/base/axis";
-import { initial_looks } from "@page/base/materials";
-import { HOME, along_axis, between, direction_at, dot, fitted, panned, project, projection_of, straight } from "@page/overview/camera";
+import {
+  HOME, along_axis, at_depth_of, between, direction_at, dollied, dollied_to, dot, fitted, panned, project, projection_of, straight,
+} from "@page/overview/camera";
 import { edge_depths, labelled_edges } from "@page/overview/edges";
-import { type Vec3, cells_of_level, coordinate_at, from_space, level_planes, level_within, space_of, to_space } from "@page/overview/level_axis";
 import { make_ladder } from "@page/overview/quality";
-import { decode_slice, slice_picture, slice_place } from "@page/overview/slice_picture";
-import { clear_order } from "@page/overview/body_meshes";
-import { CUBE, cubes_of, empty_volume, place_cube } from "@page/overview/volume";
+import { round_length } from "@page/overview/scale_bar";
+import { parts_of } from "@page/overview/sight_source";
+import { type Vec3, from_space, shortest_side, space_of, to_space } from "@page/overview/space";
 
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 4, 8, 16] }, 0.5);
 const uniform = new Axis({ type: "uniform", min: 10, step: 0.5, first: 0, cells: 5 }, 0.5);
-
-test("a level keeps every 2^level-th plane, and its last cell ends with the axis", () => {
-  assert.deepEqual([...level_planes(graded, 1)], [0, 2, 8, 16]);
-  assert.deepEqual([...level_planes(uniform, 1)], [10, 11, 12, 12.5]);
-  assert.deepEqual([...level_planes(uniform, 0)], [10, 10.5, 11, 11.5, 12, 12.5]);
-});
-
-test("coordinates are linear within each cell", () => {
-  const planes = level_planes(graded, 1);
-  assert.equal(coordinate_at(planes, 1.5), 5);
-  assert.equal(coordinate_at(planes, 0), 0);
-  assert.equal(coordinate_at(planes, 3), 16);
-  assert.equal(coordinate_at(planes, 2.25), 10);
-});
 
 test("the longest side of the domain is 2, and its middle is the origin", () => {
   const space = space_of([graded, uniform, uniform]);
@@ -35,38 +21,9 @@ test("the longest side of the domain is 2, and its middle is the origin", () => 
   assert.equal(from_space(space, 1, to_space(space, 1, 11.75)), 11.75);
 });
 
-test("levels are chosen by their longest side", () => {
-  assert.equal(level_within([10000, 10000, 10000], 160, 15), 6);
-  assert.equal(level_within([100, 20, 3], 160, 8), 0);
-  assert.equal(level_within([10000, 1, 1], 160, 3), 2);
-  assert.deepEqual(cells_of_level([10000, 5, 1], 6), [157, 1, 1]);
-});
-
-test("cubes are put together without their padding", () => {
-  const volume = empty_volume([70, 2, 1], false);
-  assert.deepEqual(cubes_of(volume.size), [[0, 0, 0], [1, 0, 0]]);
-  for (const place of cubes_of(volume.size))
-    place_cube(
-      volume,
-      place,
-      Uint8Array.from({ length: CUBE ** 3 }, (_, i) => (i % CUBE) + 100 * place[0]!),
-    );
-  assert.deepEqual([volume.labels[63], volume.labels[64], volume.labels[69], volume.labels[70 + 65]], [63, 100, 105, 101]);
-});
-
-test("the picture of a slice shows graded cells true to scale and ends where the grid ends", () => {
-  const axes = [graded, uniform, new Axis({ type: "uniform", min: 0, step: 1, first: 0, cells: 1 }, 0.5)] as const;
-  const place = slice_place(axes, 2, 0, 4);
-  assert.deepEqual(place, { axis: 2, level: 0, index: 0 });
-  // There are two sets, {0} and {1}. The last column of cells holds material 1.
-  const cells = Array.from({ length: 25 }, (_, i) => Number(i % 5 === 4));
-  const bytes = Uint8Array.from([2, 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 0, ...cells]);
-  const looks = initial_looks([{ id: 0, name: "air", color: "#00000000", rank: 1 }, { id: 1, name: "steel", color: "#ff8000", rank: 0 }]);
-  const picture = slice_picture(axes, decode_slice(axes, place, bytes.buffer), looks);
-  assert.deepEqual([picture.width, picture.height, ...picture.used], [512, 5, 1, 1]);
-  const alpha = (x: number) => picture.pixels[4 * x + 3];
-  assert.deepEqual([alpha(0), alpha(255), alpha(256), alpha(511)], [0, 0, 255, 255]);
-  assert.deepEqual([...picture.pixels.subarray(4 * 300, 4 * 300 + 4)], [255, 128, 0, 255]);
+test("the shortest side of a cell is that of the thinnest cell of any axis", () => {
+  const space = space_of([graded, uniform, uniform]);
+  assert.equal(shortest_side(space, [graded, uniform, uniform]), 0.5 / 8);
 });
 
 test("projecting a point and casting a ray through its pixel agree, and the domain fits into the panel from every direction", () => {
@@ -96,22 +53,25 @@ test("a place along an axis is found again under its pixel", () => {
   }
 });
 
-test("straight views look along the axes, and z is up", () => {
-  for (let axis = 0; axis < 3; ++axis)
-    for (const above of [true, false]) {
-      const { azimuth, elevation } = straight(axis, above);
-      const { back } = projection_of(fitted([1, 1, 1], azimuth, elevation, 1), 100, 100);
-      assert.ok(Math.abs(back[axis]! - (above ? 1 : -1)) < 1e-12);
-    }
+test("straight views look along the axes, and z is up, or y", () => {
+  for (const sky of [1, 2] as const)
+    for (let axis = 0; axis < 3; ++axis)
+      for (const above of [true, false]) {
+        const { azimuth, elevation } = straight(axis, above, sky);
+        const { back, up } = projection_of(fitted([1, 1, 1], azimuth, elevation, 1, 0.8, sky), 100, 100);
+        assert.ok(Math.abs(back[axis]! - (above ? 1 : -1)) < 1e-9);
+        if (axis !== sky) assert.ok(Math.abs(up[sky]! - 1) < 1e-12);
+      }
   const { right, up } = projection_of(fitted([1, 1, 1], straight(2, true).azimuth, 90, 1), 100, 100);
-  assert.ok(Math.abs(right[0] - 1) < 1e-12 && Math.abs(up[1] - 1) < 1e-12);
+  assert.ok(Math.abs(right[0] - 1) < 1e-9 && Math.abs(up[1] - 1) < 1e-9);
 });
 
 test("flights turn the shorter way round and end where they should", () => {
-  const a = { azimuth: 350, elevation: 0, distance: 4, target: [0, 0, 0] as Vec3 };
-  const b = { ...a, azimuth: 10, distance: 1 };
-  assert.deepEqual(between(a, b, 0.5), { azimuth: 360, elevation: 0, distance: 2, target: [0, 0, 0] });
+  const a = { azimuth: 350, elevation: 0, distance: 4, target: [0, 0, 0] as Vec3, sky: 2 as const };
+  const b = { ...a, azimuth: 10, distance: 1, target: [3, 0, 0] as Vec3 };
+  assert.deepEqual(between(a, b, 0.5), { azimuth: 360, elevation: 0, distance: 2, target: [2, 0, 0], sky: 2 });
   assert.equal((between(a, b, 1).azimuth + 360) % 360, 10);
+  assert.deepEqual(between(a, b, 1).target, b.target);
 });
 
 test("panning moves the picture with the pointer", () => {
@@ -131,30 +91,58 @@ test("each axis has one numbered edge on the outline, or none when it points at 
   assert.equal(seen[0], null);
 });
 
-test("a slow machine draws coarser bodies while they move, and a fast one draws everything", () => {
-  const play = (ms: (pixels: number, coarser: number) => number) => {
+test("moving to a point keeps it where it is seen, and ends before it", () => {
+  const from = fitted([1, 1, 1], 30, 20, 1.5);
+  const p: Vec3 = [0.4, -0.6, 0.2];
+  const before = project(projection_of(from, 900, 600), p);
+  for (const factor of [0.5, 0.9, 1.3]) {
+    const after = project(projection_of(dollied_to(from, p, factor, 1e-6), 900, 600), p);
+    assert.ok(Math.abs(after.x - before.x) < 1e-6 && Math.abs(after.y - before.y) < 1e-6);
+    assert.ok(Math.abs(after.far / before.far - factor) < 1e-9);
+  }
+  let orbit = from;
+  for (let i = 0; i < 100; ++i) orbit = dollied_to(orbit, p, 0.7, 0.001);
+  assert.ok(Math.abs(project(projection_of(orbit, 900, 600), p).far - 0.001) < 1e-9);
+  assert.equal(dollied(orbit, 0.5, 0.001).distance, 0.001);
+});
+
+test("turning around what is seen leaves the picture as it is", () => {
+  const from = fitted([1, 1, 1], 30, 20, 1.5);
+  const to = at_depth_of(from, [0.4, -0.6, 0.2]);
+  for (const p of [[0.1, 0.2, 0.3], [-1, 1, 0.5]] as Vec3[]) {
+    const [a, b] = [from, to].map((orbit) => project(projection_of(orbit, 900, 600), p));
+    assert.ok(Math.abs(a!.x - b!.x) < 1e-6 && Math.abs(a!.y - b!.y) < 1e-6);
+  }
+});
+
+test("the parts of a sharp picture cover each pixel once, from the middle outwards", () => {
+  for (const [width, height] of [[1400, 900], [300, 200], [385, 1], [2800, 1800]] as const) {
+    const parts = parts_of(width, height);
+    const seen = new Uint8Array(width * height);
+    for (const { x0, y0, x1, y1 } of parts) for (let y = y0; y < y1; ++y) for (let x = x0; x < x1; ++x) ++seen[y * width + x]!;
+    assert.ok(seen.every((n) => n === 1));
+    const off = parts.map(({ x0, y0, x1, y1 }) => Math.hypot(x0 + x1 - width, y0 + y1 - height));
+    assert.deepEqual(off, [...off].sort((a, b) => a - b));
+  }
+});
+
+test("a scale bar has a round length", () => {
+  assert.deepEqual([1, 1.9, 2.1, 4.99, 5, 0.031].map(round_length).map((x) => Number(x.toPrecision(6))), [1, 1, 2, 2, 5, 0.02]);
+});
+
+test("a slow machine draws fewer pixels and points while something moves, and a fast one draws everything", () => {
+  const play = (ms: (pixels: number, points: number) => number) => {
     const ladder = make_ladder(1);
-    for (let i = 0; i < 40; ++i)
-      for (const rest of [0, 1] as const) ladder.measured(ladder.quality(rest), ms(ladder.quality(rest).ratio ** 2, ladder.quality(rest).coarser));
-    return ladder;
+    for (let i = 0; i < 40; ++i) ladder.measured(ladder.quality(), ms(ladder.quality().ratio ** 2, ladder.quality().points));
+    return ladder.quality();
   };
-  const fast = play(() => 2);
-  assert.deepEqual([fast.quality(0), fast.quality(1)], [fast.quality(2), fast.quality(2)]);
-  const slow = play((pixels, coarser) => 10 * pixels + 60 / 4 ** coarser);
-  assert.deepEqual(slow.quality(0), { ratio: 1, coarser: 1 });
-  assert.deepEqual(slow.quality(2), { ratio: 2, coarser: 0 });
+  assert.deepEqual(play(() => 2), { ratio: 1, points: 2_000_000 });
+  assert.deepEqual(play((pixels, points) => 10 * pixels + points / 5000), { ratio: 1 / 1.5, points: 80_000 });
 });
 
 test("a single slow frame changes nothing", () => {
   const ladder = make_ladder(1);
-  const before = ladder.quality(0);
-  for (let i = 0; i < 20; ++i) ladder.measured(ladder.quality(0), i === 10 ? 90 : 20);
-  assert.deepEqual(ladder.quality(0), before);
-});
-
-test("transparent bodies are drawn from far to near, after the planes and before the lines", () => {
-  const orders = [100, 5, 2, 0].map(clear_order);
-  assert.deepEqual(orders, [...orders].sort((a, b) => a - b));
-  assert.ok(orders.every((order) => order > 16 && order < 30));
-  assert.equal(new Set(orders).size, 4);
+  const before = ladder.quality();
+  for (let i = 0; i < 20; ++i) ladder.measured(ladder.quality(), i === 10 ? 90 : 20);
+  assert.deepEqual(ladder.quality(), before);
 });
