@@ -73,6 +73,10 @@ ordered_json described(ordered_json schema, const char* description) {
   schema["description"] = description;
   return schema;
 }
+ordered_json with_optional(const char* name, ordered_json schema, const char* description, ordered_json object) {
+  object["properties"][name] = described(std::move(schema), description);
+  return object;
+}
 ordered_json array(ordered_json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
 const ordered_json kNumber = {{"type", "number"}};
 
@@ -98,6 +102,7 @@ ordered_json schemas() {
                                              {"path", described(text, "below the server's base path, for programs that read this protocol")}}))}}))},
                {"unreadable", array(object({{"id", text}, {"error", text}}))}})},
       {"Info",
+       with_optional("labels", array(object({{"material", kInteger}, {"body", text}})), "where the file keeps bodies apart",
        object({{"schema", kInteger},
                {"id", text},
                {"units", text},
@@ -109,7 +114,7 @@ ordered_json schemas() {
                {"file", object({{"bytes", kInteger}, {"version", text}, {"hash", text}})},
                {"crossings", kInteger},
                {"bits_per_crossing", kNumber},
-               {"report", {{"type", "object"}}}})},
+               {"report", {{"type", "object"}}}}))},
       {"Cell", object({{"schema", kInteger},
                        {"index", index},
                        {"level", kInteger},
@@ -125,6 +130,7 @@ ordered_json schemas() {
        object({{"schema", kInteger},
                {"region", box},
                {"materials", array(object({{"id", kInteger}, {"name", text}, {"cells", kNumber}, {"volume", kNumber}, {"box", box_or_null}}))}})},
+      {"Seen", object({{"schema", kInteger}, {"seen", {{"type", ordered_json::array({"object", "null"})}}}})},
   };
 }
 
@@ -203,6 +209,18 @@ std::string openapi_json(const Request& request) {
   }
   paths[grid + "/view.png"] =
       get("a picture in three dimensions: the first visible cell on the line of sight of each pixel", view, "image/png", nullptr);
+  const auto and_also = [&](std::initializer_list<ordered_json> more) {
+    ordered_json p = view;
+    for (const ordered_json& m : more) p.push_back(m);
+    return p;
+  };
+  paths[grid + "/view.bin"] = get("what the pixels of such a picture show, as numbers: SERVING.md describes the bytes",
+                                  and_also({parameter("window", "query", "X0,Y0,X1,Y1: half open, in pixels; default: the whole picture", kString),
+                                            parameter("quick", "query", "1: one line of sight per pixel", flag())}),
+                                  "application/octet-stream", nullptr);
+  ordered_json pixel = parameter("pixel", "query", "X,Y in pixels from the upper left corner of the picture, as in 320.5,240.5", kString);
+  pixel["required"] = true;
+  paths[grid + "/view.json"] = get("what is seen at a point of such a picture", and_also({pixel}), "application/json", "Seen");
   const ordered_json bearer = {{"type", "http"}, {"scheme", "bearer"}, {"description", "needed when the server was started with a token"}};
   const ordered_json out = {{"openapi", "3.1.0"},
                             {"info", {{"title", "teracell"}, {"version", "1"}, {"description", description()}}},

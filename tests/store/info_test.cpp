@@ -50,6 +50,17 @@ TEST_CASE("Of a file are told its grid, materials, levels, chunks and report") {
   REQUIRE(j["report"] == ordered_json{{"schema", 1}});
 }
 
+TEST_CASE("Labels are listed where the file keeps bodies apart") {
+  const TempFolder folder;
+  Metadata meta = metadata_of({{Axis::uniform(0, 1, 0, 2, 0.5), Axis::uniform(0, 1, 0, 1, 0.5), Axis::uniform(0, 1, 0, 1, 0.5)}}, 0, 2);
+  store_cells(folder / "materials", meta, {0, 1});
+  REQUIRE(!ordered_json::parse(info_json(GridReader(folder / "materials"))).contains("labels"));
+  meta.labels[1].body = "bolt";
+  store_cells(folder / "bodies", meta, {0, 1});
+  REQUIRE(ordered_json::parse(info_json(GridReader(folder / "bodies")))["labels"] ==
+          ordered_json{{{"material", 0}, {"body", ""}}, {{"material", 1}, {"body", "bolt"}}});
+}
+
 TEST_CASE("A file without crossings has no bits for them") { REQUIRE(bits_per_crossing(metadata_of({}, 2, 2)) == 0); }
 
 TEST_CASE("Counts that JSON readers would round come as text too, past 64 bits as well") {

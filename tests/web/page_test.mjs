@@ -235,7 +235,7 @@ test("a server with a token gives out the page, which asks for the token and sen
 test("when the server goes away, the page says so, keeps what is on screen, and goes on by itself when the server is back", async () => {
   let mortal = await serve(grid_file("stadium"));
   const page = await open_grid(browser, `${mortal.url}#g=stadium`, { expected: (url, status) => status === 0 });
-  await page.waitForSelector('.overview[data-state="ready"]');
+  await page.waitForSelector('.overview[data-state="sharp"]');
   await page.mouse.move(...(await point_of(page, "z")));
   const before = shares((await pixels(page, "z")).data);
   await mortal.kill();
@@ -243,7 +243,7 @@ test("when the server goes away, the page says so, keeps what is on screen, and 
   await page.keyboard.press("Shift+>");
   const banner = page.getByText("The server has not answered since");
   await banner.waitFor();
-  const overview = page.getByText("The slices could not be loaded");
+  const overview = page.getByText("What is seen could not be loaded");
   await overview.waitFor();
   await screenshot(page, "server-lost");
   const during = shares((await pixels(page, "z")).data);
@@ -385,20 +385,9 @@ for (const [name, width, height] of [["tablet, upright", 820, 1180], ["tablet", 
     await close(page);
   });
 
-test("bodies that could not be fetched come when the server is back", async () => {
-  const context = await browser.newContext();
-  let cubes = 0;
-  await context.route(/\/zarr\/stadium\//, (route) => (cubes++ === 0 ? route.abort() : route.continue()));
-  const page = await open_page(browser, `${server.url}#g=stadium`, { context, expected: (url, status) => status === 0 });
-  await page.waitForSelector('.overview[data-state="ready"]');
-  assert.ok(cubes > 1);
-  assert.equal(await page.locator(".overview-message").isHidden(), true);
-  await close(page);
-});
-
 test("the ends of the triad are large enough to hit, and a marker says what it marks", async () => {
   const page = await open_page(browser, `${server.url}#g=open&layout=3d&panel=report`);
-  await page.waitForSelector('.overview[data-state="ready"]');
+  await page.waitForSelector('.overview[data-state="sharp"]');
   const missed = await page.evaluate(() =>
     [...document.querySelectorAll(".overview-end")].filter((end) => {
       const { left, top, width, height } = end.getBoundingClientRect();
@@ -427,18 +416,6 @@ test("the swatch of a transparent material is a checkerboard", async () => {
   await close(page);
 });
 
-test("the overview in three dimensions is there, and is not blank", async () => {
-  const page = await open_page(browser, `${server.url}#g=stadium&layout=3d`);
-  const canvas = page.locator('[data-view="3d"] canvas').first();
-  await canvas.waitFor();
-  let colors = 0;
-  for (let n = 0; n < 120 && colors < 100; ++n) {
-    await page.waitForTimeout(250);
-    colors = new Set((await screenshot(page, "overview")).data).size;
-  }
-  assert.ok(colors >= 100, `${colors} colours`);
-  await close(page);
-});
 
 test("with the keyboard alone, every control can be reached, seen and used", async () => {
   const page = await open_grid(browser, `${server.url}#g=stadium`);

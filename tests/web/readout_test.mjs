@@ -315,7 +315,7 @@ test("the view is saved as a PNG with a legend", async () => {
 
 test("four views are saved completely: crosshairs from edge to edge, and the overview with its ground, rulers and triad", async () => {
   const page = await open("stadium");
-  await page.waitForSelector('.overview[data-state="ready"]');
+  await page.waitForSelector('.overview[data-state="sharp"]');
   const picture = await saved_picture(page, "saved-four");
   const boxes = await page.evaluate(() => {
     const { left, top } = document.querySelector(".views").getBoundingClientRect();
