@@ -10,6 +10,7 @@
   command(render, "a picture in three dimensions (.png, .jpg)") \
   command(column, "the runs of one column along any axis") \
   command(stats, "exact cells, volume and box of every material") \
+  command(check, "what is wrong with a grid, or worth knowing") \
   command(diff, "which cells of two grids have different materials") \
   command(export, "a box of cells in the format of another program") \
   command(partition, "boxes of equal work for the ranks of a parallel program") \

@@ -1,0 +1,14 @@
+// Findings as the document that is kept beside a grid, and as text for people.
+#pragma once
+#include "check/finding.hpp"
+
+namespace teracell {
+
+// {"schema":1,"grid_hash":..,"findings":[..],"totals":{..},"walls":[..],"not_looked_at":[..]}, ASCII, on one line.
+std::string findings_json(const Findings& findings);
+// The hash of the grid that a document was made for; empty when it is no such document.
+std::string hash_in(const std::string& json);
+// Lines, without the last line break. At most `most` findings of a kind.
+std::string findings_text(const Findings& findings, size_t most);
+
+}  // namespace teracell

@@ -1,0 +1,13 @@
+// The file that findings are kept in, beside the grid.
+#pragma once
+#include <filesystem>
+#include <string>
+
+namespace teracell {
+
+// "g.check.json" for "g.tcell".
+std::filesystem::path kept_findings(const std::filesystem::path& grid);
+// The document that is kept for a grid with this hash; empty when there is none, or it is another grid's, or too large to be one.
+std::string read_kept_findings(const std::filesystem::path& grid, const std::string& hash);
+
+}  // namespace teracell
