@@ -40,7 +40,10 @@ void run(const CheckArguments& o) {
     say(text.substr(from, end - from));
     from = end + 1;
   }
-  if (!output.empty()) say(fmt::format("\nall of it is in {}, which the dashboard shows", output.string()));
+  if (!output.empty()) {
+    say("");
+    say(fmt::format("All of it is in {}, which the dashboard shows.", output.string()));
+  }
 }
 
 }  // namespace
