@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "check/kept.hpp"
 #include "server/openapi.hpp"
 #include "server/protocols/protocols.hpp"
 #include "server/service/column_parts.hpp"
@@ -206,6 +207,16 @@ Response stats(const GridRequest& r) {
   return json_answer(r, "stats", [&, box] { return stats_json(r.meta(), box, read_stats(r.reader(), box)); });
 }
 
+// What `teracell check` has found. It is kept beside the file, and may come or change while the grid stays the same.
+Response findings(const GridRequest& r) {
+  r.target.allow({});
+  std::string text = r.grid->path.empty() ? "" : read_kept_findings(r.grid->path, r.grid->hash);
+  if (text.empty()) throw not_found(fmt::format("nobody has looked through this version of grid '{}' yet: `teracell check` does", r.grid->id));
+  Service::Recipe recipe{.route = "check", .content_type = kJson, .cacheable = false, .compress = true, .make = [&text] { return text; }};
+  recipe.address = text;
+  return r.service.answer(r.request, r.target, r.grid, recipe);
+}
+
 Response list(Service& service, const Target& target) {
   target.allow({});
   ordered_json j = {{"schema", 1}, {"grids", ordered_json::array()}, {"unreadable", ordered_json::array()}};
@@ -236,6 +247,7 @@ Response api(Service& service, const Request& request, const Target& target) {
   if (is("cell", 1)) return cell(r);
   if (is("column", 3)) return column(r);
   if (is("stats", 1)) return stats(r);
+  if (is("check", 1)) return findings(r);
   if (const auto [name, ending] = split_name(r.rest[0]); name == "view" && r.rest.size() == 1)
     if (const auto recipe = view_recipe(service, *r.grid, target, ending)) return service.answer(request, target, r.grid, *recipe);
   throw no_such_address(request);

@@ -30,6 +30,7 @@ struct ServedGrid {
   uint64_t number;   // unlike that of any other file opened by this process; a file that is replaced gets another one
   std::string hash;  // of the content, for ETags and versioned addresses
   std::unique_ptr<const GridReader> file;
+  std::filesystem::path path;  // empty for an address
   const GridReader& reader() const { return *file; }
   const Metadata& meta() const { return file->meta(); }
 };

@@ -53,7 +53,7 @@ class Service {
     bool compress = false;        // with gzip, for clients that accept it; false for what is compressed already
     std::function<std::string()> make;
     std::function<std::unique_ptr<Parts>()> parts = {};  // in place of make(), for what may be large; they may refer to the grid
-    std::string address = {};     // set when the answer contains its own address: its ETag then depends on it
+    std::string address = {};     // set when the answer contains its own address, or something else than the grid tells: its ETag depends on it
   };
   // The answer; or status 304, without making it, when the client has it. An answer of more than kWhole bytes that comes in parts has
   // its first ones made, and is not kept. Clients may keep it for ever when the address names

@@ -3,6 +3,8 @@
 
 #include <fstream>
 
+#include "check/check.hpp"
+#include "check/check_json.hpp"
 #include "tests/server/served.hpp"
 
 namespace teracell {
@@ -42,6 +44,7 @@ std::string mismatch(const json& schema, const json& value, const json& all, con
 TEST_CASE("Every address of the description answers as the description says", "[server]") {
   Served s;
   std::ofstream(s.folder / "bad.tcell") << "nothing of a grid";
+  std::ofstream(s.folder / "g.check.json") << findings_json(check(GridReader(s.path), 1, [](double) {}));
   s.service->grids().look();
   const json api = s.parsed("/openapi.json");
   CHECK(api["openapi"] == "3.1.0");

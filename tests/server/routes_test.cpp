@@ -11,6 +11,28 @@ namespace {
 
 using namespace testing;
 
+TEST_CASE("What was found about a grid is answered when it is kept for this version, and may change", "[server]") {
+  Served s;
+  const std::string target = "/api/v1/grids/g/check";
+  CHECK(s.get(target).status == 404);
+  CHECK(s.error(target) == "nobody has looked through this version of grid 'g' yet: `teracell check` does");
+  const auto keep = [&](const std::string& hash, const std::string& more) {
+    std::ofstream(s.folder / "g.check.json") << R"({"schema":1,"grid_hash":")" << hash << "\"" << more << "}\n";
+  };
+  keep("0123", "");
+  CHECK(s.get(target).status == 404);
+  keep(s.hash(), R"(,"findings":[])");
+  const Response first = s.get(target);
+  CHECK(first.status == 200);
+  CHECK(*first.body == R"({"schema":1,"grid_hash":")" + s.hash() + R"(","findings":[]})");
+  CHECK(first.cache_control == "no-cache");
+  keep(s.hash(), R"(,"findings":[1])");
+  const Response second = s.get(target);
+  CHECK(second.body->ends_with("[1]}"));
+  CHECK(second.etag != first.etag);
+  CHECK(s.get(target + "?v=" + s.hash()).status == 400);
+}
+
 TEST_CASE("Raw tiles are the cells of every level, axis and place, whatever the ray axis", "[server]") {
   for (const int ray_axis : {0, 1, 2}) {
     Served s(ray_axis);

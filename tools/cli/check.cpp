@@ -34,12 +34,7 @@ void run(const CheckArguments& o) {
     std::cout << findings_json(findings) << "\n";
     return;
   }
-  std::string text = o.grid.name + ": " + findings_text(findings, kMostLines);
-  for (size_t from = 0; from <= text.size();) {
-    const size_t end = std::min(text.find('\n', from), text.size());
-    say(text.substr(from, end - from));
-    from = end + 1;
-  }
+  say_findings(o.grid.name, findings);
   if (!output.empty()) {
     say("");
     say(fmt::format("All of it is in {}, which the dashboard shows.", output.string()));
@@ -67,6 +62,15 @@ Findings check_grid(const GridArgument& grid, const std::filesystem::path& outpu
     file->commit();
   }
   return findings;
+}
+
+void say_findings(const std::string& grid, const Findings& findings) {
+  const std::string text = grid + ": " + findings_text(findings, kMostLines);
+  for (size_t from = 0; from <= text.size();) {
+    const size_t end = std::min(text.find('\n', from), text.size());
+    say(text.substr(from, end - from));
+    from = end + 1;
+  }
 }
 
 Run setup_check(CLI::App& app) {

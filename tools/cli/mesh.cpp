@@ -1,9 +1,11 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
 #include <fmt/format.h>
 
+#include "check/kept.hpp"
 #include "mesher/pipeline.hpp"
 #include "store/error.hpp"
 #include "store/file.hpp"
+#include "tools/cli/check_grid.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/mesh_options.hpp"
 #include "tools/cli/mesh_summary.hpp"
@@ -17,6 +19,7 @@ void run(const MeshArguments& o) {
   check_outputs(o, scene);
   const MeshOptions options = mesh_options(o);
   if (options.shard && !o.report.empty()) throw UsageError("--report: expected a whole grid, found --shard: give it to `teracell merge`");
+  if (options.shard && o.check) throw UsageError("--check: expected a whole grid, found --shard: run `teracell check` after `teracell merge`");
   const std::atomic<bool>& interrupted = watch_interrupts();
   std::optional<OutputFile> report_file;
   if (!o.report.empty()) report_file.emplace(o.report);
@@ -35,6 +38,7 @@ void run(const MeshArguments& o) {
   if (options.shard) return say_part(part_path(o.output, *options.shard).string(), report);
   if (report_file) write_report(report, *report_file, o.output);
   say_grid(o.output, report);
+  if (o.check) say_findings(o.output, check_grid({o.output, {}}, kept_findings(o.output), threads_or_all(o.threads), o.progress));
 }
 
 }  // namespace

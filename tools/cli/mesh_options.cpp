@@ -82,6 +82,7 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
                    "I/N: make part I of 0 to N-1 alone, as OUTPUT.shard-I-of-N; `teracell merge` puts the parts together to the same bytes");
   app.add_option("--write-caps", o.caps,
                  "write the facets that close open surfaces: .stl, or .ply in double precision; one file per body when there are several");
+  if (!of_many) app.add_flag("--check", o.check, "look through the grid when it is done, as `teracell check` does");
   app.add_option("--report", o.report, "write the report, with times and memory, as JSON");
   add_progress(app, o.progress);
 }

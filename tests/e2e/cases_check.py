@@ -1,0 +1,52 @@
+"""What `check` finds from the outside: as text, as JSON, beside the grid, and over HTTP."""
+import json
+import os
+
+import solids
+from program import Case
+
+
+class Check(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("plate.stl", solids.binary_stl(solids.box_facets((2.0, 2.0, 5.0), (18.0, 18.0, 6.0))))
+        self.write("far.stl", solids.binary_stl(solids.box_facets((30.0, 30.0, 30.0), (31.0, 31.0, 31.0))))
+        self.scene = {"units": "mm", "grid": {"min": [0, 0, 0], "max": [20, 20, 20], "cells": [20, 20, 20]}, "label_by": "body",
+                      "materials": {"steel": {}},
+                      "bodies": [{"name": "plate", "mesh": "plate.stl", "material": "steel"}, {"name": "far", "mesh": "far.stl", "material": "steel"}]}
+        self.write("s.json", self.scene)
+
+    def test_what_is_found_is_printed_and_kept_beside_the_grid(self):
+        self.run_ok("mesh", "s.json", "-o", "g.tcell")
+        text = self.run_ok("check", "g.tcell").out
+        self.assertTrue(text.startswith("g.tcell: 1 error, 1 warning, 0 notes\n"), text)
+        self.assertIn("The body 'far' has no cell", text)
+        self.assertIn("A wall of 'plate' is 1 cell thick: 256 cells.  at (2.5, 2.5, 5.5)", text)
+        self.assertIn("g.check.json", text)
+        with open(self.path("g.check.json")) as file:
+            kept = json.load(file)
+        self.assertEqual(kept, json.loads(self.run_ok("check", "g.tcell", "--json").out))
+        self.assertEqual([(f["kind"], f["bodies"], f["cells"], f["box"]) for f in kept["findings"]],
+                         [("empty", ["far"], 0, None), ("thin", ["plate"], 256, [2, 2, 5, 18, 18, 6])])
+        self.assertEqual([w["histogram"] for w in kept["walls"] if w["body"] == "plate"], [[256, 0, 0, 0, 0, 0, 0, 0, 0]])
+        self.assertEqual(kept["grid_hash"], self.json_of("info", "g.tcell")["file"]["hash"])
+
+    def test_mesh_looks_through_the_grid_when_it_is_done(self):
+        text = self.run_ok("mesh", "s.json", "-o", "g.tcell", "--check").out
+        self.assertIn("g.tcell: 1 error, 1 warning, 0 notes", text)
+        self.assertTrue(os.path.exists(self.path("g.check.json")))
+        self.refused(2, ["--check", "--shard"], "mesh", "s.json", "-o", "h.tcell", "--check", "--shard", "0/2")
+
+    def test_nothing_is_left_half_done(self):
+        self.run_ok("mesh", "s.json", "-o", "g.tcell")
+        self.run_ok("check", "g.tcell", "-o", "elsewhere.json")
+        self.assertFalse(os.path.exists(self.path("g.check.json")))
+        self.assertTrue(os.path.exists(self.path("elsewhere.json")))
+        self.refused(2, ["overwritten"], "check", "g.tcell", "-o", "g.tcell")
+        data = bytearray(self.bytes("g.tcell"))
+        data[len(data) // 3] ^= 1
+        with open(self.path("d.tcell"), "wb") as file:
+            file.write(data)
+        self.refused(1, ["d.tcell"], "check", "d.tcell")
+        self.assertFalse(os.path.exists(self.path("d.check.json")))
+        self.assertFalse(os.path.exists(self.path("d.check.json.partial")))
