@@ -174,7 +174,8 @@ CellFacts look_at_cells(const GridReader& reader, int threads, const std::functi
   in_order(
       threads, [&]() -> std::optional<uint64_t> { return next < columns ? std::optional(next++) : std::nullopt; },
       [&](uint64_t column, int worker) {
-        return readers[static_cast<size_t>(worker)].read(static_cast<uint32_t>(column % shape.chunks_u), static_cast<uint32_t>(column / shape.chunks_u));
+        return readers[static_cast<size_t>(worker)].read(static_cast<uint32_t>(column % shape.chunks_u),
+                                                         static_cast<uint32_t>(column / shape.chunks_u));
       },
       [&](Block&& block) {
         for (const auto& [label, found] : block.labels) {

@@ -50,9 +50,7 @@ void write_wall(JsonWriter& out, const WallReport& wall) {
   out.end_array().end_object();
 }
 
-std::string at_text(const std::optional<Vec3>& at) {
-  return at ? fmt::format("  at ({:.6g}, {:.6g}, {:.6g})", (*at)[0], (*at)[1], (*at)[2]) : "";
-}
+std::string at_text(const std::optional<Vec3>& at) { return at ? fmt::format("  at ({:.6g}, {:.6g}, {:.6g})", (*at)[0], (*at)[1], (*at)[2]) : ""; }
 
 std::string number_of(uint64_t n, const char* one) { return fmt::format("{} {}{}", grouped(n), one, n == 1 ? "" : "s"); }
 
@@ -124,7 +122,8 @@ std::string findings_text(const Findings& findings, size_t most) {
   const uint64_t listed = levels[0] + levels[1] + levels[2];
   uint64_t all = 0;
   for (const KindTotal& total : findings.totals) all += total.findings;
-  lines[0] = listed == 0 ? "nothing was found" : fmt::format("{}, {}, {}", number_of(levels[0], "error"), number_of(levels[1], "warning"), number_of(levels[2], "note"));
+  lines[0] = listed == 0 ? "nothing was found"
+                         : fmt::format("{}, {}, {}", number_of(levels[0], "error"), number_of(levels[1], "warning"), number_of(levels[2], "note"));
   if (all > listed) lines[0] += fmt::format(" of {} in all", grouped(all));
   add_walls(lines, findings.walls, most);
   if (!findings.not_looked_at.empty()) {

@@ -108,7 +108,8 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
           parents_.push_back(first + static_cast<uint32_t>(i));
           nodes_.push_back({.label = m.label, .thinnest = m.number});
           // Runs of one label that touch along the ray: they differ in their numbers.
-          if (i > 0 && m.label != Meaning::kNothing && m.label == meanings_[ray_sets[i - 1]].label) join(first + static_cast<uint32_t>(i) - 1, first + static_cast<uint32_t>(i));
+          if (i > 0 && m.label != Meaning::kNothing && m.label == meanings_[ray_sets[i - 1]].label)
+            join(first + static_cast<uint32_t>(i) - 1, first + static_cast<uint32_t>(i));
         }
       }
       if (has_before && first_[before] != first) join_rays(rays, ray, first, before, first_[before]);

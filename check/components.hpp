@@ -64,7 +64,9 @@ class BlockLabeller {
 class ComponentJoiner {
  public:
   using Finished = std::function<void(const Component&)>;
-  ComponentJoiner(const LevelShape& shape, Finished finished) : chunks_u_(shape.chunks_u), finished_(std::move(finished)) { above_.resize(chunks_u_); }
+  ComponentJoiner(const LevelShape& shape, Finished finished) : chunks_u_(shape.chunks_u), finished_(std::move(finished)) {
+    above_.resize(chunks_u_);
+  }
   void add(uint32_t cu, BlockComponents&& block);
   void finish();
 

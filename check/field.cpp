@@ -46,7 +46,8 @@ class Columns {
         if (!sets_.empty()) changes_.push_back(base + from);
         sets_.push_back(set);
       };
-      if (const Cells& cells = column[segment]; cells.chunk) cells.chunk->rays.for_each_run(ray, [&](uint32_t from, uint32_t, SetId set) { add(from, set); });
+      if (const Cells& cells = column[segment]; cells.chunk)
+        cells.chunk->rays.for_each_run(ray, [&](uint32_t from, uint32_t, SetId set) { add(from, set); });
       else add(0, cells.label);
     }
     out.append(sets_, changes_);

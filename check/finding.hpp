@@ -11,8 +11,7 @@ namespace teracell {
 using CellCount = unsigned __int128;
 
 // The kinds, in the order in which they are listed, and their names.
-#define TERACELL_FINDING_KINDS(X) \
-  X(empty) X(winding) X(cap) X(seam) X(overlap) X(lost_stretch) X(lost_gap) X(thin) X(island) X(enclosed) X(cut)
+#define TERACELL_FINDING_KINDS(X) X(empty) X(winding) X(cap) X(seam) X(overlap) X(lost_stretch) X(lost_gap) X(thin) X(island) X(enclosed) X(cut)
 enum class FindingKind {
 #define X(name) name,
   TERACELL_FINDING_KINDS(X)

@@ -31,7 +31,8 @@ class Reported {
       body(value);
       return false;
     });
-    if (!rest.contains("bodies") && bodies_ == 0) return missing("The file has no report of the mesher: what became of the surfaces was not looked at.");
+    if (!rest.contains("bodies") && bodies_ == 0)
+      return missing("The file has no report of the mesher: what became of the surfaces was not looked at.");
     if (const auto gaps = rest.find("lost_gaps"); gaps != rest.end() && gaps->is_array())
       for (const json& gap : *gaps) lost_gap(gap);
     if (const auto left_out = rest.find("bodies_left_out"); left_out != rest.end())
@@ -79,7 +80,12 @@ class Reported {
                       length(seams->at("length").get<double>()), plural(number, "was", "were"), length(seams->at("widest_gap").get<double>())));
     }
     if (covered > 0 && cells > 0)
-      covered_.push_back({FindingKind::overlap, FindingLevel::note, {name}, covered, std::nullopt, std::nullopt,
+      covered_.push_back({FindingKind::overlap,
+                          FindingLevel::note,
+                          {name},
+                          covered,
+                          std::nullopt,
+                          std::nullopt,
                           fmt::format("{} cells in '{}' belong to stronger bodies.", grouped(covered), name)});
     if (!is_sheet) lost(name, j);
   }
@@ -87,7 +93,8 @@ class Reported {
   void hole(const std::string& name, const json& j) {
     const auto at = place_in(j, "at");
     if (j.value("extruded", false))
-      return add(FindingKind::cap, FindingLevel::note, name, at, fmt::format("An outer loop of '{}' was closed by walls and a floor beyond the domain.", name));
+      return add(FindingKind::cap, FindingLevel::note, name, at,
+                 fmt::format("An outer loop of '{}' was closed by walls and a floor beyond the domain.", name));
     const double across = j.at("diameter").get<double>(), gap = j.value("width", across), cells = j.value("width_cells", 0.0);
     add(FindingKind::cap, cells >= 1 ? FindingLevel::warning : FindingLevel::note, name, at,
         fmt::format("A hole of '{}', {} long and {} wide{}, was closed by a cap: the surface there is a guess.", name, length(across), length(gap),
@@ -100,8 +107,8 @@ class Reported {
         const auto number = found.at("number").get<uint64_t>();
         if (number == 0) continue;
         add(FindingKind::lost_stretch, FindingLevel::warning, name, place_in(found, "at"),
-            fmt::format("Along {}, no sample point meets {} {} of '{}'; the widest is {}.", axis, grouped(number), plural(number, "stretch", "stretches"),
-                        name, length(found.at("widest").get<double>())));
+            fmt::format("Along {}, no sample point meets {} {} of '{}'; the widest is {}.", axis, grouped(number),
+                        plural(number, "stretch", "stretches"), name, length(found.at("widest").get<double>())));
       }
       return;
     }
@@ -110,8 +117,9 @@ class Reported {
     if (pairs == j.end()) return;
     if (const auto number = pairs->at("number").get<uint64_t>(); number > 0)
       add(FindingKind::lost_stretch, FindingLevel::warning, name, place_in(*pairs, "at"),
-          fmt::format("Along {}, {} {} of '{}' {} between two sample points: what is there is thinner than a cell.", pairs->at("axis").get<std::string>(),
-                      grouped(number), plural(number, "stretch", "stretches"), name, plural(number, "lies", "lie")));
+          fmt::format("Along {}, {} {} of '{}' {} between two sample points: what is there is thinner than a cell.",
+                      pairs->at("axis").get<std::string>(), grouped(number), plural(number, "stretch", "stretches"), name,
+                      plural(number, "lies", "lie")));
   }
 
   void lost_gap(const json& j) {
@@ -128,9 +136,10 @@ class Reported {
     const auto cells = static_cast<uint64_t>(j.at("cells").get<double>());
     const json& owner = j.at("owner");
     const auto b = j.at("box").get<std::array<int64_t, 6>>();
-    add_finding(findings_, {FindingKind::overlap, FindingLevel::note, bodies, cells, place_in(j, "at"), Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}},
-                            fmt::format("'{}' and '{}' overlap in {} {}, which {}.", bodies.at(0), bodies.at(1), grouped(cells), plural(cells, "cell", "cells"),
-                                        owner.is_string() ? fmt::format("'{}' owns", owner.get<std::string>()) : "have several owners")});
+    add_finding(findings_,
+                {FindingKind::overlap, FindingLevel::note, bodies, cells, place_in(j, "at"), Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}},
+                 fmt::format("'{}' and '{}' overlap in {} {}, which {}.", bodies.at(0), bodies.at(1), grouped(cells), plural(cells, "cell", "cells"),
+                             owner.is_string() ? fmt::format("'{}' owns", owner.get<std::string>()) : "have several owners")});
   }
 
  public:

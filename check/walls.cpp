@@ -25,7 +25,9 @@ const std::vector<ThinRun>& Walls::thin_runs(const Field& field, uint32_t u, uin
 // sides of it.
 bool Walls::may_be_thin(const RayBlock& rays, uint32_t ray, const Row& row) const {
   const uint32_t pattern = rays.pattern[ray];
-  const auto other = [&](uint32_t i, int sign) { return static_cast<size_t>(static_cast<ptrdiff_t>(ray) + sign * static_cast<ptrdiff_t>(i) * row.step); };
+  const auto other = [&](uint32_t i, int sign) {
+    return static_cast<size_t>(static_cast<ptrdiff_t>(ray) + sign * static_cast<ptrdiff_t>(i) * row.step);
+  };
   for (uint32_t i = 1; i <= row.before; ++i)
     if (rays.pattern[other(i, -1)] != pattern) return true;
   for (uint32_t i = 1; i <= row.after; ++i)
@@ -47,8 +49,8 @@ bool Walls::may_be_thin(const RayBlock& rays, uint32_t ray, const Row& row) cons
         to_after = std::min(to_after, at), next_after = std::max(next_after, at);
       }
     }
-    if (labels[run] != 0 && (std::min(from_before, from_after) > from || std::max(to_before, to_after) < to || to_before < from_after ||
-                             to_after < from_before))
+    if (labels[run] != 0 &&
+        (std::min(from_before, from_after) > from || std::max(to_before, to_after) < to || to_before < from_after || to_after < from_before))
       return true;
     from_before = next_before, from_after = next_after;
   }

@@ -44,7 +44,8 @@ void Caster::each_part(const Window& window, const std::function<void(const Wind
         return next < across * down ? std::optional(next++) : std::nullopt;
       },
       [&](int64_t tile, int worker) {
-        const int64_t x = window.x0 + (upright ? tile / down : tile % across) * kTile, y = window.y0 + (upright ? tile % down : tile / across) * kTile;
+        const int64_t x = window.x0 + (upright ? tile / down : tile % across) * kTile,
+                      y = window.y0 + (upright ? tile % down : tile / across) * kTile;
         f({x, y, std::min(window.x1, x + kTile), std::min(window.y1, y + kTile)}, worker);
         return 0;
       },

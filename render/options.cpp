@@ -176,13 +176,11 @@ class Options {
       if (text_(name)) given.push_back(name);
     if (given.size() > 1) throw UsageError(fmt::format("{0}{1}: expected alone, found with {0}{2}", dashes_, given[0], given[1]));
     if (const std::string* text = text_("materials"))
-      return of_names("materials", *text, "materials of this grid", [](const Metadata& meta, const LabelInfo& label) -> const std::string& {
-        return meta.materials[label.material].name;
-      });
+      return of_names("materials", *text, "materials of this grid",
+                      [](const Metadata& meta, const LabelInfo& label) -> const std::string& { return meta.materials[label.material].name; });
     if (const std::string* text = text_("bodies"))
-      return of_names("bodies", *text, "bodies that this grid keeps apart", [](const Metadata&, const LabelInfo& label) -> const std::string& {
-        return label.body;
-      });
+      return of_names("bodies", *text, "bodies that this grid keeps apart",
+                      [](const Metadata&, const LabelInfo& label) -> const std::string& { return label.body; });
     if (const std::string* text = text_("labels")) return ranges(*text);
     return {};
   }

@@ -29,8 +29,7 @@ class Distances {
   uint16_t code(const Sample& s) const {
     if (!s.shown()) return 0;
     if (nearest_ >= farthest_ || s.t <= nearest_) return 1;
-    const double share =
-        perspective_ ? std::log(s.t / nearest_) / std::log(farthest_ / nearest_) : (s.t - nearest_) / (farthest_ - nearest_);
+    const double share = perspective_ ? std::log(s.t / nearest_) / std::log(farthest_ / nearest_) : (s.t - nearest_) / (farthest_ - nearest_);
     return static_cast<uint16_t>(1 + std::lround(65534 * std::clamp(share, 0.0, 1.0)));
   }
 

@@ -96,8 +96,12 @@ std::string point_json(const ServedGrid& grid, const Prepared& prepared, const R
   if (const auto hit = seen_at(grid.reader(), prepared, options.aim, x, y)) {
     const Sight sight = options.aim.camera.sight(x, y);
     const LabelInfo& label = meta.labels[hit->label];
-    j["seen"] = {{"at", sight.from + sight.along * hit->t}, {"cell", hit->cell},  {"level", hit->level},
-                 {"distance", hit->t},                       {"label", hit->label}, {"material", label.material}};
+    j["seen"] = {{"at", sight.from + sight.along * hit->t},
+                 {"cell", hit->cell},
+                 {"level", hit->level},
+                 {"distance", hit->t},
+                 {"label", hit->label},
+                 {"material", label.material}};
     j["seen"]["body"] = label.body.empty() ? ordered_json(nullptr) : ordered_json(label.body);
   }
   return ascii_json(j);

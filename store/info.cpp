@@ -81,9 +81,8 @@ std::string info_json(const GridReader& reader, std::string_view id) {
     out.begin_object().field("id", i).field("name", m.name).field("color", m.color).field("rank", m.rank).end_object();
   });
   if (std::ranges::any_of(meta.labels, [](const LabelInfo& label) { return !label.body.empty(); }))
-    write_all(out, "labels", meta.labels, [&](size_t i) {
-      out.begin_object().field("material", meta.labels[i].material).field("body", meta.labels[i].body).end_object();
-    });
+    write_all(out, "labels", meta.labels,
+              [&](size_t i) { out.begin_object().field("material", meta.labels[i].material).field("body", meta.labels[i].body).end_object(); });
   out.key("levels").begin_array();
   for (int level = 0; level < reader.levels(); ++level) write_level(out, reader, level);
   out.end_array();

@@ -47,7 +47,8 @@ TEST_CASE("What is found is said in sentences, with counts, places and boxes", "
     CHECK(j["schema"] == 1);
     CHECK(j["grid_hash"] == reader.hash());
     std::vector<std::string> texts;
-    for (const json& f : j["findings"]) texts.push_back(f["level"].get<std::string>() + " " + f["kind"].get<std::string>() + ": " + f["text"].get<std::string>());
+    for (const json& f : j["findings"])
+      texts.push_back(f["level"].get<std::string>() + " " + f["kind"].get<std::string>() + ": " + f["text"].get<std::string>());
     CHECK(texts == std::vector<std::string>{
                        "warning thin: A wall of 'm1' is 1 cell thick: 1 cell.",
                        "warning island: 75 cells of 'm2' are connected to the rest of it through no face.",

@@ -224,8 +224,9 @@ TEST_CASE("an interrupted picture ends at once, and a damaged chunk is an error"
   const TempFolder folder;
   store_cells(folder / "ball", with_tiny_chunks(metadata_of(cube_grid(-1, 1, 24), 2, 2)), ball(24));
   const std::atomic<bool> stop = true;
-  REQUIRE_THROWS_AS(render(stored_with_cache(folder / "ball"), {.aim = {.camera = axis_camera(cube_grid(-1, 1, 24), 0, true, {64, 64})}}, 2, stop, [](double) {}),
-                    Interrupted);
+  REQUIRE_THROWS_AS(
+      render(stored_with_cache(folder / "ball"), {.aim = {.camera = axis_camera(cube_grid(-1, 1, 24), 0, true, {64, 64})}}, 2, stop, [](double) {}),
+      Interrupted);
   Bytes bytes = file_bytes(folder / "ball");
   const GridReader sound = stored_with_cache(folder / "ball");
   const auto entry = sound.entry({0, 3, 3, 0});

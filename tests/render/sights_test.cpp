@@ -104,8 +104,10 @@ RenderOptions options_of(const GridReader& reader, const std::map<std::string, s
 
 TEST_CASE("the numbers have the colours of the picture", "[render]") {
   std::mt19937_64 random(1911);
-  for (const auto& words : std::vector<std::map<std::string, std::string, std::less<>>>{
-           {{"size", "97,61"}}, {{"size", "60,60"}, {"view", "y"}}, {{"size", "80,50"}, {"open", "0.5,0.5,0.5"}}, {{"size", "50,50"}, {"plane", "1,1,0,1"}}}) {
+  for (const auto& words : std::vector<std::map<std::string, std::string, std::less<>>>{{{"size", "97,61"}},
+                                                                                        {{"size", "60,60"}, {"view", "y"}},
+                                                                                        {{"size", "80,50"}, {"open", "0.5,0.5,0.5"}},
+                                                                                        {{"size", "50,50"}, {"plane", "1,1,0,1"}}}) {
     const Scene scene(random, static_cast<int>(random() % 3));
     const RenderOptions options = options_of(scene.reader, words);
     const Picture3D picture = render(scene.reader, options, 1, kGoOn, [](double) {});

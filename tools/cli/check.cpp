@@ -25,7 +25,7 @@ struct CheckArguments {
 };
 
 void run(const CheckArguments& o) {
-  const std::filesystem::path output = !o.output.empty()            ? std::filesystem::path(o.output)
+  const std::filesystem::path output = !o.output.empty()         ? std::filesystem::path(o.output)
                                        : is_address(o.grid.name) ? std::filesystem::path()
                                                                  : kept_findings(o.grid.name);
   if (!output.empty()) refuse_overwriting({o.grid.name}, output.string());
