@@ -110,18 +110,37 @@ bool Shading::is_edge(const Samples& samples, int64_t x, int64_t y) const {
   return false;
 }
 
+// Cells that are large enough to be seen one by one have thin lines between them.
+double Shading::line_at(const Vec3& point, const Sample& sample) const {
+  constexpr double kWidth = 0.75;  // pixels on both sides of the plane between two cells
+  const double pixel = camera_.pixel_at(sample.t), strength = step_from(8, 24, cell_at(point, sample.t) / pixel);
+  if (strength == 0) return 0;
+  const int level = level_.value_or(0);
+  double nearest = 1;
+  for (int d = 0; d < 3; ++d) {
+    if (d == sample.face) continue;
+    const Axis& axis = grid_.axis[d];
+    const int64_t cell = axis.cell_at(std::clamp(point[d], axis.min(), axis.max())) >> level;
+    const double lo = axis.plane(cell << level), hi = axis.plane(std::min((cell + 1) << level, axis.cells()));
+    nearest = std::min(nearest, std::min(std::abs(point[d] - lo), std::abs(hi - point[d])) / (pixel * kWidth));
+  }
+  return strength * (1 - nearest);
+}
+
 Light Shading::light(const Sight& sight, const Sample& sample, const Vec3& normal) const {
   const Vec3 eye = normalised(sight.along * -1);
   const double facing = std::min(1.0, std::abs(dot(normal, eye)));
-  if (sample.face >= 3) return {0.82f, 0, static_cast<float>(facing)};
+  const Vec3 point = sight.from + sight.along * sample.t;
+  const double line = 1 - 0.45 * line_at(point, sample);
+  if (sample.face >= 3) return {static_cast<float>(0.82 * line), 0, static_cast<float>(facing)};
   const Vec3 n = {dot(normal, camera_.right), dot(normal, camera_.up), -dot(normal, camera_.forward)};
   const Vec3 e = {dot(eye, camera_.right), dot(eye, camera_.up), -dot(eye, camera_.forward)};
   constexpr Vec3 kLight = {-0.448, 0.617, 0.647};
-  const double open = openness_.at(sight.from + sight.along * sample.t, normal);
+  const double open = openness_.at(point, normal);
   const double key = std::max(dot(n, kLight), 0.0), glancing = 1 - facing;
   const double sky = (0.52 + 0.22 * normal[camera_.sky]) * (0.35 + 0.65 * open), direct = key * (0.47 + 0.31 * open);
   const double shine = std::pow(std::max(dot(n, normalised(kLight + e)), 0.0), 32);
-  return {static_cast<float>(sky + direct), static_cast<float>(open * (0.1 * shine + 0.1 * glancing * glancing * glancing)),
+  return {static_cast<float>((sky + direct) * line), static_cast<float>(open * (0.1 * shine + 0.1 * glancing * glancing * glancing)),
           static_cast<float>(facing)};
 }
 

@@ -60,6 +60,7 @@ class Shading {
  private:
   double linear(double t) const { return camera_.perspective ? 1 / t : t; }  // of the picture's x and y on a plane
   double cell_at(const Vec3& point, double t) const;                         // the mean side of what is drawn there, or more
+  double line_at(const Vec3& point, const Sample& sample) const;             // how much a line between cells darkens the point: 0 to 1
 
   const Grid& grid_;
   const Camera& camera_;

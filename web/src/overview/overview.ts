@@ -259,7 +259,7 @@ class Overview {
 
   // Asks for what is to be seen now.
   private look(orbit: Orbit, width: number, height: number, calm: boolean): void {
-    this.aim = { orbit, width: Math.round(width), height: Math.round(height), cut: this.cut() };
+    this.aim = { orbit, width: Math.round(width), height: Math.round(height), cut: this.cut(), points: this.ladder.quality().points };
     const place = JSON.stringify([orbit, this.aim.cut, width, height]);
     if (place !== this.drawn_from) {
       this.stage.leave(this.chrome.root.dataset.state === "sharp");

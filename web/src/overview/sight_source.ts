@@ -10,7 +10,9 @@ import { layers_of, palette_of, ranges } from "./layers";
 import { type Sights, decode_sights } from "./sights";
 import { type Space, type Vec3, from_space } from "./space";
 
-const QUICK_PIXELS = 80_000;
+const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
+const FEWEST_QUICK = 40_000; // pixels
+const MOST_QUICK = 240_000;
 const MOST_PIXELS = 2_600_000; // of a sharp picture
 const PART = 384; // pixels along a side
 const AT_ONCE = 2; // requests: browsers open six connections, and the slices come first
@@ -21,6 +23,7 @@ export interface Aim {
   readonly width: number; // of the panel, in CSS pixels
   readonly height: number;
   readonly cut: string; // as a part of an address, or empty
+  readonly points: number; // that can be drawn while something moves
 }
 
 interface Part {
@@ -62,6 +65,7 @@ export class SightSource {
   private quick_key = ""; // of the newest quick picture
   private sharp_key = ""; // of the sharp picture that is there or comes
   private quick_runs = false;
+  private quick_pixels = 80_000;
   private sharp_abort: AbortController | null = null;
   private kept: { quick: { frame: Frame; layers: Sights[] } | null; sharp: { frame: Frame; parts: { at: Part; layers: Sights[] }[]; whole: boolean } | null } = {
     quick: null,
@@ -147,13 +151,16 @@ export class SightSource {
     this.quick_runs = true;
     const { aim } = this;
     const key = this.key_of(aim);
-    const scale = Math.min(1, Math.sqrt(QUICK_PIXELS / (aim.width * aim.height)));
+    const began = performance.now();
+    const scale = Math.min(1, Math.sqrt(Math.min(this.quick_pixels, aim.points) / (aim.width * aim.height)));
     const [width, height] = [Math.max(1, Math.round(aim.width * scale)), Math.max(1, Math.round(aim.height * scale))];
     let frame: Frame | null = null;
     try {
       const layers = await this.fetch_layers(`${camera_query(this.space, aim.orbit, width, height)}${aim.cut}&quick=1`, this.signal);
       frame = { ...compose(layers, this.palette()), orbit: aim.orbit };
       this.kept.quick = { frame, layers };
+      const faster = Math.min(Math.max(QUICK_TIME / (performance.now() - began), 0.5), 1.5);
+      this.quick_pixels = Math.min(Math.max(this.quick_pixels * faster, FEWEST_QUICK), MOST_QUICK);
     } catch (error) {
       if (!this.signal.aborted) this.events.failed(error);
     }
