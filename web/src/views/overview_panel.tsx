@@ -7,7 +7,7 @@ import { toggle_layout } from "./actions";
 import { MaximiseButton, activating } from "./panel";
 import type { Stage } from "./stage";
 
-const QUIET = 300; // milliseconds that the slices have for themselves
+const QUIET = 300; // milliseconds that the slices have for themselves, where they are shown too
 
 export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
@@ -33,7 +33,7 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
       }
       loading.value = false;
     };
-    const timer = window.setTimeout(load, QUIET);
+    const timer = window.setTimeout(load, layout === "3d" ? 0 : QUIET);
     return () => {
       gone = true;
       clearTimeout(timer);
