@@ -97,6 +97,7 @@ ordered_json schemas() {
                               {"bytes", kInteger},
                               {"hash", text},
                               {"units", text},
+                              {"checked", {{"type", "boolean"}}},
                               {"protocols",
                                array(object({{"title", text},
                                              {"path", described(text, "below the server's base path, for programs that read this protocol")}}))}}))},

@@ -229,6 +229,7 @@ Response list(Service& service, const Target& target) {
                           {"bytes", grid->reader().file_bytes()},
                           {"hash", grid->hash},
                           {"units", grid->meta().units},
+                          {"checked", !grid->path.empty() && has_kept_findings(grid->path, grid->hash)},
                           {"protocols", std::move(addresses)}});
   }
   for (const auto& [id, error] : service.grids().unreadable()) j["unreadable"].push_back({{"id", id}, {"error", error}});

@@ -77,6 +77,7 @@ export interface GridSummary {
   bytes: number;
   hash: string;
   units: string;
+  checked: boolean; // whether what `teracell check` has found is there
   protocols: { title: string; path: string }[]; // the addresses for other programs, below the server's base path
 }
 

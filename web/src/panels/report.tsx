@@ -2,11 +2,14 @@
 import { useEffect, useMemo, useState } from "preact/hooks";
 import { bytes_text, grouped, plural, product, significant } from "../base/format";
 import type { BodyReport } from "../base/grid";
+import { type Findings, load_findings, markers_of } from "../state/findings";
 import { places_found } from "../state/places";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
+import { verdict } from "./finding_words";
+import { FindingsList, NotChecked } from "./findings";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
 import { body_cells, care_of, levels_text, size_text } from "./report_words";
@@ -42,12 +45,26 @@ function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: 
 export function ReportPanel({ viewer }: { viewer: Viewer }) {
   const { info } = viewer;
   const { report } = info;
-  const care = care_of(info);
-  const places = useMemo(() => places_found(info), [info]);
+  const [found, set_found] = useState<Findings | null | "loading">("loading");
+  const [error, set_error] = useState<unknown>(null);
+  useEffect(() => {
+    const abort = new AbortController();
+    load_findings(info.id, abort.signal)
+      .then(set_found)
+      .catch((reason: unknown) => {
+        if (abort.signal.aborted) return;
+        set_error(reason);
+        set_found(null);
+      });
+    return () => abort.abort();
+  }, [info]);
+  const findings = found === "loading" ? null : found;
+  const care = findings ? verdict(findings) : care_of(info);
+  const places = useMemo(() => (findings ? markers_of(findings) : places_found(info)), [info, findings]);
   const marked = viewer.markers.value.length > 0;
   useEffect(() => {
-    if (places.length && !viewer.markers.peek().length) viewer.markers.value = places;
-  }, [viewer]);
+    if (found !== "loading" && places.length) viewer.markers.value = places;
+  }, [viewer, found, places]);
   const bodies = [...report.bodies].sort((a, b) => Number(has_something_to_say(b)) - Number(has_something_to_say(a)));
   const few = bodies.length < MANY_BODIES;
   return (
@@ -62,6 +79,8 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
           Mark {plural(places.length, "place")} in the views
         </label>
       )}
+      {findings && <FindingsList viewer={viewer} findings={findings} />}
+      {found === null && <NotChecked viewer={viewer} error={error} />}
       {report.warnings.length > 0 && (
         <section>
           <h3>Warnings</h3>

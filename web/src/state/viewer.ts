@@ -6,7 +6,7 @@ import { unit_name } from "../base/format";
 import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "../base/grid";
 import { type MaterialLook, initial_looks } from "../base/materials";
 import { TileCounters } from "../tiles/counters";
-import { type ViewSize, fitting_zoom } from "./zoom";
+import { type Range, type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
 export type Layout = "four" | ViewName;
@@ -153,11 +153,14 @@ export class Viewer {
     this.go_to_cell([this.axes[0].cell_at(point[0]), this.axes[1].cell_at(point[1]), this.axes[2].cell_at(point[2])]);
   }
 
-  // The same, and the overview flies there. `extent`: a length that is to fill its view; by default some cells.
-  visit(point: readonly [number, number, number], extent = 0): void {
-    this.go_to(point);
-    const cell = Math.max(...this.axes.map((axis, d) => axis.width(this.cell.value[d]!)));
-    this.visited.value = { point: [...point], extent: Math.max(extent, 60 * cell) };
+  // The same, and all views come so near that a length fills a good part of them; the overview flies there.
+  visit(point: readonly [number, number, number], extent: number): void {
+    batch(() => {
+      this.go_to(point);
+      const ranges = point.map((x) => ({ min: x - extent / 2, max: x + extent / 2 })) as [Range, Range, Range];
+      if (this.views.length) this.zoom.value = fitting_zoom(ranges, this.views);
+      this.visited.value = { point: [...point], extent };
+    });
   }
 
   // Looks at a box of cells so that all views show the whole of it.

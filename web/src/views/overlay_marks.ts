@@ -31,6 +31,7 @@ export function draw_box(pen: Pen, box: Box | null): void {
   pen.cells(box[frame.u], box[frame.u + 3]!, box[frame.v], box[frame.v + 3]!, pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
 }
 
+const LONGEST = 60; // letters beside a marker
 const NEAR = 40; // CSS pixels from the slice up to which a marker is shown, the fainter the farther away
 
 export function draw_markers(pen: Pen, level: number): void {
@@ -38,6 +39,7 @@ export function draw_markers(pen: Pen, level: number): void {
   const across = viewer.axes[axis];
   const slice = viewer.cell.value[axis];
   const [low, high] = [across.plane((slice >> level) * 2 ** level), across.plane(Math.min(((slice >> level) + 1) * 2 ** level, across.cells))];
+  const said: { x: number; y: number; width: number }[] = []; // texts never lie over each other: the first one stays
   for (const { at, text } of viewer.markers.value) {
     const w = at[axis];
     const away = Math.max(low - w, w - high, 0) * camera.zoom;
@@ -47,7 +49,14 @@ export function draw_markers(pen: Pen, level: number): void {
     pen.path([[x, y], [x - 6, y - 14], [x + 6, y - 14]], ink.marker, { width: 2, close: true });
     context.fillStyle = ink.marker;
     context.fill();
-    if (away === 0) pen.text(text, x + 11, y - 10);
+    if (away === 0) {
+      const words = text.length > LONGEST ? `${text.slice(0, LONGEST - 1)}…` : text;
+      const place = { x: x + 11, y: y - 10, width: context.measureText(words).width };
+      if (said.every((other) => Math.abs(other.y - place.y) > 18 || other.x > place.x + place.width + 8 || place.x > other.x + other.width + 8)) {
+        said.push(place);
+        pen.text(words, place.x, place.y);
+      }
+    }
     context.globalAlpha = 1;
   }
 }

@@ -1,0 +1,33 @@
+// Findings in words: what each kind is called, and whether there is reason to worry.
+import { grouped, plural } from "../base/format";
+import { type Findings, type Kind, LEVELS, type Level } from "../state/findings";
+import type { Care } from "./report_words";
+
+export const KINDS: Record<Kind, { name: string; means: string }> = {
+  empty: { name: "Bodies without cells", means: "They lie outside the domain or between sample points, or stronger bodies own all of their cells." },
+  winding: { name: "Facets that face opposite ways", means: "Which side is inside was decided by parity there." },
+  cap: { name: "Holes", means: "They were closed by caps. A cap is a guess." },
+  seam: { name: "Seams", means: "Open edges close to each other were stitched." },
+  overlap: { name: "Overlaps", means: "Cells that lie in two bodies belong to the stronger one." },
+  lost_stretch: { name: "Lost parts", means: "They are thinner than a cell: no sample point meets them." },
+  lost_gap: { name: "Lost gaps", means: "They are narrower than a cell, so what they part has grown together." },
+  thin: { name: "Thin walls", means: "One or two cells thick. Finer cells would resolve them." },
+  island: { name: "Islands", means: "Cells that hang together with the rest of their body through no face." },
+  enclosed: { name: "Enclosed background", means: "No way through faces leads from it to a side of the domain." },
+  cut: { name: "Cut by the domain", means: "Bodies that reach a side of the domain." },
+};
+
+export const LEVEL_CARE: Record<Level, Care["level"]> = { error: "bad", warning: "look", note: "fine" };
+
+// The verdict: one sentence about the worst.
+export function verdict(findings: Findings): Care {
+  const count = (level: Level) => findings.findings.filter((f) => f.level === level).length;
+  const [errors, warnings, notes] = LEVELS.map(count) as [number, number, number];
+  const listed = errors + warnings + notes;
+  const all = Object.values(findings.totals).reduce((sum, total) => sum + (total?.findings ?? 0), 0);
+  const more = all > listed ? `, ${grouped(all)} findings in all` : "";
+  if (errors > 0) return { level: "bad", text: `Look here: ${plural(errors, "error")}, ${plural(warnings, "warning")}${more}.` };
+  if (warnings > 0) return { level: "look", text: `Probably fine, but look at ${plural(warnings, "warning")}${more}.` };
+  if (notes > 0) return { level: "fine", text: `Nothing to worry about. ${plural(notes, "note")}${more}.` };
+  return { level: "fine", text: "Nothing was found." };
+}

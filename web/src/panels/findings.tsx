@@ -1,0 +1,194 @@
+// What `teracell check` has found: a verdict, then kind by kind what it is, where, and a picture of it. And how thick walls are.
+import { useEffect, useMemo, useState } from "preact/hooks";
+import { grouped, plural } from "../base/format";
+import { words_of } from "../base/messages";
+import { get } from "../server/api";
+import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of } from "../state/findings";
+import type { Viewer } from "../state/viewer";
+import { CodeLine } from "../widgets/copy";
+import { KINDS, LEVEL_CARE } from "./finding_words";
+import { FirstOf } from "./first_of";
+import { GoThere, point_text } from "./places";
+
+const MANY = 20; // findings listed at once
+const [WIDTH, HEIGHT] = [288, 180]; // CSS pixels of a picture
+const AROUND = 24; // cells that are seen around a finding
+const MOST_SEEN = 160; // and at most across: a wall may go round the whole grid
+
+// The length that a view of a finding should show.
+function extent_of(viewer: Viewer, { at, box }: { at: Finding["at"]; box: Finding["box"] }): number {
+  const cell = Math.max(...viewer.axes.map((axis, d) => axis.width(axis.cell_at(at![d]!))));
+  const sides = box ? viewer.axes.map((axis, d) => axis.plane(box[d + 3]!) - axis.plane(box[d]!)) : [0];
+  return Math.min(Math.max(...sides) + AROUND * cell, MOST_SEEN * cell);
+}
+
+// Cut open in front of the place, and seen from the direction of the first picture of a grid.
+export function picture_address(viewer: Viewer, finding: Finding): string {
+  const at = finding.at!;
+  const from = at.map((x, d) => x + [0.65, -0.91, 0.585][d]! * 2 * extent_of(viewer, finding));
+  const size = `${2 * WIDTH},${2 * HEIGHT}`;
+  return viewer.address.view("png", `size=${size}&fov=26&from=${from.join(",")}&at=${at.join(",")}&open=${at.join(",")}&background=%2300000000`);
+}
+
+function Picture({ viewer, finding }: { viewer: Viewer; finding: Finding }) {
+  const [source, set_source] = useState("");
+  const [failed, set_failed] = useState(false);
+  const address = picture_address(viewer, finding);
+  useEffect(() => {
+    const abort = new AbortController();
+    let url = "";
+    get(address, { signal: abort.signal, priority: "low" })
+      .then((response) => response.blob())
+      .then((blob) => {
+        if (!abort.signal.aborted) set_source((url = URL.createObjectURL(blob)));
+      })
+      .catch(() => abort.signal.aborted || set_failed(true));
+    return () => {
+      abort.abort();
+      URL.revokeObjectURL(url);
+    };
+  }, [address]);
+  if (failed) return <p class="note">There is no picture.</p>;
+  return <div class="finding-picture">{source && <img src={source} width={WIDTH} height={HEIGHT} alt={`The place, cut open: ${finding.text}`} />}</div>;
+}
+
+function FindingLine({ viewer, finding }: { viewer: Viewer; finding: Finding }) {
+  const [opened, set_opened] = useState(false);
+  const { at, text } = finding;
+  return (
+    <li class="finding">
+      <div class="finding-line">
+        <span>
+          <span class={`dot ${LEVEL_CARE[finding.level]}`} title={finding.level} aria-label={finding.level} role="img" /> {text}
+          {at && <span class="faint"> At {point_text(viewer, at)}.</span>}
+        </span>
+        {at && <GoThere what={text} go={() => viewer.visit(at, extent_of(viewer, finding))} />}
+      </div>
+      {at && (
+        <details onToggle={(e) => set_opened(e.currentTarget.open)}>
+          <summary>Picture</summary>
+          {opened && <Picture viewer={viewer} finding={finding} />}
+        </details>
+      )}
+    </li>
+  );
+}
+
+function GroupOf({ viewer, group }: { viewer: Viewer; group: Group }) {
+  const [opened, set_opened] = useState(group.level === "error");
+  const { name, means } = KINDS[group.kind];
+  const hidden = group.total - group.findings.length;
+  return (
+    <li class="body">
+      <details open={opened} onToggle={(e) => set_opened(e.currentTarget.open)}>
+        <summary>
+          <span class={`dot ${LEVEL_CARE[group.level]}`} aria-hidden="true" />
+          <span class="body-name">{name}</span>
+          <span class="body-cells">{grouped(group.total)}</span>
+        </summary>
+        {opened && (
+          <div class="body-details">
+            <p class="note">{means}</p>
+            <ul class="places findings">
+              <FirstOf list={group.findings} step={MANY}>
+                {(finding, n) => <FindingLine key={n} viewer={viewer} finding={finding} />}
+              </FirstOf>
+            </ul>
+            {hidden > 0 && <p class="note">{plural(hidden, "more finding")} of this kind {hidden === 1 ? "is" : "are"} counted but not listed.</p>}
+          </div>
+        )}
+      </details>
+    </li>
+  );
+}
+
+function WallLine({ viewer, wall }: { viewer: Viewer; wall: Wall }) {
+  const thin = wall.histogram.slice(0, 8);
+  const most = Math.max(...thin, 1);
+  const words = thin.flatMap((n, i) => (n > 0 ? [`${plural(n, "cell")} in walls of ${plural(i + 1, "cell")}`] : [])).join(", ");
+  return (
+    <li class="wall">
+      <div class="finding-line">
+        <span>
+          <b>{wall.body}</b>{" "}
+          <span class="faint">{wall.thinnest_cells === null ? "is thicker than 8 cells everywhere" : `is at least ${plural(wall.thinnest_cells, "cell")} thick`}</span>
+        </span>
+        {wall.at && <GoThere what={`the thinnest wall of ${wall.body}`} go={() => viewer.visit(wall.at!, extent_of(viewer, { at: wall.at, box: null }))} />}
+      </div>
+      {wall.thinnest_cells !== null && (
+        <div class="histogram" role="img" aria-label={words}>
+          {thin.map((n, i) => (
+            <span key={i} title={`${plural(n, "cell")} in walls of ${plural(i + 1, "cell")}`}>
+              <span class={`bar ${i < 1 ? "bad" : i < 2 ? "look" : ""}`} style={{ height: `${n === 0 ? 0 : Math.max(4, (100 * n) / most)}%` }} />
+              {i + 1}
+            </span>
+          ))}
+        </div>
+      )}
+    </li>
+  );
+}
+
+export function FindingsList({ viewer, findings }: { viewer: Viewer; findings: Findings }) {
+  const [body, set_body] = useState("");
+  const bodies = useMemo(() => bodies_of(findings), [findings]);
+  const groups = useMemo(() => groups_of(findings, body), [findings, body]);
+  const walls = findings.walls.filter((wall) => !body || wall.body === body);
+  return (
+    <>
+      <section>
+        <h3>Findings</h3>
+        {bodies.length > 1 && (
+          <label class="filter">
+            of{" "}
+            <select aria-label="The body whose findings are listed" value={body} onChange={(e) => set_body(e.currentTarget.value)}>
+              <option value="">all bodies</option>
+              {bodies.map((name) => (
+                <option key={name} value={name}>
+                  {name}
+                </option>
+              ))}
+            </select>
+          </label>
+        )}
+        {groups.length === 0 && <p class="note">Nothing was found{body ? ` about ${body}` : ""}.</p>}
+        <ul class="bodies">
+          {groups.map((group) => (
+            <GroupOf key={group.kind} viewer={viewer} group={group} />
+          ))}
+        </ul>
+      </section>
+      {walls.length > 0 && (
+        <section>
+          <h3>Walls</h3>
+          <p class="note">How many cells lie in walls of 1 to 8 cells.</p>
+          <ul class="walls">
+            <FirstOf list={walls} step={MANY}>{(wall) => <WallLine key={wall.body} viewer={viewer} wall={wall} />}</FirstOf>
+          </ul>
+        </section>
+      )}
+      {findings.not_looked_at.length > 0 && (
+        <section>
+          <h3>Not looked at</h3>
+          <ul class="warnings">
+            {findings.not_looked_at.map((text) => (
+              <li key={text}>{text}</li>
+            ))}
+          </ul>
+        </section>
+      )}
+    </>
+  );
+}
+
+// Where nobody has looked, what would.
+export function NotChecked({ viewer, error }: { viewer: Viewer; error: unknown }) {
+  if (error) return <p class="problem">What was found could not be loaded: {words_of(error)}.</p>;
+  return (
+    <section>
+      <h3>Not looked at</h3>
+      <p class="note">Thin walls, islands and enclosed background: nobody has looked for them yet. This does, beside the file:</p>
+      <CodeLine class="hash" text={`teracell check ${viewer.info.id}.tcell`} what="the command" />
+    </section>
+  );
+}
