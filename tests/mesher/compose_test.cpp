@@ -21,7 +21,7 @@ struct SomeBodies {
   std::vector<Layer> layers;
   std::vector<uint32_t> rank;
   std::vector<Label> label;
-  Composer composer() const { return {layers, rank, label}; }
+  Composer composer() const { return {layers, rank, label, 2}; }
 };
 
 // A tile of one row of rays, each a list of crossings.
