@@ -17,7 +17,7 @@ class OverlapSum {
   void bound(const Budget& budget);
   void add(Bytes&& packed);
   void add(const OverlapSum& other);
-  bool empty() const { return pieces_.empty(); }
+  uint64_t on_disk() const { return disk_ ? disk_->end : 0; }  // bytes
   // Calls f for each pair, ascending. Throws FormatError when what was restored is damaged.
   void for_each(const std::function<void(const Overlap&)>& f) const;
 
