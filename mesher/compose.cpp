@@ -54,6 +54,22 @@ std::vector<BodyCells> Composer::take_cells() {
   return out;
 }
 
+std::vector<Inside>::iterator Composer::place_inside(uint32_t rank) {
+  return std::ranges::lower_bound(inside_, rank, std::ranges::greater{}, &Inside::rank);
+}
+
+inline void Composer::enter(const Inside& body) {
+  if (inside_.empty() || inside_.back().rank > body.rank) inside_.push_back(body);  // mostly
+  else inside_.insert(place_inside(body.rank), body);
+}
+
+inline void Composer::leave(uint32_t rank, uint32_t cell) {
+  const auto place = inside_.back().rank == rank ? inside_.end() - 1 : place_inside(rank);
+  const Inside body = *place;
+  inside_.erase(place);
+  if (!inside_.empty()) overlaps_.leave(ray_, body, cell, inside_, owner_);
+}
+
 // `cell` is the crossing's cell, or the length of the ray if that is less.
 void Composer::step(uint64_t crossing, uint32_t cell) {
   const uint32_t l = Crossing::layer(crossing);
@@ -65,29 +81,17 @@ void Composer::step(uint64_t crossing, uint32_t cell) {
   const bool mark = Crossing::is_mark(crossing);
   if (was == is && !mark) return;
   Body& body = meet(layer.body);
-  const auto place = [&] { return std::ranges::lower_bound(inside_, body.rank, std::ranges::greater{}, &Inside::rank); };
   if (mark) body.marks += Crossing::step(crossing);
   if (was != is) {
     open_ += is ? 1 : -1;
-    body.layers += is ? 1 : -1;
+    body.layers = static_cast<uint16_t>(body.layers + (is ? 1 : -1));
     if (body.layers == is) {  // otherwise another layer of the body decides
       body.within += is ? -int64_t{cell} : int64_t{cell};
-      if (is) {
-        inside_.insert(place(), {body.rank, layer.body, body.marks > 0 ? kNowhere : cell});
-      } else {
-        const auto left = place();
-        const Inside was_inside = *left;
-        inside_.erase(left);
-        if (!inside_.empty()) overlaps_.leave(was_inside, cell, inside_, owner_);
-      }
+      if (is) enter({body.rank, layer.body, body.marks > 0 ? kNowhere : cell});
+      else leave(body.rank, cell);
     }
   }
-  if (mark && body.marks == 0 && body.layers > 0) place()->from = cell;  // the ray is inside beyond the mark
-}
-
-void Composer::change_owner(uint32_t cell) {
-  const uint32_t rank = inside_.empty() ? kNowhere : inside_.back().rank;
-  if (rank != owner_.rank) owner_ = {rank, cell};
+  if (mark && body.marks == 0 && body.layers > 0) place_inside(body.rank)->from = cell;  // the ray is inside beyond the mark
 }
 
 void Composer::note_pairs(std::span<const uint64_t> crossings, uint32_t length) {
@@ -109,7 +113,7 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
   out.at.resize(crossings.all.size());  // as many changes at most
   alternating_.assign(2, {});
   pairs_.clear();
-  nu_ = nu;
+  overlaps_.begin_tile(nu);
   uint32_t* at = out.at.data();
   for (uint32_t ray = 0; ray < out.rays(); ++ray) {
     ray_ = ray;
@@ -168,7 +172,6 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
 
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
   sets_.assign(1, 0);
-  overlaps_.begin_ray(ray_ % nu_, ray_ / nu_);
   owner_ = {kNowhere, 0};
   uint32_t since = 0;
   for (size_t i = 0; i < all.size();) {
@@ -179,7 +182,7 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i], until);
     if (i - begin > 1) note_pairs(all.subspan(begin, i - begin), length);
     if (cell >= length) continue;
-    change_owner(cell);
+    if (inside_.size() > 1 && inside_.back().rank != owner_.rank) owner_ = {inside_.back().rank, cell};
     const Label label = inside_.empty() ? 0 : bodies_[inside_.back().body].label;
     if (cell == 0) {
       sets_[0] = label;

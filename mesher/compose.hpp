@@ -49,8 +49,8 @@ class Composer {
   struct Body {
     uint32_t rank;
     Label label;
-    uint32_t layers = 0;            // that the ray is inside of
     int marks = 0;                  // that the ray is in: the cells there are the body's, but not inside it
+    uint16_t layers = 0;            // that the ray is inside of, of its two
     bool met = false;               // since take_cells()
     int64_t owned = 0, within = 0;  // cells since then; while a ray is in the body, `within` lacks the cell that it ends at
   };
@@ -62,7 +62,9 @@ class Composer {
   size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   void step(uint64_t crossing, uint32_t cell);
-  void change_owner(uint32_t cell);
+  void enter(const Inside& body);
+  void leave(uint32_t rank, uint32_t cell);
+  std::vector<Inside>::iterator place_inside(uint32_t rank);
   Body& meet(uint32_t body) {
     Body& b = bodies_[body];
     if (!b.met) b.met = true, met_.push_back(body);
@@ -76,11 +78,10 @@ class Composer {
   std::vector<int> counter_;     // one per layer
   std::vector<uint32_t> met_;    // bodies
   std::vector<Inside> inside_;   // bodies that the ray is inside of, the one of the lowest rank last
-  Owner owner_{};                // of the latest cell
+  Owner owner_{};                // of the latest cell, where the ray is inside of several bodies
   TileOverlaps overlaps_;
   int open_ = 0;                 // layers that the ray is inside of
   uint32_t ray_ = 0;             // the one that is being composed
-  uint32_t nu_ = 1;              // of the tile
   std::vector<CrossingPairs> pairs_;
   std::vector<SetId> sets_;
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]

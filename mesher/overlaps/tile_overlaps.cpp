@@ -20,8 +20,6 @@ TileOverlaps::TileOverlaps(size_t bodies, int ray_axis) : frame_(RayFrame::along
   }
 }
 
-void TileOverlaps::begin_ray(uint32_t u, uint32_t v) { u_ = static_cast<uint8_t>(u), v_ = static_cast<uint8_t>(v); }
-
 void TileOverlaps::Stretches::add(const Stretches& other) {
   cells += other.cells;
   first = std::min(first, other.first);
@@ -30,9 +28,10 @@ void TileOverlaps::Stretches::add(const Stretches& other) {
   v0 = std::min(v0, other.v0), v1 = std::max(v1, other.v1);
 }
 
-TileOverlaps::Stretches TileOverlaps::stretch(uint32_t from, uint32_t to) const {
-  const uint64_t key = uint64_t{from} << shift_[frame_.w] | uint64_t{u_} << shift_[frame_.u] | uint64_t{v_} << shift_[frame_.v];
-  return {to - from, key, from, to, u_, u_, v_, v_};
+TileOverlaps::Stretches TileOverlaps::stretch(uint32_t u, uint32_t v, uint32_t from, uint32_t to) const {
+  const uint64_t key = uint64_t{from} << shift_[frame_.w] | uint64_t{u} << shift_[frame_.u] | uint64_t{v} << shift_[frame_.v];
+  const auto u8 = static_cast<uint8_t>(u), v8 = static_cast<uint8_t>(v);
+  return {to - from, key, from, to, u8, u8, v8, v8};
 }
 
 // The entry of `other`. Others are asked for by descending rank; `next` is 0 at first.
@@ -45,8 +44,9 @@ TileOverlaps::Common& TileOverlaps::common(std::vector<Common>& list, size_t& ne
   return list[next++];
 }
 
-void TileOverlaps::leave(const Inside& body, uint32_t to, std::span<const Inside> others, const Owner& owner) {
+void TileOverlaps::leave(uint32_t ray, const Inside& body, uint32_t to, std::span<const Inside> others, const Owner& owner) {
   if (body.from >= to) return;
+  const uint32_t u = ray % nu_, v = ray / nu_;
   Left& left = left_[body.body];
   const bool is_new = left.list.empty() && left.group.empty();
   size_t next = 0, before = 0;
@@ -57,7 +57,7 @@ void TileOverlaps::leave(const Inside& body, uint32_t to, std::span<const Inside
       ++before;
     } else if (other.from < to) {
       Common& c = common(left.list, next, other);
-      c.stretches.add(stretch(other.from, to));
+      c.stretches.add(stretch(u, v, other.from, to));
       c.third |= sole_owner(owner, other.from) != std::min(body.rank, other.rank);
     }
   }
@@ -68,7 +68,7 @@ void TileOverlaps::leave(const Inside& body, uint32_t to, std::span<const Inside
       std::ranges::copy_if(others, std::back_inserter(left.group), [&](const Inside& other) { return other.from <= body.from; });
       left.owner = sole;
     }
-    left.of_group.add(stretch(body.from, to));
+    left.of_group.add(stretch(u, v, body.from, to));
     if (left.owner != sole) left.owner = kNobody;
   }
   if (is_new && !(left.list.empty() && left.group.empty())) met_.push_back(body);

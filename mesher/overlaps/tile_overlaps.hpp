@@ -27,11 +27,10 @@ class TileOverlaps {
  public:
   // `bodies`: how many there are.
   TileOverlaps(size_t bodies, int ray_axis);
-  // Rays come in order: by v, then u.
-  void begin_ray(uint32_t u, uint32_t v);
-  // The ray leaves `body` at cell `to` and stays inside the `others`, of which the one of the lowest rank stands last. `owner` is that of
-  // cell `to` - 1.
-  void leave(const Inside& body, uint32_t to, std::span<const Inside> others, const Owner& owner);
+  void begin_tile(uint32_t nu) { nu_ = nu; }
+  // Ray v * nu + u leaves `body` at cell `to` and stays inside the `others`, of which the one of the lowest rank stands last. `owner` is
+  // that of cell `to` - 1.
+  void leave(uint32_t ray, const Inside& body, uint32_t to, std::span<const Inside> others, const Owner& owner);
   // What was found since the last call, packed; empty if there is nothing. `cells` are those of the tile.
   Bytes take(const Box& cells);
 
@@ -56,7 +55,7 @@ class TileOverlaps {
     Stretches of_group;
     uint32_t owner = 0;  // the rank of the body that owns all of them, if it is one
   };
-  Stretches stretch(uint32_t from, uint32_t to) const;
+  Stretches stretch(uint32_t u, uint32_t v, uint32_t from, uint32_t to) const;
   static Common& common(std::vector<Common>& list, size_t& next, const Inside& other);
   static void list_group(uint32_t rank, Left& left);
   Overlap overlap(uint32_t body, const Common& common, const Box& cells) const;
@@ -65,7 +64,7 @@ class TileOverlaps {
   std::array<int, 3> shift_;  // where the number of a cell along x, y, z stands in a key; keys sort by z, then y, then x
   std::vector<Left> left_;        // by body
   std::vector<Inside> met_;       // bodies in left_ that have something in common with others
-  uint8_t u_ = 0, v_ = 0;
+  uint32_t nu_ = 1;
 };
 
 }  // namespace teracell
