@@ -7,7 +7,6 @@
 #pragma once
 #include <span>
 
-#include "mesher/engines/engine.hpp"
 #include "mesher/overlaps/overlap.hpp"
 
 namespace teracell {

@@ -159,7 +159,10 @@ TEST_CASE("A mark is a stretch of its body's, but no crossing that lies close to
 TEST_CASE("Bodies overlap where both are inside, before, between and behind cells that are only marked") {
   const auto mark = [](uint64_t c) { return c | Crossing::kMark; };
   Composer composer = kTwo.composer();
-  composed(composer, {{up(1, 0), down(9, 0), mark(up(2, 2)), mark(down(3, 2)), up(3, 2), down(5, 2), mark(up(5, 2)), mark(down(7, 2)), mark(up(6, 2)), mark(down(8, 2))}}, 9);
+  composed(composer,
+           {{up(1, 0), down(9, 0), mark(up(2, 2)), mark(down(3, 2)), up(3, 2), down(5, 2), mark(up(5, 2)), mark(down(7, 2)), mark(up(6, 2)),
+             mark(down(8, 2))}},
+           9);
   const std::vector<Overlap> found = unpacked(composer.take_overlaps({{10, 20, 30}, {11, 21, 39}}));
   REQUIRE(found.size() == 1);
   CHECK(found[0] == Overlap{{0, 1}, false, 2, {{10, 20, 33}, {11, 21, 35}}, {10, 20, 33}});

@@ -42,8 +42,9 @@ Report full_report() {
   report.axis_asked_for = true;
   report.crossings_expected = {1, 2, 1e30};
   report.lost_gaps = {{"steel", 2, {1, 2, 3.0, Vec3{1, 1, 1}}}};
-  report.overlaps = {3, {{{"hull \"aft\"", "plate"}, static_cast<unsigned __int128>(1) << 90, "plate", {{0, 1, 2}, {3, 4, 1 << 30}}, {0.5, 1.5, 2.5}},
-                         {{"plate", "rib"}, 7, std::nullopt, {{0, 0, 0}, {1, 1, 7}}, {0.1, 0, 0}}}};
+  report.overlaps = {3,
+                     {{{"hull \"aft\"", "plate"}, static_cast<unsigned __int128>(1) << 90, "plate", {{0, 1, 2}, {3, 4, 1 << 30}}, {0.5, 1.5, 2.5}},
+                      {{"plate", "rib"}, 7, std::nullopt, {{0, 0, 0}, {1, 1, 7}}, {0.1, 0, 0}}}};
   return report;
 }
 
