@@ -7,6 +7,7 @@ void CastTotals::add(const RowTotals& row) {
   exact_decisions += row.exact_decisions;
   for (const BodyCells& b : row.cells) cells[b.body] += b.owned, covered[b.body] += b.covered;
   tallies.add(row.tallies);
+  overlaps.add(row.overlaps);
 }
 
 void CastTotals::add(const CastTotals& other) {
@@ -14,6 +15,7 @@ void CastTotals::add(const CastTotals& other) {
   exact_decisions += other.exact_decisions;
   for (size_t b = 0; b < cells.size(); ++b) cells[b] += other.cells[b], covered[b] += other.covered[b];
   tallies.add(other.tallies);
+  overlaps.add(other.overlaps);
 }
 
 void CastTotals::save(Bytes& out) const {
@@ -24,6 +26,7 @@ void CastTotals::save(Bytes& out) const {
       put_fixed(out, static_cast<uint64_t>(n >> 64));
     }
   tallies.save(out);
+  overlaps.save(out);
 }
 
 CastTotals CastTotals::restored(ByteReader& in) {
@@ -39,6 +42,7 @@ CastTotals CastTotals::restored(ByteReader& in) {
     }
   }
   out.tallies = Tallies::restored(in);
+  out.overlaps = OverlapSum::restored(in);
   return out;
 }
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mesher/compose.hpp"
+#include "mesher/overlaps/overlap_sum.hpp"
 #include "mesher/thin/tally.hpp"
 #include "store/bytes.hpp"
 
@@ -14,6 +15,7 @@ struct RowTotals {
   uint64_t crossings = 0, exact_decisions = 0;
   std::vector<BodyCells> cells;
   Tallies tallies;
+  OverlapSum overlaps;
 };
 
 // What all casting has counted.
@@ -21,6 +23,7 @@ struct CastTotals {
   uint64_t crossings = 0, exact_decisions = 0;
   std::vector<unsigned __int128> cells, covered;  // one per body: cells that it owns, and cells in it that a stronger body owns
   Tallies tallies;
+  OverlapSum overlaps;
   void add(const RowTotals& row);
   void add(const CastTotals& other);  // of the same bodies
   void save(Bytes& out) const;

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "mesher/closing/number_text.hpp"
 #include "mesher/warnings.hpp"
+#include "store/number_text.hpp"
 #include "store/text.hpp"
 
 namespace teracell {

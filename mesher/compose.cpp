@@ -9,6 +9,8 @@
 namespace teracell {
 namespace {
 
+constexpr uint32_t kNowhere = ~uint32_t{0};  // no cell, no rank
+
 // Sorts the crossings of a ray. The engine leaves them nearly in order and they are few, so insertion takes one comparison per
 // crossing. Returns whether all are of one layer. That is found out here because a second loop would wait for the crossings
 // that were just stored (it took a tenth of the whole run).
@@ -33,8 +35,8 @@ bool sort_crossings(std::span<uint64_t> c) {
 
 }  // namespace
 
-Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label)
-    : layers_(std::move(layers)), counter_(layers_.size(), 0) {
+Composer::Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label, int ray_axis)
+    : layers_(std::move(layers)), counter_(layers_.size(), 0), overlaps_(label.size(), ray_axis) {
   bodies_.reserve(label.size());
   for (uint32_t b = 0; b < label.size(); ++b) bodies_.push_back({rank[b], label[b]});
 }
@@ -52,6 +54,22 @@ std::vector<BodyCells> Composer::take_cells() {
   return out;
 }
 
+std::vector<Inside>::iterator Composer::place_inside(uint32_t rank) {
+  return std::ranges::lower_bound(inside_, rank, std::ranges::greater{}, &Inside::rank);
+}
+
+inline void Composer::enter(const Inside& body) {
+  if (inside_.empty() || inside_.back().rank > body.rank) inside_.push_back(body);  // mostly
+  else inside_.insert(place_inside(body.rank), body);
+}
+
+inline void Composer::leave(uint32_t rank, uint32_t cell) {
+  const auto place = inside_.back().rank == rank ? inside_.end() - 1 : place_inside(rank);
+  const Inside body = *place;
+  inside_.erase(place);
+  if (!inside_.empty()) overlaps_.leave(ray_, body, cell, inside_, owner_);
+}
+
 // `cell` is the crossing's cell, or the length of the ray if that is less.
 void Composer::step(uint64_t crossing, uint32_t cell) {
   const uint32_t l = Crossing::layer(crossing);
@@ -60,15 +78,20 @@ void Composer::step(uint64_t crossing, uint32_t cell) {
   const bool was = counter != 0;
   counter = layer.evenodd ? counter ^ 1 : counter + Crossing::step(crossing);
   const bool is = counter != 0;
-  if (was == is) return;
-  open_ += is ? 1 : -1;
+  const bool mark = Crossing::is_mark(crossing);
+  if (was == is && !mark) return;
   Body& body = meet(layer.body);
-  body.layers += is ? 1 : -1;
-  if (body.layers != is) return;  // another layer of the body decides
-  body.within += is ? -int64_t{cell} : int64_t{cell};
-  const auto place = std::ranges::lower_bound(inside_, body.rank, std::ranges::greater{}, [&](uint32_t b) { return bodies_[b].rank; });
-  if (is) inside_.insert(place, layer.body);
-  else inside_.erase(place);
+  if (mark) body.marks += Crossing::step(crossing);
+  if (was != is) {
+    open_ += is ? 1 : -1;
+    body.layers = static_cast<uint16_t>(body.layers + (is ? 1 : -1));
+    if (body.layers == is) {  // otherwise another layer of the body decides
+      body.within += is ? -int64_t{cell} : int64_t{cell};
+      if (is) enter({body.rank, layer.body, body.marks > 0 ? kNowhere : cell});
+      else leave(body.rank, cell);
+    }
+  }
+  if (mark && body.marks == 0 && body.layers > 0) place_inside(body.rank)->from = cell;  // the ray is inside beyond the mark
 }
 
 void Composer::note_pairs(std::span<const uint64_t> crossings, uint32_t length) {
@@ -90,6 +113,7 @@ void Composer::compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t 
   out.at.resize(crossings.all.size());  // as many changes at most
   alternating_.assign(2, {});
   pairs_.clear();
+  overlaps_.begin_tile(nu);
   uint32_t* at = out.at.data();
   for (uint32_t ray = 0; ray < out.rays(); ++ray) {
     ray_ = ray;
@@ -148,16 +172,18 @@ size_t Composer::compose_one_layer(std::span<const uint64_t> all, uint32_t lengt
 
 size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns) {
   sets_.assign(1, 0);
+  owner_ = {kNowhere, 0};
   uint32_t since = 0;
   for (size_t i = 0; i < all.size();) {
     const uint32_t cell = Crossing::cell(all[i]), until = std::min(cell, length);
-    if (!inside_.empty()) bodies_[inside_.back()].owned += until - since;
+    if (!inside_.empty()) bodies_[inside_.back().body].owned += until - since;
     since = until;
     const size_t begin = i;
     for (; i < all.size() && Crossing::cell(all[i]) == cell; ++i) step(all[i], until);
     if (i - begin > 1) note_pairs(all.subspan(begin, i - begin), length);
     if (cell >= length) continue;
-    const Label label = inside_.empty() ? 0 : bodies_[inside_.back()].label;
+    if (inside_.size() > 1 && inside_.back().rank != owner_.rank) owner_ = {inside_.back().rank, cell};
+    const Label label = inside_.empty() ? 0 : bodies_[inside_.back().body].label;
     if (cell == 0) {
       sets_[0] = label;
     } else if (label != sets_.back()) {

@@ -6,6 +6,7 @@
 // many bodies there are.
 #pragma once
 #include "mesher/engines/engine.hpp"
+#include "mesher/overlaps/tile_overlaps.hpp"
 #include "store/run.hpp"
 
 namespace teracell {
@@ -31,8 +32,8 @@ struct BodyCells {
 class Composer {
  public:
   // `rank[b]` is the rank of body b: all are different, and 0 wins over all others. `label[b]` is its label; label 0 is the
-  // background.
-  Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label);
+  // background. `ray_axis`: that of all rays.
+  Composer(std::vector<Layer> layers, const std::vector<uint32_t>& rank, const std::vector<Label>& label, int ray_axis);
   // Turns the crossings of a tile of nu x nv rays of `length` cells into runs, and sorts the crossings. Every layer's surface
   // is closed, so its counter is back at zero where the ray ends. Throws Error when it is not.
   void compose(Crossings& crossings, uint32_t nu, uint32_t nv, uint32_t length, RayBlock& out);
@@ -40,12 +41,16 @@ class Composer {
   const std::vector<CrossingPairs>& crossing_pairs() const { return pairs_; }
   // Of the bodies that rays have met since the last call. REQUIRES: it is called at least once per 2^63 cells.
   std::vector<BodyCells> take_cells();
+  // Of the tile that was composed last, packed; empty if no bodies overlap in it. `cells` are those of the tile. REQUIRES: it is called for
+  // every tile.
+  Bytes take_overlaps(const Box& cells) { return overlaps_.take(cells); }
 
  private:
   struct Body {
     uint32_t rank;
     Label label;
-    uint32_t layers = 0;            // that the ray is inside of
+    int marks = 0;                  // that the ray is in: the cells there are the body's, but not inside it
+    uint16_t layers = 0;            // that the ray is inside of, of its two
     bool met = false;               // since take_cells()
     int64_t owned = 0, within = 0;  // cells since then; while a ray is in the body, `within` lacks the cell that it ends at
   };
@@ -57,6 +62,9 @@ class Composer {
   size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   void step(uint64_t crossing, uint32_t cell);
+  void enter(const Inside& body);
+  void leave(uint32_t rank, uint32_t cell);
+  std::vector<Inside>::iterator place_inside(uint32_t rank);
   Body& meet(uint32_t body) {
     Body& b = bodies_[body];
     if (!b.met) b.met = true, met_.push_back(body);
@@ -69,7 +77,9 @@ class Composer {
   std::vector<Body> bodies_;
   std::vector<int> counter_;     // one per layer
   std::vector<uint32_t> met_;    // bodies
-  std::vector<uint32_t> inside_; // bodies that the ray is inside of, the one of the lowest rank last
+  std::vector<Inside> inside_;   // bodies that the ray is inside of, the one of the lowest rank last
+  Owner owner_{};                // of the latest cell, where the ray is inside of several bodies
+  TileOverlaps overlaps_;
   int open_ = 0;                 // layers that the ray is inside of
   uint32_t ray_ = 0;             // the one that is being composed
   std::vector<CrossingPairs> pairs_;

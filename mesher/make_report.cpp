@@ -1,5 +1,6 @@
 #include "mesher/make_report.hpp"
 
+#include <algorithm>
 #include <set>
 #include <utility>
 
@@ -81,6 +82,32 @@ std::vector<GapReport> gap_reports(const Scene& scene, const Grid& grid, const T
   return out;
 }
 
+OverlapsReport overlaps_report(const Scene& scene, const Grid& grid, const OverlapSum& sum) {
+  constexpr size_t kMost = 1000;
+  const auto before = [](const Overlap& a, const Overlap& b) { return a.cells != b.cells ? a.cells > b.cells : a.bodies < b.bodies; };
+  OverlapsReport out;
+  std::vector<Overlap> most;  // a heap whose front comes last
+  sum.for_each([&](const Overlap& o) {
+    ++out.pairs;
+    most.push_back(o);
+    std::ranges::push_heap(most, before);
+    if (most.size() <= kMost) return;
+    std::ranges::pop_heap(most, before);
+    most.pop_back();
+  });
+  std::ranges::sort_heap(most, before);
+  for (const Overlap& o : most) {
+    const auto [a, b] = o.bodies;
+    OverlapReport& r = out.list.emplace_back();
+    r.bodies = {scene.bodies[a].name, scene.bodies[b].name};
+    r.cells = o.cells;
+    if (!o.third) r.owner = scene.bodies[is_stronger(scene, a, b) ? a : b].name;
+    r.box = o.box;
+    for (int d = 0; d < 3; ++d) r.at[d] = grid.axis[d].centre(o.at[d]);
+  }
+  return out;
+}
+
 }  // namespace
 
 Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<SurfaceCounts>& counts, const Plan& plan, const CastTotals& totals,
@@ -97,6 +124,7 @@ Report make_report(const Scene& scene, Bodies&& bodies, const std::vector<Surfac
     out.bodies.push_back(body_report(scene, b, std::move(found), counts[b], plan, totals, count_thin));
   }
   bodies.bodies = {};
+  out.overlaps = overlaps_report(scene, plan.meta.grid, totals.overlaps);
   if (count_thin) out.lost_gaps = gap_reports(scene, plan.meta.grid, totals.tallies);
   return out;
 }

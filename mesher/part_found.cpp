@@ -142,6 +142,10 @@ void expect_fit(const CastTotals& totals, const SurfacesFound& surfaces, const M
     if (key.what != What::kLowerSide) ++last[key.axis];  // it lies between two sample points
     for (int d = 0; d < 3; ++d) expect(tally.cell[d] >= 0 && last[d] < meta.grid.axis[d].cells(), "it lies outside");
   }
+  totals.overlaps.for_each([&](const Overlap& o) {
+    expect(o.bodies[0] < o.bodies[1] && o.bodies[1] < bodies, "bodies that are not there overlap");
+    for (int d = 0; d < 3; ++d) expect(o.box.hi[d] <= meta.grid.axis[d].cells(), "bodies overlap outside");
+  });
 }
 
 }  // namespace teracell

@@ -61,6 +61,7 @@ class MeshRun {
   MeshReport run() {
     if (options_.shard) range_ = run_.costs().stretch(*options_.shard);
     open_output();
+    totals_.overlaps.bound(run_.budget);
     TiledFacets facets(run_.scene, run_.bodies, run_.plan.meta, run_.widened, run_.budget, run_.threads,
                        [&](double share) { run_.progress("spill", share); });
     Tiling& tiling = facets.tile(range_, run_.counts, false);
@@ -134,10 +135,11 @@ class MeshRun {
 
   void save() {
     if (identity_.empty()) identity_ = identity_of_output();
-    Checkpoint c{identity_, groups_, totals_, {}};
+    Checkpoint c{identity_, groups_, std::move(totals_), {}};
     sink_->save(c.writers);
     pyramid_->save(c.writers);
     save_checkpoint(c, output_);
+    totals_ = std::move(c.totals);
   }
 
   void finish_part(TiledFacets& facets) {

@@ -55,6 +55,20 @@ struct GapReport {
   LostReport lost;
 };
 
+// Cells inside two bodies, whoever owns them.
+struct OverlapReport {
+  std::array<std::string, 2> bodies;
+  unsigned __int128 cells = 0;
+  std::optional<std::string> owner;  // of all these cells, when that is one of the two
+  Box box;                           // in cells
+  Vec3 at{};                         // the sample point of one of them
+};
+
+struct OverlapsReport {
+  uint64_t pairs = 0;                // of bodies that overlap
+  std::vector<OverlapReport> list;   // those with the most cells, the most first
+};
+
 struct InputReport {
   std::string path, format, hash;
   uint64_t bytes = 0;
@@ -71,6 +85,7 @@ struct Report {
   bool axis_asked_for = false;
   Vec3 crossings_expected{};                        // along each axis
   std::optional<std::vector<GapReport>> lost_gaps;  // when they were counted
+  std::optional<OverlapsReport> overlaps;           // reports of earlier versions have none
 };
 
 // What one run was like. Only --report has it.

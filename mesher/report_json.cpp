@@ -16,7 +16,8 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr size_t kMostReportText = (size_t{1} << 26) - 1024;
-constexpr size_t kMostOfBodies = size_t{34} << 20, kMostOfInputs = size_t{11} << 20, kMostOfScene = size_t{15} << 20;
+constexpr size_t kMostOfBodies = size_t{34} << 20, kMostOfInputs = size_t{11} << 20, kMostOfScene = size_t{15} << 20,
+                 kMostOfOverlaps = size_t{1} << 20;
 constexpr size_t kMostPlaces = 30000;  // holes and flips, of all bodies together
 constexpr size_t kBytesOfABody = 620;  // in all lists, when there is nothing special about it
 
@@ -101,6 +102,17 @@ std::string gaps_json(const std::vector<GapReport>& gaps) {
   return text;
 }
 
+void write_overlap(JsonWriter& out, const OverlapReport& o) {
+  out.begin_object().key("bodies").begin_array().value(o.bodies[0]).value(o.bodies[1]).end_array();
+  write_count(out, "cells", o.cells);
+  if (o.owner) out.field("owner", *o.owner);
+  else out.field("owner", nullptr);
+  out.key("box").begin_array();
+  for (const Index3& corner : {o.box.lo, o.box.hi})
+    for (const int64_t n : corner) out.value(n);
+  out.end_array().field("at", o.at).end_object();
+}
+
 // ---- in
 
 Vec3 vec3(const ordered_json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
@@ -177,6 +189,16 @@ BodyReport body_in(const ordered_json& j) {
   return body;
 }
 
+OverlapReport overlap_in(const ordered_json& j) {
+  OverlapReport o;
+  for (size_t i = 0; i < 2; ++i) o.bodies[i] = j.at("bodies").at(i).get<std::string>();
+  o.cells = count_in(j, "cells");
+  if (const ordered_json& owner = j.at("owner"); !owner.is_null()) o.owner = owner.get<std::string>();
+  for (size_t d = 0; d < 3; ++d) o.box.lo[d] = j.at("box").at(d).get<int64_t>(), o.box.hi[d] = j.at("box").at(d + 3).get<int64_t>();
+  o.at = vec3(j.at("at"));
+  return o;
+}
+
 Report report_in(const ordered_json& j) {
   Report report;
   for (const ordered_json& b : j.at("bodies")) report.bodies.push_back(body_in(b));
@@ -193,6 +215,10 @@ Report report_in(const ordered_json& j) {
   if (const auto gaps = j.find("lost_gaps"); gaps != j.end() && !gaps->is_null()) {
     report.lost_gaps.emplace();
     for (const ordered_json& g : *gaps) report.lost_gaps->push_back({g.at("material").get<std::string>(), axis_in(g), lost_in(g)});
+  }
+  if (const auto overlaps = j.find("overlaps"); overlaps != j.end()) {
+    report.overlaps.emplace().pairs = overlaps->at("pairs").get<uint64_t>();
+    for (const ordered_json& o : overlaps->at("list")) report.overlaps->list.push_back(overlap_in(o));
   }
   return report;
 }
@@ -219,6 +245,12 @@ std::string open_report(const Report& report, const Scene& scene, const std::vec
   out.key("crossings_expected").begin_array();
   for (const double crossings : report.crossings_expected) out.value(static_cast<uint64_t>(std::min(crossings, 0x1p63)));
   out.end_array().end_object();
+  if (report.overlaps) {
+    const std::vector<OverlapReport>& list = report.overlaps->list;
+    out.key("overlaps").begin_object().field("pairs", report.overlaps->pairs).key("list");
+    write_list(text, list.size(), kMostOfOverlaps, [&](JsonWriter& writer, size_t i) { write_overlap(writer, list[i]); });
+    out.end_object();
+  }
   const auto add_if_it_fits = [&](const char* key, const std::string& json) {
     out.key(key).raw(text.size() + json.size() < kMostReportText ? json : "null");
   };

@@ -35,6 +35,7 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
     worker.marker.mark(tile, cells, worker.crossings);
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
     tally_pairs(worker.composer.crossing_pairs(), cells, totals_[i / kFanOut].tallies);
+    totals_[i / kFanOut].overlaps.add(worker.composer.take_overlaps(cells));
   }
   pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);

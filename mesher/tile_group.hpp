@@ -18,7 +18,7 @@ namespace teracell {
 struct Worker {
   Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels, const Scene& scene, const Metadata& meta,
          bool count_thin)
-      : engine(std::move(by)), marker(scene, meta, labels, count_thin), composer(layers, labels.rank, labels.of_body) {}
+      : engine(std::move(by)), marker(scene, meta, labels, count_thin), composer(layers, labels.rank, labels.of_body, meta.ray_axis) {}
   uint64_t exact_decisions() const { return engine->exact_decisions() + marker.exact_decisions(); }
   std::unique_ptr<Engine> engine;
   Marker marker;

@@ -17,9 +17,9 @@
 
 #include <fmt/format.h>
 
-#include "mesher/closing/number_text.hpp"
 #include "mesher/engines/ray.hpp"
 #include "store/in_order.hpp"
+#include "store/number_text.hpp"
 
 namespace teracell {
 namespace {

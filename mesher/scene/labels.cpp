@@ -9,10 +9,7 @@ namespace {
 std::vector<uint32_t> ranks_of_bodies(const Scene& scene) {
   std::vector<uint32_t> order(scene.bodies.size()), rank(scene.bodies.size());
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, [&](uint32_t a, uint32_t b) {
-    const int64_t pa = scene.bodies[a].priority, pb = scene.bodies[b].priority;
-    return pa != pb ? pa > pb : a > b;
-  });
+  std::ranges::sort(order, [&](uint32_t a, uint32_t b) { return is_stronger(scene, a, b); });
   for (uint32_t r = 0; r < order.size(); ++r) rank[order[r]] = r;
   return rank;
 }
@@ -32,6 +29,11 @@ std::vector<MaterialInfo> ranked_materials(const Scene& scene, const std::vector
 }
 
 }  // namespace
+
+bool is_stronger(const Scene& scene, uint32_t a, uint32_t b) {
+  const int64_t pa = scene.bodies[a].priority, pb = scene.bodies[b].priority;
+  return pa != pb ? pa > pb : a > b;
+}
 
 Labels make_labels(const Scene& scene) {
   Labels out;

@@ -16,5 +16,7 @@ struct Labels {
 // Bodies rank by priority, the highest first; of bodies with equal priority, the later one ranks first. A material ranks as
 // its strongest body does. Materials without a body follow in the order of the scene, and the background is last.
 Labels make_labels(const Scene& scene);
+// Whether body a ranks before body b.
+bool is_stronger(const Scene& scene, uint32_t a, uint32_t b);
 
 }  // namespace teracell

@@ -22,14 +22,49 @@ Grid uniform_grid(double min, double step, int64_t nx, int64_t ny, int64_t nz) {
   return {{Axis::uniform(min, step, 0, nx, 0.5), Axis::uniform(min, step, 0, ny, 0.5), Axis::uniform(min, step, 0, nz, 0.5)}};
 }
 
-// Of how many cells each body holds the sample point, whoever owns them.
-std::vector<size_t> held(const std::vector<Body>& bodies, const Grid& grid) {
-  std::vector<size_t> out;
-  for (const Body& body : bodies) {
-    const auto alone = oracle::materials({{body.facets, body.rule, 1}}, grid);
-    out.push_back(alone.size() - static_cast<size_t>(std::ranges::count(alone, 0u)));
-  }
+// Of which cells each body holds the sample point, whoever owns them: 1 or 0.
+std::vector<std::vector<uint32_t>> held(const std::vector<Body>& bodies, const Grid& grid) {
+  std::vector<std::vector<uint32_t>> out;
+  for (const Body& body : bodies) out.push_back(oracle::materials({{body.facets, body.rule, 1}}, grid));
   return out;
+}
+
+// The list of the report, by looking at every cell. A body's name is body and its number.
+nlohmann::ordered_json overlaps_of(const std::vector<Body>& bodies, const std::vector<std::vector<uint32_t>>& held, const Grid& grid) {
+  const auto stronger = [&](size_t a, size_t b) {
+    return bodies[a].priority != bodies[b].priority ? bodies[a].priority > bodies[b].priority : a > b;
+  };
+  const auto name = [](size_t b) { return fmt::format("body{}", b); };
+  const Index3 n = grid.cells();
+  std::vector<nlohmann::ordered_json> list;
+  for (size_t a = 0; a < bodies.size(); ++a)
+    for (size_t b = a + 1; b < bodies.size(); ++b) {
+      size_t cells = 0;
+      Box box{n, {0, 0, 0}};
+      Vec3 at{};
+      bool third = false;
+      for (size_t i = 0; i < held[a].size(); ++i) {
+        if (held[a][i] == 0 || held[b][i] == 0) continue;
+        const auto cell = static_cast<int64_t>(i);
+        const Index3 c{cell % n[0], cell / n[0] % n[1], cell / n[0] / n[1]};
+        for (int d = 0; d < 3; ++d) {
+          box.lo[d] = std::min(box.lo[d], c[d]), box.hi[d] = std::max(box.hi[d], c[d] + 1);
+          if (cells == 0) at[d] = grid.axis[d].centre(c[d]);
+        }
+        for (size_t o = 0; o < bodies.size(); ++o) third |= o != a && o != b && held[o][i] != 0 && stronger(o, a) && stronger(o, b);
+        ++cells;
+      }
+      if (cells == 0) continue;
+      nlohmann::ordered_json owner;
+      if (!third) owner = name(stronger(a, b) ? a : b);
+      list.push_back({{"bodies", {name(a), name(b)}},
+                      {"cells", cells},
+                      {"owner", owner},
+                      {"box", {box.lo[0], box.lo[1], box.lo[2], box.hi[0], box.hi[1], box.hi[2]}},
+                      {"at", at}});
+    }
+  std::ranges::stable_sort(list, [](const auto& x, const auto& y) { return x["cells"] > y["cells"]; });
+  return {{"pairs", list.size()}, {"list", list}};
 }
 
 // Meshes along x, y and z; each must give exactly what rational arithmetic gives.
@@ -37,14 +72,17 @@ void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
   const TempFolder folder;
   const Scene scene = scene_of(folder, bodies, grid);
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
-  const std::vector<size_t> in_body = held(bodies, grid);
+  const std::vector<std::vector<uint32_t>> in_body = held(bodies, grid);
+  const auto overlaps = overlaps_of(bodies, in_body, grid);
   for (int axis = 0; axis < 3; ++axis) {
     MeshOptions options;
     options.axis = axis;
     options.threads = 1;
     const auto report = mesh_quietly(scene, folder / "g.tcell", options);
     for (size_t b = 0; b < bodies.size(); ++b)
-      REQUIRE(report["bodies"][b]["cells"].get<size_t>() + report["bodies"][b].value("covered_cells", size_t{0}) == in_body[b]);
+      REQUIRE(report["bodies"][b]["cells"].get<int64_t>() + report["bodies"][b].value("covered_cells", int64_t{0}) ==
+              std::ranges::count(in_body[b], 1u));
+    REQUIRE(report["overlaps"] == overlaps);
     const GridReader reader(folder / "g.tcell");
     REQUIRE(reader.meta().grid == grid);
     const std::vector<uint32_t> found = all_cells(reader);

@@ -21,7 +21,7 @@ struct SomeBodies {
   std::vector<Layer> layers;
   std::vector<uint32_t> rank;
   std::vector<Label> label;
-  Composer composer() const { return {layers, rank, label}; }
+  Composer composer() const { return {layers, rank, label, 2}; }
 };
 
 // A tile of one row of rays, each a list of crossings.
@@ -44,6 +44,13 @@ RayBlock composed(Composer& composer, const Rays& rays, uint32_t length) {
   Crossings crossings = as_tile(rays);
   RayBlock out;
   composer.compose(crossings, static_cast<uint32_t>(rays.size()), 1, length, out);
+  return out;
+}
+
+std::vector<Overlap> unpacked(const Bytes& packed) {
+  std::vector<Overlap> out;
+  OverlapUnpacker unpacker(packed);
+  while (const auto overlap = unpacker.next()) out.push_back(*overlap);
   return out;
 }
 
@@ -146,6 +153,19 @@ TEST_CASE("A mark is a stretch of its body's, but no crossing that lies close to
       composer, {{up(1, 0), down(5, 0), mark(up(2, 2)), mark(down(3, 2)), mark(up(4, 0)), mark(down(6, 0))}, {mark(up(2, 0)), mark(down(2, 0))}}, 8);
   CHECK(cells_of(out, 0) == std::vector<Label>{0, 7, 9, 7, 7, 7, 0, 0});
   CHECK(composer.crossing_pairs().empty());
+  CHECK(composer.take_overlaps({{0, 0, 0}, {2, 1, 8}}).empty());
+}
+
+TEST_CASE("Bodies overlap where both are inside, before, between and behind cells that are only marked") {
+  const auto mark = [](uint64_t c) { return c | Crossing::kMark; };
+  Composer composer = kTwo.composer();
+  composed(composer,
+           {{up(1, 0), down(9, 0), mark(up(2, 2)), mark(down(3, 2)), up(3, 2), down(5, 2), mark(up(5, 2)), mark(down(7, 2)), mark(up(6, 2)),
+             mark(down(8, 2))}},
+           9);
+  const std::vector<Overlap> found = unpacked(composer.take_overlaps({{10, 20, 30}, {11, 21, 39}}));
+  REQUIRE(found.size() == 1);
+  CHECK(found[0] == Overlap{{0, 1}, false, 2, {{10, 20, 33}, {11, 21, 35}}, {10, 20, 33}});
 }
 
 TEST_CASE("Close crossings are pairs of one body between the same two sample points, not beyond the ends of the ray") {
@@ -189,7 +209,7 @@ std::vector<uint64_t> random_ray(std::mt19937_64& random, const SomeBodies& bodi
   return out;
 }
 
-TEST_CASE("Cells, and what bodies own and cover, are those of looking at every cell alone, tile after tile") {
+TEST_CASE("Cells, what bodies own and cover, and where they overlap, are those of looking at every cell alone, tile after tile") {
   std::mt19937_64 random(1);
   for (size_t scene = 0; scene < rounds(40); ++scene) {
     SomeBodies bodies;
@@ -204,12 +224,14 @@ TEST_CASE("Cells, and what bodies own and cover, are those of looking at every c
     for (int tile = 0; tile < 4; ++tile) {  // of a composer that has made others
       const auto length = static_cast<uint32_t>(random_int(random, 1, 30));
       const uint32_t nu = 5, nv = 3;
+      const Box tile_cells{{100, 200, 0}, {105, 203, length}};
       Rays rays;
       while (rays.size() < nu * nv) rays.push_back(random_ray(random, bodies, length));
       Crossings crossings = as_tile(rays);
       RayBlock out;
       composer.compose(crossings, nu, nv, length, out);
       REQUIRE((out.nu == nu && out.nv == nv && out.length == length));
+      std::map<std::array<uint32_t, 2>, Overlap> overlaps;
       std::map<uint32_t, std::pair<uint64_t, uint64_t>> cells, found;  // of a body: owned, covered
       for (uint32_t ray = 0; ray < out.rays(); ++ray) {
         std::vector<Label> expected;
@@ -219,9 +241,19 @@ TEST_CASE("Cells, and what bodies own and cover, are those of looking at every c
           expected.push_back(owner ? bodies.label[*owner] : 0);
           for (uint32_t b = 0; b < holds.size(); ++b)
             if (holds[b]) ++(b == *owner ? cells[b].first : cells[b].second);
+          for (uint32_t b = 0; b < holds.size(); ++b)
+            for (uint32_t a = 0; a < b; ++a) {
+              if (!holds[a] || !holds[b]) continue;
+              const Index3 at{tile_cells.lo[0] + ray % nu, tile_cells.lo[1] + ray / nu, tile_cells.lo[2] + cell};
+              const Overlap here{{a, b}, *owner != a && *owner != b, 1, {at, {at[0] + 1, at[1] + 1, at[2] + 1}}, at};
+              if (const auto [pair, is_new] = overlaps.try_emplace({a, b}, here); !is_new) pair->second.add(here);
+            }
         }
         REQUIRE(cells_of(out, ray) == expected);
       }
+      std::vector<Overlap> expected_overlaps;
+      for (const auto& [bodies_of, overlap] : overlaps) expected_overlaps.push_back(overlap);
+      REQUIRE(unpacked(composer.take_overlaps(tile_cells)) == expected_overlaps);
       for (const BodyCells& b : composer.take_cells()) {
         REQUIRE(found.try_emplace(b.body, b.owned, b.covered).second);
         if (b.owned == 0 && b.covered == 0) found.erase(b.body);  // its surface was met beyond the cells

@@ -221,6 +221,13 @@ TEST_CASE("What a part says was found must fit its grid", "[parts]") {
   refused(1, "counts in something else", [&](PartFound& f) { tally(f, What::kGaps, 3, 0, {0, 0, 0}); });
   refused(1, "lies outside", [&](PartFound& f) { tally(f, What::kPairs, 0, 2, {0, 0, 19}); });
   refused(1, "lies outside", [&](PartFound& f) { tally(f, What::kPairs, 0, 2, {-1, 0, 0}); });
+  const auto overlap = [](PartFound& found, uint32_t other, int64_t end) {
+    OverlapPacker packer;
+    packer.put({{0, other}, false, 1, {{0, 0, end - 1}, {1, 1, end}}, {0, 0, end - 1}});
+    found.totals.overlaps.add(packer.take());
+  };
+  refused(1, "not there overlap", [&](PartFound& f) { overlap(f, 2, 1); });
+  refused(1, "overlap outside", [&](PartFound& f) { overlap(f, 1, 100); });
   refused(0, "found none", [](PartFound& f) { f.surfaces.reset(); });
   refused(0, "other bodies", [](PartFound& f) { f.surfaces->counts.pop_back(); });
   refused(0, "other bodies", [](PartFound& f) { f.surfaces->bodies.bodies.pop_back(); });

@@ -66,7 +66,7 @@ TEST_CASE("Any number of parts, made with any memory and threads, merge to the b
   const Scene scene = scene_in_parts(folder);
   for (int axis = 0; axis < 3; ++axis) {
     MeshOptions options = options_of_parts(axis);
-    mesh_quietly(scene, folder / "whole.tcell", options);
+    REQUIRE(mesh_quietly(scene, folder / "whole.tcell", options)["overlaps"]["pairs"] == 1);
     const std::string expected = bytes_of(folder / "whole.tcell");
     for (const uint32_t of : {1u, 2u, 5u, 16u, 300u}) {
       if (kSanitized && of != 5) continue;

@@ -42,6 +42,9 @@ Report full_report() {
   report.axis_asked_for = true;
   report.crossings_expected = {1, 2, 1e30};
   report.lost_gaps = {{"steel", 2, {1, 2, 3.0, Vec3{1, 1, 1}}}};
+  report.overlaps = {3,
+                     {{{"hull \"aft\"", "plate"}, static_cast<unsigned __int128>(1) << 90, "plate", {{0, 1, 2}, {3, 4, 1 << 30}}, {0.5, 1.5, 2.5}},
+                      {{"plate", "rib"}, 7, std::nullopt, {{0, 0, 0}, {1, 1, 7}}, {0.1, 0, 0}}}};
   return report;
 }
 
@@ -68,6 +71,14 @@ TEST_CASE("Counts beyond 64 bits are whole in a report, as numbers and as texts"
   CHECK(read.bodies[0].cells == report.bodies[0].cells);
   CHECK(read.bodies[0].covered == report.bodies[0].covered);
   CHECK(read.bodies[1].cells == 17);
+}
+
+TEST_CASE("Overlaps are listed by pair, with their owner if it is one of the two", "[report]") {
+  const auto json = ordered_json::parse(report_json(full_report(), small_scene()));
+  CHECK(json["overlaps"]["pairs"] == 3);
+  CHECK(json["overlaps"]["list"][0]["cells_text"] == "1237940039285380274899124224");
+  CHECK(json["overlaps"]["list"][0]["owner"] == "plate");
+  CHECK(json["overlaps"]["list"][1].dump() == R"({"bodies":["plate","rib"],"cells":7,"owner":null,"box":[0,0,0,1,1,7],"at":[0.1,0.0,0.0]})");
 }
 
 TEST_CASE("What one run was like stands beside the report's own keys, and its warnings in their place", "[report]") {
@@ -97,6 +108,7 @@ TEST_CASE("Reports of earlier versions are read: keys that they lack keep their 
   CHECK(report.bodies[0].holes[0].width == 0);
   CHECK_FALSE(report.bodies[0].lost);
   CHECK_FALSE(report.lost_gaps);
+  CHECK_FALSE(report.overlaps);
 }
 
 TEST_CASE("What is no report is a format error", "[report]") {

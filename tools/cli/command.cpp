@@ -106,9 +106,9 @@ void say(const std::string& line) { fmt::print("{}\n", printable(line)); }
 void warn(const std::string& line) { std::fputs((printable(line) + "\n").c_str(), stderr); }
 
 std::string bytes_text(double bytes) {
-  const char* unit[] = {"B", "kB", "MB", "GB", "TB", "PB"};
+  const char* unit[] = {"B", "kB", "MB", "GB", "TB", "PB", "EB"};
   int i = 0;
-  for (; bytes >= 1000 && i < 5; ++i) bytes /= 1000;
+  for (; bytes >= 1000 && i < 6; ++i) bytes /= 1000;
   return fmt::format("{:.{}f} {}", bytes, i == 0 ? 0 : 1, unit[i]);
 }
 

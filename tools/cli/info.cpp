@@ -11,8 +11,10 @@
 #include "mesher/report_json.hpp"
 #include "store/error.hpp"
 #include "store/info.hpp"
+#include "store/number_text.hpp"
 #include "store/text.hpp"
 #include "tools/cli/command.hpp"
+#include "tools/cli/mesh_summary.hpp"
 
 namespace teracell {
 namespace {
@@ -27,8 +29,6 @@ void row(const std::string& name, const std::string& text) { say(fmt::format("{:
 // Prints a line below a body.
 void detail(const std::string& name, const std::string& text) { row("", fmt::format("  {:<12}{}", name, text)); }
 
-std::string place(const Vec3& at) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", at[0], at[1], at[2]); }
-
 // The largest holes of a body.
 void print_holes(const std::vector<HoleReport>& holes, const std::string& units) {
   constexpr size_t kShown = 5;
@@ -37,29 +37,30 @@ void print_holes(const std::vector<HoleReport>& holes, const std::string& units)
   std::string title = "holes";
   for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
     const HoleReport& h = sorted[i];
-    const auto gap = h.width > 0 ? fmt::format("gap {:.4g} {} ({:.3g} cells), ", h.width, units, h.width_cells) : "";
+    const auto gap = h.width > 0 ? fmt::format("gap {} {} ({} cells), ", number_text(h.width, 4), units, number_text(h.width_cells, 3)) : "";
     detail(std::exchange(title, ""),
-           fmt::format("{:.4g} {} across ({:.3g} cells), {}at {}, {}, {} {:.4g} {}²", h.diameter, units, h.diameter_cells, gap, place(h.at),
-                       plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", h.cap_area, units));
+           fmt::format("{} {} across ({} cells), {}at {}, {}, {} {} {}²", number_text(h.diameter, 4), units, number_text(h.diameter_cells, 3), gap,
+                       place_text(h.at), plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", number_text(h.cap_area, 4), units));
   }
   if (sorted.size() > kShown)
-    detail("", fmt::format("and {} more, none wider than {:.4g} {}", sorted.size() - kShown, sorted[kShown].diameter, units));
+    detail("", fmt::format("and {} more, none wider than {} {}", sorted.size() - kShown, number_text(sorted[kShown].diameter, 4), units));
 }
 
 void print_seams(const BodyReport& body, const std::string& units) {
   const Seams& seams = body.seams;
   if (seams.number == 0 && seams.collapsed == 0) return;
-  detail("seams",
-         fmt::format("{} stitched, {:.4g} {} in all{}, over gaps of up to {:.3g} {} (stitch length {:.3g} {})", plural(seams.number, "seam"),
-                     seams.length, units, seams.collapsed > 0 ? fmt::format(", and {} closed to a point", plural(seams.collapsed, "open edge")) : "",
-                     seams.widest_gap, units, body.stitch, units));
+  detail("seams", fmt::format("{} stitched, {} {} in all{}, over gaps of up to {} {} (stitch length {} {})", plural(seams.number, "seam"),
+                              number_text(seams.length, 4), units,
+                              seams.collapsed > 0 ? fmt::format(", and {} closed to a point", plural(seams.collapsed, "open edge")) : "",
+                              number_text(seams.widest_gap, 3), units, number_text(body.stitch, 3), units));
 }
 
 void print_flips(const std::vector<Flip>& flips) {
   constexpr size_t kShown = 3;
   std::string title = "flips";
   for (size_t i = 0; i < std::min(flips.size(), kShown); ++i)
-    detail(std::exchange(title, ""), fmt::format("neighbours face opposite ways along {} at {}", plural(flips[i].edges, "edge"), place(flips[i].at)));
+    detail(std::exchange(title, ""),
+           fmt::format("neighbours face opposite ways along {} at {}", plural(flips[i].edges, "edge"), place_text(flips[i].at)));
   if (flips.size() > kShown) detail("", fmt::format("and along {}", plural(flips.size() - kShown, "more curve")));
 }
 
@@ -75,15 +76,16 @@ void print_rules(const std::vector<FillChoice>& fill) {
 
 // "12, the widest 0.0312 mm at (...)"
 std::string lost_text(const LostReport& lost, const std::string& units) {
-  return fmt::format("{}, the widest {:.4g} {} at {}", lost.number, lost.widest, units, place(lost.at.value_or(Vec3{})));
+  return fmt::format("{}, the widest {} {} at {}", lost.number, number_text(lost.widest, 4), units, place_text(lost.at.value_or(Vec3{})));
 }
 
 // Prints which parts of a body lie between sample points. Files of version 1.0 may say nothing about that.
 void print_lost(const BodyReport& b, const std::string& units) {
   std::string title = "thin parts";
   if (b.lost_pairs > 0)
-    detail(std::exchange(title, ""), fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}",
-                                                 axis_name(b.lost_axis), plural(b.lost_pairs, "place"), place(b.first_lost_pair.value_or(Vec3{}))));
+    detail(std::exchange(title, ""),
+           fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}", axis_name(b.lost_axis),
+                       plural(b.lost_pairs, "place"), place_text(b.first_lost_pair.value_or(Vec3{}))));
   if (!b.lost) return;
   for (int axis = 0; axis < 3; ++axis)
     if (const LostReport& lost = (*b.lost)[axis]; lost.number > 0)
@@ -113,6 +115,7 @@ void print_body(const std::string& title, const BodyReport& b, const std::string
 void print_report(const Report& report, const std::string& units) {
   std::string title = "bodies";
   for (const BodyReport& b : report.bodies) print_body(std::exchange(title, ""), b, units);
+  if (const std::string overlaps = overlaps_text(report); !overlaps.empty()) row("overlaps", overlaps);
   title = "gaps";
   if (report.lost_gaps)
     for (const GapReport& gap : *report.lost_gaps)
@@ -129,7 +132,8 @@ void print(const GridReader& reader) {
   const double cells = static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
   const auto size = static_cast<double>(reader.file_bytes());
   row("file", fmt::format("{}, {}, content {}", reader.name(), bytes_text(size), reader.hash()));
-  row("cells", fmt::format("{} x {} x {} = {}{}", n[0], n[1], n[2], cell_count_text(n), cells < 1e6 ? "" : fmt::format(" ({:.3g})", cells)));
+  row("cells",
+      fmt::format("{} x {} x {} = {}{}", n[0], n[1], n[2], cell_count_text(n), cells < 1e9 ? "" : fmt::format(" ({})", number_text(cells, 3))));
   for (int d = 0; d < 3; ++d) {
     const Axis& a = meta.grid.axis[d];
     row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,

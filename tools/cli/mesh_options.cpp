@@ -51,7 +51,8 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
                  "a scene (.json), or surfaces: STL, OBJ, PLY, plain or compressed by gzip; each is a body, and later ones win where they overlap")
       ->required();
   app.add_option("-o,--output", o.output, "the .tcell file to write")->required();
-  app.add_option("--cells", o.cells, "N: cubic cells, N along the longest axis with its pad; NX,NY,NZ: this many cells along each axis");
+  app.add_option("--cells", o.cells,
+                 "N: cubic cells, N along the longest axis with its pad, so fewer along the others; NX,NY,NZ: this many cells along each axis");
   app.add_option("--step", o.step, "the edge of a cell, in the units of the mesh");
   app.add_option("--pad", o.pad, "cells around the bodies' box (default 1)");
   app.add_option("--axis", o.axis, "the axis along which rays run: auto (the cheapest), x, y or z; the cells are the same")

@@ -7,18 +7,44 @@
 
 #include "mesher/report_json.hpp"
 #include "store/error.hpp"
+#include "store/number_text.hpp"
 #include "store/reader.hpp"
+#include "store/text.hpp"
 #include "tools/cli/command.hpp"
 
 namespace teracell {
+
+namespace {
+
+// Says what a single number of cells has counted, where somebody may have expected it along every axis; otherwise empty.
+std::string longest_text(const Scene& scene, const Index3& n) {
+  if (!scene.longest_cells || (n[0] == n[1] && n[1] == n[2])) return "";
+  int longest = 0;
+  while (longest < 2 && n[longest] != *scene.longest_cells) ++longest;
+  return fmt::format("{} counts the cells of the longest axis, {}{}; cells are cubes, so other axes have fewer (NX,NY,NZ sets each axis)",
+                     *scene.longest_cells, axis_name(longest), scene.axis[longest].min ? "" : " with its pad");
+}
+
+}  // namespace
+
+std::string overlaps_text(const Report& report) {
+  if (!report.overlaps || report.overlaps->list.empty()) return "";
+  const OverlapReport& most = report.overlaps->list[0];
+  const uint64_t more = report.overlaps->pairs - 1;
+  return fmt::format("{} and {} have {} cell{} in common, {}{}", most.bodies[0], most.bodies[1], most.cells, most.cells == 1 ? "" : "s",
+                     most.owner ? "owned by " + *most.owner : "some of them owned by a third body",
+                     more == 0 ? "" : fmt::format("; {} overlap{} too", plural(more, "more pair"), more == 1 ? "s" : ""));
+}
 
 void say_grid(const std::string& output, const MeshReport& report) {
   constexpr size_t kShown = 50;
   const GridReader reader(output);
   const Index3 n = reader.meta().grid.cells();
-  say(fmt::format("{}: {} x {} x {} = {:.4g} cells in {:.2f} s, {}, {} of memory, rays along {}", output, n[0], n[1], n[2],
-                  static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), report.run.seconds(),
+  say(fmt::format("{}: {} x {} x {} = {} cells in {:.2f} s, {}, {} of memory, rays along {}", output, n[0], n[1], n[2],
+                  number_text(static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]), 4), report.run.seconds(),
                   bytes_text(reader.file_bytes()), bytes_text(static_cast<double>(report.run.peak_memory_bytes)), axis_name(reader.meta().ray_axis)));
+  if (const std::string longest = longest_text(report.scene, n); !longest.empty()) say("cells: " + longest);
+  if (const std::string overlaps = overlaps_text(report.report); !overlaps.empty()) say("overlaps: " + overlaps);
   const std::vector<std::string> warnings = report.warnings();
   for (size_t i = 0; i < std::min(warnings.size(), kShown); ++i) warn("warning: " + warnings[i]);
   if (warnings.size() > kShown) warn(fmt::format("warning: and {} more: see teracell info {}", warnings.size() - kShown, output));

@@ -5,6 +5,8 @@
 
 namespace teracell {
 
+// In one line, without a line feed; empty when there are none.
+std::string overlaps_text(const Report& report);
 void say_grid(const std::string& output, const MeshReport& report);  // in short, with warnings
 void say_part(const std::string& part, const MeshReport& report);
 // Writes the whole report. Throws IoError that says that `output` is complete.

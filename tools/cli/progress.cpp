@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "server/metrics.hpp"
+#include "store/number_text.hpp"
 #include "tools/cli/command.hpp"
 
 namespace teracell {
@@ -38,7 +39,7 @@ void ProgressLine::operator()(const char* phase, double share) {
   const double seconds = std::chrono::duration<double>(now - phase_start_).count();
   std::string line = fmt::format("{:<6} {:5.1f} %", phase, 100 * share);
   if (share > 0 && seconds > 0.5) {
-    if (cells_ > 0 && phase_ == counted_phase_) line += fmt::format(", {:.3g} cells/s", cells_ * share / seconds);
+    if (cells_ > 0 && phase_ == counted_phase_) line += fmt::format(", {} cells/s", number_text(cells_ * share / seconds, 3));
     line += fmt::format(", {} left", duration(seconds * (1 - share) / share));
   }
   line += ", " + bytes_text(static_cast<double>(resident_bytes()));

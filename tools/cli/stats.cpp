@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "store/info.hpp"
+#include "store/number_text.hpp"
 #include "tools/cli/command.hpp"
 
 namespace teracell {
@@ -31,7 +32,7 @@ void run(const StatsArguments& o) {
     const MaterialStats& s = stats[i];
     const auto& [lo, hi] = s.box;
     const std::string where = s.cells == 0 ? "-" : fmt::format("({}, {}, {}) to ({}, {}, {})", lo[0], lo[1], lo[2], hi[0], hi[1], hi[2]);
-    say(fmt::format("{:>3}  {:<{}} {:>20} {:>16.8g}   {}", i, meta.materials[i].name, width, s.cells, s.volume, where));
+    say(fmt::format("{:>3}  {:<{}} {:>20} {:>16}   {}", i, meta.materials[i].name, width, s.cells, number_text(s.volume, 8), where));
   }
 }
 

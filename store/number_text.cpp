@@ -1,4 +1,4 @@
-#include "mesher/closing/number_text.hpp"
+#include "store/number_text.hpp"
 
 #include <cmath>
 #include <cstdlib>
