@@ -1,8 +1,9 @@
 // Findings are grouped by kind, the worst first, and the verdict says how bad they are.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { type Finding, type Findings, bodies_of, groups_of } from "@page/base/findings";
 import { verdict } from "@page/panels/finding_words";
-import { type Finding, type Findings, bodies_of, groups_of, markers_of } from "@page/state/findings";
+import { markers_of } from "@page/state/findings";
 
 const finding = (kind: Finding["kind"], level: Finding["level"], bodies: string[], at: Finding["at"] = null): Finding => ({
   kind, level, bodies, cells: 1, at, box: null, text: `${kind} of ${bodies.join()}`,

@@ -1,6 +1,6 @@
 // Findings in words: what each kind is called, and whether there is reason to worry.
+import { type Findings, type Kind, LEVELS, type Level } from "../base/findings";
 import { grouped, plural } from "../base/format";
-import { type Findings, type Kind, LEVELS, type Level } from "../state/findings";
 import type { Care } from "./report_words";
 
 export const KINDS: Record<Kind, { name: string; means: string }> = {

@@ -1,9 +1,9 @@
 // What `teracell check` has found: a verdict, then kind by kind what it is, where, and a picture of it. And how thick walls are.
 import { useEffect, useMemo, useState } from "preact/hooks";
+import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of } from "../base/findings";
 import { grouped, plural } from "../base/format";
 import { words_of } from "../base/messages";
 import { get } from "../server/api";
-import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of } from "../state/findings";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { KINDS, LEVEL_CARE } from "./finding_words";

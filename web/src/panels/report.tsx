@@ -1,8 +1,10 @@
 // What meshing found: first whether it matters, then why, body by body, with places to look at.
 import { useEffect, useMemo, useState } from "preact/hooks";
+import type { Findings } from "../base/findings";
 import { bytes_text, grouped, plural, product, significant } from "../base/format";
 import type { BodyReport } from "../base/grid";
-import { type Findings, load_findings, markers_of } from "../state/findings";
+import { grid_findings } from "../server/api";
+import { markers_of } from "../state/findings";
 import { places_found } from "../state/places";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
@@ -49,7 +51,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
   const [error, set_error] = useState<unknown>(null);
   useEffect(() => {
     const abort = new AbortController();
-    load_findings(info.id, abort.signal)
+    grid_findings(info.id, abort.signal)
       .then(set_found)
       .catch((reason: unknown) => {
         if (abort.signal.aborted) return;

@@ -1,5 +1,6 @@
 // The one way to ask the server for something, what can go wrong, and the token that it may demand.
 import { signal } from "@preact/signals";
+import type { Findings } from "../base/findings";
 import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
 import { say } from "../base/messages";
 import { ask_again, doubt, not_reached, reached } from "./connection";
@@ -121,3 +122,10 @@ export async function get_json<T>(path: string, signal?: AbortSignal): Promise<T
 
 export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[]; unreadable: UnreadableFile[] }>("api/v1/grids", signal);
 export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);
+
+// What `teracell check` has found; null when nobody has looked through this version of the grid.
+export async function grid_findings(id: string, signal: AbortSignal): Promise<Findings | null> {
+  const { grids } = await list_grids(signal);
+  if (!grids.find((grid) => grid.id === id)?.checked) return null;
+  return get_json<Findings>(`api/v1/grids/${encodeURIComponent(id)}/check`, signal);
+}
