@@ -23,7 +23,8 @@ class BareMeshes(Case):
 
     def test_cells_count_the_longest_axis_with_its_pad(self):
         self.write("box.stl", solids.binary_stl(solids.box_facets(LO, HI)))
-        self.run_ok("mesh", "box.stl", "--cells", 22, "-o", "g.tcell")
+        said = self.run_ok("mesh", "box.stl", "--cells", 22, "-o", "g.tcell")
+        self.assertIn("cells: 22 counts the cells of the longest axis, x with its pad; cells are cubes, so other axes have fewer", said.out)
         self.assertEqual(self.axes_of(), [(-0.5, 0.5, 0, 22), (-0.5, 0.5, 0, 12), (-0.5, 0.5, 0, 6)])
         self.run_ok("mesh", "box.stl", "--cells", 20, "--pad", 0, "-o", "g.tcell")
         self.assertEqual(self.axes_of(), [(0, 0.5, 0, 20), (0, 0.5, 0, 10), (0, 0.5, 0, 4)])
@@ -33,7 +34,7 @@ class BareMeshes(Case):
 
     def test_cells_along_each_axis(self):
         self.write("box.stl", solids.binary_stl(solids.box_facets(LO, HI)))
-        self.run_ok("mesh", "box.stl", "--cells", "12,7,4", "-o", "g.tcell")
+        self.assertNotIn("longest", self.run_ok("mesh", "box.stl", "--cells", "12,7,4", "-o", "g.tcell").out)
         self.assertEqual(self.axes_of(), [(-1, 1, 0, 12), (-1, 1, 0, 7), (-1, 1, 0, 4)])
         self.assert_cells([solids.centres(-1, 1, n) for n in (12, 7, 4)], [(LO, HI, 1)])
 
@@ -48,7 +49,10 @@ class BareMeshes(Case):
         self.write("hull.stl", solids.binary_stl(solids.box_facets(*boxes[0][:2])))
         self.write("tank.obj", solids.obj(*boxes[1][:2]))
         self.write("mast.ply", solids.ply(*boxes[2][:2], "ascii"))
-        self.run_ok("mesh", "hull.stl", "tank.obj", "mast.ply", "--step", 0.5, "-o", "g.tcell")
+        said = self.run_ok("mesh", "hull.stl", "tank.obj", "mast.ply", "--step", 0.5, "-o", "g.tcell")
+        overlaps = "hull and tank have 96 cells in common, some of them owned by a third body; 2 more pairs overlap too"
+        self.assertIn(f"overlaps: {overlaps}\n", said.out)
+        self.assertIn(f"overlaps    {overlaps}\n", self.run_ok("info", "g.tcell").out)
         info = self.json_of("info", "g.tcell")
         self.assertEqual([m["name"] for m in info["materials"]], ["air", "hull", "tank", "mast"])
         self.assert_cells([solids.centres(-0.5, 0.5, n) for n in (22, 12, 8)], boxes)

@@ -210,6 +210,18 @@ TEST_CASE("The file's bytes do not depend on the number of threads", "[threads]"
   }
 }
 
+TEST_CASE("Sheets overlap nothing, and neither do cells that a body only keeps") {
+  const TempFolder folder;
+  const std::vector<Body> bodies = {{shapes::box({1, 1, 1}, {7, 7, 7})},
+                                    {shapes::box({2, 2, 3.6}, {6, 6, 3.9}), Rule::kNonzero, 2},
+                                    {shapes::box({0.5, 0.5, 0.5}, {7.5, 7.5, 7.5}), Rule::kNonzero, 3, 0, true}};
+  Scene scene = scene_of(folder, bodies, uniform_grid(0, 1, 8, 8, 8));
+  scene.bodies[1].thin = Thin::kKeep;
+  const auto report = mesh_quietly(scene, folder / "g.tcell");
+  REQUIRE(report["bodies"][1]["cells"] == 16);
+  REQUIRE(report["overlaps"].dump() == R"({"pairs":0,"list":[]})");
+}
+
 TEST_CASE("A body under a stronger one owns no cell and is named in a warning") {
   const TempFolder folder;
   const auto box = shapes::box({0, 0, 0}, {2, 2, 2});
