@@ -33,11 +33,23 @@ export function draw_box(pen: Pen, box: Box | null): void {
 
 const NEAR = 40; // CSS pixels from the slice up to which a marker is shown, the fainter the farther away
 
+// One line of text, in CSS pixels; y is its middle.
+export interface Label {
+  readonly left: number;
+  readonly right: number;
+  readonly y: number;
+}
+const LINE = 16; // CSS pixels
+
+export const overlap = (a: Label, b: Label): boolean => a.left < b.right && b.left < a.right && Math.abs(a.y - b.y) < LINE;
+
+// Widest holes come first; a label that would lie over an earlier one is left out, its marker is not.
 export function draw_markers(pen: Pen, level: number): void {
   const { camera, viewer, frame, axis, ink, context } = pen;
   const across = viewer.axes[axis];
   const slice = viewer.cell.value[axis];
   const [low, high] = [across.plane((slice >> level) * 2 ** level), across.plane(Math.min(((slice >> level) + 1) * 2 ** level, across.cells))];
+  const labels: Label[] = [];
   for (const { at, text } of viewer.markers.value) {
     const w = at[axis];
     const away = Math.max(low - w, w - high, 0) * camera.zoom;
@@ -47,7 +59,11 @@ export function draw_markers(pen: Pen, level: number): void {
     pen.path([[x, y], [x - 6, y - 14], [x + 6, y - 14]], ink.marker, { width: 2, close: true });
     context.fillStyle = ink.marker;
     context.fill();
-    if (away === 0) pen.text(text, x + 11, y - 10);
+    const label = { left: x + 11, right: x + 11 + context.measureText(text).width, y: y - 10 };
+    if (away === 0 && !labels.some((other) => overlap(label, other))) {
+      pen.text(text, label.left, label.y);
+      labels.push(label);
+    }
     context.globalAlpha = 1;
   }
 }
