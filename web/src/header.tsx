@@ -3,6 +3,7 @@ import { about, bytes_text, noun, plural, product, sizes } from "./base/format";
 import { grids, unreadable } from "./page";
 import { switch_theme, theme } from "./state/theme";
 import type { Layout, Viewer } from "./state/viewer";
+import { Toolbar } from "./toolbar";
 import { Icon, type IconName } from "./widgets/icons";
 
 // Nested cells, the mark of the page (also in index.html).
@@ -73,6 +74,7 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
       {viewer && <h1 class="grid-name">{viewer.info.id}</h1>}
       {viewer && <Facts viewer={viewer} />}
       <span class="spacer" />
+      {viewer && <Toolbar viewer={viewer} />}
       {viewer && <LayoutButtons viewer={viewer} />}
       <div class="header-buttons">
         {viewer && (

@@ -30,8 +30,8 @@ test("the next change is the first cell of another material upwards, or the last
 });
 
 test("a run in words: its cells, where it lies, and how long it is", () => {
-  assert.equal(run_text(runs[1]!, axis, "mm"), "steel: cell 4, 1.00 to 1.50 mm, 0.50000 mm long");
-  assert.equal(run_text(runs[2]!, axis, "mm"), "air: cells 5 to 16 (12), 1.50 to 7.50 mm, 6.0000 mm long");
+  assert.equal(run_text(runs[1]!, axis, "mm"), "steel: 0.50000 mm long, cell 4, 1.00 to 1.50 mm");
+  assert.equal(run_text(runs[2]!, axis, "mm"), "air: 6.0000 mm long, cells 5 to 16 (12), 1.50 to 7.50 mm");
 });
 
 test("a table for other programs has plain numbers, and names in quotes where necessary", () => {

@@ -7,7 +7,7 @@ export interface Toast {
   text: string;
   detail: string | undefined; // of the first one of them
   times: number;
-  timer: number;
+  timer: ReturnType<typeof setTimeout>;
 }
 
 export const toasts = signal<readonly Toast[]>([]);
@@ -22,7 +22,7 @@ export function say(text: string, detail?: string): void {
     text,
     detail: before?.detail ?? detail,
     times: (before?.times ?? 0) + 1,
-    timer: window.setTimeout(() => drop(text), 1000 * SECONDS),
+    timer: setTimeout(() => drop(text), 1000 * SECONDS),
   };
   toasts.value = before ? toasts.value.map((t) => (t === before ? toast : t)) : [...toasts.value.slice(-3), toast];
 }

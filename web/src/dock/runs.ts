@@ -22,12 +22,13 @@ export function next_change(runs: readonly ColumnRun[], cell: number, up: boolea
   return run.from > 0 ? run.from - 1 : 0;
 }
 
+// The length comes first, because a narrow window cuts the end off.
 export function run_text(run: ColumnRun, axis: Axis, units: string): string {
   const width = axis.width(run.from);
   const cells = run.to - run.from;
   const at = (x: number) => coordinate(x, width);
   const range = cells === 1 ? `cell ${grouped(run.from)}` : `cells ${grouped(run.from)} to ${grouped(run.to - 1)} (${grouped(cells)})`;
-  return `${run.name}: ${range}, ${at(run.min)} to ${at(run.max)} ${units}, ${significant(run.max - run.min, 5)} ${units} long`;
+  return `${run.name}: ${significant(run.max - run.min, 5)} ${units} long, ${range}, ${at(run.min)} to ${at(run.max)} ${units}`;
 }
 
 // The runs as a CSV file. `to` is the cell after the last one of the run.

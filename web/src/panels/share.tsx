@@ -1,12 +1,10 @@
 // Ways to share: a link to what is shown, a picture of it, and the addresses of the grid for other programs.
-import { useState } from "preact/hooks";
-import { say, words_of } from "../base/messages";
 import { has_token, server_root } from "../server/api";
 import { address_of } from "../state/permalink";
 import type { Viewer } from "../state/viewer";
-import { save_picture } from "../views/picture";
 import { CodeLine, CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
+import { use_save_picture } from "./save_picture";
 import { type Door, NEUROGLANCER, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
 
 const link = (viewer: Viewer) => `${location.href.split("#")[0]}${address_of(viewer)}`;
@@ -28,18 +26,9 @@ function DoorCard({ door }: { door: Door }) {
 }
 
 function SavePicture({ viewer }: { viewer: Viewer }) {
-  const [busy, set_busy] = useState(false);
-  const save = async () => {
-    set_busy(true);
-    try {
-      await save_picture(viewer);
-    } catch (error) {
-      say(`The picture could not be made: ${words_of(error)}`);
-    }
-    set_busy(false);
-  };
+  const { busy, save } = use_save_picture(viewer);
   return (
-    <button class="button" onClick={() => void save()} disabled={busy}>
+    <button class="button" onClick={save} disabled={busy}>
       <Icon name="save" /> {busy ? "Drawing …" : "Save as PNG"}
     </button>
   );

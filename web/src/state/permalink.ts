@@ -5,6 +5,8 @@
 import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "../base/grid";
 import { hex_color, same_look } from "../base/materials";
+import { say } from "../base/messages";
+import { outside_cell } from "./outside";
 import { places_found } from "./places";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
 
@@ -28,7 +30,11 @@ export function read_address(viewer: Viewer): void {
   const zoom = numbers(query.get("zoom"), 1);
   batch(() => {
     const at = numbers(query.get("at"), 3);
-    if (at) viewer.set_cell(at as Index3);
+    if (at) {
+      viewer.set_cell(at as Index3);
+      const outside = outside_cell(viewer.axes, at);
+      if (outside) say(outside);
+    }
     if (look) viewer.centre.value = viewer.axes.map((axis, d) => axis.inside(look[d]!)) as [number, number, number];
     if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
     const layout = query.get("layout") as Layout | null;

@@ -63,6 +63,7 @@ export class Viewer {
   readonly box = signal<Box | null>(null);
   readonly measure = signal<Measure | null>(null);
   readonly tool = signal<"look" | "measure" | "box">("look");
+  readonly measuring = signal(false); // whether keys have begun a line; without the tool it means nothing
   readonly markers = signal<readonly Marker[]>([]);
   readonly tiles = new TileCounters();
   // The level that each view shows now. A view of a graded grid may show several levels; then it is the finest.

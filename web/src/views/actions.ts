@@ -1,6 +1,7 @@
 // What keys and buttons do to the views.
 import { batch } from "@preact/signals";
-import type { AxisIndex } from "../base/grid";
+import { FRAMES } from "../base/axis";
+import type { AxisIndex, Index3 } from "../base/grid";
 import type { ViewName, Viewer } from "../state/viewer";
 
 // Shows one view alone, or all four again.
@@ -31,5 +32,48 @@ export function escape(viewer: Viewer): void {
     if (viewer.measure.value) viewer.measure.value = null;
     else if (viewer.box.value) viewer.box.value = null;
     else viewer.pinned.value = null;
+  });
+}
+
+// Moves the crosshair within the plane of a slice, by whole cells of the level that is shown. All views follow when it
+// would leave this one. A line that is measured by keys follows as well.
+export function step_crosshair(viewer: Viewer, axis: AxisIndex, du: number, dv: number): void {
+  const { u, v } = FRAMES[axis];
+  const by = 2 ** viewer.level[axis].value;
+  const cell: Index3 = [...viewer.cell.value];
+  cell[u] += du * by;
+  cell[v] += dv * by;
+  batch(() => {
+    viewer.set_cell(cell);
+    const size = viewer.views.find((view) => view.axis === axis);
+    const away = (d: AxisIndex) => Math.abs(viewer.axes[d].centre(viewer.cell.value[d]) - viewer.centre.value[d]) * viewer.zoom.value;
+    if (size && (away(u) > size.width / 2 || away(v) > size.height / 2)) viewer.go_to_cell(viewer.cell.value);
+    const line = viewer.tool.value === "measure" && viewer.measuring.value ? viewer.measure.value : null;
+    if (line?.axis === axis) viewer.measure.value = { ...line, to: crosshair(viewer) };
+  });
+}
+
+// Begins a line at the crosshair while the tool measures; the second time it ends there, and the tool is put away.
+export function mark_measure(viewer: Viewer, axis: AxisIndex): void {
+  if (viewer.tool.value !== "measure") return;
+  batch(() => {
+    if (viewer.measuring.value && viewer.measure.value?.axis === axis) viewer.tool.value = "look";
+    else {
+      viewer.measure.value = { axis, from: crosshair(viewer), to: crosshair(viewer) };
+      viewer.measuring.value = true;
+    }
+  });
+}
+
+function crosshair({ axes, cell }: Viewer): [number, number, number] {
+  const [i, j, k] = cell.value;
+  return [axes[0].centre(i), axes[1].centre(j), axes[2].centre(k)];
+}
+
+// Takes a tool for the next drag, or puts it away if it is taken.
+export function choose_tool(viewer: Viewer, tool: "measure" | "box"): void {
+  batch(() => {
+    viewer.tool.value = viewer.tool.value === tool ? "look" : tool;
+    viewer.measuring.value = false;
   });
 }

@@ -1,14 +1,12 @@
 // The keys of the views, which bindings.ts lists. They act on the view whose panel has the pointer or the focus.
 import type { Signal } from "@preact/signals";
-import type { Viewer } from "../state/viewer";
-import { escape, fit, toggle_layout, toggle_sweep } from "./actions";
+import { choose_tool, escape, fit, mark_measure, step_crosshair, toggle_layout, toggle_sweep } from "./actions";
 import type { Stage } from "./stage";
 
 const PAN = 64; // CSS pixels
 const ZOOM = 1.25;
 
 const flip = (switched: Signal<boolean>) => (switched.value = !switched.value);
-const choose = (viewer: Viewer, tool: "measure" | "box") => (viewer.tool.value = viewer.tool.value === tool ? "look" : tool);
 
 const is_arrow = (key: string) => key.startsWith("Arrow");
 // The keys that each type of input uses itself. Types that are not named here hold text and use all keys.
@@ -24,12 +22,14 @@ function is_taken({ target, key }: KeyboardEvent): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target.closest("dialog, textarea, select, [contenteditable], [role=menu], [role=listbox]")) return true;
   if (target instanceof HTMLInputElement) return INPUTS[target.type]?.(key) ?? true;
-  if (key === " ") return target.closest("button, a, summary, [role=button], [role=tab]") !== null;
+  if (key === " " || key === "Enter") return target.closest("button, a, summary, [role=button], [role=tab]") !== null;
   return is_arrow(key) && target.closest("[role=tab], [role=radio]") !== null;
 }
 
 export function attach_keys(stage: Stage): () => void {
   const { viewer } = stage;
+  // One cell of the level shown.
+  const crosshair = (du: number, dv: number) => step_crosshair(viewer, stage.active, du, dv);
   const step = (by: number) => {
     viewer.sweeping.value = null;
     viewer.set_slice(stage.active, viewer.cell.value[stage.active] + by);
@@ -50,6 +50,11 @@ export function attach_keys(stage: Stage): () => void {
     ArrowRight: () => stage.pan(stage.active, -PAN, 0),
     ArrowUp: () => stage.pan(stage.active, 0, PAN),
     ArrowDown: () => stage.pan(stage.active, 0, -PAN),
+    "Shift+ArrowLeft": () => crosshair(-1, 0),
+    "Shift+ArrowRight": () => crosshair(1, 0),
+    "Shift+ArrowUp": () => crosshair(0, 1),
+    "Shift+ArrowDown": () => crosshair(0, -1),
+    Enter: () => mark_measure(viewer, stage.active),
     "+": () => zoom(ZOOM),
     "=": () => zoom(ZOOM),
     "-": () => zoom(1 / ZOOM),
@@ -60,14 +65,14 @@ export function attach_keys(stage: Stage): () => void {
     o: () => flip(viewer.show_outline),
     p: () => toggle_sweep(viewer, stage.active),
     c: () => viewer.go_to_cell(viewer.cell.value),
-    m: () => choose(viewer, "measure"),
-    x: () => choose(viewer, "box"),
+    m: () => choose_tool(viewer, "measure"),
+    x: () => choose_tool(viewer, "box"),
     h: () => flip(viewer.help),
     Escape: () => escape(viewer),
   };
   const on_key = (event: KeyboardEvent) => {
     if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || is_taken(event)) return;
-    const action = actions[event.key];
+    const action = actions[is_arrow(event.key) && event.shiftKey ? `Shift+${event.key}` : event.key];
     if (!action) return;
     event.preventDefault();
     action();

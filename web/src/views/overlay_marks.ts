@@ -34,12 +34,23 @@ export function draw_box(pen: Pen, box: Box | null): void {
 const LONGEST = 60; // letters beside a marker
 const NEAR = 40; // CSS pixels from the slice up to which a marker is shown, the fainter the farther away
 
+// One line of text, in CSS pixels; y is its middle.
+export interface Label {
+  readonly left: number;
+  readonly right: number;
+  readonly y: number;
+}
+const LINE = 16; // CSS pixels
+
+export const overlap = (a: Label, b: Label): boolean => a.left < b.right && b.left < a.right && Math.abs(a.y - b.y) < LINE;
+
+// The worst comes first; a label that would lie over an earlier one is left out, its marker is not.
 export function draw_markers(pen: Pen, level: number): void {
   const { camera, viewer, frame, axis, ink, context } = pen;
   const across = viewer.axes[axis];
   const slice = viewer.cell.value[axis];
   const [low, high] = [across.plane((slice >> level) * 2 ** level), across.plane(Math.min(((slice >> level) + 1) * 2 ** level, across.cells))];
-  const said: { x: number; y: number; width: number }[] = []; // texts never lie over each other: the first one stays
+  const labels: Label[] = [];
   for (const { at, text } of viewer.markers.value) {
     const w = at[axis];
     const away = Math.max(low - w, w - high, 0) * camera.zoom;
@@ -49,13 +60,11 @@ export function draw_markers(pen: Pen, level: number): void {
     pen.path([[x, y], [x - 6, y - 14], [x + 6, y - 14]], ink.marker, { width: 2, close: true });
     context.fillStyle = ink.marker;
     context.fill();
-    if (away === 0) {
-      const words = text.length > LONGEST ? `${text.slice(0, LONGEST - 1)}…` : text;
-      const place = { x: x + 11, y: y - 10, width: context.measureText(words).width };
-      if (said.every((other) => Math.abs(other.y - place.y) > 18 || other.x > place.x + place.width + 8 || place.x > other.x + other.width + 8)) {
-        said.push(place);
-        pen.text(words, place.x, place.y);
-      }
+    const words = text.length > LONGEST ? `${text.slice(0, LONGEST - 1)}…` : text;
+    const label = { left: x + 11, right: x + 11 + context.measureText(words).width, y: y - 10 };
+    if (away === 0 && !labels.some((other) => overlap(label, other))) {
+      pen.text(words, label.left, label.y);
+      labels.push(label);
     }
     context.globalAlpha = 1;
   }

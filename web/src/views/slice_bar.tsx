@@ -1,7 +1,9 @@
 // The bar below each view: play, one slice back or forth, a slider, and the slice as a number and as a coordinate.
 import { useSignal } from "@preact/signals";
-import { decimals, number_of } from "../base/format";
+import { coordinate, number_of } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { say } from "../base/messages";
+import { outside_coordinate, outside_slice } from "../state/outside";
 import type { Viewer } from "../state/viewer";
 import { toggle_sweep } from "./actions";
 
@@ -79,8 +81,13 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
     viewer.sweeping.value = null;
     viewer.set_slice(axis, index);
   };
-  const coordinate = (i: number) => a.centre(i).toFixed(decimals(a.width(i)));
-  const widest = Math.max(coordinate(0).length, coordinate(a.cells - 1).length, coordinate(slice).length);
+  // What is typed may lie outside; buttons and the slider do not.
+  const take_typed = (index: number, outside: string | null) => {
+    if (outside) say(outside);
+    take(index);
+  };
+  const place = (i: number) => coordinate(a.centre(i), a.width(i));
+  const widest = Math.max(place(0).length, place(a.cells - 1).length, place(slice).length);
   return (
     <div class="slice-bar">
       <button
@@ -106,13 +113,13 @@ export function SliceBar({ viewer, axis }: { viewer: Viewer; axis: AxisIndex }) 
         disabled={a.cells === 1}
       />
       <Step axis={axis} by={1} take={() => take(slice + 1)} disabled={slice === a.cells - 1} />
-      <NumberBox label={`Slice across ${name}, from 0 to ${a.cells - 1}`} text={String(slice)} width={String(a.cells - 1).length} take={take} whole />
+      <NumberBox label={`Slice across ${name}, from 0 to ${a.cells - 1}`} text={String(slice)} width={String(a.cells - 1).length} take={(i) => take_typed(i, outside_slice(viewer.axes, axis, i))} whole />
       <NumberBox
         label={`Coordinate ${name} of the slice's cells, in ${viewer.units}`}
-        text={coordinate(slice)}
+        text={place(slice)}
         width={widest}
         suffix={viewer.units}
-        take={(x) => take(a.cell_at(x))}
+        take={(x) => take_typed(a.cell_at(x), outside_coordinate(viewer.axes, axis, x, viewer.units))}
       />
     </div>
   );

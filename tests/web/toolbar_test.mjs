@@ -1,0 +1,77 @@
+// The tools in the header, the crosshair and measuring by keys, places outside the grid, and the page on a phone.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { close, open_grid, point_of, screenshot, server_and_browser, state } from "./support.mjs";
+
+const { server, browser } = await server_and_browser();
+const open = (hash, options) => open_grid(browser, `${server.url}#${hash}`, options);
+
+test("buttons take the tools that keys take, and show which one is taken", async () => {
+  const page = await open("g=graded");
+  for (const [name, tool] of [["Measure a distance", "measure"], ["Draw a box", "box"]]) {
+    const button = page.getByRole("button", { name });
+    await button.click();
+    assert.equal(await state(page, "tool"), tool);
+    assert.equal(await button.getAttribute("aria-pressed"), "true");
+    await button.click();
+    assert.equal(await state(page, "tool"), "look");
+  }
+  await page.getByRole("button", { name: "Outline materials" }).click();
+  assert.equal(await state(page, "show_outline"), true);
+  const saved = page.waitForEvent("download");
+  await page.getByRole("button", { name: "Save the views as a picture" }).click();
+  assert.equal((await saved).suggestedFilename(), "graded.png");
+  await close(page);
+});
+
+test("the list of layers shows and hides what is drawn over the cells, and Escape closes it", async () => {
+  const page = await open("g=graded");
+  const button = page.getByRole("button", { name: "Layers over the cells" });
+  await button.click();
+  for (const [label, name] of [["Crosshair and axes", "show_axes"], ["Scale bar", "show_scale"], ["Lines between cells", "show_lines"]]) {
+    await page.getByLabel(label).uncheck();
+    assert.equal(await state(page, name), false);
+  }
+  await page.keyboard.press("Escape");
+  assert.equal(await button.getAttribute("aria-expanded"), "false");
+  await close(page);
+});
+
+test("shift and arrows move the crosshair in the plane of the slice, and Enter begins and ends a measured line there", async () => {
+  const page = await open("g=graded&at=20,30,10");
+  await page.mouse.move(...(await point_of(page, "z")));
+  await page.keyboard.press("m");
+  await page.keyboard.press("Enter");
+  for (let i = 0; i < 3; ++i) await page.keyboard.press("Shift+ArrowUp");
+  await page.keyboard.press("Enter");
+  const [, j] = await state(page, "cell");
+  const { axis, from, to } = await state(page, "measure");
+  assert.ok(j > 30);
+  assert.equal(axis, 2);
+  assert.deepEqual([to[0] - from[0], to[1] - from[1], to[2] - from[2]], [0, j - 30, 0]);
+  assert.equal(await state(page, "tool"), "look");
+  await close(page);
+});
+
+test("a place outside the grid is said, in the address and in the bar", async () => {
+  const page = await open("g=graded&at=5,900,3");
+  await page.getByText("Cell 5, 900, 3 is outside the grid, whose last cell is 129, 59, 19").waitFor();
+  await page.getByLabel(/^Coordinate z of the slice/).fill("-7");
+  await page.keyboard.press("Enter");
+  await page.getByText(/^z = −7.* is outside the grid/).waitFor();
+  assert.equal((await state(page, "cell"))[2], 0);
+  await close(page);
+});
+
+for (const [name, width, height] of [["upright", 390, 844], ["on its side", 844, 390]])
+  test(`a phone ${name} shows the whole width of the page, and views that can be used`, async () => {
+    const page = await open("g=graded", { width, height });
+    const { scroll, lowest } = await page.evaluate(() => ({
+      scroll: document.documentElement.scrollWidth,
+      lowest: Math.min(...[...document.querySelectorAll(".view-body")].map((body) => body.clientHeight)),
+    }));
+    assert.ok(scroll <= width, `the page is ${scroll} pixels wide`);
+    assert.ok(lowest >= 120, `a view is ${lowest} pixels high`);
+    await screenshot(page, `phone-${width}`);
+    await close(page);
+  });

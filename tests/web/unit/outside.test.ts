@@ -1,0 +1,33 @@
+// Places outside the grid are named, with what the grid has; places inside, its sides included, are not.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { Axis } from "@page/base/axis";
+import { outside_cell, outside_coordinate, outside_slice } from "@page/state/outside";
+import { overlap } from "@page/views/overlay_marks";
+
+const axis = (cells: number) => new Axis({ type: "uniform", min: -1, step: 0.5, first: 0, cells }, 0.5);
+const axes = [axis(20), axis(4), axis(8)] as const;
+
+test("slices", () => {
+  assert.deepEqual([0, 19].map((i) => outside_slice(axes, 0, i)), [null, null]);
+  assert.match(outside_slice(axes, 0, 20)!, /^Slice 20 across x is outside the grid, which has slices 0 to 19:/);
+  assert.match(outside_slice(axes, 1, -1)!, /^Slice −1 across y /);
+});
+
+test("coordinates", () => {
+  assert.deepEqual([-1, 0, 9].map((x) => outside_coordinate(axes, 0, x, "mm")), [null, null, null]);
+  assert.match(outside_coordinate(axes, 0, 9.5, "mm")!, /^x = 9\.50 mm is outside the grid, which goes from −1\.00 to 9\.00 mm:/);
+  assert.match(outside_coordinate(axes, 2, -2, "mm")!, /^z = −2\.00 mm /);
+});
+
+test("cells", () => {
+  assert.equal(outside_cell(axes, [19, 3, 7]), null);
+  assert.match(outside_cell(axes, [19, 4, 7])!, /^Cell 19, 4, 7 is outside the grid, whose last cell is 19, 3, 7:/);
+});
+
+test("labels overlap when they share pixels of a line", () => {
+  const label = { left: 10, right: 50, y: 100 };
+  assert.ok(overlap(label, { left: 40, right: 80, y: 110 }));
+  assert.ok(!overlap(label, { left: 50, right: 80, y: 100 }), "side by side");
+  assert.ok(!overlap(label, { left: 10, right: 50, y: 116 }), "one above the other");
+});

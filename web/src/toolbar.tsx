@@ -1,0 +1,92 @@
+// The tools that keys have as well, as buttons in the header: measure, draw a box, outline materials, save a picture, and
+// what is drawn over the cells.
+import type { Signal } from "@preact/signals";
+import { useState } from "preact/hooks";
+import type { Viewer } from "./state/viewer";
+import { choose_tool } from "./views/actions";
+import { Icon, type IconName } from "./widgets/icons";
+import { use_save_picture } from "./panels/save_picture";
+
+interface ToolProps {
+  icon: IconName;
+  label: string;
+  shortcut: string;
+  pressed: boolean;
+  click: () => void;
+}
+
+function Tool({ icon, label, shortcut, pressed, click }: ToolProps) {
+  return (
+    <button title={`${label} (${shortcut})`} aria-label={label} aria-pressed={pressed} onClick={click}>
+      <Icon name={icon} />
+    </button>
+  );
+}
+
+function Picture({ viewer }: { viewer: Viewer }) {
+  const { busy, save } = use_save_picture(viewer);
+  return (
+    <button title="Save the views as a picture (PNG)" aria-label="Save the views as a picture" onClick={save} disabled={busy}>
+      <Icon name="picture" />
+    </button>
+  );
+}
+
+function Layer({ label, shortcut, shown }: { label: string; shortcut: string; shown: Signal<boolean> }) {
+  return (
+    <label>
+      <input type="checkbox" checked={shown.value} onChange={(e) => (shown.value = e.currentTarget.checked)} />
+      {label}
+      <kbd aria-hidden="true">{shortcut}</kbd>
+    </label>
+  );
+}
+
+// What is drawn over the cells. It closes when the focus leaves it, or by Escape.
+function Layers({ viewer }: { viewer: Viewer }) {
+  const [open, set_open] = useState(false);
+  return (
+    <div
+      class="layers"
+      onFocusOut={(e) => !e.currentTarget.contains(e.relatedTarget as Node | null) && set_open(false)}
+      onKeyDown={(e) => {
+        if (e.key !== "Escape" || !open) return;
+        e.preventDefault();
+        set_open(false);
+        e.currentTarget.querySelector("button")!.focus();
+      }}
+    >
+      <button title="Layers over the cells" aria-label="Layers over the cells" aria-expanded={open} onClick={() => set_open(!open)}>
+        <Icon name="layers" />
+      </button>
+      {open && (
+        <div class="layers-list" role="group" aria-label="Layers" tabIndex={-1}>
+          <Layer label="Crosshair and axes" shortcut="a" shown={viewer.show_axes} />
+          <Layer label="Scale bar" shortcut="b" shown={viewer.show_scale} />
+          <Layer label="Lines between cells" shortcut="l" shown={viewer.show_lines} />
+          <Layer label="Outlines of materials" shortcut="o" shown={viewer.show_outline} />
+        </div>
+      )}
+    </div>
+  );
+}
+
+export function Toolbar({ viewer }: { viewer: Viewer }) {
+  const { tool, show_outline } = viewer;
+  const take = (name: "measure" | "box") => choose_tool(viewer, name);
+  return (
+    <div class="segmented toolbar" role="group" aria-label="Tools">
+      <Tool icon="measure" label="Measure a distance" shortcut="m" pressed={tool.value === "measure"} click={() => take("measure")} />
+      <Tool icon="box" label="Draw a box" shortcut="x" pressed={tool.value === "box"} click={() => take("box")} />
+      <Tool
+        icon="outline"
+        label="Outline materials"
+        shortcut="o"
+        pressed={show_outline.value}
+        click={() => (show_outline.value = !show_outline.value)}
+      />
+      <Picture viewer={viewer} />
+      <Layers viewer={viewer} />
+    </div>
+  );
+}
