@@ -37,11 +37,14 @@ class Reported {
       for (const json& gap : *gaps) lost_gap(gap);
     if (const auto left_out = rest.find("bodies_left_out"); left_out != rest.end())
       missing(fmt::format("The report in the file has no room for {} bodies.", grouped(left_out->get<uint64_t>())));
-    if (const auto overlaps = rest.find("overlaps"); overlaps != rest.end()) {
+    if (const auto overlaps = rest.find("overlaps"); overlaps != rest.end() && !overlaps->is_null()) {
       for (const json& pair : overlaps->at("list")) overlap(pair);
       KindTotal& total = findings_.totals[static_cast<size_t>(FindingKind::overlap)];
       total.findings = std::max(total.findings, overlaps->at("pairs").get<uint64_t>());
-    } else missing("Overlaps by pair: the file does not have them. What is listed are the cells that each body leaves to stronger ones.");
+    } else {
+      for (Finding& finding : covered_) add_finding(findings_, std::move(finding));
+      missing("Overlaps by pair: the file does not have them. What is listed are the cells that each body leaves to stronger ones.");
+    }
     if (rays_only_) missing("What is lost between sample points was counted along the rays alone: mesh with --thin to look along x, y and z.");
   }
 
@@ -139,16 +142,12 @@ class Reported {
     add_finding(findings_,
                 {FindingKind::overlap, FindingLevel::note, bodies, cells, place_in(j, "at"), Box{{b[0], b[1], b[2]}, {b[3], b[4], b[5]}},
                  fmt::format("'{}' and '{}' overlap in {} {}, which {}.", bodies.at(0), bodies.at(1), grouped(cells), plural(cells, "cell", "cells"),
-                             owner.is_string() ? fmt::format("'{}' owns", owner.get<std::string>()) : "have several owners")});
+                             owner.is_string() ? fmt::format("'{}' owns", owner.get<std::string>()) : "a third body owns in part")});
   }
 
- public:
-  // Where the file has no overlaps by pair.
-  std::vector<Finding> covered_;
-
- private:
   Findings& findings_;
   const std::string& units_;
+  std::vector<Finding> covered_;  // where the file has no overlaps by pair
   uint64_t bodies_ = 0;
   bool rays_only_ = false;
 };
@@ -163,10 +162,7 @@ void add_finding(Findings& findings, Finding finding) {
 }
 
 void add_reported(Findings& findings, const std::string& report, const std::string& units) try {
-  Reported reported(findings, units);
-  reported.read(report);
-  if (findings.totals[static_cast<size_t>(FindingKind::overlap)].findings == 0)
-    for (Finding& finding : reported.covered_) add_finding(findings, std::move(finding));
+  Reported(findings, units).read(report);
 } catch (const json::exception& e) {
   throw FormatError(fmt::format("report: expected what the mesher writes, found something else: {}", e.what()));
 }

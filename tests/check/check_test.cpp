@@ -117,7 +117,7 @@ TEST_CASE("Overlaps by pair take the place of what each body leaves to stronger 
   add_reported(findings, report, "m");
   REQUIRE(findings.list.size() == 2);
   CHECK(findings.list[0].text == "'a' and 'b' overlap in 3 cells, which 'b' owns.");
-  CHECK(findings.list[1].text == "'a' and 'c' overlap in 1 cell, which have several owners.");
+  CHECK(findings.list[1].text == "'a' and 'c' overlap in 1 cell, which a third body owns in part.");
   CHECK(findings.list[0].box == Box{{0, 1, 2}, {3, 4, 5}});
   CHECK(findings.totals[static_cast<size_t>(FindingKind::overlap)].findings == 1200);
   CHECK(findings.not_looked_at.empty());
