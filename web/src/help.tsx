@@ -1,8 +1,21 @@
 // The dialog that lists gestures and keys, as the views declare them.
 import { useEffect, useRef } from "preact/hooks";
 import type { Viewer } from "./state/viewer";
-import { bindings } from "./views/bindings";
+import { type Binding, overview_bindings, slice_bindings } from "./views/bindings";
 import { Icon } from "./widgets/icons";
+
+function Bindings({ list }: { list: readonly Binding[] }) {
+  return (
+    <dl class="bindings">
+      {list.map(({ keys, does }) => (
+        <div key={keys}>
+          <dt>{keys}</dt>
+          <dd>{does}</dd>
+        </div>
+      ))}
+    </dl>
+  );
+}
 
 export function Help({ viewer }: { viewer: Viewer }) {
   const dialog = useRef<HTMLDialogElement>(null);
@@ -29,14 +42,10 @@ export function Help({ viewer }: { viewer: Viewer }) {
             <Icon name="close" />
           </button>
         </div>
-        <dl class="bindings">
-          {bindings.map(({ keys, does }) => (
-            <div key={keys}>
-              <dt>{keys}</dt>
-              <dd>{does}</dd>
-            </div>
-          ))}
-        </dl>
+        <h3>In a slice</h3>
+        <Bindings list={slice_bindings} />
+        <h3>In three dimensions</h3>
+        <Bindings list={overview_bindings} />
         <p>
           <a href="NOTICE" target="_blank" rel="noreferrer">
             Licences of the third-party software in this page and its server

@@ -1,10 +1,11 @@
-// Every gesture and key of the views, as the help dialog lists them. keys.ts and gestures.ts do what is listed here.
+// Every gesture and key of the views, as the help dialog lists them. keys.ts and gestures.ts do what is listed here, and in three dimensions
+// overview/gestures.ts.
 export interface Binding {
   readonly keys: string;
   readonly does: string;
 }
 
-export const bindings: readonly Binding[] = [
+export const slice_bindings: readonly Binding[] = [
   { keys: "wheel", does: "next or previous slice" },
   { keys: "shift + wheel", does: "10 slices at once" },
   { keys: "alt + wheel", does: "next slice that looks different: one cell of the level shown" },
@@ -30,4 +31,16 @@ export const bindings: readonly Binding[] = [
   { keys: "x", does: "draw a box with one drag, for its statistics" },
   { keys: "h", does: "show these keys" },
   { keys: "Escape", does: "put the tool away; remove the measured line, the box or the pin" },
+];
+
+export const overview_bindings: readonly Binding[] = [
+  { keys: "drag, one finger", does: "turn around what is in the middle" },
+  { keys: "right drag, shift + drag, two fingers", does: "move the picture" },
+  { keys: "wheel, pinch", does: "move towards what is under the pointer, or away from it" },
+  { keys: "pointer at rest", does: "name the body, the material and the cell" },
+  { keys: "click, tap", does: "pin the cell" },
+  { keys: "double click", does: "put the crosshair on the cell and go there" },
+  { keys: "← → ↑ ↓", does: "turn" },
+  { keys: "+ −", does: "move closer or farther away" },
+  { keys: "Home", does: "show everything" },
 ];
