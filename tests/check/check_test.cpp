@@ -21,7 +21,7 @@ using namespace testing;
 using nlohmann::json;
 
 // A plate two cells thick in the middle of the grid, a cell by itself, and air in a hollow cube.
-struct Scene {
+struct CheckedScene {
   TempFolder folder;
   std::vector<Label> cells = std::vector<Label>(20 * 20 * 20);
   void box(const Index3& lo, const Index3& hi, Label label) {
@@ -29,7 +29,7 @@ struct Scene {
       for (int64_t y = lo[1]; y < hi[1]; ++y)
         for (int64_t x = lo[0]; x < hi[0]; ++x) cells[static_cast<size_t>((z * 20 + y) * 20 + x)] = label;
   }
-  Scene() {
+  CheckedScene() {
     box({2, 2, 2}, {18, 18, 4}, 1);
     box({1, 1, 8}, {2, 2, 9}, 1);
     box({5, 5, 6}, {12, 12, 13}, 2);
@@ -40,7 +40,7 @@ struct Scene {
 
 TEST_CASE("What is found is said in sentences, with counts, places and boxes", "[check]") {
   for (const int axis : {0, 1, 2}) {
-    Scene scene;
+    CheckedScene scene;
     store_cells(scene.folder / "g.tcell", with_tiny_chunks(metadata_of(cube_grid(0, 2, 20), axis, 3)), scene.cells);
     const GridReader reader(scene.folder / "g.tcell");
     const json j = json::parse(findings_json(check(reader, 2, [](double) {})));
@@ -72,7 +72,7 @@ TEST_CASE("What is found is said in sentences, with counts, places and boxes", "
 }
 
 TEST_CASE("Where the file keeps bodies apart, what is found is about bodies", "[check]") {
-  Scene scene;
+  CheckedScene scene;
   Metadata meta = metadata_of(cube_grid(0, 2, 20), 0, 3);
   meta.labels[1].body = "plate", meta.labels[2].body = "cube";
   store_cells(scene.folder / "g.tcell", meta, scene.cells);

@@ -19,7 +19,7 @@ namespace {
 
 using namespace testing;
 
-const std::atomic<bool> kGoOn = false;
+const std::atomic<bool> kNeverStop = false;
 
 // As server/SERVING.md has it.
 struct Decoded {
@@ -75,10 +75,10 @@ Decoded decoded(const std::string& text, bool perspective) {
   return out;
 }
 
-struct Scene {
+struct Balls {
   TempFolder folder;
   GridReader reader;
-  Scene(std::mt19937_64& random, int ray_axis) : reader(stored(random, ray_axis)) {}
+  Balls(std::mt19937_64& random, int ray_axis) : reader(stored(random, ray_axis)) {}
   GridReader stored(std::mt19937_64& random, int ray_axis) {
     std::vector<Label> cells(40 * 40 * 40);
     for (int ball = 0; ball < 5; ++ball) {
@@ -108,14 +108,14 @@ TEST_CASE("the numbers have the colours of the picture", "[render]") {
                                                                                         {{"size", "60,60"}, {"view", "y"}},
                                                                                         {{"size", "80,50"}, {"open", "0.5,0.5,0.5"}},
                                                                                         {{"size", "50,50"}, {"plane", "1,1,0,1"}}}) {
-    const Scene scene(random, static_cast<int>(random() % 3));
+    const Balls scene(random, static_cast<int>(random() % 3));
     const RenderOptions options = options_of(scene.reader, words);
-    const Picture3D picture = render(scene.reader, options, 1, kGoOn, [](double) {});
-    const Prepared prepared(scene.reader, shown_labels(scene.reader.meta(), options), 0, 1, kGoOn);
+    const Picture3D picture = render(scene.reader, options, 1, kNeverStop, [](double) {});
+    const Prepared prepared(scene.reader, shown_labels(scene.reader.meta(), options), 0, 1, kNeverStop);
     const PictureSize size = options.aim.camera.size;
     const Window all{0, 0, size.width, size.height};
     const Decoded numbers =
-        decoded(encode_sights(scene.reader, prepared, options.aim, all, false, 2, kGoOn, [](double) {}), options.aim.camera.perspective);
+        decoded(encode_sights(scene.reader, prepared, options.aim, all, false, 2, kNeverStop, [](double) {}), options.aim.camera.perspective);
     REQUIRE(numbers.width == size.width);
     REQUIRE(numbers.height == size.height);
     CHECK(numbers.edges.size() > 20);
@@ -149,11 +149,11 @@ TEST_CASE("the numbers have the colours of the picture", "[render]") {
 
 TEST_CASE("the windows of a picture, side by side, are the picture; threads make no difference", "[render][threads]") {
   std::mt19937_64 random(1912);
-  const Scene scene(random, 1);
+  const Balls scene(random, 1);
   const RenderOptions options = options_of(scene.reader, {{"size", "90,70"}});
-  const Prepared prepared(scene.reader, shown_labels(scene.reader.meta(), options), 0, 1, kGoOn);
+  const Prepared prepared(scene.reader, shown_labels(scene.reader.meta(), options), 0, 1, kNeverStop);
   const auto numbers = [&](const Window& window, int threads) {
-    return decoded(encode_sights(scene.reader, prepared, options.aim, window, false, threads, kGoOn, [](double) {}), true);
+    return decoded(encode_sights(scene.reader, prepared, options.aim, window, false, threads, kNeverStop, [](double) {}), true);
   };
   const Decoded all = numbers({0, 0, 90, 70}, 3);
   for (const Window& window : {Window{0, 0, 33, 70}, Window{33, 0, 90, 41}, Window{33, 41, 90, 70}, Window{89, 69, 90, 70}}) {
@@ -168,7 +168,7 @@ TEST_CASE("the windows of a picture, side by side, are the picture; threads make
         REQUIRE(part.edges.contains(j) == all.edges.contains(i));
       }
   }
-  const Decoded quick = decoded(encode_sights(scene.reader, prepared, options.aim, {0, 0, 90, 70}, true, 1, kGoOn, [](double) {}), true);
+  const Decoded quick = decoded(encode_sights(scene.reader, prepared, options.aim, {0, 0, 90, 70}, true, 1, kNeverStop, [](double) {}), true);
   CHECK(quick.edges.empty());
   CHECK(quick.label == all.label);
 }
@@ -180,8 +180,8 @@ TEST_CASE("nothing in sight, and an eye inside a body", "[render]") {
   for (const auto& [words, label] : std::vector<std::pair<std::map<std::string, std::string, std::less<>>, uint32_t>>{
            {{{"size", "5,4"}, {"from", "0.5,0.5,0.5"}, {"at", "0.7,0.5,0.5"}}, 2}, {{{"size", "5,4"}, {"labels", ""}}, 0}}) {
     const RenderOptions options = options_of(reader, words);
-    const Prepared prepared(reader, shown_labels(reader.meta(), options), 0, 1, kGoOn);
-    const Decoded numbers = decoded(encode_sights(reader, prepared, options.aim, {0, 0, 5, 4}, false, 1, kGoOn, [](double) {}), true);
+    const Prepared prepared(reader, shown_labels(reader.meta(), options), 0, 1, kNeverStop);
+    const Decoded numbers = decoded(encode_sights(reader, prepared, options.aim, {0, 0, 5, 4}, false, 1, kNeverStop, [](double) {}), true);
     CHECK(numbers.label == std::vector<uint32_t>(20, label));
     if (label) CHECK(numbers.distance == std::vector<double>(20, 0));
   }
