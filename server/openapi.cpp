@@ -77,6 +77,11 @@ ordered_json with_optional(const char* name, ordered_json schema, const char* de
   object["properties"][name] = described(std::move(schema), description);
   return object;
 }
+ordered_json nullable(const char* type) {
+  ordered_json out;
+  out["type"] = ordered_json::array({type, "null"});
+  return out;
+}
 ordered_json array(ordered_json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
 const ordered_json kNumber = {{"type", "number"}};
 
@@ -133,22 +138,21 @@ ordered_json schemas() {
        object({{"schema", kInteger},
                {"region", box},
                {"materials", array(object({{"id", kInteger}, {"name", text}, {"cells", kNumber}, {"volume", kNumber}, {"box", box_or_null}}))}})},
-      {"Findings", object({{"schema", kInteger},
-                           {"grid_hash", text},
-                           {"findings", array(object({{"kind", text},
-                                                      {"level", text},
-                                                      {"bodies", array(text)},
-                                                      {"cells", kNumber},
-                                                      {"at", {{"type", ordered_json::array({"array", "null"})}}},
-                                                      {"box", box_or_null},
-                                                      {"text", text}}))},
-                           {"totals", {{"type", "object"}}},
-                           {"walls", array(object({{"body", text},
-                                                   {"thinnest_cells", {{"type", ordered_json::array({"integer", "null"})}}},
-                                                   {"at", {{"type", ordered_json::array({"array", "null"})}}},
-                                                   {"histogram", array(kNumber)}}))},
-                           {"not_looked_at", array(text)}})},
-      {"Seen", object({{"schema", kInteger}, {"seen", {{"type", ordered_json::array({"object", "null"})}}}})},
+      {"Findings",
+       object({{"schema", kInteger},
+               {"grid_hash", text},
+               {"findings", array(object({{"kind", text},
+                                          {"level", text},
+                                          {"bodies", array(text)},
+                                          {"cells", kNumber},
+                                          {"at", nullable("array")},
+                                          {"box", box_or_null},
+                                          {"text", text}}))},
+               {"totals", {{"type", "object"}}},
+               {"walls",
+                array(object({{"body", text}, {"thinnest_cells", nullable("integer")}, {"at", nullable("array")}, {"histogram", array(kNumber)}}))},
+               {"not_looked_at", array(text)}})},
+      {"Seen", object({{"schema", kInteger}, {"seen", nullable("object")}})},
   };
 }
 
@@ -220,8 +224,8 @@ std::string openapi_json(const Request& request) {
       get("the exact number of cells, volume and box of every material, counted from runs",
           {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()},
           "application/json", "Stats");
-  paths[grid + "/check"] =
-      get("what `teracell check` has found: walls, islands, overlaps, holes ...; 404 when it has not been run", {id}, "application/json", "Findings");
+  paths[grid + "/check"] = get("what `teracell check` has found: walls, islands, overlaps, holes ...; 404 when it has not been run",
+                               ordered_json::array({id}), "application/json", "Findings");
   ordered_json view = {id, version()};
   for (const RenderOption& o : render_options()) {
     const std::string name(o.name), help(o.value.empty() ? fmt::format("1: {}", o.help) : fmt::format("{}: {}", o.value, o.help));
