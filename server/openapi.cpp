@@ -205,8 +205,15 @@ std::string openapi_json(const Request& request) {
       "a tile as labels, the row with the lowest v first. Each cell is the id of its strongest material: one byte, or two (little endian) in grids of more than 256 materials. With "
       "sets=1 there are, all little endian: the number of sets (u32); for each set its number of materials and their ids (u16 each); for each cell the number of its set, one byte, "
       "or two when there are more than 256 sets",
-      tile({parameter("sets", "query", "1: gives the set of all materials in each coarse cell", flag()), version()}), "application/octet-stream",
-      nullptr);
+      tile(
+          {parameter("sets", "query", "1: gives the set of all materials in each coarse cell", flag()),
+           parameter(
+               "bodies", "query",
+               "1, with sets=1: labels in place of materials, where the grid keeps bodies apart. The upper half of the number of sets has flags then: 1: numbers in sets have "
+               "four bytes; 2: more sets than can be numbered, so each label is replaced by the first one of its material",
+               flag()),
+           version()}),
+      "application/octet-stream", nullptr);
   paths[grid + "/cell"] = get("the materials of a cell",
                               {id, parameter("i", "query", "along x", kInteger), parameter("j", "query", "along y", kInteger),
                                parameter("k", "query", "along z", kInteger), level("query"), version()},
@@ -220,10 +227,10 @@ std::string openapi_json(const Request& request) {
            parameter("from", "query", "the first cell along the column; default: 0", kInteger),
            parameter("to", "query", "the cell behind the last one; default: the column's end", kInteger), version()},
           "application/json", "Column");
-  paths[grid + "/stats"] =
-      get("the exact number of cells, volume and box of every material, counted from runs",
-          {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString), version()},
-          "application/json", "Stats");
+  paths[grid + "/stats"] = get("the exact number of cells, volume and box of every material, counted from runs",
+                               {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString),
+                                parameter("bodies", "query", "1: also those of every body, where the grid keeps bodies apart", flag()), version()},
+                               "application/json", "Stats");
   paths[grid + "/check"] = get("what `teracell check` has found: walls, islands, overlaps, holes ...; 404 when it has not been run",
                                ordered_json::array({id}), "application/json", "Findings");
   ordered_json view = {id, version()};

@@ -57,10 +57,16 @@ int level_of(const std::string* text, const GridReader& reader) {
   return text ? static_cast<int>(integer_in(*text, "level", 0, reader.levels() - 1)) : 0;
 }
 
+// "?outline=1".
+bool switched_on(const Target& target, const char* name) {
+  const std::string* text = target.find(name);
+  return text && integer_in(*text, name, 0, 1) == 1;
+}
+
 // "?materials=1,3" and "?outline=1".
 PictureStyle style_of(const Target& target, const Metadata& meta) {
   PictureStyle style;
-  if (const std::string* outline = target.find("outline")) style.outline = integer_in(*outline, "outline", 0, 1) == 1;
+  style.outline = switched_on(target, "outline");
   if (const std::string* list = target.find("materials")) {
     const size_t n = meta.materials.size();
     style.shown.assign(n, false);
@@ -86,6 +92,12 @@ struct GridRequest {
   const GridReader& reader() const { return grid->reader(); }
   const Metadata& meta() const { return grid->meta(); }
 };
+
+bool asks_for_bodies(const GridRequest& r) {
+  const bool asks = switched_on(r.target, "bodies");
+  if (asks && !keeps_bodies(r.meta())) throw bad_request(fmt::format("bodies: grid '{}' keeps materials, not bodies", r.grid->id));
+  return asks;
+}
 
 // make() returns JSON.
 Response json_answer(const GridRequest& r, const char* route, std::function<std::string()> make) {
@@ -136,12 +148,12 @@ Response tile(const GridRequest& r) {
   view.u0 = u * kTilePixels, view.v0 = v * kTilePixels;
   view.u1 = std::min(view.u1, view.u0 + kTilePixels), view.v1 = std::min(view.v1, view.v0 + kTilePixels);
   if (extension == ".bin") {
-    r.target.allow({"v", "sets"});
-    const std::string* sets = r.target.find("sets");
-    const bool with_sets = sets && integer_in(*sets, "sets", 0, 1) == 1;
+    r.target.allow({"v", "sets", "bodies"});
+    const bool sets = switched_on(r.target, "sets"), bodies = asks_for_bodies(r);
+    if (bodies && !sets) throw bad_request("bodies: expected sets=1 beside it");
     return r.service.answer(r.request, r.target, r.grid,
                             {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&] {
-                               return with_sets ? raw_sets(r.reader(), view) : raw_labels(r.reader(), view);
+                               return bodies ? raw_label_sets(r.reader(), view) : sets ? raw_sets(r.reader(), view) : raw_labels(r.reader(), view);
                              }});
   }
   if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));
@@ -171,6 +183,9 @@ Response cell(const GridRequest& r) {
     }
     for_each_run(r.reader(), level, box, [&](const BoxRun& run) {  // the cell is a single run
       for (const uint32_t m : materials_of(meta, *run.set)) j["materials"].push_back({{"id", m}, {"name", meta.materials[m].name}});
+      if (keeps_bodies(meta))
+        for (const Label label : *run.set)
+          j["bodies"].push_back({{"label", label}, {"name", meta.labels[label].body}, {"material", meta.labels[label].material}});
     });
     return ascii_json(j);
   });
@@ -192,7 +207,8 @@ Response column(const GridRequest& r) {
 }
 
 Response stats(const GridRequest& r) {
-  r.target.allow({"v", "region"});
+  r.target.allow({"v", "region", "bodies"});
+  const bool bodies = asks_for_bodies(r);
   Box box = r.meta().grid.box(0);
   if (const std::string* region = r.target.find("region")) {
     const auto c = integers(*region, 6, "region");
@@ -204,7 +220,10 @@ Response stats(const GridRequest& r) {
             fmt::format("region: expected a part of 0 to {} along {} (half open, not empty), found {} to {}", n[d], axis_name(d), c[d], c[d + 3]));
     }
   }
-  return json_answer(r, "stats", [&, box] { return stats_json(r.meta(), box, read_stats(r.reader(), box)); });
+  return json_answer(r, "stats", [&, box, bodies] {
+    const auto stats = read_label_stats(r.reader(), box);
+    return bodies ? body_stats_json(r.meta(), box, stats) : stats_json(r.meta(), box, stats_by_material(r.meta(), stats));
+  });
 }
 
 // What `teracell check` has found. It is kept beside the file, and may come or change while the grid stays the same.

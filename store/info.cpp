@@ -64,6 +64,24 @@ void write_level(JsonWriter& out, const GridReader& reader, int level) {
   out.field("chunks", info.chunks).field("bytes", info.bytes).field("changes", info.changes).end_object();
 }
 
+// The end of an object: cells, volume and box.
+void write_amount(JsonWriter& out, const CellStats& s) {
+  write_count(out, "cells", s.cells);
+  out.field("volume", s.volume).key("box");
+  if (s.cells == 0) out.value(nullptr);
+  else write_box(out, s.box);
+  out.end_object();
+}
+
+void begin_stats(JsonWriter& out, const Metadata& meta, const Box& region, const std::vector<CellStats>& stats) {
+  out.begin_object().field("schema", 1).key("region");
+  write_box(out, region);
+  write_all(out, "materials", stats, [&](size_t i) {
+    out.begin_object().field("id", i).field("name", meta.materials[i].name);
+    write_amount(out, stats[i]);
+  });
+}
+
 }  // namespace
 
 double bits_per_crossing(const Metadata& meta) {
@@ -80,7 +98,7 @@ std::string info_json(const GridReader& reader, std::string_view id) {
     const MaterialInfo& m = meta.materials[i];
     out.begin_object().field("id", i).field("name", m.name).field("color", m.color).field("rank", m.rank).end_object();
   });
-  if (std::ranges::any_of(meta.labels, [](const LabelInfo& label) { return !label.body.empty(); }))
+  if (keeps_bodies(meta))
     write_all(out, "labels", meta.labels,
               [&](size_t i) { out.begin_object().field("material", meta.labels[i].material).field("body", meta.labels[i].body).end_object(); });
   out.key("levels").begin_array();
@@ -95,19 +113,22 @@ std::string info_json(const GridReader& reader, std::string_view id) {
   return text;
 }
 
-std::string stats_json(const Metadata& meta, const Box& region, const std::vector<MaterialStats>& stats) {
+std::string stats_json(const Metadata& meta, const Box& region, const std::vector<CellStats>& stats) {
   std::string text;
   JsonWriter out(text);
-  out.begin_object().field("schema", 1).key("region");
-  write_box(out, region);
-  write_all(out, "materials", stats, [&](size_t i) {
-    const MaterialStats& s = stats[i];
-    out.begin_object().field("id", i).field("name", meta.materials[i].name);
-    write_count(out, "cells", s.cells);
-    out.field("volume", s.volume).key("box");
-    if (s.cells == 0) out.value(nullptr);
-    else write_box(out, s.box);
-    out.end_object();
+  begin_stats(out, meta, region, stats);
+  out.end_object();
+  return text;
+}
+
+std::string body_stats_json(const Metadata& meta, const Box& region, const std::vector<CellStats>& of_labels) {
+  std::string text;
+  JsonWriter out(text);
+  begin_stats(out, meta, region, stats_by_material(meta, of_labels));
+  write_all(out, "bodies", of_labels, [&](size_t i) {
+    const LabelInfo& label = meta.labels[i];
+    out.begin_object().field("label", i).field("name", label.body).field("material", label.material);
+    write_amount(out, of_labels[i]);
   });
   out.end_object();
   return text;

@@ -12,7 +12,9 @@ namespace teracell {
 // Takes little more memory than the text: the file's report is decoded behind what comes before it. With the key `id` unless
 // it is empty.
 std::string info_json(const GridReader& reader, std::string_view id = {});
-std::string stats_json(const Metadata& meta, const Box& region, const std::vector<MaterialStats>& stats);
+// What read_stats() gives; or, with the list "bodies" beside it, what read_label_stats() gives.
+std::string stats_json(const Metadata& meta, const Box& region, const std::vector<CellStats>& stats);
+std::string body_stats_json(const Metadata& meta, const Box& region, const std::vector<CellStats>& of_labels);
 // {"schema": 1, "cells", "same", "changes": [{"from", "to", "cells", "box"}]}
 std::string difference_json(const Difference& difference);
 std::string column_json(const Metadata& meta, int axis, int64_t a, int64_t b, const std::vector<ColumnRun>& runs);

@@ -1,5 +1,7 @@
 #include "store/metadata.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "store/text.hpp"
@@ -11,6 +13,10 @@ namespace {
 constexpr size_t kRoomForOthers = 256;
 
 }  // namespace
+
+bool keeps_bodies(const Metadata& meta) {
+  return std::ranges::any_of(meta.labels, [](const LabelInfo& label) { return !label.body.empty(); });
+}
 
 std::string beyond_bounds(const Metadata& meta) {
   std::string_view longest = meta.units;

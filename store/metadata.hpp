@@ -70,6 +70,8 @@ struct Metadata {
   RayFrame frame() const { return RayFrame::along(ray_axis); }
   friend bool operator==(const Metadata&, const Metadata&) = default;
 };
+// Whether labels stand for bodies, and not only for materials.
+bool keeps_bodies(const Metadata& meta);
 // What in the metadata is longer than a file may say, as a sentence for people; empty if nothing is.
 std::string beyond_bounds(const Metadata& meta);
 

@@ -393,7 +393,7 @@ int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3], tc_c
     Structures structures(by_material, size, "tc_cells");
     const int64_t materials = tc_material_count(grid);
     if (count != materials) throw UsageError(fmt::format("count: expected {}, the number of materials, found {}", materials, count));
-    const std::vector<MaterialStats> stats = read_stats(reader, within(reader, 0, box_of(lo, hi)));
+    const std::vector<CellStats> stats = read_stats(reader, within(reader, 0, box_of(lo, hi)));
     for (int64_t id = 0; id < materials; ++id) {
       const auto& [cells, volume, box] = stats[static_cast<size_t>(id)];
       tc_cells out{static_cast<uint64_t>(cells), static_cast<uint64_t>(cells >> 64), volume, {}, {}};

@@ -1,6 +1,7 @@
 #include "server/service/slice_picture.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include <fmt/format.h>
@@ -12,30 +13,40 @@
 namespace teracell {
 namespace {
 
+// A picture has more different sets than numbers.
+struct TooManySets : UsageError {
+  using UsageError::UsageError;
+};
+
 // Numbers the sets of a picture in the order in which they occur. For one thread.
 class SetNumbers {
  public:
-  explicit SetNumbers(const Metadata& meta) : meta_(meta) {}
+  using Members = std::function<std::vector<uint32_t>(const std::vector<Label>&)>;
+  explicit SetNumbers(const Metadata& meta) : SetNumbers([&meta](const std::vector<Label>& set) { return materials_of(meta, set); }) {}
+  // `members`: what counts of a set, ascending. `most`: members of all sets together.
+  explicit SetNumbers(Members members, size_t most = std::numeric_limits<size_t>::max()) : members_(std::move(members)), left_(most) {}
   SetValue value() {
     return [this](const std::vector<Label>& set) { return number(set); };
   }
-  // Material ids of each set, ascending.
+  // Members of each set.
   const std::vector<std::vector<uint32_t>>& sets() const { return sets_; }
 
  private:
   static constexpr size_t kMostSets = 65535;  // the outline has the next number
   uint32_t number(const std::vector<Label>& set) {
-    const auto [it, fresh] = numbers_.try_emplace(materials_of(meta_, set), static_cast<uint32_t>(sets_.size()));
+    const auto [it, fresh] = numbers_.try_emplace(members_(set), static_cast<uint32_t>(sets_.size()));
     if (fresh) {
-      if (sets_.size() == kMostSets)
-        throw UsageError(fmt::format("the picture has more than {} different sets of materials: ask for a smaller part of it", kMostSets));
+      if (sets_.size() == kMostSets || it->first.size() > left_)
+        throw TooManySets(fmt::format("the picture has more than {} different sets of materials: ask for a smaller part of it", kMostSets));
+      left_ -= it->first.size();
       sets_.push_back(it->first);
     }
     return it->second;
   }
-  const Metadata& meta_;
+  const Members members_;
   std::map<std::vector<uint32_t>, uint32_t> numbers_;
   std::vector<std::vector<uint32_t>> sets_;
+  size_t left_;
 };
 
 constexpr Rgba kOutline = {24, 24, 24, 255};
@@ -75,6 +86,26 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
   return numbers;
 }
 
+constexpr size_t kMostMembers = size_t{1} << 20;           // of sets of labels
+constexpr uint16_t kWideMembers = 1, kBodiesNotApart = 2;  // flags
+uint16_t width_flag(const Metadata& meta) { return meta.labels.size() > 65536 ? kWideMembers : 0; }
+
+std::string sets_text(const SetNumbers& sets, std::span<const uint16_t> numbers, uint16_t flags) {
+  std::vector<uint16_t> table = {static_cast<uint16_t>(sets.sets().size()), flags};
+  const auto put = [&](size_t number) {
+    table.push_back(static_cast<uint16_t>(number));
+    if (flags & kWideMembers) table.push_back(static_cast<uint16_t>(number >> 16));
+  };
+  for (const auto& set : sets.sets()) {
+    put(set.size());
+    for (const uint32_t member : set) put(member);
+  }
+  std::string out;
+  put_labels(out, table, true);
+  put_labels(out, numbers, sets.sets().size() > 256);
+  return out;
+}
+
 }  // namespace
 
 std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
@@ -99,15 +130,25 @@ std::string raw_labels(const GridReader& reader, const SliceView& view) {
 std::string raw_sets(const GridReader& reader, const SliceView& view) {
   SetNumbers sets(reader.meta());
   const std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
-  std::vector<uint16_t> table = {static_cast<uint16_t>(sets.sets().size()), 0};
-  for (const auto& set : sets.sets()) {
-    table.push_back(static_cast<uint16_t>(set.size()));
-    table.insert(table.end(), set.begin(), set.end());
-  }
-  std::string out;
-  put_labels(out, table, true);
-  put_labels(out, numbers, sets.sets().size() > 256);
-  return out;
+  return sets_text(sets, numbers, 0);
+}
+
+std::string raw_label_sets(const GridReader& reader, const SliceView& view) try {
+  SetNumbers sets([](const std::vector<Label>& set) { return set; }, kMostMembers);
+  const std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
+  return sets_text(sets, numbers, width_flag(reader.meta()));
+} catch (const TooManySets&) {
+  const std::vector<LabelInfo>& labels = reader.meta().labels;
+  std::vector<Label> first_of(reader.meta().materials.size());
+  for (size_t label = labels.size(); label-- > 0;) first_of[labels[label].material] = static_cast<Label>(label);
+  SetNumbers sets([&](const std::vector<Label>& set) {
+    std::vector<uint32_t> firsts = materials_of(reader.meta(), set);
+    for (uint32_t& m : firsts) m = first_of[m];
+    std::ranges::sort(firsts);
+    return firsts;
+  });
+  const std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
+  return sets_text(sets, numbers, width_flag(reader.meta()) | kBodiesNotApart);
 }
 
 }  // namespace teracell

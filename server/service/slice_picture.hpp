@@ -22,5 +22,9 @@ std::string raw_labels(const GridReader& reader, const SliceView& view);
 // The same with the sets of coarse cells: the number of sets (u32); for each set its number of materials and their ids (u16
 // each); then for each cell the number of its set, one byte, or two when there are more than 256 sets. All little endian.
 std::string raw_sets(const GridReader& reader, const SliceView& view);
+// The same with labels in place of materials, for grids that keep bodies apart: the number of sets (u16); flags (u16); the sets, whose
+// labels have four bytes when there are more than 65536 labels (flag 1), otherwise two; the cells. Where a view has more different sets
+// than can be numbered, each label is replaced by the first one of its material (flag 2).
+std::string raw_label_sets(const GridReader& reader, const SliceView& view);
 
 }  // namespace teracell

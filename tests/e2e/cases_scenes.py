@@ -49,6 +49,24 @@ class Scenes(Case):
         self.assertEqual(self.json_of("stats", "g.tcell"), stats)
         self.run_ok("verify", "g.tcell")
 
+    def test_statistics_by_body_where_bodies_are_kept_apart(self):
+        bodies = [{"name": "left", "mesh": "a.stl", "material": "steel"}, {"name": "right", "mesh": "b.obj", "material": "steel"}]
+        self.mesh(bodies)
+        self.refused(2, ['"label_by": "body"', "keeps materials"], "stats", "g.tcell", "--bodies")
+        cells = {}
+        for name, only in (("left", bodies[:1]), ("right", bodies[1:])):
+            self.mesh(only)
+            cells[name] = self.json_of("stats", "g.tcell")["materials"][1]
+        self.mesh(bodies, label_by="body")
+        found = self.json_of("stats", "g.tcell", "--bodies")
+        self.assertEqual(found["materials"], self.json_of("stats", "g.tcell")["materials"])
+        self.assertEqual([(b["name"], b["material"]) for b in found["bodies"]], [("", 0), ("left", 1), ("right", 1)])
+        self.assertEqual(found["bodies"][2]["cells"], cells["right"]["cells"], "the later body wins")
+        self.assertEqual(found["bodies"][1]["cells"] + found["bodies"][2]["cells"], found["materials"][1]["cells"])
+        text = self.run_ok("stats", "g.tcell", "--bodies").out
+        self.assertIn("left: steel", text)
+        self.assertIn("right: steel", text)
+
     def test_graded_axes(self):
         x, y = [-1, 0, 0.25, 1, 2.5, 3, 6, 6.5], [-2.0, 0.5, 1, 1.5, 7]
         self.write("y.txt", "# planes of y\n-2, 0.5 1\n1.5\t7 # the last\n")

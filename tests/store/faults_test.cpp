@@ -68,7 +68,7 @@ class CachingKeeper : public ChunkKeeper {
 
 struct Answers {
   std::vector<uint16_t> slices;
-  std::vector<MaterialStats> stats;
+  std::vector<CellStats> stats;
   std::vector<std::vector<Mask>> boxes;
   std::string report;
 };
@@ -87,7 +87,7 @@ void ask(const GridReader& reader, Answers& out, bool verified) {
 
 bool same(const Answers& a, const Answers& b) {
   const bool same_stats = std::ranges::equal(
-      a.stats, b.stats, [](const MaterialStats& x, const MaterialStats& y) { return x.cells == y.cells && x.volume == y.volume && x.box == y.box; });
+      a.stats, b.stats, [](const CellStats& x, const CellStats& y) { return x.cells == y.cells && x.volume == y.volume && x.box == y.box; });
   return same_stats && a.slices == b.slices && a.boxes == b.boxes && a.report == b.report;
 }
 

@@ -65,7 +65,7 @@ TEST_CASE("A file without crossings has no bits for them") { REQUIRE(bits_per_cr
 
 TEST_CASE("Counts that JSON readers would round come as text too, past 64 bits as well") {
   const Metadata meta = metadata_of({}, 2, 4);
-  std::vector<MaterialStats> stats(4);
+  std::vector<CellStats> stats(4);
   stats[1] = {(uint64_t{1} << 53) - 1, 2.5, {{1, 2, 3}, {4, 5, 6}}};
   stats[2] = {uint64_t{1} << 53, 1, {{0, 0, 0}, {1, 1, 1}}};
   stats[3] = {static_cast<unsigned __int128>(1) << 64, 1, {{0, 0, 0}, {1, 1, 1}}};

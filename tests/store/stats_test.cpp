@@ -21,7 +21,7 @@ TEST_CASE("A material without cells has no volume and an empty box; an empty reg
   const auto stats = read_stats(reader, {{0, 0, 0}, {4, 4, 4}});
   REQUIRE(stats[1].volume == 64);
   REQUIRE((stats[2].cells == 0 && stats[2].volume == 0 && stats[2].box.empty()));
-  for (const MaterialStats& s : read_stats(reader, {{2, 2, 2}, {2, 3, 3}})) REQUIRE((s.cells == 0 && s.box.empty()));
+  for (const CellStats& s : read_stats(reader, {{2, 2, 2}, {2, 3, 3}})) REQUIRE((s.cells == 0 && s.box.empty()));
 }
 
 TEST_CASE("Statistics that reach out of their chunk are refused before any coordinate is looked up") {

@@ -178,7 +178,7 @@ TEST_CASE("Columns, counts and uniform boxes are those of the reader", "[api]") 
     int uniform = -1;
     uint32_t material = 77;
     REQUIRE(tc_uniform(o.grid.get(), 0, box.lo.data(), box.hi.data(), &uniform, &material) == TC_OK);
-    const auto kinds = std::ranges::count_if(expected, [](const MaterialStats& m) { return m.cells > 0; });
+    const auto kinds = std::ranges::count_if(expected, [](const CellStats& m) { return m.cells > 0; });
     CHECK(uniform == (kinds == 1));
     CHECK((uniform ? expected[material].cells > 0 : material == 77));
   }

@@ -165,9 +165,9 @@ struct Checked {
   }
 
   void stats(const Box& box) {
-    std::vector<MaterialStats> expected(reader.meta().materials.size());
+    std::vector<CellStats> expected(reader.meta().materials.size());
     for_cells(box, [&](int64_t x, int64_t y, int64_t z) {
-      MaterialStats& s = expected[strongest(at(0, x, y, z))];
+      CellStats& s = expected[strongest(at(0, x, y, z))];
       const Index3 cell = {x, y, z};
       double volume = 1;
       for (int d = 0; d < 3; ++d) {

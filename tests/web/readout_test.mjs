@@ -41,11 +41,11 @@ for (const grid of ["stadium", "graded"])
         }
         const material = exported_cell(grid, hover.cell);
         // Coarse views know only the set of materials. It must contain the material of the cell.
-        assert.ok(hover.materials.includes(material), `${hover.materials} at ${hover.cell}, expected ${material}`);
+        assert.ok(hover.labels.includes(material), `${hover.labels} at ${hover.cell}, expected ${material}`);
         seen.add(material);
         const text = await part.innerText();
         assert.ok(text.includes(materials[material].name), text);
-        assert.equal(text.includes("mixed:"), hover.materials.length > 1, text);
+        assert.equal(text.includes("mixed:"), hover.labels.length > 1, text);
         for (const [d, row] of (await part.getByRole("row").all()).entries())
           assert.equal(digits(await row.getByRole("cell").first().innerText()), hover.cell[d]);
       }
@@ -208,7 +208,7 @@ test("the report names a hole, marks it and leads to it, and it names a body wit
   const text = await panel.innerText();
   assert.match(text, /no cells/);
   assert.match(text, /4 edges/);
-  assert.equal((await state(page, "markers")).length, 1);
+  await page.waitForFunction(() => teracell.viewer.markers.value.length === 1);
   await panel.getByRole("button", { name: /Go there: the hole/ }).click();
   await settled(page);
   const { axes } = info_of("open").grid;

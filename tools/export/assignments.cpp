@@ -45,7 +45,7 @@ std::vector<std::pair<std::string, std::string>> parse_assignments(const std::st
 void expect_named(const GridReader& reader, int level, const Box& box, const std::vector<bool>& named, const std::string& option) {
   Box below = reader.meta().grid.box(0);  // the cells of level 0 that the box covers
   for (int d = 0; d < 3; ++d) below.lo[d] = box.lo[d] << level, below.hi[d] = std::min(below.hi[d], box.hi[d] << level);
-  const std::vector<MaterialStats> stats = read_stats(reader, below);
+  const std::vector<CellStats> stats = read_stats(reader, below);
   for (size_t id = 0; id < named.size(); ++id)
     if (!named[id] && stats[id].cells > 0)
       throw UsageError(fmt::format("{}: expected a number for each material, found none for '{}'", option, reader.meta().materials[id].name));

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type Palette, compose } from "@page/overview/compose";
 import { empty_frame, point_at, put_part } from "@page/overview/frame";
-import { layers_of, palette_of, ranges } from "@page/overview/layers";
+import { layers_of, palette_of } from "@page/overview/layers";
 import { type Sights, decode_sights } from "@page/overview/sights";
 import { fitted, project, projection_of } from "@page/overview/camera";
 
@@ -101,23 +101,19 @@ test("glass is clearest where it faces the eye", () => {
 });
 
 test("opaque materials share a layer, clear ones have one each as long as they are few, and hidden ones have none", () => {
-  const look = (opacity: number, visible = true) => ({ color: [0, 0, 0] as const, opacity, visible });
-  const looks = [look(0), look(1), look(0.5), look(1, false), look(1)];
-  assert.deepEqual(layers_of([0, 1, 2, 3, 4], looks, "whole"), [[1, 4], [2]]);
-  assert.deepEqual(layers_of([0, 1, 2, 3, 4], looks, "glass"), [[1], [2], [4]]);
-  assert.deepEqual(layers_of([0, 1, 1, 2, 2], looks, "whole"), [[1, 2], [3, 4]], "labels of one material are one layer");
-  assert.deepEqual(layers_of([0, 1, 1, 2, 2], looks, "whole", new Set([1, 4])), [[2], [3]]);
-  const many = Array.from({ length: 20 }, () => look(0.5));
-  const layers = layers_of(many.map((_, i) => i), many, "whole");
+  const look = (material: number, opacity: number, visible = true) => ({ color: [0, 0, 0] as const, material, opacity, visible });
+  const looks = [look(0, 0), look(1, 1), look(2, 0.5), look(3, 1, false), look(4, 1)];
+  assert.deepEqual(layers_of(looks, "whole"), [[1, 4], [2]]);
+  assert.deepEqual(layers_of(looks, "glass"), [[1], [2], [4]]);
+  const bodies = [look(0, 0), look(1, 1), look(1, 1), look(2, 0.5), look(2, 0.5)];
+  assert.deepEqual(layers_of(bodies, "whole"), [[1, 2], [3, 4]], "bodies of one material are one layer");
+  assert.deepEqual(layers_of(bodies.map((b, label) => ({ ...b, visible: label !== 1 && label !== 4 })), "whole"), [[2], [3]]);
+  assert.deepEqual(layers_of(bodies.map((b, label) => ({ ...b, opacity: label === 1 ? 0.5 : b.opacity })), "whole"), [[2], [1], [3, 4]], "a clear body");
+  const many = Array.from({ length: 20 }, (_, i) => look(i, 0.5));
+  const layers = layers_of(many, "whole");
   assert.equal(layers.length, 7);
   assert.deepEqual(layers.flat(), many.map((_, i) => i));
-  assert.deepEqual([...palette_of([0, 2], looks, "cut").opacity], [0, 0.5]);
-});
-
-test("labels are asked for as ranges", () => {
-  assert.equal(ranges([]), "");
-  assert.equal(ranges([3]), "3");
-  assert.equal(ranges([1, 2, 3, 5, 7, 8]), "1-3,5,7-8");
+  assert.deepEqual([...palette_of(looks.slice(0, 3), "cut").opacity], [0, 1, 0.5]);
 });
 
 test("a frame is put together from parts, and a pixel's point is seen at that pixel", () => {

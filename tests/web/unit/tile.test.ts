@@ -33,6 +33,15 @@ for (const count of [1, 2, 256, 257, 1000])
       }
   });
 
+test("labels of four bytes are read, and whether bodies are told apart", () => {
+  const words = (flags: number) => [1, flags, 2, 0, 7, 0, 0x1234, 2].map((word) => [word & 255, word >> 8]).flat();
+  const table = new SetTable();
+  const tile = decode_tile(place, [1, 1], new Uint8Array([...words(1), 0]).buffer, table);
+  assert.deepEqual(table.members(tile.sets[0]!), [7, 0x21234]);
+  assert.equal(tile.apart, true);
+  assert.equal(decode_tile(place, [1, 1], new Uint8Array([...words(3), 0]).buffer, table).apart, false);
+});
+
 test("bytes that do not form a tile are refused, whatever is missing or too much", () => {
   const whole = new Uint8Array(encoded([[0], [1, 2]], Array.from({ length: 12 }, (_, i) => i % 2)));
   const decode = (bytes: Uint8Array) => decode_tile(place, [4, 3], bytes.slice().buffer, new SetTable());

@@ -56,7 +56,7 @@ void expect_labels(const MeshCounts& counts) {
 // Going through 10^12 cells takes half an hour, but how many there are is known at once. A mesh has more than three faces for each.
 void expect_labels_for_cells(const Export& e, const Division& d, uint32_t ranks) {
   if (e.level > 0 || e.has("--drop-unreachable")) return;
-  const std::vector<MaterialStats> stats = read_stats(e.reader, e.box);
+  const std::vector<CellStats> stats = read_stats(e.reader, e.box);
   double faces = 0;
   for (size_t id = 0; id < stats.size(); ++id)
     if (d.in_mesh[id]) faces += 3 * static_cast<double>(stats[id].cells);

@@ -14,6 +14,12 @@ export interface Material {
   rank: number; // where one of several materials is needed, the lowest rank wins
 }
 
+// What a label stands for: a material or, where the file keeps bodies apart, a body. The background has no body.
+export interface Label {
+  material: number;
+  body: string;
+}
+
 export interface Hole {
   at: [number, number, number];
   edges: number;
@@ -62,7 +68,7 @@ export interface GridInfo {
   ray_axis: string;
   grid: { min: number[]; max: number[]; cells: Index3; sample: number[]; axes: AxisJson[]; cells_text: string };
   materials: Material[];
-  labels?: { material: number; body: string }[]; // where the file keeps bodies apart; otherwise labels are materials
+  labels?: Label[]; // where the file keeps bodies apart; otherwise labels are materials
   levels: { level: number; cells: Index3; stored: boolean; chunks: number; bytes: number }[];
   file: { bytes: number; version: string; hash: string };
   crossings: number;
@@ -87,17 +93,31 @@ export interface UnreadableFile {
   error: string;
 }
 
-export interface MaterialStats {
-  id: number;
-  name: string;
+// Cells of a material or a body.
+export interface Amount {
   cells: number;
   cells_text?: string; // the exact count, when it is above 2^53
   volume: number;
   box: [number, number, number, number, number, number] | null;
 }
+export interface MaterialStats extends Amount {
+  id: number;
+  name: string;
+}
+export interface BodyStats extends Amount {
+  label: number;
+  name: string; // of the body; empty for the background
+  material: number;
+}
 export interface Stats {
   region: [number, number, number, number, number, number];
   materials: MaterialStats[];
+  bodies?: BodyStats[]; // where they were asked for
+}
+// A cell of level 0.
+export interface CellAnswer {
+  materials: { id: number; name: string }[];
+  bodies?: { label: number; name: string; material: number }[]; // where the file keeps bodies apart
 }
 
 export interface ColumnRun {
@@ -117,15 +137,18 @@ export interface Column {
 // The addresses of one grid. Each names the version of the file, so browsers may keep the answers for ever.
 export class GridAddress {
   private readonly base: string;
+  private readonly bodies: string;
   constructor(
     readonly id: string,
     readonly hash: string,
+    keeps_bodies = false, // then labels are bodies
   ) {
     this.base = `api/v1/grids/${encodeURIComponent(id)}`;
+    this.bodies = keeps_bodies ? "&bodies=1" : "";
   }
-  // The sets of materials in a tile of 512 x 512 cells. tiles/tile.ts describes the format.
+  // The sets of labels in a tile of 512 x 512 cells. tiles/tile.ts describes the format.
   tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
-    return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1&v=${this.hash}`;
+    return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1${this.bodies}&v=${this.hash}`;
   }
   // What is seen from somewhere: a picture, numbers for each of its pixels, or what is at one of its points. `query` says from where.
   view(ending: "png" | "bin" | "json", query: string): string {
@@ -136,5 +159,12 @@ export class GridAddress {
   }
   stats(region?: readonly number[]): string {
     return `${this.base}/stats?${region ? `region=${region.join(",")}&` : ""}v=${this.hash}`;
+  }
+  // Of the whole grid, also by body. REQUIRES: the file keeps bodies apart.
+  body_stats(): string {
+    return `${this.base}/stats?bodies=1&v=${this.hash}`;
+  }
+  cell([i, j, k]: Index3): string {
+    return `${this.base}/cell?i=${i}&j=${j}&k=${k}&v=${this.hash}`;
   }
 }

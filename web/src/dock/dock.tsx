@@ -1,11 +1,12 @@
 // The dock below the views, at a fixed height: what is under the pointer, where the crosshair or the pinned cell is,
 // and the materials along the three columns through it.
 import { coordinate, grouped } from "../base/format";
-import { AXES, AXIS_NAMES, type Index3 } from "../base/grid";
+import { AXES, AXIS_NAMES, type CellAnswer, type Index3 } from "../base/grid";
+import { use_answer, use_settled } from "../server/answer";
 import type { Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
-import { MaterialNames } from "./material_names";
-import { Profiles, use_profiles } from "./profiles";
+import { LabelNames } from "./label_names";
+import { Profiles, SETTLED, use_profiles } from "./profiles";
 
 
 // The indices of a cell and the coordinates of a point in it, one line per axis.
@@ -37,16 +38,25 @@ function Pointer({ viewer }: { viewer: Viewer }) {
       <h2>Pointer</h2>
       <Place viewer={viewer} cell={hover?.cell ?? null} {...(hover ? { point: hover.point } : {})} />
       <div class="dock-material">
-        <MaterialNames viewer={viewer} ids={hover?.materials ?? null} />
+        <LabelNames viewer={viewer} labels={hover?.labels ?? null} />
       </div>
     </section>
   );
+}
+
+// The labels of a cell. Columns tell its material; where the file keeps bodies apart, the cell itself is asked for.
+function use_labels(viewer: Viewer, cell: Index3, material: number | null): number[] | null {
+  const address = use_settled(viewer.keeps_bodies ? viewer.address.cell(cell) : null, SETTLED);
+  const answer = use_answer<CellAnswer>(address);
+  if (!viewer.keeps_bodies) return material === null ? null : [material];
+  return answer.path === viewer.address.cell(cell) ? answer.value!.bodies!.map(({ label }) => label) : null;
 }
 
 export function Dock({ viewer }: { viewer: Viewer }) {
   const pinned = viewer.pinned.value;
   const cell = pinned ?? viewer.cell.value;
   const profiles = use_profiles(viewer, cell);
+  const labels = use_labels(viewer, cell, profiles.material);
   return (
     <aside class="dock" aria-label="Read-out">
       <Pointer viewer={viewer} />
@@ -77,7 +87,7 @@ export function Dock({ viewer }: { viewer: Viewer }) {
         </h2>
         <Place viewer={viewer} cell={cell} />
         <div class="dock-material">
-          <MaterialNames viewer={viewer} ids={profiles.material === null ? null : [profiles.material]} />
+          <LabelNames viewer={viewer} labels={labels} />
         </div>
       </section>
       <Profiles viewer={viewer} cell={cell} profiles={profiles} />

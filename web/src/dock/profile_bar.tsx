@@ -3,7 +3,6 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { coordinate, grouped } from "../base/format";
 import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
-import { color_of_set } from "../base/materials";
 import { theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
 import { next_change, run_at, ticks } from "./runs";
@@ -33,9 +32,9 @@ function draw(canvas: HTMLCanvasElement, width: number, { viewer, axis: d, cell,
   context.fillRect(0, 0, width, BAR);
   const thin: [number, string][] = [];
   for (const run of column?.runs ?? []) {
-    const [r, g, b, a] = color_of_set([run.material], viewer.looks.value);
-    if (a === 0) continue;
-    const color = `rgb(${r} ${g} ${b} / ${a / 255})`;
+    const look = viewer.looks.value[run.material]!;
+    if (!look.visible || look.opacity === 0) continue;
+    const color = `rgb(${look.color.join(" ")} / ${look.opacity})`;
     const left = at(run.min);
     const right = at(run.max);
     if (right - left < 1) {

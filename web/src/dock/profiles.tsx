@@ -15,7 +15,7 @@ export interface ProfilesAnswer {
   error: string | null;
 }
 
-const SETTLED = 120;
+export const SETTLED = 120; // milliseconds
 
 export function use_profiles(viewer: Viewer, cell: Index3): ProfilesAnswer {
   const path = (d: AxisIndex) => viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]);

@@ -98,7 +98,7 @@ class Overview {
         chrome.say(`What is seen could not be loaded: ${words_of(error)}.`, () => this.ask_again());
       },
     });
-    this.hover = new Hover((label) => this.name_of(label), (x, y, signal) => this.seen_at(x, y, signal));
+    this.hover = new Hover((label) => viewer.name_of(label), (x, y, signal) => this.seen_at(x, y, signal));
     chrome.root.append(...this.rulers.roots, this.triad.root, this.bar.root, this.hover.root);
     this.theme = read_theme(chrome.root);
   }
@@ -155,7 +155,7 @@ class Overview {
     const { viewer } = this;
     this.stops.push(
       effect(() => {
-        void [viewer.looks.value, viewer.bodies.value, viewer.plane_normal.value];
+        void [viewer.label_looks.value, viewer.bodies.value, viewer.plane_normal.value];
         this.chrome.show_mode(viewer.bodies.value);
         untracked(() => {
           this.sights.recolor();
@@ -325,13 +325,6 @@ class Overview {
   }
   private point_at(x: number, y: number): Vec3 | null {
     return this.pixel_at(x, y)?.point ?? null;
-  }
-
-  private name_of(label: number): string {
-    const { info } = this.viewer;
-    const { material, body } = info.labels?.[label] ?? { material: label, body: "" };
-    const name = info.materials[material]?.name ?? "";
-    return body ? `${body} · ${name}` : name;
   }
 
   private async seen_at(x: number, y: number, signal: AbortSignal): Promise<Seen | null> {

@@ -2,11 +2,12 @@
 // moves, one at a time. Once everything rests, the sharp picture follows, part by part from the middle outwards. What is
 // not wanted any more is called off.
 import type { Viewer } from "../state/viewer";
+import { ranges } from "../base/ranges";
 import { get } from "../server/api";
 import { type Orbit, eye_of, reach } from "./camera";
 import { type Palette, compose } from "./compose";
 import { type Frame, empty_frame, put_part } from "./frame";
-import { layers_of, palette_of, ranges } from "./layers";
+import { layers_of, palette_of } from "./layers";
 import { type Sights, decode_sights } from "./sights";
 import { type Space, type Vec3, from_space } from "./space";
 
@@ -124,14 +125,11 @@ export class SightSource {
     return this.viewer.address.view("json", `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut}&labels=${labels}&level=0&pixel=${x},${y}`);
   }
 
-  private material_of(): readonly number[] {
-    return this.viewer.info.labels?.map((label) => label.material) ?? this.viewer.info.materials.map((_, id) => id);
-  }
   private layers(): number[][] {
-    return layers_of(this.material_of(), this.viewer.looks.value, this.viewer.bodies.value);
+    return layers_of(this.viewer.label_looks.value, this.viewer.bodies.value);
   }
   private palette(): Palette {
-    return palette_of(this.material_of(), this.viewer.looks.value, this.viewer.bodies.value);
+    return palette_of(this.viewer.label_looks.value, this.viewer.bodies.value);
   }
   private key_of(aim: Aim): string {
     return `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut} ${this.layers().map(ranges).join(" ")} ${SightSource.size(aim.width, aim.height).join()}`;

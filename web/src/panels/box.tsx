@@ -9,7 +9,7 @@ import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
 import { Swatch } from "../widgets/swatch";
 import { stats_csv, with_end } from "./box_cells";
-import { cells_of } from "./materials";
+import { cells_of } from "./look_card";
 
 const MOST = 200; // materials that are listed
 

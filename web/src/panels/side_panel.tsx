@@ -1,6 +1,7 @@
 // The panel at the side (a sheet at the bottom on narrow screens): tabs, one of which is shown.
 import type { Panel, Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
+import { BodiesPanel } from "./bodies";
 import { BoxPanel } from "./box";
 import { MaterialsPanel } from "./materials";
 import { ReportPanel } from "./report";
@@ -8,8 +9,16 @@ import { care_of } from "./report_words";
 import { SharePanel } from "./share";
 import { StatusPanel } from "./status";
 
-const TABS: readonly { panel: Panel; label: string; Content: (props: { viewer: Viewer }) => preact.JSX.Element }[] = [
+interface Tab {
+  readonly panel: Panel;
+  readonly label: string;
+  readonly Content: (props: { viewer: Viewer }) => preact.JSX.Element;
+  readonly shown?: (viewer: Viewer) => boolean; // default: always
+}
+
+const TABS: readonly Tab[] = [
   { panel: "materials", label: "Materials", Content: MaterialsPanel },
+  { panel: "bodies", label: "Bodies", Content: BodiesPanel, shown: (viewer) => viewer.keeps_bodies },
   { panel: "report", label: "Report", Content: ReportPanel },
   { panel: "box", label: "Box", Content: BoxPanel },
   { panel: "share", label: "Share", Content: SharePanel },
@@ -18,7 +27,8 @@ const TABS: readonly { panel: Panel; label: string; Content: (props: { viewer: V
 
 export function SidePanel({ viewer }: { viewer: Viewer }) {
   const shown = viewer.panel.value;
-  const tab = TABS.find((t) => t.panel === shown);
+  const tabs = TABS.filter((t) => t.shown?.(viewer) ?? true);
+  const tab = tabs.find((t) => t.panel === shown);
   const care = care_of(viewer.info);
   // As usual for tabs, the tab key stops once, and the arrow keys go from one tab to the next.
   const on_key = (event: KeyboardEvent) => {
@@ -26,8 +36,8 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
     if (!step) return;
     event.preventDefault();
     event.stopPropagation();
-    const at = TABS.findIndex((t) => t.panel === shown);
-    const next = TABS[(at + step + TABS.length) % TABS.length]!;
+    const at = tabs.findIndex((t) => t.panel === shown);
+    const next = tabs[(at + step + tabs.length) % tabs.length]!;
     viewer.panel.value = next.panel;
     document.getElementById(`tab-${next.panel}`)?.focus();
   };
@@ -35,7 +45,7 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
     <aside class={`side-panel ${shown ? "" : "collapsed"}`} id="side-panel" aria-label="Side panel">
       <div class="tabs">
         <div role="tablist" aria-label="Panels" onKeyDown={on_key}>
-          {TABS.map(({ panel, label }, n) => (
+          {tabs.map(({ panel, label }, n) => (
             <button
               key={panel}
               role="tab"

@@ -6,6 +6,8 @@ import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "../base/grid";
 import { hex_color, same_look } from "../base/materials";
 import { say } from "../base/messages";
+import { numbers_in, ranges } from "../base/ranges";
+import { with_change } from "./bodies";
 import { outside_cell } from "./outside";
 import { places_found } from "./places";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
@@ -20,8 +22,43 @@ const numbers = (text: string | null, count: number): number[] | null => {
 };
 
 const LAYOUTS: readonly Layout[] = ["four", "x", "y", "z", "3d"];
-const PANELS: readonly Panel[] = ["materials", "report", "box", "share", "status"];
+const PANELS: readonly Panel[] = ["materials", "bodies", "report", "box", "share", "status"];
 const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline" } as const;
+
+function parsed_color(text: string | undefined): [number, number, number] | null {
+  if (!/^[0-9a-f]{6}$/.test(text ?? "")) return null;
+  const channel = (i: number) => Number.parseInt(text!.slice(2 * i, 2 * i + 2), 16);
+  return [channel(0), channel(1), channel(2)];
+}
+
+function parsed_opacity(text: string | undefined): number | null {
+  const opacity = text ? Number(text) : Number.NaN;
+  return opacity >= 0 && opacity <= 1 ? opacity : null;
+}
+
+// hidden=labels as ranges; body=labels:rrggbb:opacity, joined by ';', where colour or opacity may be empty.
+function read_bodies(viewer: Viewer, query: URLSearchParams): void {
+  const count = viewer.labels.length;
+  let looks = with_change(new Map(), numbers_in(query.get("hidden") ?? "", count), () => ({ visible: false }));
+  for (const text of query.get("body")?.split(";") ?? []) {
+    const [labels, color, opacity] = text.split(":");
+    const [rgb, alpha] = [parsed_color(color), parsed_opacity(opacity)];
+    looks = with_change(looks, numbers_in(labels ?? "", count), () => ({ ...(rgb && { color: rgb }), ...(alpha !== null && { opacity: alpha }) }));
+  }
+  viewer.body_looks.value = looks;
+}
+
+function put_bodies(viewer: Viewer, start: URLSearchParams): void {
+  const looks = [...viewer.body_looks.value].sort(([a], [b]) => a - b);
+  const hidden = looks.flatMap(([label, { visible }]) => (visible === false ? [label] : []));
+  if (hidden.length) start.set("hidden", ranges(hidden));
+  const alike = new Map<string, number[]>(); // labels of the same look
+  for (const [label, { color, opacity }] of looks) {
+    const look = `${color ? hex_color({ color }).slice(1) : ""}:${opacity ?? ""}`;
+    if (look !== ":") alike.set(look, [...(alike.get(look) ?? []), label]);
+  }
+  if (alike.size) start.set("body", [...alike].map(([look, labels]) => `${ranges(labels)}:${look}`).join(";"));
+}
 
 // Puts the state in the address into the viewer. What is missing there, or makes no sense, stays as it is.
 export function read_address(viewer: Viewer): void {
@@ -41,7 +78,7 @@ export function read_address(viewer: Viewer): void {
     if (layout && LAYOUTS.includes(layout)) viewer.layout.value = layout;
     const panel = query.get("panel");
     if (panel === "none") viewer.panel.value = null;
-    else if (panel && PANELS.includes(panel as Panel)) viewer.panel.value = panel as Panel;
+    else if (panel && PANELS.includes(panel as Panel) && (panel !== "bodies" || viewer.keeps_bodies)) viewer.panel.value = panel as Panel;
     for (const [key, name] of Object.entries(SWITCHES)) {
       const value = query.get(key);
       if (value === "0" || value === "1") viewer[name].value = value === "1";
@@ -68,12 +105,11 @@ export function read_address(viewer: Viewer): void {
     for (const text of query.get("material")?.split(";") ?? []) {
       const [id, color, opacity, visible] = text.split(":");
       const n = Number(id);
-      const alpha = Number(opacity);
-      if (!looks[n] || !/^[0-9a-f]{6}$/.test(color ?? "") || !(alpha >= 0 && alpha <= 1)) continue;
-      const channel = (i: number) => Number.parseInt(color!.slice(2 * i, 2 * i + 2), 16);
-      looks[n] = { color: [channel(0), channel(1), channel(2)], opacity: alpha, visible: visible === "1" };
+      const [rgb, alpha] = [parsed_color(color), parsed_opacity(opacity)];
+      if (looks[n] && rgb && alpha !== null) looks[n] = { color: rgb, opacity: alpha, visible: visible === "1" };
     }
     viewer.looks.value = looks;
+    if (viewer.keeps_bodies) read_bodies(viewer, query);
   });
 }
 
@@ -98,6 +134,7 @@ export function address_of(viewer: Viewer): string {
     return same_look(look, viewer.standard_looks[id]!) ? [] : [`${id}:${hex_color(look).slice(1)}:${look.opacity}:${look.visible ? 1 : 0}`];
   });
   if (changed.length) start.set("material", changed.join(";"));
+  put_bodies(viewer, start);
   return `#${start.toString().replaceAll("%2C", ",").replaceAll("%3A", ":").replaceAll("%3B", ";")}`;
 }
 

@@ -3,14 +3,14 @@
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
 import { Axis } from "../base/axis";
 import { unit_name } from "../base/format";
-import { type AxisIndex, GridAddress, type GridInfo, type Index3 } from "../base/grid";
-import { type MaterialLook, initial_looks } from "../base/materials";
+import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label } from "../base/grid";
+import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
 import { TileCounters } from "../tiles/counters";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
 
 export type ViewName = "x" | "y" | "z" | "3d";
 export type Layout = "four" | ViewName;
-export type Panel = "materials" | "report" | "box" | "share" | "status";
+export type Panel = "materials" | "bodies" | "report" | "box" | "share" | "status";
 export type Box = [number, number, number, number, number, number]; // cells of level 0, half open: x0, y0, z0, x1, y1, z1
 
 // Where the overview's camera is. Angles are in degrees. The distance to the target is counted in halves of the
@@ -54,7 +54,10 @@ export class Viewer {
   readonly layout = signal<Layout>("four");
   readonly help = signal(false); // whether the list of gestures and keys is shown
   readonly panel = signal<Panel | null>("materials");
-  readonly looks: Signal<readonly MaterialLook[]>;
+  readonly labels: readonly Label[]; // what the cells carry: materials, or bodies where the file keeps these apart
+  readonly looks: Signal<readonly MaterialLook[]>; // of materials
+  readonly body_looks = signal<ReadonlyMap<number, Partial<MaterialLook>>>(new Map()); // by label: where a body differs from its material
+  readonly label_looks: ReadonlySignal<readonly LabelLook[]>;
   readonly show_axes = signal<boolean>(true);
   readonly show_scale = signal(true);
   readonly show_lines = signal(true); // between cells, when they are large enough
@@ -77,7 +80,7 @@ export class Viewer {
   readonly visited = signal<{ point: [number, number, number]; extent: number } | null>(null);
 
   // The cell under the pointer, and the view that it is in; null outside the grid.
-  readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; materials: readonly number[] | null } | null>(null);
+  readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; labels: readonly number[] | null } | null>(null);
   // A cell that a click keeps in the read-out.
   readonly pinned = signal<Index3 | null>(null);
 
@@ -90,7 +93,8 @@ export class Viewer {
   readonly slice: readonly [ReadonlySignal<number>, ReadonlySignal<number>, ReadonlySignal<number>];
 
   constructor(readonly info: GridInfo) {
-    this.address = new GridAddress(info.id, info.file.hash);
+    this.address = new GridAddress(info.id, info.file.hash, this.keeps_bodies);
+    this.labels = info.labels ?? info.materials.map(({ id }) => ({ material: id, body: "" }));
     const axis = (d: AxisIndex) => new Axis(info.grid.axes[d]!, info.grid.sample[d]!);
     this.axes = [axis(0), axis(1), axis(2)];
     this.units = unit_name(info.units);
@@ -100,8 +104,19 @@ export class Viewer {
     this.zoom = signal(0);
     this.standard_looks = initial_looks(info.materials);
     this.looks = signal(this.standard_looks);
+    this.label_looks = computed(() => looks_of_labels(this.labels, this.looks.value, this.body_looks.value));
     const slice = (d: AxisIndex) => computed(() => this.cell.value[d]);
     this.slice = [slice(0), slice(1), slice(2)];
+  }
+
+  get keeps_bodies(): boolean {
+    return this.info.labels !== undefined;
+  }
+  // The name of what a label stands for.
+  name_of(label: number): string {
+    const { material, body } = this.labels[label] ?? { material: label, body: "" };
+    const name = this.info.materials[material]?.name ?? String(material);
+    return body ? `${body} · ${name}` : name;
   }
 
   middle(): [number, number, number] {
@@ -115,6 +130,7 @@ export class Viewer {
       this.layout.value = "four";
       this.panel.value = "materials";
       this.looks.value = this.standard_looks;
+      this.body_looks.value = new Map();
       for (const name of ["show_axes", "show_scale", "show_lines", "show_outline"] as const) this[name].value = this.standard_switches[name];
       this.box.value = null;
       this.measure.value = null;

@@ -1,6 +1,6 @@
-// A number for each set of materials that occurs in tiles. The numbers are the same in all tiles of a grid, so that
+// A number for each set of labels that occurs in tiles. The numbers are the same in all tiles of a grid, so that
 // neighbours can be compared and one palette colours all tiles. The first two numbers stand for no set.
-import { type MaterialLook, shown_color } from "../base/materials";
+import { type LabelLook, shown_color } from "../base/materials";
 
 export const OUTSIDE = 0; // outside the grid
 export const UNKNOWN = 1; // in the grid, where no tile has come yet
@@ -25,7 +25,7 @@ export class SetTable {
     return number;
   }
 
-  // Material ids in ascending order; null for a number that stands for no set.
+  // Labels in ascending order; null for a number that stands for no set.
   members(number: number): readonly number[] | null {
     return number < FIRST ? null : this.sets[number]!;
   }
@@ -42,13 +42,13 @@ export class Palette {
   colors = new Uint32Array(256);
   version = 0;
   private known = 0;
-  private looks: readonly MaterialLook[] = [];
+  private looks: readonly LabelLook[] = [];
   private ground: Rgb = [255, 255, 255];
   private outside: Rgb = [255, 255, 255];
 
   constructor(private readonly sets: SetTable) {}
 
-  update(looks: readonly MaterialLook[], ground: Rgb, outside: Rgb): void {
+  update(looks: readonly LabelLook[], ground: Rgb, outside: Rgb): void {
     if (looks !== this.looks || packed(ground) !== packed(this.ground) || packed(outside) !== packed(this.outside)) {
       this.looks = looks;
       this.ground = ground;

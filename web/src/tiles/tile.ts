@@ -1,6 +1,6 @@
 // A tile as the server sends it (`.bin?sets=1`), little-endian:
-// - u16: the number of sets; u16: 0;
-// - for each set, u16: the number of its materials, then their ids as u16;
+// - u16: the number of sets; u16: flags;
+// - for each set, u16: the number of its labels, then these as u16; with the flag WIDE all of them as u32;
 // - for each cell, row v = 0 first, the number of its set: u8 when there are at most 256 sets, otherwise u16.
 // The cells are not copied: reading a tile only costs the work for its few sets.
 import { type Place, TILE, place_name } from "./place";
@@ -13,9 +13,12 @@ export interface Tile {
   readonly height: number;
   readonly sets: Uint32Array; // numbers in the SetTable
   readonly labels: Uint8Array | Uint16Array | null; // places in `sets`; null when sets[0] is everywhere
+  readonly apart: boolean; // false: too many bodies are in sight here, so each label stands for all bodies of its material
   readonly bytes: number; // that it holds in memory
 }
 
+const WIDE = 1; // flags
+const NOT_APART = 2;
 const OVERHEAD = 256; // bytes of the objects around the cells
 
 export function decode_tile(place: Place, size: readonly [number, number], buffer: ArrayBuffer, table: SetTable): Tile {
@@ -24,24 +27,28 @@ export function decode_tile(place: Place, size: readonly [number, number], buffe
   const view = new DataView(buffer);
   if (buffer.byteLength < 4) throw wrong("a header of 4 bytes");
   const count = view.getUint16(0, true);
+  const flags = view.getUint16(2, true);
+  const width_of = flags & WIDE ? 4 : 2; // bytes of a number
+  const number_at = (place: number) => (flags & WIDE ? view.getUint32(place, true) : view.getUint16(place, true));
   const sets = new Uint32Array(count);
   let at = 4;
   for (let s = 0; s < count; ++s) {
-    if (at + 2 > buffer.byteLength) throw wrong(`${count} sets`);
-    const n = view.getUint16(at, true);
-    at += 2;
-    if (at + 2 * n > buffer.byteLength) throw wrong(`${count} sets`);
-    sets[s] = table.number_of(Array.from({ length: n }, (_, i) => view.getUint16(at + 2 * i, true)));
-    at += 2 * n;
+    if (at + width_of > buffer.byteLength) throw wrong(`${count} sets`);
+    const n = number_at(at);
+    at += width_of;
+    if (at + width_of * n > buffer.byteLength) throw wrong(`${count} sets`);
+    sets[s] = table.number_of(Array.from({ length: n }, (_, i) => number_at(at + width_of * i)));
+    at += width_of * n;
   }
+  const apart = (flags & NOT_APART) === 0;
   const [width, height] = size;
   const cells = width * height;
   const wide = count > 256;
   const length = at + cells * (wide ? 2 : 1);
   if (count === 0 || buffer.byteLength !== length) throw wrong(`${length} bytes for ${width} x ${height} cells and ${count} sets`);
-  if (count === 1) return { place, name, width, height, sets, labels: null, bytes: OVERHEAD };
+  if (count === 1) return { place, name, width, height, sets, labels: null, apart, bytes: OVERHEAD };
   const labels = wide ? new Uint16Array(buffer, at, cells) : new Uint8Array(buffer, at, cells);
-  return { place, name, width, height, sets, labels, bytes: OVERHEAD + length };
+  return { place, name, width, height, sets, labels, apart, bytes: OVERHEAD + length };
 }
 
 // The number of the set at a cell of level 0. REQUIRES: the cell lies in the tile.

@@ -60,6 +60,11 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
           striped: unreadable
         </span>
       )}
+      {stage.together[axis].value && viewer.body_looks.value.size > 0 && (
+        <span class="view-level" role="status" title="Too many bodies are in sight. Zoom in to see which of them are hidden or coloured.">
+          bodies not told apart
+        </span>
+      )}
       <span class={waiting ? "view-waiting" : "view-waiting view-still"} role="status" aria-label={waiting ? "Loading" : undefined} />
     </div>
   );

@@ -35,6 +35,7 @@ export class Stage {
   // Whether a view waits for tiles.
   readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // Whether the server could not read something that a view shows.
+  readonly together: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)]; // bodies of one material
   readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // The view that keys act on: its panel has the pointer or the focus. `active` is the last such view that shows
   // slices.
@@ -68,7 +69,7 @@ export class Stage {
     this.stops.push(
       effect(() => {
         for (const s of [
-          v.cell, v.centre, v.zoom, v.layout, v.looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.box, v.measure, v.pinned, v.markers,
+          v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.box, v.measure, v.pinned, v.markers,
         ])
           s.value;
         this.draft.value;
@@ -219,12 +220,13 @@ export class Stage {
     if (viewer.zoom.value === 0) return false; // it is drawn when the sizes are known
     for (const view of views) view.look(scene, began);
     store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
-    palette.update(viewer.looks.value, scene.ink.ground, scene.ink.outside);
+    palette.update(viewer.label_looks.value, scene.ink.ground, scene.ink.outside);
     let painted = false;
     for (const view of views) {
       painted = view.paint(scene) || painted;
       painted = draw_overlay(scene, view, this.draft.value) || painted;
       viewer.level[view.axis].value = view.level;
+      this.together[view.axis].value = view.shown.regions.some(({ tile }) => tile?.apart === false);
       this.damaged[view.axis].value = view.shown.regions.some((region) => region.damaged);
     }
     for (const view of this.views) this.waiting[view.axis].value = !view.sharp; // a hidden view waits for nothing
@@ -277,14 +279,14 @@ export class Stage {
     point[v] = b;
     point[w] = viewer.axes[w].centre(cell[w]);
     const set = view.finest_at(this.store, cell[w], cell[u], cell[v], viewer.info.levels.length);
-    const materials = set === null ? null : this.sets.members(set);
+    const labels = set === null ? null : this.sets.members(set);
     const same =
       before &&
       before.axis === view.axis &&
-      before.materials === materials &&
+      before.labels === labels &&
       before.point.every((x, d) => x === point[d]) &&
       before.cell[w] === cell[w];
-    if (!same) viewer.hover.value = { axis: view.axis, cell, point, materials };
+    if (!same) viewer.hover.value = { axis: view.axis, cell, point, labels };
   }
 
   private stop(): void {

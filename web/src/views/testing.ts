@@ -9,7 +9,7 @@ export interface Exposed {
   idle(): boolean;
   // The same for one view, and whether part of it still shows another slice.
   shown(axis: AxisIndex): { readonly sharp: boolean; readonly stale: boolean };
-  // Material ids painted at a point of the page in CSS pixels (as a mouse event's clientX and clientY); null: nothing, or outside.
+  // Labels painted at a point of the page in CSS pixels (as a mouse event's clientX and clientY); null: nothing, or outside.
   label_at(axis: AxisIndex, x: number, y: number): readonly number[] | null;
   // Milliseconds from the start of each frame that changed pixels to the start of the next.
   readonly frame_times: number[];

@@ -1,0 +1,100 @@
+// The bodies, where the file keeps them apart: how they look, and exactly how much of the grid they fill.
+import { grouped, product } from "../base/format";
+import type { BodyStats, CellAnswer, Stats } from "../base/grid";
+import { use_answer } from "../server/answer";
+import { change_bodies, isolate, show_all_bodies, with_change } from "../state/bodies";
+import type { Viewer } from "../state/viewer";
+import { type Item, LookCard } from "./look_card";
+import { LookList } from "./look_list";
+import { distinct_color } from "./palette";
+
+function items_of(viewer: Viewer, stats: readonly BodyStats[] | null): Item[] {
+  const looks = viewer.label_looks.value;
+  const visible = looks.flatMap((look, label) => (look.visible ? [label] : []));
+  return viewer.labels.map(({ material, body }, label) => {
+    const { name } = viewer.info.materials[material]!;
+    const alone = visible.length === 1 && visible[0] === label;
+    return {
+      id: label,
+      name: body || name,
+      beside: body ? name : "background",
+      look: looks[label]!,
+      alone,
+      amount: stats?.[label] ?? null,
+      change: (what) => change_bodies(viewer, [label], what),
+      show_alone: () => (alone ? show_all_bodies(viewer) : isolate(viewer, [label])),
+    };
+  });
+}
+
+// The body of the cell that a click has pinned, in a slice or in three dimensions.
+function use_picked(viewer: Viewer): number | null {
+  const pinned = viewer.pinned.value;
+  const address = pinned && viewer.address.cell(pinned);
+  const answer = use_answer<CellAnswer>(address);
+  return address !== null && answer.path === address ? (answer.value?.bodies?.[0]?.label ?? null) : null;
+}
+
+function Found({ viewer, found }: { viewer: Viewer; found: readonly Item[] }) {
+  const labels = found.map(({ id }) => id);
+  return (
+    <div class="toolbar">
+      <button class="button small" onClick={() => isolate(viewer, labels)}>
+        Show only these {grouped(labels.length)}
+      </button>
+      <button class="button small" onClick={() => change_bodies(viewer, labels, { visible: false })}>
+        Hide these
+      </button>
+      <button class="button small" onClick={() => change_bodies(viewer, labels, { visible: true })}>
+        Show these
+      </button>
+    </div>
+  );
+}
+
+export function BodiesPanel({ viewer }: { viewer: Viewer }) {
+  const stats = use_answer<Stats>(viewer.address.body_stats());
+  const picked = use_picked(viewer);
+  const all = Number(product(viewer.cells));
+  const items = items_of(viewer, stats.value?.bodies ?? null);
+  const own_looks = viewer.body_looks.value;
+  const colored = [...own_looks.values()].some(({ color }) => color !== undefined);
+  const give_colors = () => {
+    const bodies = viewer.labels.flatMap(({ body }, label) => (body ? [label] : []));
+    viewer.body_looks.value = with_change(own_looks, bodies, (label) => ({ color: distinct_color(label) }));
+  };
+  return (
+    <>
+      <div class="toolbar">
+        <button class="button" disabled={items.every(({ look }) => look.visible)} onClick={() => show_all_bodies(viewer)}>
+          Show all
+        </button>
+        <button class="button" disabled={colored} title="Give each body a colour of its own" onClick={give_colors}>
+          Colour each
+        </button>
+        <span class="spacer" />
+        <button
+          class="button"
+          disabled={own_looks.size === 0}
+          title="Bodies look like their materials again"
+          onClick={() => (viewer.body_looks.value = new Map())}
+        >
+          Reset
+        </button>
+      </div>
+      {stats.error && <p class="problem">The cells can't be counted: {stats.error}</p>}
+      {picked === null ? (
+        <p class="note">Click a body in a view to have it here.</p>
+      ) : (
+        <section aria-label="The body of the pinned cell">
+          <h3>Picked</h3>
+          <ul class="materials">
+            <LookCard key={picked} short={false} viewer={viewer} item={items[picked]!} all={all} />
+          </ul>
+          <h3>All</h3>
+        </section>
+      )}
+      <LookList viewer={viewer} items={items} what="bodies" all={all} of_found={(found) => <Found viewer={viewer} found={found} />} />
+    </>
+  );
+}

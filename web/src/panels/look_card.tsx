@@ -1,0 +1,126 @@
+// A material or a body in a list: how it looks, and how much of the grid it fills.
+import { useState } from "preact/hooks";
+import { grouped, percent, significant } from "../base/format";
+import type { Amount } from "../base/grid";
+import { type MaterialLook, css_color, hex_color } from "../base/materials";
+import type { Viewer } from "../state/viewer";
+import { Fact } from "../widgets/fact";
+import { Icon } from "../widgets/icons";
+import { BoxText, GoThere } from "./places";
+
+export const cells_of = (amount: Amount): string => grouped(amount.cells_text ?? amount.cells);
+
+export interface Item {
+  readonly id: number; // of the material, or the label of the body
+  readonly name: string;
+  readonly beside: string; // what stands behind the name, in faint letters
+  readonly look: MaterialLook;
+  readonly alone: boolean; // whether nothing else is shown
+  readonly amount: Amount | null; // null while it is not known
+  change(what: Partial<MaterialLook>): void;
+  show_alone(): void; // shows it alone, or everything when it is alone already
+}
+
+interface Props {
+  readonly viewer: Viewer;
+  readonly item: Item;
+  readonly all: number; // cells of the grid
+}
+
+function parsed_color(text: string): [number, number, number] {
+  const channel = (at: number) => Number.parseInt(text.slice(at, at + 2), 16);
+  return [channel(1), channel(3), channel(5)];
+}
+
+function Opacity({ item }: { item: Item }) {
+  const text = `${Math.round(100 * item.look.opacity)} %`;
+  return (
+    <input
+      type="range"
+      min={0}
+      max={100}
+      value={Math.round(100 * item.look.opacity)}
+      title={`Opacity ${text}`}
+      aria-label={`Opacity of ${item.name}`}
+      aria-valuetext={text}
+      onInput={(e) => item.change({ opacity: Number(e.currentTarget.value) / 100 })}
+    />
+  );
+}
+
+function AmountFacts({ viewer, item: { name, look, amount }, all }: Props) {
+  const share = amount ? amount.cells / all : 0;
+  return (
+    <>
+      <div class="share-bar" aria-hidden="true">
+        <span style={{ width: `${100 * share}%`, background: look.opacity > 0 ? css_color(look) : "var(--line-strong)" }} />
+      </div>
+      <dl class="numbers">
+        <Fact name="cells">
+          {amount ? cells_of(amount) : "…"} <span class="share">{amount ? percent(share) : ""}</span>
+        </Fact>
+        <Fact name="volume">{amount ? `${significant(amount.volume, 6)} ${viewer.units}³` : "…"}</Fact>
+      </dl>
+      {amount?.box ? (
+        <details class="material-box">
+          <summary>Bounding box</summary>
+          <BoxText viewer={viewer} box={amount.box} />
+          <GoThere what={name} go={() => viewer.go_to_box(amount.box!)} />
+        </details>
+      ) : (
+        amount && <p class="note">It owns no cell.</p>
+      )}
+    </>
+  );
+}
+
+// With `short`, it is one line until it is opened.
+export function LookCard({ short, ...props }: Props & { short: boolean }) {
+  const { item, all } = props;
+  const [opened, set_opened] = useState(false);
+  const { name, look } = item;
+  const whole = !short || opened;
+  const title = (
+    <>
+      {name}
+      {item.beside && <span class="faint"> {item.beside}</span>}
+    </>
+  );
+  return (
+    <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
+      <div class="material-head">
+        <input
+          type="color"
+          title={`Colour of ${name}`}
+          aria-label={`Colour of ${name}`}
+          value={hex_color(look)}
+          style={{ "--opacity": look.opacity }}
+          onInput={(e) => item.change({ color: parsed_color(e.currentTarget.value) })}
+        />
+        {short ? (
+          <button class="material-title" title={`${name} ${item.beside}`} aria-expanded={opened} onClick={() => set_opened(!opened)}>
+            {title}
+          </button>
+        ) : (
+          <span class="material-title" title={`${name} ${item.beside}`}>
+            {title}
+          </span>
+        )}
+        {whole ? <Opacity item={item} /> : <span class="share">{item.amount ? percent(item.amount.cells / all) : "…"}</span>}
+        <button
+          class="icon-button"
+          title={look.visible ? "Hide" : "Show"}
+          aria-label={`Show ${name}`}
+          aria-pressed={look.visible}
+          onClick={() => item.change({ visible: !look.visible })}
+        >
+          <Icon name={look.visible ? "eye" : "hidden"} />
+        </button>
+        <button class="icon-button" title="Show nothing else" aria-label={`Only ${name}`} aria-pressed={item.alone} onClick={item.show_alone}>
+          <Icon name="solo" />
+        </button>
+      </div>
+      {whole && <AmountFacts {...props} />}
+    </li>
+  );
+}

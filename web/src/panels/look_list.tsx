@@ -1,0 +1,78 @@
+// A list of materials or bodies. When it is long there is a filter, an order to choose, and each item is one line that can
+// be opened.
+import { useState } from "preact/hooks";
+import { grouped } from "../base/format";
+import type { Viewer } from "../state/viewer";
+import { FirstOf } from "./first_of";
+import { type Item, LookCard } from "./look_card";
+
+const MANY = 8;
+const STEP = 100; // items that are shown at once
+
+type Order = "own" | "name" | "most" | "fewest";
+const ORDERS: readonly { order: Order; label: string }[] = [
+  { order: "own", label: "as in the scene" },
+  { order: "name", label: "by name" },
+  { order: "most", label: "most cells first" },
+  { order: "fewest", label: "fewest cells first" },
+];
+
+const by_name = new Intl.Collator("en", { numeric: true }).compare; // wheel 2 before wheel 10
+
+export function ordered<T extends Pick<Item, "name" | "amount">>(items: readonly T[], order: Order): readonly T[] {
+  if (order === "own") return items;
+  if (order === "name") return [...items].sort((a, b) => by_name(a.name, b.name));
+  const sign = order === "most" ? -1 : 1;
+  return [...items].sort((a, b) => sign * ((a.amount?.cells ?? 0) - (b.amount?.cells ?? 0)));
+}
+
+// Items whose names contain a text, in whatever case; what stands beside a name counts too.
+export function matching<T extends Pick<Item, "name" | "beside">>(items: readonly T[], text: string): readonly T[] {
+  const wanted = text.trim().toLowerCase();
+  return wanted ? items.filter(({ name, beside }) => `${name} ${beside}`.toLowerCase().includes(wanted)) : items;
+}
+
+interface Props {
+  readonly viewer: Viewer;
+  readonly items: readonly Item[];
+  readonly what: string; // as in "Filter 300 materials"
+  readonly all: number; // cells of the grid
+  readonly of_found?: (found: readonly Item[]) => preact.ComponentChildren; // what can be done with those that the filter finds
+}
+
+export function LookList({ viewer, items, what, all, of_found }: Props) {
+  const [filter, set_filter] = useState("");
+  const [order, set_order] = useState<Order>("own");
+  const many = items.length > MANY;
+  const found = many ? ordered(matching(items, filter), order) : items;
+  return (
+    <>
+      {many && (
+        <div class="list-choice">
+          <input
+            class="text-input"
+            type="search"
+            placeholder={`Filter ${grouped(items.length)} ${what}`}
+            aria-label={`Filter ${what} by name`}
+            value={filter}
+            onInput={(e) => set_filter(e.currentTarget.value)}
+          />
+          <select class="text-input" aria-label={`Order of the ${what}`} value={order} onChange={(e) => set_order(e.currentTarget.value as Order)}>
+            {ORDERS.map(({ order: value, label }) => (
+              <option key={value} value={value}>
+                {label}
+              </option>
+            ))}
+          </select>
+        </div>
+      )}
+      {filter.trim() !== "" && found.length > 0 && of_found?.(found)}
+      <ul class="materials">
+        <FirstOf list={found} step={STEP}>
+          {(item) => <LookCard key={item.id} short={many} viewer={viewer} item={item} all={all} />}
+        </FirstOf>
+      </ul>
+      {found.length === 0 && <p class="note">No name contains this text.</p>}
+    </>
+  );
+}
