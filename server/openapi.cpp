@@ -102,6 +102,7 @@ ordered_json schemas() {
                               {"bytes", kInteger},
                               {"hash", text},
                               {"units", text},
+                              {"modified", described(nullable("integer"), "seconds since 1970; null for a grid behind an address")},
                               {"checked", {{"type", "boolean"}}},
                               {"protocols",
                                array(object({{"title", text},

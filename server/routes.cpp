@@ -248,6 +248,7 @@ Response list(Service& service, const Target& target) {
                           {"bytes", grid->reader().file_bytes()},
                           {"hash", grid->hash},
                           {"units", grid->meta().units},
+                          {"modified", grid->modified ? ordered_json(*grid->modified) : ordered_json(nullptr)},
                           {"checked", !grid->path.empty() && has_kept_findings(grid->path, grid->hash)},
                           {"protocols", std::move(addresses)}});
   }

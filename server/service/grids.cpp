@@ -84,7 +84,7 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, d
       const uint64_t number = next_number_++;
       auto reader = open_(path, number);
       const std::string hash = reader->hash();
-      file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader), {}});
+      file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader), {}, {}});
       continue;
     }
     std::error_code error;
@@ -165,7 +165,7 @@ void Grids::open_address(const fs::path& path) {
     if (old && !old->reader().source().was_replaced()) return;
     auto reader = open_(path, number);
     const std::string hash = reader->hash();
-    next = std::make_shared<const ServedGrid>(ServedGrid{id, number, hash, std::move(reader), {}});
+    next = std::make_shared<const ServedGrid>(ServedGrid{id, number, hash, std::move(reader), {}, {}});
   } catch (const Unwanted&) {
     throw;
   } catch (const FormatError& e) {
@@ -265,7 +265,7 @@ void Grids::open(const fs::path& path, WatchedFile& file, const FileState& state
     const uint64_t number = next_number_++;
     auto reader = open_(path, number);
     const std::string hash = reader->hash();
-    file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader), path});
+    file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader), path, file.state.changed / 1'000'000'000});
   } catch (const FormatError& e) {
     fail(e, true);
   } catch (const std::exception& e) {

@@ -30,7 +30,8 @@ struct ServedGrid {
   uint64_t number;   // unlike that of any other file opened by this process; a file that is replaced gets another one
   std::string hash;  // of the content, for ETags and versioned addresses
   std::unique_ptr<const GridReader> file;
-  std::filesystem::path path;  // empty for an address
+  std::filesystem::path path;       // empty for an address
+  std::optional<int64_t> modified;  // seconds since 1970; none for an address
   const GridReader& reader() const { return *file; }
   const Metadata& meta() const { return file->meta(); }
 };

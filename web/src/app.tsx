@@ -4,11 +4,11 @@ import { Banners } from "./banners";
 import { Dock } from "./dock/dock";
 import { Header } from "./header";
 import { Help } from "./help";
-import { opening, start_page, trouble, viewer } from "./page";
+import { grids, opening, start_page, trouble, unreadable, viewer } from "./page";
 import { SidePanel } from "./panels/side_panel";
 import { token_wanted } from "./server/api";
 import { watch_network } from "./server/connection";
-import { StartPage } from "./start_page";
+import { StartPage } from "./start/start_page";
 import { keep_theme } from "./state/theme";
 import { Toasts } from "./toasts";
 import { TokenForm } from "./token_form";
@@ -37,7 +37,7 @@ export function App() {
             <SidePanel viewer={open} />
           </div>
         ) : (
-          <StartPage waiting={opening.value} trouble={trouble.value} />
+          <StartPage grids={grids.value} unreadable={unreadable.value} waiting={opening.value} trouble={trouble.value} />
         )}
       </div>
       <Banners />

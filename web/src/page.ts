@@ -4,8 +4,9 @@
 import { batch, effect, signal } from "@preact/signals";
 import type { GridSummary, UnreadableFile } from "./base/grid";
 import { words_of } from "./base/messages";
-import { ServerError, grid_info, list_grids, version_gone } from "./server/api";
+import { ServerError, drop_complaints, grid_info, list_grids, version_gone } from "./server/api";
 import { connection, returned } from "./server/connection";
+import { keep_ground } from "./state/ground";
 import { grid_in_address, keep_address, read_address } from "./state/permalink";
 import { Viewer } from "./state/viewer";
 
@@ -31,6 +32,7 @@ async function load_grids(): Promise<void> {
   if (!open) return;
   const now = list.grids.find((g) => g.id === open.info.id);
   stale.value = !now ? "gone" : now.hash !== open.info.file.hash ? "replaced" : null;
+  if (stale.value) drop_complaints();
 }
 
 function close(): void {
@@ -55,7 +57,8 @@ async function open(id: string): Promise<void> {
     read_address(next);
     viewer.value = next;
     document.title = `${info.id} – teracell`;
-    stop_keeping = keep_address(next);
+    const stops = [keep_address(next), keep_ground(next)];
+    stop_keeping = () => stops.forEach((stop) => stop());
   } catch (error) {
     if (signal.aborted) return;
     trouble.value =

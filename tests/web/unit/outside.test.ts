@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis } from "@page/base/axis";
-import { outside_cell, outside_coordinate, outside_slice } from "@page/state/outside";
+import { outside_box, outside_cell, outside_coordinate, outside_point, outside_slice } from "@page/state/outside";
 import { overlap } from "@page/views/overlay_marks";
 
 const axis = (cells: number) => new Axis({ type: "uniform", min: -1, step: 0.5, first: 0, cells }, 0.5);
@@ -23,6 +23,17 @@ test("coordinates", () => {
 test("cells", () => {
   assert.equal(outside_cell(axes, [19, 3, 7]), null);
   assert.match(outside_cell(axes, [19, 4, 7])!, /^Cell 19, 4, 7 is outside the grid, whose last cell is 19, 3, 7:/);
+});
+
+test("points that a link looks at", () => {
+  assert.equal(outside_point(axes, [-1, 1, 3], "mm"), null);
+  assert.equal(outside_point(axes, [0, 1.5, 0], "mm"), "The link looks at y = 1.50 mm, which is outside the grid: the nearest place is shown.");
+});
+
+test("boxes", () => {
+  assert.equal(outside_box(axes, [0, 0, 0, 20, 4, 8]), null);
+  for (const box of [[-1, 0, 0, 20, 4, 8], [0, 0, 0, 20, 5, 8], [3, 0, 0, 3, 4, 8]])
+    assert.match(outside_box(axes, box)!, /does not lie in the grid of 20 × 4 × 8 cells: it is left out/);
 });
 
 test("labels overlap when they share pixels of a line", () => {

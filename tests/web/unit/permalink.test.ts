@@ -112,7 +112,7 @@ test("nonsense is ignored, piece by piece", () => {
     "#box=0,0,-1,5,20,7",
     "#box=0,0,0,5.5,20,7",
     "#pin=1,2",
-    "#pin=100,0,0",
+    "#pin=1,2,3.5",
     "#measure=7,0,0,0,1,1,1",
     "#material=9:ffffff:1:1;1:red:1:1;1:ffffff:2:1",
     "#at=,,&zoom=",

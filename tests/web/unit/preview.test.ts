@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis } from "@page/base/axis";
-import { cells_under, fitted } from "@page/preview";
+import { cells_under, fitted } from "@page/start/preview";
 
 const uniform = (cells: number, step: number) => new Axis({ type: "uniform", min: 0, step, first: 0, cells }, 0.5);
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 3, 4, 12] }, 0.5);

@@ -83,6 +83,7 @@ export interface GridSummary {
   bytes: number;
   hash: string;
   units: string;
+  modified: number | null; // seconds since 1970; null for a grid behind an address
   checked: boolean; // whether what `teracell check` has found is there
   protocols: { title: string; path: string }[]; // the addresses for other programs, below the server's base path
 }

@@ -1,9 +1,9 @@
 // What `teracell check` has found: a verdict, then kind by kind what it is, where, and a picture of it. And how thick walls are.
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useMemo, useState } from "preact/hooks";
 import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of } from "../base/findings";
 import { grouped, plural } from "../base/format";
 import { words_of } from "../base/messages";
-import { get } from "../server/api";
+import { use_picture } from "../server/picture";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { KINDS, LEVEL_CARE } from "./finding_words";
@@ -31,23 +31,7 @@ export function picture_address(viewer: Viewer, finding: Finding): string {
 }
 
 function Picture({ viewer, finding }: { viewer: Viewer; finding: Finding }) {
-  const [source, set_source] = useState("");
-  const [failed, set_failed] = useState(false);
-  const address = picture_address(viewer, finding);
-  useEffect(() => {
-    const abort = new AbortController();
-    let url = "";
-    get(address, { signal: abort.signal, priority: "low" })
-      .then((response) => response.blob())
-      .then((blob) => {
-        if (!abort.signal.aborted) set_source((url = URL.createObjectURL(blob)));
-      })
-      .catch(() => abort.signal.aborted || set_failed(true));
-    return () => {
-      abort.abort();
-      URL.revokeObjectURL(url);
-    };
-  }, [address]);
+  const { source, failed } = use_picture(picture_address(viewer, finding));
   if (failed) return <p class="note">There is no picture.</p>;
   return <div class="finding-picture">{source && <img src={source} width={WIDTH} height={HEIGHT} alt={`The place, cut open: ${finding.text}`} />}</div>;
 }

@@ -2,6 +2,7 @@
 // be opened.
 import { useState } from "preact/hooks";
 import { grouped } from "../base/format";
+import { by_name, contains } from "../base/names";
 import type { Viewer } from "../state/viewer";
 import { FirstOf } from "./first_of";
 import { type Item, LookCard } from "./look_card";
@@ -17,8 +18,6 @@ const ORDERS: readonly { order: Order; label: string }[] = [
   { order: "fewest", label: "fewest cells first" },
 ];
 
-const by_name = new Intl.Collator("en", { numeric: true }).compare; // wheel 2 before wheel 10
-
 export function ordered<T extends Pick<Item, "name" | "amount">>(items: readonly T[], order: Order): readonly T[] {
   if (order === "own") return items;
   if (order === "name") return [...items].sort((a, b) => by_name(a.name, b.name));
@@ -26,11 +25,9 @@ export function ordered<T extends Pick<Item, "name" | "amount">>(items: readonly
   return [...items].sort((a, b) => sign * ((a.amount?.cells ?? 0) - (b.amount?.cells ?? 0)));
 }
 
-// Items whose names contain a text, in whatever case; what stands beside a name counts too.
-export function matching<T extends Pick<Item, "name" | "beside">>(items: readonly T[], text: string): readonly T[] {
-  const wanted = text.trim().toLowerCase();
-  return wanted ? items.filter(({ name, beside }) => `${name} ${beside}`.toLowerCase().includes(wanted)) : items;
-}
+// Items whose names contain a text; what stands beside a name counts too.
+export const matching = <T extends Pick<Item, "name" | "beside">>(items: readonly T[], text: string): readonly T[] =>
+  items.filter(({ name, beside }) => contains(`${name} ${beside}`, text));
 
 interface Props {
   readonly viewer: Viewer;

@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import type { Findings } from "../base/findings";
 import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
-import { say } from "../base/messages";
+import { drop, say } from "../base/messages";
 import { ask_again, doubt, not_reached, reached } from "./connection";
 
 // The server answered with an error, or it did not answer at all (status 0).
@@ -71,12 +71,23 @@ export const version_gone = signal(0);
 // Whether an error means that. A banner then says so for the whole page (banners.tsx).
 export const is_version_gone = (error: unknown, path: string): boolean => error instanceof ServerError && error.status === 404 && path.includes("v=");
 
+// A proxy answers so in place of a server that is gone. A banner says that.
+const is_proxys = (status: number) => status === 502 || status === 504;
+
+const DAMAGED = "The file is damaged: parts of it can't be read";
+const NO_ANSWER = "The server could not answer";
+// A banner says what these messages said.
+export function drop_complaints(): void {
+  drop(DAMAGED);
+  drop(NO_ANSWER);
+}
+
 // Tells the whole page about an error that concerns it, whichever part of the page asked.
 function noted(error: ServerError, path: string): ServerError {
   if (error.status === 401) token_wanted.value = true;
   else if (is_version_gone(error, path)) ++version_gone.value;
-  else if (error.code === "damaged") say("The file is damaged: parts of it can't be read", error.message);
-  else if (error.status >= 500) say("The server could not answer", error.message);
+  else if (error.code === "damaged") say(DAMAGED, error.message);
+  else if (error.status >= 500 && !is_proxys(error.status)) say(NO_ANSWER, error.message);
   return error;
 }
 
@@ -96,8 +107,7 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
   } finally {
     clearTimeout(timer);
   }
-  // A proxy answers 502 or 504 in place of a server that is gone.
-  if (response.status === 502 || response.status === 504) not_reached();
+  if (is_proxys(response.status)) not_reached();
   else reached();
   if (!response.ok) throw noted(await error_of(response), path);
   return response;

@@ -20,6 +20,21 @@ export function outside_coordinate(axes: Axes, d: AxisIndex, x: number, units: s
   return `${AXIS_NAMES[d]} = ${text(x)} ${units} is outside the grid, which goes ${range}: the nearest slice is shown.`;
 }
 
+// A point that is looked at.
+export function outside_point(axes: Axes, point: readonly number[], units: string): string | null {
+  const d = AXES.find((a) => point[a]! < axes[a].min || point[a]! > axes[a].max);
+  if (d === undefined) return null;
+  const text = coordinate(point[d]!, axes[d].finest);
+  return `The link looks at ${AXIS_NAMES[d]} = ${text} ${units}, which is outside the grid: the nearest place is shown.`;
+}
+
+// Cells of a box, half open.
+export function outside_box(axes: Axes, box: readonly number[]): string | null {
+  if (AXES.every((d) => box[d]! >= 0 && box[d + 3]! <= axes[d].cells && box[d]! < box[d + 3]!)) return null;
+  const cells = AXES.map((d) => grouped(axes[d].cells)).join(" × ");
+  return `The link's box, ${box.map((i) => grouped(i)).join(", ")}, does not lie in the grid of ${cells} cells: it is left out.`;
+}
+
 export function outside_cell(axes: Axes, cell: readonly number[]): string | null {
   if (AXES.every((d) => cell[d]! >= 0 && cell[d]! < axes[d].cells)) return null;
   const last = AXES.map((d) => grouped(axes[d].cells - 1)).join(", ");

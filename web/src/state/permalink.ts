@@ -8,7 +8,7 @@ import { hex_color, same_look } from "../base/materials";
 import { say } from "../base/messages";
 import { numbers_in, ranges } from "../base/ranges";
 import { with_change } from "./bodies";
-import { outside_cell } from "./outside";
+import { outside_box, outside_cell, outside_point } from "./outside";
 import { places_found } from "./places";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
 
@@ -60,6 +60,8 @@ function put_bodies(viewer: Viewer, start: URLSearchParams): void {
   if (alike.size) start.set("body", [...alike].map(([look, labels]) => `${ranges(labels)}:${look}`).join(";"));
 }
 
+const say_if = (text: string | null) => text !== null && say(text);
+
 // Puts the state in the address into the viewer. What is missing there, or makes no sense, stays as it is.
 export function read_address(viewer: Viewer): void {
   const query = new URLSearchParams(location.hash.slice(1));
@@ -69,10 +71,12 @@ export function read_address(viewer: Viewer): void {
     const at = numbers(query.get("at"), 3);
     if (at) {
       viewer.set_cell(at as Index3);
-      const outside = outside_cell(viewer.axes, at);
-      if (outside) say(outside);
+      say_if(outside_cell(viewer.axes, at));
     }
-    if (look) viewer.centre.value = viewer.axes.map((axis, d) => axis.inside(look[d]!)) as [number, number, number];
+    if (look) {
+      viewer.centre.value = viewer.axes.map((axis, d) => axis.inside(look[d]!)) as [number, number, number];
+      say_if(outside_point(viewer.axes, look, viewer.units));
+    }
     if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
     const layout = query.get("layout") as Layout | null;
     if (layout && LAYOUTS.includes(layout)) viewer.layout.value = layout;
@@ -83,11 +87,17 @@ export function read_address(viewer: Viewer): void {
       const value = query.get(key);
       if (value === "0" || value === "1") viewer[name].value = value === "1";
     }
-    const in_grid = (n: number, d: number, end: number) => Number.isInteger(n) && n >= 0 && n < viewer.cells[d]! + end;
     const box = numbers(query.get("box"), 6);
-    if (box?.every((n, d) => in_grid(n, d % 3, 1) && (d < 3 || n > box[d - 3]!))) viewer.box.value = box as Box;
+    if (box?.every(Number.isInteger)) {
+      const outside = outside_box(viewer.axes, box);
+      if (!outside) viewer.box.value = box as Box;
+      say_if(outside);
+    }
     const pin = numbers(query.get("pin"), 3);
-    if (pin?.every((n, d) => in_grid(n, d, 0))) viewer.pinned.value = pin as Index3;
+    if (pin?.every(Number.isInteger)) {
+      viewer.pinned.value = viewer.axes.map((axis, d) => axis.clamp(pin[d]!)) as Index3;
+      say_if(outside_cell(viewer.axes, pin));
+    }
     const orbit = numbers(query.get("orbit"), 6);
     if (orbit && Math.abs(orbit[1]!) <= 90 && orbit[2]! > 0)
       viewer.orbit.value = { azimuth: orbit[0]!, elevation: orbit[1]!, distance: orbit[2]!, target: orbit.slice(3) as [number, number, number] };

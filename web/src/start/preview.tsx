@@ -1,9 +1,9 @@
 // The picture of a slice on the start page. It is true to scale: as wide and high as the domain, with graded axes
 // stretched cell by cell.
 import { useEffect, useRef, useState } from "preact/hooks";
-import { type Axis, FRAMES } from "./base/axis";
-import { AXIS_NAMES, type AxisIndex, type GridSummary } from "./base/grid";
-import { get } from "./server/api";
+import { type Axis, FRAMES } from "../base/axis";
+import { AXIS_NAMES, type AxisIndex, type GridSummary } from "../base/grid";
+import { get } from "../server/api";
 
 const PICTURE = 360; // cells: the level is about as fine as the picture on the card
 const MARGIN = 8;

@@ -1,0 +1,32 @@
+// A picture at an address, for a component. It is fetched like everything else, so that the token goes along.
+import { useEffect, useState } from "preact/hooks";
+import { get } from "./api";
+
+export interface Picture {
+  readonly source: string | null; // for an <img>; null until it has come
+  readonly failed: boolean;
+}
+
+const NOTHING: Picture = { source: null, failed: false };
+
+// `address`: null while the picture is not wanted.
+export function use_picture(address: string | null): Picture {
+  const [picture, set_picture] = useState(NOTHING);
+  useEffect(() => {
+    if (address === null) return;
+    const abort = new AbortController();
+    let url = "";
+    get(address, { signal: abort.signal, priority: "low" })
+      .then((response) => response.blob())
+      .then((blob) => {
+        if (!abort.signal.aborted) set_picture({ source: (url = URL.createObjectURL(blob)), failed: false });
+      })
+      .catch(() => abort.signal.aborted || set_picture({ source: null, failed: true }));
+    return () => {
+      abort.abort();
+      URL.revokeObjectURL(url);
+      set_picture(NOTHING);
+    };
+  }, [address]);
+  return picture;
+}

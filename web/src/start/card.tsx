@@ -1,0 +1,146 @@
+// A grid on the start page: pictures of it, what it is made of, and what is wrong with it.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { Axis } from "../base/axis";
+import { needs_other_ground } from "../base/contrast";
+import type { Findings } from "../base/findings";
+import { about, bytes_text, grouped, noun, product, significant, sizes, unit_name } from "../base/format";
+import { GridAddress, type GridInfo, type GridSummary } from "../base/grid";
+import { initial_looks } from "../base/materials";
+import { verdict } from "../panels/finding_words";
+import { type Care, care_of } from "../panels/report_words";
+import { grid_findings, server_root } from "../server/api";
+import { use_answer } from "../server/answer";
+import { use_picture } from "../server/picture";
+import { theme } from "../state/theme";
+import { CopyButton } from "../widgets/copy";
+import { Icon } from "../widgets/icons";
+import { use_seen } from "./in_sight";
+import { Preview } from "./preview";
+
+const [WIDTH, HEIGHT] = [300, 216]; // CSS pixels of the picture in three dimensions
+
+function Picture({ grid, wanted }: { grid: GridSummary; wanted: boolean }) {
+  const size = `${2 * WIDTH},${2 * HEIGHT}`;
+  const address = new GridAddress(grid.id, grid.hash).view("png", `size=${size}&fov=26&background=%2300000000`);
+  const { source, failed } = use_picture(wanted ? address : null);
+  return (
+    <span class="preview preview-3d">
+      {source && <img src={source} width={WIDTH} height={HEIGHT} alt={`${grid.name} in three dimensions`} />}
+      {failed && <span class="faint">no picture</span>}
+    </span>
+  );
+}
+
+function Pictures({ grid, info, wanted }: { grid: GridSummary; info: GridInfo | null; wanted: boolean }) {
+  const axes = info?.grid.axes.map((axis, d) => new Axis(axis, info.grid.sample[d]!));
+  const opaque = initial_looks(info?.materials.slice(1) ?? []).filter((look) => look.opacity > 0.5);
+  const other_ground = needs_other_ground(theme.value, opaque.map((look) => look.color));
+  return (
+    <span class={`previews ${other_ground ? "other-ground" : ""}`}>
+      <Picture grid={grid} wanted={wanted} />
+      {([2, 1, 0] as const).map((axis) => (axes ? <Preview key={axis} grid={grid} axes={axes} axis={axis} /> : <span key={axis} class="preview" />))}
+    </span>
+  );
+}
+
+function Materials({ info }: { info: GridInfo | null }) {
+  if (!info) return <p class="card-facts">&nbsp;</p>;
+  const size = info.grid.max.map((high, d) => significant(high - info.grid.min[d]!, 4)).join(" × ");
+  const shown = info.materials.slice(1, 7);
+  return (
+    <p class="card-facts">
+      <span>
+        {size} {unit_name(info.units)}
+      </span>
+      <span class="card-materials">
+        {shown.map((m) => (
+          <span key={m.id} class="material-name">
+            <span class="swatch" style={{ background: m.color }} />
+            {m.name}
+          </span>
+        ))}
+        {info.materials.length > 7 && <span class="faint">and {grouped(info.materials.length - 7)} more</span>}
+      </span>
+    </p>
+  );
+}
+
+// What `teracell check` has found; null while that is not known, or nobody has looked.
+function use_findings(grid: GridSummary, wanted: boolean): Findings | null {
+  const [findings, set_findings] = useState<Findings | null>(null);
+  useEffect(() => {
+    if (!wanted || !grid.checked) return;
+    const abort = new AbortController();
+    grid_findings(grid.id, abort.signal).then(
+      (found) => set_findings(found),
+      () => {}, // the report panel says why
+    );
+    return () => abort.abort();
+  }, [grid.id, grid.hash, grid.checked, wanted]);
+  return findings;
+}
+
+function CareLine({ grid, info, wanted }: { grid: GridSummary; info: GridInfo | null; wanted: boolean }) {
+  const findings = use_findings(grid, wanted);
+  if (!info || (grid.checked && !findings)) return <p class="card-care">&nbsp;</p>;
+  const care: Care = findings ? verdict(findings) : care_of(info);
+  if (!findings && care.level === "fine")
+    return <p class="card-care faint">Not checked yet: the command “teracell check” looks for thin walls, islands and more.</p>;
+  return (
+    <p class={`card-care ${care.level}`}>
+      <Icon name={care.level === "fine" ? "done" : "warning"} />
+      <span>{findings ? care.text : `${care.text} Not checked further yet.`}</span>
+    </p>
+  );
+}
+
+function Addresses({ grid }: { grid: GridSummary }) {
+  const addresses = [{ title: "JSON", path: `/api/v1/grids/${encodeURIComponent(grid.id)}` }, ...grid.protocols];
+  return (
+    <details>
+      <summary>Addresses for other programs</summary>
+      <table class="addresses">
+        <tbody>
+          {addresses.map(({ title, path }) => (
+            <tr key={title}>
+              <th scope="row">{title}</th>
+              <td>
+                <code>{server_root() + path}</code>
+              </td>
+              <td>
+                <CopyButton text={server_root() + path} what={`the address for ${title}`} />
+              </td>
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </details>
+  );
+}
+
+export function Card({ grid }: { grid: GridSummary }) {
+  const element = useRef<HTMLLIElement>(null);
+  const seen = use_seen(element);
+  const id = encodeURIComponent(grid.id);
+  const info = use_answer<GridInfo>(seen ? `api/v1/grids/${id}?v=${grid.hash}` : null).value;
+  const cells = product(grid.cells);
+  return (
+    <li class="card" ref={element}>
+      <a class="card-main" href={`#g=${id}`}>
+        <Pictures grid={grid} info={info} wanted={seen} />
+        <h2>{grid.name}</h2>
+        <p class="card-facts">
+          <span>{sizes(grid.cells)}</span>
+          <span>
+            <b>{about(cells)}</b> {noun(cells, "cell")}
+          </span>
+          <span>{bytes_text(grid.bytes)}</span>
+          {grid.modified !== null && <span>{new Date(1000 * grid.modified).toLocaleDateString("en-GB", { dateStyle: "medium" })}</span>}
+        </p>
+        <Materials info={info} />
+        <CareLine grid={grid} info={info} wanted={seen} />
+      </a>
+      <Addresses grid={grid} />
+    </li>
+  );
+}

@@ -1,0 +1,25 @@
+// Which grids are listed, and in which order. Pure.
+import { product } from "../base/format";
+import type { GridSummary } from "../base/grid";
+import { by_name, contains } from "../base/names";
+
+export type Order = "name" | "newest" | "cells" | "bytes";
+export const ORDERS: readonly { order: Order; label: string }[] = [
+  { order: "name", label: "by name" },
+  { order: "newest", label: "newest first" },
+  { order: "cells", label: "most cells first" },
+  { order: "bytes", label: "largest file first" },
+];
+
+type Listed = Pick<GridSummary, "name" | "cells" | "bytes" | "modified">;
+
+const compare: Record<Order, (a: Listed, b: Listed) => number> = {
+  name: () => 0,
+  newest: (a, b) => (b.modified ?? 0) - (a.modified ?? 0),
+  cells: (a, b) => Number(product(b.cells)) - Number(product(a.cells)),
+  bytes: (a, b) => b.bytes - a.bytes,
+};
+
+// The grids whose names contain a text. Equal ones are ordered by name.
+export const listed = <T extends Listed>(grids: readonly T[], text: string, order: Order): T[] =>
+  grids.filter(({ name }) => contains(name, text)).sort((a, b) => compare[order](a, b) || by_name(a.name, b.name));

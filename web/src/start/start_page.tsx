@@ -1,0 +1,126 @@
+// The list of the grids that are served, with pictures, or why there is nothing to show.
+import { useEffect, useRef, useState } from "preact/hooks";
+import { grouped, plural } from "../base/format";
+import type { GridSummary, UnreadableFile } from "../base/grid";
+import { Icon } from "../widgets/icons";
+import { Card } from "./card";
+import { ORDERS, type Order, listed } from "./listing";
+
+const FEW = 4; // grids that need no search
+
+function UnreadableCard({ file }: { file: UnreadableFile }) {
+  return (
+    <li class="card unreadable">
+      <h2>
+        <Icon name="warning" /> {file.id}
+      </h2>
+      <p>This file can't be read: {file.error}</p>
+    </li>
+  );
+}
+
+function headline(readable: number, broken: number): string {
+  const parts = [readable === 1 ? "One grid" : `${grouped(readable)} grids`, `${plural(broken, "file")} that can't be read`];
+  return parts.filter((_, n) => [readable, broken][n]! > 0).join(", ");
+}
+
+function Empty() {
+  return (
+    <div class="empty">
+      <h1>No grid here yet</h1>
+      <p>
+        The server is running, but it has no grid to serve. Make one and put it into the folder that is served. It will appear here by itself.
+      </p>
+      <pre>teracell mesh part.stl --cells 2000 -o part.tcell</pre>
+    </div>
+  );
+}
+
+interface ChoiceProps {
+  readonly text: string;
+  readonly order: Order;
+  search(text: string): void;
+  sort(order: Order): void;
+}
+
+// "/" leads to the search, as on many pages.
+function Choice({ text, order, search, sort }: ChoiceProps) {
+  const field = useRef<HTMLInputElement>(null);
+  useEffect(() => {
+    const on_key = (event: KeyboardEvent) => {
+      if (event.key !== "/" || event.ctrlKey || event.metaKey || event.altKey || document.activeElement === field.current) return;
+      event.preventDefault();
+      field.current?.focus();
+    };
+    addEventListener("keydown", on_key);
+    return () => removeEventListener("keydown", on_key);
+  }, []);
+  return (
+    <div class="list-choice" role="search">
+      <input
+        ref={field}
+        class="text-input"
+        type="search"
+        placeholder="Search by name ( / )"
+        aria-label="Search grids by name"
+        value={text}
+        onInput={(e) => search(e.currentTarget.value)}
+      />
+      <select class="text-input" aria-label="Order of the grids" value={order} onChange={(e) => sort(e.currentTarget.value as Order)}>
+        {ORDERS.map(({ order: value, label }) => (
+          <option key={value} value={value}>
+            {label}
+          </option>
+        ))}
+      </select>
+    </div>
+  );
+}
+
+function List({ grids, broken }: { grids: readonly GridSummary[]; broken: readonly UnreadableFile[] }) {
+  const [text, set_text] = useState("");
+  const [order, set_order] = useState<Order>("name");
+  const many = grids.length > FEW;
+  const found = many ? listed(grids, text, order) : grids;
+  return (
+    <>
+      <div class="start-head">
+        <h1>{headline(grids.length, broken.length)}</h1>
+        {many && <Choice text={text} order={order} search={set_text} sort={set_order} />}
+      </div>
+      <p class="note" role="status">
+        {many && found.length === 0 && "No name contains this text."}
+      </p>
+      <ul class="cards">
+        {found.map((grid) => (
+          <Card key={grid.id} grid={grid} />
+        ))}
+        {broken.map((file) => (
+          <UnreadableCard key={file.id} file={file} />
+        ))}
+      </ul>
+    </>
+  );
+}
+
+interface Props {
+  readonly grids: readonly GridSummary[] | null; // null while they are not known
+  readonly unreadable: readonly UnreadableFile[];
+  readonly waiting: string | null; // the grid that is being opened
+  readonly trouble: string | null; // why nothing could be opened
+}
+
+export function StartPage({ grids, unreadable, waiting, trouble }: Props) {
+  if (waiting || (grids === null && !trouble))
+    return <main class="start" aria-busy="true" aria-label={waiting ? `Opening ${waiting}` : "Looking for grids"} />;
+  return (
+    <main class="start">
+      {trouble && (
+        <p class="problem start-trouble" role="alert">
+          {trouble}
+        </p>
+      )}
+      {grids && (grids.length + unreadable.length > 0 ? <List grids={grids} broken={unreadable} /> : <Empty />)}
+    </main>
+  );
+}
