@@ -42,6 +42,7 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
         "aria-label": `Slice across ${name}, in the overview`,
         "aria-valuemin": "0",
         "aria-valuemax": String(axis.cells - 1),
+        "aria-valuenow": String(viewer.cell.peek()[d]),
       },
       name,
     );

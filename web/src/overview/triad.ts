@@ -1,10 +1,11 @@
 // The triad in the corner: the axes as the camera sees them. Its ends are buttons that look along the axis from there.
-// Near ends lie over far ones.
+// Where two of them meet, the one with a name stays, or else the nearer one.
 import { AXIS_NAMES } from "../base/grid";
 import type { Projection } from "./camera";
 import { element } from "./dom";
 
-const ARM = 30; // pixels
+const ARM = 38; // pixels
+const APART = 24; // pixels between ends that can both be hit: WCAG 2.2, 2.5.8
 
 export interface Triad {
   readonly root: HTMLElement;
@@ -20,7 +21,7 @@ export function make_triad(look_from: (axis: number, from_above: boolean) => voi
       const button = element(
         "button",
         { type: "button", class: `overview-end ${name} ${upper ? "upper" : "lower"}`, "aria-label": label, title: label },
-        upper ? name : "",
+        element("span", { class: "overview-ball" }, upper ? name : ""),
       );
       button.addEventListener("click", () => look_from(axis, upper));
       const arm = upper ? element("div", { class: `overview-arm ${name}` }) : null;
@@ -31,8 +32,13 @@ export function make_triad(look_from: (axis: number, from_above: boolean) => voi
   return {
     root,
     update({ right, up, back }) {
-      for (const { axis, sign, button, arm } of ends) {
-        const [x, y, near] = [sign * right[axis]!, -sign * up[axis]!, sign * back[axis]!];
+      const places = ends.map(({ axis, sign }) => ({ x: sign * right[axis]!, y: -sign * up[axis]!, near: sign * back[axis]! }));
+      const over = (a: number, b: number) => ends[a]!.sign - ends[b]!.sign || places[a]!.near - places[b]!.near || b - a; // above 0: a covers b
+      const meet = (a: number, b: number) => ARM * Math.max(Math.abs(places[a]!.x - places[b]!.x), Math.abs(places[a]!.y - places[b]!.y)) < APART;
+      const covered = (n: number) => places.some((_, other) => over(other, n) > 0 && meet(other, n));
+      for (const [n, { button, arm }] of ends.entries()) {
+        const { x, y, near } = places[n]!;
+        button.style.visibility = covered(n) ? "hidden" : "";
         button.style.transform = `translate(${x * ARM}px, ${y * ARM}px)`;
         button.style.zIndex = String(Math.round(10 + 8 * near));
         if (!arm) continue;

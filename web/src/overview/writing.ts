@@ -59,5 +59,8 @@ export function draw_picture(context: CanvasRenderingContext2D, root: HTMLElemen
   const triad = [...root.querySelectorAll<HTMLElement>(".overview-arm, .overview-end")].sort(
     (a, b) => Number(a.style.zIndex) - Number(b.style.zIndex),
   );
-  for (const element of triad) (element.matches(".overview-arm") ? draw_arm : draw_element)(context, frame, element);
+  for (const element of triad) {
+    if (element.matches(".overview-arm")) draw_arm(context, frame, element);
+    else if (element.style.visibility !== "hidden") draw_element(context, frame, element.firstElementChild as HTMLElement);
+  }
 }

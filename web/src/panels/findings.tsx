@@ -125,7 +125,7 @@ export function FindingsList({ viewer, findings }: { viewer: Viewer; findings: F
         {bodies.length > 1 && (
           <label class="filter">
             of{" "}
-            <select aria-label="The body whose findings are listed" value={body} onChange={(e) => set_body(e.currentTarget.value)}>
+            <select class="text-input" aria-label="The body whose findings are listed" value={body} onChange={(e) => set_body(e.currentTarget.value)}>
               <option value="">all bodies</option>
               {bodies.map((name) => (
                 <option key={name} value={name}>

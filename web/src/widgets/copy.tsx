@@ -19,7 +19,7 @@ async function copy_text(text: string): Promise<void> {
 interface CopyButtonProps {
   text: string | (() => string);
   what: string; // goes after "Copy"
-  label?: string;
+  label?: string; // beside the icon
   disabled?: boolean;
 }
 
@@ -34,8 +34,9 @@ export function CopyButton({ text, what, label, disabled = false }: CopyButtonPr
       say("The browser did not allow copying. Select the text instead.");
     }
   };
+  const name = `Copy ${what}`;
   return (
-    <button class={label ? "button" : "icon-button"} title={`Copy ${what}`} aria-label={`Copy ${what}`} onClick={copy} disabled={disabled}>
+    <button class={label ? "button" : "icon-button"} title={name} aria-label={label ? undefined : name} onClick={copy} disabled={disabled}>
       <Icon name={copied ? "done" : "copy"} />
       {label && <span>{copied ? "Copied" : label}</span>}
     </button>

@@ -1,0 +1,103 @@
+// Every page and state of the dashboard against the rules of axe-core: WCAG 2.0 to 2.2, levels A and AA, and best practices. In both
+// themes, on a wide screen and on a phone.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { after } from "node:test";
+import { linkSync, mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { join } from "node:path";
+import { close, folder, grid_file, open_page, serve, server_and_browser, settled } from "./support.mjs";
+
+const axe = readFileSync(createRequire(new URL("../../web/package.json", import.meta.url)).resolve("axe-core/axe.min.js"), "utf8");
+const { server, browser } = await server_and_browser();
+const [bodies, checked, empty] = await Promise.all(["bodies", "checked", "empty"].map((name) => serve(join(folder, name))));
+const crowd_folder = join(folder, "axe-crowd");
+mkdirSync(crowd_folder);
+for (const name of ["stadium", "graded", "open"]) for (const n of [1, 2]) linkSync(grid_file(name), join(crowd_folder, `${name} ${n}.tcell`));
+writeFileSync(join(crowd_folder, "broken.tcell"), "not a grid");
+const crowd = await serve(crowd_folder);
+const token_file = join(folder, "axe-token");
+writeFileSync(token_file, "open-sesame", { mode: 0o600 });
+const guarded = await serve(grid_file("graded"), "--token-file", token_file);
+const ended = (line) => line.startsWith("teracell: ") || line.includes("broken");
+after(async () => {
+  for (const one of [bodies, checked, empty, guarded]) assert.deepEqual(await one.stop(), []);
+  assert.deepEqual(await crowd.stop(ended), []);
+});
+
+const click = (name) => (page) => page.getByRole("button", { name, exact: true }).click();
+const key = (name) => (page) => page.keyboard.press(name);
+const tab = (name) => (page) => page.getByRole("tab", { name }).click();
+const opened = (selector) => (page) => page.locator(selector).evaluateAll((all) => all.forEach((one) => (one.open = true)));
+const sharp = (page) => page.waitForSelector('.overview[data-state="sharp"]');
+const pick = async (page) => {
+  await page.locator('[data-view="z"] .view-body').click({ position: { x: 120, y: 120 } });
+};
+
+// Each state: its address, and what is done there one after the other; it is looked at after the last.
+const STATES = {
+  "start page": [crowd.url, (page) => page.locator(".preview-3d img").first().waitFor(), opened(".card details")],
+  "start page, nothing found": [crowd.url, (page) => page.getByLabel("Search grids by name").fill("zzz")],
+  "start page without grids": [empty.url, (page) => page.getByRole("heading", { name: "No grid here yet" }).waitFor()],
+  "a grid that is not there": [`${server.url}#g=nothing`, (page) => page.getByRole("alert").waitFor()],
+  "token form": [guarded.url, (page) => page.getByLabel("Access token").waitFor()],
+  "token form with a fault": [guarded.url, (page) => page.getByLabel("Access token").fill("ä ö")],
+  "four views": [`${server.url}#g=stadium`, settled, sharp],
+  "one slice": [`${server.url}#g=graded&layout=z`, settled],
+  "3D alone": [`${server.url}#g=stadium&layout=3d`, sharp],
+  "3D as glass, y up": [`${server.url}#g=stadium&layout=3d&bodies=glass&up=y`, sharp],
+  "3D cut by a plane": [`${server.url}#g=stadium&layout=3d&bodies=plane`, sharp],
+  "materials": [`${server.url}#g=stadium`, settled, opened(".material details")],
+  "bodies": [`${bodies.url}#g=bodies&panel=bodies`, settled, (page) => page.locator("button.material-title").nth(2).click(), pick],
+  "bodies that a filter finds": [`${bodies.url}#g=bodies&panel=bodies`, settled, (page) => page.getByLabel("Filter bodies by name").fill("tier")],
+  "report of a grid with a hole": [`${server.url}#g=open&panel=report`, settled, opened(".panel-content details")],
+  "report of a checked grid": [`${checked.url}#g=checked&panel=report`, (page) => page.locator(".wall").first().waitFor(), opened(".panel-content details")],
+  "box panel without a box": [`${server.url}#g=graded&panel=box`, settled],
+  "box panel": [`${server.url}#g=graded&panel=box&box=1,2,3,40,50,12`, settled, (page) => page.locator("table.stats tbody tr").first().waitFor()],
+  "share panel": [`${server.url}#g=graded&panel=share`, settled, opened(".panel-content details")],
+  "status panel": [`${server.url}#g=graded&panel=status`, settled, (page) => page.waitForTimeout(500)],
+  "no panel": [`${server.url}#g=graded&panel=none`, settled],
+  "help": [`${server.url}#g=graded`, settled, key("h"), (page) => page.getByRole("dialog").waitFor()],
+  "layers": [`${server.url}#g=graded`, settled, click("Layers over the cells")],
+  "measuring": [`${server.url}#g=graded&measure=2,10,10,10,60,40,10`, settled, click("Measure a distance")],
+  "drawing a box": [`${server.url}#g=graded`, settled, click("Draw a box")],
+  "a pinned cell": [`${server.url}#g=graded&pin=5,6,7`, settled],
+  "a message": [`${server.url}#g=graded&at=9999,0,0`, settled, (page) => page.locator(".toast").waitFor()],
+};
+
+const SCREENS = { wide: { width: 1400, height: 900 }, phone: { width: 390, height: 844 }, landscape: { width: 844, height: 390 } };
+const PASSES = [
+  { screen: "wide", colorScheme: "light", states: Object.keys(STATES) },
+  {
+    screen: "wide",
+    colorScheme: "dark",
+    states: ["start page", "token form", "3D as glass, y up", "bodies", "report of a grid with a hole", "share panel", "status panel", "help", "a pinned cell", "a message"],
+  },
+  { screen: "phone", colorScheme: "light", states: ["start page", "bodies", "report of a checked grid", "help", "box panel"] },
+  { screen: "landscape", colorScheme: "dark", states: ["start page", "four views"] },
+];
+
+// What axe objects to, a line for each element.
+async function violations(page) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() =>
+    window.axe.run(document, {
+      runOnly: ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa", "best-practice"],
+      resultTypes: ["violations"],
+    }),
+  );
+  return found.violations.flatMap(({ id, nodes }) => nodes.map(({ html, failureSummary }) => `${id}: ${html.slice(0, 160)}: ${failureSummary.split("\n")[1].trim()}`));
+}
+
+for (const { screen, colorScheme, states } of PASSES)
+  test(`axe finds nothing on a ${screen} screen in the ${colorScheme} theme`, async () => {
+    const wrong = new Map(); // what axe objects to, and in which states
+    for (const name of states) {
+      const [url, ...steps] = STATES[name];
+      const page = await open_page(browser, url, { ...SCREENS[screen], colorScheme, expected: (_, status) => status === 401 || status === 404 });
+      for (const step of steps) await step(page);
+      for (const line of await violations(page)) wrong.set(line, [...(wrong.get(line) ?? []), name]);
+      await close(page);
+    }
+    assert.deepEqual([...wrong].map(([line, where]) => `${line} (${where.join(", ")})`), []);
+  });
