@@ -58,6 +58,7 @@ const STATES = {
   "status panel": [`${server.url}#g=graded&panel=status`, settled, (page) => page.waitForTimeout(500)],
   "no panel": [`${server.url}#g=graded&panel=none`, settled],
   "help": [`${server.url}#g=graded`, settled, key("h"), (page) => page.getByRole("dialog").waitFor()],
+  "figure dialog": [`${server.url}#g=graded`, settled, key("f"), (page) => page.getByRole("img", { name: "Preview of the figure" }).waitFor()],
   "layers": [`${server.url}#g=graded`, settled, click("Layers over the cells")],
   "measuring": [`${server.url}#g=graded&measure=2,10,10,10,60,40,10`, settled, click("Measure a distance")],
   "drawing a box": [`${server.url}#g=graded`, settled, click("Draw a box")],
@@ -71,9 +72,9 @@ const PASSES = [
   {
     screen: "wide",
     colorScheme: "dark",
-    states: ["start page", "token form", "3D as glass, y up", "bodies", "report of a grid with a hole", "share panel", "status panel", "help", "a pinned cell", "a message"],
+    states: ["start page", "token form", "3D as glass, y up", "bodies", "report of a grid with a hole", "share panel", "status panel", "help", "figure dialog", "a pinned cell", "a message"],
   },
-  { screen: "phone", colorScheme: "light", states: ["start page", "bodies", "report of a checked grid", "help", "box panel"] },
+  { screen: "phone", colorScheme: "light", states: ["start page", "bodies", "report of a checked grid", "help", "box panel", "figure dialog"] },
   { screen: "landscape", colorScheme: "dark", states: ["start page", "four views"] },
 ];
 

@@ -2,6 +2,7 @@
 import { useEffect } from "preact/hooks";
 import { Banners } from "./banners";
 import { Dock } from "./dock/dock";
+import { FigureDialog } from "./figures/dialog";
 import { Header } from "./header";
 import { Help } from "./help";
 import { grids, opening, start_page, trouble, unreadable, viewer } from "./page";
@@ -42,6 +43,7 @@ export function App() {
       </div>
       <Banners />
       {open && <Help viewer={open} />}
+      {open && <FigureDialog viewer={open} />}
       <Toasts />
     </>
   );

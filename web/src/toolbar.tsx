@@ -1,11 +1,10 @@
-// The tools that keys have as well, as buttons in the header: measure, draw a box, outline materials, save a picture, and
+// The tools that keys have as well, as buttons in the header: measure, draw a box, outline materials, save a figure, and
 // what is drawn over the cells.
 import type { Signal } from "@preact/signals";
 import { useState } from "preact/hooks";
 import type { Viewer } from "./state/viewer";
 import { choose_tool } from "./views/actions";
 import { Icon, type IconName } from "./widgets/icons";
-import { use_save_picture } from "./panels/save_picture";
 
 interface ToolProps {
   icon: IconName;
@@ -19,15 +18,6 @@ function Tool({ icon, label, shortcut, pressed, click }: ToolProps) {
   return (
     <button title={`${label} (${shortcut})`} aria-label={label} aria-pressed={pressed} onClick={click}>
       <Icon name={icon} />
-    </button>
-  );
-}
-
-function Picture({ viewer }: { viewer: Viewer }) {
-  const { busy, save } = use_save_picture(viewer);
-  return (
-    <button title="Save the views as a picture (PNG)" aria-label="Save the views as a picture" onClick={save} disabled={busy}>
-      <Icon name="picture" />
     </button>
   );
 }
@@ -85,7 +75,9 @@ export function Toolbar({ viewer }: { viewer: Viewer }) {
         pressed={show_outline.value}
         click={() => (show_outline.value = !show_outline.value)}
       />
-      <Picture viewer={viewer} />
+      <button title="Save a figure (f)" aria-label="Save a figure" aria-haspopup="dialog" onClick={() => (viewer.figure.value = true)}>
+        <Icon name="picture" />
+      </button>
       <Layers viewer={viewer} />
     </div>
   );

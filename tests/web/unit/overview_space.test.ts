@@ -8,7 +8,7 @@ import {
 import { edge_depths, labelled_edges } from "@page/overview/edges";
 import { make_ladder } from "@page/overview/quality";
 import { round_length } from "@page/overview/scale_bar";
-import { parts_of } from "@page/overview/sight_source";
+import { parts_of } from "@page/overview/sight_query";
 import { type Vec3, from_space, shortest_side, space_of, to_space } from "@page/overview/space";
 
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 4, 8, 16] }, 0.5);

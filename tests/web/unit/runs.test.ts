@@ -3,7 +3,8 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import type { ColumnRun } from "@page/base/grid";
 import { Axis } from "@page/base/axis";
-import { next_change, run_at, run_text, runs_csv, ticks } from "@page/dock/runs";
+import { ticks } from "@page/base/ticks";
+import { next_change, run_at, run_text, runs_csv } from "@page/dock/runs";
 
 const axis = new Axis({ type: "uniform", min: -1, step: 0.5, first: 0, cells: 20 }, 0.5);
 const run = (from: number, to: number, material: number, name: string): ColumnRun => ({

@@ -3,9 +3,10 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { coordinate, grouped } from "../base/format";
 import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
+import { ticks } from "../base/ticks";
 import { theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
-import { next_change, run_at, ticks } from "./runs";
+import { next_change, run_at } from "./runs";
 
 const BAR = 12; // CSS pixels
 const HEIGHT = 25;

@@ -20,6 +20,7 @@ import { make_ladder } from "./quality";
 import { type Rulers, make_rulers } from "./rulers";
 import { make_scale_bar } from "./scale_bar";
 import { type Aim, SightSource } from "./sight_source";
+import { cut_of } from "./sight_query";
 import { type Space, type Vec3, point_to_space, shortest_side, space_of } from "./space";
 import { Stage } from "./stage";
 import { type Theme, on_theme, read_theme } from "./theme";
@@ -259,7 +260,7 @@ class Overview {
 
   // Asks for what is to be seen now.
   private look(orbit: Orbit, width: number, height: number, calm: boolean): void {
-    this.aim = { orbit, width: Math.round(width), height: Math.round(height), cut: this.cut(), points: this.ladder.quality().points };
+    this.aim = { orbit, width: Math.round(width), height: Math.round(height), cut: cut_of(this.viewer), points: this.ladder.quality().points };
     const place = JSON.stringify([orbit, this.aim.cut, width, height]);
     if (place !== this.drawn_from) {
       this.stage.leave(this.chrome.root.dataset.state === "sharp");
@@ -267,16 +268,6 @@ class Overview {
       this.drawn_from = place;
     }
     this.sights.want(this.aim, !this.moving || calm);
-  }
-
-  // What is cut away, as a part of an address.
-  private cut(): string {
-    const { viewer } = this;
-    const at = viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!));
-    if (viewer.bodies.value === "cut") return `&open=${at.join(",")}`;
-    const normal = viewer.plane_normal.value;
-    if (viewer.bodies.value === "plane" && normal) return `&plane=${normal.join(",")},${dot(normal, at as Vec3)}`;
-    return "";
   }
 
   // The canvas keeps what WebGL has drawn only for the current task, so it is drawn anew.

@@ -21,8 +21,8 @@ const corners = (width: number, height: number): Rect[] => [
   { left: 0, top: 0, right: 60, bottom: 40 },
   { left: width - 312, top: 0, right: width, bottom: 40 },
   { left: width - 135, top: height - 36, right: width, bottom: height }, // the scale bar
-  { left: 10, top: height - 76, right: 86, bottom: height - 20 }, // nearly a disc, together with the next one
-  { left: 20, top: height - 86, right: 76, bottom: height - 10 },
+  { left: 8, top: height - 90, right: 104, bottom: height - 22 }, // nearly a disc, together with the next one
+  { left: 22, top: height - 104, right: 90, bottom: height - 8 },
 ];
 
 export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rulers {

@@ -4,18 +4,18 @@
 import type { Viewer } from "../state/viewer";
 import { ranges } from "../base/ranges";
 import { get } from "../server/api";
-import { type Orbit, eye_of, reach } from "./camera";
+import type { Orbit } from "./camera";
 import { type Palette, compose } from "./compose";
 import { type Frame, empty_frame, put_part } from "./frame";
 import { layers_of, palette_of } from "./layers";
 import { type Sights, decode_sights } from "./sights";
-import { type Space, type Vec3, from_space } from "./space";
+import { type Part, camera_query, parts_of } from "./sight_query";
+import type { Space } from "./space";
 
 const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
 const FEWEST_QUICK = 40_000; // pixels
 const MOST_QUICK = 240_000;
 const MOST_PIXELS = 2_600_000; // of a sharp picture
-const PART = 384; // pixels along a side
 const AT_ONCE = 2; // requests: browsers open six connections, and the slices come first
 
 // What is to be seen.
@@ -27,38 +27,10 @@ export interface Aim {
   readonly points: number; // that can be drawn while something moves
 }
 
-interface Part {
-  readonly x0: number;
-  readonly y0: number;
-  readonly x1: number;
-  readonly y1: number;
-}
-
 export interface SightEvents {
   quick(frame: Frame): void;
   sharp(frame: Frame, done: boolean): void; // also when a part of the same frame has come
   failed(error: unknown): void;
-}
-
-// From the middle outwards.
-export function parts_of(width: number, height: number): Part[] {
-  const parts: Part[] = [];
-  const cuts = (length: number) => {
-    const count = Math.ceil(length / PART);
-    return Array.from({ length: count + 1 }, (_, i) => Math.round((i * length) / count));
-  };
-  const [columns, rows] = [cuts(width), cuts(height)];
-  for (let j = 0; j + 1 < rows.length; ++j)
-    for (let i = 0; i + 1 < columns.length; ++i) parts.push({ x0: columns[i]!, y0: rows[j]!, x1: columns[i + 1]!, y1: rows[j + 1]! });
-  const off = ({ x0, y0, x1, y1 }: Part) => Math.hypot(x0 + x1 - width, y0 + y1 - height);
-  return parts.sort((a, b) => off(a) - off(b));
-}
-
-// The camera as the server is told of it.
-export function camera_query(space: Space, orbit: Orbit, width: number, height: number): string {
-  const point = (p: Vec3) => p.map((x, d) => from_space(space, d, x)).join(",");
-  const field = (2 * Math.atan(reach(width / height).y) * 180) / Math.PI;
-  return `size=${width},${height}&fov=${field}&from=${point(eye_of(orbit))}&at=${point(orbit.target)}&up=${orbit.sky === 1 ? "y" : "z"}`;
 }
 
 export class SightSource {

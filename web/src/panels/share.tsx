@@ -56,6 +56,9 @@ export function SharePanel({ viewer }: { viewer: Viewer }) {
         <div class="toolbar">
           <CopyButton label="Copy link" what="a link to what you see" text={() => link(viewer)} />
           <SavePicture viewer={viewer} />
+          <button class="button" onClick={() => (viewer.figure.value = true)}>
+            <Icon name="picture" /> Figure …
+          </button>
         </div>
         <p class="note">The link holds everything that you see, except the choice of light or dark. The picture has a scale bar and a legend.</p>
       </section>

@@ -116,19 +116,22 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
 const BUSY_FIRST = 1000;
 const BUSY_LONGEST = 15_000;
 
-// With a signal, a request that a busy server refuses (503) is repeated after ever longer waits, until the signal ends
-// it.
-export async function get_json<T>(path: string, signal?: AbortSignal): Promise<T> {
+// A request that a busy server refuses (503) is repeated after ever longer waits, until the signal ends it.
+export async function get_patiently(path: string, signal: AbortSignal): Promise<Response> {
   for (let wait = BUSY_FIRST; ; wait = Math.min(2 * wait, BUSY_LONGEST)) {
     try {
-      return (await (await get(path, signal ? { signal } : {})).json()) as T;
+      return await get(path, { signal });
     } catch (error) {
-      if (!signal || !(error instanceof ServerError && error.status === 503)) throw error;
+      if (!(error instanceof ServerError && error.status === 503)) throw error;
     }
     await new Promise((done) => setTimeout(done, wait));
     signal.throwIfAborted();
   }
 }
+
+// With a signal, it has patience.
+export const get_json = async <T>(path: string, signal?: AbortSignal): Promise<T> =>
+  (await (signal ? get_patiently(path, signal) : get(path))).json() as Promise<T>;
 
 export const list_grids = (signal?: AbortSignal) => get_json<{ grids: GridSummary[]; unreadable: UnreadableFile[] }>("api/v1/grids", signal);
 export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo>(`api/v1/grids/${encodeURIComponent(id)}`, signal);

@@ -53,6 +53,7 @@ export class Viewer {
 
   readonly layout = signal<Layout>("four");
   readonly help = signal(false); // whether the list of gestures and keys is shown
+  readonly figure = signal(false); // whether the dialog that saves a figure is shown
   readonly panel = signal<Panel | null>("materials");
   readonly labels: readonly Label[]; // what the cells carry: materials, or bodies where the file keeps these apart
   readonly looks: Signal<readonly MaterialLook[]>; // of materials

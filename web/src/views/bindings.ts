@@ -29,6 +29,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "m", does: "measure a distance with one drag" },
   { keys: "Enter", does: "while measuring: begin or end the line at the crosshair" },
   { keys: "x", does: "draw a box with one drag, for its statistics" },
+  { keys: "f", does: "save a figure for print: PNG or SVG" },
   { keys: "h", does: "show these keys" },
   { keys: "Escape", does: "put the tool away; remove the measured line, the box or the pin" },
 ];

@@ -67,6 +67,7 @@ export function attach_keys(stage: Stage): () => void {
     c: () => viewer.go_to_cell(viewer.cell.value),
     m: () => choose_tool(viewer, "measure"),
     x: () => choose_tool(viewer, "box"),
+    f: () => flip(viewer.figure),
     h: () => flip(viewer.help),
     Escape: () => escape(viewer),
   };

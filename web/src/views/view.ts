@@ -78,7 +78,7 @@ export class View {
     if (key !== this.camera_key || !this.camera) {
       this.camera_key = key;
       this.camera = this.camera_of(viewer, ratio);
-      this.samples = sample_cells(this.camera, smallest_cell(this.camera) < SHARP_FROM ? 2 : 1);
+      this.samples = samples_of(this.camera);
     }
     const levels = viewer.info.levels.length;
     this.places = cover({ axis: this.axis, slice, axes: viewer.axes, levels, scale: zoom * ratio, seen: this.camera.seen() });
@@ -151,6 +151,8 @@ export class View {
     return null;
   }
 }
+
+export const samples_of = (camera: Camera): SampleCells => sample_cells(camera, smallest_cell(camera) < SHARP_FROM ? 2 : 1);
 
 // The mean size of a cell of level 0 in device pixels. Cells of coarser levels are never large.
 function smallest_cell({ across, up, zoom, ratio }: Camera): number {

@@ -1,0 +1,126 @@
+// Figures for print: the size, the density, the colours and the legend are those that were chosen, and the cells are those of the grid.
+import assert from "node:assert/strict";
+import test from "node:test";
+import { readFileSync } from "node:fs";
+import { join } from "node:path";
+import { close, folder, info_of, open_page, packed, screenshot, server_and_browser, settled, slice_of } from "./support.mjs";
+
+const { server, browser } = await server_and_browser();
+
+async function open_dialog(hash) {
+  const page = await open_page(browser, `${server.url}#${hash}`, { acceptDownloads: true });
+  if (hash.includes("3d")) await page.waitForSelector('.overview[data-state="sharp"]');
+  else await settled(page);
+  await page.keyboard.press("f");
+  await page.getByRole("dialog").waitFor();
+  await page.getByRole("img", { name: "Preview of the figure" }).waitFor();
+  return page;
+}
+
+async function choose(page, choices) {
+  for (const [label, value] of Object.entries(choices)) {
+    const field = page.getByRole("dialog").getByLabel(label, { exact: true });
+    if (typeof value === "boolean") await field.setChecked(value);
+    else if (await field.evaluate((e) => e.tagName === "SELECT")) await field.selectOption(value);
+    else await field.fill(String(value));
+  }
+}
+
+async function save(page) {
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save", exact: true }).click()]);
+  const path = join(folder, download.suggestedFilename());
+  await download.saveAs(path);
+  await page.getByText(/^Saved /).waitFor();
+  return { name: download.suggestedFilename(), bytes: readFileSync(path) };
+}
+
+// The chunks of a PNG.
+function chunks(png) {
+  const found = new Map();
+  for (let at = 8; at < png.length; at += 12 + png.readUInt32BE(at)) found.set(png.toString("latin1", at + 4, at + 8), png.subarray(at + 8, at + 8 + png.readUInt32BE(at)));
+  return found;
+}
+
+// The pixels of a PNG, decoded by the browser: packed RGBA.
+const pixels_of = (page, png) =>
+  page.evaluate(async (text) => {
+    const picture = await createImageBitmap(new Blob([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))]));
+    const canvas = new OffscreenCanvas(picture.width, picture.height);
+    const context = canvas.getContext("2d");
+    context.drawImage(picture, 0, 0);
+    return { width: picture.width, height: picture.height, data: [...new Uint32Array(context.getImageData(0, 0, picture.width, picture.height).data.buffer)] };
+  }, png.toString("base64"));
+
+test("a PNG without surroundings is the slice, cell by cell, in the density that was chosen", async () => {
+  const { materials, grid } = info_of("open");
+  const page = await open_dialog("g=open&layout=z");
+  const side = 4 * grid.cells[0];
+  await choose(page, { Width: side, Unit: "px", "Dots per inch": 254, Crop: "whole", "Axes with coordinates": false, "Legend of the materials that are seen": false });
+  const { name, bytes } = await save(page);
+  assert.match(name, /^open-z-.*m\.png$/);
+  const found = chunks(bytes);
+  assert.deepEqual([found.get("pHYs").readUInt32BE(0), found.get("pHYs").readUInt32BE(4), found.get("pHYs")[8]], [10000, 10000, 1]);
+  const { width, height, data } = await pixels_of(page, bytes);
+  assert.deepEqual([width, height], [side, side + Math.round((2 * 254) / 72)]);
+  const cell = await page.evaluate(() => teracell.viewer.cell.value);
+  const { shape, data: cells } = slice_of("open", "z", cell[2]);
+  const color = materials.map(({ color: text }, id) => (id === 0 ? packed(255, 255, 255) : packed(...[1, 3, 5].map((at) => Number.parseInt(text.slice(at, at + 2), 16)))));
+  for (let v = 0; v < shape[0]; ++v)
+    for (let u = 0; u < shape[1]; ++u) assert.equal(data[(side - 4 * v - 2) * width + 4 * u + 2], color[cells[v * shape[1] + u]], `cell ${u}, ${v}`);
+  await close(page);
+});
+
+test("a clear ground is clear, and the legend names what is seen and nothing else", async () => {
+  const page = await open_dialog("g=stadium&at=300,240,118&layout=z");
+  await choose(page, { Ground: "clear", Crop: "whole", Format: "svg", "Scale bar": true });
+  await page.getByRole("button", { name: "Title from the view" }).click();
+  const { name, bytes } = await save(page);
+  assert.match(name, /\.svg$/);
+  const svg = bytes.toString();
+  const seen = new Set(slice_of("stadium", "z", 118).data);
+  const texts = [...svg.matchAll(/<text[^>]*>([^<]*)<\/text>/g)].map((match) => match[1]);
+  const { materials } = info_of("stadium");
+  for (const { id, name: material } of materials.slice(1)) assert.equal(texts.includes(material), seen.has(id), `${material}: ${texts}`);
+  assert.ok(texts.includes("x [m]") && texts.includes("y [m]"));
+  assert.ok(texts[0].startsWith("stadium, z = "));
+  assert.ok(!svg.includes('<rect x="0" y="0"'), "there is a ground");
+  // The areas of the shapes are those of the cells.
+  const sizes = new Map();
+  for (const [, fill, d] of svg.matchAll(/<path fill="rgb\(([\d,]+)\)" shape-rendering[^>]* d="([^"]*)"/g))
+    for (const [, x0, y0, x1, y1] of d.matchAll(/M([\d.]+) ([\d.]+)H([\d.]+)V([\d.]+)H[\d.]+Z/g)) sizes.set(fill, (sizes.get(fill) ?? 0) + (x1 - x0) * (y1 - y0));
+  const [clip] = [...svg.matchAll(/<clipPath id="plot"><rect x="[\d.]+" y="[\d.]+" width="([\d.]+)" height="([\d.]+)"/g)];
+  const { shape, data } = slice_of("stadium", "z", 118);
+  for (const { id, color } of materials.slice(1)) {
+    if (!seen.has(id)) continue;
+    const share = data.reduce((n, cell) => n + (cell === id), 0) / (shape[0] * shape[1]);
+    const rgb = [1, 3, 5].map((at) => Number.parseInt(color.slice(at, at + 2), 16)).join(",");
+    const drawn = (sizes.get(rgb) ?? 0) / (clip[1] * clip[2]);
+    assert.ok(Math.abs(drawn - share) < 1e-3 * Math.max(share, 1e-3), `${materials[id].name}: ${drawn} of the area is drawn, expected ${share}`);
+  }
+  await close(page);
+});
+
+test("the view in three dimensions is saved in any size, on a clear ground, with what is seen in it", async () => {
+  const page = await open_dialog("g=open&layout=3d");
+  assert.equal(await page.getByLabel("Format", { exact: true }).inputValue(), "png");
+  await choose(page, { Width: 3, Unit: "in", "Dots per inch": 150, Ground: "clear" });
+  await screenshot(page, "figure");
+  const { name, bytes } = await save(page);
+  assert.equal(name, "open-3d.png");
+  const { width, data } = await pixels_of(page, bytes);
+  assert.equal(width, 450);
+  assert.equal(data[0] >>> 24, 0, "the corner is not clear");
+  assert.ok(data.filter((pixel) => pixel >>> 24 === 255).length > 0.1 * data.length, "nothing is seen");
+  await close(page);
+});
+
+test("what can't be made is said, and can't be saved; Escape closes", async () => {
+  const page = await open_dialog("g=graded");
+  await choose(page, { Width: 5, Unit: "in", "Dots per inch": 9000 });
+  await page.getByText("Dots per inch: 36 to 2400.").waitFor();
+  assert.ok(await page.getByRole("button", { name: "Save", exact: true }).isDisabled());
+  await page.keyboard.press("Escape");
+  await page.getByRole("dialog").waitFor({ state: "hidden" });
+  assert.equal(await page.evaluate(() => teracell.viewer.figure.value), false);
+  await close(page);
+});

@@ -1,0 +1,201 @@
+// The dialog that saves a figure for a paper, with a preview. The last choices stay for the next time.
+import { signal } from "@preact/signals";
+import { useEffect, useRef, useState } from "preact/hooks";
+import { bytes_text, grouped } from "../base/format";
+import { words_of } from "../base/messages";
+import { use_settled } from "../server/answer";
+import type { Viewer } from "../state/viewer";
+import { Icon } from "../widgets/icons";
+import { make_figure, name_of, preview_of, standard_title } from "./figure";
+import { type FigureOptions, STANDARD, type Subject, UNITS, fault_of, pixels_of } from "./options";
+import "./figures.css";
+
+const PREVIEW = 460; // CSS pixels
+const SETTLED = 250; // milliseconds
+
+const choices = signal<FigureOptions>(STANDARD);
+
+const SUBJECTS: readonly { value: Subject; label: string }[] = [
+  { value: "z", label: "slice across z" },
+  { value: "y", label: "slice across y" },
+  { value: "x", label: "slice across x" },
+  { value: "3d", label: "three dimensions" },
+];
+const CROPS: readonly { value: FigureOptions["crop"]; label: string }[] = [
+  { value: "content", label: "to what isn't clear" },
+  { value: "screen", label: "to what the view shows" },
+  { value: "whole", label: "nothing" },
+];
+const GROUNDS: readonly { value: FigureOptions["ground"]; label: string }[] = [
+  { value: "white", label: "white" },
+  { value: "clear", label: "clear" },
+  { value: "black", label: "black" },
+];
+
+function Select<T extends string>({ label, value, list, set }: { label: string; value: T; list: readonly { value: T; label: string }[]; set: (value: T) => void }) {
+  return (
+    <label class="figure-choice">
+      {label}
+      <select class="text-input" aria-label={label} value={value} onChange={(e) => set(e.currentTarget.value as T)}>
+        {list.map((item) => (
+          <option key={item.value} value={item.value}>
+            {item.label}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function Switch({ label, on, set, disabled = false }: { label: string; on: boolean; set: (on: boolean) => void; disabled?: boolean }) {
+  return (
+    <label class="check">
+      <input type="checkbox" checked={on} disabled={disabled} onChange={(e) => set(e.currentTarget.checked)} />
+      {label}
+    </label>
+  );
+}
+
+function NumberField({ label, value, set }: { label: string; value: number; set: (value: number) => void }) {
+  return (
+    <label class="figure-choice">
+      {label}
+      <input class="text-input" type="number" aria-label={label} min={1} step="any" value={value} onInput={(e) => set(Number(e.currentTarget.value))} />
+    </label>
+  );
+}
+
+// The preview, and how large the figure will be.
+function Preview({ viewer, options }: { viewer: Viewer; options: FigureOptions }) {
+  const host = useRef<HTMLDivElement>(null);
+  const [said, say] = useState("Drawing …");
+  const settled = use_settled(options, SETTLED);
+  const fault = fault_of(options);
+  useEffect(() => {
+    if (fault_of(settled)) return;
+    const abort = new AbortController();
+    const pixels = Math.min(pixels_of(settled), PREVIEW * devicePixelRatio);
+    say("Drawing …");
+    preview_of(viewer, settled, pixels, abort.signal).then(
+      ({ canvas, height }) => {
+        if (abort.signal.aborted) return;
+        canvas.setAttribute("role", "img");
+        canvas.setAttribute("aria-label", "Preview of the figure");
+        host.current!.replaceChildren(canvas);
+        say(settled.format === "svg" ? "" : `${grouped(pixels_of(settled))} × ${grouped(Math.round(height))} pixels`);
+      },
+      (error: unknown) => abort.signal.aborted || say(`There is no preview: ${words_of(error)}.`),
+    );
+    return () => abort.abort();
+  }, [viewer, settled]);
+  return (
+    <div class="figure-preview">
+      <div class={`figure-paper ${options.ground}`} ref={host} />
+      <p class="note" role="status">
+        {fault ?? said}
+      </p>
+    </div>
+  );
+}
+
+function download(blob: Blob, name: string): void {
+  const address = URL.createObjectURL(blob);
+  const a = document.createElement("a");
+  a.href = address;
+  a.download = name;
+  a.click();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}
+
+function Content({ viewer, close }: { viewer: Viewer; close: () => void }) {
+  const options = choices.value;
+  const set = (what: Partial<FigureOptions>) => (choices.value = { ...options, ...what });
+  const [state, set_state] = useState<{ text: string; busy: boolean }>({ text: "", busy: false });
+  const abort = useRef(new AbortController());
+  useEffect(() => () => abort.current.abort(), []);
+  const is_slice = options.subject !== "3d";
+  const fault = fault_of(options);
+  const save = async (event: Event) => {
+    event.preventDefault();
+    set_state({ text: "Drawing …", busy: true });
+    try {
+      const figure = await make_figure(viewer, options, abort.current.signal);
+      download(figure.blob, name_of(viewer, options));
+      set_state({ text: `Saved ${name_of(viewer, options)}, ${bytes_text(figure.blob.size)}. ${figure.note}`, busy: false });
+    } catch (error) {
+      if (!abort.current.signal.aborted) set_state({ text: `The figure can't be made: ${words_of(error)}.`, busy: false });
+    }
+  };
+  return (
+    <form class="dialog-body figure" onSubmit={save}>
+      <div class="dialog-head">
+        <h2 id="figure-title">Save a figure</h2>
+        <button type="button" class="icon-button" aria-label="Close" onClick={close}>
+          <Icon name="close" />
+        </button>
+      </div>
+      <div class="figure-parts">
+        <Preview viewer={viewer} options={options} />
+        <div class="figure-choices">
+          <Select label="What" value={options.subject} list={SUBJECTS} set={(subject) => set({ subject, ...(subject === "3d" && { format: "png" }) })} />
+          <Select
+            label="Format"
+            value={options.format}
+            list={is_slice ? [{ value: "png", label: "PNG" }, { value: "svg", label: "SVG" }] : [{ value: "png", label: "PNG" }]}
+            set={(format) => set({ format })}
+          />
+          <div class="figure-row">
+            <NumberField label="Width" value={options.width} set={(width) => set({ width })} />
+            <Select label="Unit" value={options.unit} list={UNITS.map((unit) => ({ value: unit, label: unit === "px" ? "pixels" : unit }))} set={(unit) => set({ unit })} />
+            <NumberField label="Dots per inch" value={options.dpi} set={(dpi) => set({ dpi })} />
+          </div>
+          <Select label="Crop" value={options.crop} list={CROPS} set={(crop) => set({ crop })} />
+          <Select label="Ground" value={options.ground} list={GROUNDS} set={(ground) => set({ ground })} />
+          <label class="figure-choice">
+            Title
+            <input
+              class="text-input"
+              type="text"
+              aria-label="Title"
+              value={options.title}
+              placeholder="none"
+              onInput={(e) => set({ title: e.currentTarget.value })}
+            />
+          </label>
+          <button type="button" class="button small" onClick={() => set({ title: standard_title(viewer, options) })}>
+            Title from the view
+          </button>
+          <Switch label="Axes with coordinates" on={options.axes && is_slice} disabled={!is_slice} set={(axes) => set({ axes })} />
+          <Switch label="Scale bar" on={options.bar} set={(bar) => set({ bar })} />
+          <Switch label="Legend of the materials that are seen" on={options.legend} set={(legend) => set({ legend })} />
+        </div>
+      </div>
+      <div class="toolbar">
+        <button class="button primary" type="submit" disabled={fault !== null || state.busy}>
+          <Icon name="save" /> Save
+        </button>
+        <p class="note" role="status">
+          {state.text}
+        </p>
+      </div>
+    </form>
+  );
+}
+
+export function FigureDialog({ viewer }: { viewer: Viewer }) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  const shown = viewer.figure.value;
+  useEffect(() => {
+    if (!shown) return dialog.current!.close();
+    const { layout } = viewer;
+    const alone = layout.peek() === "four" ? null : layout.peek();
+    if (alone) choices.value = { ...choices.peek(), subject: alone as Subject, ...(alone === "3d" && { format: "png" }) };
+    if (!dialog.current!.open) dialog.current!.showModal();
+  }, [shown]);
+  const close = () => (viewer.figure.value = false);
+  return (
+    <dialog ref={dialog} class="dialog wide" aria-labelledby="figure-title" onClose={close} onClick={(e) => e.target === dialog.current && close()}>
+      {shown && <Content viewer={viewer} close={close} />}
+    </dialog>
+  );
+}

@@ -1,0 +1,170 @@
+// Makes a figure: gets what its subject needs, lays it out, and draws it.
+import { coordinate } from "../base/format";
+import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { css_color } from "../base/materials";
+import type { Viewer } from "../state/viewer";
+import type { Rgb } from "../tiles/sets";
+import { length_text, round_length } from "../views/lengths";
+import { CanvasSheet } from "./canvas_sheet";
+import { type Layout, SIZE, TITLE, laid_out } from "./layout";
+import { type FigureOptions, pixels_of, points_of } from "./options";
+import { with_density } from "./png";
+import { type Sheet, text_width } from "./sheet";
+import { slice_subject } from "./slice_subject";
+import type { Picture, Subject } from "./subject";
+import { SvgSheet } from "./svg_sheet";
+
+const LINE = 0.6; // points
+const BAR = 4; // the longest scale bar, as a part of the width
+
+const COLORS = {
+  white: { ground: [255, 255, 255], ink: "#16181d" },
+  clear: { ground: null, ink: "#16181d" },
+  black: { ground: [0, 0, 0], ink: "#f2f4f8" },
+} as const satisfies Record<string, { ground: Rgb | null; ink: string }>;
+
+interface Entry {
+  readonly name: string;
+  readonly color: string;
+  readonly opacity: number;
+}
+
+// What is seen, in the order of materials: bodies alone where they have a colour of their own.
+export function legend_of(viewer: Viewer, labels: readonly number[]): Entry[] {
+  const entries = new Map<string, Entry & { order: number }>();
+  for (const label of labels) {
+    const look = viewer.label_looks.peek()[label]!;
+    if (!look.visible || look.opacity === 0) continue;
+    const is_own = viewer.body_looks.peek().get(label)?.color !== undefined;
+    const name = is_own ? viewer.name_of(label) : viewer.info.materials[look.material]!.name;
+    entries.set(name, { name, color: css_color(look), opacity: look.opacity, order: look.material });
+  }
+  return [...entries.values()].sort((a, b) => a.order - b.order);
+}
+
+// What the figure is called: "stadium-z-27.037m".
+export function name_of(viewer: Viewer, { subject, format }: FigureOptions): string {
+  const d = AXIS_NAMES.indexOf(subject as "x") as AxisIndex;
+  const axis = viewer.axes[d];
+  const i = viewer.cell.peek()[d];
+  const place = subject === "3d" ? "3d" : `${subject}-${axis!.centre(i!).toFixed(Math.max(0, Math.ceil(-Math.log10(axis!.width(i!))) + 1))}${viewer.info.units}`;
+  return `${viewer.info.id}-${place}.${format}`;
+}
+
+// A title that says what is shown.
+export function standard_title(viewer: Viewer, { subject }: Pick<FigureOptions, "subject">): string {
+  if (subject === "3d") return viewer.info.id;
+  const d = AXIS_NAMES.indexOf(subject) as AxisIndex;
+  const i = viewer.cell.value[d];
+  return `${viewer.info.id}, ${subject} = ${coordinate(viewer.axes[d].centre(i), viewer.axes[d].width(i))} ${viewer.units}`;
+}
+
+function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, subject: Subject, layout: Layout, legend: readonly Entry[]): void {
+  const { ink } = COLORS[options.ground];
+  const { plot } = layout;
+  const text = { size: SIZE, color: ink };
+  if (layout.title !== null) sheet.text(options.title, plot.x, layout.title, { size: TITLE, bold: true, color: ink });
+  if (options.axes && subject.axes) {
+    sheet.frame(plot, ink, LINE);
+    const [bottom, left] = [plot.y + plot.height, plot.x];
+    for (const { at, text: number } of layout.across) {
+      const x = plot.x + at * plot.width;
+      sheet.line(x, bottom, x, bottom + 3, ink, LINE);
+      sheet.text(number, x, bottom + 7 + SIZE / 2, { ...text, align: "center" });
+    }
+    for (const { at, text: number } of layout.up) {
+      const y = bottom - at * plot.height;
+      sheet.line(left - 3, y, left, y, ink, LINE);
+      sheet.text(number, left - 5, y, { ...text, align: "right" });
+    }
+    sheet.text(subject.axes[0].name, plot.x + plot.width / 2, layout.names!.across, { ...text, align: "center" });
+    sheet.text(subject.axes[1].name, layout.names!.up, plot.y + plot.height / 2, { ...text, align: "center", upright: true });
+  }
+  if (options.bar) {
+    const length = round_length(subject.length / BAR);
+    const width = (length / subject.length) * plot.width;
+    const [x, y] = [plot.x + plot.width - 8 - width, plot.y + plot.height - 8];
+    sheet.fill({ x, y: y - 1, width, height: 2 }, ink);
+    sheet.text(length_text(length, viewer.info.units), x + width / 2, y - 7, { ...text, align: "center" });
+  }
+  for (const { x, y, entry } of layout.legend) {
+    const { name, color, opacity } = legend[entry]!;
+    const swatch = { x, y: y - SIZE / 2, width: SIZE, height: SIZE };
+    sheet.fill(swatch, opacity < 1 ? color.replace(")", ` / ${opacity})`) : color);
+    sheet.frame(swatch, ink, 0.3);
+    sheet.text(name, x + SIZE + 4, y, text);
+  }
+}
+
+export interface Figure {
+  readonly blob: Blob;
+  readonly width: number; // pixels; of an SVG points
+  readonly height: number;
+  readonly note: string;
+}
+
+async function subject_of(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<Subject> {
+  const { ground } = COLORS[options.ground];
+  if (options.subject !== "3d") return slice_subject(viewer, AXIS_NAMES.indexOf(options.subject) as AxisIndex, options, ground, signal);
+  const { space_subject } = await import("./space_subject");
+  return space_subject(viewer, options, ground, signal);
+}
+
+interface Drawing {
+  readonly subject: Subject;
+  readonly picture: Picture;
+  readonly layout: Layout;
+  readonly legend: readonly Entry[];
+}
+
+// `scale`: pixels per point.
+async function drawing_of(viewer: Viewer, options: FigureOptions, scale: number, signal: AbortSignal): Promise<Drawing> {
+  const subject = await subject_of(viewer, options, signal);
+  const measure = (text: string) => text_width(text, { size: SIZE });
+  const layout_of = (legend: readonly string[]) =>
+    laid_out({ width: points_of(options), aspect: subject.aspect, title: options.title !== "", axes: options.axes ? subject.axes : null, legend }, measure);
+  const picture = await subject.fetch(Math.max(1, Math.round(layout_of([]).plot.width * scale)), options.format === "svg", signal);
+  const legend = options.legend ? legend_of(viewer, picture.labels) : [];
+  return { subject, picture, layout: layout_of(legend.map(({ name }) => name)), legend };
+}
+
+function on_canvas(viewer: Viewer, options: FigureOptions, scale: number, { subject, picture, layout, legend }: Drawing): HTMLCanvasElement {
+  const sheet = new CanvasSheet(layout.width, layout.height, scale);
+  const { ground } = COLORS[options.ground];
+  if (ground) sheet.fill({ x: 0, y: 0, width: layout.width, height: layout.height }, `rgb(${ground.join(" ")})`);
+  picture.paint(sheet, layout);
+  draw(sheet, viewer, options, subject, layout, legend);
+  return sheet.canvas;
+}
+
+const MOST = 64e6; // pixels
+
+// What the figure will look like, at most this many pixels wide.
+export async function preview_of(viewer: Viewer, options: FigureOptions, width: number, signal: AbortSignal): Promise<{ canvas: HTMLCanvasElement; height: number }> {
+  const scale = width / points_of(options);
+  const pixels = { ...options, format: "png" as const };
+  const drawing = await drawing_of(viewer, pixels, scale, signal);
+  return { canvas: on_canvas(viewer, pixels, scale, drawing), height: (drawing.layout.height * options.dpi) / 72 };
+}
+
+// Throws when it can't be made. REQUIRES: fault_of() finds none in the options.
+export async function make_figure(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<Figure> {
+  const scale = options.dpi / 72;
+  const drawing = await drawing_of(viewer, options, scale, signal);
+  const { layout, picture, subject, legend } = drawing;
+  if (options.format === "svg") {
+    const sheet = new SvgSheet(layout.width, layout.height);
+    const { ground } = COLORS[options.ground];
+    if (ground) sheet.fill({ x: 0, y: 0, width: layout.width, height: layout.height }, `rgb(${ground.join(",")})`);
+    picture.outline!(sheet, layout);
+    draw(sheet, viewer, options, subject, layout, legend);
+    return { blob: new Blob([sheet.document()], { type: "image/svg+xml" }), width: layout.width, height: layout.height, note: picture.note };
+  }
+  const height = Math.round(layout.height * scale);
+  if (height * pixels_of(options) > MOST) throw new Error(`${pixels_of(options)} × ${height} pixels are more than the ${MOST / 1e6} million that can be made`);
+  const canvas = on_canvas(viewer, options, scale, drawing);
+  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
+  if (!blob) throw new Error("the browser ran out of memory");
+  const png = with_density(new Uint8Array(await blob.arrayBuffer()), options.dpi);
+  return { blob: new Blob([png], { type: "image/png" }), width: canvas.width, height: canvas.height, note: picture.note };
+}

@@ -1,0 +1,20 @@
+// What a figure is made of: a slice or the view in three dimensions. Each knows how to get what a picture of some width needs.
+import type { Layout, Scale } from "./layout";
+import type { CanvasSheet } from "./canvas_sheet";
+import type { SvgSheet } from "./svg_sheet";
+
+// A picture that has come.
+export interface Picture {
+  readonly labels: readonly number[]; // that are seen in it
+  readonly note: string; // how exact it is
+  paint(sheet: CanvasSheet, layout: Layout): void;
+  outline?(sheet: SvgSheet, layout: Layout): void; // as shapes
+}
+
+export interface Subject {
+  readonly aspect: number; // height divided by width
+  readonly axes: readonly [Scale, Scale] | null;
+  readonly length: number; // of the width, for a scale bar
+  // `pixels`: of the width. With `shapes`, the picture can be outlined.
+  fetch(pixels: number, shapes: boolean, signal: AbortSignal): Promise<Picture>;
+}

@@ -1,0 +1,43 @@
+// What the server is asked to look at, as parts of an address.
+import type { Viewer } from "../state/viewer";
+import { type Orbit, dot, eye_of, reach } from "./camera";
+import { type Space, type Vec3, from_space } from "./space";
+
+// The camera.
+export function camera_query(space: Space, orbit: Orbit, width: number, height: number): string {
+  const point = (p: Vec3) => p.map((x, d) => from_space(space, d, x)).join(",");
+  const field = (2 * Math.atan(reach(width / height).y) * 180) / Math.PI;
+  return `size=${width},${height}&fov=${field}&from=${point(eye_of(orbit))}&at=${point(orbit.target)}&up=${orbit.sky === 1 ? "y" : "z"}`;
+}
+
+// What is cut away.
+export function cut_of(viewer: Viewer): string {
+  const at = viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!));
+  if (viewer.bodies.value === "cut") return `&open=${at.join(",")}`;
+  const normal = viewer.plane_normal.value;
+  if (viewer.bodies.value === "plane" && normal) return `&plane=${normal.join(",")},${dot(normal, at as Vec3)}`;
+  return "";
+}
+
+export interface Part {
+  readonly x0: number;
+  readonly y0: number;
+  readonly x1: number;
+  readonly y1: number;
+}
+
+const PART = 384; // pixels along a side
+
+// The parts of a picture, from the middle outwards.
+export function parts_of(width: number, height: number): Part[] {
+  const parts: Part[] = [];
+  const cuts = (length: number) => {
+    const count = Math.ceil(length / PART);
+    return Array.from({ length: count + 1 }, (_, i) => Math.round((i * length) / count));
+  };
+  const [columns, rows] = [cuts(width), cuts(height)];
+  for (let j = 0; j + 1 < rows.length; ++j)
+    for (let i = 0; i + 1 < columns.length; ++i) parts.push({ x0: columns[i]!, y0: rows[j]!, x1: columns[i + 1]!, y1: rows[j + 1]! });
+  const off = ({ x0, y0, x1, y1 }: Part) => Math.hypot(x0 + x1 - width, y0 + y1 - height);
+  return parts.sort((a, b) => off(a) - off(b));
+}
