@@ -137,6 +137,9 @@ TEST_CASE("Values that are malformed or out of range get 400 with a message that
                                                                    g + "/column/z/0",
                                                                    g + "/stats?region=0,0,0,38,1,1",
                                                                    g + "/stats?region=1,1,1,1,2,2",
+                                                                   g + "/diff",
+                                                                   g + "/diff?with=g&with=g",
+                                                                   g + "/diff?with=g&level=1",
                                                                    "/%",
                                                                    g + "/stats?a%00=1"}) {
     INFO(bad);
@@ -147,7 +150,7 @@ TEST_CASE("Values that are malformed or out of range get 400 with a message that
   for (const std::string& missing :
        std::initializer_list<std::string>{"/nothing", "/api", "/api/v2/grids", "/api/v1/grids/h", "/api/v1/grids/..", "/api/v1/grids/g.tcell",
                                           "/api/v1/grids/%2e%2e%2fg", g + "/tile/z/0/0/1_0.png", g + "/tile/z/0/0/0_2.png", g + "/tile/z/0/0/0_0.jpg",
-                                          g + "/slice/z/0.jpg", g + "/nothing", g + "/", g + "?v=0123", "/index.html"}) {
+                                          g + "/slice/z/0.jpg", g + "/diff?with=h", g + "/diff?with=..", g + "/diff?with=", g + "/nothing", g + "/", g + "?v=0123", "/index.html"}) {
     INFO(missing);
     REQUIRE(s.get(missing).status == 404);
   }
@@ -240,7 +243,7 @@ TEST_CASE("Statistics, columns and pictures of whole slices are dear, however th
   const Served s;
   const Handler handler = handler_of(*s.service);
   const auto is_dear = [&](const char* target) { return handler.is_dear(Request{.target = target}); };
-  for (const char* dear : {"/api/v1/grids/g/stats", "/api/v1/grids/g/%73tats?region=0,0,0,1,1,1", "/%61pi/v1/grids/g/slice/z/0.png",
+  for (const char* dear : {"/api/v1/grids/g/stats", "/api/v1/grids/g/%73tats?region=0,0,0,1,1,1", "/%61pi/v1/grids/g/slice/z/0.png", "/api/v1/grids/g/diff?with=h",
                            "/api/v1/grids/g/column/z/0_0", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
     CHECK(is_dear(dear));
   for (const char* cheap : {"/", "/api/v1/grids", "/api/v1/grids/stats", "/api/v1/grids/g/tile/z/0/0/0_0.png", "/zarr/g/0/c/0/0/0", "/%", "/api/%"})
@@ -265,7 +268,8 @@ TEST_CASE("Whatever the address, the answer has one of the expected statuses and
                                           "0_0.png",       "0_0.bin",  "0.png",       "..",    "",     "%00",       "zarr",
                                           "zarr2",         "xarray",   "precomputed", "dzi",   "iiif", "zarr.json", ".zarray",
                                           "info",          "c",        "0.dzi",       "g-z-0", "full", "max",       "s0",
-                                          "0-64_0-64_0-1", "?level=1", "?v=x",        "&i=1"};
+                                          "0-64_0-64_0-1", "?level=1", "?v=x",        "&i=1",
+                                          "diff?with=g", "diff?with=%00"};
   for (int i = 0; i < 5000; ++i) {
     std::string target;
     for (auto n = random() % 8; n > 0; --n) target += "/" + words[random() % words.size()];
