@@ -1,10 +1,11 @@
 // The frame of the page: what is open, what is wrong, and what floats above the rest.
 import { useEffect } from "preact/hooks";
 import { Banners } from "./banners";
+import { ComparisonPage } from "./compare/comparison_page";
 import { Dock } from "./dock/dock";
 import { Header } from "./header";
 import { Help } from "./help";
-import { opening, start_page, trouble, viewer } from "./page";
+import { grids, opening, start_page, trouble, viewer } from "./page";
 import { SidePanel } from "./panels/side_panel";
 import { token_wanted } from "./server/api";
 import { watch_network } from "./server/connection";
@@ -28,7 +29,9 @@ export function App() {
     <>
       <div class="page" key={open ? `${open.info.id} ${open.info.file.hash}` : "none"}>
         <Header viewer={open} />
-        {open ? (
+        {open?.compare.value ? (
+          <ComparisonPage viewer={open} grids={grids.value} />
+        ) : open ? (
           <div class="workspace">
             <main class="views-area" aria-label="Slices">
               <Views viewer={open} />

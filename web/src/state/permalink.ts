@@ -6,6 +6,7 @@ import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "../base/grid";
 import { hex_color, same_look } from "../base/materials";
 import { say } from "../base/messages";
+import { comparison_in, write_comparison } from "./comparison";
 import { outside_cell } from "./outside";
 import { places_found } from "./places";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
@@ -39,6 +40,7 @@ export function read_address(viewer: Viewer): void {
     if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
     const layout = query.get("layout") as Layout | null;
     if (layout && LAYOUTS.includes(layout)) viewer.layout.value = layout;
+    viewer.compare.value = comparison_in(query, viewer);
     const panel = query.get("panel");
     if (panel === "none") viewer.panel.value = null;
     else if (panel && PANELS.includes(panel as Panel)) viewer.panel.value = panel as Panel;
@@ -81,6 +83,7 @@ export function address_of(viewer: Viewer): string {
   const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(",") });
   if (viewer.zoom.value > 0) start.set("zoom", String(viewer.zoom.value));
   if (viewer.layout.value !== "four") start.set("layout", viewer.layout.value);
+  if (viewer.compare.value) write_comparison(start, viewer.compare.value);
   if (viewer.panel.value !== "materials") start.set("panel", viewer.panel.value ?? "none");
   const standard = viewer.standard_switches;
   for (const [key, name] of Object.entries(SWITCHES)) if (viewer[name].value !== standard[name]) start.set(key, viewer[name].value ? "1" : "0");

@@ -46,7 +46,7 @@ export class View {
   private last_slice: number | null = null;
   private behind_since: number | null = null;
   private camera_key = "";
-  private picture_key = "";
+  picture_key = ""; // changes with the picture
 
   constructor(readonly axis: AxisIndex) {
     this.cells.className = "view-cells";
@@ -78,7 +78,7 @@ export class View {
     if (key !== this.camera_key || !this.camera) {
       this.camera_key = key;
       this.camera = this.camera_of(viewer, ratio);
-      this.samples = sample_cells(this.camera, smallest_cell(this.camera) < SHARP_FROM ? 2 : 1);
+      this.samples = sample_cells(this.camera, samples_for(this.camera));
     }
     const levels = viewer.info.levels.length;
     this.places = cover({ axis: this.axis, slice, axes: viewer.axes, levels, scale: zoom * ratio, seen: this.camera.seen() });
@@ -151,6 +151,9 @@ export class View {
     return null;
   }
 }
+
+// How many samples a device pixel has along each axis.
+export const samples_for = (camera: Camera): 1 | 2 => (smallest_cell(camera) < SHARP_FROM ? 2 : 1);
 
 // The mean size of a cell of level 0 in device pixels. Cells of coarser levels are never large.
 function smallest_cell({ across, up, zoom, ratio }: Camera): number {
