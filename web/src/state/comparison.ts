@@ -55,13 +55,15 @@ export function comparison_in(query: URLSearchParams, viewer: Viewer): Compariso
   };
 }
 
+// REQUIRES: the query has the grid on the left.
 export function write_comparison(query: URLSearchParams, { other, axis, mode, wipe, together, apart }: Comparison): void {
   query.set("compare", other);
   if (axis !== 2) query.set("across", AXIS_NAMES[axis]);
   if (mode !== "side") query.set("mode", mode);
   if (wipe !== 0.5) query.set("wipe", String(Number(wipe.toFixed(4))));
-  query.set("together", together ? "1" : "0");
-  query.set("apart", String(apart));
+  const same = other === query.get("g");
+  if (together === same) query.set("together", together ? "1" : "0");
+  if (same || apart !== 0) query.set("apart", String(apart));
 }
 
 // Units whose lengths are known, in metres.

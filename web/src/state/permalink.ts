@@ -36,11 +36,12 @@ export function read_address(viewer: Viewer): void {
       const outside = outside_cell(viewer.axes, at);
       if (outside) say(outside);
     }
-    if (look) viewer.centre.value = viewer.axes.map((axis, d) => axis.inside(look[d]!)) as [number, number, number];
+    const compare = (viewer.compare.value = comparison_in(query, viewer));
+    // The other grid of a comparison may reach farther.
+    if (look) viewer.centre.value = viewer.axes.map((axis, d) => (compare ? look[d]! : axis.inside(look[d]!))) as [number, number, number];
     if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
     const layout = query.get("layout") as Layout | null;
     if (layout && LAYOUTS.includes(layout)) viewer.layout.value = layout;
-    viewer.compare.value = comparison_in(query, viewer);
     const panel = query.get("panel");
     if (panel === "none") viewer.panel.value = null;
     else if (panel && PANELS.includes(panel as Panel)) viewer.panel.value = panel as Panel;
