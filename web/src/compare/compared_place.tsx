@@ -22,6 +22,11 @@ function materials_at({ viewer, views, store, sets }: Stage, axis: AxisIndex, po
 function Marks({ pair, axis }: { pair: Pair; axis: AxisIndex }) {
   const [a, b] = [pair.left, pair.right].map(({ viewer }) => viewer.level[axis].value) as [number, number];
   const exact = a === 0 && b === 0;
+  const any = (of: "waiting" | "damaged") => pair.left[of][axis].value || pair.right[of][axis].value;
+  let words = `Compared at ${a === b ? `level ${a}` : `levels ${a} and ${b}`}, by all materials in each coarse cell. Zoom in for single cells.`;
+  if (any("waiting")) words = "Loading …";
+  else if (any("damaged")) words = "Nothing is marked where a file can't be read.";
+  else if (exact) words = "Compared cell by cell (level 0): exact for what is in sight.";
   return (
     <p class="comparison-marks">
       <span>
@@ -36,9 +41,7 @@ function Marks({ pair, axis }: { pair: Pair; axis: AxisIndex }) {
         <span class="mark-of alone" /> in one grid only
       </span>
       <span class="faint" role="status">
-        {exact
-          ? "Compared cell by cell (level 0): exact for what is in sight."
-          : `Compared at ${a === b ? `level ${a}` : `levels ${a} and ${b}`}, by all materials in each coarse cell. Zoom in for single cells.`}
+        {words}
       </span>
     </p>
   );

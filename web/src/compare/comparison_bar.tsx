@@ -21,7 +21,7 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
     change({ other, axis, together, apart });
   };
   return (
-    <div class="comparison-bar" role="toolbar" aria-label="Comparison">
+    <section class="comparison-bar" aria-label="Comparison">
       <label class="comparison-other">
         <b>{own}</b> with
         <select aria-label="Compare with" value={now.other} onChange={(e) => begin_anew(e.currentTarget.value, now.axis)}>
@@ -62,6 +62,6 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
         <Icon name="close" />
         <span>End</span>
       </button>
-    </div>
+    </section>
   );
 }

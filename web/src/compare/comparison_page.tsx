@@ -77,6 +77,7 @@ export function ComparisonPage({ viewer, grids }: { viewer: Viewer; grids: reado
     <div class="workspace comparison">
       <ComparisonBar viewer={viewer} comparison={comparison} grids={grids ?? []} />
       {info && <Opened key={`${other} ${info.file.hash}`} viewer={viewer} comparison={comparison} info={info} />}
+      {!info && <aside class="side-panel comparison-panel collapsed" id="side-panel" aria-label="What differs" />}
       {!info && (
         <main class="comparison-note" aria-busy={!answer.error}>
           {grids && !summary && <p role="alert">There is no grid “{other}” here. Choose another one above.</p>}

@@ -16,9 +16,11 @@ export function show_differences({ left, right, frames }: Pair, axis: AxisIndex)
     { materials: right.viewer.info.materials, sets: right.sets },
   );
   let key = "";
+  let picture = new ImageData(1, 1);
   const draw = () => {
     if (left.changing || right.changing || !a.camera || !b.camera || !a.cells.isConnected) return; // another frame is to come
     if (a.width !== b.width || a.height !== b.height) return; // so is another size
+    canvas.hidden = a.shown.stale || b.shown.stale; // part of it shows another slice for a moment
     const ratio = Math.min(a.camera.ratio, b.camera.ratio);
     const now = `${a.picture_key} | ${b.picture_key} | ${ratio}`;
     const ink = left.scene(ratio)?.ink;
@@ -26,13 +28,15 @@ export function show_differences({ left, right, frames }: Pair, axis: AxisIndex)
     key = now;
     const cameras = [a.camera_of(left.viewer, ratio), b.camera_of(right.viewer, ratio)] as const;
     const each = Math.max(...cameras.map(samples_for)) as 1 | 2;
-    const [x, y] = cameras.map((camera) => sample_cells(camera, each)) as [ReturnType<typeof sample_cells>, ReturnType<typeof sample_cells>];
+    const [x, y] = [sample_cells(cameras[0], each), sample_cells(cameras[1], each)];
     const verdicts = compare_pictures({ samples: x, regions: a.shown.regions }, { samples: y, regions: b.shown.regions }, comparison);
     const [width, height] = [x.columns.length / each, x.rows.length / each];
-    [canvas.width, canvas.height] = [width, height];
-    const picture = new ImageData(width, height);
+    if (picture.width !== width || picture.height !== height) {
+      picture = new ImageData(width, height);
+      [canvas.width, canvas.height] = [width, height];
+    }
     const pixels = new Uint32Array(picture.data.buffer);
-    verdicts.forEach((verdict, i) => (pixels[i] = ink.differences[verdict]!));
+    for (let i = 0; i < pixels.length; ++i) pixels[i] = ink.differences[verdicts[i]!]!;
     context.putImageData(picture, 0, 0);
     if (!canvas.isConnected) a.cells.after(canvas);
   };

@@ -71,16 +71,20 @@ export function compare_pictures(a: Drawn, b: Drawn, comparison: SetComparison):
   return out;
 }
 
-function fill(line: Uint8Array, a: Uint32Array, b: Uint32Array, each: number, comparison: SetComparison): void {
+function fill(line: Uint8Array, a: Uint32Array, b: Uint32Array, each: 1 | 2, comparison: SetComparison): void {
   line.fill(SAME);
-  let [last_a, last_b, verdict]: [number, number, number] = [-1, -1, SAME];
+  const shift = each - 1;
+  let last_a = -1;
+  let last_b = -1;
+  let verdict: number = SAME;
   for (let i = 0; i < a.length; ++i) {
-    if (a[i] !== last_a || b[i] !== last_b) {
-      [last_a, last_b] = [a[i]!, b[i]!];
-      verdict = comparison.verdict(last_a, last_b);
+    const here_a = a[i]!;
+    const here_b = b[i]!;
+    if (here_a !== last_a || here_b !== last_b) {
+      last_a = here_a;
+      last_b = here_b;
+      verdict = comparison.verdict(here_a, here_b);
     }
-    if (verdict === SAME) continue;
-    const x = each === 1 ? i : i >> 1;
-    if (verdict > line[x]!) line[x] = verdict;
+    if (verdict > line[i >> shift]!) line[i >> shift] = verdict;
   }
 }
