@@ -7,6 +7,7 @@ import { FirstOf } from "../panels/first_of";
 import { use_answer } from "../server/answer";
 import { unequal_cells } from "../state/comparison";
 import type { Comparison } from "../state/viewer";
+import { CodeLine } from "../widgets/copy";
 import { Swatch } from "../widgets/swatch";
 import type { Pair } from "./pair";
 
@@ -93,6 +94,16 @@ function Counted({ pair, comparison, difference }: { pair: Pair; comparison: Sig
   );
 }
 
+// The command may take as long as it needs.
+function NotCounted({ error, own, other }: { error: string; own: string; other: string }) {
+  return (
+    <>
+      <p class="note">The server did not count the cells that differ: {error}. This does, where both have the same cells:</p>
+      <CodeLine class="hash" text={`teracell diff ${own}.tcell ${other}.tcell`} what="the command" />
+    </>
+  );
+}
+
 // `info`: the grid on the right as the server describes it, in its own unit.
 export function WholeDifference({ pair, comparison, info }: { pair: Pair; comparison: Signal<Comparison>; info: GridInfo }) {
   const own = pair.left.viewer.info;
@@ -110,7 +121,7 @@ export function WholeDifference({ pair, comparison, info }: { pair: Pair; compar
             same: each point lies at the same place in both.
           </p>
         )}
-        {!same && !unequal && answer.error && <p class="note">{answer.error}</p>}
+        {!same && !unequal && answer.error && <NotCounted error={answer.error} own={own.id} other={info.id} />}
         {!same && !unequal && !answer.error && !answer.value && (
           <p class="note" role="status">
             Counting the cells that differ …

@@ -107,13 +107,13 @@ const BUSY_FIRST = 1000;
 const BUSY_LONGEST = 15_000;
 
 // With a signal, a request that a busy server refuses (503) is repeated after ever longer waits, until the signal ends
-// it.
+// it. One that takes too much work is not: it would take as much again.
 export async function get_json<T>(path: string, signal?: AbortSignal): Promise<T> {
   for (let wait = BUSY_FIRST; ; wait = Math.min(2 * wait, BUSY_LONGEST)) {
     try {
       return (await (await get(path, signal ? { signal } : {})).json()) as T;
     } catch (error) {
-      if (!signal || !(error instanceof ServerError && error.status === 503)) throw error;
+      if (!signal || !(error instanceof ServerError && error.status === 503) || error.code === "too_dear") throw error;
     }
     await new Promise((done) => setTimeout(done, wait));
     signal.throwIfAborted();
