@@ -4,7 +4,8 @@
 
 namespace teracell {
 
-// How to answer "diff?with=ID". Throws HttpError: 400 without `with` and for grids of unequal cells, 404 for an id that there is no grid of.
+// How to answer "diff?with=ID". Throws HttpError: 400 without `with`, for grids of unequal cells, and where more
+// than 65,536 pairs of materials differ; 404 for an id that there is no grid of.
 Service::Recipe diff_recipe(Service& service, const ServedGrid& grid, const Target& target);
 
 }  // namespace teracell
