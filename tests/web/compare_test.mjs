@@ -40,6 +40,13 @@ test("the button compares with a grid of as many cells; the address says so, and
   await page.waitForFunction(() => new URLSearchParams(location.hash.slice(1)).get("compare") === "after");
   assert.ok(await page.evaluate(() => teracell.viewer.shows_all()));
   await screenshot(page, "compare-side");
+  // A larger grid is seen as a whole as well.
+  await page.getByLabel("Compare with").selectOption("coarse");
+  await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "coarse" && teracell.idle());
+  assert.ok(await page.evaluate(() => teracell.viewer.shows_all()));
+  assert.equal((await state(page, "centre"))[0], 45);
+  await page.getByLabel("Compare with").selectOption("after");
+  await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "after" && teracell.idle());
   await page.reload();
   await settled(page);
   assert.equal(await page.evaluate(() => teracell.other.viewer.info.id), "after");
@@ -163,6 +170,11 @@ test("marks are on the pixels whose materials have other names, cell by cell at 
   });
   assert.ok(marked > 1000 && marked < found.marks.length / 4);
   await screenshot(page, "compare-differs");
+  for (const axis of ["x", "y", "z"]) {
+    await page.getByRole("button", { name: `Slices across ${axis}` }).click();
+    await page.waitForFunction((n) => teracell.viewer.layout.value === n && teracell.idle(), axis);
+    await page.waitForFunction(() => document.querySelectorAll(".view-differences").length === 1);
+  }
   await page.getByLabel("Compare with").selectOption("coarse");
   await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "coarse" && teracell.idle());
   await page.evaluate(() => (teracell.viewer.zoom.value = 0.5));
@@ -200,6 +212,19 @@ test("grids of other cells are not counted, and that is said in words; so is a g
   await missing.getByLabel("Compare with").selectOption("after");
   await settled(missing);
   await close(missing);
+});
+
+test("where one grid ends, the nearest slice is shown, that is said, and nothing is marked", async () => {
+  const page = await open("g=before&compare=coarse&across=x&mode=differs");
+  assert.equal(await page.locator(".view-differences:visible").count(), 1);
+  await page.locator('[data-side="right"]').getByLabel(/^Slice across x, from/).fill("0");
+  await page.keyboard.press("Enter");
+  await page.getByText("One grid ends here: its nearest slice is shown.").waitFor();
+  await page.getByText("Nothing is marked, because the slices lie at different places.").waitFor();
+  await settled(page);
+  assert.equal((await state(page, "cell"))[0], 0);
+  assert.equal(await page.locator(".view-differences:visible").count(), 0);
+  await close(page);
 });
 
 for (const [name, width, height] of [["upright", 390, 844], ["on its side", 844, 390]])

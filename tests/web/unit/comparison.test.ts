@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { axes_of } from "@page/base/axis";
 import { AXES, type AxisIndex, type AxisJson, type GridInfo, type Index3 } from "@page/base/grid";
-import { common_bounds, in_units, link, looks_by_name, middle_of, new_comparison, toggle_comparison, unequal_cells } from "@page/state/comparison";
+import { common_bounds, in_units, link, looks_by_name, middle_of, new_comparison, slices_meet, toggle_comparison, unequal_cells } from "@page/state/comparison";
 import { Viewer } from "@page/state/viewer";
 import { random_of, whole } from "./random";
 
@@ -88,6 +88,18 @@ test("slices that move on their own change the length by which they are apart, a
   comparison.value = { ...comparison.value!, together: true };
   left.set_slice(2, 20);
   assert.equal(right.slice[2].value, 16);
+});
+
+test("slices meet unless one grid ends before the other", () => {
+  const axes = (cells: number) => [uniform(0, 1, 9), uniform(0, 1, 9), uniform(0, 1, cells)];
+  const { left, right, comparison } = linked(info_of(axes(40)), info_of([...axes(9).slice(0, 2), uniform(5, 4, 5)]));
+  for (let k = 0; k < 40; ++k) {
+    left.set_slice(2, k);
+    assert.equal(slices_meet(left, right, comparison.value!), k >= 5 && k < 25, `slice ${k}`);
+  }
+  comparison.value = { ...comparison.value!, together: false };
+  right.set_slice(2, 0);
+  assert.ok(slices_meet(left, right, comparison.value!), "slices that move on their own are where they are");
 });
 
 test("two slices of one grid begin apart, inside the grid", () => {

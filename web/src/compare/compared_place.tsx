@@ -4,6 +4,7 @@ import { FRAMES } from "../base/axis";
 import { coordinate } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { MaterialNames } from "../dock/material_names";
+import { slices_meet } from "../state/comparison";
 import type { Comparison } from "../state/viewer";
 import type { Stage } from "../views/stage";
 import type { Pair } from "./pair";
@@ -19,12 +20,19 @@ function materials_at({ viewer, views, store, sets }: Stage, axis: AxisIndex, po
   return set === null ? null : sets.members(set);
 }
 
-function Marks({ pair, axis }: { pair: Pair; axis: AxisIndex }) {
-  const [a, b] = [pair.left, pair.right].map(({ viewer }) => viewer.level[axis].value) as [number, number];
+function Marks({ pair, axis, meet }: { pair: Pair; axis: AxisIndex; meet: boolean }) {
+  // The coarsest level in sight: graded grids show several.
+  const level = ({ views }: Stage) => Math.max(0, ...views[axis].places.map((place) => place.level));
+  const [a, b] = [level(pair.left), level(pair.right)];
   const exact = a === 0 && b === 0;
+  const farther = AXES.some((d) => {
+    const { bounds } = pair.left.viewer;
+    return [pair.left, pair.right].some(({ viewer }) => viewer.axes[d].min > bounds[d].min || viewer.axes[d].max < bounds[d].max);
+  });
   const any = (of: "waiting" | "damaged") => pair.left[of][axis].value || pair.right[of][axis].value;
   let words = `Compared at ${a === b ? `level ${a}` : `levels ${a} and ${b}`}, by all materials in each coarse cell. Zoom in for single cells.`;
-  if (any("waiting")) words = "Loading …";
+  if (!meet) words = "Nothing is marked, because the slices lie at different places.";
+  else if (any("waiting")) words = "Loading …";
   else if (any("damaged")) words = "Nothing is marked where a file can't be read.";
   else if (exact) words = "Compared cell by cell (level 0): exact for what is in sight.";
   return (
@@ -37,9 +45,11 @@ function Marks({ pair, axis }: { pair: Pair; axis: AxisIndex }) {
           <span class="mark-of partly" /> differs in part
         </span>
       )}
-      <span>
-        <span class="mark-of alone" /> in one grid only
-      </span>
+      {farther && (
+        <span>
+          <span class="mark-of alone" /> in one grid only
+        </span>
+      )}
       <span class="faint" role="status">
         {words}
       </span>
@@ -55,13 +65,14 @@ export function ComparedPlace({ pair, comparison }: { pair: Pair; comparison: Si
   const cell = left.viewer.cell.value;
   const crosshair: Point = [left.viewer.axes[0].centre(cell[0]), left.viewer.axes[1].centre(cell[1]), left.viewer.axes[2].centre(cell[2])];
   const point = hover?.point ?? crosshair;
+  const meet = slices_meet(left.viewer, right.viewer, comparison.value);
   const { u, v } = FRAMES[axis];
-  const side = (stage: Stage, name: string) => {
+  const side = (stage: Stage) => {
     const { viewer } = stage;
     const along = viewer.axes[axis];
     const slice = viewer.slice[axis].value;
     return (
-      <div class="compared-side" aria-label={name}>
+      <div class="compared-side">
         <b>{viewer.info.id}</b>
         <span class="faint">
           {AXIS_NAMES[axis]} = {coordinate(along.centre(slice), along.width(slice))}
@@ -79,10 +90,11 @@ export function ComparedPlace({ pair, comparison }: { pair: Pair; comparison: Si
             {AXIS_NAMES[d]} = {coordinate(point[d], left.viewer.axes[d].finest)} {left.viewer.units}
           </span>
         ))}
-        {side(left, "left")}
-        {side(right, "right")}
+        {side(left)}
+        {side(right)}
+        {!meet && <span role="status">One grid ends here: its nearest slice is shown.</span>}
       </div>
-      {mode === "differs" && <Marks pair={pair} axis={axis} />}
+      {mode === "differs" && <Marks pair={pair} axis={axis} meet={meet} />}
     </section>
   );
 }

@@ -23,7 +23,7 @@ function Slices({ pair, comparison }: { pair: Pair; comparison: OpenComparison }
   const host = useRef<HTMLDivElement>(null);
   const { axis, mode, wipe } = comparison.value;
   useEffect(() => pair.start(host.current!), [pair]);
-  useEffect(() => (mode === "differs" ? show_differences(pair, axis) : undefined), [pair, axis, mode]);
+  useEffect(() => (mode === "differs" ? show_differences(pair, comparison) : undefined), [pair, axis, mode]);
   // Keys act on the side that has the pointer or the focus.
   const use = (event: Event) => {
     const side = (event.target as Element).closest<HTMLElement>("[data-side]")?.dataset.side;

@@ -45,6 +45,7 @@ export class Pair {
   start(host: HTMLElement): () => void {
     const [left, right] = [this.left.viewer, this.right.viewer];
     for (const stage of [this.left, this.right]) stage.on_draw = () => void ++this.frames.value;
+    if (left.zoom.value === 0) fit(left);
     const stops = [
       effect(() => {
         const axis = this.comparison.value?.axis;
@@ -60,8 +61,8 @@ export class Pair {
       expose(this.left, this.right),
     ];
     return () => {
-      // What showed all of both grids shows all of one when the comparison has ended.
-      if (this.comparison.peek() === null && left.shows_all()) fit(this.page);
+      // Who saw all of both grids sees all of what comes next.
+      if (left.shows_all()) fit(this.page);
       stops.forEach((stop) => stop());
     };
   }

@@ -106,6 +106,13 @@ export function looks_by_name(
 // The coordinate in the middle of a cell. Sample points may lie on planes, where rounding could lead to the next cell.
 export const middle_of = (axis: Axis, i: number): number => (axis.plane(i) + axis.plane(i + 1)) / 2;
 
+// Whether the slices lie where the comparison says. They don't where one grid ends before the other.
+export function slices_meet(left: Viewer, right: Viewer, { axis, apart }: Comparison): boolean {
+  const [a, b] = [left.axes[axis], right.axes[axis]];
+  const [i, j] = [left.slice[axis].value, right.slice[axis].value];
+  return b.cell_at(middle_of(a, i) + apart) === j || a.cell_at(middle_of(b, j) - apart) === i;
+}
+
 // Keeps the crosshairs of two viewers at the same place, and their slices together or apart, whichever of them is moved.
 // Returns a function that ends this. The cell that follows is not followed back, or a fine grid could not move by less
 // than a cell of a coarse one.
