@@ -47,7 +47,7 @@ function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison:
   return (
     <li class="change">
       <p class="change-names">
-        <Named pair={pair} name={from} /> <span aria-label="became">→</span> <Named pair={pair} name={to} />
+        <Named pair={pair} name={from} /> → <Named pair={pair} name={to} />
       </p>
       <p>
         {grouped(cells)} {noun(cells, "cell")} <span class="faint">{percent(Number(cells) / Number(all))}</span>

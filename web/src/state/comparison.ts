@@ -17,9 +17,14 @@ export function new_comparison(viewer: Viewer, other: string, axis: AxisIndex): 
   return { other, axis, mode: "side", wipe: 0.5, together: !same, apart: same ? (at + tenth < max ? tenth : -tenth) : 0 };
 }
 
+// z, when it is not the name of an axis.
+function axis_named(text: string | null): AxisIndex {
+  const d = AXIS_NAMES.indexOf(text as "x");
+  return d < 0 ? 2 : (d as AxisIndex);
+}
+
 // Opens or ends the comparison: with a grid of as many cells if there is one, or another one, or another slice.
 export function toggle_comparison(viewer: Viewer, grids: readonly GridSummary[]): void {
-  const axis = AXIS_NAMES.indexOf(viewer.layout.peek() as "x") as AxisIndex | -1;
   const others = grids.filter(({ id }) => id !== viewer.info.id);
   const alike = others.find(({ cells }) => cells.every((n, d) => n === viewer.cells[d]));
   batch(() => {
@@ -27,19 +32,16 @@ export function toggle_comparison(viewer: Viewer, grids: readonly GridSummary[])
     if (viewer.compare.value) viewer.compare.value = null;
     else {
       if (viewer.shows_all()) viewer.zoom.value = 0; // all of both
-      viewer.compare.value = new_comparison(viewer, (alike ?? others[0] ?? viewer.info).id, axis === -1 ? 2 : axis);
+      viewer.compare.value = new_comparison(viewer, (alike ?? others[0] ?? viewer.info).id, axis_named(viewer.layout.peek()));
     }
   });
 }
-
-const is_axis = (text: string | null) => AXIS_NAMES.indexOf(text as "x") as AxisIndex | -1;
 
 // What an address says; null when it says nothing of a comparison. What makes no sense there stays as it would begin.
 export function comparison_in(query: URLSearchParams, viewer: Viewer): Comparison | null {
   const other = query.get("compare");
   if (!other) return null;
-  const axis = is_axis(query.get("across"));
-  const start = new_comparison(viewer, other, axis === -1 ? 2 : axis);
+  const start = new_comparison(viewer, other, axis_named(query.get("across")));
   const mode = query.get("mode") as ComparisonMode | null;
   const number = (key: string, standard: number, good: (x: number) => boolean) => {
     const x = Number(query.get(key) || Number.NaN);
