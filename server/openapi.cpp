@@ -153,6 +153,10 @@ ordered_json schemas() {
                {"walls",
                 array(object({{"body", text}, {"thinnest_cells", nullable("integer")}, {"at", nullable("array")}, {"histogram", array(kNumber)}}))},
                {"not_looked_at", array(text)}})},
+      {"Difference", object({{"schema", kInteger},
+                             {"cells", kNumber},
+                             {"same", kNumber},
+                             {"changes", array(object({{"from", text}, {"to", text}, {"cells", kNumber}, {"box", box}}))}})},
       {"Seen", object({{"schema", kInteger}, {"seen", nullable("object")}})},
   };
 }
@@ -234,6 +238,11 @@ std::string openapi_json(const Request& request) {
                                "application/json", "Stats");
   paths[grid + "/check"] = get("what `teracell check` has found: walls, islands, overlaps, holes ...; 404 when it has not been run",
                                ordered_json::array({id}), "application/json", "Findings");
+  ordered_json with = parameter("with", "query", "the id of the other grid", kString);
+  with["required"] = true;
+  paths[grid + "/diff"] =
+      get("which cells have a material of another name in another grid of equal cells, by pair of names: exact, as `teracell diff` counts",
+          ordered_json::array({id, with}), "application/json", "Difference");
   ordered_json view = {id, version()};
   for (const RenderOption& o : render_options()) {
     const std::string name(o.name), help(o.value.empty() ? fmt::format("1: {}", o.help) : fmt::format("{}: {}", o.value, o.help));

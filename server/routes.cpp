@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "check/kept.hpp"
+#include "server/diff.hpp"
 #include "server/openapi.hpp"
 #include "server/protocols/protocols.hpp"
 #include "server/service/column_parts.hpp"
@@ -269,6 +270,7 @@ Response api(Service& service, const Request& request, const Target& target) {
   if (is("column", 3)) return column(r);
   if (is("stats", 1)) return stats(r);
   if (is("check", 1)) return findings(r);
+  if (is("diff", 1)) return service.answer(request, target, r.grid, diff_recipe(service, *r.grid, target));
   if (const auto [name, ending] = split_name(r.rest[0]); name == "view" && r.rest.size() == 1)
     if (const auto recipe = view_recipe(service, *r.grid, target, ending)) return service.answer(request, target, r.grid, *recipe);
   throw no_such_address(request);
@@ -300,7 +302,9 @@ bool is_dear(const Request& request) try {
   const std::vector<std::string> path = parse_target(request.target).path;
   for (const Protocol& p : protocols())
     if (path[0] == p.prefix) return p.dear;
-  return path[0] == "api" && path.size() > 4 && (path[4] == "stats" || path[4] == "slice" || path[4] == "column" || path[4].starts_with("view."));
+  if (path[0] != "api" || path.size() <= 4) return false;
+  const std::string& what = path[4];
+  return what == "stats" || what == "slice" || what == "column" || what == "diff" || what.starts_with("view.");
 } catch (const HttpError&) {
   return false;  // handle() refuses it
 }

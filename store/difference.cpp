@@ -17,8 +17,6 @@
 namespace teracell {
 namespace {
 
-constexpr size_t kMostChanges = size_t{1} << 20;  // without a file
-
 // The cells of the changes, by their numbers less 1.
 class ChangeSums {
  public:
@@ -112,7 +110,7 @@ Difference find_difference(const GridReader& a, const GridReader& b, const Diffe
     spilled.emplace(options.folder.empty() ? beside : options.folder, a.meta());
   }
   const MaterialNames names(a.meta(), b.meta());
-  ChangeNumbers numbers(with_cells ? kMostChangeLabels : kMostChanges);
+  ChangeNumbers numbers(with_cells ? std::min<size_t>(kMostChangeLabels, options.most_changes) : options.most_changes);
   ChangeSums sums(a);
   const GridComparison comparison{a,
                                   b,

@@ -25,13 +25,15 @@ struct Difference {
 struct DifferenceOptions {
   int threads = 1;
   size_t memory = size_t{256} << 20;  // for runs of the second grid
+  size_t most_changes = size_t{1} << 20;  // pairs of materials; a file holds fewer
   std::filesystem::path output;       // a .tcell file with the changes as labels; empty: none
   std::filesystem::path folder;       // for temporary files; empty: that of the output
 };
 
 // Exact, and the same for any threads, chunks, axes and memory. progress(phase, share) may throw to stop. Throws InputError unless the
-// grids have equal cells. When it returns, the output is durable. Threads may not change `a` or `b` meanwhile, but may read them.
-// Where chunks of both grids lie alike, those of the same length, checksum and statistics are taken for equal without being read.
+// grids have equal cells and at most so many pairs of materials differ. When it returns, the output is durable. Threads may not change `a` or `b`
+// meanwhile, but may read them. Where chunks of both grids lie alike, those of the same length, checksum and statistics are taken for equal without
+// being read.
 Difference find_difference(const GridReader& a, const GridReader& b, const DifferenceOptions& options,
                            const std::function<void(const char*, double)>& progress);
 

@@ -137,6 +137,9 @@ TEST_CASE("Values that are malformed or out of range get 400 with a message that
                                                                    g + "/column/z/0",
                                                                    g + "/stats?region=0,0,0,38,1,1",
                                                                    g + "/stats?region=1,1,1,1,2,2",
+                                                                   g + "/diff",
+                                                                   g + "/diff?with=g&with=g",
+                                                                   g + "/diff?with=g&level=1",
                                                                    "/%",
                                                                    g + "/stats?a%00=1"}) {
     INFO(bad);
@@ -144,10 +147,10 @@ TEST_CASE("Values that are malformed or out of range get 400 with a message that
     REQUIRE(r.status == 400);
     REQUIRE(json::parse(*r.body)["error"]["code"] == "bad_request");
   }
-  for (const std::string& missing :
-       std::initializer_list<std::string>{"/nothing", "/api", "/api/v2/grids", "/api/v1/grids/h", "/api/v1/grids/..", "/api/v1/grids/g.tcell",
-                                          "/api/v1/grids/%2e%2e%2fg", g + "/tile/z/0/0/1_0.png", g + "/tile/z/0/0/0_2.png", g + "/tile/z/0/0/0_0.jpg",
-                                          g + "/slice/z/0.jpg", g + "/nothing", g + "/", g + "?v=0123", "/index.html"}) {
+  for (const std::string& missing : std::initializer_list<std::string>{
+           "/nothing", "/api", "/api/v2/grids", "/api/v1/grids/h", "/api/v1/grids/..", "/api/v1/grids/g.tcell", "/api/v1/grids/%2e%2e%2fg",
+           g + "/tile/z/0/0/1_0.png", g + "/tile/z/0/0/0_2.png", g + "/tile/z/0/0/0_0.jpg", g + "/slice/z/0.jpg", g + "/diff?with=h",
+           g + "/diff?with=..", g + "/diff?with=", g + "/nothing", g + "/", g + "?v=0123", "/index.html"}) {
     INFO(missing);
     REQUIRE(s.get(missing).status == 404);
   }
@@ -241,7 +244,7 @@ TEST_CASE("Statistics, columns and pictures of whole slices are dear, however th
   const Handler handler = handler_of(*s.service);
   const auto is_dear = [&](const char* target) { return handler.is_dear(Request{.target = target}); };
   for (const char* dear : {"/api/v1/grids/g/stats", "/api/v1/grids/g/%73tats?region=0,0,0,1,1,1", "/%61pi/v1/grids/g/slice/z/0.png",
-                           "/api/v1/grids/g/column/z/0_0", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
+                           "/api/v1/grids/g/diff?with=h", "/api/v1/grids/g/column/z/0_0", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
     CHECK(is_dear(dear));
   for (const char* cheap : {"/", "/api/v1/grids", "/api/v1/grids/stats", "/api/v1/grids/g/tile/z/0/0/0_0.png", "/zarr/g/0/c/0/0/0", "/%", "/api/%"})
     CHECK_FALSE(is_dear(cheap));
@@ -260,12 +263,47 @@ TEST_CASE("The start page names the grids and escapes what is in their names", "
 TEST_CASE("Whatever the address, the answer has one of the expected statuses and a body", "[server]") {
   Served s;
   std::mt19937_64 random(11);
-  const std::vector<std::string> words = {"api",           "v1",       "grids",       "g",     "tile", "slice",     "cell",
-                                          "column",        "stats",    "z",           "0",     "1",    "-1",        "99999999999999999999",
-                                          "0_0.png",       "0_0.bin",  "0.png",       "..",    "",     "%00",       "zarr",
-                                          "zarr2",         "xarray",   "precomputed", "dzi",   "iiif", "zarr.json", ".zarray",
-                                          "info",          "c",        "0.dzi",       "g-z-0", "full", "max",       "s0",
-                                          "0-64_0-64_0-1", "?level=1", "?v=x",        "&i=1"};
+  const std::vector<std::string> words = {"api",
+                                          "v1",
+                                          "grids",
+                                          "g",
+                                          "tile",
+                                          "slice",
+                                          "cell",
+                                          "column",
+                                          "stats",
+                                          "z",
+                                          "0",
+                                          "1",
+                                          "-1",
+                                          "99999999999999999999",
+                                          "0_0.png",
+                                          "0_0.bin",
+                                          "0.png",
+                                          "..",
+                                          "",
+                                          "%00",
+                                          "zarr",
+                                          "zarr2",
+                                          "xarray",
+                                          "precomputed",
+                                          "dzi",
+                                          "iiif",
+                                          "zarr.json",
+                                          ".zarray",
+                                          "info",
+                                          "c",
+                                          "0.dzi",
+                                          "g-z-0",
+                                          "full",
+                                          "max",
+                                          "s0",
+                                          "0-64_0-64_0-1",
+                                          "?level=1",
+                                          "?v=x",
+                                          "&i=1",
+                                          "diff?with=g",
+                                          "diff?with=%00"};
   for (int i = 0; i < 5000; ++i) {
     std::string target;
     for (auto n = random() % 8; n > 0; --n) target += "/" + words[random() % words.size()];

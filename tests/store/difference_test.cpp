@@ -250,6 +250,22 @@ TEST_CASE("names too long for both in one are cut, and stay different") {
   CHECK(static_cast<uint64_t>(read_stats(reader, grid.box(0))[2].cells) == 4);
 }
 
+TEST_CASE("more pairs of materials than are asked for are refused") {
+  Grid grid;
+  for (Axis& axis : grid.axis) axis = Axis::uniform(0, 1, 0, 2, 0.5);
+  const Named a{{0, 0, 1, 1, 0, 0, 0, 0}, {"air", "steel"}}, b{{0, 1, 0, 2, 0, 0, 0, 0}, {"air", "steel", "gold"}};
+  const TempFolder folder;
+  store(folder / "a.tcell", grid, a, {2, 4, 4});
+  store(folder / "b.tcell", grid, b, {2, 4, 4});
+  const GridReader x(folder / "a.tcell"), y(folder / "b.tcell");
+  DifferenceOptions options;
+  options.most_changes = 3;
+  CHECK(find_difference(x, y, options, kSilent).changes.size() == 3);
+  options.most_changes = 2;
+  CHECK_THROWS_AS(find_difference(x, y, options, kSilent), InputError);
+  CHECK_THROWS_WITH(find_difference(x, y, options, kSilent), Catch::StartsWith("the grids differ by more than 2 pairs of materials"));
+}
+
 TEST_CASE("when it is stopped, no file is left") {
   Grid grid;
   for (Axis& axis : grid.axis) axis = Axis::uniform(0, 1, 0, 20, 0.5);

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import { createWriteStream } from "node:fs";
 import { createRequire } from "node:module";
-import { join } from "node:path";
+import { basename, join } from "node:path";
 import { inflateSync } from "node:zlib";
 import { after } from "node:test";
 import { errors_of, launch_options } from "../support/chromium.mjs";
@@ -195,7 +195,7 @@ export const stats_of = (name, region) => told("stats", grid_file(name), ...(reg
 
 // Material ids of a slice, rows of v from 0: { shape: [nv, nu], data }.
 export function slice_of(name, axis, index) {
-  const path = join(folder, `${name}-${axis}-${index}.npy`);
+  const path = join(folder, `${basename(name)}-${axis}-${index}.npy`);
   execFileSync(program, ["slice", grid_file(name), "--axis", axis, "--index", String(index), "-o", path], { stdio: "ignore" });
   return read_npy(path);
 }

@@ -1,6 +1,7 @@
 // The frame of the page: what is open, what is wrong, and what floats above the rest.
 import { useEffect } from "preact/hooks";
 import { Banners } from "./banners";
+import { ComparisonPage } from "./compare/comparison_page";
 import { Dock } from "./dock/dock";
 import { FigureDialog } from "./figures/dialog";
 import { Header } from "./header";
@@ -29,7 +30,9 @@ export function App() {
     <>
       <div class="page" key={open ? `${open.info.id} ${open.info.file.hash}` : "none"}>
         <Header viewer={open} />
-        {open ? (
+        {open?.compare.value ? (
+          <ComparisonPage viewer={open} grids={grids.value} />
+        ) : open ? (
           <div class="workspace">
             <main class="views-area" aria-label="Slices">
               <Views viewer={open} />

@@ -1,9 +1,10 @@
 // The header of the page: what is open, the layout of the views, and the switches of the page.
 import { about, bytes_text, noun, plural, product, sizes } from "./base/format";
 import { grids, unreadable } from "./page";
+import { toggle_comparison } from "./state/comparison";
 import { switch_theme, theme } from "./state/theme";
 import type { Layout, Viewer } from "./state/viewer";
-import { Toolbar } from "./toolbar";
+import { Layers, Toolbar } from "./toolbar";
 import { Icon, type IconName } from "./widgets/icons";
 
 // Nested cells, the mark of the page (also in index.html).
@@ -74,9 +75,22 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
       {viewer && <h1 class="grid-name">{viewer.info.id}</h1>}
       {viewer && <Facts viewer={viewer} />}
       <span class="spacer" />
-      {viewer && <Toolbar viewer={viewer} />}
-      {viewer && <LayoutButtons viewer={viewer} />}
+      {viewer && !viewer.compare.value && <Toolbar viewer={viewer} />}
+      {viewer && !viewer.compare.value && <LayoutButtons viewer={viewer} />}
       <div class="header-buttons">
+        {viewer?.compare.value && <Layers viewer={viewer} />}
+        {viewer && (
+          <button
+            class="button compare-button"
+            title="Compare with another grid, or another slice"
+            aria-label="Compare"
+            aria-pressed={viewer.compare.value !== null}
+            onClick={() => toggle_comparison(viewer, grids.value ?? [])}
+          >
+            <Icon name="compare" />
+            <span>Compare</span>
+          </button>
+        )}
         {viewer && (
           <button
             class="icon-button"

@@ -1,7 +1,7 @@
 // The dialog that lists gestures and keys, as the views declare them.
 import { useEffect, useRef } from "preact/hooks";
 import type { Viewer } from "./state/viewer";
-import { type Binding, overview_bindings, slice_bindings } from "./views/bindings";
+import { type Binding, comparison_bindings, overview_bindings, slice_bindings } from "./views/bindings";
 import { Icon } from "./widgets/icons";
 
 function Bindings({ list }: { list: readonly Binding[] }) {
@@ -46,6 +46,8 @@ export function Help({ viewer }: { viewer: Viewer }) {
         <Bindings list={slice_bindings} />
         <h3>In three dimensions</h3>
         <Bindings list={overview_bindings} />
+        <h3>While two slices are compared</h3>
+        <Bindings list={comparison_bindings} />
         <p>
           <a href="NOTICE" target="_blank" rel="noreferrer">
             Licences of the third-party software in this page and its server

@@ -33,7 +33,7 @@ function Layer({ label, shortcut, shown }: { label: string; shortcut: string; sh
 }
 
 // What is drawn over the cells. It closes when the focus leaves it, or by Escape.
-function Layers({ viewer }: { viewer: Viewer }) {
+export function Layers({ viewer }: { viewer: Viewer }) {
   const [open, set_open] = useState(false);
   return (
     <div
@@ -46,7 +46,7 @@ function Layers({ viewer }: { viewer: Viewer }) {
         e.currentTarget.querySelector("button")!.focus();
       }}
     >
-      <button title="Layers over the cells" aria-label="Layers over the cells" aria-expanded={open} onClick={() => set_open(!open)}>
+      <button class="layers-button" title="Layers over the cells" aria-label="Layers over the cells" aria-expanded={open} onClick={() => set_open(!open)}>
         <Icon name="layers" />
       </button>
       {open && (

@@ -117,8 +117,25 @@ test("nonsense is ignored, piece by piece", () => {
     "#material=9:ffffff:1:1;1:red:1:1;1:ffffff:2:1",
     "#at=,,&zoom=",
     "#%",
+    "#compare=",
+    "#across=x&mode=wipe&wipe=0.3&together=0&apart=5",
   ])
     assert.equal(address_of(read(nonsense)), address_of(start), nonsense);
   assert.deepEqual(read("#at=5,5,5&layout=five").cell.value, [5, 5, 5]);
   assert.deepEqual(read("#at=500,-5,3").cell.value, [99, 0, 3]); // moved into the grid
+});
+
+test("a comparison is read back; of what makes no sense in it, the rest is taken", () => {
+  const before = new Viewer(info);
+  before.compare.value = { other: "b & c", axis: 1, mode: "wipe", wipe: 0.25, together: false, apart: -1 / 3 };
+  before.centre.value = [-50, 0, 0]; // in the other grid
+  const after = read(address_of(before));
+  assert.deepEqual(after.compare.value, before.compare.value);
+  assert.deepEqual(after.centre.value, before.centre.value);
+  const start = { other: "b", axis: 2, mode: "side", wipe: 0.5, together: true, apart: 0 };
+  assert.deepEqual(read("#compare=b").compare.value, start);
+  assert.deepEqual(read("#compare=b&across=w&mode=all&wipe=2&together=&apart=far").compare.value, { ...start, together: false });
+  const plain = new Viewer(info);
+  plain.compare.value = start as never;
+  assert.deepEqual([...new URLSearchParams(address_of(plain).slice(1)).keys()], ["g", "at", "look", "compare"]);
 });

@@ -1,5 +1,5 @@
 // An axis of the grid. It maps cell indices to coordinates and back, by the same rule as the store.
-import type { AxisIndex, AxisJson } from "./grid";
+import type { AxisIndex, AxisJson, GridInfo } from "./grid";
 
 export class Axis {
   readonly cells: number;
@@ -81,6 +81,11 @@ export class Axis {
   inside(x: number): number {
     return Math.min(Math.max(x, this.min), this.max);
   }
+}
+
+export function axes_of({ grid }: GridInfo): [Axis, Axis, Axis] {
+  const axis = (d: AxisIndex) => new Axis(grid.axes[d]!, grid.sample[d]!);
+  return [axis(0), axis(1), axis(2)];
 }
 
 // The axes of a slice across `w`: u points right and v points up. Across z they are (x, y), across y (x, z), across x

@@ -121,6 +121,22 @@ export interface CellAnswer {
   bodies?: { label: number; name: string; material: number }[]; // where the file keeps bodies apart
 }
 
+// Which cells have a material of another name in another grid of equal cells.
+export interface Change {
+  from: string;
+  to: string;
+  cells: number;
+  cells_text?: string; // the exact count, when it is above 2^53
+  box: [number, number, number, number, number, number];
+}
+export interface Difference {
+  cells: number;
+  cells_text?: string;
+  same: number;
+  same_text?: string;
+  changes: Change[]; // the most cells first
+}
+
 export interface ColumnRun {
   from: number;
   to: number;
@@ -157,6 +173,10 @@ export class GridAddress {
   }
   column(axis: AxisIndex, a: number, b: number): string {
     return `${this.base}/column/${AXIS_NAMES[axis]}/${a}_${b}?v=${this.hash}`;
+  }
+  // No version: the answer depends on another grid as well.
+  diff(other: string): string {
+    return `${this.base}/diff?with=${encodeURIComponent(other)}`;
   }
   stats(region?: readonly number[]): string {
     return `${this.base}/stats?${region ? `region=${region.join(",")}&` : ""}v=${this.hash}`;

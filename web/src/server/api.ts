@@ -116,13 +116,14 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
 const BUSY_FIRST = 1000;
 const BUSY_LONGEST = 15_000;
 
-// A request that a busy server refuses (503) is repeated after ever longer waits, until the signal ends it.
+// A request that a busy server refuses (503) is repeated after ever longer waits, until the signal ends it. One that takes too
+// much work is not: it would take as much again.
 export async function get_patiently(path: string, signal: AbortSignal): Promise<Response> {
   for (let wait = BUSY_FIRST; ; wait = Math.min(2 * wait, BUSY_LONGEST)) {
     try {
       return await get(path, { signal });
     } catch (error) {
-      if (!(error instanceof ServerError && error.status === 503)) throw error;
+      if (!(error instanceof ServerError && error.status === 503) || error.code === "too_dear") throw error;
     }
     await new Promise((done) => setTimeout(done, wait));
     signal.throwIfAborted();

@@ -8,6 +8,7 @@ import { hex_color, same_look } from "../base/materials";
 import { say } from "../base/messages";
 import { numbers_in, ranges } from "../base/ranges";
 import { with_change } from "./bodies";
+import { comparison_in, write_comparison } from "./comparison";
 import { outside_box, outside_cell, outside_point } from "./outside";
 import { places_found } from "./places";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
@@ -73,9 +74,11 @@ export function read_address(viewer: Viewer): void {
       viewer.set_cell(at as Index3);
       say_if(outside_cell(viewer.axes, at));
     }
+    const compare = (viewer.compare.value = comparison_in(query, viewer));
     if (look) {
-      viewer.centre.value = viewer.axes.map((axis, d) => axis.inside(look[d]!)) as [number, number, number];
-      say_if(outside_point(viewer.axes, look, viewer.units));
+      // The other grid of a comparison may reach farther.
+      viewer.centre.value = viewer.axes.map((axis, d) => (compare ? look[d]! : axis.inside(look[d]!))) as [number, number, number];
+      if (!compare) say_if(outside_point(viewer.axes, look, viewer.units));
     }
     if (zoom && zoom[0]! > 0) viewer.zoom.value = zoom[0]!;
     const layout = query.get("layout") as Layout | null;
@@ -127,6 +130,7 @@ export function address_of(viewer: Viewer): string {
   const start = new URLSearchParams({ g: viewer.info.id, at: viewer.cell.value.join(","), look: viewer.centre.value.join(",") });
   if (viewer.zoom.value > 0) start.set("zoom", String(viewer.zoom.value));
   if (viewer.layout.value !== "four") start.set("layout", viewer.layout.value);
+  if (viewer.compare.value) write_comparison(start, viewer.compare.value);
   if (viewer.panel.value !== "materials") start.set("panel", viewer.panel.value ?? "none");
   const standard = viewer.standard_switches;
   for (const [key, name] of Object.entries(SWITCHES)) if (viewer[name].value !== standard[name]) start.set(key, viewer[name].value ? "1" : "0");

@@ -1,7 +1,7 @@
 // The state of the page while one grid is open: signals that the views, the panels and the page's address share. These
 // parts talk to each other through them alone. Nothing here touches the document.
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
-import { Axis } from "../base/axis";
+import { type Axis, axes_of } from "../base/axis";
 import { unit_name } from "../base/format";
 import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label } from "../base/grid";
 import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
@@ -37,9 +37,35 @@ export interface Marker {
   text: string;
 }
 
+export const COMPARISON_MODES = ["side", "wipe", "differs"] as const;
+// Two slices side by side; one on the other, up to a handle; or what differs.
+export type ComparisonMode = (typeof COMPARISON_MODES)[number];
+
+export interface Comparison {
+  readonly other: string; // the id of the grid on the right
+  readonly axis: AxisIndex; // across which the slices lie
+  readonly mode: ComparisonMode;
+  readonly wipe: number; // where the handle is, as a share of the width
+  readonly together: boolean; // whether the slices move together; the crosshair does in any case
+  readonly apart: number; // by how much the slice on the right lies farther along the axis, in units of the grid on the left
+}
+
+// What the two viewers of a comparison have in common, with each other or with the viewer of the page.
+export type Shared = Partial<
+  Pick<
+    Viewer,
+    | "bounds" | "finest" | "cell" | "centre" | "zoom" | "looks" | "body_looks" | "layout" | "help" | "show_axes" | "show_scale" | "show_lines" | "show_outline"
+    | "tool" | "measure" | "measuring" | "box"
+  >
+>;
+
 export class Viewer {
   readonly address: GridAddress;
   readonly axes: readonly [Axis, Axis, Axis];
+  // What can be looked at, and the width of the thinnest cell in it: the grid, or both grids of a comparison.
+  readonly bounds: readonly [Range, Range, Range];
+  readonly finest: number;
+  readonly compared: boolean; // whether it shows one of two slices that are compared, and nothing else
 
   // The crosshair: a cell of level 0. Each view shows the slice through it.
   readonly cell: Signal<Index3>;
@@ -52,6 +78,7 @@ export class Viewer {
   views: readonly ViewSize[] = [];
 
   readonly layout = signal<Layout>("four");
+  readonly compare = signal<Comparison | null>(null); // what the page shows in place of the views
   readonly help = signal(false); // whether the list of gestures and keys is shown
   readonly figure = signal(false); // whether the dialog that saves a figure is shown
   readonly panel = signal<Panel | null>("materials");
@@ -93,11 +120,16 @@ export class Viewer {
   readonly cells: Index3;
   readonly slice: readonly [ReadonlySignal<number>, ReadonlySignal<number>, ReadonlySignal<number>];
 
-  constructor(readonly info: GridInfo) {
+  constructor(
+    readonly info: GridInfo,
+    shared: Shared | null = null,
+  ) {
     this.address = new GridAddress(info.id, info.file.hash, this.keeps_bodies);
     this.labels = info.labels ?? info.materials.map(({ id }) => ({ material: id, body: "" }));
-    const axis = (d: AxisIndex) => new Axis(info.grid.axes[d]!, info.grid.sample[d]!);
-    this.axes = [axis(0), axis(1), axis(2)];
+    this.axes = axes_of(info);
+    this.bounds = this.axes;
+    this.finest = Math.min(...this.axes.map((a) => a.finest));
+    this.compared = shared !== null;
     this.units = unit_name(info.units);
     this.cells = info.grid.cells;
     this.cell = signal<Index3>([Math.floor(this.cells[0] / 2), Math.floor(this.cells[1] / 2), Math.floor(this.cells[2] / 2)]);
@@ -108,10 +140,15 @@ export class Viewer {
     this.label_looks = computed(() => looks_of_labels(this.labels, this.looks.value, this.body_looks.value));
     const slice = (d: AxisIndex) => computed(() => this.cell.value[d]);
     this.slice = [slice(0), slice(1), slice(2)];
+    Object.assign(this, shared);
   }
 
   get keeps_bodies(): boolean {
     return this.info.labels !== undefined;
+  }
+  // The name of each label's material.
+  get material_names(): string[] {
+    return this.labels.map(({ material }) => this.info.materials[material]!.name);
   }
   // The name of what a label stands for.
   name_of(label: number): string {
@@ -121,14 +158,21 @@ export class Viewer {
   }
 
   middle(): [number, number, number] {
-    const m = (d: AxisIndex) => (this.axes[d].min + this.axes[d].max) / 2;
+    const m = (d: AxisIndex) => (this.bounds[d].min + this.bounds[d].max) / 2;
     return [m(0), m(1), m(2)];
+  }
+
+  // Whether the views show everything, as large as fits.
+  shows_all(): boolean {
+    const middle = this.middle();
+    return this.zoom.value === 0 || (this.centre.value.every((x, d) => x === middle[d]) && this.zoom.value === fitting_zoom(this.bounds, this.views));
   }
 
   // Puts everything but the place back to the start, because an address says only what differs from that.
   reset(): void {
     batch(() => {
       this.layout.value = "four";
+      this.compare.value = null;
       this.panel.value = "materials";
       this.looks.value = this.standard_looks;
       this.body_looks.value = new Map();

@@ -23,8 +23,8 @@ export function fitting_zoom(ranges: readonly [Range, Range, Range], views: read
   return Math.min(...zooms);
 }
 
-// Keeps a zoom within its limits: from a grid a tenth as large as the view to cells as large as a thumb.
-export function clamped_zoom(zoom: number, axes: readonly [Axis, Axis, Axis], fitting: number): number {
-  const finest = Math.min(...axes.map((a) => a.finest));
+// Keeps a zoom within its limits: from a grid a tenth as large as the view to cells as large as a thumb, of which the
+// thinnest is `finest` wide.
+export function clamped_zoom(zoom: number, finest: number, fitting: number): number {
   return Math.min(Math.max(zoom, fitting / 10), Math.max(LARGEST_CELL / finest, fitting));
 }

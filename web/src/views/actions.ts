@@ -6,6 +6,7 @@ import type { ViewName, Viewer } from "../state/viewer";
 
 // Shows one view alone, or all four again.
 export function toggle_layout(viewer: Viewer, view: ViewName): void {
+  if (viewer.compared) return; // it has no other views
   viewer.layout.value = viewer.layout.value === "four" ? view : "four";
 }
 
@@ -72,6 +73,7 @@ function crosshair({ axes, cell }: Viewer): [number, number, number] {
 
 // Takes a tool for the next drag, or puts it away if it is taken.
 export function choose_tool(viewer: Viewer, tool: "measure" | "box"): void {
+  if (viewer.compared && tool === "box") return; // there are no statistics of boxes
   batch(() => {
     viewer.tool.value = viewer.tool.value === tool ? "look" : tool;
     viewer.measuring.value = false;

@@ -45,3 +45,10 @@ export const overview_bindings: readonly Binding[] = [
   { keys: "+ −", does: "move closer or farther away" },
   { keys: "Home", does: "show everything" },
 ];
+
+// What differs from a single slice.
+export const comparison_bindings: readonly Binding[] = [
+  { keys: "pointer", does: "a ring shows the same place in the other picture, and the line below names the materials in both" },
+  { keys: "drag, zoom, click", does: "act on both pictures; slices move together, or apart without “Move together”" },
+  { keys: "← → on the handle", does: "move the handle of a wipe; Home, End, Page up and Page down as well" },
+];

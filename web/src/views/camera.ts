@@ -70,10 +70,10 @@ export function sample_cells(camera: Camera, each: 1 | 2): SampleCells {
   };
 }
 
-// The new middle of a view when the zoom changes and the point under (x, y) stays where it is. The middle stays in the
-// grid.
+// The new middle of a view when the zoom changes and the point under (x, y) stays where it is. It may lie outside
+// the grid.
 export function zoomed_about(camera: Camera, x: number, y: number, zoom: number): [number, number] {
   const u = camera.u_at(x) - (x - camera.width / 2) / zoom;
   const v = camera.v_at(y) + (y - camera.height / 2) / zoom;
-  return [camera.across.inside(u), camera.up.inside(v)];
+  return [u, v];
 }

@@ -193,7 +193,7 @@ class Gestures {
     if (!cell) return;
     const again = viewer.pinned.value?.every((i, d) => i === cell[d]) ?? false;
     viewer.set_cell(cell);
-    viewer.pinned.value = again ? null : cell;
+    if (!viewer.compared) viewer.pinned.value = again ? null : cell;
   }
 
   // The two clicks of a double click leave nothing behind.

@@ -26,7 +26,20 @@ function is_taken({ target, key }: KeyboardEvent): boolean {
   return is_arrow(key) && target.closest("[role=tab], [role=radio]") !== null;
 }
 
-export function attach_keys(stage: Stage): () => void {
+// `stage_in_use` is called for each key: of two stages, the one that has the pointer or the focus.
+export function attach_keys(stage_in_use: () => Stage): () => void {
+  const on_key = (event: KeyboardEvent) => {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || is_taken(event)) return;
+    const action = actions_of(stage_in_use())[is_arrow(event.key) && event.shiftKey ? `Shift+${event.key}` : event.key];
+    if (!action) return;
+    event.preventDefault();
+    action();
+  };
+  document.addEventListener("keydown", on_key);
+  return () => document.removeEventListener("keydown", on_key);
+}
+
+function actions_of(stage: Stage): Record<string, () => void> {
   const { viewer } = stage;
   // One cell of the level shown.
   const crosshair = (du: number, dv: number) => step_crosshair(viewer, stage.active, du, dv);
@@ -38,7 +51,7 @@ export function attach_keys(stage: Stage): () => void {
     const view = stage.views[stage.active];
     stage.zoom_by(stage.active, factor, view.width / 2, view.height / 2);
   };
-  const actions: Record<string, () => void> = {
+  return {
     ",": () => step(-1),
     ".": () => step(1),
     "<": () => step(-10),
@@ -71,13 +84,4 @@ export function attach_keys(stage: Stage): () => void {
     h: () => flip(viewer.help),
     Escape: () => escape(viewer),
   };
-  const on_key = (event: KeyboardEvent) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || event.defaultPrevented || is_taken(event)) return;
-    const action = actions[is_arrow(event.key) && event.shiftKey ? `Shift+${event.key}` : event.key];
-    if (!action) return;
-    event.preventDefault();
-    action();
-  };
-  document.addEventListener("keydown", on_key);
-  return () => document.removeEventListener("keydown", on_key);
 }

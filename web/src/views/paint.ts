@@ -130,15 +130,43 @@ export function paint(out: Uint32Array, samples: SampleCells, regions: readonly 
   }
 }
 
+// The numbers of the sets at each sample, one row after another. A row holds until the next one is taken.
+export class NumberRows {
+  private readonly samples: SampleCells;
+  private readonly patches: readonly Patch[];
+  private readonly numbers: Uint32Array;
+  private readonly line: Uint32Array;
+
+  constructor({ columns, rows }: SampleCells, private readonly regions: readonly Region[]) {
+    this.samples = { columns, rows, each: 1 };
+    this.numbers = as_colors(regions);
+    this.patches = patches_of(this.samples, regions, this.numbers);
+    this.line = new Uint32Array(columns.length);
+  }
+  // Whether row y is like the row above it.
+  repeats(y: number): boolean {
+    return y > 0 && equals_above(this.samples.rows, y, this.patches);
+  }
+  row(y: number): Uint32Array {
+    fill_line(this.line, y, this.samples, this.regions, this.patches, this.numbers);
+    return this.line;
+  }
+}
+
+// "Colours" that are the numbers of the sets themselves.
+function as_colors(regions: readonly Region[]): Uint32Array {
+  const most = regions.reduce((n, { tile }) => tile?.sets.reduce((m, set) => Math.max(m, set), n) ?? n, UNKNOWN);
+  return Uint32Array.from({ length: most + 1 }, (_, i) => i);
+}
+
 // Puts a packed colour on each pixel whose set differs from that of the pixel on its left or above it.
 export function paint_outline(out: Uint32Array, samples: SampleCells, regions: readonly Region[], color: number): void {
   const { each, rows } = samples;
   const width = samples.columns.length / each;
   // Paints the numbers of the sets as if they were colours, from the first sample of each pixel.
   const firsts: SampleCells = { columns: samples.columns.filter((_, i) => i % each === 0), rows: rows.filter((_, i) => i % each === 0), each: 1 };
-  const most = regions.reduce((n, { tile }) => tile?.sets.reduce((m, set) => Math.max(m, set), n) ?? n, UNKNOWN);
   const numbers = new Uint32Array(out.length);
-  paint(numbers, firsts, regions, Uint32Array.from({ length: most + 1 }, (_, i) => i));
+  paint(numbers, firsts, regions, as_colors(regions));
   for (let i = width; i < numbers.length; ++i) {
     const here = numbers[i]!;
     if ((here !== numbers[i - 1] && i % width !== 0) || here !== numbers[i - width]) out[i] = color;

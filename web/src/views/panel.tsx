@@ -41,6 +41,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
       <span class={`view-chip view-chip-${name}`} aria-hidden="true">
         {name}
       </span>
+      {viewer.compared && <span class="view-grid">{viewer.info.id}</span>}
       <span class="view-place">
         {name} = {coordinate(a.centre(slice), a.width(slice))} {viewer.units}
       </span>
@@ -70,7 +71,8 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
   );
 }
 
-export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: AxisIndex }) {
+// `side`: where it stands in a comparison.
+export function SlicePanel({ stage, viewer, axis, side }: { stage: Stage; viewer: Viewer; axis: AxisIndex; side?: "left" | "right" }) {
   const body = useRef<HTMLDivElement>(null);
   const name = AXIS_NAMES[axis];
   const layout = viewer.layout.value;
@@ -87,8 +89,9 @@ export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: View
     <section
       class="view-panel"
       data-view={name}
+      data-side={side}
       hidden={layout !== "four" && layout !== name}
-      aria-label={`Slices across ${name}`}
+      aria-label={`Slices across ${name}${side ? ` of ${viewer.info.id}, ${side}` : ""}`}
       {...activating(stage, name)}
     >
       <div
@@ -97,11 +100,11 @@ export function SlicePanel({ stage, viewer, axis }: { stage: Stage; viewer: View
         tabIndex={0}
         role="application"
         aria-roledescription="slice view"
-        aria-label={`Slice ${viewer.slice[axis].value} across ${name}; press h for its keys`}
+        aria-label={`Slice ${viewer.slice[axis].value} across ${name}${side ? ` of ${viewer.info.id}, ${side}` : ""}; press h for its keys`}
       />
       <header class="view-head">
         <Title stage={stage} viewer={viewer} axis={axis} />
-        <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, name)} />
+        {!side && <MaximiseButton what={`The view across ${name}`} alone={layout === name} toggle={() => toggle_layout(viewer, name)} />}
       </header>
       <SliceBar viewer={viewer} axis={axis} />
     </section>

@@ -28,6 +28,8 @@ export class Stage {
   readonly views: readonly [View, View, View] = [new View(0), new View(1), new View(2)];
   readonly sets = new SetTable();
   readonly store: TileStore;
+  // Called at the end of each frame that was drawn.
+  on_draw: () => void = () => {};
   // From the start of a frame that changed pixels to the start of the next, in milliseconds.
   readonly frame_times: number[] = [];
   // A box that is being drawn.
@@ -145,16 +147,16 @@ export class Stage {
 
   fitting(): number {
     const visible = this.visible;
-    return visible.length ? fitting_zoom(this.viewer.axes, visible) : 0;
+    return visible.length ? fitting_zoom(this.viewer.bounds, visible) : 0;
   }
 
   // A grid that fits its views continues to fit when their sizes change, until somebody zooms or moves it. A zoom that
   // comes from elsewhere, such as an address, is kept within the limits of zooming.
   private settle_zoom(): void {
-    const { axes, centre, zoom } = this.viewer;
+    const { centre, finest, zoom } = this.viewer;
     const [fitting, middle] = [this.fitting(), this.viewer.middle()];
     const fits = zoom.value === 0 || (zoom.value === this.fitted && centre.value.every((x, d) => x === middle[d]));
-    zoom.value = fits ? fitting : clamped_zoom(zoom.value, axes, fitting);
+    zoom.value = fits ? fitting : clamped_zoom(zoom.value, finest, fitting);
     this.fitted = fitting;
     this.viewer.views = this.visible.map(({ axis, width, height }) => ({ axis, width, height }));
   }
@@ -163,7 +165,7 @@ export class Stage {
   zoom_by(axis: AxisIndex, factor: number, x: number, y: number): void {
     if (this.viewer.zoom.value === 0) return;
     const camera = this.views[axis].camera_of(this.viewer, 1);
-    const zoom = clamped_zoom(this.viewer.zoom.value * factor, this.viewer.axes, this.fitting());
+    const zoom = clamped_zoom(this.viewer.zoom.value * factor, this.viewer.finest, this.fitting());
     this.look_at(axis, zoomed_about(camera, x, y, zoom));
     this.viewer.zoom.value = zoom;
   }
@@ -171,14 +173,17 @@ export class Stage {
   pan(axis: AxisIndex, dx: number, dy: number): void {
     if (this.viewer.zoom.value === 0) return;
     const { u, v } = FRAMES[axis];
-    const { axes, centre, zoom } = this.viewer;
-    this.look_at(axis, [axes[u].inside(centre.value[u] - dx / zoom.value), axes[v].inside(centre.value[v] + dy / zoom.value)]);
+    const { centre, zoom } = this.viewer;
+    this.look_at(axis, [centre.value[u] - dx / zoom.value, centre.value[v] + dy / zoom.value]);
   }
 
+  // The middle stays within what can be looked at.
   private look_at(axis: AxisIndex, [a, b]: readonly [number, number]): void {
+    const { bounds } = this.viewer;
     const centre: [number, number, number] = [...this.viewer.centre.value];
-    centre[FRAMES[axis].u] = a;
-    centre[FRAMES[axis].v] = b;
+    const inside = (d: AxisIndex, x: number) => Math.min(Math.max(x, bounds[d].min), bounds[d].max);
+    centre[FRAMES[axis].u] = inside(FRAMES[axis].u, a);
+    centre[FRAMES[axis].v] = inside(FRAMES[axis].v, b);
     this.viewer.centre.value = centre;
   }
 
@@ -231,6 +236,7 @@ export class Stage {
     }
     for (const view of this.views) this.waiting[view.axis].value = !view.sharp; // a hidden view waits for nothing
     this.say_what_is_under_the_pointer();
+    this.on_draw();
     this.wait_for_patience(views, began);
     if (painted) this.watch_cost(performance.now() - began);
     return painted;

@@ -13,6 +13,8 @@ export interface Exposed {
   label_at(axis: AxisIndex, x: number, y: number): readonly number[] | null;
   // Milliseconds from the start of each frame that changed pixels to the start of the next.
   readonly frame_times: number[];
+  // What stands on the right in a comparison.
+  readonly other?: Exposed;
 }
 
 declare global {
@@ -21,8 +23,8 @@ declare global {
   }
 }
 
-export function expose(stage: Stage): () => void {
-  const exposed: Exposed = {
+function exposed_of(stage: Stage): Exposed {
+  return {
     viewer: stage.viewer,
     idle: () => stage.idle(),
     shown: (axis) => ({ sharp: !stage.changing && stage.views[axis].sharp, stale: stage.views[axis].shown.stale }),
@@ -34,6 +36,11 @@ export function expose(stage: Stage): () => void {
     },
     frame_times: stage.frame_times,
   };
+}
+
+export function expose(stage: Stage, right?: Stage): () => void {
+  const [left, other] = [exposed_of(stage), right && exposed_of(right)];
+  const exposed: Exposed = other ? { ...left, other, idle: () => left.idle() && other.idle() } : left;
   window.teracell = exposed;
   return () => {
     if (window.teracell === exposed) delete window.teracell;

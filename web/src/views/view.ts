@@ -46,7 +46,7 @@ export class View {
   private last_slice: number | null = null;
   private behind_since: number | null = null;
   private camera_key = "";
-  private picture_key = "";
+  picture_key = ""; // changes with the picture
 
   constructor(readonly axis: AxisIndex) {
     this.cells.className = "view-cells";
@@ -152,7 +152,9 @@ export class View {
   }
 }
 
-export const samples_of = (camera: Camera): SampleCells => sample_cells(camera, smallest_cell(camera) < SHARP_FROM ? 2 : 1);
+// How many samples a device pixel has along each axis.
+export const samples_for = (camera: Camera): 1 | 2 => (smallest_cell(camera) < SHARP_FROM ? 2 : 1);
+export const samples_of = (camera: Camera): SampleCells => sample_cells(camera, samples_for(camera));
 
 // The mean size of a cell of level 0 in device pixels. Cells of coarser levels are never large.
 function smallest_cell({ across, up, zoom, ratio }: Camera): number {

@@ -14,7 +14,7 @@ import "./views.css";
 const ORDER: readonly AxisIndex[] = [2, 0, 1];
 
 // Says that the next drag draws. The shape of the pointer would not be enough, and there is none on touch screens.
-function ToolNote({ viewer }: { viewer: Viewer }) {
+export function ToolNote({ viewer }: { viewer: Viewer }) {
   const tool = viewer.tool.value;
   return (
     <p class="tool-note" role="status" hidden={tool === "look"}>
@@ -27,7 +27,7 @@ export function Views({ viewer }: { viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useMemo(() => new Stage(viewer), [viewer]);
   useEffect(() => {
-    const stops = [stage.start(host.current!), attach_keys(stage), attach_sweep(stage), expose(stage)];
+    const stops = [stage.start(host.current!), attach_keys(() => stage), attach_sweep(stage), expose(stage)];
     return () => stops.forEach((stop) => stop());
   }, [stage]);
   return (

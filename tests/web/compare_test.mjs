@@ -1,0 +1,247 @@
+// Two slices that are compared: with one camera and one crosshair, by a wipe, by marks where they differ, and over the whole grids.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import test, { after } from "node:test";
+import { join } from "node:path";
+import { close, expected_labels, folder, open_grid, open_page, screenshot, serve, server_and_browser, settled, state } from "./support.mjs";
+
+const { browser } = await server_and_browser();
+const server = await serve(join(folder, "compared"));
+after(async () => assert.deepEqual(await server.stop(), []));
+const open = (hash, options) => open_grid(browser, `${server.url}#${hash}`, options);
+const file = (name) => join(folder, "compared", `${name}.tcell`);
+const other = (page, name) => page.evaluate((n) => teracell.other.viewer[n].value, name);
+const address = (page, key) => page.evaluate((k) => new URLSearchParams(location.hash.slice(1)).get(k), key);
+const body = (page, side) => page.locator(`[data-side="${side}"] .view-body`);
+const mode = (page, name) => page.getByRole("button", { name, exact: true }).click();
+
+async function point_in(page, side, dx, dy) {
+  const { x, y, width, height } = await body(page, side).boundingBox();
+  return [Math.round(x + width / 2 + dx), Math.round(y + height / 2 + dy)];
+}
+// The names of the materials that are painted at this distance from the middle of a side.
+async function names_at(page, side, dx, dy) {
+  const [x, y] = await point_in(page, side, dx, dy);
+  return page.evaluate(
+    ([which, px, py]) => {
+      const exposed = which === "left" ? teracell : teracell.other;
+      const ids = exposed.label_at(2, px, py);
+      return ids?.map((id) => exposed.viewer.info.materials[id].name) ?? null;
+    },
+    [side, x, y],
+  );
+}
+
+test("the button compares with a grid of as many cells; the address says so, and the views come back as they were", async () => {
+  const page = await open("g=before");
+  await page.getByRole("button", { name: "Compare", exact: true }).click();
+  await settled(page);
+  assert.equal(await page.getByLabel("Compare with").inputValue(), "after");
+  await page.waitForFunction(() => new URLSearchParams(location.hash.slice(1)).get("compare") === "after");
+  assert.ok(await page.evaluate(() => teracell.viewer.shows_all()));
+  await screenshot(page, "compare-side");
+  // A larger grid is seen as a whole as well.
+  await page.getByLabel("Compare with").selectOption("coarse");
+  await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "coarse" && teracell.idle());
+  assert.ok(await page.evaluate(() => teracell.viewer.shows_all()));
+  assert.equal((await state(page, "centre"))[0], 45);
+  await page.getByLabel("Compare with").selectOption("after");
+  await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "after" && teracell.idle());
+  await page.reload();
+  await settled(page);
+  assert.equal(await page.evaluate(() => teracell.other.viewer.info.id), "after");
+  await page.getByRole("button", { name: "End the comparison" }).click();
+  await settled(page);
+  assert.equal(await page.locator(".view-panel:visible").count(), 4);
+  assert.ok(await page.evaluate(() => teracell.viewer.shows_all()));
+  await page.waitForFunction(() => !new URLSearchParams(location.hash.slice(1)).has("compare"));
+  await close(page);
+});
+
+test("one camera: a drag and a zoom on either side move both, and the same place is at the same point, whatever cells and units", async () => {
+  const page = await open("g=before&compare=coarse&look=50,30,20&zoom=6");
+  assert.equal(await page.evaluate(() => teracell.other.viewer.units), "mm");
+  assert.deepEqual(await names_at(page, "left", -210, 30), ["steel"]); // x = 15, y = 25
+  assert.deepEqual(await names_at(page, "right", -210, 30), ["steel"]);
+  assert.deepEqual(await names_at(page, "left", 132, 60), ["air"]); // x = 72, y = 20
+  assert.deepEqual(await names_at(page, "right", 132, 60), ["gold"]);
+  await page.mouse.move(...(await point_in(page, "right", 0, 0)));
+  await page.mouse.down();
+  await page.mouse.move(...(await point_in(page, "right", 60, 30)), { steps: 3 });
+  await page.mouse.up();
+  assert.deepEqual((await state(page, "centre")).slice(0, 2).map(Math.round), [40, 35]);
+  assert.deepEqual(await other(page, "centre"), await state(page, "centre"));
+  await page.keyboard.press("+");
+  assert.equal(await state(page, "zoom"), 7.5);
+  assert.equal(await other(page, "zoom"), 7.5);
+  await settled(page);
+  assert.deepEqual(await names_at(page, "right", (72 - 40) * 7.5, (35 - 20) * 7.5), ["gold"]);
+  // The middle goes beyond the grid on the left, as far as the other one reaches.
+  for (let i = 0; i < 12; ++i) await page.keyboard.press("ArrowLeft");
+  assert.equal((await state(page, "centre"))[0], -10);
+  await close(page);
+});
+
+test("one crosshair: a click, a slice and a typed coordinate on one side move it on the other", async () => {
+  const page = await open("g=before&compare=coarse&look=50,30,20&zoom=6");
+  await page.mouse.click(...(await point_in(page, "left", 134, 58)));
+  const [at, there] = [await state(page, "cell"), await other(page, "cell")];
+  assert.deepEqual(at.slice(0, 2), [144, 40]);
+  assert.deepEqual(there.slice(0, 2), [Math.floor((72.25 + 10) / (110 / 33)), Math.floor(20.25 / (60 / 17))]);
+  assert.equal(await state(page, "pinned"), null);
+  await page.locator('[data-side="right"]').getByLabel(/^Slice across z, from/).fill("9");
+  await page.keyboard.press("Enter");
+  assert.deepEqual([(await other(page, "cell"))[2], (await state(page, "cell"))[2]], [9, Math.floor((9.5 * 40) / 11)]);
+  await page.getByLabel("Move together").uncheck();
+  await page.mouse.move(...(await point_in(page, "left", 0, 0)));
+  await page.keyboard.press(",");
+  assert.deepEqual([(await other(page, "cell"))[2], (await state(page, "cell"))[2]], [9, Math.floor((9.5 * 40) / 11) - 1]);
+  await page.waitForFunction(() => new URLSearchParams(location.hash.slice(1)).get("together") === "0");
+  const [before, again] = [await other(page, "cell"), page];
+  await again.reload();
+  await settled(again);
+  assert.deepEqual(await other(again, "cell"), before);
+  await close(page);
+});
+
+test("two slices of one grid lie apart, and the read-out names the materials under the pointer in both", async () => {
+  const page = await open("g=before&compare=before&at=100,60,5&together=0&apart=20&look=50,30,20&zoom=6");
+  assert.equal((await other(page, "cell"))[2], 25);
+  await page.mouse.move(...(await point_in(page, "left", -48, 60))); // x = 42, y = 20: gold from z = 7 to 27
+  await page.locator(".compared-side", { hasText: "z = 5.5" }).getByText("air").waitFor();
+  await page.locator(".compared-side", { hasText: "z = 25.5" }).getByText("gold").waitFor();
+  await page.locator(".other-pointer").waitFor();
+  await page.getByText("Both slices are of the same grid").waitFor();
+  await close(page);
+});
+
+test("the handle of a wipe is dragged and moved by keys; the right picture is seen behind it, and the address keeps its place", async () => {
+  const page = await open("g=before&compare=after&look=50,30,20&zoom=6&mode=wipe");
+  const handle = page.getByRole("slider", { name: "How far the picture on the left is seen" });
+  const left_edge = async () => (await body(page, "left").boundingBox()).x;
+  const width = (await body(page, "left").boundingBox()).width;
+  const middle = async () => {
+    const box = await handle.boundingBox();
+    return (box.x + box.width / 2 - (await left_edge())) / width;
+  };
+  assert.ok(Math.abs((await middle()) - 0.5) < 0.01);
+  const in_front = async (dx) => {
+    const [x, y] = await point_in(page, "left", dx, 100);
+    return page.evaluate(([px, py]) => document.elementFromPoint(px, py).closest("[data-side]").dataset.side, [x, y]);
+  };
+  assert.deepEqual([await in_front(-100), await in_front(100)], ["left", "right"]);
+  const { x, y, width: w } = await handle.boundingBox();
+  await page.mouse.move(x + w / 2, y + 200);
+  await page.mouse.down();
+  await page.mouse.move((await left_edge()) + 0.75 * width, y + 210, { steps: 4 });
+  await page.mouse.up();
+  assert.ok(Math.abs((await middle()) - 0.75) < 0.01);
+  assert.deepEqual([await in_front(100), await in_front(0.3 * width)], ["left", "right"]);
+  await page.keyboard.press("ArrowLeft");
+  await page.keyboard.press("PageDown");
+  assert.equal(await handle.getAttribute("aria-valuenow"), "64");
+  assert.deepEqual((await state(page, "centre")).slice(0, 2), [50, 30], "the picture does not move along");
+  await page.waitForFunction(() => new URLSearchParams(location.hash.slice(1)).get("wipe")?.startsWith("0.6"));
+  assert.equal(await address(page, "mode"), "wipe");
+  await page.keyboard.press("Home");
+  assert.equal(await in_front(-100), "right");
+  await screenshot(page, "compare-wipe");
+  await close(page);
+});
+
+test("marks are on the pixels whose materials have other names, cell by cell at level 0", async () => {
+  const page = await open("g=before&compare=after&look=50,30,20&zoom=6&mode=differs");
+  await page.getByText("Compared cell by cell (level 0)").waitFor();
+  const found = await page.evaluate(() => {
+    const canvas = document.querySelector(".view-differences");
+    const { width, height } = canvas;
+    return { width, height, marks: [...new Uint32Array(canvas.getContext("2d").getImageData(0, 0, width, height).data.buffer)].map(Number) };
+  });
+  const at = { cell: await state(page, "cell"), centre: await state(page, "centre"), zoom: await state(page, "zoom") };
+  const names = async (grid, viewer) => {
+    const materials = await page.evaluate((n) => (n === "left" ? teracell : teracell.other).viewer.info.materials.map((m) => m.name), viewer);
+    return [...expected_labels(`../compared/${grid}`, "z", at, found.width, found.height)].map((id) => materials[id] ?? "outside");
+  };
+  const [left, right] = [await names("before", "left"), await names("after", "right")];
+  let marked = 0;
+  found.marks.forEach((mark, i) => {
+    assert.equal(mark !== 0, left[i] !== right[i], `pixel ${i % found.width} ${Math.floor(i / found.width)}`);
+    marked += mark !== 0;
+  });
+  assert.ok(marked > 1000 && marked < found.marks.length / 4);
+  await screenshot(page, "compare-differs");
+  for (const axis of ["x", "y", "z"]) {
+    await page.getByRole("button", { name: `Slices across ${axis}` }).click();
+    await page.waitForFunction((n) => teracell.viewer.layout.value === n && teracell.idle(), axis);
+    await page.waitForFunction(() => document.querySelectorAll(".view-differences").length === 1);
+  }
+  await page.getByLabel("Compare with").selectOption("coarse");
+  await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "coarse" && teracell.idle());
+  await page.evaluate(() => (teracell.viewer.zoom.value = 0.5));
+  await page.getByText(/Compared at level/).waitFor();
+  await close(page);
+});
+
+test("the whole grids are counted as teracell diff counts them, and a change is gone to where it is", async () => {
+  const expected = JSON.parse(execFileSync(process.env.TERACELL, ["diff", file("before"), file("after"), "--json"]));
+  const page = await open("g=before&compare=after&mode=differs");
+  const digits = async (locator) => (await locator.textContent()).replace(/\D/g, "");
+  assert.equal(await digits(page.locator(".comparison-panel section + p b")), String(expected.cells - expected.same));
+  const lines = page.locator(".change");
+  assert.equal(await lines.count(), expected.changes.length);
+  for (const [n, change] of expected.changes.entries()) {
+    const text = await lines.nth(n).locator(".change-names").textContent();
+    assert.deepEqual(text.split("→").map((name) => name.trim()), [change.from, change.to]);
+    for (const [label, slice] of [["first", change.box[2]], ["last", change.box[5] - 1]]) {
+      await lines.nth(n).getByRole("button", { name: `Go there: ${label} slice` }).click();
+      await settled(page);
+      assert.equal((await state(page, "cell"))[2], slice);
+      assert.equal((await other(page, "cell"))[2], slice);
+      assert.deepEqual(await state(page, "box"), change.box);
+    }
+  }
+  await close(page);
+});
+
+test("grids of other cells are not counted, and that is said in words; so is a grid that is not there", async () => {
+  const page = await open("g=before&compare=coarse");
+  await page.getByText("only where both grids have the same ones: one is in mm, the other in cm").waitFor();
+  await close(page);
+  const missing = await open_page(browser, `${server.url}#g=before&compare=gone`);
+  await missing.getByText("There is no grid “gone” here").waitFor();
+  await missing.getByLabel("Compare with").selectOption("after");
+  await settled(missing);
+  await close(missing);
+});
+
+test("where one grid ends, the nearest slice is shown, that is said, and nothing is marked", async () => {
+  const page = await open("g=before&compare=coarse&across=x&mode=differs");
+  assert.equal(await page.locator(".view-differences:visible").count(), 1);
+  await page.locator('[data-side="right"]').getByLabel(/^Slice across x, from/).fill("0");
+  await page.keyboard.press("Enter");
+  await page.getByText("One grid ends here: its nearest slice is shown.").waitFor();
+  await page.getByText("Nothing is marked, because the slices lie at different places.").waitFor();
+  await settled(page);
+  assert.equal((await state(page, "cell"))[0], 0);
+  assert.equal(await page.locator(".view-differences:visible").count(), 0);
+  await close(page);
+});
+
+for (const [name, width, height] of [["upright", 390, 844], ["on its side", 844, 390]])
+  test(`a phone ${name} shows the whole width of each comparison, and views that can be used`, async () => {
+    const page = await open("g=before&compare=after", { width, height });
+    for (const label of ["Side by side", "Wipe", "What differs"]) {
+      await mode(page, label);
+      await settled(page);
+      assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width);
+      for (const side of ["left", "right"]) {
+        const box = await body(page, side).boundingBox();
+        assert.ok(box.width >= 250 && box.height >= 100, `${label}: ${box.width} x ${box.height}`);
+        assert.ok(box.x >= 0 && box.x + box.width <= width);
+      }
+      const bars = await page.locator(".slice-bar").evaluateAll((all) => all.every((bar) => bar.scrollWidth <= bar.clientWidth));
+      assert.ok(bars, `${label}: a bar is cut off`);
+    }
+    await screenshot(page, `compare-phone-${width}`);
+    await close(page);
+  });

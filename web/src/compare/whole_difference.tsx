@@ -1,0 +1,134 @@
+// What differs over the whole of two grids of equal cells, counted by the server.
+import type { Signal } from "@preact/signals";
+import { grouped, noun, percent, plural } from "../base/format";
+import { AXIS_NAMES, type Change, type Difference, type GridInfo } from "../base/grid";
+import { BoxText } from "../panels/places";
+import { FirstOf } from "../panels/first_of";
+import { use_answer } from "../server/answer";
+import { unequal_cells } from "../state/comparison";
+import type { Comparison } from "../state/viewer";
+import { CodeLine } from "../widgets/copy";
+import { Swatch } from "../widgets/swatch";
+import type { Pair } from "./pair";
+
+const MANY = 50; // changes that are listed at first
+
+const exact = (cells: number, text: string | undefined) => BigInt(text ?? cells);
+
+function Named({ pair, name }: { pair: Pair; name: string }) {
+  const sides = [pair.left.viewer, pair.right.viewer];
+  const look = sides.map((viewer) => viewer.looks.value[viewer.info.materials.findIndex((m) => m.name === name)]).find((found) => found);
+  return (
+    <span class="material-name">
+      <Swatch look={look} />
+      {name}
+    </span>
+  );
+}
+
+function ChangeLine({ pair, comparison, change, all }: { pair: Pair; comparison: Signal<Comparison>; change: Change; all: bigint }) {
+  const { viewer } = pair.left;
+  const { axis } = comparison.value;
+  const { from, to, box } = change;
+  const cells = exact(change.cells, change.cells_text);
+  const [first, last] = [box[axis], box[axis + 3]! - 1];
+  // The first and the last slice of the box certainly hold some of these cells.
+  const places = [
+    { label: "first", slice: first },
+    { label: "middle", slice: Math.floor((first + last) / 2) },
+    { label: "last", slice: last },
+  ];
+  const go = (slice: number) => {
+    comparison.value = { ...comparison.value, together: true, apart: 0 };
+    viewer.box.value = box;
+    viewer.go_to_box(box);
+    viewer.set_slice(axis, slice);
+  };
+  return (
+    <li class="change">
+      <p class="change-names">
+        <Named pair={pair} name={from} /> → <Named pair={pair} name={to} />
+      </p>
+      <p>
+        {grouped(cells)} {noun(cells, "cell")} <span class="faint">{percent(Number(cells) / Number(all))}</span>
+      </p>
+      <details>
+        <summary>Box</summary>
+        <BoxText viewer={viewer} box={box} />
+      </details>
+      <p class="change-go">
+        <span class="faint">Go to the</span>
+        {places.slice(0, first === last ? 1 : 3).map(({ label, slice }) => (
+          <button
+            key={label}
+            class="button small"
+            aria-label={`Go there: ${label} slice across ${AXIS_NAMES[axis]} where ${from} became ${to}`}
+            title={`Slice ${grouped(slice)} across ${AXIS_NAMES[axis]}`}
+            onClick={() => go(slice)}
+          >
+            {first === last ? "only" : label}
+          </button>
+        ))}
+        <span class="faint">slice across {AXIS_NAMES[axis]}</span>
+      </p>
+    </li>
+  );
+}
+
+function Counted({ pair, comparison, difference }: { pair: Pair; comparison: Signal<Comparison>; difference: Difference }) {
+  const all = exact(difference.cells, difference.cells_text);
+  const differing = all - exact(difference.same, difference.same_text);
+  if (differing === 0n) return <p>All of {grouped(all)} cells have the same material in both.</p>;
+  return (
+    <>
+      <p>
+        <b>{grouped(differing)}</b> of {plural(all, "cell")} {differing === 1n ? "differs" : "differ"}{" "}
+        <span class="faint nowrap">({percent(Number(differing) / Number(all))})</span>. Counted exactly, by the names of materials.
+      </p>
+      <ul class="changes">
+        <FirstOf list={difference.changes} step={MANY}>
+          {(change) => <ChangeLine key={`${change.from} → ${change.to}`} pair={pair} comparison={comparison} change={change} all={all} />}
+        </FirstOf>
+      </ul>
+    </>
+  );
+}
+
+// The command may take as long as it needs.
+function NotCounted({ error, own, other }: { error: string; own: string; other: string }) {
+  return (
+    <>
+      <p class="note">The server did not count the cells that differ: {error}. This does, where both have the same cells:</p>
+      <CodeLine class="hash" text={`teracell diff ${own}.tcell ${other}.tcell`} what="the command" />
+    </>
+  );
+}
+
+// `info`: the grid on the right as the server describes it, in its own unit.
+export function WholeDifference({ pair, comparison, info }: { pair: Pair; comparison: Signal<Comparison>; info: GridInfo }) {
+  const own = pair.left.viewer.info;
+  const same = own.id === info.id;
+  const unequal = unequal_cells(own, info);
+  const answer = use_answer<Difference>(same || unequal ? null : pair.left.viewer.address.diff(info.id));
+  return (
+    <div class="panel-content">
+      <section>
+        <h2>Over the whole grids</h2>
+        {same && <p class="note">Both slices are of the same grid. Choose another grid above to count what differs.</p>}
+        {!same && unequal && (
+          <p class="note">
+            Cells can be counted against each other only where both grids have the same ones: {unequal}. The slices can be compared all the
+            same: each point lies at the same place in both.
+          </p>
+        )}
+        {!same && !unequal && answer.error && <NotCounted error={answer.error} own={own.id} other={info.id} />}
+        {!same && !unequal && !answer.error && !answer.value && (
+          <p class="note" role="status">
+            Counting the cells that differ …
+          </p>
+        )}
+      </section>
+      {answer.value && <Counted pair={pair} comparison={comparison} difference={answer.value} />}
+    </div>
+  );
+}
