@@ -9,6 +9,7 @@
 #include "server/diff.hpp"
 #include "server/openapi.hpp"
 #include "server/protocols/protocols.hpp"
+#include "server/service/box_parts.hpp"
 #include "server/service/column_parts.hpp"
 #include "server/service/picture_parts.hpp"
 #include "server/start_page.hpp"
@@ -22,6 +23,7 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr const char* kJson = "application/json";
+constexpr double kMostBoxCells = 4294967296.0;  // 2^32
 
 Response plain(const char* route, const char* type, std::string text) {
   Response r;
@@ -207,9 +209,8 @@ Response column(const GridRequest& r) {
                                                         }});
 }
 
-Response stats(const GridRequest& r) {
-  r.target.allow({"v", "region", "bodies"});
-  const bool bodies = asks_for_bodies(r);
+// "?region=X0,Y0,Z0,X1,Y1,Z1"; the whole grid without it.
+Box region_of(const GridRequest& r) {
   Box box = r.meta().grid.box(0);
   if (const std::string* region = r.target.find("region")) {
     const auto c = integers(*region, 6, "region");
@@ -221,6 +222,49 @@ Response stats(const GridRequest& r) {
             fmt::format("region: expected a part of 0 to {} along {} (half open, not empty), found {} to {}", n[d], axis_name(d), c[d], c[d + 3]));
     }
   }
+  return box;
+}
+
+// The materials along a straight line.
+Response line(const GridRequest& r) {
+  r.target.allow({"v", "from", "to"});
+  std::array<Vec3, 2> ends;
+  for (const int i : {0, 1}) {
+    const char* name = i == 0 ? "from" : "to";
+    const std::string* text = r.target.find(name);
+    if (!text) throw bad_request(fmt::format("missing {}: expected X,Y,Z, coordinates in {}", name, r.meta().units));
+    const auto c = reals(*text, 3, name);
+    ends[static_cast<size_t>(i)] = {c[0], c[1], c[2]};
+  }
+  if (ends[0] == ends[1]) throw bad_request("to: expected another point than from");
+  return json_answer(r, "line", [&, ends] { return line_json(r.meta(), ends[0], ends[1], read_line(r.reader(), ends[0], ends[1])); });
+}
+
+// "box.npy", "box.vti" and "box.vtr".
+Response box_file(const GridRequest& r, const std::string& ending) {
+  r.target.allow({"v", "region"});
+  if (ending != ".npy" && ending != ".vti" && ending != ".vtr")
+    throw not_found(fmt::format("boxes are .npy, .vti or .vtr, found '{}'", ending.substr(0, 48)));
+  if (ending == ".vti" && std::ranges::any_of(r.meta().grid.axis, &Axis::is_graded))
+    throw not_found(fmt::format("an axis of grid '{}' is graded: ask for box.vtr", r.grid->id));
+  const BoxFormat format = ending == ".npy" ? BoxFormat::kNpy : ending == ".vti" ? BoxFormat::kVti : BoxFormat::kVtr;
+  const Box box = region_of(r);
+  double cells = 1;
+  for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);
+  if (cells > kMostBoxCells)
+    throw bad_request(fmt::format("region: expected at most {} cells, found {}: `teracell export {}.tcell -o box{} --region {},{},{},{},{},{}` writes them",
+                                  static_cast<int64_t>(kMostBoxCells), static_cast<int64_t>(cells), r.grid->id, ending, box.lo[0], box.lo[1],
+                                  box.lo[2], box.hi[0], box.hi[1], box.hi[2]));
+  const char* type = format == BoxFormat::kNpy ? "application/octet-stream" : "application/xml";
+  return r.service.answer(r.request, r.target, r.grid, {.route = "box", .content_type = type, .compress = true, .parts = [&, box, format] {
+                                                          return box_parts(r.reader(), box, format);
+                                                        }});
+}
+
+Response stats(const GridRequest& r) {
+  r.target.allow({"v", "region", "bodies"});
+  const bool bodies = asks_for_bodies(r);
+  const Box box = region_of(r);
   return json_answer(r, "stats", [&, box, bodies] {
     const auto stats = read_label_stats(r.reader(), box);
     return bodies ? body_stats_json(r.meta(), box, stats) : stats_json(r.meta(), box, stats_by_material(r.meta(), stats));
@@ -268,10 +312,13 @@ Response api(Service& service, const Request& request, const Target& target) {
   if (is("tile", 5)) return tile(r);
   if (is("cell", 1)) return cell(r);
   if (is("column", 3)) return column(r);
+  if (is("line", 1)) return line(r);
   if (is("stats", 1)) return stats(r);
   if (is("check", 1)) return findings(r);
   if (is("diff", 1)) return service.answer(request, target, r.grid, diff_recipe(service, *r.grid, target));
-  if (const auto [name, ending] = split_name(r.rest[0]); name == "view" && r.rest.size() == 1)
+  const auto [name, ending] = split_name(r.rest[0]);
+  if (name == "box" && r.rest.size() == 1) return box_file(r, ending);
+  if (name == "view" && r.rest.size() == 1)
     if (const auto recipe = view_recipe(service, *r.grid, target, ending)) return service.answer(request, target, r.grid, *recipe);
   throw no_such_address(request);
 }
@@ -304,7 +351,7 @@ bool is_dear(const Request& request) try {
     if (path[0] == p.prefix) return p.dear;
   if (path[0] != "api" || path.size() <= 4) return false;
   const std::string& what = path[4];
-  return what == "stats" || what == "slice" || what == "column" || what == "diff" || what.starts_with("view.");
+  return what == "stats" || what == "slice" || what == "column" || what == "diff" || what == "line" || what.starts_with("box.") || what.starts_with("view.");
 } catch (const HttpError&) {
   return false;  // handle() refuses it
 }

@@ -1,6 +1,7 @@
 #include "store/info.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -147,6 +148,20 @@ std::string difference_json(const Difference& difference) {
     out.key("box");
     write_box(out, change.box);
     out.end_object();
+  });
+  out.end_object();
+  return text;
+}
+
+std::string line_json(const Metadata& meta, const Vec3& a, const Vec3& b, const std::vector<LineRun>& runs) {
+  const double length = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+  std::string text;
+  JsonWriter out(text);
+  out.begin_object().field("schema", 1).field("from", std::span<const double>(a)).field("to", std::span<const double>(b)).field("length", length);
+  write_all(out, "runs", runs, [&](size_t i) {
+    const LineRun& run = runs[i];
+    out.begin_object().field("from", run.from * length).field("to", run.to * length).field("length", (run.to - run.from) * length);
+    out.field("cells", run.cells).field("material", run.material).field("name", meta.materials[run.material].name).end_object();
   });
   out.end_object();
   return text;

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "store/difference.hpp"
+#include "store/line.hpp"
 #include "store/query.hpp"
 #include "store/stats.hpp"
 
@@ -17,6 +18,8 @@ std::string stats_json(const Metadata& meta, const Box& region, const std::vecto
 std::string body_stats_json(const Metadata& meta, const Box& region, const std::vector<CellStats>& of_labels);
 // {"schema": 1, "cells", "same", "changes": [{"from", "to", "cells", "box"}]}
 std::string difference_json(const Difference& difference);
+// {"schema": 1, "from", "to", "length", "runs": [{"from", "to", "length", "cells", "material", "name"}]}: lengths from the first point.
+std::string line_json(const Metadata& meta, const Vec3& a, const Vec3& b, const std::vector<LineRun>& runs);
 std::string column_json(const Metadata& meta, int axis, int64_t a, int64_t b, const std::vector<ColumnRun>& runs);
 // The same piece by piece, each appended to a text: begin(), run() for each run, end().
 class ColumnJson {

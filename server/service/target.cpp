@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -98,19 +99,29 @@ int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int
   return value;
 }
 
-std::vector<int64_t> integers(std::string_view text, size_t count, std::string_view name) {
-  std::vector<int64_t> out;
+namespace {
+
+template <class T>
+std::vector<T> numbers(std::string_view text, size_t count, std::string_view name, const char* kind) {
+  std::vector<T> out;
   bool good = true;
   for (const std::string_view part : split(text, ',')) {
-    int64_t value = 0;
+    T value = 0;
     const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), value);
     good &= !part.empty() && stop == part.data() + part.size() && error == std::errc{};
+    if constexpr (std::is_floating_point_v<T>) good &= std::isfinite(value);
     out.push_back(value);
   }
-  if (!good || out.size() != count)
-    throw bad_request(fmt::format("{}: expected {} whole numbers separated by commas, found {}", name, count, clipped(text)));
+  if (!good || out.size() != count) throw bad_request(fmt::format("{}: expected {} {} separated by commas, found {}", name, count, kind, clipped(text)));
   return out;
 }
+
+}  // namespace
+
+std::vector<int64_t> integers(std::string_view text, size_t count, std::string_view name) {
+  return numbers<int64_t>(text, count, name, "whole numbers");
+}
+std::vector<double> reals(std::string_view text, size_t count, std::string_view name) { return numbers<double>(text, count, name, "numbers"); }
 
 std::optional<int64_t> plain_integer(std::string_view text) {
   int64_t value = 0;

@@ -37,6 +37,8 @@ std::string percent_encoded(std::string_view segment);
 int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int64_t hi);
 // "1,2,3" as `count` whole numbers. Throws HttpError 400 with `name`.
 std::vector<int64_t> integers(std::string_view text, size_t count, std::string_view name);
+// The same for finite numbers.
+std::vector<double> reals(std::string_view text, size_t count, std::string_view name);
 // A number inside a name ("0-64_0-64_0-1"): nothing but digits, without superfluous zeros in front, at most 18 digits.
 std::optional<int64_t> plain_integer(std::string_view text);
 

@@ -49,6 +49,23 @@ class Serving(ServeCase):
             self.assertRegex(a.headers["Date"], r"\w{3}, \d\d \w{3} \d{4} \d\d:\d\d:\d\d GMT")
         self.stop(server)
 
+    def test_a_box_is_the_file_that_export_writes(self):
+        self.grid()
+        server = self.serve("g.tcell")
+        cells = server.get("/api/v1/grids/g").json()["grid"]["cells"]
+        region = f"1,2,0,{cells[0] - 1},{cells[1]},{max(1, cells[2] - 2)}"
+        for ending in ["npy", "vti", "vtr"]:
+            self.run_ok("export", "g.tcell", "-o", f"box.{ending}", "--region", region)
+            got = server.get(f"/api/v1/grids/g/box.{ending}?region={region}")
+            self.assertEqual((got.status, got.body), (200, self.bytes(f"box.{ending}")))
+        self.assertEqual(server.get("/api/v1/grids/g/box.raw").status, 404)
+        self.assertEqual(server.get("/api/v1/grids/g/box.npy?region=0,0,0,0,1,1").status, 400)
+        line = server.get("/api/v1/grids/g/line?from=-1e9,0,0&to=1e9,0,1e-3").json()
+        self.assertAlmostEqual(line["length"], 2e9)
+        for wrong in ["", "from=1,2,3", "from=1,2,3&to=1,2,3", "from=1,2,3&to=1,2", "from=1,2,nan&to=1,2,3", "from=1,2,3&to=1,2,inf"]:
+            self.assertEqual(server.get(f"/api/v1/grids/g/line?{wrong}").status, 400, wrong)
+        self.stop(server)
+
     def test_etags(self):
         self.grid()
         server = self.serve("g.tcell")

@@ -6,7 +6,7 @@
 #include "server/picture/picture.hpp"
 #include "store/error.hpp"
 #include "tools/cli/command.hpp"
-#include "tools/export/npy_header.hpp"
+#include "store/npy_header.hpp"
 
 namespace teracell {
 namespace {

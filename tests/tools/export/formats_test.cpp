@@ -8,7 +8,7 @@
 #include "store/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
-#include "tools/export/npy_header.hpp"
+#include "store/npy_header.hpp"
 
 using namespace teracell;
 using namespace teracell::testing;

@@ -1,0 +1,88 @@
+#include "server/service/box_parts.hpp"
+
+#include <algorithm>
+
+#include "store/npy_header.hpp"
+#include "store/query.hpp"
+#include "store/vtk_header.hpp"
+
+namespace teracell {
+namespace {
+
+constexpr int64_t kSlab = int64_t{1} << 20;  // cells that are read at once
+
+class BoxParts final : public Parts {
+ public:
+  BoxParts(const GridReader& reader, const Box& box, BoxFormat format)
+      : reader_(reader), box_(box), format_(format), wide_(wide_labels(reader.meta())), y_(box.lo[1]), z_(box.lo[2]) {}
+
+  bool append(std::string& out) override {
+    const size_t enough = out.size() + kEnough;
+    if (!begun_) out += header();
+    begun_ = true;
+    while (out.size() < enough && z_ < box_.hi[2]) append_slab(out);
+    if (z_ < box_.hi[2]) return true;
+    if (format_ != BoxFormat::kNpy) out += kVtkFooter;
+    return false;
+  }
+  size_t memory() const override { return sizeof *this; }
+
+ private:
+  std::string header() const {
+    const Index3 n = {box_.hi[0] - box_.lo[0], box_.hi[1] - box_.lo[1], box_.hi[2] - box_.lo[2]};
+    if (format_ == BoxFormat::kNpy) {
+      const Bytes bytes = npy_header(wide_ ? "<u2" : "|u1", {n[2], n[1], n[0]});
+      return {bytes.begin(), bytes.end()};
+    }
+    const Metadata& meta = reader_.meta();
+    VtkGrid grid{n, {}, {}, {}, meta.materials};
+    for (int d = 0; d < 3; ++d) {
+      const Axis& axis = meta.grid.axis[d];
+      if (format_ == BoxFormat::kVti) grid.origin[d] = axis.plane(box_.lo[d]), grid.step[d] = axis.step();
+      else
+        for (int64_t i = box_.lo[d]; i <= box_.hi[d]; ++i) grid.planes[d].push_back(axis.plane(i));
+    }
+    return vtk_header(grid, wide_ ? 2 : 1);
+  }
+
+  // Rows of one layer, or a part of a row, or whole layers.
+  void append_slab(std::string& out) {
+    Box slab = box_;
+    const int64_t row = box_.hi[0] - box_.lo[0], layer = row * (box_.hi[1] - box_.lo[1]);
+    slab.lo[1] = y_, slab.lo[2] = z_;
+    if (layer <= kSlab) {
+      slab.hi[2] = std::min(box_.hi[2], z_ + std::max<int64_t>(1, kSlab / layer));
+      z_ = slab.hi[2];
+    } else {
+      slab.hi[2] = z_ + 1;
+      slab.hi[1] = std::min(box_.hi[1], y_ + std::max<int64_t>(1, kSlab / row));
+      y_ = slab.hi[1];
+      if (y_ == box_.hi[1]) y_ = box_.lo[1], ++z_;
+    }
+    if (wide_) append_cells<uint16_t>(slab, out);
+    else append_cells<uint8_t>(slab, out);
+  }
+
+  template <class T>
+  void append_cells(const Box& slab, std::string& out) {
+    const int64_t nx = slab.hi[0] - slab.lo[0], ny = slab.hi[1] - slab.lo[1], nz = slab.hi[2] - slab.lo[2];
+    std::vector<T> cells(static_cast<size_t>(nx * ny * nz));
+    read_box<T>(reader_, 0, slab, strongest_material(reader_.meta()), 0, cells.data(), {1, nx, nx * ny});
+    out.append(reinterpret_cast<const char*>(cells.data()), cells.size() * sizeof(T));
+  }
+
+  const GridReader& reader_;
+  const Box box_;
+  const BoxFormat format_;
+  const bool wide_;
+  int64_t y_, z_;  // the next row
+  bool begun_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Parts> box_parts(const GridReader& reader, const Box& box, BoxFormat format) {
+  return std::make_unique<BoxParts>(reader, box, format);
+}
+
+}  // namespace teracell

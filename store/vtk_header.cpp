@@ -1,0 +1,66 @@
+#include "store/vtk_header.hpp"
+
+#include <fmt/format.h>
+
+#include "store/bytes.hpp"
+
+namespace teracell {
+namespace {
+
+// Names by id. VTK's text arrays are the codes of their characters, each text ended by 0.
+std::string names(std::span<const MaterialInfo> materials) {
+  std::string out = fmt::format("<FieldData><Array type=\"String\" Name=\"materials\" NumberOfTuples=\"{}\" format=\"ascii\">", materials.size());
+  for (const MaterialInfo& m : materials) {
+    for (const char c : m.name) out += fmt::format("{} ", static_cast<int>(c));
+    out += "0 ";
+  }
+  return out + "</Array></FieldData>\n";
+}
+
+void put_bytes(std::string& out, const void* data, size_t size) { out.append(static_cast<const char*>(data), size); }
+
+void put_count(std::string& out, uint64_t count) {
+  Bytes bytes;
+  put_fixed(bytes, count);
+  put_bytes(out, bytes.data(), bytes.size());
+}
+
+}  // namespace
+
+std::string vtk_header(const VtkGrid& grid, size_t bytes) {
+  const Index3& n = grid.cells;
+  const bool graded = !grid.planes[0].empty();
+  const char* kind = graded ? "RectilinearGrid" : "ImageData";
+  std::string header = fmt::format(
+      "<?xml version=\"1.0\"?>\n<VTKFile type=\"{0}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      "<{0} WholeExtent=\"0 {1} 0 {2} 0 {3}\"",
+      kind, n[0], n[1], n[2]);
+  if (!graded)
+    header += fmt::format(" Origin=\"{:.17g} {:.17g} {:.17g}\" Spacing=\"{:.17g} {:.17g} {:.17g}\"", grid.origin[0], grid.origin[1], grid.origin[2],
+                          grid.step[0], grid.step[1], grid.step[2]);
+  header += ">\n";
+  if (!grid.materials.empty()) header += names(grid.materials);
+  header += fmt::format("<Piece Extent=\"0 {} 0 {} 0 {}\">\n", n[0], n[1], n[2]);
+  uint64_t offset = 0;
+  if (graded) {
+    header += "<Coordinates>";
+    for (int d = 0; d < 3; ++d) {
+      header += fmt::format("<DataArray type=\"Float64\" Name=\"{}\" format=\"appended\" offset=\"{}\"/>", axis_name(d), offset);
+      offset += 8 + 8 * grid.planes[static_cast<size_t>(d)].size();
+    }
+    header += "</Coordinates>\n";
+  }
+  header += fmt::format(
+      "<CellData Scalars=\"material\"><DataArray type=\"UInt{}\" Name=\"material\" format=\"appended\" offset=\"{}\"/></CellData>\n</Piece>\n</{}>\n"
+      "<AppendedData encoding=\"raw\">\n_",
+      8 * bytes, offset, kind);
+  for (const std::vector<double>& planes : grid.planes) {
+    if (planes.empty()) continue;
+    put_count(header, 8 * planes.size());
+    put_bytes(header, planes.data(), 8 * planes.size());
+  }
+  put_count(header, static_cast<uint64_t>(n[0]) * static_cast<uint64_t>(n[1]) * static_cast<uint64_t>(n[2]) * bytes);
+  return header;
+}
+
+}  // namespace teracell

@@ -1,0 +1,21 @@
+// The XML around the cells in a file of VTK: .vti for uniform axes, .vtr for graded ones, with raw appended data.
+#pragma once
+#include <span>
+#include <string>
+
+#include "store/metadata.hpp"
+
+namespace teracell {
+
+struct VtkGrid {
+  Index3 cells;
+  Vec3 origin, step;                           // of uniform axes
+  std::array<std::vector<double>, 3> planes;   // of a graded grid; empty: none
+  std::span<const MaterialInfo> materials;     // whose names are written; empty: none
+};
+
+// What stands before the cells, which have `bytes` bytes each, little endian, x fastest.
+std::string vtk_header(const VtkGrid& grid, size_t bytes);
+inline constexpr char kVtkFooter[] = "\n</AppendedData>\n</VTKFile>\n";
+
+}  // namespace teracell
