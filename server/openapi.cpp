@@ -136,11 +136,13 @@ ordered_json schemas() {
                {"runs",
                 array(object({{"from", kInteger}, {"to", kInteger}, {"min", kNumber}, {"max", kNumber}, {"material", kInteger}, {"name", text}}))}})},
       {"Line",
-       object({{"schema", kInteger},
-               {"from", array(kNumber)},
-               {"to", array(kNumber)},
-               {"length", kNumber},
-               {"runs", array(object({{"from", kNumber}, {"to", kNumber}, {"length", kNumber}, {"cells", kInteger}, {"material", kInteger}, {"name", text}}))}})},
+       object(
+           {{"schema", kInteger},
+            {"from", array(kNumber)},
+            {"to", array(kNumber)},
+            {"length", kNumber},
+            {"runs", array(object(
+                         {{"from", kNumber}, {"to", kNumber}, {"length", kNumber}, {"cells", kInteger}, {"material", kInteger}, {"name", text}}))}})},
       {"Stats",
        object({{"schema", kInteger},
                {"region", box},
@@ -249,12 +251,12 @@ std::string openapi_json(const Request& request) {
           "application/json", "Line");
   const ordered_json region = parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString);
   for (const char* ending : {"npy", "vti", "vtr"})
-    paths[fmt::format("{}/box.{}", grid, ending)] =
-        get(fmt::format("the material ids of a box, at most 2^32 cells, as {}", std::string(ending) == "npy"   ? "a NumPy array [z][y][x]"
-                                                                             : std::string(ending) == "vti" ? "a file of VTK, for uniform axes"
-                                                                                                            : "a file of VTK, also for graded axes")
-                .c_str(),
-            {id, region, version()}, std::string(ending) == "npy" ? "application/octet-stream" : "application/xml", nullptr);
+    paths[fmt::format("{}/box.{}", grid, ending)] = get(
+        fmt::format("the material ids of a box, at most 2^32 cells, as {}", std::string(ending) == "npy"   ? "a NumPy array [z][y][x]"
+                                                                            : std::string(ending) == "vti" ? "a file of VTK, for uniform axes"
+                                                                                                           : "a file of VTK, also for graded axes")
+            .c_str(),
+        {id, region, version()}, std::string(ending) == "npy" ? "application/octet-stream" : "application/xml", nullptr);
   paths[grid + "/stats"] = get("the exact number of cells, volume and box of every material, counted from runs",
                                {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString),
                                 parameter("bodies", "query", "1: also those of every body, where the grid keeps bodies apart", flag()), version()},

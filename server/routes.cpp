@@ -252,9 +252,10 @@ Response box_file(const GridRequest& r, const std::string& ending) {
   double cells = 1;
   for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);
   if (cells > kMostBoxCells)
-    throw bad_request(fmt::format("region: expected at most {} cells, found {}: `teracell export {}.tcell -o box{} --region {},{},{},{},{},{}` writes them",
-                                  static_cast<int64_t>(kMostBoxCells), static_cast<int64_t>(cells), r.grid->id, ending, box.lo[0], box.lo[1],
-                                  box.lo[2], box.hi[0], box.hi[1], box.hi[2]));
+    throw bad_request(
+        fmt::format("region: expected at most {} cells, found {}: `teracell export {}.tcell -o box{} --region {},{},{},{},{},{}` writes them",
+                    static_cast<int64_t>(kMostBoxCells), static_cast<int64_t>(cells), r.grid->id, ending, box.lo[0], box.lo[1], box.lo[2], box.hi[0],
+                    box.hi[1], box.hi[2]));
   const char* type = format == BoxFormat::kNpy ? "application/octet-stream" : "application/xml";
   return r.service.answer(r.request, r.target, r.grid, {.route = "box", .content_type = type, .compress = true, .parts = [&, box, format] {
                                                           return box_parts(r.reader(), box, format);
@@ -351,7 +352,8 @@ bool is_dear(const Request& request) try {
     if (path[0] == p.prefix) return p.dear;
   if (path[0] != "api" || path.size() <= 4) return false;
   const std::string& what = path[4];
-  return what == "stats" || what == "slice" || what == "column" || what == "diff" || what == "line" || what.starts_with("box.") || what.starts_with("view.");
+  return what == "stats" || what == "slice" || what == "column" || what == "diff" || what == "line" || what.starts_with("box.") ||
+         what.starts_with("view.");
 } catch (const HttpError&) {
   return false;  // handle() refuses it
 }

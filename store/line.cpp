@@ -74,9 +74,7 @@ class Collector {
     for (int d = 0; d < 3; ++d) box.hi[d] = box.lo[d] + 1;
     box.lo[w_] = low, box.hi[w_] = high + 1;
     along_.assign(static_cast<size_t>(high - low + 1), 0);
-    for_each_run(reader_, 0, box, [&](const BoxRun& run) {
-      std::fill_n(along_.begin() + (run.start[w_] - low), run.length, material_(*run.set));
-    });
+    for_each_run(reader_, 0, box, [&](const BoxRun& run) { std::fill_n(along_.begin() + (run.start[w_] - low), run.length, material_(*run.set)); });
     double from = stretch.from;
     for (const auto& [i, to] : stretch.cells) {
       add(from, to, along_[static_cast<size_t>(i - low)]);

@@ -112,7 +112,8 @@ std::vector<T> numbers(std::string_view text, size_t count, std::string_view nam
     if constexpr (std::is_floating_point_v<T>) good &= std::isfinite(value);
     out.push_back(value);
   }
-  if (!good || out.size() != count) throw bad_request(fmt::format("{}: expected {} {} separated by commas, found {}", name, count, kind, clipped(text)));
+  if (!good || out.size() != count)
+    throw bad_request(fmt::format("{}: expected {} {} separated by commas, found {}", name, count, kind, clipped(text)));
   return out;
 }
 

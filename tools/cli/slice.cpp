@@ -5,8 +5,8 @@
 
 #include "server/picture/picture.hpp"
 #include "store/error.hpp"
-#include "tools/cli/command.hpp"
 #include "store/npy_header.hpp"
+#include "tools/cli/command.hpp"
 
 namespace teracell {
 namespace {

@@ -1,7 +1,7 @@
 // NumPy's array of one file, which numpy.load() and numpy.memmap() read.
+#include "store/npy_header.hpp"
 #include "store/query.hpp"
 #include "tools/export/dense.hpp"
-#include "store/npy_header.hpp"
 
 namespace teracell {
 namespace {

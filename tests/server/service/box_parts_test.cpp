@@ -46,7 +46,8 @@ TEST_CASE("The parts of a box are a header, the cells in the order z, y, x, and 
       const Index3 size = {box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]};
       const Bytes head = npy_header("|u1", {size[2], size[1], size[0]});
       CHECK(whole_file(*box_parts(reader, box, BoxFormat::kNpy)) == std::string(head.begin(), head.end()) + expected);
-      const Vec3 origin = {3 + 0.5 * static_cast<double>(box.lo[0]), 3 + 0.5 * static_cast<double>(box.lo[1]), 3 + 0.5 * static_cast<double>(box.lo[2])};
+      const Vec3 origin = {3 + 0.5 * static_cast<double>(box.lo[0]), 3 + 0.5 * static_cast<double>(box.lo[1]),
+                           3 + 0.5 * static_cast<double>(box.lo[2])};
       const VtkGrid vtk{size, origin, {0.5, 0.5, 0.5}, {}, meta.materials};
       CHECK(whole_file(*box_parts(reader, box, BoxFormat::kVti)) == vtk_header(vtk, 1) + expected + kVtkFooter);
     }

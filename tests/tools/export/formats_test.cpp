@@ -6,9 +6,9 @@
 #include <catch2/catch.hpp>
 
 #include "store/error.hpp"
+#include "store/npy_header.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
-#include "store/npy_header.hpp"
 
 using namespace teracell;
 using namespace teracell::testing;

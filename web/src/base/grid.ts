@@ -145,6 +145,11 @@ export interface ColumnRun {
   material: number;
   name: string;
 }
+// The materials along a line, as lengths from its first point.
+export interface LineAnswer {
+  length: number;
+  runs: { from: number; to: number; length: number; cells: number; material: number; name: string }[];
+}
 export interface Column {
   axis: string;
   at: [number, number];
@@ -171,8 +176,18 @@ export class GridAddress {
   view(ending: "png" | "bin" | "json", query: string): string {
     return `${this.base}/view.${ending}?${query}&v=${this.hash}`;
   }
-  column(axis: AxisIndex, a: number, b: number): string {
-    return `${this.base}/column/${AXIS_NAMES[axis]}/${a}_${b}?v=${this.hash}`;
+  // `from` and `to`: a part of its cells, half open.
+  column(axis: AxisIndex, a: number, b: number, from?: number, to?: number): string {
+    const part = from === undefined ? "" : `from=${from}&to=${to}&`;
+    return `${this.base}/column/${AXIS_NAMES[axis]}/${a}_${b}?${part}v=${this.hash}`;
+  }
+  // The materials along a straight line between two points.
+  line(from: readonly number[], to: readonly number[]): string {
+    return `${this.base}/line?from=${from.join(",")}&to=${to.join(",")}&v=${this.hash}`;
+  }
+  // A file with the cells of a box.
+  box(ending: "npy" | "vti" | "vtr", box: readonly number[]): string {
+    return `${this.base}/box.${ending}?region=${box.join(",")}`;
   }
   // No version: the answer depends on another grid as well.
   diff(other: string): string {

@@ -1,52 +1,56 @@
-// A box of cells, drawn in a view or typed, and what is in it, counted exactly. Also the last measured
-// distance.
+// A box of cells, drawn in a view or typed, and what is in it, counted exactly. Also what was measured.
+import { signal } from "@preact/signals";
 import { coordinate, grouped, percent, product, significant } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex, type Stats } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
 import type { Box, Viewer } from "../state/viewer";
 import { CopyButton } from "../widgets/copy";
-import { Fact } from "../widgets/fact";
+import { nearest_plane } from "../views/box_handles";
 import { Icon } from "../widgets/icons";
 import { Swatch } from "../widgets/swatch";
 import { stats_csv, with_end } from "./box_cells";
+import { Distance } from "./distance";
 import { cells_of } from "./look_card";
+import { TakeOut } from "./take_out";
 
 const MOST = 200; // materials that are listed
 
-// The first and the last cell along an axis. They change when the field is left or Enter is pressed, so that nothing
-// jumps while somebody types.
-function Range({ viewer, box, axis: d }: { viewer: Viewer; box: Box; axis: AxisIndex }) {
+const in_lengths = signal(false); // whether the ends of the box are shown as coordinates, not as cells
+
+// Both ends along an axis, as the first and the last cell or as coordinates of planes between cells. They change when the field is
+// left or Enter is pressed, so that nothing jumps while somebody types.
+function Range({ viewer, box, axis: d, lengths }: { viewer: Viewer; box: Box; axis: AxisIndex; lengths: boolean }) {
   const axis = viewer.axes[d];
   const [low, high] = [box[d], box[d + 3]!];
+  const shown = (end: "low" | "high", b: Box) => {
+    const plane = end === "low" ? b[d] : b[d + 3]!;
+    return lengths ? String(Number(axis.plane(plane).toPrecision(12))) : String(end === "low" ? plane : plane - 1);
+  };
   const set = (end: "low" | "high", field: HTMLInputElement) => {
-    const value = Math.round(Number(field.value));
-    if (field.value.trim() && Number.isFinite(value)) viewer.box.value = with_end(box, d, end, end === "high" ? value + 1 : value, axis.cells);
-    field.value = String(end === "high" ? viewer.box.value![d + 3]! - 1 : viewer.box.value![d]);
+    const value = Number(field.value);
+    const plane = lengths ? nearest_plane(axis, value) : Math.round(value) + (end === "high" ? 1 : 0);
+    if (field.value.trim() && Number.isFinite(value)) viewer.box.value = with_end(box, d, end, plane, axis.cells);
+    field.value = shown(end, viewer.box.value!);
   };
   const name = AXIS_NAMES[d];
-  const field = (end: "low" | "high", value: number) => (
+  const what = (end: "low" | "high") => (lengths ? `${end === "low" ? "Lower" : "Upper"} end along ${name} in ${viewer.units}` : `${end === "low" ? "First" : "Last"} cell along ${name}`);
+  const limits = lengths ? { step: "any" } : { min: 0, max: axis.cells - 1 };
+  const field = (end: "low" | "high") => (
     <td>
-      <input
-        class="number-input"
-        type="number"
-        aria-label={`${end === "low" ? "First" : "Last"} cell along ${name}`}
-        min={0}
-        max={axis.cells - 1}
-        value={value}
-        onChange={(e) => set(end, e.currentTarget)}
-      />
+      <input class="number-input" type="number" aria-label={what(end)} {...limits} value={shown(end, box)} onChange={(e) => set(end, e.currentTarget)} />
     </td>
   );
+  const extent = lengths ? `${grouped(high - low)} ${high - low === 1 ? "cell" : "cells"}` : `${significant(axis.plane(high) - axis.plane(low), 5)} ${viewer.units}`;
   return (
     <tr class={`axis-${name}`}>
       <th scope="row">{name}</th>
-      {field("low", low)}
-      {field("high", high - 1)}
+      {field("low")}
+      {field("high")}
       <td
         class="extent"
         title={`${coordinate(axis.plane(low), axis.width(low))} to ${coordinate(axis.plane(high), axis.width(high - 1))} ${viewer.units}`}
       >
-        {significant(axis.plane(high) - axis.plane(low), 5)} {viewer.units}
+        {extent}
       </td>
     </tr>
   );
@@ -115,51 +119,10 @@ function Content({ viewer, box }: { viewer: Viewer; box: Box }) {
   );
 }
 
-function Distance({ viewer }: { viewer: Viewer }) {
-  const m = viewer.measure.value;
-  const { units } = viewer;
-  const parts = m ? AXES.map((d) => m.to[d] - m.from[d]) : [];
-  return (
-    <section>
-      <h3>Distance</h3>
-      <div class="toolbar">
-        <button
-          class="button"
-          aria-pressed={viewer.tool.value === "measure"}
-          onClick={() => (viewer.tool.value = viewer.tool.value === "measure" ? "look" : "measure")}
-        >
-          Measure in a view
-        </button>
-        <span class="spacer" />
-        {m && (
-          <button class="button" onClick={() => (viewer.measure.value = null)}>
-            Clear
-          </button>
-        )}
-      </div>
-      {m ? (
-        <dl class="numbers">
-          <Fact name="distance">
-            <b>
-              {significant(Math.hypot(...parts), 6)} {units}
-            </b>
-          </Fact>
-          {AXES.filter((d) => d !== m.axis).map((d) => (
-            <Fact key={d} name={`along ${AXIS_NAMES[d]}`}>
-              {significant(Math.abs(parts[d]!), 6)} {units}
-            </Fact>
-          ))}
-        </dl>
-      ) : (
-        <p class="note">Drag from one place to another.</p>
-      )}
-    </section>
-  );
-}
-
 export function BoxPanel({ viewer }: { viewer: Viewer }) {
   const box = viewer.box.value;
   const drawing = viewer.tool.value === "box";
+  const lengths = in_lengths.value;
   return (
     <>
       <section>
@@ -173,6 +136,17 @@ export function BoxPanel({ viewer }: { viewer: Viewer }) {
               Whole grid
             </button>
           )}
+          <span class="spacer" />
+          {box && (
+            <div class="segmented" role="group" aria-label="Ends of the box">
+              <button aria-pressed={!lengths} onClick={() => (in_lengths.value = false)}>
+                cells
+              </button>
+              <button aria-pressed={lengths} onClick={() => (in_lengths.value = true)}>
+                {viewer.units}
+              </button>
+            </div>
+          )}
         </div>
         {box ? (
           <>
@@ -180,14 +154,14 @@ export function BoxPanel({ viewer }: { viewer: Viewer }) {
               <thead>
                 <tr>
                   <td />
-                  <th scope="col">first cell</th>
-                  <th scope="col">last cell</th>
+                  <th scope="col">{lengths ? `from [${viewer.units}]` : "first cell"}</th>
+                  <th scope="col">{lengths ? `to [${viewer.units}]` : "last cell"}</th>
                   <th scope="col">extent</th>
                 </tr>
               </thead>
               <tbody>
                 {AXES.map((d) => (
-                  <Range key={d} viewer={viewer} box={box} axis={d} />
+                  <Range key={`${d} ${lengths}`} viewer={viewer} box={box} axis={d} lengths={lengths} />
                 ))}
               </tbody>
             </table>
@@ -199,6 +173,7 @@ export function BoxPanel({ viewer }: { viewer: Viewer }) {
           </p>
         )}
       </section>
+      {box && <TakeOut viewer={viewer} box={box} />}
       <Distance viewer={viewer} />
     </>
   );

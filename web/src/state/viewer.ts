@@ -93,6 +93,7 @@ export class Viewer {
   readonly sweeping = signal<AxisIndex | null>(null); // the view whose slices are played
   readonly box = signal<Box | null>(null);
   readonly measure = signal<Measure | null>(null);
+  readonly thickness = signal<Index3 | null>(null); // the cell at which the thickness of its material is measured
   readonly tool = signal<"look" | "measure" | "box">("look");
   readonly measuring = signal(false); // whether keys have begun a line; without the tool it means nothing
   readonly markers = signal<readonly Marker[]>([]);

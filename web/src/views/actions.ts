@@ -1,7 +1,9 @@
 // What keys and buttons do to the views.
 import { batch } from "@preact/signals";
 import { FRAMES } from "../base/axis";
-import type { AxisIndex, Index3 } from "../base/grid";
+import type { AxisIndex, Column, Index3 } from "../base/grid";
+import { say, words_of } from "../base/messages";
+import { get_json } from "../server/api";
 import type { ViewName, Viewer } from "../state/viewer";
 
 // Shows one view alone, or all four again.
@@ -30,7 +32,7 @@ export function escape(viewer: Viewer): void {
       viewer.tool.value = "look";
       return;
     }
-    if (viewer.measure.value) viewer.measure.value = null;
+    if (viewer.measure.value) viewer.measure.value = viewer.thickness.value = null;
     else if (viewer.box.value) viewer.box.value = null;
     else viewer.pinned.value = null;
   });
@@ -69,6 +71,30 @@ export function mark_measure(viewer: Viewer, axis: AxisIndex): void {
 function crosshair({ axes, cell }: Viewer): [number, number, number] {
   const [i, j, k] = cell.value;
   return [axes[0].centre(i), axes[1].centre(j), axes[2].centre(k)];
+}
+
+// Measures how thick the material of a cell is: along the three axes, and in the slice where that is least.
+export function measure_thickness(viewer: Viewer, axis: AxisIndex, cell: Index3): void {
+  batch(() => {
+    viewer.set_cell(cell);
+    viewer.thickness.value = cell;
+    viewer.measure.value = null;
+    viewer.panel.value = "box";
+  });
+  const { u, v } = FRAMES[axis];
+  const run_along = async (d: AxisIndex) => {
+    const { runs } = await get_json<Column>(viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]));
+    return { d, run: runs.find(({ from, to }) => from <= cell[d] && cell[d] < to)! };
+  };
+  void Promise.all([run_along(u), run_along(v)]).then(
+    (found) => {
+      if (viewer.thickness.peek() !== cell) return; // another one is measured
+      const { d, run } = found.reduce((a, b) => (b.run.max - b.run.min < a.run.max - a.run.min ? b : a));
+      const end = (x: number) => viewer.axes.map((own, e) => (e === d ? x : own.centre(cell[e]!))) as [number, number, number];
+      viewer.measure.value = { axis, from: end(run.min), to: end(run.max) };
+    },
+    (error: unknown) => say(`The thickness can't be measured: ${words_of(error)}.`),
+  );
 }
 
 // Takes a tool for the next drag, or puts it away if it is taken.

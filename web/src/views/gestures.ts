@@ -2,9 +2,10 @@
 import { batch } from "@preact/signals";
 import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex, type Index3 } from "../base/grid";
-import { toggle_layout } from "./actions";
+import { measure_thickness, toggle_layout } from "./actions";
+import { cursor_of } from "./box_handles";
 import type { Stage } from "./stage";
-import { type Drag, start_tool } from "./tools";
+import { type Drag, handle_under, start_handle, start_tool } from "./tools";
 import type { View } from "./view";
 
 const NOTCH = 60; // pixels of scrolling from which on an event is a notch of a wheel, not a trackpad's
@@ -116,7 +117,7 @@ class Gestures {
     }
     this.presses = [{ cell: viewer.cell.value, pinned: viewer.pinned.value }, ...this.presses.slice(0, 1)];
     this.from = { ...at, moved: false, button: event.button };
-    this.drag = event.button === 0 ? start_tool(this.stage, this.axis, at.x, at.y) : null;
+    this.drag = event.button === 0 ? (start_tool(this.stage, this.axis, at.x, at.y) ?? start_handle(this.stage, this.axis, at.x, at.y)) : null;
     // Not every browser reports a long press as the opening of a context menu.
     if (event.pointerType === "touch" && !this.drag) this.long_press = window.setTimeout(() => this.recentre(at), LONG);
   }
@@ -137,11 +138,15 @@ class Gestures {
       stage.invalidate();
     }
     const last = this.pointers.get(event.pointerId);
-    if (!last) return;
+    if (!last) {
+      const handle = stage.viewer.tool.value === "look" ? handle_under(stage, this.axis, at.x, at.y) : null;
+      this.body.style.cursor = handle ? cursor_of(handle) : "";
+      return;
+    }
     if (this.pointers.size === 2) this.pinch(event.pointerId, at);
     else {
       this.pointers.set(event.pointerId, at);
-      this.pull(last, at);
+      this.pull(last, at, event.altKey);
     }
   }
 
@@ -159,14 +164,14 @@ class Gestures {
   }
 
   // Draws with the tool, or moves the picture.
-  private pull(last: Spot, at: Spot): void {
+  private pull(last: Spot, at: Spot, free: boolean): void {
     const { from } = this;
     if (!from) return;
     const starts = !from.moved && Math.hypot(at.x - from.x, at.y - from.y) > STILL;
     from.moved ||= starts;
     if (!from.moved || from.button === 2) return;
     clearTimeout(this.long_press);
-    if (this.drag) this.drag.move(at.x, at.y);
+    if (this.drag) this.drag.move(at.x, at.y, free);
     else {
       this.body.classList.add("dragging");
       const { x, y } = starts ? from : last;
@@ -182,15 +187,16 @@ class Gestures {
     if (!from || this.pointers.size > 0) return;
     const is_up = event.type === "pointerup";
     if (this.drag) this.drag.end(from.moved && is_up);
-    else if (!from.moved && from.button === 0 && is_up) this.click(this.spot_of(event));
+    else if (!from.moved && from.button === 0 && is_up) this.click(this.spot_of(event), event.shiftKey);
     this.drag = null;
     this.from = null;
   }
 
-  private click(at: Spot): void {
+  private click(at: Spot, shift: boolean): void {
     const { viewer } = this.stage;
     const cell = this.cell_at(at);
     if (!cell) return;
+    if (shift) return measure_thickness(viewer, this.axis, cell);
     const again = viewer.pinned.value?.every((i, d) => i === cell[d]) ?? false;
     viewer.set_cell(cell);
     if (!viewer.compared) viewer.pinned.value = again ? null : cell;

@@ -1,6 +1,6 @@
 // The keys of the views, which bindings.ts lists. They act on the view whose panel has the pointer or the focus.
 import type { Signal } from "@preact/signals";
-import { choose_tool, escape, fit, mark_measure, step_crosshair, toggle_layout, toggle_sweep } from "./actions";
+import { choose_tool, escape, fit, mark_measure, measure_thickness, step_crosshair, toggle_layout, toggle_sweep } from "./actions";
 import type { Stage } from "./stage";
 
 const PAN = 64; // CSS pixels
@@ -80,6 +80,7 @@ function actions_of(stage: Stage): Record<string, () => void> {
     c: () => viewer.go_to_cell(viewer.cell.value),
     m: () => choose_tool(viewer, "measure"),
     x: () => choose_tool(viewer, "box"),
+    t: () => measure_thickness(viewer, stage.active, viewer.cell.value),
     f: () => flip(viewer.figure),
     h: () => flip(viewer.help),
     Escape: () => escape(viewer),

@@ -1,5 +1,7 @@
 // The parts of an overlay that people put there: the pinned cell, the box, markers, the measured line.
-import type { Box } from "../state/viewer";
+import type { Box, Measure } from "../state/viewer";
+import { grouped } from "../base/format";
+import { handles_of, nearest_plane } from "./box_handles";
 import { length_text } from "./lengths";
 import type { Pen } from "./pen";
 
@@ -29,6 +31,7 @@ export function draw_box(pen: Pen, box: Box | null): void {
   const slice = viewer.cell.value[axis];
   const here = slice >= box[axis] && slice < box[axis + 3]!;
   pen.cells(box[frame.u], box[frame.u + 3]!, box[frame.v], box[frame.v + 3]!, pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
+  for (const { x, y } of handles_of(pen.camera, frame, box)) pen.handle(x, y);
 }
 
 const LONGEST = 60; // letters beside a marker
@@ -70,6 +73,17 @@ export function draw_markers(pen: Pen, level: number): void {
   }
 }
 
+// How many cells a line passes along the axes of the slice: one number where it runs along one of them.
+function cells_text({ frame, viewer }: Pen, { from, to }: Measure): string {
+  const across = ([frame.u, frame.v] as const).map((d) => {
+    const axis = viewer.axes[d];
+    return Math.abs(nearest_plane(axis, to[d]) - nearest_plane(axis, from[d]));
+  });
+  const [a, b] = across as [number, number];
+  if (a === 0 || b === 0) return `${grouped(a + b)} ${a + b === 1 ? "cell" : "cells"}`;
+  return `${grouped(a)} × ${grouped(b)} cells`;
+}
+
 export function draw_measure(pen: Pen): void {
   const { viewer, camera, axis, frame, ink } = pen;
   const measure = viewer.measure.value;
@@ -84,5 +98,5 @@ export function draw_measure(pen: Pen): void {
   pen.path([[x0 - nx, y0 - ny], [x0 + nx, y0 + ny]], ink.accent, { width: 2 });
   pen.path([[x1 - nx, y1 - ny], [x1 + nx, y1 + ny]], ink.accent, { width: 2 });
   pen.path([[x0, y0], [x1, y1]], ink.accent, { width: 2, dash: elsewhere ? ELSEWHERE : [] });
-  pen.plate(length_text(length, viewer.info.units, 5), (x0 + x1) / 2, (y0 + y1) / 2 - 18, ink.accent);
+  pen.plate(`${length_text(length, viewer.info.units, 5)} · ${cells_text(pen, measure)}`, (x0 + x1) / 2, (y0 + y1) / 2 - 18, ink.accent);
 }

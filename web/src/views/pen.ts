@@ -2,6 +2,7 @@
 import { FRAMES, type Frame } from "../base/axis";
 import type { AxisIndex } from "../base/grid";
 import type { Viewer } from "../state/viewer";
+import { HANDLE } from "./box_handles";
 import type { Camera } from "./camera";
 import type { Ink } from "./ink";
 
@@ -64,6 +65,18 @@ export class Pen {
       color,
       { ...options, close: true },
     );
+  }
+
+  // What can be dragged.
+  handle(x: number, y: number): void {
+    const c = this.context;
+    c.fillStyle = this.ink.plate;
+    c.strokeStyle = this.ink.accent;
+    c.lineWidth = 1.5;
+    c.beginPath();
+    c.rect(x - HANDLE, y - HANDLE, 2 * HANDLE, 2 * HANDLE);
+    c.fill();
+    c.stroke();
   }
 
   text(text: string, x: number, y: number, color = this.ink.text, align: CanvasTextAlign = "left", baseline: CanvasTextBaseline = "middle"): void {

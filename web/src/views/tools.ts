@@ -2,10 +2,12 @@
 import { FRAMES } from "../base/axis";
 import type { AxisIndex, Index3 } from "../base/grid";
 import type { Box } from "../state/viewer";
+import { type Handle, dragged, handle_at, handles_of } from "./box_handles";
+import { snapped } from "./snap";
 import type { Stage } from "./stage";
 
 export interface Drag {
-  move(x: number, y: number): void;
+  move(x: number, y: number, free: boolean): void; // free: nothing snaps
   end(drawn: boolean): void; // if it was not drawn, everything is as before
 }
 
@@ -35,14 +37,69 @@ function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
     p[v] = camera.v_at(y);
     return p;
   };
-  const from = point(x0, y0);
   const before = viewer.measure.value;
+  let [from, to] = [point(x0, y0), point(x0, y0)];
+  let ends = new AbortController(); // of the request for the end that is being drawn
+  const abort = new AbortController();
+  const draw = () => (viewer.measure.value = { axis, from, to });
+  const snap = (where: [number, number, number], signal: AbortSignal, take: (p: [number, number, number]) => void) => {
+    void snapped(viewer, axis, where, signal).then(
+      (p) => {
+        if (signal.aborted) return;
+        take(p);
+        draw();
+      },
+      () => {}, // it stays where it is
+    );
+  };
+  let begun = false;
   return {
-    move: (x, y) => (viewer.measure.value = { axis, from, to: point(x, y) }),
+    move: (x, y, free) => {
+      if (!begun && !free) snap(from, abort.signal, (p) => (from = p));
+      begun = true;
+      ends.abort();
+      ends = new AbortController();
+      to = point(x, y);
+      draw();
+      if (!free) snap(to, ends.signal, (p) => (to = p));
+    },
     end: (drawn) => {
-      if (!drawn) viewer.measure.value = before;
+      if (drawn) {
+        viewer.thickness.value = null;
+        viewer.panel.value = "box";
+        return;
+      }
+      abort.abort();
+      ends.abort();
+      viewer.measure.value = before;
     },
   };
+}
+
+// Drags the handle of the box that lies at (x, y), if there is one.
+export function start_handle(stage: Stage, axis: AxisIndex, x: number, y: number): Drag | null {
+  const { viewer } = stage;
+  const box = viewer.box.value;
+  const handle = handle_under(stage, axis, x, y);
+  if (!box || !handle) return null;
+  const camera = stage.views[axis].camera_of(viewer, 1);
+  const from = [camera.u_at(x), camera.v_at(y)] as const;
+  return {
+    move: (to_x, to_y) => {
+      stage.draft.value = dragged(viewer.axes, FRAMES[axis], box, handle, from, [camera.u_at(to_x), camera.v_at(to_y)]);
+    },
+    end: (drawn) => {
+      if (drawn && stage.draft.value) viewer.box.value = stage.draft.value;
+      stage.draft.value = null;
+    },
+  };
+}
+
+export function handle_under(stage: Stage, axis: AxisIndex, x: number, y: number): Handle | null {
+  const { viewer } = stage;
+  const box = viewer.box.value;
+  if (!box || viewer.zoom.value === 0) return null;
+  return handle_at(handles_of(stage.views[axis].camera_of(viewer, 1), FRAMES[axis], box), x, y);
 }
 
 // Across the view the box keeps its extent. A new box goes through the whole grid, until a drag in another view cuts

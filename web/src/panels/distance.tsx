@@ -1,0 +1,132 @@
+// What was measured: a line, with what it passes through, or how thick a material is.
+import { coordinate, grouped, significant } from "../base/format";
+import { FRAMES } from "../base/axis";
+import { AXES, AXIS_NAMES, type AxisIndex, type Column, type Index3, type LineAnswer } from "../base/grid";
+import { use_answer, use_settled } from "../server/answer";
+import type { Measure, Viewer } from "../state/viewer";
+import { Fact } from "../widgets/fact";
+import { Swatch } from "../widgets/swatch";
+
+const MOST = 50; // runs that are listed
+const SETTLED = 150; // milliseconds
+
+function Line({ viewer, measure }: { viewer: Viewer; measure: Measure }) {
+  const { units } = viewer;
+  const parts = AXES.map((d) => measure.to[d] - measure.from[d]);
+  const is_point = parts.every((x) => x === 0);
+  const settled = use_settled(is_point ? null : viewer.address.line(measure.from, measure.to), SETTLED);
+  const answer = use_answer<LineAnswer>(settled);
+  const runs = answer.value?.runs ?? [];
+  return (
+    <>
+      <dl class="numbers">
+        <Fact name="distance">
+          <b>
+            {significant(Math.hypot(...parts), 6)} {units}
+          </b>
+        </Fact>
+        {AXES.filter((d) => d !== measure.axis).map((d) => (
+          <Fact key={d} name={`along ${AXIS_NAMES[d]}`}>
+            {significant(Math.abs(parts[d]!), 6)} {units}
+          </Fact>
+        ))}
+      </dl>
+      {answer.error && <p class="problem">What the line passes through can't be told: {answer.error}</p>}
+      {runs.length > 0 && (
+        <table class="stats" aria-label="What the line passes through">
+          <thead>
+            <tr>
+              <th scope="col">through</th>
+              <th scope="col">cells</th>
+              <th scope="col">{units}</th>
+            </tr>
+          </thead>
+          <tbody>
+            {runs.slice(0, MOST).map((run, n) => (
+              <tr key={n}>
+                <th scope="row">
+                  <Swatch look={viewer.looks.value[run.material]} />
+                  <span title={run.name}>{run.name}</span>
+                </th>
+                <td>{grouped(run.cells)}</td>
+                <td>{significant(run.length, 5)}</td>
+              </tr>
+            ))}
+            {runs.length > MOST && (
+              <tr>
+                <td colSpan={3}>and {grouped(runs.length - MOST)} more</td>
+              </tr>
+            )}
+          </tbody>
+        </table>
+      )}
+    </>
+  );
+}
+
+function use_run(viewer: Viewer, d: AxisIndex, cell: Index3) {
+  const { value } = use_answer<Column>(viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]));
+  return value?.runs.find(({ from, to }) => from <= cell[d] && cell[d] < to) ?? null;
+}
+
+function Thickness({ viewer, cell }: { viewer: Viewer; cell: Index3 }) {
+  const runs = [use_run(viewer, 0, cell), use_run(viewer, 1, cell), use_run(viewer, 2, cell)];
+  const material = runs.find((run) => run)?.material;
+  const { units, axes } = viewer;
+  return (
+    <dl class="numbers">
+      <Fact name="thickness of">
+        {material === undefined ? (
+          "…"
+        ) : (
+          <>
+            <Swatch look={viewer.looks.value[material]} /> {viewer.info.materials[material]!.name}
+          </>
+        )}
+      </Fact>
+      {AXES.map((d) => {
+        const run = runs[d];
+        const at = (x: number) => coordinate(x, axes[d].width(cell[d]));
+        return (
+          <Fact key={d} name={`along ${AXIS_NAMES[d]}`} {...(run && { title: `from ${at(run.min)} to ${at(run.max)} ${units}` })}>
+            {run ? `${significant(run.max - run.min, 5)} ${units}, ${grouped(run.to - run.from)} ${run.to - run.from === 1 ? "cell" : "cells"}` : "…"}
+          </Fact>
+        );
+      })}
+    </dl>
+  );
+}
+
+export function Distance({ viewer }: { viewer: Viewer }) {
+  const { measure, thickness, tool } = viewer;
+  return (
+    <section>
+      <h3>Distance and thickness</h3>
+      <div class="toolbar">
+        <button class="button" aria-pressed={tool.value === "measure"} onClick={() => (tool.value = tool.value === "measure" ? "look" : "measure")}>
+          Measure in a view
+        </button>
+        <span class="spacer" />
+        {(measure.value || thickness.value) && (
+          <button
+            class="button"
+            onClick={() => {
+              measure.value = null;
+              thickness.value = null;
+            }}
+          >
+            Clear
+          </button>
+        )}
+      </div>
+      {thickness.value && <Thickness viewer={viewer} cell={thickness.value} />}
+      {measure.value && <Line viewer={viewer} measure={measure.value} />}
+      {!measure.value && !thickness.value && (
+        <p class="note">
+          Drag from one place to another: the ends snap to boundaries of materials, unless you hold alt. Shift and a click measure how thick the
+          material is there.
+        </p>
+      )}
+    </section>
+  );
+}

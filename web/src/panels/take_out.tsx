@@ -1,0 +1,104 @@
+// The cells of the box as a file, or as lines that fetch them.
+import { useState } from "preact/hooks";
+import { bytes_text, grouped, product } from "../base/format";
+import { AXES } from "../base/grid";
+import { say, words_of } from "../base/messages";
+import { get, has_token, server_root } from "../server/api";
+import type { Box, Viewer } from "../state/viewer";
+import { CodeLine, CopyButton } from "../widgets/copy";
+import { Icon } from "../widgets/icons";
+
+const MOST = 2n ** 32n; // cells that the server sends
+const MOST_HELD = 512n << 20n; // bytes that the page holds, where a token has to be sent
+
+// Lines of Python that fetch a box: NumPy and the standard library are enough.
+export const box_snippet = (address: string): string =>
+  [
+    "import io, urllib.request",
+    "import numpy",
+    `answer = urllib.request.urlopen("${address}")`,
+    "cells = numpy.load(io.BytesIO(answer.read()))  # [z, y, x], numbers of materials",
+  ].join("\n");
+
+function save_blob(blob: Blob, name: string): void {
+  const url = URL.createObjectURL(blob);
+  const a = document.createElement("a");
+  a.href = url;
+  a.download = name;
+  a.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}
+
+// A link where the browser can fetch the file by itself; where a token has to go along, a button.
+function SaveAs({ viewer, box, ending, held }: { viewer: Viewer; box: Box; ending: "npy" | "vti" | "vtr"; held: boolean }) {
+  const [busy, set_busy] = useState(false);
+  const address = viewer.address.box(ending, box);
+  const name = `${viewer.info.id}-box.${ending}`;
+  const text = (
+    <>
+      <Icon name="save" /> .{ending}
+    </>
+  );
+  if (!held)
+    return (
+      <a class="button" href={address} download={name} aria-label={`Save as .${ending}`}>
+        {text}
+      </a>
+    );
+  const save = async () => {
+    set_busy(true);
+    try {
+      save_blob(await (await get(address)).blob(), name);
+    } catch (error) {
+      say(`The box can't be saved: ${words_of(error)}.`);
+    }
+    set_busy(false);
+  };
+  return (
+    <button class="button" disabled={busy} onClick={() => void save()} aria-label={`Save as .${ending}`}>
+      {text}
+    </button>
+  );
+}
+
+export function TakeOut({ viewer, box }: { viewer: Viewer; box: Box }) {
+  const cells = product(AXES.map((d) => box[d + 3]! - box[d]));
+  const bytes = cells * (viewer.info.materials.length > 256 ? 2n : 1n);
+  const token = has_token();
+  const vtk = viewer.axes.some((axis) => axis.graded) ? "vtr" : "vti";
+  const lines = box_snippet(`${server_root()}/${viewer.address.box("npy", box)}`);
+  const fits = cells <= MOST && (!token || bytes <= MOST_HELD);
+  return (
+    <section>
+      <h3>Take the cells out</h3>
+      {fits ? (
+        <>
+          <div class="toolbar">
+            <SaveAs viewer={viewer} box={box} ending="npy" held={token} />
+            <SaveAs viewer={viewer} box={box} ending={vtk} held={token} />
+            <span class="note">{bytes_text(Number(bytes))}</span>
+          </div>
+          <p class="note">
+            .npy for NumPy, .{vtk} for ParaView. With Python, these lines fetch the box; they need <code>python3-numpy</code>
+            {token ? ", and a server that asks for no token." : "."}
+          </p>
+          <div class="code-line">
+            <pre>{lines}</pre>
+            <CopyButton text={lines} what="the lines that fetch the box" />
+          </div>
+        </>
+      ) : (
+        <>
+          <p class="note">
+            {grouped(cells)} cells are more than {token ? "the page can hold" : "the server sends at once"}. On the machine that has the file:
+          </p>
+          <CodeLine
+            class="hash"
+            text={`teracell export ${viewer.info.id}.tcell -o box.npy --region ${box.join(",")}`}
+            what="the command that writes the box"
+          />
+        </>
+      )}
+    </section>
+  );
+}
