@@ -84,7 +84,7 @@ class Sentences {
 Findings check(const GridReader& reader, int threads, const std::function<void(double)>& progress) {
   Findings out;
   out.hash = reader.hash();
-  add_reported(out, reader.report(), reader.meta().units);
+  add_reported(out, reader.report(), reader.meta());
   Sentences(reader, out).add(look_at_cells(reader, threads, progress));
   std::ranges::stable_sort(out.list, {}, [](const Finding& f) { return std::pair(f.level, f.kind); });
   return out;

@@ -10,6 +10,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kFlat = 1e-6;  // of a hole's diameter: coordinates of single precision are rounded by as much
+
 std::optional<Vec3> place_in(const json& j, const char* key) {
   const auto at = j.find(key);
   return at == j.end() || at->is_null() ? std::nullopt : std::optional(at->get<Vec3>());
@@ -20,7 +22,7 @@ const char* plural(uint64_t n, const char* one, const char* many) { return n == 
 // Reads the report in one go; the body that was read last is all that it holds.
 class Reported {
  public:
-  Reported(Findings& findings, const std::string& units) : findings_(findings), units_(units) {}
+  Reported(Findings& findings, const Metadata& meta) : findings_(findings), meta_(meta), units_(meta.units) {}
 
   void read(const std::string& report) {
     std::string top;  // the key of the outermost object
@@ -99,9 +101,38 @@ class Reported {
       return add(FindingKind::cap, FindingLevel::note, name, at,
                  fmt::format("An outer loop of '{}' was closed by walls and a floor beyond the domain.", name));
     const double across = j.at("diameter").get<double>(), gap = j.value("width", across), cells = j.value("width_cells", 0.0);
-    add(FindingKind::cap, cells >= 1 ? FindingLevel::warning : FindingLevel::note, name, at,
-        fmt::format("A hole of '{}', {} long and {} wide{}, was closed by a cap: the surface there is a guess.", name, length(across), length(gap),
-                    cells > 0 ? fmt::format(" ({:.3g} cells)", cells) : ""));
+    add_finding(findings_, {FindingKind::cap,
+                            cells >= 1 ? FindingLevel::warning : FindingLevel::note,
+                            {name},
+                            0,
+                            at,
+                            box_in(j),
+                            fmt::format("A hole of '{}', {} long and {} wide{}, was closed by a cap: {}.", name, length(across), length(gap),
+                                        cells > 0 ? fmt::format(" ({:.3g} cells)", cells) : "", shape_of_cap(j, across))});
+  }
+
+  // How much of a guess a cap is.
+  std::string shape_of_cap(const json& j, double across) const {
+    const auto off = j.find("off_plane");
+    if (off == j.end()) return "the surface there is a guess";
+    if (off->get<double>() <= kFlat * across) return "it is flat, as the edge of the hole is";
+    return fmt::format("a guess, since the edge of the hole is up to {} ({:.3g} cells) off a plane", length(off->get<double>()),
+                       j.value("off_plane_cells", 0.0));
+  }
+
+  // The cells that the box of a hole meets; none where it lies outside the grid.
+  std::optional<Box> box_in(const json& j) const {
+    const auto found = j.find("box");
+    if (found == j.end()) return std::nullopt;
+    const auto c = found->get<std::array<double, 6>>();
+    Box box;
+    for (size_t d = 0; d < 3; ++d) {
+      const Axis& axis = meta_.grid.axis[d];
+      if (!(c[d + 3] >= axis.min() && c[d] <= axis.max())) return std::nullopt;
+      box.lo[d] = axis.cell_at(std::max(c[d], axis.min()));
+      box.hi[d] = axis.cell_at(std::min(c[d + 3], axis.max())) + 1;
+    }
+    return box;
   }
 
   void lost(const std::string& name, const json& j) {
@@ -146,7 +177,8 @@ class Reported {
   }
 
   Findings& findings_;
-  const std::string& units_;
+  const Metadata& meta_;
+  const std::string& units_;  // as people write them
   std::vector<Finding> covered_;  // where the file has no overlaps by pair
   uint64_t bodies_ = 0;
   bool rays_only_ = false;
@@ -161,8 +193,8 @@ void add_finding(Findings& findings, Finding finding) {
   if (total.findings <= kMostFindings) findings.list.push_back(std::move(finding));
 }
 
-void add_reported(Findings& findings, const std::string& report, const std::string& units) try {
-  Reported(findings, units).read(report);
+void add_reported(Findings& findings, const std::string& report, const Metadata& meta) try {
+  Reported(findings, meta).read(report);
 } catch (const json::exception& e) {
   throw FormatError(fmt::format("report: expected what the mesher writes, found something else: {}", e.what()));
 }

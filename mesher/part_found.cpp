@@ -69,7 +69,7 @@ void fields(Way& way, T& item) {
     if constexpr (!std::is_const_v<T>) item.shells = counted ? std::optional(shells) : std::nullopt;
   } else if constexpr (std::is_same_v<Item, Hole>) {
     place(item.at), place(item.lo), place(item.hi);
-    all(item.edges, item.diameter, item.width, item.cap_area, item.extruded);
+    all(item.edges, item.diameter, item.width, item.cap_area, item.off_plane, item.extruded);
   } else if constexpr (std::is_same_v<Item, Flip>) {
     place(item.at);
     all(item.edges);

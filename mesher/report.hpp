@@ -18,6 +18,8 @@ struct HoleReport {
   uint64_t edges = 0;
   double diameter = 0, width = 0, cap_area = 0;          // in the grid's units; what they measure: caps.hpp
   double diameter_cells = 0, width_cells = 0;            // in cells, where they are narrowest near `at`
+  Vec3 lo{}, hi{};                                       // the box of its vertices
+  double off_plane = 0, off_plane_cells = 0;             // as in caps.hpp, and in cells
   bool extruded = false;
 };
 

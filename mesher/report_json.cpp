@@ -39,7 +39,13 @@ void write_hole(JsonWriter& out, const HoleReport& h) {
       .field("diameter_cells", h.diameter_cells)
       .field("width", h.width)
       .field("width_cells", h.width_cells)
-      .field("cap_area", h.cap_area);
+      .field("cap_area", h.cap_area)
+      .field("off_plane", h.off_plane)
+      .field("off_plane_cells", h.off_plane_cells);
+  out.key("box").begin_array();
+  for (const Vec3& corner : {h.lo, h.hi})
+    for (const double x : corner) out.value(x);
+  out.end_array();
   if (h.extruded) out.key("extruded").raw("true");
   out.end_object();
 }
@@ -152,6 +158,12 @@ HoleReport hole_in(const ordered_json& j) {
   h.width = j.value("width", 0.0);
   h.width_cells = j.value("width_cells", 0.0);
   h.cap_area = j.at("cap_area").get<double>();
+  h.off_plane = j.value("off_plane", 0.0);
+  h.off_plane_cells = j.value("off_plane_cells", 0.0);
+  if (const auto box = j.find("box"); box != j.end()) {
+    const auto c = box->get<std::array<double, 6>>();
+    h.lo = {c[0], c[1], c[2]}, h.hi = {c[3], c[4], c[5]};
+  }
   h.extruded = j.value("extruded", false);
   return h;
 }

@@ -112,8 +112,32 @@ Vec3 apex_of(const Loop& loop, bool float32) {
   return apex;
 }
 
+// The plane goes through the mean of the vertices, and its normal is that of the area that the loop encloses, seen along it. A loop
+// that encloses none, such as one that goes forth and back, has no plane.
+double off_plane(const Loop& loop) {
+  Vec3 mean{0, 0, 0}, normal{0, 0, 0};
+  for (const Vec3& v : loop)
+    for (int d = 0; d < 3; ++d) mean[d] += v[d] / static_cast<double>(loop.size());
+  const auto from_mean = [&](size_t i) {
+    const Vec3& v = loop[i % loop.size()];
+    return Vec3{v[0] - mean[0], v[1] - mean[1], v[2] - mean[2]};
+  };
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const Vec3 a = from_mean(i), b = from_mean(i + 1);
+    for (int d = 0; d < 3; ++d) normal[d] += a[(d + 1) % 3] * b[(d + 2) % 3] - a[(d + 2) % 3] * b[(d + 1) % 3];
+  }
+  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  if (!(length > 0)) return 0;
+  double off = 0;
+  for (size_t i = 0; i < loop.size(); ++i) {
+    const Vec3 v = from_mean(i);
+    off = std::max(off, std::abs(v[0] * normal[0] + v[1] * normal[1] + v[2] * normal[2]) / length);
+  }
+  return off;
+}
+
 Hole measure_hole(const Loop& loop, const Vec3& apex) {
-  Hole hole{apex, loop[0], loop[0], loop.size(), 0, 0, 0};
+  Hole hole{apex, loop[0], loop[0], loop.size(), 0, 0, 0, off_plane(loop)};
   double around = 0;
   for (size_t i = 0; i < loop.size(); ++i) {
     const Vec3 &a = loop[i], &b = loop[(i + 1) % loop.size()];

@@ -16,6 +16,7 @@ struct Hole {
   double diameter;    // twice the largest distance of its vertices from the apex
   double width;       // 4 × area / length of the edge: the diameter of a round hole, twice the gap of a crack
   double cap_area;    // or the area of the floor if the loop is extruded
+  double off_plane;   // the largest distance of its vertices from the plane that fits them: 0 for a flat loop
   bool extruded = false;
 };
 

@@ -81,6 +81,30 @@ TEST_CASE("Where the file keeps bodies apart, what is found is about bodies", "[
   CHECK(findings.walls[1].body == "cube");
 }
 
+Metadata reported_grid(const char* units) {
+  Metadata meta = metadata_of(cube_grid(0, 2, 20), 0, 1);
+  meta.units = units;
+  return meta;
+}
+
+TEST_CASE("A cap is flat, or a guess that says how far the edge of its hole is off a plane; its cells are told", "[check]") {
+  const auto found = [](const std::string& more) {
+    Findings findings;
+    add_reported(findings,
+                 R"({"bodies":[{"name":"a","flips":[],"cells":5,"lost":{},"holes":[{"at":[0,0,1],"edges":3,"diameter":2,"width":1,"cap_area":1)" + more +
+                     R"(}]}],"overlaps":{"pairs":0,"list":[]}})",
+                 reported_grid("mm"));
+    REQUIRE(findings.list.size() == 1);
+    return findings.list[0];
+  };
+  const Finding flat = found(R"(,"off_plane":1e-7,"off_plane_cells":1e-6,"box":[-1,0.25,0.4,0.05,0.25,0.61])");
+  CHECK(flat.text == "A hole of 'a', 2 mm long and 1 mm wide, was closed by a cap: it is flat, as the edge of the hole is.");
+  CHECK(flat.box == Box{{0, 2, 4}, {1, 3, 7}});
+  const Finding bent = found(R"(,"off_plane":0.25,"off_plane_cells":2.5,"box":[5,5,5,6,6,6])");
+  CHECK(bent.text.ends_with("was closed by a cap: a guess, since the edge of the hole is up to 0.25 mm (2.5 cells) off a plane."));
+  CHECK(!bent.box);
+}
+
 TEST_CASE("What the mesher reported becomes findings", "[check]") {
   const std::string report = R"({"schema":1,"bodies":[
     {"name":"a","facets":12,"flips":[{"at":[1,2,3],"edges":1}],"holes":[{"at":[0,0,1],"edges":3,"diameter":2,"width":0.5,"diameter_cells":4,"width_cells":1,"cap_area":1},
@@ -90,7 +114,7 @@ TEST_CASE("What the mesher reported becomes findings", "[check]") {
     {"name":"c","facets":12,"flips":[],"holes":[],"cells":9,"lost":{"x":{"number":0,"at":null},"y":{"number":3,"widest":0.5,"at":[1,1,1]},"z":{"number":0}}}],
     "lost_gaps":[{"material":"air","axis":"z","number":2,"widest":0.125,"at":[0,0,0]}],"scene":{"bodies":[{"name":"not this"}]},"warnings":["x"]})";
   Findings findings;
-  add_reported(findings, report, "mm");
+  add_reported(findings, report, reported_grid("mm"));
   std::vector<std::string> texts;
   for (const Finding& f : findings.list) texts.push_back(f.text);
   CHECK(texts == std::vector<std::string>{
@@ -114,7 +138,7 @@ TEST_CASE("Overlaps by pair take the place of what each body leaves to stronger 
   const std::string report = R"({"bodies":[{"name":"a","flips":[],"holes":[],"cells":5,"covered_cells":3,"lost":{}}],"overlaps":{"pairs":1200,"list":[
     {"bodies":["a","b"],"cells":3,"owner":"b","box":[0,1,2,3,4,5],"at":[0.5,1.5,2.5]},{"bodies":["a","c"],"cells":1,"owner":null,"box":[0,0,0,1,1,1],"at":[0,0,0]}]}})";
   Findings findings;
-  add_reported(findings, report, "m");
+  add_reported(findings, report, reported_grid("m"));
   REQUIRE(findings.list.size() == 2);
   CHECK(findings.list[0].text == "'a' and 'b' overlap in 3 cells, which 'b' owns.");
   CHECK(findings.list[1].text == "'a' and 'c' overlap in 1 cell, which a third body owns in part.");
@@ -127,8 +151,8 @@ TEST_CASE("A report that is something else is an error in words", "[check]") {
   for (const char* report : {"", "[", R"({"bodies":[{"name":1}]})", R"({"bodies":[{}]})", R"({"bodies":[],"overlaps":3})"}) {
     CAPTURE(report);
     Findings findings;
-    REQUIRE_THROWS_AS(add_reported(findings, report, "m"), FormatError);
-    REQUIRE_THROWS_WITH(add_reported(findings, report, "m"), Catch::StartsWith("report: expected what the mesher writes"));
+    REQUIRE_THROWS_AS(add_reported(findings, report, reported_grid("m")), FormatError);
+    REQUIRE_THROWS_WITH(add_reported(findings, report, reported_grid("m")), Catch::StartsWith("report: expected what the mesher writes"));
   }
 }
 

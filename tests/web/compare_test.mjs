@@ -47,6 +47,7 @@ test("the button compares with a grid of as many cells; the address says so, and
   assert.equal((await state(page, "centre"))[0], 45);
   await page.getByLabel("Compare with").selectOption("after");
   await page.waitForFunction(() => window.teracell?.other?.viewer.info.id === "after" && teracell.idle());
+  await page.waitForFunction(() => new URLSearchParams(location.hash.slice(1)).get("compare") === "after");
   await page.reload();
   await settled(page);
   assert.equal(await page.evaluate(() => teracell.other.viewer.info.id), "after");

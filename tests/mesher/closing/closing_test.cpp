@@ -276,5 +276,13 @@ TEST_CASE("Caps of doubles don't fit into STL, and nothing is written") {
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));
 }
 
+TEST_CASE("How far the edge of a hole is off a plane", "[closing]") {
+  const auto off = [](const Loop& loop) { return measure_hole(loop, apex_of(loop, false)).off_plane; };
+  CHECK(off({{0, 0, 1}, {2, 0, 1}, {2, 3, 1}, {0, 3, 1}}) == 0);
+  CHECK(off({{0, 0, 0}, {2, 0, 2}, {2, 3, 2}, {0, 3, 0}}) < 1e-15);  // aslant
+  CHECK(off({{0, 0, 0.5}, {2, 0, -0.5}, {2, 2, 0.5}, {0, 2, -0.5}}) == Approx(0.5));  // a saddle
+  CHECK(off({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}) == 0);                                 // no area, so no plane
+}
+
 }  // namespace
 }  // namespace teracell

@@ -11,23 +11,25 @@ export interface Scenery {
   readonly at: Vec3; // the crosshair; all points are in the overview's space
   readonly box: { low: Vec3; high: Vec3 } | null;
   readonly markers: readonly Vec3[];
+  readonly extents: readonly { low: Vec3; high: Vec3 }[]; // of what is marked
   readonly measure: { from: Vec3; to: Vec3 } | null;
 }
 
 interface Seen {
   readonly box: { readonly value: readonly number[] | null };
-  readonly markers: { readonly value: readonly { at: readonly number[] }[] };
+  readonly markers: { readonly value: readonly { at: readonly number[]; box?: readonly number[] }[] };
   readonly measure: { readonly value: { from: readonly number[]; to: readonly number[] } | null };
 }
 
 export function scenery_of(viewer: Seen, axes: Axes, space: Space, at: Vec3): Scenery {
   const box = viewer.box.value;
-  const corner = (first: number) => axes.map((axis, d) => to_space(space, d, axis.plane(box![first + d]!))) as Vec3;
+  const corner = (of: readonly number[], first: number) => axes.map((axis, d) => to_space(space, d, axis.plane(of[first + d]!))) as Vec3;
   const measure = viewer.measure.value;
   return {
     at,
-    box: box && { low: corner(0), high: corner(3) },
+    box: box && { low: corner(box, 0), high: corner(box, 3) },
     markers: viewer.markers.value.map((marker) => point_to_space(space, marker.at)),
+    extents: viewer.markers.value.flatMap(({ box: found }) => (found ? [{ low: corner(found, 0), high: corner(found, 3) }] : [])),
     measure: measure && { from: point_to_space(space, measure.from), to: point_to_space(space, measure.to) },
   };
 }
@@ -64,6 +66,8 @@ export function figure(view: Projection, half: Readonly<Vec3>, scenery: Scenery,
       over.push({ a, b, color: faint(theme.box, 0.3), width: 1.5 });
     }
   if (scenery.measure) over.push({ a: scenery.measure.from, b: scenery.measure.to, color: theme.measure, width: 2 });
+  for (const { low: a0, high: b0 } of scenery.extents)
+    for (const { a, b } of box_edges(a0, b0)) over.push({ a, b, color: faint(theme.marker, 0.6), width: 1 });
   for (const p of scenery.markers) {
     over.push({ a: p, b: p, color: faint(theme.marker, 0.4), width: 9 });
     under.push({ a: p, b: p, color: [1, 1, 1, 1], width: 13 }, { a: p, b: p, color: theme.marker, width: 9 });

@@ -6,4 +6,4 @@ const MOST_MARKERS = 60;
 
 // The worst first.
 export const markers_of = ({ findings }: Findings): Marker[] =>
-  findings.flatMap(({ at, text }) => (at ? [{ at, text }] : [])).slice(0, MOST_MARKERS);
+  findings.flatMap(({ at, text, box, kind }) => (at ? [{ at, text, ...(box && { box, guess: kind === "cap" }) }] : [])).slice(0, MOST_MARKERS);

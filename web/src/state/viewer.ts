@@ -35,6 +35,8 @@ export interface Measure {
 export interface Marker {
   at: [number, number, number]; // coordinates
   text: string;
+  box?: Box; // where all of it lies
+  guess?: boolean; // the box holds what was guessed, such as a cap: it is hatched
 }
 
 export const COMPARISON_MODES = ["side", "wipe", "differs"] as const;

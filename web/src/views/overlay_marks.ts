@@ -47,6 +47,35 @@ const LINE = 16; // CSS pixels
 
 export const overlap = (a: Label, b: Label): boolean => a.left < b.right && b.left < a.right && Math.abs(a.y - b.y) < LINE;
 
+const HATCH = 7; // CSS pixels between lines
+
+// Where something that was found lies.
+function draw_extent(pen: Pen, box: Box, hatched: boolean): void {
+  const { camera, context, frame, ink } = pen;
+  const [left, right] = [camera.x_of(camera.across.plane(box[frame.u])), camera.x_of(camera.across.plane(box[frame.u + 3]!))];
+  const [top, bottom] = [camera.y_of(camera.up.plane(box[frame.v + 3]!)), camera.y_of(camera.up.plane(box[frame.v]))];
+  if (right < 0 || left > camera.width || bottom < 0 || top > camera.height) return;
+  context.globalAlpha = 0.75;
+  pen.cells(box[frame.u], box[frame.u + 3]!, box[frame.v], box[frame.v + 3]!, ink.marker, { width: 1, dash: [3, 3] });
+  if (hatched && bottom - top > 2 && right - left > 2) {
+    context.save();
+    context.beginPath();
+    context.rect(left, top, right - left, bottom - top);
+    context.clip();
+    const [x0, x1, y0, y1] = [Math.max(left, 0), Math.min(right, camera.width), Math.max(top, 0), Math.min(bottom, camera.height)];
+    context.beginPath();
+    for (let x = Math.floor((x0 - (y1 - y0)) / HATCH) * HATCH; x < x1; x += HATCH) {
+      context.moveTo(x, y1);
+      context.lineTo(x + (y1 - y0), y0);
+    }
+    context.strokeStyle = ink.marker;
+    context.lineWidth = 1;
+    context.stroke();
+    context.restore();
+  }
+  context.globalAlpha = 1;
+}
+
 // The worst comes first; a label that would lie over an earlier one is left out, its marker is not.
 export function draw_markers(pen: Pen, level: number): void {
   const { camera, viewer, frame, axis, ink, context } = pen;
@@ -54,6 +83,7 @@ export function draw_markers(pen: Pen, level: number): void {
   const slice = viewer.cell.value[axis];
   const [low, high] = [across.plane((slice >> level) * 2 ** level), across.plane(Math.min(((slice >> level) + 1) * 2 ** level, across.cells))];
   const labels: Label[] = [];
+  for (const { box, guess } of viewer.markers.value) if (box && slice >= box[axis] && slice < box[axis + 3]!) draw_extent(pen, box, guess === true);
   for (const { at, text } of viewer.markers.value) {
     const w = at[axis];
     const away = Math.max(low - w, w - high, 0) * camera.zoom;
