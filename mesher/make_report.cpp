@@ -14,7 +14,18 @@ namespace {
 using What = TallyKey::What;
 
 HoleReport hole_report(const Hole& h, const Grid& grid) {
-  return {h.at, h.edges, h.diameter, h.width, h.cap_area, in_cells(h.diameter, h.at, grid), in_cells(h.width, h.at, grid), h.lo, h.hi, h.off_plane, in_cells(h.off_plane, h.at, grid), h.extruded};
+  return {h.at,
+          h.edges,
+          h.diameter,
+          h.width,
+          h.cap_area,
+          in_cells(h.diameter, h.at, grid),
+          in_cells(h.width, h.at, grid),
+          h.lo,
+          h.hi,
+          h.off_plane,
+          in_cells(h.off_plane, h.at, grid),
+          h.extruded};
 }
 
 LostReport lost_report(const TallyKey& key, const Grid& grid, const Tallies& tallies) {

@@ -91,8 +91,8 @@ TEST_CASE("A cap is flat, or a guess that says how far the edge of its hole is o
   const auto found = [](const std::string& more) {
     Findings findings;
     add_reported(findings,
-                 R"({"bodies":[{"name":"a","flips":[],"cells":5,"lost":{},"holes":[{"at":[0,0,1],"edges":3,"diameter":2,"width":1,"cap_area":1)" + more +
-                     R"(}]}],"overlaps":{"pairs":0,"list":[]}})",
+                 R"({"bodies":[{"name":"a","flips":[],"cells":5,"lost":{},"holes":[{"at":[0,0,1],"edges":3,"diameter":2,"width":1,"cap_area":1)" +
+                     more + R"(}]}],"overlaps":{"pairs":0,"list":[]}})",
                  reported_grid("mm"));
     REQUIRE(findings.list.size() == 1);
     return findings.list[0];

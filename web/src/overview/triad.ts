@@ -4,7 +4,7 @@ import { AXIS_NAMES } from "../base/grid";
 import type { Projection } from "./camera";
 import { element } from "./dom";
 
-const ARM = 38; // pixels
+const ARM = 40; // pixels
 const APART = 24; // pixels between ends that can both be hit: WCAG 2.2, 2.5.8
 
 export interface Triad {
