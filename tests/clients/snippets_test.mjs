@@ -40,6 +40,31 @@ test("every program with lines is run here", () => {
   assert.deepEqual(all.filter((d) => d.lines).map((d) => d.name), run);
 });
 
+// Modules of Debian's packages that don't come with those that are named can't be imported here: the lines run all the same.
+test("the packages that are named are enough", () => {
+  const run = (text) => execFileSync("/usr/bin/python3", ["-c", text], { cwd: folder, encoding: "utf8" });
+  const of_debian = `import sys
+for m in list(sys.modules.values()):
+    file = getattr(m, "__file__", None) or ""
+    if file.startswith("/usr/lib/python3/dist-packages/"): print(m.__name__.split(".")[0], file)`;
+  const depends = ["depends", "--recurse", "--no-recommends", "--no-suggests", "--no-conflicts", "--no-breaks", "--no-replaces", "--no-enhances"];
+  for (const { name, lines, packages } of all.filter((d) => d.language === "python")) {
+    const modules = run(`${lines}\n${of_debian}`).trim().split("\n").map((line) => line.split(" "));
+    const owners = execFileSync("dpkg", ["-S", ...new Set(modules.map(([, file]) => file))], { encoding: "utf8" }).trim().split("\n");
+    const owner = new Map(owners.map((line) => [line.slice(line.indexOf(": ") + 2), line.split(":")[0]])); // "python3-x:amd64: /usr/..."
+    const come = execFileSync("apt-cache", [...depends, ...packages], { encoding: "utf8", maxBuffer: 1 << 26 });
+    const there = new Set(come.split("\n").filter((line) => /^\S/.test(line)));
+    const missing = new Set(modules.filter(([, file]) => !there.has(owner.get(file))).map(([module]) => module));
+    assert.ok(modules.length > missing.size, `${name} uses no module of its packages`);
+    const without = `import sys
+class Missing:
+    def find_spec(self, name, path, target=None):
+        if name.split(".")[0] in ${JSON.stringify([...missing])}: raise ImportError(name + " does not come with the packages that are named")
+sys.meta_path.insert(0, Missing())`;
+    run(`${without}\n${lines}`);
+  }
+});
+
 test("Python: zarr", () => expect_same(python(door("Python: zarr").lines, write("cells")), slice, "the slice"));
 test("Python: xarray", () => expect_same(python(door("Python: xarray").lines, write("label")), cells.data, "the grid"));
 

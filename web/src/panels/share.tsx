@@ -14,6 +14,11 @@ function DoorCard({ door }: { door: Door }) {
     <div class="door">
       <h4>{door.name}</h4>
       {door.note && <p class="note">{door.note}</p>}
+      {door.packages.length > 0 && (
+        <p class="note">
+          {door.language === "python" || door.language === "shell" ? "Debian" : "npm"}: <code>{door.packages.join(" ")}</code>
+        </p>
+      )}
       <CodeLine class="code-line" text={door.address} what={`the address for ${door.name}`} />
       {door.lines && (
         <div class="code-line">

@@ -8,6 +8,7 @@ export interface Door {
   address: string;
   language: "python" | "javascript" | "html" | "shell";
   lines: string | null; // what to type there
+  packages: readonly string[]; // of Debian or, for pages, of npm, that the lines need
   note?: string;
 }
 
@@ -36,13 +37,15 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       name: "Python: zarr",
       address: zarr2,
       lines: `import zarr\ncells = zarr.open("${zarr2}", mode="r")["${level}"][${at(z)}]  # [y, x] of level ${level}`,
-      note: "Zarr v2; needs fsspec and aiohttp",
+      packages: ["python3-zarr", "python3-fsspec", "python3-aiohttp"],
+      note: "Zarr v2",
     },
     {
       ...python,
       name: "Python: xarray",
       address: xarray,
       lines: `import xarray\nlabel = xarray.open_zarr("${xarray}").label`,
+      packages: ["python3-xarray", "python3-zarr", "python3-fsspec", "python3-aiohttp"],
       note: `with coordinates, also those of graded grids; level ${level}`,
     },
     {
@@ -50,6 +53,7 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       name: "Python: dask",
       address: `${zarr2}/${level}`,
       lines: `import dask.array\ncounts = dask.array.bincount(dask.array.from_zarr("${zarr2}/${level}").ravel()).compute()`,
+      packages: ["python3-dask", "python3-zarr", "python3-fsspec", "python3-aiohttp"],
       note: `counts the cells of every material on level ${level}`,
     },
     {
@@ -57,7 +61,8 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       name: "ParaView",
       address: xarray,
       lines: `import xarray\nxarray.open_zarr("${xarray}").label.astype("int16").to_netcdf("grid.nc")`,
-      note: "writes a file that ParaView opens; needs netCDF4 for Python",
+      packages: ["python3-xarray", "python3-zarr", "python3-fsspec", "python3-aiohttp", "python3-netcdf4"],
+      note: "writes a file that ParaView opens",
     },
     {
       language: "javascript",
@@ -68,6 +73,7 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
         `const array = await zarr.open(new zarr.FetchStore("${zarr3}/${level}"), { kind: "array" });`,
         `const cells = await zarr.get(array, [${at(z)}, null, null]);`,
       ].join("\n"),
+      packages: ["zarrita"],
       note: `Zarr v3, OME-Zarr 0.5; ${IN_PAGES}`,
     },
     {
@@ -75,13 +81,15 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       name: "OpenSeadragon (Deep Zoom)",
       address: dzi,
       lines: `OpenSeadragon({ id: "view", tileSources: "${dzi}" });`,
+      packages: ["openseadragon"],
       note: `the slice across z at the crosshair; ${IN_PAGES}`,
     },
-    { language: "html", name: "IIIF viewers", address: `${root}/iiif/${id}-z-${z}/info.json`, lines: null, note: `the same slice; ${IN_PAGES}` },
+    { language: "html", name: "IIIF viewers", address: `${root}/iiif/${id}-z-${z}/info.json`, lines: null, packages: [], note: `the same slice; ${IN_PAGES}` },
     {
       language: "shell",
       name: "curl",
       address: api,
+      packages: ["curl"],
       lines: [
         `curl -s "${api}/column/z/${x}_${y}"  # the runs along z through the crosshair`,
         `curl -so slice.png "${api}/slice/z/${at(z)}.png?level=${level}"`,
