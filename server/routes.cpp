@@ -1,6 +1,7 @@
 #include "server/routes.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -24,6 +25,7 @@ using nlohmann::ordered_json;
 
 constexpr const char* kJson = "application/json";
 constexpr double kMostBoxCells = 4294967296.0;  // 2^32
+constexpr double kMostLineCells = 1048576;      // 2^20, which take about a second
 
 Response plain(const char* route, const char* type, std::string text) {
   Response r;
@@ -237,6 +239,13 @@ Response line(const GridRequest& r) {
     ends[static_cast<size_t>(i)] = {c[0], c[1], c[2]};
   }
   if (ends[0] == ends[1]) throw bad_request("to: expected another point than from");
+  double cells = 1;
+  for (int d = 0; d < 3; ++d) {
+    const Axis& axis = r.meta().grid.axis[d];
+    const auto cell = [&](double x) { return static_cast<double>(axis.cell_at(std::clamp(x, axis.min(), axis.max()))); };
+    cells += std::abs(cell(ends[1][static_cast<size_t>(d)]) - cell(ends[0][static_cast<size_t>(d)]));
+  }
+  if (cells > kMostLineCells) throw bad_request(fmt::format("to: expected a line through at most {:.0f} cells, found {:.0f}", kMostLineCells, cells));
   return json_answer(r, "line", [&, ends] { return line_json(r.meta(), ends[0], ends[1], read_line(r.reader(), ends[0], ends[1])); });
 }
 

@@ -45,10 +45,22 @@ inline std::vector<std::string> targets_of(const Metadata& meta, int levels) {
       out.push_back(fmt::format("{}/slice/{}/{}.png?level={}&region=0,0,{},{}&outline=1", api, name, i, level, std::min<int64_t>(w, 2048),
                                 std::min<int64_t>(h, 2048)));
       const auto tile = fmt::format("{}/tile/{}/{}/{}/", api, name, i, level);
-      for (const char* end : {"0_0.png", "0_0.bin", "0_0.bin?sets=1", "0_0.png?outline=1"}) out.push_back(tile + end);
+      for (const char* end : {"0_0.png", "0_0.bin", "0_0.bin?sets=1", "0_0.bin?sets=1&bodies=1", "0_0.png?outline=1"}) out.push_back(tile + end);
       out.push_back(fmt::format("{}{}_{}.bin?sets=1", tile, (w - 1) / 1024, (h - 1) / 1024));
     }
   }
+  const auto corner = [&](int64_t x, int64_t y, int64_t z) {
+    return fmt::format("{},{},{}", meta.grid.axis[0].plane(x), meta.grid.axis[1].plane(y), meta.grid.axis[2].plane(z));
+  };
+  const std::string first = corner(0, 0, 0);
+  for (const std::string& last : {corner(n0[0], n0[1], n0[2]), corner(n0[0], 0, 0), corner(0, n0[1], 0), corner(0, 0, n0[2])})
+    out.push_back(fmt::format("{}/line?from={}&to={}", api, first, last));
+  for (const char* ending : {"npy", "vti", "vtr"}) {
+    out.push_back(fmt::format("{}/box.{}", api, ending));
+    out.push_back(fmt::format("{}/box.{}?region=0,0,0,{},{},{}", api, ending, std::min<int64_t>(n0[0], 2048), std::min<int64_t>(n0[1], 2048),
+                              std::min<int64_t>(n0[2], 1024)));
+  }
+  out.push_back(fmt::format("{}/stats?bodies=1", api));
   for (const int level : some) {
     const Index3 n = meta.grid.cells(level);
     out.push_back(fmt::format("{}/cell?i={}&j={}&k={}&level={}", api, n[0] / 2, n[1] / 2, n[2] / 2, level));

@@ -62,7 +62,7 @@ test("the list is filtered and ordered, and what is found is hidden or shown alo
   const page = await open_grid(browser, `${apart.url}#g=bodies&panel=bodies`);
   const titles = () => page.locator(".materials .material-title").allTextContents();
   await page.getByLabel("Order of the bodies").selectOption("most");
-  const counted = bodies.toSorted((a, b) => b.cells - a.cells).map(({ name, material }) => name || materials[material].name);
+  const counted = [...bodies].sort((a, b) => b.cells - a.cells).map(({ name, material }) => name || materials[material].name);
   await page.waitForFunction((first) => document.querySelector(".materials .material-title").textContent.startsWith(first), counted[0]);
   assert.deepEqual((await titles()).map((title, n) => title.startsWith(counted[n])), counted.map(() => true));
   await page.getByLabel("Filter bodies by name").fill("TIER");

@@ -22,6 +22,7 @@ test("what can't be made is said", () => {
   assert.match(fault_of({ ...STANDARD, width: Number.NaN })!, /above 0/);
   assert.match(fault_of({ ...STANDARD, width: 1000, dpi: 2400 })!, /94488 pixels wide: 100 to 10000/);
   assert.equal(fault_of({ ...STANDARD, format: "svg", width: 1000, dpi: 2400 }), null, "shapes have no pixels");
+  assert.match(fault_of({ ...STANDARD, format: "svg", width: 1e9 })!, /3\.5 metres/);
   assert.match(fault_of({ ...STANDARD, subject: "3d", format: "svg" })!, /choose PNG/);
 });
 

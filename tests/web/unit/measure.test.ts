@@ -3,9 +3,9 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis, FRAMES } from "@page/base/axis";
 import type { Box } from "@page/state/viewer";
-import { type Handle, cursor_of, dragged, handle_at, handles_of, nearest_plane } from "@page/views/box_handles";
+import { type Handle, cells_between, cursor_of, dragged, handle_at, handles_of, nearest_plane } from "@page/views/box_handles";
 import { Camera } from "@page/views/camera";
-import { nearest_boundary } from "@page/views/snap";
+import { nearer, nearest_boundary } from "@page/views/snap";
 import { box_snippet } from "@page/panels/take_out";
 import { random_of, whole } from "./random";
 
@@ -20,6 +20,25 @@ test("the nearest boundary within reach is found, and the ends of the runs are n
   assert.equal(nearest_boundary(runs, 2.3, 0.1), null);
   assert.equal(nearest_boundary(runs, 0.1, 1), null, "the grid's own side is no boundary between materials");
   assert.equal(nearest_boundary([], 1, 9), null);
+});
+
+test("one coordinate snaps, the nearer one: on an aslant boundary both would leave it again", () => {
+  const p = [1, 2, 3] as const;
+  assert.deepEqual(nearer(p, 0, 1.5, 1, 2.2), [1, 2.2, 3]);
+  assert.deepEqual(nearer(p, 0, 1.1, 1, 2.2), [1.1, 2, 3]);
+  assert.deepEqual(nearer(p, 0, null, 1, 2.2), [1, 2.2, 3]);
+  assert.deepEqual(nearer(p, 0, 1.1, 1, null), [1.1, 2, 3]);
+  assert.deepEqual(nearer(p, 0, null, 1, null), [1, 2, 3]);
+});
+
+test("cells between two coordinates are those that a line passes through", () => {
+  const axis = uniform(40); // from -2, cells of 0.5
+  assert.equal(cells_between(axis, -1, 1), 4); // from plane to plane
+  assert.equal(cells_between(axis, 1, -1), 4);
+  assert.equal(cells_between(axis, -0.75, 0.75), 4); // from centre to centre
+  assert.equal(cells_between(axis, 0.1, 0.2), 1);
+  assert.equal(cells_between(axis, 0.1, 0.1), 0);
+  assert.equal(cells_between(axis, -99, 99), 40);
 });
 
 test("the nearest plane is found on uniform and graded axes, also outside", () => {

@@ -189,7 +189,7 @@ export function FigureDialog({ viewer }: { viewer: Viewer }) {
     if (!shown) return dialog.current!.close();
     const { layout } = viewer;
     const alone = layout.peek() === "four" ? null : layout.peek();
-    if (alone) choices.value = { ...choices.peek(), subject: alone as Subject, ...(alone === "3d" && { format: "png" }) };
+    choices.value = { ...choices.peek(), title: "", ...(alone && { subject: alone as Subject }), ...(alone === "3d" && { format: "png" }) };
     if (!dialog.current!.open) dialog.current!.showModal();
   }, [shown]);
   const close = () => (viewer.figure.value = false);

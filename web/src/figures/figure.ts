@@ -7,7 +7,7 @@ import type { Rgb } from "../tiles/sets";
 import { length_text, round_length } from "../views/lengths";
 import { CanvasSheet } from "./canvas_sheet";
 import { type Layout, SIZE, TITLE, laid_out } from "./layout";
-import { type FigureOptions, pixels_of, points_of } from "./options";
+import { type FigureOptions, points_of } from "./options";
 import { with_density } from "./png";
 import { type Sheet, text_width } from "./sheet";
 import { slice_subject } from "./slice_subject";
@@ -110,25 +110,34 @@ async function subject_of(viewer: Viewer, options: FigureOptions, signal: AbortS
   return space_subject(viewer, options, ground, signal);
 }
 
+const MOST = 64e6; // pixels
+const SHAPES = 8192; // pixels across, as fine as which shapes are at most
+
 interface Drawing {
+  readonly scale: number; // pixels per point
   readonly subject: Subject;
   readonly picture: Picture;
   readonly layout: Layout;
   readonly legend: readonly Entry[];
 }
 
-// `scale`: pixels per point.
-async function drawing_of(viewer: Viewer, options: FigureOptions, scale: number, signal: AbortSignal): Promise<Drawing> {
+// `scale_for`: pixels per point, for a layout without its legend. Throws when it would have too many pixels.
+async function drawing_of(viewer: Viewer, options: FigureOptions, scale_for: (layout: Layout) => number, signal: AbortSignal): Promise<Drawing> {
   const subject = await subject_of(viewer, options, signal);
   const measure = (text: string) => text_width(text, { size: SIZE });
   const layout_of = (legend: readonly string[]) =>
     laid_out({ width: points_of(options), aspect: subject.aspect, title: options.title !== "", axes: options.axes ? subject.axes : null, legend }, measure);
-  const picture = await subject.fetch(Math.max(1, Math.round(layout_of([]).plot.width * scale)), options.format === "svg", signal);
+  const bare = layout_of([]);
+  const shapes = options.format === "svg";
+  const scale = shapes ? Math.min(options.dpi / 72, SHAPES / bare.width, SHAPES / bare.height) : scale_for(bare);
+  const [width, height] = [Math.round(bare.width * scale), Math.round(bare.height * scale)];
+  if (width * height > MOST) throw new Error(`${width} × ${height} pixels are more than the ${MOST / 1e6} million that can be made`);
+  const picture = await subject.fetch(Math.max(1, Math.round(bare.plot.width * scale)), shapes, signal);
   const legend = options.legend ? legend_of(viewer, picture.labels) : [];
-  return { subject, picture, layout: layout_of(legend.map(({ name }) => name)), legend };
+  return { scale, subject, picture, layout: layout_of(legend.map(({ name }) => name)), legend };
 }
 
-function on_canvas(viewer: Viewer, options: FigureOptions, scale: number, { subject, picture, layout, legend }: Drawing): HTMLCanvasElement {
+function on_canvas(viewer: Viewer, options: FigureOptions, { scale, subject, picture, layout, legend }: Drawing): HTMLCanvasElement {
   const sheet = new CanvasSheet(layout.width, layout.height, scale);
   const { ground } = COLORS[options.ground];
   if (ground) sheet.fill({ x: 0, y: 0, width: layout.width, height: layout.height }, `rgb(${ground.join(" ")})`);
@@ -137,20 +146,16 @@ function on_canvas(viewer: Viewer, options: FigureOptions, scale: number, { subj
   return sheet.canvas;
 }
 
-const MOST = 64e6; // pixels
-
-// What the figure will look like, at most this many pixels wide.
-export async function preview_of(viewer: Viewer, options: FigureOptions, width: number, signal: AbortSignal): Promise<{ canvas: HTMLCanvasElement; height: number }> {
-  const scale = width / points_of(options);
+// What the figure will look like, at most this many pixels wide and high, and how many pixels high it will be.
+export async function preview_of(viewer: Viewer, options: FigureOptions, most: number, signal: AbortSignal): Promise<{ canvas: HTMLCanvasElement; height: number }> {
   const pixels = { ...options, format: "png" as const };
-  const drawing = await drawing_of(viewer, pixels, scale, signal);
-  return { canvas: on_canvas(viewer, pixels, scale, drawing), height: (drawing.layout.height * options.dpi) / 72 };
+  const drawing = await drawing_of(viewer, pixels, ({ width, height }) => Math.min(most / width, most / height), signal);
+  return { canvas: on_canvas(viewer, pixels, drawing), height: (drawing.layout.height * options.dpi) / 72 };
 }
 
 // Throws when it can't be made. REQUIRES: fault_of() finds none in the options.
 export async function make_figure(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<Figure> {
-  const scale = options.dpi / 72;
-  const drawing = await drawing_of(viewer, options, scale, signal);
+  const drawing = await drawing_of(viewer, options, () => options.dpi / 72, signal);
   const { layout, picture, subject, legend } = drawing;
   if (options.format === "svg") {
     const sheet = new SvgSheet(layout.width, layout.height);
@@ -160,9 +165,7 @@ export async function make_figure(viewer: Viewer, options: FigureOptions, signal
     draw(sheet, viewer, options, subject, layout, legend);
     return { blob: new Blob([sheet.document()], { type: "image/svg+xml" }), width: layout.width, height: layout.height, note: picture.note };
   }
-  const height = Math.round(layout.height * scale);
-  if (height * pixels_of(options) > MOST) throw new Error(`${pixels_of(options)} × ${height} pixels are more than the ${MOST / 1e6} million that can be made`);
-  const canvas = on_canvas(viewer, options, scale, drawing);
+  const canvas = on_canvas(viewer, options, drawing);
   const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
   if (!blob) throw new Error("the browser ran out of memory");
   const png = with_density(new Uint8Array(await blob.arrayBuffer()), options.dpi);

@@ -35,6 +35,7 @@ export const STANDARD: FigureOptions = {
 const POINT = 72; // of an inch
 export const [LEAST_DPI, MOST_DPI] = [36, 2400];
 const [NARROWEST, WIDEST] = [100, 10_000]; // pixels
+const WIDEST_PAGE = 1e4; // points, 3.5 m
 
 // The width in points, of which an inch has 72.
 export function points_of({ width, unit, dpi }: FigureOptions): number {
@@ -49,6 +50,7 @@ export function fault_of(options: FigureOptions): string | null {
   if (!(width > 0)) return "The width must be above 0.";
   if (subject === "3d" && format === "svg") return "The picture in three dimensions is made of pixels: choose PNG.";
   const pixels = pixels_of(options);
+  if (format === "svg" && points_of(options) > WIDEST_PAGE) return "The figure would be wider than 3.5 metres.";
   if (format === "svg" || (pixels >= NARROWEST && pixels <= WIDEST)) return null;
   return `The figure would be ${pixels} pixels wide: ${NARROWEST} to ${WIDEST} can be made.`;
 }

@@ -74,7 +74,7 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
         `const cells = await zarr.get(array, [${at(z)}, null, null]);`,
       ].join("\n"),
       packages: ["zarrita"],
-      note: `Zarr v3, OME-Zarr 0.5; ${IN_PAGES}`,
+      note: `Zarr v3, OME-Zarr 0.5; for an ES module (in Node.js a file .mjs); ${IN_PAGES}`,
     },
     {
       language: "html",
@@ -82,7 +82,7 @@ export function doors(info: GridInfo, root: string, cell: Index3): Door[] {
       address: dzi,
       lines: `OpenSeadragon({ id: "view", tileSources: "${dzi}" });`,
       packages: ["openseadragon"],
-      note: `the slice across z at the crosshair; ${IN_PAGES}`,
+      note: `the slice across z at the crosshair, for an element with the id “view”; ${IN_PAGES}`,
     },
     { language: "html", name: "IIIF viewers", address: `${root}/iiif/${id}-z-${z}/info.json`, lines: null, packages: [], note: `the same slice; ${IN_PAGES}` },
     {

@@ -11,6 +11,9 @@ import { Icon } from "../widgets/icons";
 const MOST = 2n ** 32n; // cells that the server sends
 const MOST_HELD = 512n << 20n; // bytes that the page holds, where a token has to be sent
 
+// As one word of a shell.
+const quoted = (text: string): string => (/^[\w.-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
+
 // Lines of Python that fetch a box: NumPy and the standard library are enough.
 export const box_snippet = (address: string): string =>
   [
@@ -94,7 +97,7 @@ export function TakeOut({ viewer, box }: { viewer: Viewer; box: Box }) {
           </p>
           <CodeLine
             class="hash"
-            text={`teracell export ${viewer.info.id}.tcell -o box.npy --region ${box.join(",")}`}
+            text={`teracell export ${quoted(`${viewer.info.id}.tcell`)} -o box.npy --region ${box.join(",")}`}
             what="the command that writes the box"
           />
         </>

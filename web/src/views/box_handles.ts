@@ -38,6 +38,14 @@ export function nearest_plane(axis: Axis, x: number): number {
   return x - axis.plane(i) < axis.plane(i + 1) - x ? i : i + 1;
 }
 
+// How many cells of an axis lie between two coordinates, those at its ends included; 0 where there is no length between them.
+export function cells_between(axis: Axis, a: number, b: number): number {
+  const [low, high] = [axis.inside(Math.min(a, b)), axis.inside(Math.max(a, b))];
+  if (high <= low) return 0;
+  const last = Math.min(axis.cell_at(high), axis.cells - 1);
+  return last - axis.cell_at(low) + (axis.plane(last) < high ? 1 : 0);
+}
+
 // One side moved to a plane: at least one cell is left.
 function with_side(box: Box, d: number, side: -1 | 1, plane: number): Box {
   const out: Box = [...box];

@@ -1,7 +1,8 @@
 // The parts of an overlay that people put there: the pinned cell, the box, markers, the measured line.
 import type { Box, Measure } from "../state/viewer";
 import { grouped } from "../base/format";
-import { handles_of, nearest_plane } from "./box_handles";
+import type { AxisIndex } from "../base/grid";
+import { cells_between, handles_of } from "./box_handles";
 import { length_text } from "./lengths";
 import type { Pen } from "./pen";
 
@@ -32,6 +33,11 @@ export function draw_box(pen: Pen, box: Box | null): void {
   const here = slice >= box[axis] && slice < box[axis + 3]!;
   pen.cells(box[frame.u], box[frame.u + 3]!, box[frame.v], box[frame.v + 3]!, pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
   for (const { x, y } of handles_of(pen.camera, frame, box)) pen.handle(x, y);
+  const { camera } = pen;
+  const sizes = [frame.u, frame.v].map((d) => length_text(viewer.axes[d]!.plane(box[d + 3]!) - viewer.axes[d]!.plane(box[d]!), viewer.info.units, 4));
+  const [left, right] = [camera.x_of(camera.across.plane(box[frame.u])), camera.x_of(camera.across.plane(box[frame.u + 3]!))];
+  const top = camera.y_of(camera.up.plane(box[frame.v + 3]!));
+  if (right > 0 && left < camera.width && top < camera.height && top > -16) pen.plate(sizes.join(" × "), (left + right) / 2, top - 18, pen.ink.accent);
 }
 
 const LONGEST = 60; // letters beside a marker
@@ -105,11 +111,7 @@ export function draw_markers(pen: Pen, level: number): void {
 
 // How many cells a line passes along the axes of the slice: one number where it runs along one of them.
 function cells_text({ frame, viewer }: Pen, { from, to }: Measure): string {
-  const across = ([frame.u, frame.v] as const).map((d) => {
-    const axis = viewer.axes[d];
-    return Math.abs(nearest_plane(axis, to[d]) - nearest_plane(axis, from[d]));
-  });
-  const [a, b] = across as [number, number];
+  const [a, b] = [frame.u, frame.v].map((d) => cells_between(viewer.axes[d as AxisIndex], from[d]!, to[d]!)) as [number, number];
   if (a === 0 || b === 0) return `${grouped(a + b)} ${a + b === 1 ? "cell" : "cells"}`;
   return `${grouped(a)} × ${grouped(b)} cells`;
 }

@@ -29,8 +29,13 @@ export async function snapped(viewer: Viewer, axis: AxisIndex, point: readonly [
     return nearest_boundary((await get_json<Column>(address, signal)).runs, point[d], reach);
   };
   const [a, b] = await Promise.all([along(u), along(v)]);
+  return nearer(point, u, a, v, b);
+}
+
+// The point with one coordinate moved: both together would leave an aslant boundary again.
+export function nearer(point: readonly [number, number, number], u: AxisIndex, a: number | null, v: AxisIndex, b: number | null): [number, number, number] {
   const out: [number, number, number] = [...point];
-  if (a !== null) out[u] = a;
-  if (b !== null) out[v] = b;
+  if (a !== null && (b === null || Math.abs(a - point[u]) <= Math.abs(b - point[v]))) out[u] = a;
+  else if (b !== null) out[v] = b;
   return out;
 }

@@ -41,11 +41,12 @@ function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   let [from, to] = [point(x0, y0), point(x0, y0)];
   let ends = new AbortController(); // of the request for the end that is being drawn
   const abort = new AbortController();
-  const draw = () => (viewer.measure.value = { axis, from, to });
+  let last = viewer.measure.value; // the line as it was drawn here last
+  const draw = () => (viewer.measure.value = last = { axis, from, to });
   const snap = (where: [number, number, number], signal: AbortSignal, take: (p: [number, number, number]) => void) => {
     void snapped(viewer, axis, where, signal).then(
       (p) => {
-        if (signal.aborted) return;
+        if (signal.aborted || viewer.measure.value !== last) return; // it is gone, or there is another line
         take(p);
         draw();
       },

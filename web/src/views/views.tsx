@@ -18,7 +18,7 @@ export function ToolNote({ viewer }: { viewer: Viewer }) {
   const tool = viewer.tool.value;
   return (
     <p class="tool-note" role="status" hidden={tool === "look"}>
-      {tool === "measure" ? "Drag to measure a distance, or press Enter at each end" : "Drag to draw a box"}; press Escape to stop
+      {tool === "measure" ? "Drag to measure a distance (hold alt to leave boundaries aside), or press Enter at each end" : "Drag to draw a box"}; press Escape to stop
     </p>
   );
 }
