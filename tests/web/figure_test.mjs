@@ -118,6 +118,9 @@ test("what can't be made is said, and can't be saved; Escape closes", async () =
   const page = await open_dialog("g=graded");
   await choose(page, { Width: 5, Unit: "in", "Dots per inch": 9000 });
   await page.getByText("Dots per inch: 36 to 2400.").waitFor();
+  await choose(page, { Width: 100, Unit: "px", "Dots per inch": 1200 });
+  await page.getByText(/too narrow for its axes/).waitFor();
+  await choose(page, { Width: 5, Unit: "in", "Dots per inch": 9000 });
   assert.ok(await page.getByRole("button", { name: "Save", exact: true }).isDisabled());
   await page.keyboard.press("Escape");
   await page.getByRole("dialog").waitFor({ state: "hidden" });

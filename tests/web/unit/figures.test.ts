@@ -97,6 +97,7 @@ test("a layout holds all its parts, true to scale", () => {
   }
   assert.ok(layout.across.length >= 3);
   for (const { at, text } of layout.across) assert.ok(Math.abs(-150 + 300 * at - Number(text.replace("−", "-"))) < 1e-9);
+  assert.ok(layout.up.length >= 3, "a low picture has ticks as well");
   const bare = laid_out({ width: 480, aspect: 0.5, title: false, axes: null, legend: [] }, measure);
   assert.deepEqual(bare.plot, { x: 0, y: 0, width: 480, height: 240 });
 });
@@ -104,8 +105,10 @@ test("a layout holds all its parts, true to scale", () => {
 test("an SVG document keeps text as text, whatever is in it", () => {
   const sheet = new SvgSheet(100, 50);
   sheet.text('a < b & "c"', 1, 2, { size: 8, color: "#000" });
+  sheet.fill({ x: 0, y: 0, width: 1, height: 1 }, "rgb(1,2,3)", 0.25);
   sheet.areas([{ u0: 0, u1: 2, v0: 0, v1: 1 }], "rgb(1,2,3)", 0.5, (u, v) => [10 * u, 50 - 10 * v]);
   const text = sheet.document();
+  assert.ok(text.includes('fill="rgb(1,2,3)" fill-opacity="0.25"/>'), "as SVG 1.1 has it");
   assert.ok(text.includes(">a &#60; b &#38; &#34;c&#34;</text>"));
   assert.ok(text.includes('<path fill="rgb(1,2,3)" fill-opacity="0.5" shape-rendering="crispEdges" d="M0 40H20V50H0Z"/>'), text);
 });

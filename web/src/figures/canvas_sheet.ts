@@ -17,9 +17,11 @@ export class CanvasSheet implements Sheet {
     this.context.scale(scale, scale);
   }
 
-  fill({ x, y, width, height }: Box, color: string): void {
+  fill({ x, y, width, height }: Box, color: string, opacity = 1): void {
+    this.context.globalAlpha = opacity;
     this.context.fillStyle = color;
     this.context.fillRect(x, y, width, height);
+    this.context.globalAlpha = 1;
   }
   frame({ x, y, width, height }: Box, color: string, line: number): void {
     this.context.strokeStyle = color;

@@ -171,7 +171,7 @@ function Content({ viewer, close }: { viewer: Viewer; close: () => void }) {
         </div>
       </div>
       <div class="toolbar">
-        <button class="button primary" type="submit" disabled={fault !== null || state.busy}>
+        <button class="button primary" type="submit" autofocus disabled={fault !== null || state.busy}>
           <Icon name="save" /> Save
         </button>
         <p class="note" role="status">

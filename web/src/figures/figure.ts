@@ -1,12 +1,11 @@
 // Makes a figure: gets what its subject needs, lays it out, and draws it.
 import { coordinate } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
-import { css_color } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
 import { length_text, round_length } from "../views/lengths";
 import { CanvasSheet } from "./canvas_sheet";
-import { type Layout, SIZE, TITLE, laid_out } from "./layout";
+import { type Layout, NARROWEST, SIZE, TITLE, laid_out } from "./layout";
 import { type FigureOptions, points_of } from "./options";
 import { with_density } from "./png";
 import { type Sheet, text_width } from "./sheet";
@@ -15,6 +14,7 @@ import type { Picture, Subject } from "./subject";
 import { SvgSheet } from "./svg_sheet";
 
 const LINE = 0.6; // points
+const LEAST_TITLE = 6; // points: a long title is made smaller, down to this
 const BAR = 4; // the longest scale bar, as a part of the width
 
 const COLORS = {
@@ -37,7 +37,7 @@ export function legend_of(viewer: Viewer, labels: readonly number[]): Entry[] {
     if (!look.visible || look.opacity === 0) continue;
     const is_own = viewer.body_looks.peek().get(label)?.color !== undefined;
     const name = is_own ? viewer.name_of(label) : viewer.info.materials[look.material]!.name;
-    entries.set(name, { name, color: css_color(look), opacity: look.opacity, order: look.material });
+    entries.set(name, { name, color: `rgb(${look.color.join(",")})`, opacity: look.opacity, order: look.material });
   }
   return [...entries.values()].sort((a, b) => a.order - b.order);
 }
@@ -63,7 +63,11 @@ function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, subject: Sub
   const { ink } = COLORS[options.ground];
   const { plot } = layout;
   const text = { size: SIZE, color: ink };
-  if (layout.title !== null) sheet.text(options.title, plot.x, layout.title, { size: TITLE, bold: true, color: ink });
+  if (layout.title !== null) {
+    const room = layout.width - plot.x;
+    const size = Math.max(Math.min(TITLE, (TITLE * room) / text_width(options.title, { size: TITLE, bold: true })), LEAST_TITLE);
+    sheet.text(options.title, plot.x, layout.title, { size, bold: true, color: ink });
+  }
   if (options.axes && subject.axes) {
     sheet.frame(plot, ink, LINE);
     const [bottom, left] = [plot.y + plot.height, plot.x];
@@ -84,13 +88,14 @@ function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, subject: Sub
     const length = round_length(subject.length / BAR);
     const width = (length / subject.length) * plot.width;
     const [x, y] = [plot.x + plot.width - 8 - width, plot.y + plot.height - 8];
+    sheet.fill({ x: x - 5, y: y - 13, width: width + 10, height: 18 }, options.ground === "black" ? "#000000" : "#ffffff", 0.75); // legible on any material
     sheet.fill({ x, y: y - 1, width, height: 2 }, ink);
     sheet.text(length_text(length, viewer.info.units), x + width / 2, y - 7, { ...text, align: "center" });
   }
   for (const { x, y, entry } of layout.legend) {
     const { name, color, opacity } = legend[entry]!;
     const swatch = { x, y: y - SIZE / 2, width: SIZE, height: SIZE };
-    sheet.fill(swatch, opacity < 1 ? color.replace(")", ` / ${opacity})`) : color);
+    sheet.fill(swatch, color, opacity);
     sheet.frame(swatch, ink, 0.3);
     sheet.text(name, x + SIZE + 4, y, text);
   }
@@ -128,6 +133,7 @@ async function drawing_of(viewer: Viewer, options: FigureOptions, scale_for: (la
   const layout_of = (legend: readonly string[]) =>
     laid_out({ width: points_of(options), aspect: subject.aspect, title: options.title !== "", axes: options.axes ? subject.axes : null, legend }, measure);
   const bare = layout_of([]);
+  if (bare.plot.width < NARROWEST) throw new Error("the figure is too narrow for its axes: make it wider, or leave them out");
   const shapes = options.format === "svg";
   const scale = shapes ? Math.min(options.dpi / 72, SHAPES / bare.width, SHAPES / bare.height) : scale_for(bare);
   const [width, height] = [Math.round(bare.width * scale), Math.round(bare.height * scale)];
@@ -140,7 +146,7 @@ async function drawing_of(viewer: Viewer, options: FigureOptions, scale_for: (la
 function on_canvas(viewer: Viewer, options: FigureOptions, { scale, subject, picture, layout, legend }: Drawing): HTMLCanvasElement {
   const sheet = new CanvasSheet(layout.width, layout.height, scale);
   const { ground } = COLORS[options.ground];
-  if (ground) sheet.fill({ x: 0, y: 0, width: layout.width, height: layout.height }, `rgb(${ground.join(" ")})`);
+  if (ground) sheet.fill({ x: 0, y: 0, width: layout.width, height: layout.height }, `rgb(${ground.join(",")})`);
   picture.paint(sheet, layout);
   draw(sheet, viewer, options, subject, layout, legend);
   return sheet.canvas;

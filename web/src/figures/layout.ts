@@ -8,7 +8,8 @@ export const TITLE = 11;
 const LINE = 12;
 const TICK = 3;
 const GAP = 4;
-const EVERY = 55; // between ticks, at least
+const [ACROSS, UP] = [55, 28]; // between ticks, at least: numbers are wider than high
+export const NARROWEST = 36; // of a plot
 
 export interface Scale {
   readonly name: string; // as in "x [mm]"
@@ -40,15 +41,15 @@ interface Wish {
   readonly legend: readonly string[];
 }
 
-export function ticks_of({ low, high }: Scale, length: number): Tick[] {
-  const places = ticks(low, high, Math.max(1, Math.floor(length / EVERY)));
+export function ticks_of({ low, high }: Scale, length: number, every = ACROSS): Tick[] {
+  const places = ticks(low, high, Math.max(1, Math.floor(length / every)));
   const step = places.length > 1 ? Math.abs(places[1]! - places[0]!) : high - low;
   return places.map((x) => ({ at: (x - low) / (high - low), text: coordinate(x, 10 * step) }));
 }
 
 export function laid_out({ width, aspect, title, axes, legend }: Wish, measure: (text: string) => number): Layout {
   const top = title ? TITLE + 10 : axes ? SIZE / 2 : 0;
-  const up_ticks = (height: number) => (axes ? ticks_of(axes[1], height) : []);
+  const up_ticks = (height: number) => (axes ? ticks_of(axes[1], height, UP) : []);
   const numbers = Math.max(0, ...up_ticks(width * aspect).map(({ text }) => measure(text)));
   const left = axes ? LINE + numbers + TICK + GAP : 0;
   const last = axes ? measure(ticks_of(axes[0], width).at(-1)?.text ?? "") / 2 : 0;

@@ -15,7 +15,7 @@ export interface Box {
 }
 
 export interface Sheet {
-  fill(box: Box, color: string): void;
+  fill(box: Box, color: string, opacity?: number): void;
   frame(box: Box, color: string, width: number): void;
   line(x0: number, y0: number, x1: number, y1: number, color: string, width: number): void;
   text(text: string, x: number, y: number, style: TextStyle): void; // y is the middle of the line

@@ -14,7 +14,7 @@ import type { FigureOptions } from "./options";
 import type { Picture, Subject } from "./subject";
 
 const ROUGHLY = 400; // pixels in which the content is looked for
-const MOST = 8 * 2 ** 20; // pixels that the server makes
+const [MOST, LONGEST] = [2 ** 26, 2 ** 14]; // pixels of a whole picture of which the server shows parts, and of its sides
 const MARGIN = 0.01; // around the content, as a share of the whole width
 
 // The shape of the view on the page.
@@ -83,7 +83,7 @@ export async function space_subject(viewer: Viewer, options: FigureOptions, grou
     length: whole_length * (part.x1 - part.x0),
     async fetch(pixels, _, abort): Promise<Picture> {
       const wanted = pixels / (part.x1 - part.x0);
-      const fewer = Math.min(1, Math.sqrt((MOST * aspect) / (wanted * wanted)));
+      const fewer = Math.min(1, Math.sqrt((MOST * aspect) / (wanted * wanted)), LONGEST / wanted, (LONGEST * aspect) / wanted);
       const [width, height] = [Math.floor(wanted * fewer), Math.floor((wanted * fewer) / aspect)];
       const [x0, y0] = [Math.round(part.x0 * width), Math.round(part.y0 * height)];
       const [x1, y1] = [Math.max(x0 + 1, Math.round(part.x1 * width)), Math.max(y0 + 1, Math.round(part.y1 * height))];

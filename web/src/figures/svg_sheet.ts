@@ -3,6 +3,7 @@ import type { Extent } from "../tiles/place";
 import { type Box, FONT, type Sheet, type TextStyle } from "./sheet";
 
 const number = (x: number): string => String(Number(x.toFixed(3)));
+const alpha_of = (opacity: number): string => (opacity < 1 ? ` fill-opacity="${number(opacity)}"` : "");
 const escaped = (text: string): string => text.replace(/[&<>"]/g, (c) => `&#${c.charCodeAt(0)};`);
 
 export class SvgSheet implements Sheet {
@@ -13,8 +14,9 @@ export class SvgSheet implements Sheet {
     readonly height: number,
   ) {}
 
-  fill({ x, y, width, height }: Box, color: string): void {
-    this.parts.push(`<rect x="${number(x)}" y="${number(y)}" width="${number(width)}" height="${number(height)}" fill="${color}"/>`);
+  fill({ x, y, width, height }: Box, color: string, opacity = 1): void {
+    const place = `x="${number(x)}" y="${number(y)}" width="${number(width)}" height="${number(height)}"`;
+    this.parts.push(`<rect ${place} fill="${color}"${alpha_of(opacity)}/>`);
   }
   frame({ x, y, width, height }: Box, color: string, line: number): void {
     const place = `x="${number(x)}" y="${number(y)}" width="${number(width)}" height="${number(height)}"`;
@@ -36,8 +38,7 @@ export class SvgSheet implements Sheet {
       const [[left, bottom], [right, top]] = [place(u0, v0), place(u1, v1)];
       return `M${number(left)} ${number(top)}H${number(right)}V${number(bottom)}H${number(left)}Z`;
     });
-    const alpha = opacity < 1 ? ` fill-opacity="${number(opacity)}"` : "";
-    this.parts.push(`<path fill="${color}"${alpha} shape-rendering="crispEdges" d="${shapes.join("")}"/>`);
+    this.parts.push(`<path fill="${color}"${alpha_of(opacity)} shape-rendering="crispEdges" d="${shapes.join("")}"/>`);
   }
   // Shows what `draw` draws inside a box alone.
   clipped({ x, y, width, height }: Box, draw: () => void): void {
