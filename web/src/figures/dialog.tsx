@@ -1,6 +1,7 @@
 // The dialog that saves a figure for a paper, with a preview. The last choices stay for the next time.
 import { signal } from "@preact/signals";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { save_blob } from "../base/download";
 import { bytes_text, grouped } from "../base/format";
 import { words_of } from "../base/messages";
 import { use_settled } from "../server/answer";
@@ -98,15 +99,6 @@ function Preview({ viewer, options }: { viewer: Viewer; options: FigureOptions }
   );
 }
 
-function download(blob: Blob, name: string): void {
-  const address = URL.createObjectURL(blob);
-  const a = document.createElement("a");
-  a.href = address;
-  a.download = name;
-  a.click();
-  setTimeout(() => URL.revokeObjectURL(address), 10_000);
-}
-
 function Content({ viewer, close }: { viewer: Viewer; close: () => void }) {
   const options = choices.value;
   const set = (what: Partial<FigureOptions>) => (choices.value = { ...options, ...what });
@@ -120,7 +112,7 @@ function Content({ viewer, close }: { viewer: Viewer; close: () => void }) {
     set_state({ text: "Drawing …", busy: true });
     try {
       const figure = await make_figure(viewer, options, abort.current.signal);
-      download(figure.blob, name_of(viewer, options));
+      save_blob(figure.blob, name_of(viewer, options));
       set_state({ text: `Saved ${name_of(viewer, options)}, ${bytes_text(figure.blob.size)}. ${figure.note}`, busy: false });
     } catch (error) {
       if (!abort.current.signal.aborted) set_state({ text: `The figure can't be made: ${words_of(error)}.`, busy: false });

@@ -1,5 +1,6 @@
 // The cells of the box as a file, or as lines that fetch them.
 import { useState } from "preact/hooks";
+import { save_blob } from "../base/download";
 import { bytes_text, grouped, product } from "../base/format";
 import { AXES } from "../base/grid";
 import { say, words_of } from "../base/messages";
@@ -22,15 +23,6 @@ export const box_snippet = (address: string): string =>
     `answer = urllib.request.urlopen("${address}")`,
     "cells = numpy.load(io.BytesIO(answer.read()))  # [z, y, x], numbers of materials",
   ].join("\n");
-
-function save_blob(blob: Blob, name: string): void {
-  const url = URL.createObjectURL(blob);
-  const a = document.createElement("a");
-  a.href = url;
-  a.download = name;
-  a.click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
-}
 
 // A link where the browser can fetch the file by itself; where a token has to go along, a button.
 function SaveAs({ viewer, box, ending, held }: { viewer: Viewer; box: Box; ending: "npy" | "vti" | "vtr"; held: boolean }) {

@@ -1,4 +1,5 @@
 // The views as a picture for a paper or a mail, with a title above and a legend below.
+import { save_blob } from "../base/download";
 import { about, coordinate, product } from "../base/format";
 import { AXIS_NAMES } from "../base/grid";
 import { css_color } from "../base/materials";
@@ -85,10 +86,5 @@ export async function save_picture(viewer: Viewer): Promise<void> {
   const canvas = await framed_snapshot(viewer);
   const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
   if (!blob) throw new Error("the browser ran out of memory");
-  const address = URL.createObjectURL(blob);
-  const a = document.createElement("a");
-  a.href = address;
-  a.download = `${viewer.info.id}.png`;
-  a.click();
-  setTimeout(() => URL.revokeObjectURL(address), 10000);
+  save_blob(blob, `${viewer.info.id}.png`);
 }
