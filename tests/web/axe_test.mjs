@@ -62,6 +62,9 @@ const STATES = {
   "layers": [`${server.url}#g=graded`, settled, click("Layers over the cells")],
   "measuring": [`${server.url}#g=graded&measure=2,10,10,10,60,40,10`, settled, click("Measure a distance")],
   "drawing a box": [`${server.url}#g=graded`, settled, click("Draw a box")],
+  "thickness": [`${server.url}#g=graded&panel=box`, settled, click("Thickness"), (page) => page.locator("table.stats tbody tr").first().waitFor()],
+  "comparison": [`${crowd.url}#g=stadium 1&compare=stadium 2`, (page) => page.getByText("Over the whole grids").waitFor()],
+  "what differs": [`${crowd.url}#g=stadium 1&compare=graded 1&mode=differs`, (page) => page.getByText("Over the whole grids").waitFor()],
   "a pinned cell": [`${server.url}#g=graded&pin=5,6,7`, settled],
   "a message": [`${server.url}#g=graded&at=9999,0,0`, settled, (page) => page.locator(".toast").waitFor()],
 };

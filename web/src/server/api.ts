@@ -140,6 +140,7 @@ export const grid_info = (id: string, signal?: AbortSignal) => get_json<GridInfo
 // What `teracell check` has found; null when nobody has looked through this version of the grid.
 export async function grid_findings(id: string, signal: AbortSignal): Promise<Findings | null> {
   const { grids } = await list_grids(signal);
-  if (!grids.find((grid) => grid.id === id)?.checked) return null;
-  return get_json<Findings>(`api/v1/grids/${encodeURIComponent(id)}/check`, signal);
+  return grids.find((grid) => grid.id === id)?.checked ? checked_findings(id, signal) : null;
 }
+// The same for a grid that is known to be checked.
+export const checked_findings = (id: string, signal: AbortSignal) => get_json<Findings>(`api/v1/grids/${encodeURIComponent(id)}/check`, signal);

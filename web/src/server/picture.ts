@@ -1,6 +1,6 @@
 // A picture at an address, for a component. It is fetched like everything else, so that the token goes along.
 import { useEffect, useState } from "preact/hooks";
-import { get } from "./api";
+import { get_patiently } from "./api";
 
 export interface Picture {
   readonly source: string | null; // for an <img>; null until it has come
@@ -16,7 +16,7 @@ export function use_picture(address: string | null): Picture {
     if (address === null) return;
     const abort = new AbortController();
     let url = "";
-    get(address, { signal: abort.signal, priority: "low" })
+    get_patiently(address, abort.signal)
       .then((response) => response.blob())
       .then((blob) => {
         if (!abort.signal.aborted) set_picture({ source: (url = URL.createObjectURL(blob)), failed: false });

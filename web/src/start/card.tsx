@@ -8,7 +8,7 @@ import { GridAddress, type GridInfo, type GridSummary } from "../base/grid";
 import { initial_looks } from "../base/materials";
 import { verdict } from "../panels/finding_words";
 import { type Care, care_of } from "../panels/report_words";
-import { grid_findings, server_root } from "../server/api";
+import { checked_findings, server_root } from "../server/api";
 import { use_answer } from "../server/answer";
 import { use_picture } from "../server/picture";
 import { theme } from "../state/theme";
@@ -71,7 +71,7 @@ function use_findings(grid: GridSummary, wanted: boolean): Findings | null {
   useEffect(() => {
     if (!wanted || !grid.checked) return;
     const abort = new AbortController();
-    grid_findings(grid.id, abort.signal).then(
+    checked_findings(grid.id, abort.signal).then(
       (found) => set_findings(found),
       () => {}, // the report panel says why
     );

@@ -3,7 +3,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { type Axis, FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex, type GridSummary } from "../base/grid";
-import { get } from "../server/api";
+import { get_patiently } from "../server/api";
 
 const PICTURE = 360; // cells: the level is about as fine as the picture on the card
 const MARGIN = 8;
@@ -65,7 +65,7 @@ export function Preview({ grid, axes, axis }: { grid: GridSummary; axes: readonl
   const path = `api/v1/grids/${encodeURIComponent(grid.id)}/slice/${AXIS_NAMES[axis]}/${index}.png?level=${level}&v=${grid.hash}`;
   useEffect(() => {
     const abort = new AbortController();
-    get(path, { signal: abort.signal, priority: "low" })
+    get_patiently(path, abort.signal)
       .then((r) => r.blob())
       .then(createImageBitmap)
       .then((picture) => {
