@@ -21,7 +21,7 @@ void add_totals(CastTotals& sum, const TileGroupWork& group) {
 Casting::Casting(const PreparedRun& run, const EngineMaker& make_engine) : run_(run) {
   for (uint32_t b = 0; b < run.scene.bodies.size(); ++b) layers_.insert(layers_.end(), {{b, false}, {b, true}});
   for (int i = 0; i < run.threads; ++i)
-    workers_.push_back(std::make_unique<Worker>(make_engine(), layers_, run.plan.labels, run.scene, run.plan.meta, run.options.thin));
+    workers_.push_back(std::make_unique<Worker>(make_engine(), layers_, run.plan.labels, run.scene, run.plan.meta, run.options));
 }
 
 void Casting::cast(const Tiling& tiling, const std::function<std::optional<TileGroup>()>& next_group, PyramidWriter& pyramid,
@@ -56,6 +56,7 @@ void Casting::cast(const Tiling& tiling, const std::function<std::optional<TileG
       [&](Job job) {
         if (job.row + 1 < TileGroupWork::kRows) return;  // rows come in order, so with the last one all are made
         for (const LevelChunk& chunk : job.work->chunks()) pyramid.put(chunk);
+        job.work->for_each_frame([&](size_t channel, const ChunkKey& key, const Bytes& frame) { pyramid.sink().put_cells(channel, key, frame); });
         pyramid.put_above(job.work->above(), job.work->group().cu, job.work->group().cv);
         stored(*job.work);
         std::lock_guard lock(of_stored);

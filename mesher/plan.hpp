@@ -4,6 +4,7 @@
 
 #include "mesher/bodies.hpp"
 #include "mesher/scene/labels.hpp"
+#include "store/mixed_cells.hpp"
 
 namespace teracell {
 
@@ -20,7 +21,7 @@ struct Plan {
   Labels labels;
 };
 
-// `axis` is the axis that the user asks for, if any.
-Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays);
+// `axis` is the axis that the user asks for, if any. `fractions`: the sub-samples that mixed cells are counted by, if they are.
+Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays, std::optional<Subdivision> fractions = {});
 
 }  // namespace teracell

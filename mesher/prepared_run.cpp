@@ -45,13 +45,13 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
       read_bodies(scene, options.count_aside ? std::max(2, threads) : threads, budget, counts, [&](double share) { this->progress("read", share); });
   give_back_memory();
   end_phase("read");
-  plan = make_plan(scene, bodies, options.axis, options.chunk_rays);
+  plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions);
   close_bodies(scene, plan.meta.grid, budget, bodies, [&](double share) { this->progress("close", share); });
   if (!options.write_caps.empty()) caps_ = write_caps(scene, bodies, options.write_caps, budget);
   end_phase("close");
   if (counts) check_caps();
   end_phase("check");
-  widened = widened_bodies(scene, options.thin);
+  widened = widened_bodies(scene, options.thin || options.fractions);
 }
 
 void PreparedRun::end_phase(const char* name) {
@@ -109,12 +109,13 @@ std::string PreparedRun::identity() const {
     const SurfaceFile& file = bodies.bodies[b].file;
     writer.begin_object().field("path", scene.bodies[b].mesh_text).field("bytes", file.bytes).field("hash", file.hash).end_object();
   });
-  const nlohmann::ordered_json rest = {{"axis", axis_name(plan.meta.ray_axis)},
+  nlohmann::ordered_json rest = {{"axis", axis_name(plan.meta.ray_axis)},
                                        {"axis_asked_for", plan.rays.asked_for},
                                        {"chunk_rays", plan.meta.chunk_rays},
                                        {"thin", options.thin},
                                        {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
                                        {"zstd", compressor_version()}};
+  if (options.fractions) rest["fractions"] = *options.fractions;
   return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised(scene)), rest.dump().substr(1));
 }
 

@@ -30,15 +30,33 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
     cells.hi[f.w] = shape_.nw;
     for (int64_t u = cells.lo[f.u]; u < cells.hi[f.u]; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(u));
     for (int64_t v = cells.lo[f.v]; v < cells.hi[f.v]; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(v));
-    worker.engine->cast(tile, worker.marker.solids(facets), worker.crossings);
+    const auto solids = worker.marker.solids(facets);
+    worker.engine->cast(tile, solids, worker.crossings);
     totals_[i / kFanOut].crossings += worker.crossings.all.size();
     worker.marker.mark(tile, cells, worker.crossings);
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
     tally_pairs(worker.composer.crossing_pairs(), cells, totals_[i / kFanOut].tallies);
     totals_[i / kFanOut].overlaps.add(worker.composer.take_overlaps(cells));
+    make_frames(i, cells, solids, fine.rays, worker);
   }
   pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
+}
+
+// In the order of the channels (plan.cpp).
+void TileGroupWork::make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> solids, const RayBlock& runs, Worker& worker) {
+  const auto by_segment = [&](auto&& encode) {
+    std::vector<Bytes>& out = frames_[i].emplace_back();
+    for (uint32_t s = 0; s < shape_.segments; ++s) out.push_back(encode(s * shape_.chunk_cells, s * shape_.chunk_cells + shape_.length(s)));
+  };
+  if (worker.fractions) {
+    worker.fractions->count(cells, solids, *worker.engine, runs, worker.mixed);
+    by_segment([&](uint32_t from, uint32_t to) {
+      if (shape_.segments == 1) return worker.mixed.empty() ? Bytes() : worker.mixed_encoder.encode(worker.mixed);
+      const MixedCells part = cut(worker.mixed, from, to);
+      return part.empty() ? Bytes() : worker.mixed_encoder.encode(part);
+    });
+  }
 }
 
 void TileGroupWork::tally_pairs(const std::vector<CrossingPairs>& all, const Box& cells, Tallies& tallies) const {

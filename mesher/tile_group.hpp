@@ -4,8 +4,10 @@
 #pragma once
 #include <atomic>
 
+#include "mesher/boundary/fractions.hpp"
 #include "mesher/cast_totals.hpp"
 #include "mesher/compose.hpp"
+#include "mesher/mesh_options.hpp"
 #include "mesher/scene/labels.hpp"
 #include "mesher/thin/marker.hpp"
 #include "mesher/tiles/tiling.hpp"
@@ -17,14 +19,19 @@ namespace teracell {
 // What a thread keeps from one job to the next.
 struct Worker {
   Worker(std::unique_ptr<Engine> by, const std::vector<Layer>& layers, const Labels& labels, const Scene& scene, const Metadata& meta,
-         bool count_thin)
-      : engine(std::move(by)), marker(scene, meta, labels, count_thin), composer(layers, labels.rank, labels.of_body, meta.ray_axis) {}
+         const MeshOptions& options)
+      : engine(std::move(by)), marker(scene, meta, labels, options.thin), composer(layers, labels.rank, labels.of_body, meta.ray_axis) {
+    if (options.fractions) fractions.emplace(layers, labels, meta, *options.fractions);
+  }
   uint64_t exact_decisions() const { return engine->exact_decisions() + marker.exact_decisions(); }
   std::unique_ptr<Engine> engine;
   Marker marker;
   Composer composer;
   ChunkEncoder encoder;
   Crossings crossings;
+  std::optional<FractionCounter> fractions;
+  MixedCells mixed;
+  MixedCellsEncoder mixed_encoder;
 };
 
 class TileGroupWork {
@@ -42,10 +49,21 @@ class TileGroupWork {
   // When all rows are made.
   const std::vector<LevelChunk>& chunks() const { return chunks_; }
   const std::array<RowTotals, kRows>& totals() const { return totals_; }
+  // What the other channels have for the tiles: calls put(channel, key, frame) for every chunk of level 0.
+  template <class F>
+  void for_each_frame(F&& put) const {
+    for (uint32_t i = 0; i < kChildren; ++i) {
+      const LevelChunk& tile = chunks_[i];
+      for (uint32_t s = 0; s < tile.segments.size(); ++s)
+        for (size_t channel = 1; channel < meta_.channels.size(); ++channel)
+          put(channel, ChunkKey{0, tile.cu, tile.cv, s}, frames_[i].empty() ? Bytes() : frames_[i][channel - 1][s]);
+    }
+  }
 
  private:
   void make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker);
   void tally_pairs(const std::vector<CrossingPairs>& all, const Box& cells, Tallies& tallies) const;
+  void make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> solids, const RayBlock& runs, Worker& worker);
   void make_level2(Worker& worker);
 
   const TileGroup group_;
@@ -55,6 +73,7 @@ class TileGroupWork {
   const std::shared_ptr<PyramidNode> above_;
   std::atomic<uint32_t> rows_left_ = kRows;
   std::vector<LevelChunk> chunks_;    // kChildren of level 0, empty where they lie beyond the grid, and one of level 2
+  std::array<std::vector<std::vector<Bytes>>, kChildren> frames_;  // of each tile, by channel (but the labels) and segment
   std::array<Chunk, kChildren> pieces_;    // the chunks of level 0, coarsened to level 2
   std::array<RowTotals, kRows> totals_;
 };

@@ -11,7 +11,8 @@
 
 // clang-format off
 #define TERACELL_CHANNEL_KINDS(kind) \
-  kind(kLabelsKind)
+  kind(kLabelsKind) \
+  kind(kFractionsKind)
 // clang-format on
 
 namespace teracell {

@@ -22,6 +22,8 @@ class ChunkSink {
   // The rays of chunk (cu, cv) of an even level, coarsened by one level, where other parts hold the rest of what the chunk above it is
   // made of.
   virtual void put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) = 0;
+  // What another channel of meta() has for a chunk of level 0: a frame, or nothing. To be called for every chunk of level 0 in tree order.
+  virtual void put_cells(size_t channel, const ChunkKey& key, std::span<const uint8_t> frame) = 0;
   virtual uint64_t bytes() const = 0;   // written so far
   virtual uint64_t chunks() const = 0;  // that are not uniform, put so far
   // Makes what was put durable and appends to `state` what a writer needs to go on from here.

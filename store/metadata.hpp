@@ -47,6 +47,7 @@ struct Channel {
   std::vector<LevelInfo> levels;  // the labels: the stored levels, ascending, 0 first
   uint64_t cover = 0;             // the others: offset of the directory of all frames of the channel
   uint64_t frames = 0;            // entries of the cover
+  std::string about{};            // what its coding has to know, as a JSON object; empty if there is nothing
   friend bool operator==(const Channel&, const Channel&) = default;
 };
 
@@ -62,7 +63,7 @@ struct Metadata {
   uint32_t chunk_cells = 65536;  // ... of chunk_cells cells
   uint32_t page_chunks = 16;     // a page has page_chunks x page_chunks chunks
   uint64_t crossings = 0;
-  std::vector<Channel> channels = {{kLabels, kRuns, true, {}, 0, 0}};  // the labels first
+  std::vector<Channel> channels = {{kLabels, kRuns, true, {}, 0, 0, {}}};  // the labels first
 
   std::vector<LevelInfo>& levels() { return channels.front().levels; }
   const std::vector<LevelInfo>& levels() const { return channels.front().levels; }  // those of the labels that are stored

@@ -43,6 +43,7 @@ Axis axis_from(const ordered_json& j) {
 ordered_json to_json(const Channel& c) {
   ordered_json j = {{"name", c.name}, {"required", c.required}};
   if (!c.coding.empty()) j["coding"] = c.coding;
+  if (!c.about.empty()) j["about"] = ordered_json::parse(c.about);
   if (c.name != kLabels) {
     j["cover"] = {{"offset", c.cover}, {"frames", c.frames}};
     return j;
@@ -58,6 +59,10 @@ Channel channel_from(const ordered_json& j, std::span<const ChannelKind> known) 
   c.name = j.at("name");
   c.required = c.name == kLabels || j.at("required").get<bool>();
   if (const auto coding = j.find("coding"); coding != j.end() && coding->is_string()) c.coding = *coding;
+  if (const auto about = j.find("about"); about != j.end()) {
+    if (!about->is_object()) throw FormatError("metadata: what a channel says of itself must be an object, found " + shown(*about));
+    c.about = about->dump();
+  }
   if (c.required && find_kind(known, c.name, c.coding) == nullptr)
     throw FormatError(fmt::format("metadata: the file requires channel '{}' in coding {}, which this reader does not know",
                                   printable(first_bytes(c.name, kMostName)), shown(j.at("coding"))));

@@ -10,9 +10,9 @@
 namespace teracell {
 namespace {
 
-constexpr std::string_view kMagic = "tcellpt4";  // its last digit is raised when the layout changes
+constexpr std::string_view kMagic = "tcellpt5";  // its last digit is raised when the layout changes
 constexpr uint64_t kPartFooter = 64;
-enum Record : uint8_t { kChunk, kPage, kChild, kEnd };
+enum Record : uint8_t { kChunk, kPage, kChild, kEnd, kCells, kFrame, kCellsPage };
 constexpr uint64_t kMostBeside = uint64_t{1} << 32;  // bytes of the head, of the records and of what was found
 constexpr size_t kMostHeadValues = 16;
 
@@ -29,6 +29,7 @@ Bytes encode_head(const PartHead& head) {
   Metadata meta = head.meta;
   meta.levels().clear();  // they are known when the grid is complete; until then they are listed with zeros
   for (int level = 0; level < meta.grid.levels(); level += level == 0 ? 2 : 1) meta.levels().push_back({level, 0, 0, 0, 0});
+  for (size_t i = 1; i < meta.channels.size(); ++i) meta.channels[i].frames = 1;  // none is not allowed
   put_bytes(out, encode_metadata(meta));
   return out;
 }
@@ -70,6 +71,7 @@ bool has_page(const TreeRange& range, const LevelShape& s, const ChunkKey& chunk
 PartWriter::PartWriter(const std::filesystem::path& path, PartHead head, uint64_t keep)
     : head_(std::move(head)), encoded_head_(encode_head(head_)), file_(path, keep) {
   for (int level = 0; level < meta().grid.levels(); level += level == 0 ? 2 : 1) levels_.push_back({OpenPages(meta(), level), {}});
+  for (size_t i = 1; i < meta().channels.size(); ++i) cells_.push_back({CellFrames(meta()), 0});
 }
 
 PartWriter::PartWriter(const std::filesystem::path& path, PartHead head) : PartWriter(path, std::move(head), 0) {
@@ -104,6 +106,10 @@ PartWriter::PartWriter(const std::filesystem::path& path, PartHead head, ByteRea
       l.contents[page] = {l.open.shape().level, 0, state.varint(), state.varint(), state.varint()};
     }
   }
+  for (Cells& c : cells_) {
+    c.number = state.varint();
+    c.frames.restore(state);
+  }
 }
 
 // The state: the size of the file and the hash of the grid's bytes in it; the records; of each level, its open pages and what is in them.
@@ -120,6 +126,10 @@ void PartWriter::save(Bytes& state) {
     put_varint(state, l.contents.size());
     for (const auto& [page, info] : l.contents)
       for (const uint64_t n : {page, info.chunks, info.bytes, info.changes}) put_varint(state, n);
+  }
+  for (const Cells& c : cells_) {
+    put_varint(state, c.number);
+    c.frames.save(state);
   }
 }
 
@@ -160,6 +170,26 @@ void PartWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
     put_varint(records_, n);
   put_fixed(records_, checksum(frame));
   l.contents.erase(page->number);
+}
+
+void PartWriter::put_frame_record(uint8_t kind, size_t channel, std::initializer_list<uint64_t> place, std::span<const uint8_t> frame) {
+  append(frame);
+  begin_record(kind);
+  put_varint(records_, channel);
+  for (const uint64_t n : place) put_varint(records_, n);
+  put_varint(records_, frame.size());
+  if (!frame.empty()) put_fixed(records_, checksum(frame));
+}
+
+void PartWriter::put_cells(size_t channel, const ChunkKey& key, std::span<const uint8_t> frame) {
+  const LevelShape& shape = levels_.front().open.shape();
+  if (!has_page(head_.range, shape, key)) return put_frame_record(kCells, channel, {key.cu, key.cv, key.segment}, frame);
+  Cells& c = cells_[channel - 1];
+  if (!frame.empty()) put_frame_record(kFrame, channel, {}, frame), ++c.number;
+  const auto page = c.frames.put(key, frame.empty() ? kNoFrame : c.number - 1, c.number);
+  if (!page) return;
+  put_frame_record(kCellsPage, channel, {shape.page_of(key)}, *page);
+  if (!page->empty()) ++c.number;
 }
 
 void PartWriter::put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) {
@@ -243,6 +273,23 @@ void PartReader::replay(PartTaker& taker) const {
   naming(name(), [&] { replay_unnamed(taker); });
 }
 
+void PartReader::replay_frame(ByteReader& in, uint8_t kind, uint64_t bytes, PartTaker& taker) const {
+  const Metadata& meta = head_.meta;
+  const LevelShape shape(meta, 0);
+  const size_t channel = in.varint(0, meta.channels.size() - 1, "channel");
+  if (channel == 0) in.fail("the labels have chunks and pages");
+  ChunkKey key{};
+  uint64_t page = 0;
+  if (kind == kCells)
+    key = {0, static_cast<uint32_t>(in.varint(0, shape.chunks_u - 1, "chunk")), static_cast<uint32_t>(in.varint(0, shape.chunks_v - 1, "chunk")),
+           static_cast<uint32_t>(in.varint(0, shape.segments - 1, "segment"))};
+  if (kind == kCellsPage) page = in.varint(0, shape.pages() - 1, "page");
+  const uint64_t size = in.varint(kind == kFrame, bytes, "bytes of a frame"), sum = size == 0 ? 0 : in.fixed<uint64_t>();
+  if (kind == kCells) taker.cells(channel, key, size, sum);
+  else if (kind == kFrame) taker.frame(channel, size, sum);
+  else taker.cells_page(channel, page, size, sum);
+}
+
 void PartReader::replay_unnamed(PartTaker& taker) const {
   const Metadata& meta = head_.meta;
   const auto labels = static_cast<uint32_t>(meta.labels.size());
@@ -257,6 +304,10 @@ void PartReader::replay_unnamed(PartTaker& taker) const {
     if (kind == kEnd) {
       if (left != 0) in.fail("the records end before the bytes of the grid");
       return in.expect_end();
+    }
+    if (kind == kCells || kind == kFrame || kind == kCellsPage) {
+      replay_frame(in, kind, bytes, taker);
+      continue;
     }
     const int level = static_cast<int>(in.varint(0, static_cast<uint64_t>(meta.grid.levels() - 1), "level"));
     if (level == 1) in.fail("level 1 is not stored");

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <map>
 
+#include "store/cell_frames.hpp"
 #include "store/chunk_sink.hpp"
 #include "store/file.hpp"
 #include "store/open_pages.hpp"
@@ -33,6 +34,7 @@ class PartWriter : public ChunkSink {
   const Metadata& meta() const override { return head_.meta; }
   void put(const ChunkKey& key, const EncodedChunk& chunk) override;
   void put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) override;
+  void put_cells(size_t channel, const ChunkKey& key, std::span<const uint8_t> frame) override;
   // `found` is for the one who merges. When it returns the file is durable, if it shall be.
   void finish(std::span<const uint8_t> found, bool durable = true);
   uint64_t bytes() const override { return file_.size(); }
@@ -48,11 +50,17 @@ class PartWriter : public ChunkSink {
   static size_t index_of(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }
   void append(std::span<const uint8_t> bytes);
   void begin_record(uint8_t kind);
+  void put_frame_record(uint8_t kind, size_t channel, std::initializer_list<uint64_t> place, std::span<const uint8_t> frame);
   PartHead head_;
   Bytes encoded_head_;
   OutputFile file_;
   ContentHash hash_;  // of the bytes of the grid so far
   std::vector<Level> levels_;  // by index_of()
+  struct Cells {
+    CellFrames frames;    // of pages that lie in the part as a whole
+    uint64_t number = 0;  // of frames so far
+  };
+  std::vector<Cells> cells_;  // of all channels but the labels
   Bytes records_;
   uint64_t recorded_ = 0;  // where the bytes of the last record end
   uint64_t chunks_ = 0;
@@ -67,6 +75,10 @@ class PartTaker {
   // These are what the last of these bytes are: a chunk (if it has a frame), and an index page (put_page() in writer.hpp).
   virtual void chunk(const ChunkKey& key, ChunkEntry&& entry, uint64_t changes) = 0;
   virtual void page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum) = 0;
+  // put_cells_entry(), put_frame_entry() and put_cells_page() in writer.hpp.
+  virtual void cells(size_t channel, const ChunkKey& key, uint64_t size, uint64_t checksum) = 0;
+  virtual void frame(size_t channel, uint64_t size, uint64_t checksum) = 0;
+  virtual void cells_page(size_t channel, uint64_t page, uint64_t size, uint64_t checksum) = 0;
   // put_child() in chunk_sink.hpp.
   virtual void child(int level, uint32_t cu, uint32_t cv, Chunk&& coarsened) = 0;
 };
@@ -90,6 +102,7 @@ class PartReader {
  private:
   Bytes take(const DirectoryEntry& place, const char* what) const;
   void replay_unnamed(PartTaker& taker) const;  // with errors that need not name the file
+  void replay_frame(ByteReader& in, uint8_t kind, uint64_t bytes, PartTaker& taker) const;
   InputFile file_;
   PartHead head_;
   uint64_t first_ = 0, bytes_ = 0;

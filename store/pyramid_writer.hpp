@@ -57,6 +57,7 @@ class PyramidWriter {
   // time, which may be another than the one that puts.
   std::shared_ptr<PyramidNode> node_above(int level, uint32_t cu, uint32_t cv);
 
+  ChunkSink& sink() { return sink_; }
   // One thread puts, in tree order.
   void put(const LevelChunk& chunk);
   // To be called when chunk (cu, cv) has been put and added to its node: puts the nodes that are complete by this. A node that is not

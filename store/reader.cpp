@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "store/cell_frames.hpp"
 #include "store/checked_read.hpp"
 #include "store/chunk_codec.hpp"
 #include "store/chunk_parts.hpp"
@@ -21,7 +22,7 @@ size_t memory_of(const std::vector<T>& v) {
 }
 
 size_t memory_of(const IndexPart& part) {
-  size_t bytes = sizeof(IndexPart) + memory_of(part.block) + memory_of(part.page);
+  size_t bytes = sizeof(IndexPart) + memory_of(part.block) + memory_of(part.page) + memory_of(part.cells);
   for (const ChunkEntry& e : part.page) bytes += memory_of(e.uniform) + memory_of(e.stats);
   return bytes;
 }
@@ -117,7 +118,7 @@ DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries,
   if (!found || found->block.size() != block.entries) {  // in a hostile file, directories may overlap
     Bytes bytes(block.bytes());
     source_->read(offset, bytes);
-    found = std::make_shared<const IndexPart>(IndexPart{decode_directory_block(bytes), {}});
+    found = std::make_shared<const IndexPart>(IndexPart{decode_directory_block(bytes), {}, {}});
     index_->add(place, found, memory_of(*found));
   }
   return found->block[i % kBlockEntries];
@@ -126,6 +127,43 @@ DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries,
 DirectoryEntry GridReader::page_place(int level, uint64_t page) const { return directory_entry(info(level).directory, shape(level).pages(), page); }
 
 DirectoryEntry GridReader::frame_place(const Channel& channel, uint64_t frame) const { return directory_entry(channel.cover, channel.frames, frame); }
+
+// A page or a list, with the `size` numbers that `decode` finds in the frame.
+std::shared_ptr<const IndexPart> GridReader::cells_part(const Channel& channel, uint64_t frame,
+                                                        const std::function<std::vector<uint64_t>(const Bytes&)>& decode, size_t size) const {
+  const DirectoryEntry place = frame_place(channel, frame);
+  const IndexPlace at{number_, false, place.offset};
+  auto part = index_->find(at);
+  if (part && part->cells.size() == size) return part;
+  Bytes bytes;
+  read_checked(*source_, place, fmt::format("channel '{}' frame {}", channel.name, frame), bytes);
+  part = std::make_shared<const IndexPart>(IndexPart{{}, {}, decode(bytes)});
+  index_->add(at, part, memory_of(*part));
+  return part;
+}
+
+bool GridReader::read_cells(const Channel& channel, const ChunkKey& key, Bytes& frame) const {
+  Wanted::stop_if_not();
+  try {
+    const LevelShape s = shape(0);
+    const uint64_t page = s.page_of(key), lists = cell_lists(s.pages()), first = page / kPagesPerList * kPagesPerList;
+    if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages", channel.name));
+    const size_t listed = std::min(kPagesPerList, s.pages() - first);
+    const auto list = cells_part(
+        channel, channel.frames - lists + page / kPagesPerList, [&](const Bytes& bytes) { return decode_cell_list(bytes, listed, channel.frames); },
+        listed);
+    const uint64_t page_frame = list->cells[page - first];
+    if (page_frame == kNoFrame) return false;
+    const size_t chunks = s.page_size(page);
+    const auto of_page = cells_part(channel, page_frame, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, page_frame); }, chunks);
+    const uint64_t number = of_page->cells[s.slot_of(key, page)];
+    if (number == kNoFrame) return false;
+    read_checked(*source_, frame_place(channel, number), fmt::format("channel '{}' frame {}", channel.name, number), frame);
+    return true;
+  } catch (const FormatError& e) {
+    throw FormatError(fmt::format("{}: {}", name(), e.what()));
+  }
+}
 
 std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint64_t page) const {
   Wanted::stop_if_not();
@@ -138,7 +176,7 @@ std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint6
     read_checked(*source_, place_in_file, what, bytes);
     claims_.expect_own({level, true, page}, place_in_file);
     part = std::make_shared<const IndexPart>(IndexPart{
-        {}, decode_page(bytes, shape(level).page_size(page), level == 0, static_cast<uint32_t>(meta_.labels.size()), place_in_file.offset)});
+        {}, decode_page(bytes, shape(level).page_size(page), level == 0, static_cast<uint32_t>(meta_.labels.size()), place_in_file.offset), {}});
     index_->add(place, part, memory_of(*part));
   }
   return {part, &part->page};

@@ -54,6 +54,10 @@ class GridReader {
   // The same, through the keeper. Without a keeper, `scratch` holds the chunk until it is used again.
   std::shared_ptr<const Chunk> chunk(const ChunkKey& key, std::shared_ptr<Chunk>& scratch) const;
 
+  // Reads what another channel has for a chunk of level 0 (cell_frames.hpp). Returns false if it has nothing. Holds the frame against its
+  // checksum only. REQUIRES: the channel is one of cells, and the chunk lies in level 0.
+  bool read_cells(const Channel& channel, const ChunkKey& key, Bytes& frame) const;
+
   // Makes ready what the index says of the chunks that meet the box, and the chunks themselves, in as few round trips as possible,
   // if the source is far away: otherwise each read of a chunk would be one. Of a large box, a part. REQUIRES: the box lies in the level.
   void prefetch(int level, const Box& box, bool with_chunks = true) const;
@@ -74,6 +78,8 @@ class GridReader {
  private:
   const LevelInfo& info(int level) const;
   void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
+  std::shared_ptr<const IndexPart> cells_part(const Channel& channel, uint64_t frame, const std::function<std::vector<uint64_t>(const Bytes&)>& decode,
+                                              size_t size) const;
   DirectoryEntry directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const;
 
   std::unique_ptr<ByteSource> source_;

@@ -186,6 +186,11 @@ class PartCheck : public PartTaker {
     }
     if (found != of) throw FormatError(fmt::format("{}: {}: expected {} chunks, found {}", part_.name(), what, of.chunks, found.chunks));
   }
+  void cells(size_t channel, const ChunkKey&, uint64_t size, uint64_t checksum) override { frame(channel, size, checksum); }
+  void frame(size_t channel, uint64_t size, uint64_t checksum) override {
+    if (size != 0) read({end_ - size, size, checksum}, fmt::format("a frame of channel '{}'", meta_.channels[channel].name));
+  }
+  void cells_page(size_t channel, uint64_t, uint64_t size, uint64_t checksum) override { frame(channel, size, checksum); }
   void child(int, uint32_t, uint32_t, Chunk&&) override {}
 
  private:

@@ -35,7 +35,7 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : GridWriter(path, std::move(meta), 0) { append_bytes(encode_header()); }
 
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep)
-    : meta_(std::move(meta)), covers_(meta_.channels.size()), file_(path, keep) {
+    : meta_(std::move(meta)), covers_(meta_.channels.size()), cells_(meta_.channels.size()), file_(path, keep) {
   if (const std::string beyond = beyond_bounds(meta_); !beyond.empty()) throw UsageError(beyond);
   // Level 1 would take about as many bytes as level 0, so it is derived when it is read. All levels above it take a tenth.
   for (int level = 0; level < meta_.grid.levels(); level += level == 0 ? 2 : 1) {
@@ -51,7 +51,7 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_
 }
 
 // The state: the size and the hash of the file; of each level, its counts, its directory so far and its open pages; of each channel
-// but the labels, its cover so far.
+// but the labels, its cover so far, and which frames are those of chunks.
 void GridWriter::save(Bytes& state) {
   file_.sync();
   put_fixed(state, file_.size());
@@ -63,10 +63,12 @@ void GridWriter::save(Bytes& state) {
       for (const uint64_t n : {e.offset, e.size, e.checksum}) put_varint(state, n);
     l.open.save(state);
   }
-  for (const auto& cover : std::span(covers_).subspan(1)) {
-    put_varint(state, cover.size());
-    for (const DirectoryEntry& e : cover)
+  for (size_t i = 1; i < covers_.size(); ++i) {
+    put_varint(state, covers_[i].size());
+    for (const DirectoryEntry& e : covers_[i])
       for (const uint64_t n : {e.offset, e.size, e.checksum}) put_varint(state, n);
+    put_varint(state, cells_[i].has_value());
+    if (cells_[i]) cells_[i]->save(state);
   }
 }
 
@@ -89,9 +91,10 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteRea
     for (DirectoryEntry& e : l.directory) e = {state.varint(), state.varint(), state.varint()};
     l.open.restore(state);
   }
-  for (auto& cover : std::span(covers_).subspan(1)) {
-    cover.resize(state.varint(0, state.remaining() / 3, "frames"));  // three numbers each
-    for (DirectoryEntry& e : cover) e = {state.varint(), state.varint(), state.varint()};
+  for (size_t i = 1; i < covers_.size(); ++i) {
+    covers_[i].resize(state.varint(0, state.remaining() / 3, "frames"));  // three numbers each
+    for (DirectoryEntry& e : covers_[i]) e = {state.varint(), state.varint(), state.varint()};
+    if (state.varint(0, 1, "whether there are frames of chunks") != 0) cells(i).restore(state);
   }
 }
 
@@ -144,10 +147,42 @@ void GridWriter::put_place(Level& l, uint64_t page, const DirectoryEntry& place)
 
 void GridWriter::put_child(int, uint32_t, uint32_t, const Chunk&) { throw std::logic_error("a part of a chunk was put into a whole grid"); }
 
-void GridWriter::put_frame(size_t channel, std::span<const uint8_t> frame) {
+void GridWriter::add_to_cover(size_t channel, const DirectoryEntry& place) {
   auto& cover = covers_[channel];
   if (cover.size() == kMaxEntries) throw Error(fmt::format("channel '{}' has more frames than a file can index", meta_.channels[channel].name));
-  cover.push_back(append(frame));
+  cover.push_back(place);
+}
+
+void GridWriter::put_frame(size_t channel, std::span<const uint8_t> frame) { add_to_cover(channel, append(frame)); }
+
+CellFrames& GridWriter::cells(size_t channel) {
+  if (!cells_[channel]) cells_[channel].emplace(meta_);
+  return *cells_[channel];
+}
+
+// The chunk's frame, if it has one, is the last of the cover.
+void GridWriter::place_cells(size_t channel, const ChunkKey& key, bool has_frame) {
+  const uint64_t next = covers_[channel].size();
+  if (const auto page = cells(channel).put(key, has_frame ? next - 1 : kNoFrame, next); page && !page->empty()) put_frame(channel, *page);
+}
+
+void GridWriter::put_cells(size_t channel, const ChunkKey& key, std::span<const uint8_t> frame) {
+  if (!frame.empty()) put_frame(channel, frame);
+  place_cells(channel, key, !frame.empty());
+}
+
+void GridWriter::put_frame_entry(size_t channel, uint64_t size, uint64_t checksum) {
+  add_to_cover(channel, {file_.size() - size, size, checksum});
+}
+
+void GridWriter::put_cells_entry(size_t channel, const ChunkKey& key, uint64_t size, uint64_t checksum) {
+  if (size != 0) put_frame_entry(channel, size, checksum);
+  place_cells(channel, key, size != 0);
+}
+
+void GridWriter::put_cells_page(size_t channel, uint64_t page, uint64_t size, uint64_t checksum) {
+  cells(channel).put_page(page, size == 0 ? kNoFrame : covers_[channel].size());
+  if (size != 0) put_frame_entry(channel, size, checksum);
 }
 
 void GridWriter::finish(const std::string& report, uint64_t crossings) {
@@ -159,6 +194,9 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   for (const Level& l : levels_)
     if (!l.open.empty() || std::ranges::any_of(l.directory, [](const DirectoryEntry& e) { return e.size == 0; }))
       throw FormatError(fmt::format("level {} lacks chunks", l.info.level));
+  for (size_t i = 1; i < covers_.size(); ++i)
+    if (cells_[i])
+      for (const Bytes& list : cells_[i]->lists()) put_frame(i, list);
   for (size_t i = 1; i < covers_.size(); ++i)
     if (covers_[i].empty()) throw Error(fmt::format("channel '{}' has no frame", meta_.channels[i].name));
   meta_.levels().clear();

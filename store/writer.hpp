@@ -3,6 +3,7 @@
 #pragma once
 #include <filesystem>
 
+#include "store/cell_frames.hpp"
 #include "store/chunk_sink.hpp"
 #include "store/file.hpp"
 #include "store/open_pages.hpp"
@@ -22,6 +23,7 @@ class GridWriter : public ChunkSink {
   const Metadata& meta() const override { return meta_; }
   void put(const ChunkKey& key, const EncodedChunk& chunk) override;
   void put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) override;  // never: the file has all
+  void put_cells(size_t channel, const ChunkKey& key, std::span<const uint8_t> frame) override;
   // ---- What was made elsewhere, for merging. The bytes come first, then what they are. REQUIRES: no save().
   void put_bytes(std::span<const uint8_t> bytes) { file_.append(bytes); }
   // The same where another process writes these bytes, before finish() (FileRoom in file.hpp).
@@ -30,6 +32,10 @@ class GridWriter : public ChunkSink {
   void put_entry(const ChunkKey& key, ChunkEntry entry, uint64_t changes);
   // A page that is complete: its frame, of which the last bytes are, and what its chunks add up to.
   void put_page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum);
+  // The same for another channel: the frame of a chunk, if `size` is not 0; of a chunk whose page is complete; and of that page.
+  void put_cells_entry(size_t channel, const ChunkKey& key, uint64_t size, uint64_t checksum);
+  void put_frame_entry(size_t channel, uint64_t size, uint64_t checksum);
+  void put_cells_page(size_t channel, uint64_t page, uint64_t size, uint64_t checksum);
 
   // Appends the next frame of meta().channels[channel], which its cover names. Frames may come between chunks. REQUIRES: the channel is
   // not that of the labels; `frame` is one zstd frame or one skippable frame.
@@ -51,9 +57,13 @@ class GridWriter : public ChunkSink {
   void append_bytes(std::span<const uint8_t> bytes);
   void put_place(Level& l, uint64_t page, const DirectoryEntry& place);
   DirectoryEntry append(std::span<const uint8_t> frame);
+  CellFrames& cells(size_t channel);
+  void place_cells(size_t channel, const ChunkKey& key, bool has_frame);
+  void add_to_cover(size_t channel, const DirectoryEntry& place);
 
   Metadata meta_;
   std::vector<std::vector<DirectoryEntry>> covers_;  // so far, of all channels; that of the labels stays empty
+  std::vector<std::optional<CellFrames>> cells_;     // of channels that have frames for chunks
   OutputFile file_;
   ContentHash hash_;  // of all bytes so far
   static size_t index_of(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }

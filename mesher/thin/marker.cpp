@@ -6,9 +6,9 @@
 
 namespace teracell {
 
-std::vector<bool> widened_bodies(const Scene& scene, bool count_thin) {
+std::vector<bool> widened_bodies(const Scene& scene, bool all_solids) {
   std::vector<bool> widened;
-  for (const SceneBody& body : scene.bodies) widened.push_back(body.kind == Kind::kSheet || ThinParts::wanted(body, count_thin));
+  for (const SceneBody& body : scene.bodies) widened.push_back(body.kind == Kind::kSheet || ThinParts::wanted(body, all_solids));
   return std::ranges::count(widened, true) > 0 ? widened : std::vector<bool>{};
 }
 

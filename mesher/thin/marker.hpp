@@ -9,8 +9,8 @@
 namespace teracell {
 
 // For each body, whether its facets matter to rays that they do not meet (rays.hpp); empty if this is so for no body.
-// `count_thin` as in ThinParts.
-std::vector<bool> widened_bodies(const Scene& scene, bool count_thin);
+// `all_solids`: those of every solid do, not only of those that keep their thin parts.
+std::vector<bool> widened_bodies(const Scene& scene, bool all_solids);
 
 // Not thread-safe.
 class Marker {

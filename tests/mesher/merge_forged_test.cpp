@@ -32,6 +32,9 @@ class Records : public PartTaker {
     if (entry.size != 0) return;
     put_entry(begin(chunks, 0, {key.level, key.cu, key.cv, key.segment, 0}), entry, key.level == 0);
   }
+  void cells(size_t, const ChunkKey&, uint64_t, uint64_t) override {}
+  void frame(size_t, uint64_t, uint64_t) override {}
+  void cells_page(size_t, uint64_t, uint64_t, uint64_t) override {}
   void child(int level, uint32_t cu, uint32_t cv, Chunk&& rays) override {
     put_child(begin(children, 2, {level, cu, cv, rays.rays.nu, rays.rays.nv, rays.rays.length}), rays);
   }

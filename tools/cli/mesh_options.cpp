@@ -67,6 +67,9 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
   app.add_flag(
       "--thin", o.thin,
       "count, along x, y and z, the parts of every solid and of the gaps between solids that lie between sample points and are lost; the cells are the same");
+  app.add_option("--fractions", o.fractions,
+                 "SX,SY,SZ: keep in the file the shares of materials in cells that a boundary cuts, counted over this many sub-samples per cell along "
+                 "x, y and z: powers of two from 1 to 256, at most 65536 in all");
   app.add_option("--engine", o.engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")
       ->check(one_of(engine_names()));
   add_threads(app, o.threads);
@@ -164,6 +167,13 @@ MeshOptions mesh_options(const MeshArguments& o, int share) {
   options.resume = o.resume;
   options.thin = o.thin;
   options.shard = parse_shard(o.shard);
+  if (!o.fractions.empty()) {
+    const auto n = parse_integers(o.fractions, 3, "--fractions");
+    Subdivision samples;
+    for (size_t d = 0; d < 3; ++d) samples[d] = static_cast<uint32_t>(std::clamp<int64_t>(n[d], 0, ~uint32_t{0}));
+    if (const std::string beyond = beyond_bounds(samples); !beyond.empty()) throw UsageError("--fractions: " + beyond);
+    options.fractions = samples;
+  }
   return options;
 }
 

@@ -1,0 +1,71 @@
+#include "store/fractions.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "store/cell_frames.hpp"
+#include "store/channel_kinds.hpp"
+#include "store/json_text.hpp"
+
+namespace teracell {
+
+Channel fractions_channel(const Subdivision& samples) {
+  Channel out{kFractions, kShares};
+  out.about = nlohmann::ordered_json{{"samples", samples}}.dump();
+  return out;
+}
+
+Subdivision subdivision_of(const Channel& channel) {
+  const auto about = parse_json(channel.about.empty() ? "{}" : channel.about, "metadata", 16);
+  const auto samples = about.find("samples");
+  Subdivision out{1, 1, 1};
+  bool valid = samples != about.end() && samples->is_array() && samples->size() == 3;
+  for (size_t d = 0; valid && d < 3; ++d) {
+    const auto& n = (*samples)[d];
+    valid = n.is_number_unsigned() && n.get<uint64_t>() <= 65536;
+    if (valid) out[d] = n.get<uint32_t>();
+  }
+  if (!valid) throw FormatError(fmt::format("metadata: channel '{}' does not say how many sub-samples a cell has", channel.name));
+  if (const std::string beyond = beyond_bounds(out); !beyond.empty()) throw FormatError(fmt::format("metadata: channel '{}': {}", channel.name, beyond));
+  return out;
+}
+
+const Channel* find_fractions(const Metadata& meta) {
+  const auto found = std::ranges::find_if(meta.others(), [](const Channel& c) { return c.name == kFractions && c.coding == kShares; });
+  return found == meta.others().end() ? nullptr : &*found;
+}
+
+namespace {
+
+void decode_chunk(const Metadata& meta, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame, MixedCells& out) {
+  const LevelShape s(meta, 0);
+  decode_mixed_cells(frame, s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), static_cast<uint32_t>(meta.labels.size()),
+                     sub_samples(samples), out);
+}
+
+void check(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
+  const Subdivision samples = subdivision_of(channel);
+  MixedCells cells;
+  check_cell_frames(meta, channel, frame, [&](const ChunkKey& key, const Bytes& bytes) { decode_chunk(meta, key, samples, bytes, cells); });
+}
+
+}  // namespace
+
+void read_mixed_cells(const GridReader& reader, const Channel& channel, const ChunkKey& key, MixedCells& out) {
+  thread_local Bytes frame;
+  try {
+    const Subdivision samples = subdivision_of(channel);
+    if (reader.read_cells(channel, key, frame)) return decode_chunk(reader.meta(), key, samples, frame, out);
+    const LevelShape s = reader.shape(0);
+    out.reset(s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), sub_samples(samples));
+    out.begin.resize(size_t{out.nu} * out.nv + 1);
+  } catch (const FormatError& e) {
+    const std::string message = e.what();
+    throw FormatError(message.starts_with(reader.name()) ? message : fmt::format("{}: {}: {}", reader.name(), chunk_name(key), message));
+  }
+}
+
+const ChannelKind kFractionsKind = {kFractions, kShares, check};
+
+}  // namespace teracell

@@ -1,0 +1,285 @@
+// Shares of mixed cells: equal to the cells of a finer grid that rational arithmetic decides, whatever the ray axis, engine, threads,
+// chunks and interruptions.
+#include <catch2/catch.hpp>
+
+#include <sys/wait.h>
+#include <unistd.h>
+#include <csignal>
+
+#include "mesher/engines/engines.hpp"
+#include "mesher/merge.hpp"
+#include "store/fractions.hpp"
+#include "store/verify.hpp"
+#include "tests/support/meshed.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/sanitized.hpp"
+#include "tests/support/ties.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+using oracle::Body;
+using oracle::Rule;
+
+// Of every cell in the order z, y, x, its sub-samples by material.
+using Shares = std::vector<std::vector<uint32_t>>;
+
+// Written from the definition: each cell is divided, and sub-samples lie in the middle of its parts.
+Axis finer(const Axis& axis, uint32_t parts) {
+  if (!axis.is_graded()) return Axis::uniform(axis.origin(), axis.step() / parts, axis.first() * parts, axis.cells() * parts, 0.5);
+  std::vector<double> planes;
+  for (int64_t i = 0; i < axis.cells(); ++i) {
+    const double lo = axis.planes()[static_cast<size_t>(i)], hi = axis.planes()[static_cast<size_t>(i) + 1];
+    for (uint32_t k = 0; k < parts; ++k) planes.push_back(lo + (double(k) / parts) * (hi - lo));
+  }
+  planes.push_back(axis.planes().back());
+  return Axis::graded(planes, 0.5);
+}
+
+Shares expected_shares(const std::vector<Body>& bodies, const Grid& grid, const Subdivision& s, uint32_t materials) {
+  std::vector<Body> solids = bodies;
+  std::erase_if(solids, [](const Body& b) { return b.sheet; });
+  const Grid fine{{finer(grid.axis[0], s[0]), finer(grid.axis[1], s[1]), finer(grid.axis[2], s[2])}};
+  const std::vector<uint32_t> cells = oracle::materials(solids, fine);
+  const Index3 n = grid.cells(), m = fine.cells();
+  Shares out(static_cast<size_t>(n[0] * n[1] * n[2]), std::vector<uint32_t>(materials));
+  for (int64_t z = 0, i = 0; z < m[2]; ++z)
+    for (int64_t y = 0; y < m[1]; ++y)
+      for (int64_t x = 0; x < m[0]; ++x, ++i) ++out[static_cast<size_t>((z / s[2] * n[1] + y / s[1]) * n[0] + x / s[0])][cells[static_cast<size_t>(i)]];
+  return out;
+}
+
+// Those that a file holds; of a cell that is not mixed, all sub-samples have its own material.
+Shares shares_of(const GridReader& reader, uint32_t materials) {
+  const Metadata& meta = reader.meta();
+  const Channel& channel = *find_fractions(meta);
+  const uint32_t total = sub_samples(subdivision_of(channel));
+  const std::vector<uint32_t> own = all_cells(reader);
+  Shares out;
+  for (const uint32_t material : own) {
+    out.emplace_back(materials);
+    out.back()[material] = total;
+  }
+  const Index3 n = meta.grid.cells();
+  const RayFrame f = meta.frame();
+  const LevelShape shape = reader.shape(0);
+  MixedCells cells;
+  for (uint64_t page = 0; page < shape.pages(); ++page)
+    for (uint32_t slot = 0; slot < shape.page_size(page); ++slot) {
+      const ChunkKey key = shape.key_of(page, slot);
+      read_mixed_cells(reader, channel, key, cells);
+      for (uint32_t ray = 0; ray < cells.nu * cells.nv; ++ray)
+        for (const MixedCells::Run& run : cells.of_ray(ray))
+          for (uint32_t w = run.from; w < run.to; ++w) {
+            Index3 c;
+            c[f.u] = int64_t{key.cu} * shape.chunk_rays + ray % cells.nu, c[f.v] = int64_t{key.cv} * shape.chunk_rays + ray / cells.nu;
+            c[f.w] = int64_t{key.segment} * shape.chunk_cells + w;
+            std::vector<uint32_t>& share = out[static_cast<size_t>((c[2] * n[1] + c[1]) * n[0] + c[0])];
+            const std::vector<uint32_t> before = share;
+            std::ranges::fill(share, 0);
+            for (size_t i = 0; i < cells.labels(run).size(); ++i) share[meta.labels[cells.labels(run)[i]].material] += cells.counts_of(run)[i];
+            REQUIRE(share != before);  // only mixed cells are kept
+          }
+    }
+  return out;
+}
+
+uint32_t materials_in(const std::vector<Body>& bodies) {
+  uint32_t materials = 1;
+  for (const Body& b : bodies) materials = std::max(materials, b.material + 1);
+  return materials;
+}
+
+// Along x, y and z, by each engine.
+void expect_exact_shares(const std::vector<Body>& bodies, const Grid& grid, const Subdivision& samples) {
+  const TempFolder folder;
+  const Scene scene = scene_of(folder, bodies, grid);
+  const uint32_t materials = materials_in(bodies);
+  const Shares expected = expected_shares(bodies, grid, samples, materials);
+  for (int axis = 0; axis < 3; ++axis)
+    for (const std::string& engine : engine_names()) {
+      INFO("rays along " << axis_name(axis) << ", engine " << engine);
+      MeshOptions options;
+      options.axis = axis;
+      options.engine = engine;
+      options.threads = 1;
+      options.chunk_rays = 4;  // several chunks and tile groups
+      options.fractions = samples;
+      mesh_quietly(scene, folder / "g.tcell", options);
+      const GridReader reader(folder / "g.tcell");
+      REQUIRE(subdivision_of(*find_fractions(reader.meta())) == samples);
+      REQUIRE(shares_of(reader, materials) == expected);
+      verify(reader, 1, [](double) {});
+    }
+}
+
+Subdivision some_subdivision(std::mt19937_64& random) {
+  const auto power = [&] { return uint32_t{1} << random_int(random, 0, 3); };
+  return {power(), power(), power()};
+}
+
+std::vector<Body> some_bodies(std::mt19937_64& random, int n) {
+  std::vector<Body> bodies;
+  for (int b = random_int(random, 1, 4); b > 0; --b) {
+    Body body{shapes::shell_of_ties(random, n)};
+    if (random_int(random, 0, 2) == 0) body.rule = Rule::kEvenodd;
+    body.material = static_cast<uint32_t>(random_int(random, 1, 3));
+    body.priority = random_int(random, 0, 2);
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+TEST_CASE("Half a cell is half of its sub-samples") {
+  const Axis axis = Axis::uniform(0, 1, 0, 4, 0.5);
+  const TempFolder folder;
+  const std::vector<Body> bodies = {{shapes::box({0.5, 1, 1}, {2.25, 3, 3})}};
+  MeshOptions options;
+  options.fractions = Subdivision{4, 1, 1};
+  mesh_quietly(scene_of(folder, bodies, {{axis, axis, axis}}), folder / "g.tcell", options);
+  const Shares shares = shares_of(GridReader(folder / "g.tcell"), 2);
+  const auto row = [&](size_t x) { return shares[(1 * 4 + 1) * 4 + x]; };
+  CHECK(row(0) == std::vector<uint32_t>{2, 2});
+  CHECK(row(1) == std::vector<uint32_t>{0, 4});
+  CHECK(row(2) == std::vector<uint32_t>{3, 1});
+  CHECK(row(3) == std::vector<uint32_t>{4, 0});
+}
+
+TEST_CASE("Shares of random scenes full of ties equal the cells of the finer grid, along every axis and by every engine") {
+  for (uint64_t seed = 0; seed < rounds(12); ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    const int n = random_int(random, 3, 6);
+    Grid grid;
+    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
+    expect_exact_shares(some_bodies(random, n), grid, some_subdivision(random));
+  }
+}
+
+TEST_CASE("Shares of decimal lattices, slopes and needles equal the cells of the finer grid") {
+  for (uint64_t seed = 100; seed < 100 + rounds(6); ++seed) {
+    INFO("seed " << seed);
+    std::mt19937_64 random(seed);
+    const Axis axis = Axis::uniform(0, 1.1 / 5, 0, 5, 0.5);
+    std::vector<Body> bodies;
+    for (uint32_t material = 1; material <= 2; ++material) bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
+    expect_exact_shares(bodies, {{axis, axis, axis}}, some_subdivision(random));
+    const Axis wide = Axis::uniform(-7, 5, 0, 5, 0.5);
+    expect_exact_shares({{shapes::needle(random)}, {shapes::sphere({4, 5, 3}, 6.3, 2), Rule::kNonzero, 2}}, {{wide, wide, wide}}, {8, 4, 2});
+  }
+}
+
+TEST_CASE("Sheets and kept thin parts own cells, but take no share") {
+  std::mt19937_64 random(5);
+  const Axis axis = Axis::uniform(0, 1, 0, 6, 0.5);
+  const std::vector<Body> bodies = {{shapes::box({1.2, 1.2, 1.2}, {4.7, 4.7, 4.7}), Rule::kNonzero, 1},
+                                    {shapes::sphere({3, 3, 3}, 2.2, 2), Rule::kNonzero, 2, 1, true}};
+  expect_exact_shares(bodies, {{axis, axis, axis}}, {4, 4, 4});
+
+  const TempFolder folder;
+  const std::vector<Body> plate = {{shapes::box({2.6, 1, 1}, {2.9, 5, 5})}};
+  Scene scene = scene_of(folder, plate, {{axis, axis, axis}});
+  scene.bodies[0].thin = Thin::kKeep;
+  MeshOptions options;
+  options.fractions = Subdivision{8, 2, 2};
+  mesh_quietly(scene, folder / "g.tcell", options);
+  CHECK(shares_of(GridReader(folder / "g.tcell"), 2) == expected_shares(plate, {{axis, axis, axis}}, *options.fractions, 2));
+}
+
+TEST_CASE("Many sub-samples per cell are counted in blocks of a ray, and give the same counts") {
+  const Axis axis = Axis::uniform(0, 1, 0, 3, 0.5);
+  const std::vector<Body> bodies = {{shapes::sphere({1.5, 1.4, 1.6}, 1.2, 2)}};
+  const TempFolder folder;
+  const Scene scene = scene_of(folder, bodies, {{axis, axis, axis}});
+  for (const Subdivision& samples : {Subdivision{256, 16, 1}, Subdivision{1, 256, 8}}) {
+    const Shares expected = expected_shares(bodies, {{axis, axis, axis}}, samples, 2);
+    for (int along = 0; along < 3; ++along) {
+      MeshOptions options;
+      options.axis = along;
+      options.fractions = samples;
+      mesh_quietly(scene, folder / "g.tcell", options);
+      CHECK(shares_of(GridReader(folder / "g.tcell"), 2) == expected);
+    }
+  }
+}
+
+TEST_CASE("The cells are the same with and without fractions, and without them the file is") {
+  std::mt19937_64 random(9);
+  const Axis axis = Axis::uniform(0, 0.5, 0, 18, 0.5);
+  const TempFolder folder;
+  const Scene scene = scene_of(folder, some_bodies(random, 8), {{axis, axis, axis}});
+  MeshOptions options;
+  options.axis = 1;
+  mesh_quietly(scene, folder / "plain.tcell", options);
+  options.fractions = Subdivision{2, 2, 2};
+  mesh_quietly(scene, folder / "shares.tcell", options);
+  const GridReader plain(folder / "plain.tcell"), shares(folder / "shares.tcell");
+  CHECK(all_cells(plain) == all_cells(shares));
+  CHECK(plain.meta().channels.size() == 1);
+  CHECK(plain.meta().levels()[0].bytes == shares.meta().levels()[0].bytes);
+}
+
+TEST_CASE("A file with fractions is the same for any threads, from parts, and after an interruption") {
+  std::mt19937_64 random(12);
+  const Axis axis = Axis::uniform(0, 0.25, 0, 40, 0.5);
+  const TempFolder folder;
+  const Scene scene = scene_of(folder, {{shapes::sphere({5, 5, 5}, 4.1, 3)}, {shapes::shell_of_ties(random, 9), Rule::kEvenodd, 2}}, {{axis, axis, axis}});
+  MeshOptions options;
+  options.axis = 2;
+  options.chunk_rays = 4;
+  options.threads = 1;
+  options.fractions = Subdivision{2, 4, 8};
+  mesh_quietly(scene, folder / "g.tcell", options);
+  const std::string expected = bytes_of(folder / "g.tcell");
+
+  options.threads = 3;
+  mesh_quietly(scene, folder / "threads.tcell", options);
+  CHECK(bytes_of(folder / "threads.tcell") == expected);
+
+  const std::atomic<bool> stop{false};
+  for (const uint32_t parts : {2u, 5u}) {
+    std::vector<std::filesystem::path> paths;
+    for (uint32_t i = 0; i < parts; ++i) {
+      options.shard = Shard{i, parts};
+      mesh_quietly(scene, folder / "p.tcell", options);
+      paths.push_back(part_path(folder / "p.tcell", *options.shard));
+    }
+    options.shard.reset();
+    merge(paths, folder / "merged.tcell", [](const char*, double, double) {}, stop);
+    CHECK(bytes_of(folder / "merged.tcell") == expected);
+  }
+
+  options.checkpoint_seconds = 0;
+  options.resume = true;
+  options.threads = 1;
+  for (int killed = 1; killed < 30; killed += 7) {
+    const pid_t child = fork();
+    if (child == 0) {
+      int groups = 0;
+      mesh(
+          scene, folder / "resumed.tcell", options,
+          [&](const char* phase, double, double) {
+            if (std::string_view(phase) == "mesh" && ++groups == killed) kill(getpid(), SIGKILL);
+          },
+          stop);
+      _exit(0);
+    }
+    int status = 0;
+    REQUIRE(waitpid(child, &status, 0) == child);
+  }
+  mesh_quietly(scene, folder / "resumed.tcell", options);
+  CHECK(bytes_of(folder / "resumed.tcell") == expected);
+}
+
+TEST_CASE("Sub-samples that doubles can't tell apart are refused") {
+  const TempFolder folder;
+  Scene scene = scene_of(folder, {{shapes::box({1, 1, 1}, {2, 2, 2})}}, {{Axis::uniform(0, 1, 0, 4, 0.5), Axis::uniform(0, 1, 0, 4, 0.5),
+                                                                          Axis::uniform(0x1p50, 0.5, 0, 4, 0.5)}});
+  MeshOptions options;
+  options.fractions = Subdivision{1, 1, 8};
+  CHECK_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell", options), Catch::StartsWith("8 sub-samples per cell along z"));
+}
+
+}  // namespace
+}  // namespace teracell
