@@ -1,5 +1,6 @@
 // The channel `fractions`: what mixed cells are made of (mixed_cells.hpp), chunk by chunk.
 #pragma once
+#include "store/lru_cache.hpp"
 #include "store/mixed_cells.hpp"
 #include "store/reader.hpp"
 
@@ -11,7 +12,27 @@ Subdivision subdivision_of(const Channel& channel);
 // The channel of a grid; null if it has none.
 const Channel* find_fractions(const Metadata& meta);
 
-// The mixed cells of a chunk of level 0. Throws FormatError or IoError. REQUIRES: the channel is one of fractions.
-void read_mixed_cells(const GridReader& reader, const Channel& channel, const ChunkKey& key, MixedCells& out);
+// Reads the fractions of a grid. Threads may share it. Throws IoError or FormatError, like its reader.
+class FractionReader {
+ public:
+  // Keeps a reference to the reader, and up to `bytes` of chunks. Throws UsageError if the grid has no fractions.
+  explicit FractionReader(const GridReader& reader, size_t bytes = size_t{32} << 20);
+
+  const Subdivision& samples() const { return samples_; }
+  // The mixed cells of a chunk of level 0.
+  std::shared_ptr<const MixedCells> chunk(const ChunkKey& key) const;
+
+  // Writes the share of a material, from 0 to 1, in the cells of `box` to
+  // data[(x - lo.x) * stride[0] + (y - lo.y) * stride[1] + (z - lo.z) * stride[2]]. The box may reach outside the grid: cells there get
+  // `outside`. T is float or double; a float is the double, rounded once. REQUIRES: the material is one of the grid's.
+  template <class T>
+  void read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads = 1) const;
+
+ private:
+  const GridReader& reader_;
+  const Channel& channel_;
+  const Subdivision samples_;
+  mutable LruCache<ChunkKey, MixedCells, ChunkKeyHash> chunks_;
+};
 
 }  // namespace teracell

@@ -105,6 +105,12 @@ std::string info_json(const GridReader& reader, std::string_view id) {
   out.key("levels").begin_array();
   for (int level = 0; level < reader.levels(); ++level) write_level(out, reader, level);
   out.end_array();
+  write_all(out, "channels", meta.others(), [&](size_t i) {
+    const Channel& c = meta.others()[i];
+    out.begin_object().field("name", c.name).field("coding", c.coding).field("bytes", c.bytes);
+    if (!c.about.empty()) out.key("about").raw(c.about);
+    out.end_object();
+  });
   out.key("chunk").begin_object().field("rays", meta.chunk_rays).field("cells", meta.chunk_cells).end_object();
   out.key("file").begin_object().field("bytes", reader.file_bytes()).field("version", reader.version()).field("hash", reader.hash()).end_object();
   out.field("crossings", meta.crossings).field("bits_per_crossing", bits_per_crossing(meta)).key("report");

@@ -48,6 +48,7 @@ struct Channel {
   uint64_t cover = 0;             // the others: offset of the directory of all frames of the channel
   uint64_t frames = 0;            // entries of the cover
   std::string about{};            // what its coding has to know, as a JSON object; empty if there is nothing
+  uint64_t bytes = 0;             // of all its frames; 0 if the file does not tell
   friend bool operator==(const Channel&, const Channel&) = default;
 };
 

@@ -46,6 +46,7 @@ ordered_json to_json(const Channel& c) {
   if (!c.about.empty()) j["about"] = ordered_json::parse(c.about);
   if (c.name != kLabels) {
     j["cover"] = {{"offset", c.cover}, {"frames", c.frames}};
+    if (c.bytes != 0) j["cover"]["bytes"] = c.bytes;
     return j;
   }
   j["levels"] = ordered_json::array();
@@ -70,6 +71,7 @@ Channel channel_from(const ordered_json& j, std::span<const ChannelKind> known) 
     const ordered_json& cover = j.at("cover");
     c.cover = whole<uint64_t>(cover, "offset", ~uint64_t{0});
     c.frames = whole<uint64_t>(cover, "frames", ~uint64_t{0});
+    if (cover.contains("bytes")) c.bytes = whole<uint64_t>(cover, "bytes", ~uint64_t{0});
     return c;
   }
   for (const auto& l : j.at("levels"))

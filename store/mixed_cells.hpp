@@ -35,6 +35,7 @@ struct MixedCells {
   void add(uint32_t from, uint32_t to, std::span<const uint32_t> labels, std::span<const uint32_t> counts);
   void end_ray() { begin.push_back(static_cast<uint32_t>(runs.size())); }
   bool empty() const { return runs.empty(); }
+  size_t memory() const { return sizeof *this + sets.memory() + (begin.capacity() + counts.capacity()) * 4 + runs.capacity() * sizeof(Run); }
   std::span<const Run> of_ray(uint32_t ray) const { return {runs.data() + begin[ray], begin[ray + 1] - begin[ray]}; }
   std::span<const uint32_t> labels(const Run& run) const { return sets[run.set]; }
   std::span<const uint32_t> counts_of(const Run& run) const { return {counts.data() + run.first, sets[run.set].size()}; }

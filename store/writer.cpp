@@ -208,6 +208,8 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   for (size_t i = 1; i < covers_.size(); ++i) {
     meta_.channels[i].cover = append_hashed(encode_directory(covers_[i])).offset;
     meta_.channels[i].frames = covers_[i].size();
+    meta_.channels[i].bytes = 0;
+    for (const DirectoryEntry& frame : covers_[i]) meta_.channels[i].bytes += frame.size;
   }
   check_json(report, "report");
   Footer footer;

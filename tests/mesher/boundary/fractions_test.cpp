@@ -53,8 +53,8 @@ Shares expected_shares(const std::vector<Body>& bodies, const Grid& grid, const 
 // Those that a file holds; of a cell that is not mixed, all sub-samples have its own material.
 Shares shares_of(const GridReader& reader, uint32_t materials) {
   const Metadata& meta = reader.meta();
-  const Channel& channel = *find_fractions(meta);
-  const uint32_t total = sub_samples(subdivision_of(channel));
+  const FractionReader fractions(reader);
+  const uint32_t total = sub_samples(fractions.samples());
   const std::vector<uint32_t> own = all_cells(reader);
   Shares out;
   for (const uint32_t material : own) {
@@ -64,11 +64,11 @@ Shares shares_of(const GridReader& reader, uint32_t materials) {
   const Index3 n = meta.grid.cells();
   const RayFrame f = meta.frame();
   const LevelShape shape = reader.shape(0);
-  MixedCells cells;
   for (uint64_t page = 0; page < shape.pages(); ++page)
     for (uint32_t slot = 0; slot < shape.page_size(page); ++slot) {
       const ChunkKey key = shape.key_of(page, slot);
-      read_mixed_cells(reader, channel, key, cells);
+      const auto decoded = fractions.chunk(key);
+      const MixedCells& cells = *decoded;
       for (uint32_t ray = 0; ray < cells.nu * cells.nv; ++ray)
         for (const MixedCells::Run& run : cells.of_ray(ray))
           for (uint32_t w = run.from; w < run.to; ++w) {

@@ -1,0 +1,79 @@
+// Shares of materials in boxes of cells.
+#include "store/fractions.hpp"
+
+#include <catch2/catch.hpp>
+
+#include "store/query.hpp"
+#include "tests/support/meshed.hpp"
+#include "tests/support/random.hpp"
+
+namespace teracell {
+namespace {
+
+using namespace testing;
+
+struct FractionScene {
+  TempFolder folder;
+  Grid grid;
+  MeshOptions options;
+  FractionScene(int along) {
+    grid = {{Axis::uniform(0, 1, 0, 21, 0.5), Axis::graded({0, 1, 3, 4, 4.5, 8, 10, 12, 17, 20}, 0.5), Axis::uniform(-1, 0.5, 0, 37, 0.5)}};
+    options.axis = along;
+    options.chunk_rays = 4;
+    options.fractions = Subdivision{2, 4, 8};
+    const std::vector<oracle::Body> bodies = {{shapes::sphere({9, 9, 7}, 6.2, 2), oracle::Rule::kNonzero, 1},
+                                              {shapes::box({3.3, 4.1, 2.2}, {14.6, 9.9, 5.7}), oracle::Rule::kNonzero, 2},
+                                              {shapes::sphere({14, 12, 9}, 4.4, 2), oracle::Rule::kNonzero, 1}};
+    mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
+  }
+};
+
+TEST_CASE("Shares of a box are those of its cells one by one, sum to one, and are cut at the grid", "[fractions]") {
+  std::mt19937_64 random(4);
+  for (int along = 0; along < 3; ++along) {
+    const FractionScene scene(along);
+    const GridReader reader(scene.folder / "g.tcell");
+    const FractionReader fractions(reader);
+    const Index3 n = reader.meta().grid.cells();
+    std::vector<std::vector<double>> all(3, std::vector<double>(static_cast<size_t>(n[0] * n[1] * n[2])));
+    for (uint32_t material = 0; material < 3; ++material)
+      fractions.read_box<double>({{0, 0, 0}, n}, material, -1, all[material].data(), {1, n[0], n[0] * n[1]});
+    size_t mixed = 0;
+    for (size_t i = 0; i < all[0].size(); ++i) {
+      REQUIRE(all[0][i] + all[1][i] + all[2][i] == 1);
+      mixed += all[0][i] != 0 && all[0][i] != 1;
+    }
+    REQUIRE(mixed > 100);
+    for (int round = 0; round < 30; ++round) {
+      Box box;
+      for (int d = 0; d < 3; ++d) {
+        box.lo[d] = random_int(random, -3, static_cast<int>(n[d]));
+        box.hi[d] = random_int(random, static_cast<int>(box.lo[d]), static_cast<int>(n[d]) + 3);
+      }
+      const Index3 size = {box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]};
+      const auto material = static_cast<uint32_t>(random_int(random, 0, 2));
+      std::vector<float> part(static_cast<size_t>(size[0] * size[1] * size[2]), 9);
+      fractions.read_box<float>(box, material, 7, part.data(), {size[1] * size[2], size[2], 1}, random_int(random, 1, 3));
+      size_t i = 0;
+      for (int64_t x = box.lo[0]; x < box.hi[0]; ++x)
+        for (int64_t y = box.lo[1]; y < box.hi[1]; ++y)
+          for (int64_t z = box.lo[2]; z < box.hi[2]; ++z, ++i) {
+            const bool inside = x >= 0 && y >= 0 && z >= 0 && x < n[0] && y < n[1] && z < n[2];
+            REQUIRE(part[i] == (inside ? static_cast<float>(all[material][static_cast<size_t>((z * n[1] + y) * n[0] + x)]) : 7.0f));
+          }
+    }
+  }
+}
+
+TEST_CASE("A grid without fractions says so", "[fractions]") {
+  const FractionScene scene(0);
+  MeshOptions options = scene.options;
+  options.fractions.reset();
+  const TempFolder folder;
+  mesh_quietly(scene_of(folder, {{shapes::box({1, 1, 1}, {5, 5, 5})}}, scene.grid), folder / "plain.tcell", options);
+  const GridReader reader(folder / "plain.tcell");
+  REQUIRE_THROWS_WITH(FractionReader(reader), Catch::Contains("plain.tcell: the grid has no fractions"));
+}
+
+}  // namespace
+}  // namespace teracell
