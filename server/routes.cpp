@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -15,6 +16,7 @@
 #include "server/service/picture_parts.hpp"
 #include "server/start_page.hpp"
 #include "server/view.hpp"
+#include "store/fractions.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
 
@@ -166,6 +168,20 @@ Response tile(const GridRequest& r) {
   return picture_answer(r, "tile", view);
 }
 
+// What a cell of level 0 is made of, by material. `own` is its material.
+ordered_json shares_in(const GridReader& reader, const Index3& cell, uint32_t own) {
+  const FractionReader fractions(reader);
+  const Metadata& meta = reader.meta();
+  const uint32_t total = sub_samples(fractions.samples());
+  std::map<uint32_t, uint32_t> counts;
+  for (const auto& [label, count] : fractions.cell(cell)) counts[meta.labels[label].material] += count;
+  if (counts.empty()) counts[own] = total;
+  ordered_json out = ordered_json::array();
+  for (const auto& [id, count] : counts)
+    out.push_back({{"id", id}, {"name", meta.materials[id].name}, {"share", static_cast<double>(count) / total}});
+  return out;
+}
+
 Response cell(const GridRequest& r) {
   r.target.allow({"v", "i", "j", "k", "level"});
   const int level = level_of(r.target.find("level"), r.reader());
@@ -192,6 +208,7 @@ Response cell(const GridRequest& r) {
         for (const Label label : *run.set)
           j["bodies"].push_back({{"label", label}, {"name", meta.labels[label].body}, {"material", meta.labels[label].material}});
     });
+    if (level == 0 && find_fractions(meta)) j["shares"] = shares_in(r.reader(), box.lo, j["materials"][0]["id"]);
     return ascii_json(j);
   });
 }

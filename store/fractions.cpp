@@ -80,6 +80,18 @@ std::shared_ptr<const MixedCells> FractionReader::chunk(const ChunkKey& key) con
   return cells;
 }
 
+std::vector<FractionReader::LabelCount> FractionReader::cell(const Index3& c) const {
+  const LevelShape s = reader_.shape(0);
+  const RayFrame f = reader_.meta().frame();
+  const auto u = static_cast<uint32_t>(c[f.u]), v = static_cast<uint32_t>(c[f.v]), w = static_cast<uint32_t>(c[f.w]);
+  const auto cells = chunk({0, u / s.chunk_rays, v / s.chunk_rays, w / s.chunk_cells});
+  std::vector<LabelCount> out;
+  for (const MixedCells::Run& run : cells->of_ray(v % s.chunk_rays * cells->nu + u % s.chunk_rays))
+    if (run.from <= w % s.chunk_cells && w % s.chunk_cells < run.to)
+      for (size_t i = 0; i < cells->labels(run).size(); ++i) out.push_back({cells->labels(run)[i], cells->counts_of(run)[i]});
+  return out;
+}
+
 template <class T>
 void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads) const {
   const Metadata& meta = reader_.meta();

@@ -22,6 +22,13 @@ class FractionReader {
   // The mixed cells of a chunk of level 0.
   std::shared_ptr<const MixedCells> chunk(const ChunkKey& key) const;
 
+  // The sub-samples of each label in a mixed cell; empty if it is not mixed. REQUIRES: the cell lies in the grid.
+  struct LabelCount {
+    Label label;
+    uint32_t sub_samples;
+  };
+  std::vector<LabelCount> cell(const Index3& cell) const;
+
   // Writes the share of a material, from 0 to 1, in the cells of `box` to
   // data[(x - lo.x) * stride[0] + (y - lo.y) * stride[1] + (z - lo.z) * stride[2]]. The box may reach outside the grid: cells there get
   // `outside`. T is float or double; a float is the double, rounded once. REQUIRES: the material is one of the grid's.

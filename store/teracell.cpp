@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include "store/color.hpp"
+#include "store/fractions.hpp"
 #include "store/info.hpp"
 #include "store/kept_chunks.hpp"
 #include "store/partition.hpp"
@@ -41,6 +42,8 @@ struct tc_grid {
   const std::string hash = reader.hash();
   std::atomic<int64_t> owners = 1;
   std::vector<tc_material> materials;
+  mutable std::once_flag fractions_opened;
+  mutable std::unique_ptr<FractionReader> fractions;
   mutable std::once_flag info_made;
   mutable std::string info;
 };
@@ -412,6 +415,25 @@ int tc_uniform(const tc_grid* grid, int level, const int64_t lo[3], const int64_
     const std::optional<uint32_t> one = uniform_value(reader, level, box, strongest_material(reader.meta()));
     *uniform = one ? 1 : 0;
     if (one) *material = *one;
+  });
+}
+
+int tc_fractions(const tc_grid* grid, uint32_t material, const int64_t lo[3], const int64_t hi[3], double* data, const int64_t stride[3],
+                 double outside, int threads) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    std::call_once(grid->fractions_opened, [&] { grid->fractions = std::make_unique<FractionReader>(reader); });
+    if (material >= grid->materials.size())
+      throw UsageError(fmt::format("material: expected 0 to {}, found {}", grid->materials.size() - 1, material));
+    Box box = box_of(lo, hi);
+    Index3 count;
+    for (int d = 0; d < 3; ++d) box.hi[d] = std::max(box.lo[d], box.hi[d]), count[d] = box.hi[d] - box.lo[d];
+    const Index3 strides = index_of(stride, "stride");
+    check_strides(count, strides);
+    if (box.empty()) return;
+    for (int d = 0; d < 3; ++d) check(count[d] == 1 || strides[d] != 0, "strides other than 0 where there are several cells");
+    check(data != nullptr, "memory for the shares, found NULL");
+    grid->fractions->read_box<double>(box, material, outside, data, strides, threads_of(threads));
   });
 }
 

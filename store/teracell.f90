@@ -89,6 +89,7 @@ module teracell
     procedure, public :: stats => grid_stats
     procedure, public :: column => grid_column
     procedure, public :: uniform => grid_uniform
+    procedure, public :: fractions => grid_fractions
     procedure, private :: read_int8, read_int16, read_int32
     generic, public :: read => read_int8, read_int16, read_int32
     procedure, private :: grid_assign
@@ -215,6 +216,16 @@ module teracell
       integer(c_int), intent(inout) :: uniform
       integer(c_int32_t), intent(inout) :: material
       integer(c_int) :: tc_uniform
+    end function
+    function tc_fractions(grid, material, lo, hi, data, stride, outside, threads) bind(c)
+      import
+      type(c_ptr), value :: grid
+      integer(c_int32_t), value :: material
+      integer(c_int64_t), intent(in) :: lo(3), hi(3), stride(3)
+      type(c_ptr), value :: data
+      real(c_double), value :: outside
+      integer(c_int), value :: threads
+      integer(c_int) :: tc_fractions
     end function
     function tc_partition_open(path, partition) bind(c)
       import
@@ -458,6 +469,28 @@ contains
     call finish(tc_uniform(self%handle, level_of(level), lo, hi, one, material), status)
     grid_uniform = merge(int(material), -1, one /= 0)
   end function
+
+  ! Fills `shares` with the share of a material, from 0 to 1, in each cell of the box of its shape that begins at the cell `lo` of level 0,
+  ! counted from 0. `material` is an id, which begin at 0.
+  subroutine grid_fractions(self, material, lo, shares, outside, threads, status)
+    class(tc_grid), intent(in) :: self
+    integer, intent(in) :: material
+    integer(int64), intent(in) :: lo(3)
+    real(real64), intent(out), target, contiguous :: shares(:, :, :)
+    real(real64), intent(in), optional :: outside
+    integer, intent(in), optional :: threads
+    integer, intent(out), optional :: status
+    integer(int64) :: n(3)
+    real(c_double) :: fill
+    integer(c_int) :: workers
+    n = shape(shares, kind=int64)
+    fill = 0
+    if (present(outside)) fill = outside
+    workers = 0
+    if (present(threads)) workers = int(threads, c_int)
+    call finish(tc_fractions(self%handle, int(material, c_int32_t), lo, lo + n, c_loc(shares), [1_int64, n(1), n(1) * n(2)], fill, &
+                             workers), status)
+  end subroutine
 
   integer(c_int) function level_of(level)
     integer, intent(in), optional :: level

@@ -179,6 +179,14 @@ TC_API int tc_stats(const tc_grid* grid, const int64_t lo[3], const int64_t hi[3
  * left out, and what is left must not be empty. If the cells differ, `material` is not changed. */
 TC_API int tc_uniform(const tc_grid* grid, int level, const int64_t lo[3], const int64_t hi[3], int* uniform, uint32_t* material);
 
+/* ---- What mixed cells are made of ---- */
+
+/* Writes the share of a material, from 0 to 1, in each cell of a box of level 0 to the index of `data` that tc_read_box() would take. Shares
+ * are counted over the sub-samples of `mesh --fractions`: those of a cell add up to 1, and are 0 and 1 where the cell is not mixed. Cells
+ * outside the grid get `outside`. `threads` as in tc_read_box(). TC_USAGE if the grid has no fractions: tc_info() lists its channels. */
+TC_API int tc_fractions(const tc_grid* grid, uint32_t material, const int64_t lo[3], const int64_t hi[3], double* data, const int64_t stride[3],
+                        double outside, int threads);
+
 /* ---- Who computes what ---- */
 
 /* A file that `teracell partition` has written. Threads may share it. */

@@ -171,6 +171,14 @@ class Grid {
     return one ? std::optional(material) : std::nullopt;
   }
 
+  // The share of a material in each cell of a box of level 0, from 0 to 1, as an array [z][y][x].
+  std::vector<double> fractions(uint32_t material, const Box& box, double outside = 0, int threads = 0) const {
+    std::vector<double> out(box.cells());
+    const Index n = box.shape(), stride{1, n[0], n[0] * n[1]};
+    check(tc_fractions(get(), material, box.lo.data(), box.hi.data(), out.data(), stride.data(), outside, threads));
+    return out;
+  }
+
  private:
   struct Close {
     void operator()(tc_grid* grid) const { tc_close(grid); }

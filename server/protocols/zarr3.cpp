@@ -1,5 +1,6 @@
 // Zarr v3 with OME-Zarr 0.5. The group of a grid has one array per level, "0" being the finest. The same arrays are there once more
-// as labels ("labels/material"), with names and colours, for clients that distinguish images and labels.
+// as labels ("labels/material"), with names and colours, for clients that distinguish images and labels. A grid with fractions has the
+// share of each material in its finest cells ("fraction/steel").
 //
 // The metadata is consolidated, since nothing can be listed over HTTP.
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 
 #include "server/protocols/blocks.hpp"
 #include "server/protocols/protocols.hpp"
+#include "store/fractions.hpp"
 #include "store/ome.hpp"
 #include "store/space.hpp"
 
@@ -15,24 +17,48 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr const char *kZarrDocument = "zarr.json", *kLabels = "labels", *kMaterial = "labels/material";
+constexpr const char *kZarrDocument = "zarr.json", *kLabels = "labels", *kMaterial = "labels/material", *kFraction = "fraction";
 
 ordered_json group(const ordered_json& ome) { return {{"zarr_format", 3}, {"node_type", "group"}, {"attributes", {{"ome", ome}}}}; }
 
-ordered_json array(const Metadata& meta, int level) {
+ordered_json array(const Metadata& meta, int level, const char* type) {
   const Index3 n = meta.grid.cells(level);
   ordered_json bytes = {{"name", "bytes"}};
-  if (wide_labels(meta)) bytes["configuration"] = {{"endian", "little"}};
+  if (type != std::string_view("uint8")) bytes["configuration"] = {{"endian", "little"}};
   return {{"zarr_format", 3},
           {"node_type", "array"},
           {"shape", {n[2], n[1], n[0]}},
-          {"data_type", wide_labels(meta) ? "uint16" : "uint8"},
+          {"data_type", type},
           {"dimension_names", {"z", "y", "x"}},
           {"chunk_grid", {{"name", "regular"}, {"configuration", {{"chunk_shape", {kZarrCells, kZarrCells, kZarrCells}}}}}},
           {"chunk_key_encoding", {{"name", "default"}, {"configuration", {{"separator", "/"}}}}},
           {"fill_value", 0},
           {"codecs", {bytes, {{"name", "gzip"}, {"configuration", {{"level", 1}}}}}},
           {"attributes", ordered_json::object()}};
+}
+
+ordered_json array(const Metadata& meta, int level) { return array(meta, level, wide_labels(meta) ? "uint16" : "uint8"); }
+
+// A material as a segment of a path: its name, or its number where the name can't be one.
+std::string segment_of(const Metadata& meta, uint32_t material) {
+  const std::string& name = meta.materials[material].name;
+  const bool plain = !name.empty() && name.find('/') == std::string::npos && name != "." && name != ".." && !name.starts_with("__");
+  return plain && name != "zarr.json" ? name : std::to_string(material);
+}
+
+std::optional<uint32_t> material_at(const Metadata& meta, std::string_view segment) {
+  for (uint32_t material = 0; material < meta.materials.size(); ++material)
+    if (segment_of(meta, material) == segment) return material;
+  return std::nullopt;
+}
+
+// The shares in a cube as float32, little endian, like every machine this runs on.
+Service::Recipe fraction_recipe(const ServedGrid& grid, uint32_t material, const Box& cube) {
+  return {.content_type = "application/octet-stream", .make = [&grid, material, cube] {
+            std::vector<float> shares(static_cast<size_t>(kZarrCells * kZarrCells * kZarrCells));
+            FractionReader(grid.reader()).read_box<float>(cube, material, 0, shares.data(), {1, kZarrCells, kZarrCells * kZarrCells});
+            return deflated(std::string(reinterpret_cast<const char*>(shares.data()), shares.size() * sizeof(float)), Wrapping::kGzip);
+          }};
 }
 
 ordered_json grid_group(const ServedGrid& grid) {
@@ -61,6 +87,14 @@ Documents nodes(const ServedGrid& grid) {
   out.emplace_back(kLabels, [] { return group({{"version", "0.5"}, {"labels", {"material"}}}); });
   out.emplace_back(kMaterial, [&grid] { return label_group(grid); });
   add_levels(fmt::format("{}/", kMaterial));
+  if (!find_fractions(grid.meta())) return out;
+  out.emplace_back(kFraction, [&grid] {
+    ordered_json j = {{"zarr_format", 3}, {"node_type", "group"}};
+    j["attributes"]["teracell"] = space_json(grid.meta());
+    return j;
+  });
+  for (uint32_t material = 0; material < grid.meta().materials.size(); ++material)
+    out.emplace_back(fmt::format("{}/{}", kFraction, segment_of(grid.meta(), material)), [&grid] { return array(grid.meta(), 0, "float32"); });
   return out;
 }
 
@@ -76,6 +110,12 @@ std::optional<Service::Recipe> find_in_zarr3(const ServedGrid& grid, std::span<c
   if (path.back() == kZarrDocument) {
     if (path.size() == 1) return json_recipe([&grid] { return root(grid); });
     return find_document(nodes(grid), joined(path.first(path.size() - 1)));
+  }
+  if (path.size() == 6 && path[0] == kFraction && path[2] == "c" && find_fractions(grid.meta())) {
+    const auto material = material_at(grid.meta(), path[1]);
+    const auto cube = material ? zarr_cube(grid.meta(), 0, path.subspan(3)) : std::nullopt;
+    if (!cube) return std::nullopt;
+    return fraction_recipe(grid, *material, *cube);
   }
   if (path.size() > 2 && joined(path.first(2)) == kMaterial) path = path.subspan(2);
   if (path.size() != 5 || path[1] != "c") return std::nullopt;

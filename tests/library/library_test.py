@@ -114,6 +114,59 @@ class Indexing(unittest.TestCase):
                 grid[key]
 
 
+class Shares(unittest.TestCase):
+    """What `mesh --fractions` keeps of mixed cells, against a grid meshed that much finer."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.samples = (2, 4, 8)  # along x, y, z
+        scene = json.loads((folder / "stadium/scene.json").read_text())
+        scene["grid"].pop("step", None)
+        scene["grid"]["cells"] = [50, 40, 12]
+        for body in scene["bodies"]:
+            body["stitch"] = 0
+        coarse, fine = folder / "shares.json", folder / "finer.json"
+        coarse.write_text(json.dumps(scene))
+        scene["grid"]["cells"] = [n * s for n, s in zip((50, 40, 12), cls.samples)]
+        fine.write_text(json.dumps(scene))
+        for file in (coarse, fine):
+            text = json.loads(file.read_text())
+            for body in text["bodies"]:
+                body["mesh"] = str(folder / "stadium" / body["mesh"])
+            file.write_text(json.dumps(text))
+        cls.path = folder / "shares.tcell"
+        cls.grid = teracell.mesh(coarse, cls.path, axis="y", fractions=cls.samples)
+        cells = teracell.mesh(fine, folder / "finer.tcell")[...]
+        sx, sy, sz = cls.samples
+        parts = cells.reshape(12, sz, 40, sy, 50, sx)
+        cls.expected = [(parts == m.id).mean(axis=(1, 3, 5)) for m in cls.grid.materials]
+
+    def test_shares_are_the_counts_of_the_finer_grid(self):
+        for m in self.grid.materials:
+            numpy.testing.assert_array_equal(self.grid.fractions(m.name), self.expected[m.id])
+            self.assertTrue(((self.expected[m.id] > 0) & (self.expected[m.id] < 1)).any())
+
+    def test_boxes_through_every_language(self):
+        rng = random.Random(5)
+        lines, expected = [], []
+        for _ in range(20):
+            material, box = rng.randrange(len(self.grid.materials)), random_box(rng, self.grid.shape)
+            expected.append(cut(self.expected[material], box, 7, numpy.float64))
+            numpy.testing.assert_array_equal(self.grid.fractions(material, box, outside=7, threads=rng.choice([0, 1, 3])), expected[-1])
+            z0, y0, x0, z1, y1, x1 = box
+            lines.append(f"{material} {x0} {y0} {z0} {x1} {y1} {z1}")
+        whole = b"".join(e.tobytes() for e in expected)
+        for name in ("shares.cpp", "shares.f90"):
+            self.assertTrue(run(compiled(SOURCES / name), self.path, input=("\n".join(lines) + "\n").encode()) == whole, name)
+
+    def test_wrong_questions(self):
+        for ask, words in ((lambda: self.grid.fractions("nosuch"), "expected a name of"), (lambda: self.grid.fractions(99), "material"),
+                           (lambda: teracell.open(grids[0]).fractions(0), "has no fractions"),
+                           (lambda: teracell.mesh(folder / "shares.json", folder / "no.tcell", fractions=(3, 1, 1)), "power of two")):
+            with self.assertRaisesRegex(teracell.UsageError, words):
+                ask()
+
+
 class Questions(unittest.TestCase):
     def test_counts_columns_runs_and_uniform_boxes_agree_with_the_cells(self):
         rng = random.Random(4)

@@ -1,9 +1,12 @@
 // Shares of materials in boxes of cells.
 #include "store/fractions.hpp"
 
+#include <algorithm>
+
 #include <catch2/catch.hpp>
 
 #include "store/query.hpp"
+#include "store/teracell.h"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 
@@ -63,6 +66,28 @@ TEST_CASE("Shares of a box are those of its cells one by one, sum to one, and ar
           }
     }
   }
+}
+
+TEST_CASE("The C library reads shares into arrays of any strides, and refuses what makes no sense", "[fractions][api]") {
+  const FractionScene scene(1);
+  tc_grid* grid = nullptr;
+  REQUIRE(tc_open((scene.folder / "g.tcell").c_str(), &grid) == TC_OK);
+  const std::unique_ptr<tc_grid, void (*)(tc_grid*)> closing(grid, tc_close);
+  const GridReader reader(scene.folder / "g.tcell");
+  const Box box{{-1, 2, 20}, {8, 7, 40}};
+  const int64_t lo[3] = {-1, 2, 20}, hi[3] = {8, 7, 40}, stride[3] = {1, 9, 45}, back[3] = {-1, -9, -45}, none[3] = {0, 9, 45};
+  std::vector<double> expected(9 * 5 * 20), found(expected.size());
+  FractionReader(reader).read_box<double>(box, 2, 0.5, expected.data(), {1, 9, 45});
+  REQUIRE(tc_fractions(grid, 2, lo, hi, found.data(), stride, 0.5, 2) == TC_OK);
+  CHECK(found == expected);
+  REQUIRE(tc_fractions(grid, 2, lo, hi, &found.back(), back, 0.5, 1) == TC_OK);
+  std::ranges::reverse(found);
+  CHECK(found == expected);
+  CHECK(tc_fractions(grid, 2, hi, lo, nullptr, stride, 0, 1) == TC_OK);  // an empty box
+  CHECK(tc_fractions(grid, 9, lo, hi, found.data(), stride, 0, 1) == TC_USAGE);
+  CHECK(tc_fractions(grid, 2, lo, hi, nullptr, stride, 0, 1) == TC_USAGE);
+  CHECK(tc_fractions(grid, 2, lo, hi, found.data(), none, 0, 1) == TC_USAGE);
+  CHECK(tc_fractions(nullptr, 2, lo, hi, found.data(), stride, 0, 1) == TC_USAGE);
 }
 
 TEST_CASE("A grid without fractions says so", "[fractions]") {

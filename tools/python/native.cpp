@@ -231,6 +231,18 @@ class Native {
     return one ? std::optional(material) : std::nullopt;
   }
 
+  // Writes to an array [z][y][x] of doubles, of any strides.
+  void fractions(uint32_t material, const Index& lo, py::array_t<double>& out, double outside, int threads) const {
+    Index hi, stride;
+    for (size_t d = 0; d < 3; ++d) {
+      const auto axis = static_cast<py::ssize_t>(2 - d);
+      hi[d] = lo[d] + out.shape(axis);
+      stride[d] = out.strides(axis) / static_cast<py::ssize_t>(sizeof(double));
+    }
+    double* const data = out.mutable_data();
+    call([&] { return tc_fractions(grid_, material, lo.data(), hi.data(), data, stride.data(), outside, threads); });
+  }
+
  private:
   template <class F>
   py::array_t<double> positions(int level, int axis, int64_t more, F&& f) const {
@@ -303,6 +315,10 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   if (given("memory")) o.memory = options["memory"].cast<uint64_t>();
   if (given("tmp")) o.tmp = options["tmp"].cast<std::string>();
   if (given("thin")) o.thin = options["thin"].cast<bool>();
+  if (given("fractions")) {
+    o.fractions = options["fractions"].cast<Subdivision>();
+    if (const std::string beyond = beyond_bounds(*o.fractions); !beyond.empty()) throw UsageError("fractions: " + beyond);
+  }
   if (given("resume")) o.resume = options["resume"].cast<bool>();
 
   const std::vector<std::string> engines = engine_names();
@@ -385,5 +401,6 @@ PYBIND11_MODULE(_native, m) {
       .def("runs", &Native::runs)
       .def("column", &Native::column)
       .def("stats", &Native::stats)
-      .def("uniform", &Native::uniform);
+      .def("uniform", &Native::uniform)
+      .def("fractions", &Native::fractions, py::arg("material"), py::arg("lo"), py::arg("out").noconvert(), py::arg("outside"), py::arg("threads"));
 }

@@ -268,6 +268,29 @@ class Grid(Level):
         """All that is known of the grid, with the report of the run that made it, as `teracell info --json` prints it."""
         return json.loads(self._native.info())
 
+    def fractions(self, material, box=None, outside=0.0, threads=0):
+        """The share of a material, from 0 to 1, in each cell of a box (z0, y0, x0, z1, y1, x1) of level 0, as an array [z][y][x] of float64.
+
+        material  its id or name
+        outside   the value of cells outside the grid
+        threads   how many may read; 0 is one per core
+
+        Shares are counted over the sub-samples of `mesh --fractions`: those of a cell add up to 1, and are 0 and 1 where the cell is not
+        mixed. A grid without fractions is a UsageError.
+        """
+        lo, hi = self._box(box)
+        threads = whole("threads", threads, 0, 1024)
+        if isinstance(material, str):
+            ids = [m.id for m in self.materials if m.name == material]
+            if not ids:
+                raise UsageError(f"material: expected a name of {', '.join(m.name for m in self.materials)}, found {shown(material)}")
+            material = ids[0]
+        material = whole("material", material, 0, len(self.materials) - 1)
+        out = numpy.empty([max(0, hi[d] - lo[d]) for d in range(3)], numpy.float64)
+        if out.size:
+            self._native.fractions(material, lo[::-1], out, float(outside), threads)
+        return out
+
     def level(self, number):
         """A level: 0 has all cells, each further one half as many along every axis, rounded up."""
         return Level(self, number)
@@ -322,7 +345,7 @@ class Partition(collections.abc.Sequence):
 
 
 def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=None, engine=None, threads=0, memory=None, tmp=None, thin=False,
-         resume=False, progress=None):
+         fractions=None, resume=False, progress=None):
     """Meshes a scene and returns the Grid. The file appears under the name `output` only when it is complete.
 
     scene     a scene file, a surface file, a list of surface files, or a scene as a dict, whose paths are relative to `folder`
@@ -358,7 +381,7 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
     options = {"cells": _given(cells, lambda n: one_or_three("cells", n, 1)), "step": _given(step, _length),
                "pad": _given(pad, lambda n: whole("pad", n, 0)), "axis": _given(axis, "xyz".index), "engine": _given(engine, str),
                "threads": whole("threads", threads, 0, 1024), "memory": _given(memory, lambda n: whole("memory", n, 1, (1 << 63) - 1)),
-               "tmp": _given(tmp, lambda path: os.fsencode(path_of(path))), "thin": bool(thin), "resume": bool(resume)}
+               "tmp": _given(tmp, lambda path: os.fsencode(path_of(path))), "thin": bool(thin), "fractions": _given(fractions, lambda n: wholes("fractions", n, 3, 1)), "resume": bool(resume)}
     report = _native.mesh(text, os.fsencode(base), surfaces, os.fsencode(path_of(output)), options, progress)
     grid = Grid(output)
     grid.report = json.loads(report)
