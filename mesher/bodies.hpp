@@ -5,7 +5,7 @@
 
 #include "mesher/closing/closing.hpp"
 #include "mesher/closing/surface_counts.hpp"
-#include "mesher/compose.hpp"
+#include "mesher/compose/compose.hpp"
 #include "mesher/tiles/facet_store.hpp"
 #include "store/background.hpp"
 #include "store/spill.hpp"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "mesher/compose.hpp"
+#include "mesher/compose/compose.hpp"
 #include "mesher/overlaps/overlap_sum.hpp"
 #include "mesher/thin/tally.hpp"
 #include "store/bytes.hpp"

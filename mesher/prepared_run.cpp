@@ -110,11 +110,11 @@ std::string PreparedRun::identity() const {
     writer.begin_object().field("path", scene.bodies[b].mesh_text).field("bytes", file.bytes).field("hash", file.hash).end_object();
   });
   nlohmann::ordered_json rest = {{"axis", axis_name(plan.meta.ray_axis)},
-                                       {"axis_asked_for", plan.rays.asked_for},
-                                       {"chunk_rays", plan.meta.chunk_rays},
-                                       {"thin", options.thin},
-                                       {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
-                                       {"zstd", compressor_version()}};
+                                 {"axis_asked_for", plan.rays.asked_for},
+                                 {"chunk_rays", plan.meta.chunk_rays},
+                                 {"thin", options.thin},
+                                 {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
+                                 {"zstd", compressor_version()}};
   if (options.fractions) rest["fractions"] = *options.fractions;
   return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised(scene)), rest.dump().substr(1));
 }

@@ -6,7 +6,7 @@
 
 #include "mesher/boundary/fractions.hpp"
 #include "mesher/cast_totals.hpp"
-#include "mesher/compose.hpp"
+#include "mesher/compose/compose.hpp"
 #include "mesher/mesh_options.hpp"
 #include "mesher/scene/labels.hpp"
 #include "mesher/thin/marker.hpp"

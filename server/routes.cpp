@@ -16,7 +16,7 @@
 #include "server/service/picture_parts.hpp"
 #include "server/start_page.hpp"
 #include "server/view.hpp"
-#include "store/fractions.hpp"
+#include "store/fraction_reader.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
 

@@ -85,7 +85,8 @@ void check_cell_frames(const Metadata& meta, const Channel& channel, const std::
       }
     }
   }
-  if (found != channel.frames) throw FormatError(fmt::format("channel '{}' has {} frames, but its pages name {}", channel.name, channel.frames, found));
+  if (found != channel.frames)
+    throw FormatError(fmt::format("channel '{}' has {} frames, but its pages name {}", channel.name, channel.frames, found));
 }
 
 std::optional<Bytes> CellFrames::put(const ChunkKey& key, uint64_t number, uint64_t next) {

@@ -6,8 +6,6 @@
 
 #include "store/cell_frames.hpp"
 #include "store/channel_kinds.hpp"
-#include "store/chunk_parts.hpp"
-#include "store/in_order.hpp"
 #include "store/json_text.hpp"
 
 namespace teracell {
@@ -29,7 +27,8 @@ Subdivision subdivision_of(const Channel& channel) {
     if (valid) out[d] = n.get<uint32_t>();
   }
   if (!valid) throw FormatError(fmt::format("metadata: channel '{}' does not say how many sub-samples a cell has", channel.name));
-  if (const std::string beyond = beyond_bounds(out); !beyond.empty()) throw FormatError(fmt::format("metadata: channel '{}': {}", channel.name, beyond));
+  if (const std::string beyond = beyond_bounds(out); !beyond.empty())
+    throw FormatError(fmt::format("metadata: channel '{}': {}", channel.name, beyond));
   return out;
 }
 
@@ -38,112 +37,21 @@ const Channel* find_fractions(const Metadata& meta) {
   return found == meta.others().end() ? nullptr : &*found;
 }
 
-namespace {
-
-void decode_chunk(const Metadata& meta, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame, MixedCells& out) {
+void decode_fractions(const Metadata& meta, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame, MixedCells& out) {
   const LevelShape s(meta, 0);
   decode_mixed_cells(frame, s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), static_cast<uint32_t>(meta.labels.size()),
                      sub_samples(samples), out);
 }
 
+namespace {
+
 void check(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
   const Subdivision samples = subdivision_of(channel);
   MixedCells cells;
-  check_cell_frames(meta, channel, frame, [&](const ChunkKey& key, const Bytes& bytes) { decode_chunk(meta, key, samples, bytes, cells); });
+  check_cell_frames(meta, channel, frame, [&](const ChunkKey& key, const Bytes& bytes) { decode_fractions(meta, key, samples, bytes, cells); });
 }
 
 }  // namespace
-
-FractionReader::FractionReader(const GridReader& reader, size_t bytes) : reader_(reader), channel_([&]() -> const Channel& {
-      if (const Channel* found = find_fractions(reader.meta())) return *found;
-      throw UsageError(fmt::format("{}: the grid has no fractions: it was meshed without them", reader.name()));
-    }()),
-      samples_(subdivision_of(channel_)),
-      chunks_(bytes) {}
-
-std::shared_ptr<const MixedCells> FractionReader::chunk(const ChunkKey& key) const {
-  if (auto kept = chunks_.find(key)) return kept;
-  auto cells = std::make_shared<MixedCells>();
-  thread_local Bytes frame;
-  try {
-    if (reader_.read_cells(channel_, key, frame)) decode_chunk(reader_.meta(), key, samples_, frame, *cells);
-    else {
-      const LevelShape s = reader_.shape(0);
-      cells->reset(s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), sub_samples(samples_));
-      cells->begin.resize(size_t{cells->nu} * cells->nv + 1);
-    }
-  } catch (const FormatError& e) {
-    const std::string message = e.what();
-    throw FormatError(message.starts_with(reader_.name()) ? message : fmt::format("{}: {}: {}", reader_.name(), chunk_name(key), message));
-  }
-  chunks_.add(key, cells, cells->memory());
-  return cells;
-}
-
-std::vector<FractionReader::LabelCount> FractionReader::cell(const Index3& c) const {
-  const LevelShape s = reader_.shape(0);
-  const RayFrame f = reader_.meta().frame();
-  const auto u = static_cast<uint32_t>(c[f.u]), v = static_cast<uint32_t>(c[f.v]), w = static_cast<uint32_t>(c[f.w]);
-  const auto cells = chunk({0, u / s.chunk_rays, v / s.chunk_rays, w / s.chunk_cells});
-  std::vector<LabelCount> out;
-  for (const MixedCells::Run& run : cells->of_ray(v % s.chunk_rays * cells->nu + u % s.chunk_rays))
-    if (run.from <= w % s.chunk_cells && w % s.chunk_cells < run.to)
-      for (size_t i = 0; i < cells->labels(run).size(); ++i) out.push_back({cells->labels(run)[i], cells->counts_of(run)[i]});
-  return out;
-}
-
-template <class T>
-void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads) const {
-  const Metadata& meta = reader_.meta();
-  const RayFrame f = meta.frame();
-  Box inner = box;
-  const Index3 n = meta.grid.cells();
-  for (int d = 0; d < 3; ++d) inner.lo[d] = std::clamp<int64_t>(box.lo[d], 0, n[d]), inner.hi[d] = std::clamp<int64_t>(box.hi[d], inner.lo[d], n[d]);
-  const auto place = [&](int64_t x, int64_t y, int64_t z) {
-    return data + (x - box.lo[0]) * stride[0] + (y - box.lo[1]) * stride[1] + (z - box.lo[2]) * stride[2];
-  };
-  if (inner != box)
-    for (int64_t z = box.lo[2]; z < box.hi[2]; ++z)
-      for (int64_t y = box.lo[1]; y < box.hi[1]; ++y)
-        for (int64_t x = box.lo[0]; x < box.hi[0]; ++x) *place(x, y, z) = outside;
-  if (inner.empty()) return;
-
-  reader_.prefetch(0, inner);
-  std::vector<ChunkPart> parts;
-  for_each_part(reader_.shape(0), RayBox(inner, f), [&](const ChunkPart& p) { parts.push_back(p); });
-  const auto is_of = [&](Label label) { return meta.labels[label].material == material; };
-  size_t next = 0;
-  in_order(
-      std::min<int>(threads, static_cast<int>(std::min<size_t>(parts.size(), 1024))),
-      [&]() -> std::optional<size_t> { return next == parts.size() ? std::nullopt : std::optional(next++); },
-      [&](size_t i, int) {
-        const ChunkPart& p = parts[i];
-        std::shared_ptr<Chunk> scratch;
-        const auto labels = reader_.chunk(p.key, scratch);
-        const auto mixed = chunk(p.key);
-        for_each_ray(p, [&](uint32_t u, uint32_t v) {
-          Index3 cell;
-          cell[f.u] = p.first_u + u, cell[f.v] = p.first_v + v, cell[f.w] = p.first_w;
-          T* const ray = place(cell[0], cell[1], cell[2]);
-          const auto fill = [&](uint32_t from, uint32_t to, T share) {
-            for (int64_t w = std::max(from, p.w0); w < std::min(to, p.w1); ++w) ray[w * stride[f.w]] = share;
-          };
-          labels->rays.for_each_run(v * labels->rays.nu + u, p.w0, p.w1, [&](uint32_t from, uint32_t to, SetId label) { fill(from, to, is_of(label)); });
-          for (const MixedCells::Run& run : mixed->of_ray(v * mixed->nu + u)) {
-            if (run.to <= p.w0 || run.from >= p.w1) continue;
-            uint32_t count = 0;
-            for (size_t k = 0; k < mixed->labels(run).size(); ++k)
-              if (is_of(mixed->labels(run)[k])) count += mixed->counts_of(run)[k];
-            fill(run.from, run.to, static_cast<T>(static_cast<double>(count) / mixed->total));
-          }
-        });
-        return true;
-      },
-      [](bool) {});
-}
-
-template void FractionReader::read_box(const Box&, uint32_t, float, float*, const Index3&, int) const;
-template void FractionReader::read_box(const Box&, uint32_t, double, double*, const Index3&, int) const;
 
 const ChannelKind kFractionsKind = {kFractions, kShares, check};
 

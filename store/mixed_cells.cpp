@@ -98,16 +98,16 @@ Bytes MixedCellsEncoder::encode(const MixedCells& cells) {
   }
   for (const Bytes* part : {&s.begins, &s.lengths, &s.sets, &s.low, &s.high}) s.body.insert(s.body.end(), part->begin(), part->end());
   if (s.body.size() > kMaxChunkBytes)
-    throw InputError(fmt::format("a chunk of {} x {} rays has {} runs of mixed cells, more than fit in {} MiB: the surface is finer than the chunks "
-                                 "can hold",
-                                 cells.nu, cells.nv, cells.runs.size(), kMaxChunkBytes >> 20));
+    throw InputError(
+        fmt::format("a chunk of {} x {} rays has {} runs of mixed cells, more than fit in {} MiB: the surface is finer than the chunks "
+                    "can hold",
+                    cells.nu, cells.nv, cells.runs.size(), kMaxChunkBytes >> 20));
   return s.zstd.encode(s.body, kZstdLevel, kBound);
 }
 
 // ---- decoding
 
-void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, uint32_t total,
-                        MixedCells& out) {
+void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, uint32_t total, MixedCells& out) {
   if (uint64_t{nu} * nv > kMaxChunkRays) throw FormatError(fmt::format("a chunk of {} x {} rays is larger than FORMAT.md allows", nu, nv));
   thread_local ZstdDecoder zstd;
   thread_local Bytes body;

@@ -155,7 +155,8 @@ bool GridReader::read_cells(const Channel& channel, const ChunkKey& key, Bytes& 
     const uint64_t page_frame = list->cells[page - first];
     if (page_frame == kNoFrame) return false;
     const size_t chunks = s.page_size(page);
-    const auto of_page = cells_part(channel, page_frame, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, page_frame); }, chunks);
+    const auto of_page = cells_part(
+        channel, page_frame, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, page_frame); }, chunks);
     const uint64_t number = of_page->cells[s.slot_of(key, page)];
     if (number == kNoFrame) return false;
     read_checked(*source_, frame_place(channel, number), fmt::format("channel '{}' frame {}", channel.name, number), frame);

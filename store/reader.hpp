@@ -78,8 +78,8 @@ class GridReader {
  private:
   const LevelInfo& info(int level) const;
   void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
-  std::shared_ptr<const IndexPart> cells_part(const Channel& channel, uint64_t frame, const std::function<std::vector<uint64_t>(const Bytes&)>& decode,
-                                              size_t size) const;
+  std::shared_ptr<const IndexPart> cells_part(const Channel& channel, uint64_t frame,
+                                              const std::function<std::vector<uint64_t>(const Bytes&)>& decode, size_t size) const;
   DirectoryEntry directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const;
 
   std::unique_ptr<ByteSource> source_;

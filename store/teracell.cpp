@@ -14,7 +14,7 @@
 #include <fmt/format.h>
 
 #include "store/color.hpp"
-#include "store/fractions.hpp"
+#include "store/fraction_reader.hpp"
 #include "store/info.hpp"
 #include "store/kept_chunks.hpp"
 #include "store/partition.hpp"

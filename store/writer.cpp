@@ -171,9 +171,7 @@ void GridWriter::put_cells(size_t channel, const ChunkKey& key, std::span<const 
   place_cells(channel, key, !frame.empty());
 }
 
-void GridWriter::put_frame_entry(size_t channel, uint64_t size, uint64_t checksum) {
-  add_to_cover(channel, {file_.size() - size, size, checksum});
-}
+void GridWriter::put_frame_entry(size_t channel, uint64_t size, uint64_t checksum) { add_to_cover(channel, {file_.size() - size, size, checksum}); }
 
 void GridWriter::put_cells_entry(size_t channel, const ChunkKey& key, uint64_t size, uint64_t checksum) {
   if (size != 0) put_frame_entry(channel, size, checksum);

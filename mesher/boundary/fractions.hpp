@@ -1,7 +1,7 @@
 // Counts what mixed cells are made of: the sub-samples of each label. A sub-sample is a sample point of a finer grid, so an engine casts
 // rays through them, and a composer decides them, as for that grid.
 #pragma once
-#include "mesher/compose.hpp"
+#include "mesher/compose/compose.hpp"
 #include "mesher/scene/labels.hpp"
 #include "store/mixed_cells.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "server/protocols/blocks.hpp"
 #include "server/protocols/protocols.hpp"
-#include "store/fractions.hpp"
+#include "store/fraction_reader.hpp"
 #include "store/ome.hpp"
 #include "store/space.hpp"
 

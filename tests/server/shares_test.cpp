@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "store/fractions.hpp"
+#include "store/fraction_reader.hpp"
 #include "tests/server/served.hpp"
 #include "tests/support/served_cells.hpp"
 

@@ -89,8 +89,8 @@ void expect_refused_or_sound_mixed(const Bytes& bytes, const MixedShape& s) {
 
 TEST_CASE("Mixed cells come back from their bytes", "[fractions]") {
   std::mt19937_64 random(3);
-  for (const MixedShape& s : {MixedShape{4, 4, 50, 2, 2}, MixedShape{7, 3, 200, 5, 64}, MixedShape{8, 8, 90, 3, 256}, MixedShape{2, 9, 70, 70000, 512},
-                              MixedShape{3, 2, 40, 4, 65536}})
+  for (const MixedShape& s : {MixedShape{4, 4, 50, 2, 2}, MixedShape{7, 3, 200, 5, 64}, MixedShape{8, 8, 90, 3, 256},
+                              MixedShape{2, 9, 70, 70000, 512}, MixedShape{3, 2, 40, 4, 65536}})
     for (int i = 0; i < 10; ++i) {
       const MixedCells cells = random_mixed_cells(random, {s.nu, s.nv, s.length, std::min(s.labels, 6u), s.total});
       if (cells.empty()) continue;

@@ -67,9 +67,10 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
   app.add_flag(
       "--thin", o.thin,
       "count, along x, y and z, the parts of every solid and of the gaps between solids that lie between sample points and are lost; the cells are the same");
-  app.add_option("--fractions", o.fractions,
-                 "SX,SY,SZ: keep in the file the shares of materials in cells that a boundary cuts, counted over this many sub-samples per cell along "
-                 "x, y and z: powers of two from 1 to 256, at most 65536 in all");
+  app.add_option(
+      "--fractions", o.fractions,
+      "SX,SY,SZ: keep in the file the shares of materials in cells that a boundary cuts, counted over this many sub-samples per cell along "
+      "x, y and z: powers of two from 1 to 256, at most 65536 in all");
   app.add_option("--engine", o.engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")
       ->check(one_of(engine_names()));
   add_threads(app, o.threads);

@@ -8,7 +8,7 @@
 
 #include "mesher/engines/engines.hpp"
 #include "mesher/merge.hpp"
-#include "store/fractions.hpp"
+#include "store/fraction_reader.hpp"
 #include "store/verify.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
@@ -46,7 +46,8 @@ Shares expected_shares(const std::vector<Body>& bodies, const Grid& grid, const 
   Shares out(static_cast<size_t>(n[0] * n[1] * n[2]), std::vector<uint32_t>(materials));
   for (int64_t z = 0, i = 0; z < m[2]; ++z)
     for (int64_t y = 0; y < m[1]; ++y)
-      for (int64_t x = 0; x < m[0]; ++x, ++i) ++out[static_cast<size_t>((z / s[2] * n[1] + y / s[1]) * n[0] + x / s[0])][cells[static_cast<size_t>(i)]];
+      for (int64_t x = 0; x < m[0]; ++x, ++i)
+        ++out[static_cast<size_t>((z / s[2] * n[1] + y / s[1]) * n[0] + x / s[0])][cells[static_cast<size_t>(i)]];
   return out;
 }
 
@@ -163,7 +164,8 @@ TEST_CASE("Shares of decimal lattices, slopes and needles equal the cells of the
     std::mt19937_64 random(seed);
     const Axis axis = Axis::uniform(0, 1.1 / 5, 0, 5, 0.5);
     std::vector<Body> bodies;
-    for (uint32_t material = 1; material <= 2; ++material) bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
+    for (uint32_t material = 1; material <= 2; ++material)
+      bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
     expect_exact_shares(bodies, {{axis, axis, axis}}, some_subdivision(random));
     const Axis wide = Axis::uniform(-7, 5, 0, 5, 0.5);
     expect_exact_shares({{shapes::needle(random)}, {shapes::sphere({4, 5, 3}, 6.3, 2), Rule::kNonzero, 2}}, {{wide, wide, wide}}, {8, 4, 2});
@@ -224,7 +226,8 @@ TEST_CASE("A file with fractions is the same for any threads, from parts, and af
   std::mt19937_64 random(12);
   const Axis axis = Axis::uniform(0, 0.25, 0, 40, 0.5);
   const TempFolder folder;
-  const Scene scene = scene_of(folder, {{shapes::sphere({5, 5, 5}, 4.1, 3)}, {shapes::shell_of_ties(random, 9), Rule::kEvenodd, 2}}, {{axis, axis, axis}});
+  const Scene scene =
+      scene_of(folder, {{shapes::sphere({5, 5, 5}, 4.1, 3)}, {shapes::shell_of_ties(random, 9), Rule::kEvenodd, 2}}, {{axis, axis, axis}});
   MeshOptions options;
   options.axis = 2;
   options.chunk_rays = 4;
@@ -246,7 +249,8 @@ TEST_CASE("A file with fractions is the same for any threads, from parts, and af
       paths.push_back(part_path(folder / "p.tcell", *options.shard));
     }
     options.shard.reset();
-    merge(paths, folder / "merged.tcell", [](const char*, double, double) {}, stop);
+    merge(
+        paths, folder / "merged.tcell", [](const char*, double, double) {}, stop);
     CHECK(bytes_of(folder / "merged.tcell") == expected);
   }
 
@@ -274,8 +278,8 @@ TEST_CASE("A file with fractions is the same for any threads, from parts, and af
 
 TEST_CASE("Sub-samples that doubles can't tell apart are refused") {
   const TempFolder folder;
-  Scene scene = scene_of(folder, {{shapes::box({1, 1, 1}, {2, 2, 2})}}, {{Axis::uniform(0, 1, 0, 4, 0.5), Axis::uniform(0, 1, 0, 4, 0.5),
-                                                                          Axis::uniform(0x1p50, 0.5, 0, 4, 0.5)}});
+  Scene scene = scene_of(folder, {{shapes::box({1, 1, 1}, {2, 2, 2})}},
+                         {{Axis::uniform(0, 1, 0, 4, 0.5), Axis::uniform(0, 1, 0, 4, 0.5), Axis::uniform(0x1p50, 0.5, 0, 4, 0.5)}});
   MeshOptions options;
   options.fractions = Subdivision{1, 1, 8};
   CHECK_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell", options), Catch::StartsWith("8 sub-samples per cell along z"));

@@ -1,5 +1,5 @@
 // Shares of materials in boxes of cells.
-#include "store/fractions.hpp"
+#include "store/fraction_reader.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "mesher/compose.hpp"
+#include "mesher/compose/compose.hpp"
 
 #include <algorithm>
 

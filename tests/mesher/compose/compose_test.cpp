@@ -1,5 +1,5 @@
 // Crossings of a tile of rays -> runs, against every cell looked at alone.
-#include "mesher/compose.hpp"
+#include "mesher/compose/compose.hpp"
 
 #include <catch2/catch.hpp>
 
