@@ -17,6 +17,7 @@
 #include "server/view.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
+#include "store/vtk_header.hpp"
 
 namespace teracell {
 namespace {
@@ -265,6 +266,7 @@ Response box_file(const GridRequest& r, const std::string& ending) {
         fmt::format("region: expected at most {} cells, found {}: `teracell export {}.tcell -o box{} --region {},{},{},{},{},{}` writes them",
                     static_cast<int64_t>(kMostBoxCells), static_cast<int64_t>(cells), r.grid->id, ending, box.lo[0], box.lo[1], box.lo[2], box.hi[0],
                     box.hi[1], box.hi[2]));
+  if (format == BoxFormat::kVtr) expect_few_planes({box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]});
   const char* type = format == BoxFormat::kNpy ? "application/octet-stream" : "application/xml";
   return r.service.answer(r.request, r.target, r.grid, {.route = "box", .content_type = type, .compress = true, .parts = [&, box, format] {
                                                           return box_parts(r.reader(), box, format);
