@@ -130,8 +130,7 @@ class Options {
 
   int level(const std::string& text) const {
     int out = 0;
-    if (!is_whole(text, out) || out < 0 || out >= meta_.grid.levels())
-      refuse("level", fmt::format("0 to {}", meta_.grid.levels() - 1), text);
+    if (!is_whole(text, out) || out < 0 || out >= meta_.grid.levels()) refuse("level", fmt::format("0 to {}", meta_.grid.levels() - 1), text);
     return out;
   }
 
