@@ -26,8 +26,8 @@ std::string whole_file(Parts& parts) {
 
 TEST_CASE("The parts of a box are a header, the cells in the order z, y, x, and an end", "[server]") {
   std::mt19937_64 random(8);
-  for (const Index3& n :
-       {Index3{70, 50, 40}, Index3{1500, 900, 2}, Index3{1'100'000, 2, 1}}) {  // several layers are read at once, rows, or parts of one
+  // Several layers are read at once, rows of a layer, or parts of a row.
+  for (const Index3& n : {Index3{70, 50, 40}, Index3{1500, 900, 2}, Index3{1'100'000, 2, 1}}) {
     const auto axis = [&](int d) { return Axis::uniform(3, 0.5, 0, n[d], 0.5); };
     const Metadata meta = metadata_of({{axis(0), axis(1), axis(2)}}, 1, 3);
     const auto cells = random_cells(random, n, 3);
