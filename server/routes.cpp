@@ -237,6 +237,8 @@ Response line(const GridRequest& r) {
     const std::string* text = r.target.find(name);
     if (!text) throw bad_request(fmt::format("missing {}: expected X,Y,Z, coordinates in {}", name, r.meta().units));
     const auto c = reals(*text, 3, name);
+    if (std::ranges::any_of(c, [](double x) { return !(std::abs(x) <= 1e75); }))
+      throw bad_request(fmt::format("{}: expected three numbers up to 1e75, found '{}'", name, *text));
     ends[static_cast<size_t>(i)] = {c[0], c[1], c[2]};
   }
   if (ends[0] == ends[1]) throw bad_request("to: expected another point than from");

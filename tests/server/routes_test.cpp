@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "check/check_json.hpp"
 #include "tests/server/served.hpp"
 #include "tests/support/png.hpp"
 
@@ -16,19 +17,23 @@ TEST_CASE("What was found about a grid is answered when it is kept for this vers
   const std::string target = "/api/v1/grids/g/check";
   CHECK(s.get(target).status == 404);
   CHECK(s.error(target) == "nobody has looked through this version of grid 'g' yet: `teracell check` does");
-  const auto keep = [&](const std::string& hash, const std::string& more) {
-    std::ofstream(s.folder / "g.check.json") << R"({"schema":1,"grid_hash":")" << hash << "\"" << more << "}\n";
+  const auto keep = [&](const std::string& hash, const std::string& sentence) {
+    Findings findings;
+    findings.hash = hash;
+    findings.not_looked_at.push_back(sentence);
+    std::ofstream(s.folder / "g.check.json") << findings_json(findings) << "\n";
+    return findings_json(findings);
   };
   keep("0123", "");
   CHECK(s.get(target).status == 404);
-  keep(s.hash(), R"(,"findings":[])");
+  const std::string kept = keep(s.hash(), "one");
   const Response first = s.get(target);
   CHECK(first.status == 200);
-  CHECK(*first.body == R"({"schema":1,"grid_hash":")" + s.hash() + R"(","findings":[]})");
+  CHECK(*first.body == kept);
   CHECK(first.cache_control == "no-cache");
-  keep(s.hash(), R"(,"findings":[1])");
+  const std::string later = keep(s.hash(), "two");
   const Response second = s.get(target);
-  CHECK(second.body->ends_with("[1]}"));
+  CHECK(*second.body == later);
   CHECK(second.etag != first.etag);
   CHECK(s.get(target + "?v=" + s.hash()).status == 400);
 }

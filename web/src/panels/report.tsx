@@ -1,7 +1,7 @@
 // What meshing found: first whether it matters, then why, body by body, with places to look at.
 import { useEffect, useMemo, useState } from "preact/hooks";
 import type { Findings } from "../base/findings";
-import { bytes_text, grouped, plural, product, significant } from "../base/format";
+import { bytes_text, grouped, plural, product, prose, significant } from "../base/format";
 import type { BodyReport } from "../base/grid";
 import { grid_findings } from "../server/api";
 import { markers_of } from "../state/findings";
@@ -10,7 +10,7 @@ import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
-import { verdict } from "./finding_words";
+import { not_checked, verdict } from "./finding_words";
 import { FindingsList, NotChecked } from "./findings";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
@@ -61,12 +61,19 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
     return () => abort.abort();
   }, [info]);
   const findings = found === "loading" ? null : found;
-  const care = findings ? verdict(findings) : care_of(info);
+  const care = findings ? verdict(findings) : found === null ? not_checked(care_of(info)) : care_of(info);
   const places = useMemo(() => (findings ? markers_of(findings) : places_found(info)), [info, findings]);
   const marked = viewer.markers.value.length > 0;
   useEffect(() => {
     if (found !== "loading" && places.length) viewer.markers.value = places;
   }, [viewer, found, places]);
+  // The marks stay when the panel is closed, so that they can be looked at, but not behind another panel.
+  useEffect(
+    () => () => {
+      if (viewer.panel.peek() !== null && viewer.panel.peek() !== "report") viewer.markers.value = [];
+    },
+    [viewer],
+  );
   const bodies = [...report.bodies].sort((a, b) => Number(has_something_to_say(b)) - Number(has_something_to_say(a)));
   const few = bodies.length < MANY_BODIES;
   return (
@@ -88,7 +95,7 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
           <h3>Warnings</h3>
           <ul class="warnings">
             <FirstOf list={report.warnings} step={MANY}>
-              {(text, n) => <li key={n}>{text.charAt(0).toUpperCase() + text.slice(1)}</li>}
+              {(text, n) => <li key={n}>{prose(text.charAt(0).toUpperCase() + text.slice(1))}</li>}
             </FirstOf>
           </ul>
         </section>

@@ -1,9 +1,13 @@
 // The places of findings, as markers for the views.
-import type { Findings } from "../base/findings";
+import { type Findings, groups_of } from "../base/findings";
 import type { Marker } from "./viewer";
 
-const MOST_MARKERS = 60;
+const MOST_MARKERS = 24; // more of them hide what they mark
 
-// The worst first.
-export const markers_of = ({ findings }: Findings): Marker[] =>
-  findings.flatMap(({ at, text, box, kind }) => (at ? [{ at, text, ...(box && { box, guess: kind === "cap" }) }] : [])).slice(0, MOST_MARKERS);
+// The worst of each kind, then the next of each.
+export function markers_of(findings: Findings): Marker[] {
+  const placed = groups_of(findings, "").map((group) => group.findings.filter(({ at }) => at));
+  const longest = Math.max(0, ...placed.map((list) => list.length));
+  const turns = Array.from({ length: Math.min(longest, MOST_MARKERS) }, (_, i) => placed.flatMap((list) => list.slice(i, i + 1))).flat();
+  return turns.slice(0, MOST_MARKERS).map(({ at, text, box, kind }) => ({ at: at!, text, ...(box && { box, guess: kind === "cap" }) }));
+}

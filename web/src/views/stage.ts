@@ -267,7 +267,7 @@ export class Stage {
     const camera = view?.camera;
     const before = viewer.hover.value;
     if (!view?.pointer || !camera) {
-      if (before) viewer.hover.value = null;
+      if (before && before.axis !== null) viewer.hover.value = null;
       return;
     }
     const { u, v, w } = FRAMES[view.axis];
