@@ -358,17 +358,18 @@ Response route_anew(Service& service, const Request& request) {
   }
 }
 
-// Whether an answer may read much of a grid, unlike a tile or a cell.
-bool is_dear(const Request& request) try {
+Cost cost_of(const Request& request) try {
   const std::vector<std::string> path = parse_target(request.target).path;
   for (const Protocol& p : protocols())
-    if (path[0] == p.prefix) return p.dear;
-  if (path[0] != "api" || path.size() <= 4) return false;
+    if (path[0] == p.prefix) return p.dear ? Cost::kDear : Cost::kCheap;
+  if (path[0] != "api" || path.size() <= 4) return Cost::kCheap;
   const std::string& what = path[4];
-  return what == "stats" || what == "slice" || what == "column" || what == "diff" || what == "line" || what.starts_with("box.") ||
-         what.starts_with("view.");
+  if (what == "view.bin" || what == "view.json") return Cost::kSeen;
+  const bool dear = what == "stats" || what == "slice" || what == "column" || what == "diff" || what == "line" || what.starts_with("box.") ||
+                    what.starts_with("view.");
+  return dear ? Cost::kDear : Cost::kCheap;
 } catch (const HttpError&) {
-  return false;  // handle() refuses it
+  return Cost::kCheap;  // handle() refuses it
 }
 
 }  // namespace
@@ -404,7 +405,7 @@ Handler handler_of(Service& service) {
   return {[&service](const Request& request) { return handle_at_once(service, request); },
           [&service](const Request& request) { return handle(service, request); },
           {},
-          is_dear};
+          cost_of};
 }
 
 }  // namespace teracell

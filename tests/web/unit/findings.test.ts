@@ -45,9 +45,13 @@ test("what has a place can be marked, the worst of each kind first, but not more
     finding("cap", "warning", ["b"], [7, 7, 7]),
   ]);
   assert.equal(markers_of(all).length, 24);
-  assert.deepEqual(markers_of(all)[0], { at: [7, 7, 7], text: "cap of b", });
-  assert.deepEqual(markers_of(all)[1], { at: [1, 0, 0], text: "thin of a" });
+  assert.deepEqual(markers_of(all)[0], { at: [7, 7, 7], text: "cap of b", name: "hole · b" });
+  assert.deepEqual(markers_of(all)[1], { at: [1, 0, 0], text: "thin of a", name: "thin wall · a" });
   assert.deepEqual(markers_of(found([])), []);
+  const last = all.findings[99]!;
+  assert.deepEqual(markers_of(all, { body: "", kind: "thin", finding: last })[0]!.at, [99, 0, 0]);
+  assert.equal(markers_of(all, { body: "", kind: "cap", finding: null }).length, 1);
+  assert.equal(markers_of(all, { body: "b", kind: null, finding: null }).length, 1);
 });
 
 test("a grid that nobody has looked through is not called fine", () => {

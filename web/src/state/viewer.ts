@@ -35,6 +35,7 @@ export interface Measure {
 export interface Marker {
   at: [number, number, number]; // coordinates
   text: string;
+  name?: string; // a few words of it, for views
   box?: Box; // where all of it lies
   guess?: boolean; // the box holds what was guessed, such as a cap: it is hatched
 }

@@ -93,7 +93,7 @@ export function draw_markers(pen: Pen, level: number): void {
   const labels: Label[] = [];
   for (const { box, guess } of viewer.markers.value) if (box && slice >= box[axis] && slice < box[axis + 3]!) draw_extent(pen, box, guess === true);
   const tips: (readonly [number, number])[] = [];
-  for (const { at, text } of viewer.markers.value) {
+  for (const { at, text, name } of viewer.markers.value) {
     const w = at[axis];
     const away = Math.max(low - w, w - high, 0) * camera.zoom;
     if (away > NEAR) continue;
@@ -104,7 +104,7 @@ export function draw_markers(pen: Pen, level: number): void {
     pen.path([[x, y], [x - 6, y - 14], [x + 6, y - 14]], ink.marker, { width: 2, close: true });
     context.fillStyle = ink.marker;
     context.fill();
-    const words = text.length > LONGEST ? `${text.slice(0, LONGEST - 1)}…` : text;
+    const words = name ?? (text.length > LONGEST ? `${text.slice(0, LONGEST - 1)}…` : text);
     const label = { left: x + 11, right: x + 11 + context.measureText(words).width, y: y - 10 };
     if (away === 0 && label.right < camera.width && !labels.some((other) => overlap(label, other))) {
       pen.text(words, label.left, label.y);
