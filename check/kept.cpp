@@ -31,7 +31,8 @@ bool has_kept_findings(const std::filesystem::path& grid, const std::string& has
   if (hash.empty() || !std::filesystem::is_regular_file(path, none)) return false;
   const InputFile file(path);
   const uint64_t ends = std::min(file.size(), kEnds);
-  return file.size() <= kMostBytes && hash_in(piece(file, 0, ends)) == hash && ends_as_whole(without_line_break(piece(file, file.size() - ends, ends)));
+  return file.size() <= kMostBytes && hash_in(piece(file, 0, ends)) == hash &&
+         ends_as_whole(without_line_break(piece(file, file.size() - ends, ends)));
 }
 
 std::string read_kept_findings(const std::filesystem::path& grid, const std::string& hash) {

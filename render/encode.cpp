@@ -49,9 +49,8 @@ std::vector<uint8_t> on_white(const std::vector<uint8_t>& rgba) {
 
 std::string_view picture_format(std::string_view name) {
   const auto ends_with = [&](std::string_view ending) {  // in upper or lower case
-    return name.size() >= ending.size() && std::ranges::equal(name.substr(name.size() - ending.size()), ending, [](char a, char b) {
-             return std::tolower(static_cast<unsigned char>(a)) == b;
-           });
+    return name.size() >= ending.size() && std::ranges::equal(name.substr(name.size() - ending.size()), ending,
+                                                              [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
   };
   if (ends_with(".png")) return "png";
   return ends_with(".jpg") || ends_with(".jpeg") ? "jpg" : "";

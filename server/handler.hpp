@@ -8,8 +8,8 @@
 
 namespace teracell {
 
-// How long an answer may take: a tile or a cell takes milliseconds, what the dashboard sees in three dimensions a good part of a second, and
-// what may read much of a grid, or a large picture, as long as a request may work.
+// How long an answer may take: a tile or a cell takes milliseconds; what the dashboard sees in three dimensions or along a line, a good part of
+// a second; what may read much of a grid, or a large picture, as long as a request may work.
 enum class Cost { kCheap, kSeen, kDear };
 
 // Threads call these functions at once.

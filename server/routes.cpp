@@ -364,9 +364,8 @@ Cost cost_of(const Request& request) try {
     if (path[0] == p.prefix) return p.dear ? Cost::kDear : Cost::kCheap;
   if (path[0] != "api" || path.size() <= 4) return Cost::kCheap;
   const std::string& what = path[4];
-  if (what == "view.bin" || what == "view.json") return Cost::kSeen;
-  const bool dear = what == "stats" || what == "slice" || what == "column" || what == "diff" || what == "line" || what.starts_with("box.") ||
-                    what.starts_with("view.");
+  if (what == "view.bin" || what == "view.json" || what == "line" || what == "column") return Cost::kSeen;
+  const bool dear = what == "stats" || what == "slice" || what == "diff" || what.starts_with("box.") || what.starts_with("view.");
   return dear ? Cost::kDear : Cost::kCheap;
 } catch (const HttpError&) {
   return Cost::kCheap;  // handle() refuses it

@@ -244,16 +244,18 @@ TEST_CASE("Files that can't be read are listed beside the grids and on the plain
   CHECK_THAT(*s.get("/").body, Catch::Contains("<h2>a&lt;b&gt;</h2><p>This file can't be read: a&lt;b&gt;.tcell: "));
 }
 
-TEST_CASE("Statistics, columns and pictures of whole slices are dear, however their addresses are written", "[server]") {
+TEST_CASE("Statistics and pictures of whole slices are dear, however their addresses are written", "[server]") {
   const Served s;
   const Handler handler = handler_of(*s.service);
   const auto cost_of = [&](const char* target) { return handler.cost_of(Request{.target = target}); };
   for (const char* dear : {"/api/v1/grids/g/stats", "/api/v1/grids/g/%73tats?region=0,0,0,1,1,1", "/%61pi/v1/grids/g/slice/z/0.png",
-                           "/api/v1/grids/g/diff?with=h", "/api/v1/grids/g/column/z/0_0", "/api/v1/grids/g/view.png?size=9,9", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
+                           "/api/v1/grids/g/diff?with=h", "/api/v1/grids/g/view.png?size=9,9", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
     CHECK(cost_of(dear) == Cost::kDear);
   for (const char* cheap : {"/", "/api/v1/grids", "/api/v1/grids/stats", "/api/v1/grids/g/tile/z/0/0/0_0.png", "/zarr/g/0/c/0/0/0", "/%", "/api/%"})
     CHECK(cost_of(cheap) == Cost::kCheap);
-  for (const char* seen : {"/api/v1/grids/g/view.bin?quick=1", "/api/v1/grids/g/view.json?pixel=1,1"}) CHECK(cost_of(seen) == Cost::kSeen);
+  for (const char* seen : {"/api/v1/grids/g/column/z/0_0", "/api/v1/grids/g/line?from=0,0,0&to=1,1,1", "/api/v1/grids/g/view.bin?quick=1",
+                           "/api/v1/grids/g/view.json?pixel=1,1"})
+    CHECK(cost_of(seen) == Cost::kSeen);
 }
 
 TEST_CASE("The start page names the grids and escapes what is in their names", "[server]") {
