@@ -3,6 +3,7 @@
 //
 //   scale_probe measure SCENE CELLS FOLDER STRETCHES PIECES   makes some pieces, in stretches spread over the grid; prints what they take
 //   scale_probe simulate NAME=VALUE ... < what they take      hands out all pieces to simulated processes; prints when these have ended
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
