@@ -36,10 +36,13 @@ bool has_kept_findings(const std::filesystem::path& grid, const std::string& has
 }
 
 std::string read_kept_findings(const std::filesystem::path& grid, const std::string& hash) {
-  if (!has_kept_findings(grid, hash)) return "";
-  const InputFile file(kept_findings(grid));
-  std::string text = without_line_break(piece(file, 0, std::min(file.size(), kMostBytes)));
-  return is_whole(text) ? text : "";
+  const std::filesystem::path path = kept_findings(grid);
+  std::error_code none;
+  if (hash.empty() || !std::filesystem::is_regular_file(path, none)) return "";
+  const InputFile file(path);
+  if (file.size() > kMostBytes) return "";
+  std::string text = without_line_break(piece(file, 0, file.size()));
+  return hash_in(text) == hash && is_whole(text) ? text : "";
 }
 
 }  // namespace teracell

@@ -7,8 +7,8 @@
 
 namespace teracell {
 
-// All planes of a graded grid stand in the header, so this many, 32 MB, are the most along an axis. Throws UsageError when a box has more.
-inline constexpr int64_t kMostVtkPlanes = int64_t{1} << 22;
+// All planes of a graded grid stand in the header, so this many, 8 MB, are the most along an axis. Throws UsageError when a box has more.
+inline constexpr int64_t kMostVtkPlanes = int64_t{1} << 20;
 void expect_few_planes(const Index3& cells);
 
 struct VtkGrid {

@@ -1,6 +1,6 @@
 // Threads for requests that take long. Clients take turns, so that one with a thousand requests does not keep another one waiting. Each
-// cost of work has a lane of its own, and where there are several threads no lane gets all of them: what is seen in three dimensions never
-// waits for large pictures, and tiles for neither.
+// cost of work has a lane of its own, and where there are several threads no lane gets all of them: tiles wait neither for what is seen in
+// three dimensions nor for dear work, and what is seen does not wait for dear work.
 #pragma once
 #include <array>
 #include <condition_variable>
@@ -18,8 +18,8 @@ namespace teracell {
 
 class Pool {
  public:
-  // Starts half as many threads more than `threads`, if these are several: those of the lane between tiles and dear work, which the system
-  // then lets share the cores. Throws IoError when a thread can't be started.
+  // With several threads, starts half as many again, for what is seen: the system shares the cores among them. Throws IoError when a thread
+  // can't be started.
   explicit Pool(int threads);
   ~Pool() { join(); }
   // What `work` throws is lost. `client` tells one client from another. When it throws bad_alloc, nothing was posted.

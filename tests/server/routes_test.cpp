@@ -244,17 +244,34 @@ TEST_CASE("Files that can't be read are listed beside the grids and on the plain
   CHECK_THAT(*s.get("/").body, Catch::Contains("<h2>a&lt;b&gt;</h2><p>This file can't be read: a&lt;b&gt;.tcell: "));
 }
 
+TEST_CASE("A line that begins and ends far outside passes the cells of its part in the grid, and one from too far is refused", "[server]") {
+  Served s;
+  const auto materials = [&](const char* ends) {
+    std::vector<std::pair<uint32_t, uint32_t>> out;
+    const json answer = s.parsed(std::string("/api/v1/grids/g/line?") + ends);
+    for (const json& run : answer["runs"]) out.emplace_back(run["material"], run["cells"]);
+    return out;
+  };
+  const auto inside = materials("from=3.1,2,5.5&to=3.1,134.5,5.5");
+  REQUIRE(inside.size() > 5);
+  CHECK(materials("from=3.1,-1e8,5.5&to=3.1,1e8,5.5") == inside);
+  for (const char* far : {"1e9", "1e18", "1e75", "1e308"})
+    CHECK(s.error(std::string("/api/v1/grids/g/line?from=0,0,0&to=") + far + ",0,0").starts_with("to: expected three numbers up to 1.345e+08"));
+}
+
 TEST_CASE("Statistics and pictures of whole slices are dear, however their addresses are written", "[server]") {
   const Served s;
   const Handler handler = handler_of(*s.service);
   const auto cost_of = [&](const char* target) { return handler.cost_of(Request{.target = target}); };
   for (const char* dear : {"/api/v1/grids/g/stats", "/api/v1/grids/g/%73tats?region=0,0,0,1,1,1", "/%61pi/v1/grids/g/slice/z/0.png",
-                           "/api/v1/grids/g/diff?with=h", "/api/v1/grids/g/view.png?size=9,9", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
+                           "/api/v1/grids/g/diff?with=h", "/api/v1/grids/g/view.png?size=9,9", "/api/v1/grids/g/view.bin?size=2896,2896",
+                           "/api/v1/grids/g/view.bin", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
     CHECK(cost_of(dear) == Cost::kDear);
   for (const char* cheap : {"/", "/api/v1/grids", "/api/v1/grids/stats", "/api/v1/grids/g/tile/z/0/0/0_0.png", "/zarr/g/0/c/0/0/0", "/%", "/api/%"})
     CHECK(cost_of(cheap) == Cost::kCheap);
-  for (const char* seen : {"/api/v1/grids/g/column/z/0_0", "/api/v1/grids/g/line?from=0,0,0&to=1,1,1", "/api/v1/grids/g/view.bin?quick=1",
-                           "/api/v1/grids/g/view.json?pixel=1,1"})
+  for (const char* seen :
+       {"/api/v1/grids/g/column/z/0_0", "/api/v1/grids/g/line?from=0,0,0&to=1,1,1", "/api/v1/grids/g/view.bin?quick=1&size=337,237",
+        "/api/v1/grids/g/view.bin?size=2896,2896&window=0,0,384,384", "/api/v1/grids/g/view.json?pixel=1,1"})
     CHECK(cost_of(seen) == Cost::kSeen);
 }
 

@@ -3,6 +3,7 @@ import { useMemo, useState } from "preact/hooks";
 import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of } from "../base/findings";
 import { grouped, plural } from "../base/format";
 import { words_of } from "../base/messages";
+import { quoted } from "../base/shell";
 import { use_picture } from "../server/picture";
 import { ALL, type Focus } from "../state/findings";
 import type { Viewer } from "../state/viewer";
@@ -204,7 +205,7 @@ export function NotChecked({ viewer, error }: { viewer: Viewer; error: unknown }
     <section>
       <h3>Not looked at</h3>
       <p class="note">Thin walls, islands and enclosed background: nobody has looked for them yet. This does, beside the file:</p>
-      <CodeLine class="hash" text={`teracell check ${viewer.info.id}.tcell`} what="the command" />
+      <CodeLine class="hash" text={`teracell check ${quoted(`${viewer.info.id}.tcell`)}`} what="the command" />
     </section>
   );
 }

@@ -49,16 +49,28 @@ function read_bodies(viewer: Viewer, query: URLSearchParams): void {
   viewer.body_looks.value = looks;
 }
 
+// The parts of the address for what bodies look like. They are kept, because the address is made anew whenever a view moves, and there may
+// be 10^5 bodies.
+let kept: { looks: Viewer["body_looks"]["value"]; hidden: string; body: string } | null = null;
+
 function put_bodies(viewer: Viewer, start: URLSearchParams): void {
-  const looks = [...viewer.body_looks.value].sort(([a], [b]) => a - b);
+  if (kept?.looks !== viewer.body_looks.value) kept = { looks: viewer.body_looks.value, ...bodies_in_address(viewer.body_looks.value) };
+  if (kept.hidden) start.set("hidden", kept.hidden);
+  if (kept.body) start.set("body", kept.body);
+}
+
+function bodies_in_address(of: Viewer["body_looks"]["value"]): { hidden: string; body: string } {
+  const looks = [...of].sort(([a], [b]) => a - b);
   const hidden = looks.flatMap(([label, { visible }]) => (visible === false ? [label] : []));
-  if (hidden.length) start.set("hidden", ranges(hidden));
   const alike = new Map<string, number[]>(); // labels of the same look
   for (const [label, { color, opacity }] of looks) {
     const look = `${color ? hex_color({ color }).slice(1) : ""}:${opacity ?? ""}`;
-    if (look !== ":") alike.set(look, [...(alike.get(look) ?? []), label]);
+    if (look === ":") continue;
+    const labels = alike.get(look);
+    if (labels) labels.push(label);
+    else alike.set(look, [label]);
   }
-  if (alike.size) start.set("body", [...alike].map(([look, labels]) => `${ranges(labels)}:${look}`).join(";"));
+  return { hidden: ranges(hidden), body: [...alike].map(([look, labels]) => `${ranges(labels)}:${look}`).join(";") };
 }
 
 const say_if = (text: string | null) => text !== null && say(text);
