@@ -368,7 +368,8 @@ double pixels_asked_for(const Target& target) {
   const std::string *window = target.find("window"), *size = target.find("size");
   if (window) {
     const auto n = integers(*window, 4, "window");
-    return static_cast<double>(n[2] - n[0]) * static_cast<double>(n[3] - n[1]);
+    // The differences of any whole numbers fit into doubles, not into integers.
+    return (static_cast<double>(n[2]) - static_cast<double>(n[0])) * (static_cast<double>(n[3]) - static_cast<double>(n[1]));
   }
   if (!size) return kMostSeenPixels + 1;
   const auto n = integers(*size, 2, "size");

@@ -265,6 +265,7 @@ TEST_CASE("Statistics and pictures of whole slices are dear, however their addre
   const auto cost_of = [&](const char* target) { return handler.cost_of(Request{.target = target}); };
   for (const char* dear : {"/api/v1/grids/g/stats", "/api/v1/grids/g/%73tats?region=0,0,0,1,1,1", "/%61pi/v1/grids/g/slice/z/0.png",
                            "/api/v1/grids/g/diff?with=h", "/api/v1/grids/g/view.png?size=9,9", "/api/v1/grids/g/view.bin?size=2896,2896",
+                           "/api/v1/grids/g/view.bin?window=-9000000000000000000,-9000000000000000000,9000000000000000000,9000000000000000000",
                            "/api/v1/grids/g/view.bin", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
     CHECK(cost_of(dear) == Cost::kDear);
   for (const char* cheap : {"/", "/api/v1/grids", "/api/v1/grids/stats", "/api/v1/grids/g/tile/z/0/0/0_0.png", "/zarr/g/0/c/0/0/0", "/%", "/api/%"})

@@ -83,7 +83,7 @@ class Overview {
     this.nearest = NEAREST * shortest_side(space, viewer.axes);
     this.triad = make_triad((axis, above) => this.look_straight(axis, above));
     this.rulers = make_rulers(viewer, space, () => this.moved());
-    this.bar = make_scale_bar(viewer.units);
+    this.bar = make_scale_bar(viewer.info.units);
     this.sights = new SightSource(viewer, space, this.abort.signal, {
       quick: (frame) => {
         stage.set_cloud(frame);
