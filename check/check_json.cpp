@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "store/format.hpp"
 #include "store/json_writer.hpp"
 
 namespace teracell {
@@ -76,6 +77,13 @@ void add_walls(std::vector<std::string>& lines, const std::vector<WallReport>& w
   if (thin.size() > most) lines.push_back(fmt::format("  and {} more with walls of at most 8 cells", thin.size() - most));
 }
 
+// A document ends with the checksum of what is before it, so that one that was cut or changed is never taken for what was found.
+constexpr std::string_view kChecksum = ",\"checksum\":\"";
+constexpr size_t kEndBytes = kChecksum.size() + 16 + 2;
+std::string checksum_of(std::string_view body) {
+  return fmt::format("{}{:016x}\"}}", kChecksum, checksum({reinterpret_cast<const uint8_t*>(body.data()), body.size()}));
+}
+
 }  // namespace
 
 std::string findings_json(const Findings& findings) {
@@ -94,8 +102,19 @@ std::string findings_json(const Findings& findings) {
   for (const WallReport& wall : findings.walls) write_wall(out, wall);
   out.end_array().key("not_looked_at").begin_array();
   for (const std::string& sentence : findings.not_looked_at) out.value(sentence);
-  out.end_array().end_object();
+  out.end_array();
+  text += checksum_of(text);
   return text;
+}
+
+bool is_whole(std::string_view json) {
+  if (!ends_as_whole(json)) return false;
+  const std::string_view body = json.substr(0, json.size() - kEndBytes);
+  return json.substr(body.size()) == checksum_of(body);
+}
+
+bool ends_as_whole(std::string_view json) {
+  return json.size() > kEndBytes && json.ends_with("\"}") && json.substr(json.size() - kEndBytes).starts_with(kChecksum);
 }
 
 std::string hash_in(const std::string& json) {

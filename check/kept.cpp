@@ -8,15 +8,16 @@
 namespace teracell {
 namespace {
 
-constexpr uint64_t kMostBytes = uint64_t{64} << 20, kHead = 256;
+constexpr uint64_t kMostBytes = uint64_t{64} << 20, kEnds = 256;
 
-// At most so many bytes of a file; nothing when there is none.
-std::string beginning(const std::filesystem::path& path, uint64_t most) {
-  std::error_code none;
-  if (!std::filesystem::is_regular_file(path, none)) return "";
-  const InputFile file(path);
-  std::string text(std::min(file.size(), most), '\0');
-  file.read(0, {reinterpret_cast<uint8_t*>(text.data()), text.size()});
+std::string piece(const InputFile& file, uint64_t offset, uint64_t bytes) {
+  std::string text(bytes, '\0');
+  file.read(offset, {reinterpret_cast<uint8_t*>(text.data()), text.size()});
+  return text;
+}
+
+std::string without_line_break(std::string text) {
+  if (text.ends_with('\n')) text.pop_back();
   return text;
 }
 
@@ -25,15 +26,23 @@ std::string beginning(const std::filesystem::path& path, uint64_t most) {
 std::filesystem::path kept_findings(const std::filesystem::path& grid) { return std::filesystem::path(grid).replace_extension(".check.json"); }
 
 bool has_kept_findings(const std::filesystem::path& grid, const std::string& hash) {
-  const std::string begin = beginning(kept_findings(grid), kHead);
-  return !hash.empty() && hash_in(begin) == hash;
+  const std::filesystem::path path = kept_findings(grid);
+  std::error_code none;
+  if (hash.empty() || !std::filesystem::is_regular_file(path, none)) return false;
+  const InputFile file(path);
+  const uint64_t ends = std::min(file.size(), kEnds);
+  return file.size() <= kMostBytes && hash_in(piece(file, 0, ends)) == hash &&
+         ends_as_whole(without_line_break(piece(file, file.size() - ends, ends)));
 }
 
 std::string read_kept_findings(const std::filesystem::path& grid, const std::string& hash) {
-  if (!has_kept_findings(grid, hash)) return "";
-  std::string text = beginning(kept_findings(grid), kMostBytes);
-  while (text.ends_with('\n')) text.pop_back();
-  return text.ends_with('}') ? text : "";
+  const std::filesystem::path path = kept_findings(grid);
+  std::error_code none;
+  if (hash.empty() || !std::filesystem::is_regular_file(path, none)) return "";
+  const InputFile file(path);
+  if (file.size() > kMostBytes) return "";
+  std::string text = without_line_break(piece(file, 0, file.size()));
+  return hash_in(text) == hash && is_whole(text) ? text : "";
 }
 
 }  // namespace teracell

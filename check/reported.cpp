@@ -45,7 +45,7 @@ class Reported {
       total.findings = std::max(total.findings, overlaps->at("pairs").get<uint64_t>());
     } else {
       for (Finding& finding : covered_) add_finding(findings_, std::move(finding));
-      missing("Overlaps by pair: the file does not have them. What is listed are the cells that each body leaves to stronger ones.");
+      if (bodies_ > 1) missing("Overlaps by pair: the file does not have them. What is listed are the cells that each body leaves to stronger ones.");
     }
     if (rays_only_) missing("What is lost between sample points was counted along the rays alone: mesh with --thin to look along x, y and z.");
   }

@@ -1,5 +1,7 @@
 #include "render/encode.hpp"
 
+#include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <new>
 
@@ -46,8 +48,12 @@ std::vector<uint8_t> on_white(const std::vector<uint8_t>& rgba) {
 }  // namespace
 
 std::string_view picture_format(std::string_view name) {
-  if (name.ends_with(".png")) return "png";
-  return name.ends_with(".jpg") || name.ends_with(".jpeg") ? "jpg" : "";
+  const auto ends_with = [&](std::string_view ending) {  // in upper or lower case
+    return name.size() >= ending.size() && std::ranges::equal(name.substr(name.size() - ending.size()), ending,
+                                                              [](char a, char b) { return std::tolower(static_cast<unsigned char>(a)) == b; });
+  };
+  if (ends_with(".png")) return "png";
+  return ends_with(".jpg") || ends_with(".jpeg") ? "jpg" : "";
 }
 
 std::string encode_picture(const Picture3D& picture, std::string_view format) {

@@ -63,6 +63,12 @@ class Options {
     throw UsageError(fmt::format("{}{}: expected {}, found '{}'", dashes_, name, expected, found));
   }
 
+  template <class T>
+  static bool is_whole(std::string_view text, T& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size();
+  }
+
   double number(std::string_view name, std::string_view text, const char* expected) const {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -88,8 +94,7 @@ class Options {
     const auto words = split(*text);
     uint64_t n[2] = {};
     for (size_t i = 0; i < 2; ++i) {
-      const char* const end = words.size() == 2 ? words[i].data() + words[i].size() : nullptr;
-      if (!end || std::from_chars(words[i].data(), end, n[i]).ptr != end || n[i] < 1 || n[i] > kLongestPictureSide) refuse("size", expected, *text);
+      if (words.size() != 2 || !is_whole(words[i], n[i]) || n[i] < 1 || n[i] > kLongestPictureSide) refuse("size", expected, *text);
     }
     if (n[0] * n[1] > kMostPicturePixels) refuse("size", expected, *text);
     return {static_cast<uint32_t>(n[0]), static_cast<uint32_t>(n[1])};
@@ -125,9 +130,7 @@ class Options {
 
   int level(const std::string& text) const {
     int out = 0;
-    const char* const end = text.data() + text.size();
-    if (std::from_chars(text.data(), end, out).ptr != end || text.empty() || out < 0 || out >= meta_.grid.levels())
-      refuse("level", fmt::format("0 to {}", meta_.grid.levels() - 1), text);
+    if (!is_whole(text, out) || out < 0 || out >= meta_.grid.levels()) refuse("level", fmt::format("0 to {}", meta_.grid.levels() - 1), text);
     return out;
   }
 
@@ -211,10 +214,8 @@ class Options {
       size_t ends[2] = {};
       const size_t dash = word.find('-');
       const std::string_view parts[2] = {word.substr(0, dash), dash == std::string_view::npos ? word : word.substr(dash + 1)};
-      for (size_t i = 0; i < 2; ++i) {
-        const char* const end = parts[i].data() + parts[i].size();
-        if (parts[i].empty() || std::from_chars(parts[i].data(), end, ends[i]).ptr != end || ends[i] >= out.size()) refuse("labels", expected, text);
-      }
+      for (size_t i = 0; i < 2; ++i)
+        if (!is_whole(parts[i], ends[i]) || ends[i] >= out.size()) refuse("labels", expected, text);
       if (ends[0] > ends[1]) refuse("labels", expected, text);
       for (size_t label = ends[0]; label <= ends[1]; ++label) out[label] = true;
     }

@@ -119,7 +119,7 @@ Handler with_operations(Handler inner, const Metrics& metrics, std::function<Ser
             std::optional<Response> r = operation(request);
             return r ? r : at_once(request);
           },
-          std::move(inner.handle), std::move(inner.is_open), std::move(inner.is_dear)};
+          std::move(inner.handle), std::move(inner.is_open), std::move(inner.cost_of)};
 }
 
 }  // namespace teracell

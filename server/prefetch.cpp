@@ -96,7 +96,7 @@ Handler with_prefetch(Handler inner, Prefetch& prefetch) {
             prefetch.answered(request, r);
             return r;
           },
-          std::move(inner.is_open), std::move(inner.is_dear)};
+          std::move(inner.is_open), std::move(inner.cost_of)};
 }
 
 }  // namespace teracell

@@ -19,6 +19,7 @@
 #include "store/fraction_reader.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
+#include "store/vtk_header.hpp"
 
 namespace teracell {
 namespace {
@@ -28,6 +29,8 @@ using nlohmann::ordered_json;
 constexpr const char* kJson = "application/json";
 constexpr double kMostBoxCells = 4294967296.0;  // 2^32
 constexpr double kMostLineCells = 1048576;      // 2^20, which take about a second
+constexpr double kMostSeenPixels = 524288;      // 2^19: larger pictures are dear
+constexpr double kFarthestEnd = 1e6;            // of a line, as a multiple of the grid's largest coordinate
 
 Response plain(const char* route, const char* type, std::string text) {
   Response r;
@@ -248,11 +251,16 @@ Box region_of(const GridRequest& r) {
 Response line(const GridRequest& r) {
   r.target.allow({"v", "from", "to"});
   std::array<Vec3, 2> ends;
+  // Where along a line it passes from cell to cell is computed in doubles: its ends may not be so far away that these lose the cells.
+  double reach = 0;
+  for (const Axis& axis : r.meta().grid.axis) reach = std::max({reach, kFarthestEnd * std::abs(axis.min()), kFarthestEnd * std::abs(axis.max())});
   for (const int i : {0, 1}) {
     const char* name = i == 0 ? "from" : "to";
     const std::string* text = r.target.find(name);
     if (!text) throw bad_request(fmt::format("missing {}: expected X,Y,Z, coordinates in {}", name, r.meta().units));
     const auto c = reals(*text, 3, name);
+    if (std::ranges::any_of(c, [&](double x) { return !(std::abs(x) <= reach); }))
+      throw bad_request(fmt::format("{}: expected three numbers up to {:.6g}, found '{}'", name, reach, *text));
     ends[static_cast<size_t>(i)] = {c[0], c[1], c[2]};
   }
   if (ends[0] == ends[1]) throw bad_request("to: expected another point than from");
@@ -282,6 +290,7 @@ Response box_file(const GridRequest& r, const std::string& ending) {
         fmt::format("region: expected at most {} cells, found {}: `teracell export {}.tcell -o box{} --region {},{},{},{},{},{}` writes them",
                     static_cast<int64_t>(kMostBoxCells), static_cast<int64_t>(cells), r.grid->id, ending, box.lo[0], box.lo[1], box.lo[2], box.hi[0],
                     box.hi[1], box.hi[2]));
+  if (format == BoxFormat::kVtr) expect_few_planes({box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]});
   const char* type = format == BoxFormat::kNpy ? "application/octet-stream" : "application/xml";
   return r.service.answer(r.request, r.target, r.grid, {.route = "box", .content_type = type, .compress = true, .parts = [&, box, format] {
                                                           return box_parts(r.reader(), box, format);
@@ -371,17 +380,32 @@ Response route_anew(Service& service, const Request& request) {
   }
 }
 
-// Whether an answer may read much of a grid, unlike a tile or a cell.
-bool is_dear(const Request& request) try {
-  const std::vector<std::string> path = parse_target(request.target).path;
+// Of the picture or the part of it that "view.bin" is asked for, as far as the target says; the route refuses what makes no sense.
+double pixels_asked_for(const Target& target) {
+  const std::string *window = target.find("window"), *size = target.find("size");
+  if (window) {
+    const auto n = integers(*window, 4, "window");
+    // The differences of any whole numbers fit into doubles, not into integers.
+    return (static_cast<double>(n[2]) - static_cast<double>(n[0])) * (static_cast<double>(n[3]) - static_cast<double>(n[1]));
+  }
+  if (!size) return kMostSeenPixels + 1;
+  const auto n = integers(*size, 2, "size");
+  return static_cast<double>(n[0]) * static_cast<double>(n[1]);
+}
+
+Cost cost_of(const Request& request) try {
+  const Target target = parse_target(request.target);
+  const std::vector<std::string>& path = target.path;
   for (const Protocol& p : protocols())
-    if (path[0] == p.prefix) return p.dear;
-  if (path[0] != "api" || path.size() <= 4) return false;
+    if (path[0] == p.prefix) return p.dear ? Cost::kDear : Cost::kCheap;
+  if (path[0] != "api" || path.size() <= 4) return Cost::kCheap;
   const std::string& what = path[4];
-  return what == "stats" || what == "slice" || what == "column" || what == "diff" || what == "line" || what.starts_with("box.") ||
-         what.starts_with("view.");
+  if (what == "view.json" || what == "line" || what == "column") return Cost::kSeen;
+  if (what == "view.bin" && pixels_asked_for(target) <= kMostSeenPixels) return Cost::kSeen;
+  const bool dear = what == "stats" || what == "slice" || what == "diff" || what.starts_with("box.") || what.starts_with("view.");
+  return dear ? Cost::kDear : Cost::kCheap;
 } catch (const HttpError&) {
-  return false;  // handle() refuses it
+  return Cost::kCheap;  // handle() refuses it
 }
 
 }  // namespace
@@ -417,7 +441,7 @@ Handler handler_of(Service& service) {
   return {[&service](const Request& request) { return handle_at_once(service, request); },
           [&service](const Request& request) { return handle(service, request); },
           {},
-          is_dear};
+          cost_of};
 }
 
 }  // namespace teracell

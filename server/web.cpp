@@ -148,7 +148,7 @@ Handler with_page(Handler inner, const Page& page) {
             return r ? *r : handle(request);
           },
           [&page, is_open = std::move(inner.is_open)](std::string_view path) { return page.has(path) || (is_open && is_open(path)); },
-          std::move(inner.is_dear)};
+          std::move(inner.cost_of)};
 }
 
 Handler with_text(Handler inner, const std::string& path, const Body& text) {
@@ -167,7 +167,7 @@ Handler with_text(Handler inner, const std::string& path, const Body& text) {
             return r ? *r : handle(request);
           },
           [path, is_open = std::move(inner.is_open)](std::string_view asked) { return asked == path || (is_open && is_open(asked)); },
-          std::move(inner.is_dear)};
+          std::move(inner.cost_of)};
 }
 
 }  // namespace teracell

@@ -27,6 +27,13 @@ void put_count(std::string& out, uint64_t count) {
 
 }  // namespace
 
+void expect_few_planes(const Index3& cells) {
+  for (int d = 0; d < 3; ++d)
+    if (cells[d] >= kMostVtkPlanes)
+      throw UsageError(fmt::format("a .vtr file lists the planes of each axis, at most {}: expected fewer cells along {}, found {}", kMostVtkPlanes,
+                                   axis_name(d), cells[d]));
+}
+
 std::string vtk_header(const VtkGrid& grid, size_t bytes) {
   const Index3& n = grid.cells;
   const bool graded = !grid.planes[0].empty();

@@ -7,6 +7,10 @@
 
 namespace teracell {
 
+// All planes of a graded grid stand in the header, so this many, 8 MB, are the most along an axis. Throws UsageError when a box has more.
+inline constexpr int64_t kMostVtkPlanes = int64_t{1} << 20;
+void expect_few_planes(const Index3& cells);
+
 struct VtkGrid {
   Index3 cells;
   Vec3 origin, step;                           // of uniform axes

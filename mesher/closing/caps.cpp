@@ -112,8 +112,9 @@ Vec3 apex_of(const Loop& loop, bool float32) {
   return apex;
 }
 
-// The plane goes through the mean of the vertices, and its normal is that of the area that the loop encloses, seen along it. A loop
-// that encloses none, such as one that goes forth and back, has no plane.
+// The plane goes through the mean of the vertices, and its normal is that of the area that the loop encloses, seen along it. Of a loop that
+// encloses none, such as a crack that goes forth and back, it is that of the farthest vertex from the mean and of the vertex farthest from
+// the line through both; there is none if all lie on that line.
 double off_plane(const Loop& loop) {
   Vec3 mean{0, 0, 0}, normal{0, 0, 0};
   for (const Vec3& v : loop)
@@ -126,7 +127,19 @@ double off_plane(const Loop& loop) {
     const Vec3 a = from_mean(i), b = from_mean(i + 1);
     for (int d = 0; d < 3; ++d) normal[d] += a[(d + 1) % 3] * b[(d + 2) % 3] - a[(d + 2) % 3] * b[(d + 1) % 3];
   }
-  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  const auto cross = [](const Vec3& a, const Vec3& b) {
+    return Vec3{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+  };
+  const auto size = [](const Vec3& v) { return std::hypot(v[0], v[1], v[2]); };
+  size_t farthest = 0;
+  for (size_t i = 1; i < loop.size(); ++i)
+    if (size(from_mean(i)) > size(from_mean(farthest))) farthest = i;
+  const Vec3 far = from_mean(farthest);
+  constexpr double kNoArea = 1e-9;  // of the square of the loop's size
+  if (!(size(normal) > kNoArea * size(far) * size(far)))
+    for (size_t i = 0; i < loop.size(); ++i)
+      if (const Vec3 other = cross(far, from_mean(i)); size(other) > size(normal)) normal = other;
+  const double length = size(normal);
   if (!(length > 0)) return 0;
   double off = 0;
   for (size_t i = 0; i < loop.size(); ++i) {

@@ -146,15 +146,14 @@ Awaitable<void> Connection::make() {
   } else if (holds_too_much()) {
     response_ = too_much_held();
   } else {
-    const bool dear = shared_.handler.is_dear && shared_.handler.is_dear(request_);
-    co_await in_pool(dear ? Pool::kDear : Pool::kCheap, [this] { make_in_pool(); });
+    co_await in_pool(shared_.handler.cost_of ? shared_.handler.cost_of(request_) : Cost::kCheap, [this] { make_in_pool(); });
   }
   if (loop_.stopping) keep_ = false;
 }
 
 // Work ends early when the client has closed the connection: browsers do so with tiles that are no longer shown. Throws when there is
 // no memory, even for saying so.
-Awaitable<void> Connection::in_pool(Pool::Cost cost, std::function<void()> work) {
+Awaitable<void> Connection::in_pool(Cost cost, std::function<void()> work) {
   Timer ended(loop_.io, Clock::time_point::max());
   bool done = false;
   shared_.pool.post(requester_.get(), cost, [&] {

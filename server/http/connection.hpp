@@ -47,7 +47,7 @@ class Connection final : public LoopMember {
   asio::mutable_buffer space();
   void enter(State state);
   Awaitable<void> make();
-  Awaitable<void> in_pool(Pool::Cost cost, std::function<void()> work);
+  Awaitable<void> in_pool(Cost cost, std::function<void()> work);
   void make_in_pool();
   void make_part();
   void check_wanted(Clock::time_point began, Clock::time_point& looked) const;

@@ -37,7 +37,7 @@ Awaitable<bool> Connection::next_part() {
   deadline_ = Clock::time_point::max();
   const auto began = Clock::now();
   const Counted waiting(shared_.metrics.waiting), waiting_of_client(requester_->waiting);
-  co_await in_pool(Pool::kDear, [this] { make_part(); });
+  co_await in_pool(Cost::kDear, [this] { make_part(); });
   due_ += Clock::now() - began;  // this was not the client's time
   out_.clear();
   co_return response_.body != nullptr;

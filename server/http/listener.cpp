@@ -113,7 +113,7 @@ void Listener::State::await_signal() {
   signals->async_wait([this](const error_code& error, int number) {
     if (error) return;
     if (number != SIGHUP) return stop();
-    shared.pool.post(this, Pool::kCheap, [this] {
+    shared.pool.post(this, Cost::kCheap, [this] {
       if (!shared.options.on_hangup()) stop();
     });
     await_signal();

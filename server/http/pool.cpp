@@ -15,23 +15,27 @@ constexpr int kMostInARow = 8;  // cheap pieces of work before a dear one, on a 
 
 }  // namespace
 
-Pool::Pool(int threads) : several_(threads > 1), most_running_(static_cast<size_t>(std::max(1, threads - 1))) {
+Pool::Pool(int threads) : several_(threads > 1) {
+  const int more = threads / 2;
+  lane(Cost::kCheap).most = static_cast<size_t>(threads);
+  lane(Cost::kDear).most = static_cast<size_t>(std::max(1, threads - 1));
+  lane(Cost::kSeen).most = static_cast<size_t>(more);
   try {
-    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { work(); });
+    for (int i = 0; i < threads + more; ++i) threads_.emplace_back([this] { work(); });
   } catch (const std::system_error& e) {
     const size_t started = threads_.size();
     join();
-    throw IoError(fmt::format("can't start thread {} of {}: {}", started + 1, threads, e.code().message()));
+    throw IoError(fmt::format("can't start thread {} of {}: {}", started + 1, threads + more, e.code().message()));
   }
 }
 
 void Pool::post(const void* client, Cost cost, std::function<void()> work) {
   std::list<const void*> turn{client};  // made first: work that was queued without a turn would never be done
   std::lock_guard lock(mutex_);
-  Lane& lane = lanes_[cost];
-  auto& queue = lane.queues[client];
+  Lane& to = lane(several_ || cost != Cost::kSeen ? cost : Cost::kCheap);
+  auto& queue = to.queues[client];
   queue.push_back(std::move(work));
-  if (queue.size() == 1) lane.turns.splice(lane.turns.end(), turn);
+  if (queue.size() == 1) to.turns.splice(to.turns.end(), turn);
   changed_.notify_one();
 }
 
@@ -57,31 +61,41 @@ std::function<void()> Pool::Lane::take() {
   return work;
 }
 
-// Cheap work goes first, except that dear work may always have one thread where there are several.
+// Cheap work goes first, except that each of the other lanes may always have one thread where there are several.
 Pool::Lane* Pool::next() {
-  Lane &cheap = lanes_[kCheap], &dear = lanes_[kDear];
-  const bool dear_may_run = !dear.empty() && dear.running < most_running_;
-  const bool dear_has_turn = several_ ? dear.running == 0 : cheap_in_a_row_ >= kMostInARow;
-  if (dear_may_run && (cheap.empty() || dear_has_turn)) {
+  Lane &cheap = lane(Cost::kCheap), &dear = lane(Cost::kDear);
+  const auto can_run = [](const Lane& l) { return !l.empty() && l.running < l.most; };
+  if (several_) {
+    for (const Cost cost : {Cost::kDear, Cost::kSeen})
+      if (Lane& l = lane(cost); can_run(l) && l.running == 0) return &l;
+    for (const Cost cost : {Cost::kCheap, Cost::kSeen, Cost::kDear})
+      if (Lane& l = lane(cost); can_run(l)) return &l;
+    return nullptr;
+  }
+  if (can_run(dear) && (cheap.empty() || cheap_in_a_row_ >= kMostInARow)) {
     cheap_in_a_row_ = 0;
     return &dear;
   }
-  if (cheap.empty()) return nullptr;
+  if (!can_run(cheap)) return nullptr;
   ++cheap_in_a_row_;
   return &cheap;
+}
+
+bool Pool::has_waiting() const {
+  return std::ranges::any_of(lanes_, [](const Lane& l) { return !l.empty(); });
 }
 
 void Pool::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    Lane* lane = next();
-    if (!lane) {
-      if (stopping_ && lanes_[kDear].empty()) return;
+    Lane* from = next();
+    if (!from) {
+      if (stopping_ && !has_waiting()) return;
       changed_.wait(lock);
       continue;
     }
-    std::function<void()> task = lane->take();
-    ++lane->running;
+    std::function<void()> task = from->take();
+    ++from->running;
     lock.unlock();
     try {
       task();
@@ -89,8 +103,8 @@ void Pool::work() {
     }
     task = nullptr;  // before others may take what it holds for free
     lock.lock();
-    --lane->running;
-    if (!lanes_[kDear].empty() || stopping_) changed_.notify_all();  // a thread may have waited for this lane
+    --from->running;
+    if (has_waiting() || stopping_) changed_.notify_all();  // a thread may have waited for this lane
   }
 }
 

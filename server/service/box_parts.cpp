@@ -14,14 +14,14 @@ constexpr int64_t kSlab = int64_t{1} << 20;  // cells that are read at once
 class BoxParts final : public Parts {
  public:
   BoxParts(const GridReader& reader, const Box& box, BoxFormat format)
-      : reader_(reader), box_(box), format_(format), wide_(wide_labels(reader.meta())), y_(box.lo[1]), z_(box.lo[2]) {}
+      : reader_(reader), box_(box), format_(format), wide_(wide_labels(reader.meta())), next_(box.lo) {}
 
   bool append(std::string& out) override {
     const size_t enough = out.size() + kEnough;
     if (!begun_) out += header();
     begun_ = true;
-    while (out.size() < enough && z_ < box_.hi[2]) append_slab(out);
-    if (z_ < box_.hi[2]) return true;
+    while (out.size() < enough && next_[2] < box_.hi[2]) append_slab(out);
+    if (next_[2] < box_.hi[2]) return true;
     if (format_ != BoxFormat::kNpy) out += kVtkFooter;
     return false;
   }
@@ -45,20 +45,17 @@ class BoxParts final : public Parts {
     return vtk_header(grid, wide_ ? 2 : 1);
   }
 
-  // Rows of one layer, or a part of a row, or whole layers.
+  // Whole layers, whole rows of a layer, or a part of a row.
   void append_slab(std::string& out) {
-    Box slab = box_;
-    const int64_t row = box_.hi[0] - box_.lo[0], layer = row * (box_.hi[1] - box_.lo[1]);
-    slab.lo[1] = y_, slab.lo[2] = z_;
-    if (layer <= kSlab) {
-      slab.hi[2] = std::min(box_.hi[2], z_ + std::max<int64_t>(1, kSlab / layer));
-      z_ = slab.hi[2];
-    } else {
-      slab.hi[2] = z_ + 1;
-      slab.hi[1] = std::min(box_.hi[1], y_ + std::max<int64_t>(1, kSlab / row));
-      y_ = slab.hi[1];
-      if (y_ == box_.hi[1]) y_ = box_.lo[1], ++z_;
-    }
+    const auto& [lo, hi] = box_;
+    const int64_t row = hi[0] - lo[0], layer = row * (hi[1] - lo[1]);
+    Box slab{next_, {next_[0] + 1, next_[1] + 1, next_[2] + 1}};
+    slab.hi[0] = std::min(hi[0], next_[0] + kSlab);
+    if (row <= kSlab) slab.hi[1] = std::min(hi[1], next_[1] + kSlab / row);
+    if (layer <= kSlab) slab.hi[2] = std::min(hi[2], next_[2] + kSlab / layer);
+    next_[0] = slab.hi[0];
+    if (next_[0] == hi[0]) next_[0] = lo[0], next_[1] = slab.hi[1];
+    if (next_[1] == hi[1]) next_[1] = lo[1], next_[2] = slab.hi[2];
     if (wide_) append_cells<uint16_t>(slab, out);
     else append_cells<uint8_t>(slab, out);
   }
@@ -75,7 +72,7 @@ class BoxParts final : public Parts {
   const Box box_;
   const BoxFormat format_;
   const bool wide_;
-  int64_t y_, z_;  // the next row
+  Index3 next_;  // cell
   bool begun_ = false;
 };
 

@@ -189,7 +189,17 @@ TEST_CASE("The document beside a grid counts only for the grid that it was made 
   const auto put = [&](const std::string& text) { std::ofstream(folder / "a.b.check.json") << text; };
   put(findings_json(findings) + "\n");
   CHECK(read_kept_findings(grid, "123") == findings_json(findings));
+  CHECK(has_kept_findings(grid, "123"));
   CHECK(read_kept_findings(grid, "124").empty());
+  const std::string whole = findings_json(findings);
+  for (size_t size = 0; size < whole.size(); ++size) {
+    put(whole.substr(0, size));
+    CHECK_FALSE(has_kept_findings(grid, "123"));
+    std::string changed = whole;
+    changed[size] ^= 1;
+    put(changed);
+    CHECK(read_kept_findings(grid, "123").empty());
+  }
   for (const char* other : {"", "{}", "nonsense", R"({"schema":1,"grid_hash":")"}) {
     put(other);
     CHECK(read_kept_findings(grid, "").empty());

@@ -173,7 +173,10 @@ TEST_CASE("pictures as files: PNG keeps every pixel, JPEG puts what is transpare
     CHECK(png.pixels[i] == Rgba{picture.rgba[4 * i], picture.rgba[4 * i + 1], picture.rgba[4 * i + 2], picture.rgba[4 * i + 3]});
   CHECK(encode_picture(picture, "jpg").starts_with("\xff\xd8\xff"));
   CHECK(picture_format("a.b.jpeg") == "jpg");
-  CHECK(picture_format("a.PNG").empty());
+  CHECK(picture_format("a.PNG") == "png");
+  CHECK(picture_format("a.JPG") == "jpg");
+  CHECK(picture_format("png").empty());
+  CHECK(picture_format("a.jpg.gz").empty());
 }
 
 TEST_CASE("options that make no sense are usage errors that say what is expected", "[render]") {

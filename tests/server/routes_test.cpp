@@ -3,6 +3,7 @@
 
 #include <fstream>
 
+#include "check/check_json.hpp"
 #include "tests/server/served.hpp"
 #include "tests/support/png.hpp"
 
@@ -16,19 +17,23 @@ TEST_CASE("What was found about a grid is answered when it is kept for this vers
   const std::string target = "/api/v1/grids/g/check";
   CHECK(s.get(target).status == 404);
   CHECK(s.error(target) == "nobody has looked through this version of grid 'g' yet: `teracell check` does");
-  const auto keep = [&](const std::string& hash, const std::string& more) {
-    std::ofstream(s.folder / "g.check.json") << R"({"schema":1,"grid_hash":")" << hash << "\"" << more << "}\n";
+  const auto keep = [&](const std::string& hash, const std::string& sentence) {
+    Findings findings;
+    findings.hash = hash;
+    findings.not_looked_at.push_back(sentence);
+    std::ofstream(s.folder / "g.check.json") << findings_json(findings) << "\n";
+    return findings_json(findings);
   };
   keep("0123", "");
   CHECK(s.get(target).status == 404);
-  keep(s.hash(), R"(,"findings":[])");
+  const std::string kept = keep(s.hash(), "one");
   const Response first = s.get(target);
   CHECK(first.status == 200);
-  CHECK(*first.body == R"({"schema":1,"grid_hash":")" + s.hash() + R"(","findings":[]})");
+  CHECK(*first.body == kept);
   CHECK(first.cache_control == "no-cache");
-  keep(s.hash(), R"(,"findings":[1])");
+  const std::string later = keep(s.hash(), "two");
   const Response second = s.get(target);
-  CHECK(second.body->ends_with("[1]}"));
+  CHECK(*second.body == later);
   CHECK(second.etag != first.etag);
   CHECK(s.get(target + "?v=" + s.hash()).status == 400);
 }
@@ -239,15 +244,36 @@ TEST_CASE("Files that can't be read are listed beside the grids and on the plain
   CHECK_THAT(*s.get("/").body, Catch::Contains("<h2>a&lt;b&gt;</h2><p>This file can't be read: a&lt;b&gt;.tcell: "));
 }
 
-TEST_CASE("Statistics, columns and pictures of whole slices are dear, however their addresses are written", "[server]") {
+TEST_CASE("A line that begins and ends far outside passes the cells of its part in the grid, and one from too far is refused", "[server]") {
+  Served s;
+  const auto materials = [&](const char* ends) {
+    std::vector<std::pair<uint32_t, uint32_t>> out;
+    const json answer = s.parsed(std::string("/api/v1/grids/g/line?") + ends);
+    for (const json& run : answer["runs"]) out.emplace_back(run["material"], run["cells"]);
+    return out;
+  };
+  const auto inside = materials("from=3.1,2,5.5&to=3.1,134.5,5.5");
+  REQUIRE(inside.size() > 5);
+  CHECK(materials("from=3.1,-1e8,5.5&to=3.1,1e8,5.5") == inside);
+  for (const char* far : {"1e9", "1e18", "1e75", "1e308"})
+    CHECK(s.error(std::string("/api/v1/grids/g/line?from=0,0,0&to=") + far + ",0,0").starts_with("to: expected three numbers up to 1.345e+08"));
+}
+
+TEST_CASE("Statistics and pictures of whole slices are dear, however their addresses are written", "[server]") {
   const Served s;
   const Handler handler = handler_of(*s.service);
-  const auto is_dear = [&](const char* target) { return handler.is_dear(Request{.target = target}); };
+  const auto cost_of = [&](const char* target) { return handler.cost_of(Request{.target = target}); };
   for (const char* dear : {"/api/v1/grids/g/stats", "/api/v1/grids/g/%73tats?region=0,0,0,1,1,1", "/%61pi/v1/grids/g/slice/z/0.png",
-                           "/api/v1/grids/g/diff?with=h", "/api/v1/grids/g/column/z/0_0", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
-    CHECK(is_dear(dear));
+                           "/api/v1/grids/g/diff?with=h", "/api/v1/grids/g/view.png?size=9,9", "/api/v1/grids/g/view.bin?size=2896,2896",
+                           "/api/v1/grids/g/view.bin?window=-9000000000000000000,-9000000000000000000,9000000000000000000,9000000000000000000",
+                           "/api/v1/grids/g/view.bin", "/%69iif/g-z-0/info.json", "/dzi/g/z/0.dzi"})
+    CHECK(cost_of(dear) == Cost::kDear);
   for (const char* cheap : {"/", "/api/v1/grids", "/api/v1/grids/stats", "/api/v1/grids/g/tile/z/0/0/0_0.png", "/zarr/g/0/c/0/0/0", "/%", "/api/%"})
-    CHECK_FALSE(is_dear(cheap));
+    CHECK(cost_of(cheap) == Cost::kCheap);
+  for (const char* seen :
+       {"/api/v1/grids/g/column/z/0_0", "/api/v1/grids/g/line?from=0,0,0&to=1,1,1", "/api/v1/grids/g/view.bin?quick=1&size=337,237",
+        "/api/v1/grids/g/view.bin?size=2896,2896&window=0,0,384,384", "/api/v1/grids/g/view.json?pixel=1,1"})
+    CHECK(cost_of(seen) == Cost::kSeen);
 }
 
 TEST_CASE("The start page names the grids and escapes what is in their names", "[server]") {

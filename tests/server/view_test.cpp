@@ -55,6 +55,10 @@ TEST_CASE("Windows have their own size; wrong ones, wrong options and too many p
   CHECK(s.error(kBase + "bin?size=60,40&window=10,5,61,25").starts_with("window: expected X0,Y0,X1,Y1, a part of 0,0,60,40"));
   CHECK(s.error(kBase + "bin?size=60,40&window=10,5,10,25").starts_with("window"));
   CHECK(s.error(kBase + "bin?size=60,40&window=1,2,3").starts_with("window"));
+  const std::string huge = "99999999999999999999";  // more than any number that is counted in
+  CHECK(s.error(kBase + "bin?labels=" + huge).starts_with("labels: expected numbers from 0 to"));
+  CHECK(s.error(kBase + "bin?level=" + huge).starts_with("level: expected 0 to"));
+  CHECK(s.error(kBase + "bin?size=" + huge + ",9").starts_with("size: expected width and height"));
   CHECK(s.error(kBase + "bin?size=16384,4096") == "window: expected at most 8388608 pixels, found 16384 x 4096");
   CHECK(s.error(kBase + "bin?size=60,40&quick=2").starts_with("quick"));
   CHECK(s.error(kBase + "png?size=60,40&window=0,0,1,1").find("window") != std::string::npos);

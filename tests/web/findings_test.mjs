@@ -11,17 +11,20 @@ const checked = await serve(join(folder, "checked"));
 after(async () => assert.deepEqual(await checked.stop(), []));
 const document = JSON.parse(readFileSync(join(folder, "checked", "checked.check.json"), "utf8"));
 
+// Without what the page writes for people: thin spaces between thousands, true minus signs.
+const plain = (text) => text.replace(/(?<=\d)[,\u202f](?=\d{3})/g, "").replaceAll("−", "-");
+
 test("the verdict counts what was found; each kind has its findings, each finding a picture and a place to go to", async () => {
   const page = await open_page(browser, `${checked.url}#g=checked&panel=report`);
   const warnings = document.findings.filter((f) => f.level === "warning").length;
-  await page.getByText(`Probably fine, but look at ${warnings} warnings`).waitFor();
+  await page.getByText(`${warnings} warnings: `).waitFor();
   const thin = document.findings.filter((f) => f.kind === "thin");
   const total = document.totals.thin.findings;
   const group = page.locator("summary", { hasText: "Thin walls" });
   assert.equal((await group.locator(".body-cells").textContent()).replace(/\D/g, ""), String(total));
   await group.click();
   const first = page.locator(".finding").first();
-  assert.ok((await first.textContent()).includes(thin[0].text));
+  assert.ok(plain(await first.textContent()).includes(plain(thin[0].text)));
   await first.locator("summary").click();
   await page.waitForFunction(() => document.querySelector(".finding-picture img")?.naturalWidth > 0);
   await page.waitForSelector('.overview[data-state="sharp"]');
@@ -34,7 +37,7 @@ test("the verdict counts what was found; each kind has its findings, each findin
   const orbit = await state(page, "orbit");
   assert.ok(orbit.target.every((x, d) => Math.abs(x - thin[0].at[d]) < 1e-6), "the overview is somewhere else");
   const markers = await state(page, "markers");
-  assert.ok(markers.length > 0 && markers.length <= 60);
+  assert.ok(markers.length > 0 && markers.length <= 24);
   await screenshot(page, "findings");
   await close(page);
 });

@@ -76,6 +76,8 @@ test("the pointer names what is under it and its cell; a click keeps the cell, a
   await page.mouse.move(...place);
   const tip = page.locator(".overview-tip");
   await page.waitForFunction(() => /cell \d+, \d+, \d+/.test(document.querySelector(".overview-tip").textContent));
+  const under = await page.locator(".dock-pointer .index").allTextContents();
+  assert.equal(under.map((text) => text.replace(/\D/g, "")).join(", "), (await tip.textContent()).match(/cell (\d+, \d+, \d+)/)[1], "the read-out names another cell");
   const [, name, ...cell] = /^(.*) · cell (\d+), (\d+), (\d+)$/.exec(await tip.textContent());
   assert.equal(info_of("stadium").materials[exported_cell("stadium", cell.map(Number))].name, name);
   await page.mouse.click(...place);

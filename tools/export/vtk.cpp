@@ -23,7 +23,10 @@ void write_vti(const Export& e) {
   write(e, {cells.count, cells.origin, cells.step, {}, {}});
 }
 
-void write_vtr(const Export& e) { write(e, {size_of(e.box), {}, {}, {planes_of(e, 0), planes_of(e, 1), planes_of(e, 2)}, {}}); }
+void write_vtr(const Export& e) {
+  expect_few_planes(size_of(e.box));
+  write(e, {size_of(e.box), {}, {}, {planes_of(e, 0), planes_of(e, 1), planes_of(e, 2)}, {}});
+}
 
 }  // namespace
 

@@ -3,6 +3,7 @@
 //
 //   scale_probe measure SCENE CELLS FOLDER STRETCHES PIECES   makes some pieces, in stretches spread over the grid; prints what they take
 //   scale_probe simulate NAME=VALUE ... < what they take      hands out all pieces to simulated processes; prints when these have ended
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -58,7 +59,8 @@ void measure(const std::filesystem::path& scene_path, int64_t cells, const std::
   const auto prepare_as = [&](bool first) { return seconds_of([&] { pieces.emplace(scene, output, options, first, quiet, stop); }); };
   const double prepare = prepare_as(false);
   pieces.reset();
-  const double count = prepare_as(true) + seconds_of(wait_for_counting) - prepare;  // by rank 0, and nobody waits for it
+  // By rank 0, and nobody waits for it. It is a difference of two measurements, so on a busy machine little counting could come out below 0.
+  const double count = std::max(1e-6, prepare_as(true) + seconds_of(wait_for_counting) - prepare);
   const auto shape = LevelShape(pieces->meta(), 0);
   std::printf("pieces %u\nprepare %.6f\ncount %.6f\nrays %.0f\n", pieces->size(), prepare, count, double{1} * shape.nu * shape.nv);
 

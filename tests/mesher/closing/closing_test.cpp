@@ -278,6 +278,10 @@ TEST_CASE("Caps of doubles don't fit into STL, and nothing is written") {
 
 TEST_CASE("How far the edge of a hole is off a plane", "[closing]") {
   const auto off = [](const Loop& loop) { return measure_hole(loop, apex_of(loop, false)).off_plane; };
+  // Forth and back along a zigzag: it encloses nothing, and is flat only if the zigzag is.
+  CHECK(off({{0, 0, 0}, {1, 1, 0}, {2, 0, 0}, {1, 1, 0}}) == Approx(0).margin(1e-12));
+  CHECK(off({{0, 0, 0}, {1, 1, 0}, {2, 0, 1}, {3, 1, 3}, {2, 0, 1}, {1, 1, 0}}) > 0.1);
+  CHECK(off({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}, {1, 1, 1}}) == Approx(0).margin(1e-12));
   CHECK(off({{0, 0, 1}, {2, 0, 1}, {2, 3, 1}, {0, 3, 1}}) == 0);
   CHECK(off({{0, 0, 0}, {2, 0, 2}, {2, 3, 2}, {0, 3, 0}}) < 1e-15);  // aslant
   CHECK(off({{0, 0, 0.5}, {2, 0, -0.5}, {2, 2, 0.5}, {0, 2, -0.5}}) == Approx(0.5));  // a saddle

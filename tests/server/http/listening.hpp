@@ -215,7 +215,7 @@ struct Fixture {
                 return answer(r);
               },
               {},
-              [](const Request& r) { return r.target.ends_with("dear"); }};
+              [](const Request& r) { return r.target.ends_with("dear") ? Cost::kDear : Cost::kCheap; }};
     Handler all = with_operations(std::move(h), metrics, [] { return ServerState{}; });
     all.is_open = [](std::string_view path) { return path == "/open"; };
     listener = std::make_unique<Listener>(o, all, metrics, log);

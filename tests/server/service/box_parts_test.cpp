@@ -18,6 +18,7 @@ std::string whole_file(Parts& parts) {
   for (bool more = true; more;) {
     std::string part;
     more = parts.append(part);
+    REQUIRE(part.size() < size_t{3} << 20);  // however long the rows are
     all += part;
   }
   return all;
@@ -25,7 +26,8 @@ std::string whole_file(Parts& parts) {
 
 TEST_CASE("The parts of a box are a header, the cells in the order z, y, x, and an end", "[server]") {
   std::mt19937_64 random(8);
-  for (const Index3& n : {Index3{70, 50, 40}, Index3{1500, 900, 2}}) {  // several layers are read at once, or parts of one
+  // Several layers are read at once, rows of a layer, or parts of a row.
+  for (const Index3& n : {Index3{70, 50, 40}, Index3{1500, 900, 2}, Index3{1'100'000, 2, 1}}) {
     const auto axis = [&](int d) { return Axis::uniform(3, 0.5, 0, n[d], 0.5); };
     const Metadata meta = metadata_of({{axis(0), axis(1), axis(2)}}, 1, 3);
     const auto cells = random_cells(random, n, 3);
@@ -52,6 +54,11 @@ TEST_CASE("The parts of a box are a header, the cells in the order z, y, x, and 
       CHECK(whole_file(*box_parts(reader, box, BoxFormat::kVti)) == vtk_header(vtk, 1) + expected + kVtkFooter);
     }
   }
+}
+
+TEST_CASE("A file that lists planes has so few of them that they fit into memory", "[server]") {
+  CHECK_NOTHROW(expect_few_planes({kMostVtkPlanes - 1, 1, 1}));
+  CHECK_THROWS_WITH(expect_few_planes({1, kMostVtkPlanes, 1}), Catch::Contains("expected fewer cells along y, found 1048576"));
 }
 
 }  // namespace

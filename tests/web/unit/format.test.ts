@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import {
-  about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, significant, sizes, unit_name,
+  about, bytes_text, coordinate, csv_name, decimals, grouped, milliseconds, noun, number_of, percent, plural, product, prose, significant, sizes, unit_name,
 } from "@page/base/format";
 
 // Writes narrow spaces as plain ones, so that people can read them here.
@@ -98,4 +98,9 @@ test("names in a CSV file are not taken for formulas, and stand in quotes where 
     "'=HYPERLINK(1)",
     '"\'-1,2"',
   ]);
+});
+
+test("sentences of the server get true minus signs and thin spaces", () => {
+  assert.equal(prose("at (-0.5, 2, -.25): -3 mm"), "at (−0.5, 2, −.25): −3 mm");
+  assert.equal(prose("1,234,567 cells in walls of 2-3 cells, a-4 and 12,34"), "1\u202f234\u202f567 cells in walls of 2-3 cells, a-4 and 12,34");
 });

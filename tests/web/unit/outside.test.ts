@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis } from "@page/base/axis";
-import { outside_box, outside_cell, outside_coordinate, outside_point, outside_slice } from "@page/state/outside";
+import { beyond_reach, outside_box, outside_cell, outside_coordinate, outside_point, outside_slice } from "@page/state/outside";
 import { overlap } from "@page/views/overlay_marks";
 
 const axis = (cells: number) => new Axis({ type: "uniform", min: -1, step: 0.5, first: 0, cells }, 0.5);
@@ -41,4 +41,10 @@ test("labels overlap when they share pixels of a line", () => {
   assert.ok(overlap(label, { left: 40, right: 80, y: 110 }));
   assert.ok(!overlap(label, { left: 50, right: 80, y: 100 }), "side by side");
   assert.ok(!overlap(label, { left: 10, right: 50, y: 116 }), "one above the other");
+});
+
+test("cameras and measured lines may lie outside, but not absurdly far", () => {
+  const axes = [axis(10), axis(20), axis(30)] as const;
+  assert.equal(beyond_reach(axes, "The camera", [100, -5000, 0]), null);
+  assert.equal(beyond_reach(axes, "The camera", [0, 1e300, 0]), "The camera of the link lies far outside the grid: it is left out.");
 });

@@ -7,7 +7,7 @@ import {
 } from "@page/overview/camera";
 import { edge_depths, labelled_edges } from "@page/overview/edges";
 import { make_ladder } from "@page/overview/quality";
-import { round_length } from "@page/overview/scale_bar";
+import { round_length } from "@page/base/lengths";
 import { parts_of } from "@page/overview/sight_query";
 import { type Vec3, from_space, shortest_side, space_of, to_space } from "@page/overview/space";
 

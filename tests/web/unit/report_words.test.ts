@@ -27,8 +27,8 @@ const info = (bodies: BodyReport[], warnings: string[] = []): GridInfo =>
   }) as unknown as GridInfo;
 
 test("closed bodies with cells are nothing to worry about", () => {
-  assert.deepEqual(care_of(info([body("hull")])), { level: "fine", text: "Nothing to worry about: the surface of “hull” is closed." });
-  assert.deepEqual(care_of(info([body("a"), body("b")])), { level: "fine", text: "Nothing to worry about: all 2 bodies are closed and have cells." });
+  assert.deepEqual(care_of(info([body("hull")])), { level: "fine", text: "The surface of “hull” is closed." });
+  assert.deepEqual(care_of(info([body("a"), body("b")])), { level: "fine", text: "All 2 bodies are closed and have cells." });
 });
 
 test("a wide hole is a reason to look", () => {
@@ -40,12 +40,12 @@ test("a wide hole is a reason to look", () => {
 
 test("holes narrower than two cells are harmless", () => {
   const care = care_of(info([body("hull", { holes: [hole(0.1, 1.99), hole(0.1, 0.5)] })], ["is open"]));
-  assert.deepEqual(care, { level: "look", text: "Harmless: “hull” has 2 holes narrower than 2 cells, which caps close." });
+  assert.deepEqual(care, { level: "look", text: "“hull” has 2 holes narrower than 2 cells, which caps close." });
 });
 
 test("one harmless hole is named as one, and units are written as people write them", () => {
   const one = (diameter: number, cells: number) => ({ ...info([body("hull", { holes: [hole(diameter, cells)] })]), units: "um" });
-  assert.equal(care_of(one(0.1, 1.99)).text, "Harmless: “hull” has a hole narrower than 2 cells, which a cap closes.");
+  assert.equal(care_of(one(0.1, 1.99)).text, "“hull” has a hole narrower than 2 cells, which a cap closes.");
   assert.match(care_of(one(4, 33)).text, /4\.000 µm wide/);
   assert.match(places_found(one(4, 33))[0]!.text, /4\.000 µm wide/);
 });

@@ -22,6 +22,6 @@ const LEAST = 1.3; // contrast
 // Whether these colours are better seen on the other ground of a theme.
 export function needs_other_ground(theme: keyof typeof GROUNDS, colors: readonly Color[]): boolean {
   const { usual, other } = GROUNDS[theme];
-  const least = (ground: Color) => Math.min(...colors.map((color) => contrast(color, ground)));
+  const least = (ground: Color) => colors.reduce((worst, color) => Math.min(worst, contrast(color, ground)), Infinity); // there may be 10^6
   return least(usual) < LEAST && least(other) > least(usual);
 }

@@ -23,6 +23,10 @@ export function about(n: number | bigint): string {
   return digits === "1.00" ? power : `${digits.replace(/\.?0+$/, "")} × ${power}`;
 }
 
+// A sentence of the server's as people read it: with true minus signs, and thin spaces between thousands.
+export const prose = (text: string): string =>
+  text.replace(/(^|[\s(])-(?=[\d.])/g, "$1−").replace(/\d{1,3}(,\d{3})+(?![\d])/g, (number) => number.replaceAll(",", THIN));
+
 // How many decimals a coordinate needs to show a tenth of a cell of this size.
 export function decimals(step: number): number {
   if (!(step > 0)) return 3;

@@ -2,6 +2,7 @@
 import type { Signal } from "@preact/signals";
 import { grouped, noun, percent, plural } from "../base/format";
 import { AXIS_NAMES, type Change, type Difference, type GridInfo } from "../base/grid";
+import { quoted } from "../base/shell";
 import { BoxText } from "../panels/places";
 import { FirstOf } from "../panels/first_of";
 import { use_answer } from "../server/answer";
@@ -99,7 +100,7 @@ function NotCounted({ error, own, other }: { error: string; own: string; other: 
   return (
     <>
       <p class="note">The server did not count the cells that differ: {error}. This does, where both have the same cells:</p>
-      <CodeLine class="hash" text={`teracell diff ${own}.tcell ${other}.tcell`} what="the command" />
+      <CodeLine class="hash" text={`teracell diff ${quoted(`${own}.tcell`)} ${quoted(`${other}.tcell`)}`} what="the command" />
     </>
   );
 }

@@ -3,7 +3,7 @@ import { coordinate } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
-import { length_text, round_length } from "../views/lengths";
+import { length_text, round_length } from "../base/lengths";
 import { CanvasSheet } from "./canvas_sheet";
 import { type Layout, NARROWEST, SIZE, TITLE, laid_out } from "./layout";
 import { type FigureOptions, points_of } from "./options";

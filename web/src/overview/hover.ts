@@ -26,6 +26,7 @@ export class Hover {
   constructor(
     private readonly name_of: (label: number) => string,
     private readonly ask: (x: number, y: number, signal: AbortSignal) => Promise<Seen | null>,
+    private readonly tell: (seen: Seen | null) => void,
   ) {
     this.root.hidden = true;
   }
@@ -45,13 +46,16 @@ export class Hover {
     this.abort?.abort();
     this.abort = null;
     this.root.hidden = true;
+    this.tell(null);
   }
 
   private async complete(x: number, y: number): Promise<void> {
     const abort = (this.abort = new AbortController());
     try {
       const seen = await this.ask(x, y, abort.signal);
-      if (!abort.signal.aborted && seen) this.root.textContent = `${this.name_of(seen.label)} · cell ${seen.cell.join(", ")}`;
+      if (abort.signal.aborted || !seen) return;
+      this.root.textContent = `${this.name_of(seen.label)} · cell ${seen.cell.join(", ")}`;
+      this.tell(seen);
     } catch {
       // The name is there already; that the server is away is said elsewhere.
     }

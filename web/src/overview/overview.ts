@@ -83,7 +83,7 @@ class Overview {
     this.nearest = NEAREST * shortest_side(space, viewer.axes);
     this.triad = make_triad((axis, above) => this.look_straight(axis, above));
     this.rulers = make_rulers(viewer, space, () => this.moved());
-    this.bar = make_scale_bar(viewer.units);
+    this.bar = make_scale_bar(viewer.info.units);
     this.sights = new SightSource(viewer, space, this.abort.signal, {
       quick: (frame) => {
         stage.set_cloud(frame);
@@ -99,7 +99,15 @@ class Overview {
         chrome.say(`What is seen could not be loaded: ${words_of(error)}.`, () => this.ask_again());
       },
     });
-    this.hover = new Hover((label) => viewer.name_of(label), (x, y, signal) => this.seen_at(x, y, signal));
+    this.hover = new Hover(
+      (label) => viewer.name_of(label),
+      (x, y, signal) => this.seen_at(x, y, signal),
+      (seen) => {
+        const hover = viewer.hover.peek();
+        if (seen) viewer.hover.value = { axis: null, cell: seen.cell, point: [...seen.at], labels: [viewer.keeps_bodies ? seen.label : seen.material] };
+        else if (hover?.axis === null) viewer.hover.value = null;
+      },
+    );
     chrome.root.append(...this.rulers.roots, this.triad.root, this.bar.root, this.hover.root);
     this.theme = read_theme(chrome.root);
   }

@@ -17,7 +17,9 @@ function Line({ viewer, measure }: { viewer: Viewer; measure: Measure }) {
   const is_point = parts.every((x) => x === 0);
   const settled = use_settled(is_point ? null : viewer.address.line(measure.from, measure.to), SETTLED);
   const answer = use_answer<LineAnswer>(settled);
-  const runs = answer.value?.runs ?? [];
+  // Until the answer for this line comes, that of the one before it is shown as such; after an error, or for a point, none.
+  const waits = answer.path !== viewer.address.line(measure.from, measure.to);
+  const runs = is_point || answer.error ? [] : (answer.value?.runs ?? []);
   return (
     <>
       <dl class="numbers">
@@ -34,7 +36,7 @@ function Line({ viewer, measure }: { viewer: Viewer; measure: Measure }) {
       </dl>
       {answer.error && <p class="problem">What the line passes through can't be told: {answer.error}</p>}
       {runs.length > 0 && (
-        <table class="stats" aria-label="What the line passes through">
+        <table class={`stats ${waits ? "counting" : ""}`} aria-busy={waits} aria-label="What the line passes through">
           <thead>
             <tr>
               <th scope="col">through</th>
@@ -66,8 +68,9 @@ function Line({ viewer, measure }: { viewer: Viewer; measure: Measure }) {
 }
 
 function use_run(viewer: Viewer, d: AxisIndex, cell: Index3) {
-  const { value } = use_answer<Column>(viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]));
-  return value?.runs.find(({ from, to }) => from <= cell[d] && cell[d] < to) ?? null;
+  const address = viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]);
+  const { value, path } = use_answer<Column>(address);
+  return (path === address ? value : null)?.runs.find(({ from, to }) => from <= cell[d] && cell[d] < to) ?? null;
 }
 
 function Thickness({ viewer, cell }: { viewer: Viewer; cell: Index3 }) {

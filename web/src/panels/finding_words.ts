@@ -19,15 +19,30 @@ export const KINDS: Record<Kind, { name: string; means: string }> = {
 
 export const LEVEL_CARE: Record<Level, Care["level"]> = { error: "bad", warning: "look", note: "fine" };
 
-// The verdict: one sentence about the worst.
+// The kinds that have findings of a level, with how many each: "holes (4), thin walls (2)".
+function kinds_of(findings: Findings, level: Level): string {
+  const numbers = new Map<Kind, number>();
+  for (const finding of findings.findings) if (finding.level === level) numbers.set(finding.kind, (numbers.get(finding.kind) ?? 0) + 1);
+  return [...numbers].map(([kind, n]) => `${KINDS[kind].name.toLowerCase()} (${grouped(n)})`).join(", ");
+}
+
+// The verdict: what the worst findings are, and whether all was looked at. Only that is called fine.
 export function verdict(findings: Findings): Care {
   const count = (level: Level) => findings.findings.filter((f) => f.level === level).length;
   const [errors, warnings, notes] = LEVELS.map(count) as [number, number, number];
   const listed = errors + warnings + notes;
   const all = Object.values(findings.totals).reduce((sum, total) => sum + (total?.findings ?? 0), 0);
-  const more = all > listed ? `, ${grouped(all)} findings in all` : "";
-  if (errors > 0) return { level: "bad", text: `Look here: ${plural(errors, "error")}, ${plural(warnings, "warning")}${more}.` };
-  if (warnings > 0) return { level: "look", text: `Probably fine, but look at ${plural(warnings, "warning")}${more}.` };
-  if (notes > 0) return { level: "fine", text: `Nothing to worry about. ${plural(notes, "note")}${more}.` };
-  return { level: "fine", text: "Nothing was found." };
+  const more = all > listed ? ` ${grouped(all)} findings in all.` : "";
+  const blind = findings.not_looked_at.length > 0;
+  if (errors > 0) {
+    const besides = warnings > 0 ? `, and ${plural(warnings, "warning")}` : "";
+    return { level: "bad", text: `${plural(errors, "error")}: ${kinds_of(findings, "error")}${besides}.${more}` };
+  }
+  if (warnings > 0) return { level: "look", text: `${plural(warnings, "warning")}: ${kinds_of(findings, "warning")}.${more}` };
+  const found = notes > 0 ? `No warnings, ${plural(notes, "note")}.${more}` : "Nothing was found.";
+  return blind ? { level: "look", text: `${found} Not everything was looked at.` } : { level: "fine", text: found };
 }
+
+// The same of a grid that nobody has looked through: what the mesher says is not all.
+export const not_checked = (care: Care): Care =>
+  care.level === "fine" ? { level: "look", text: `Not checked yet. ${care.text}` } : care;

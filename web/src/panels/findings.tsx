@@ -3,7 +3,9 @@ import { useMemo, useState } from "preact/hooks";
 import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of } from "../base/findings";
 import { grouped, plural } from "../base/format";
 import { words_of } from "../base/messages";
+import { quoted } from "../base/shell";
 import { use_picture } from "../server/picture";
+import { ALL, type Focus } from "../state/findings";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { KINDS, LEVEL_CARE } from "./finding_words";
@@ -36,7 +38,7 @@ function Picture({ viewer, finding }: { viewer: Viewer; finding: Finding }) {
   return <div class="finding-picture">{source && <img src={source} width={WIDTH} height={HEIGHT} alt={`The place, cut open: ${finding.text}`} />}</div>;
 }
 
-function FindingLine({ viewer, finding }: { viewer: Viewer; finding: Finding }) {
+function FindingLine({ viewer, finding, on_visit }: { viewer: Viewer; finding: Finding; on_visit(finding: Finding): void }) {
   const [opened, set_opened] = useState(false);
   const { at, text } = finding;
   return (
@@ -46,7 +48,15 @@ function FindingLine({ viewer, finding }: { viewer: Viewer; finding: Finding }) 
           <span class={`dot ${LEVEL_CARE[finding.level]}`} title={finding.level} aria-label={finding.level} role="img" /> {text}
           {at && <span class="faint"> At {point_text(viewer, at)}.</span>}
         </span>
-        {at && <GoThere what={text} go={() => viewer.visit(at, extent_of(viewer, finding))} />}
+        {at && (
+          <GoThere
+            what={text}
+            go={() => {
+              on_visit(finding);
+              viewer.visit(at, extent_of(viewer, finding));
+            }}
+          />
+        )}
       </div>
       {at && (
         <details onToggle={(e) => set_opened(e.currentTarget.open)}>
@@ -58,13 +68,24 @@ function FindingLine({ viewer, finding }: { viewer: Viewer; finding: Finding }) 
   );
 }
 
-function GroupOf({ viewer, group }: { viewer: Viewer; group: Group }) {
+interface GroupProps {
+  viewer: Viewer;
+  group: Group;
+  on_open(opened: boolean): void;
+  on_visit(finding: Finding): void;
+}
+
+function GroupOf({ viewer, group, on_open, on_visit }: GroupProps) {
   const [opened, set_opened] = useState(group.level === "error");
+  const toggle = (now: boolean) => {
+    if (now !== opened) on_open(now);
+    set_opened(now);
+  };
   const { name, means } = KINDS[group.kind];
   const hidden = group.total - group.findings.length;
   return (
     <li class="body">
-      <details open={opened} onToggle={(e) => set_opened(e.currentTarget.open)}>
+      <details open={opened} onToggle={(e) => toggle(e.currentTarget.open)}>
         <summary>
           <span class={`dot ${LEVEL_CARE[group.level]}`} aria-hidden="true" />
           <span class="body-name">{name}</span>
@@ -75,7 +96,7 @@ function GroupOf({ viewer, group }: { viewer: Viewer; group: Group }) {
             <p class="note">{means}</p>
             <ul class="places findings">
               <FirstOf list={group.findings} step={MANY}>
-                {(finding, n) => <FindingLine key={n} viewer={viewer} finding={finding} />}
+                {(finding, n) => <FindingLine key={n} viewer={viewer} finding={finding} on_visit={on_visit} />}
               </FirstOf>
             </ul>
             {hidden > 0 && <p class="note">{plural(hidden, "more finding")} of this kind {hidden === 1 ? "is" : "are"} counted but not listed.</p>}
@@ -95,7 +116,7 @@ function WallLine({ viewer, wall }: { viewer: Viewer; wall: Wall }) {
       <div class="finding-line">
         <span>
           <b>{wall.body}</b>{" "}
-          <span class="faint">{wall.thinnest_cells === null ? "is thicker than 8 cells everywhere" : `is at least ${plural(wall.thinnest_cells, "cell")} thick`}</span>
+          <span class="faint">{wall.thinnest_cells === null ? "is thicker than 8 cells everywhere" : `thinnest: ${plural(wall.thinnest_cells, "cell")}`}</span>
         </span>
         {wall.at && <GoThere what={`the thinnest wall of ${wall.body}`} go={() => viewer.visit(wall.at!, extent_of(viewer, { at: wall.at, box: null }))} />}
       </div>
@@ -113,8 +134,14 @@ function WallLine({ viewer, wall }: { viewer: Viewer; wall: Wall }) {
   );
 }
 
-export function FindingsList({ viewer, findings }: { viewer: Viewer; findings: Findings }) {
-  const [body, set_body] = useState("");
+// `on_focus` is told what of the findings is looked at.
+export function FindingsList({ viewer, findings, on_focus }: { viewer: Viewer; findings: Findings; on_focus(focus: Focus): void }) {
+  const [focus, set_focus] = useState(ALL);
+  const { body } = focus;
+  const look_at = (next: Focus) => {
+    set_focus(next);
+    on_focus(next);
+  };
   const bodies = useMemo(() => bodies_of(findings), [findings]);
   const groups = useMemo(() => groups_of(findings, body), [findings, body]);
   const walls = findings.walls.filter((wall) => !body || wall.body === body);
@@ -125,7 +152,7 @@ export function FindingsList({ viewer, findings }: { viewer: Viewer; findings: F
         {bodies.length > 1 && (
           <label class="filter">
             of{" "}
-            <select class="text-input" aria-label="The body whose findings are listed" value={body} onChange={(e) => set_body(e.currentTarget.value)}>
+            <select class="text-input" aria-label="The body whose findings are listed" value={body} onChange={(e) => look_at({ ...ALL, body: e.currentTarget.value })}>
               <option value="">all bodies</option>
               {bodies.map((name) => (
                 <option key={name} value={name}>
@@ -138,7 +165,13 @@ export function FindingsList({ viewer, findings }: { viewer: Viewer; findings: F
         {groups.length === 0 && <p class="note">Nothing was found{body ? ` about ${body}` : ""}.</p>}
         <ul class="bodies">
           {groups.map((group) => (
-            <GroupOf key={group.kind} viewer={viewer} group={group} />
+            <GroupOf
+              key={group.kind}
+              viewer={viewer}
+              group={group}
+              on_open={(opened) => (opened || focus.kind === group.kind) && look_at({ body, kind: opened ? group.kind : null, finding: null })}
+              on_visit={(finding) => look_at({ body, kind: group.kind, finding })}
+            />
           ))}
         </ul>
       </section>
@@ -172,7 +205,7 @@ export function NotChecked({ viewer, error }: { viewer: Viewer; error: unknown }
     <section>
       <h3>Not looked at</h3>
       <p class="note">Thin walls, islands and enclosed background: nobody has looked for them yet. This does, beside the file:</p>
-      <CodeLine class="hash" text={`teracell check ${viewer.info.id}.tcell`} what="the command" />
+      <CodeLine class="hash" text={`teracell check ${quoted(`${viewer.info.id}.tcell`)}`} what="the command" />
     </section>
   );
 }

@@ -1,16 +1,16 @@
 // What meshing found: first whether it matters, then why, body by body, with places to look at.
-import { useEffect, useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { Findings } from "../base/findings";
-import { bytes_text, grouped, plural, product, significant } from "../base/format";
+import { bytes_text, grouped, plural, product, prose, significant } from "../base/format";
 import type { BodyReport } from "../base/grid";
 import { grid_findings } from "../server/api";
-import { markers_of } from "../state/findings";
+import { ALL, markers_of } from "../state/findings";
 import { places_found } from "../state/places";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
 import { Fact } from "../widgets/fact";
 import { Icon } from "../widgets/icons";
-import { verdict } from "./finding_words";
+import { not_checked, verdict } from "./finding_words";
 import { FindingsList, NotChecked } from "./findings";
 import { FirstOf } from "./first_of";
 import { BodyDetails } from "./report_body";
@@ -61,12 +61,23 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
     return () => abort.abort();
   }, [info]);
   const findings = found === "loading" ? null : found;
-  const care = findings ? verdict(findings) : care_of(info);
-  const places = useMemo(() => (findings ? markers_of(findings) : places_found(info)), [info, findings]);
+  const care = findings ? verdict(findings) : found === null ? not_checked(care_of(info)) : care_of(info);
+  const [focus, set_focus] = useState(ALL);
+  const places = useMemo(() => (findings ? markers_of(findings, focus) : places_found(info)), [info, findings, focus]);
   const marked = viewer.markers.value.length > 0;
+  const begun = useRef(false); // later, places that people have taken out of the views stay out
   useEffect(() => {
-    if (found !== "loading" && places.length) viewer.markers.value = places;
+    if (found === "loading") return;
+    if (!begun.current || viewer.markers.peek().length) viewer.markers.value = places;
+    begun.current = true;
   }, [viewer, found, places]);
+  // The marks stay when the panel is closed, so that they can be looked at, but not behind another panel.
+  useEffect(
+    () => () => {
+      if (viewer.panel.peek() !== null && viewer.panel.peek() !== "report") viewer.markers.value = [];
+    },
+    [viewer],
+  );
   const bodies = [...report.bodies].sort((a, b) => Number(has_something_to_say(b)) - Number(has_something_to_say(a)));
   const few = bodies.length < MANY_BODIES;
   return (
@@ -81,14 +92,14 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
           Mark {plural(places.length, "place")} in the views
         </label>
       )}
-      {findings && <FindingsList viewer={viewer} findings={findings} />}
+      {findings && <FindingsList viewer={viewer} findings={findings} on_focus={set_focus} />}
       {found === null && <NotChecked viewer={viewer} error={error} />}
       {report.warnings.length > 0 && (
         <section>
           <h3>Warnings</h3>
           <ul class="warnings">
             <FirstOf list={report.warnings} step={MANY}>
-              {(text, n) => <li key={n}>{text.charAt(0).toUpperCase() + text.slice(1)}</li>}
+              {(text, n) => <li key={n}>{prose(text.charAt(0).toUpperCase() + text.slice(1))}</li>}
             </FirstOf>
           </ul>
         </section>

@@ -48,10 +48,10 @@ export function care_of(info: GridInfo): Care {
   const have = (list: readonly BodyReport[]) => `${quoted(list)} ${noun(list.length, "has", "have")}`;
   if (holes.length) {
     const [found, close] = holes.length === 1 ? ["a hole", "a cap closes"] : [plural(holes.length, "hole"), "caps close"];
-    return { level: "look", text: `Harmless: ${have(open)} ${found} narrower than ${HARMLESS} cells, which ${close}.` };
+    return { level: "look", text: `${have(open)} ${found} narrower than ${HARMLESS} cells, which ${close}.` };
   }
   if (opposite.length) {
-    const text = `Probably fine: ${have(opposite)} facets that face the opposite way from their neighbours, so parity decides the inside.`;
+    const text = `${have(opposite)} facets that face the opposite way from their neighbours, so parity decides the inside.`;
     return { level: "look", text };
   }
   if (info.report.warnings.length)
@@ -59,7 +59,7 @@ export function care_of(info: GridInfo): Care {
   if (bodies.length === 0) return { level: "fine", text: "There is no body in this grid." };
   const closed =
     bodies.length === 1 ? `the surface of ${quoted(bodies)} is closed` : `all ${grouped(bodies.length)} bodies are closed and have cells`;
-  return { level: "fine", text: `Nothing to worry about: ${closed}.` };
+  return { level: "fine", text: `${closed[0]!.toUpperCase()}${closed.slice(1)}.` };
 }
 
 // The size with one byte per cell, and how many times the size of the file that is.

@@ -4,6 +4,7 @@ import { save_blob } from "../base/download";
 import { bytes_text, grouped, product } from "../base/format";
 import { AXES } from "../base/grid";
 import { say, words_of } from "../base/messages";
+import { quoted } from "../base/shell";
 import { get, has_token, server_root } from "../server/api";
 import type { Box, Viewer } from "../state/viewer";
 import { CodeLine, CopyButton } from "../widgets/copy";
@@ -11,9 +12,6 @@ import { Icon } from "../widgets/icons";
 
 const MOST = 2n ** 32n; // cells that the server sends
 const MOST_HELD = 512n << 20n; // bytes that the page holds, where a token has to be sent
-
-// As one word of a shell.
-const quoted = (text: string): string => (/^[\w.-]+$/.test(text) ? text : `'${text.replaceAll("'", `'\\''`)}'`);
 
 // Lines of Python that fetch a box: NumPy and the standard library are enough.
 export const box_snippet = (address: string): string =>

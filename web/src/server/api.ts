@@ -1,6 +1,7 @@
 // The one way to ask the server for something, what can go wrong, and the token that it may demand.
 import { signal } from "@preact/signals";
 import type { Findings } from "../base/findings";
+import { prose } from "../base/format";
 import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
 import { drop, say } from "../base/messages";
 import { ask_again, doubt, not_reached, reached } from "./connection";
@@ -143,4 +144,7 @@ export async function grid_findings(id: string, signal: AbortSignal): Promise<Fi
   return grids.find((grid) => grid.id === id)?.checked ? checked_findings(id, signal) : null;
 }
 // The same for a grid that is known to be checked.
-export const checked_findings = (id: string, signal: AbortSignal) => get_json<Findings>(`api/v1/grids/${encodeURIComponent(id)}/check`, signal);
+export async function checked_findings(id: string, signal: AbortSignal): Promise<Findings> {
+  const found = await get_json<Findings>(`api/v1/grids/${encodeURIComponent(id)}/check`, signal);
+  return { ...found, findings: found.findings.map((finding) => ({ ...finding, text: prose(finding.text) })) };
+}

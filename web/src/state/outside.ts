@@ -40,3 +40,12 @@ export function outside_cell(axes: Axes, cell: readonly number[]): string | null
   const last = AXES.map((d) => grouped(axes[d].cells - 1)).join(", ");
   return `Cell ${cell.map((i) => grouped(i)).join(", ")} is outside the grid, whose last cell is ${last}: the nearest one is shown.`;
 }
+
+// How far from the grid, in lengths of its longest side, a camera or an end of a measured line makes sense.
+const FARTHEST = 1e6;
+
+// Of a camera or a measured line that a link names: null if it is within reach, and else what to say about it.
+export function beyond_reach(axes: Axes, what: string, coordinates: readonly number[]): string | null {
+  const most = FARTHEST * Math.max(...AXES.flatMap((d) => [axes[d].max - axes[d].min, Math.abs(axes[d].min), Math.abs(axes[d].max)]));
+  return coordinates.every((x) => Math.abs(x) <= most) ? null : `${what} of the link lies far outside the grid: it is left out.`;
+}

@@ -9,7 +9,7 @@ import { say } from "../base/messages";
 import { numbers_in, ranges } from "../base/ranges";
 import { with_change } from "./bodies";
 import { comparison_in, write_comparison } from "./comparison";
-import { outside_box, outside_cell, outside_point } from "./outside";
+import { beyond_reach, outside_box, outside_cell, outside_point } from "./outside";
 import { places_found } from "./places";
 import { BODY_MODES, type BodyMode, type Box, type Layout, type Panel, type Viewer } from "./viewer";
 
@@ -18,7 +18,7 @@ export function grid_in_address(): string | null {
 }
 
 const numbers = (text: string | null, count: number): number[] | null => {
-  const list = text?.split(",").map((n) => (n.trim() ? Number(n) : Number.NaN));
+  const list = text?.split(",").map((n) => (/^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(n.trim()) ? Number(n) : Number.NaN));
   return list && list.length === count && list.every(Number.isFinite) ? list : null;
 };
 
@@ -49,16 +49,28 @@ function read_bodies(viewer: Viewer, query: URLSearchParams): void {
   viewer.body_looks.value = looks;
 }
 
+// The parts of the address for what bodies look like. They are kept, because the address is made anew whenever a view moves, and there may
+// be 10^5 bodies.
+let kept: { looks: Viewer["body_looks"]["value"]; hidden: string; body: string } | null = null;
+
 function put_bodies(viewer: Viewer, start: URLSearchParams): void {
-  const looks = [...viewer.body_looks.value].sort(([a], [b]) => a - b);
+  if (kept?.looks !== viewer.body_looks.value) kept = { looks: viewer.body_looks.value, ...bodies_in_address(viewer.body_looks.value) };
+  if (kept.hidden) start.set("hidden", kept.hidden);
+  if (kept.body) start.set("body", kept.body);
+}
+
+function bodies_in_address(of: Viewer["body_looks"]["value"]): { hidden: string; body: string } {
+  const looks = [...of].sort(([a], [b]) => a - b);
   const hidden = looks.flatMap(([label, { visible }]) => (visible === false ? [label] : []));
-  if (hidden.length) start.set("hidden", ranges(hidden));
   const alike = new Map<string, number[]>(); // labels of the same look
   for (const [label, { color, opacity }] of looks) {
     const look = `${color ? hex_color({ color }).slice(1) : ""}:${opacity ?? ""}`;
-    if (look !== ":") alike.set(look, [...(alike.get(look) ?? []), label]);
+    if (look === ":") continue;
+    const labels = alike.get(look);
+    if (labels) labels.push(label);
+    else alike.set(look, [label]);
   }
-  if (alike.size) start.set("body", [...alike].map(([look, labels]) => `${ranges(labels)}:${look}`).join(";"));
+  return { hidden: ranges(hidden), body: [...alike].map(([look, labels]) => `${ranges(labels)}:${look}`).join(";") };
 }
 
 const say_if = (text: string | null) => text !== null && say(text);
@@ -102,17 +114,25 @@ export function read_address(viewer: Viewer): void {
       say_if(outside_cell(viewer.axes, pin));
     }
     const orbit = numbers(query.get("orbit"), 6);
-    if (orbit && Math.abs(orbit[1]!) <= 90 && orbit[2]! > 0)
-      viewer.orbit.value = { azimuth: orbit[0]!, elevation: orbit[1]!, distance: orbit[2]!, target: orbit.slice(3) as [number, number, number] };
+    if (orbit && Math.abs(orbit[1]!) <= 90 && orbit[2]! > 0) {
+      const [azimuth, elevation, distance, ...target] = orbit as [number, number, number, number, number, number];
+      const beyond = beyond_reach(viewer.axes, "The camera", [distance, ...target]);
+      if (!beyond) viewer.orbit.value = { azimuth, elevation, distance, target };
+      say_if(beyond);
+    }
     if (query.get("marks") === "1") viewer.markers.value = places_found(viewer.info);
     const bodies = query.get("bodies") as BodyMode | null;
     if (bodies && BODY_MODES.includes(bodies)) viewer.bodies.value = bodies;
     const plane = numbers(query.get("plane"), 3);
-    if (plane?.some((n) => n !== 0)) viewer.plane_normal.value = plane as [number, number, number];
+    const steepest = Math.max(...(plane ?? []).map(Math.abs));
+    if (steepest > 0) viewer.plane_normal.value = plane!.map((n) => (steepest > 1e6 || steepest < 1e-6 ? n / steepest : n)) as [number, number, number];
     if (query.get("up") === "y") viewer.sky.value = 1;
     const measure = numbers(query.get("measure"), 7);
-    if (measure && [0, 1, 2].includes(measure[0]!))
-      viewer.measure.value = { axis: measure[0] as AxisIndex, from: measure.slice(1, 4) as Index3, to: measure.slice(4) as Index3 };
+    if (measure && [0, 1, 2].includes(measure[0]!)) {
+      const beyond = beyond_reach(viewer.axes, "The measured line", measure.slice(1));
+      if (!beyond) viewer.measure.value = { axis: measure[0] as AxisIndex, from: measure.slice(1, 4) as Index3, to: measure.slice(4) as Index3 };
+      say_if(beyond);
+    }
     // material=id:rrggbb:opacity:visible, joined by ';'
     const looks = [...viewer.looks.value];
     for (const text of query.get("material")?.split(";") ?? []) {

@@ -35,6 +35,7 @@ export interface Measure {
 export interface Marker {
   at: [number, number, number]; // coordinates
   text: string;
+  name?: string; // a few words of it, for views
   box?: Box; // where all of it lies
   guess?: boolean; // the box holds what was guessed, such as a cap: it is hatched
 }
@@ -110,8 +111,8 @@ export class Viewer {
   // The last place that was gone to from a list: the overview flies there. `extent`: a length that is to fill the view.
   readonly visited = signal<{ point: [number, number, number]; extent: number } | null>(null);
 
-  // The cell under the pointer, and the view that it is in; null outside the grid.
-  readonly hover = signal<{ axis: AxisIndex; cell: Index3; point: [number, number, number]; labels: readonly number[] | null } | null>(null);
+  // The cell under the pointer, and the slice that it is in (null: the overview); null outside the grid.
+  readonly hover = signal<{ axis: AxisIndex | null; cell: Index3; point: [number, number, number]; labels: readonly number[] | null } | null>(null);
   // A cell that a click keeps in the read-out.
   readonly pinned = signal<Index3 | null>(null);
 

@@ -89,9 +89,11 @@ export function measure_thickness(viewer: Viewer, axis: AxisIndex, cell: Index3)
   void Promise.all([run_along(u), run_along(v)]).then(
     (found) => {
       if (viewer.thickness.peek() !== cell) return; // another one is measured
-      const { d, run } = found.reduce((a, b) => (b.run.max - b.run.min < a.run.max - a.run.min ? b : a));
+      // Planes are those of the axis: of a grid that is shown in another unit, the answer has the file's own.
+      const ends = found.map(({ d, run }) => ({ d, min: viewer.axes[d].plane(run.from), max: viewer.axes[d].plane(run.to) }));
+      const { d, min, max } = ends.reduce((a, b) => (b.max - b.min < a.max - a.min ? b : a));
       const end = (x: number) => viewer.axes.map((own, e) => (e === d ? x : own.centre(cell[e]!))) as [number, number, number];
-      viewer.measure.value = { axis, from: end(run.min), to: end(run.max) };
+      viewer.measure.value = { axis, from: end(min), to: end(max) };
     },
     (error: unknown) => say(`The thickness can't be measured: ${words_of(error)}.`),
   );

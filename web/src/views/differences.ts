@@ -22,7 +22,9 @@ export interface Side {
   readonly sets: SetTable;
 }
 
-// Compares sets of two grids by the names of their materials. What was found is kept: there are few pairs.
+const MOST_KEPT = 1 << 16; // pairs
+
+// Compares sets of two grids by the names of their materials. What was found is kept, mostly of few pairs.
 export class SetComparison {
   private readonly found = new Map<number, Verdict>();
 
@@ -34,7 +36,10 @@ export class SetComparison {
   verdict(a: number, b: number): Verdict {
     const pair = a * 2 ** 26 + b;
     let verdict = this.found.get(pair);
-    if (verdict === undefined) this.found.set(pair, (verdict = this.compare(a, b)));
+    if (verdict === undefined) {
+      if (this.found.size === MOST_KEPT) this.found.clear();
+      this.found.set(pair, (verdict = this.compare(a, b)));
+    }
     return verdict;
   }
 

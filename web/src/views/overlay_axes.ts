@@ -3,7 +3,7 @@
 import type { Axis } from "../base/axis";
 import { coordinate } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
-import { length_text, round_length } from "./lengths";
+import { length_text, round_length } from "../base/lengths";
 import type { Pen } from "./pen";
 
 const LINES_FROM = 7; // CSS pixels: smaller cells get no lines

@@ -3,7 +3,7 @@ import type { Box, Measure } from "../state/viewer";
 import { grouped } from "../base/format";
 import type { AxisIndex } from "../base/grid";
 import { cells_between, handles_of } from "./box_handles";
-import { length_text } from "./lengths";
+import { length_text } from "../base/lengths";
 import type { Pen } from "./pen";
 
 // Lines that lie in another slice are dashed.
@@ -42,6 +42,8 @@ export function draw_box(pen: Pen, box: Box | null): void {
 
 const LONGEST = 60; // letters beside a marker
 const NEAR = 40; // CSS pixels from the slice up to which a marker is shown, the fainter the farther away
+
+const APART = 14; // CSS pixels between markers
 
 // One line of text, in CSS pixels; y is its middle.
 export interface Label {
@@ -82,7 +84,7 @@ function draw_extent(pen: Pen, box: Box, hatched: boolean): void {
   context.globalAlpha = 1;
 }
 
-// The worst comes first; a label that would lie over an earlier one is left out, its marker is not.
+// The worst comes first. A marker very near to an earlier one is left out, and so is a label that would lie over an earlier one or be cut.
 export function draw_markers(pen: Pen, level: number): void {
   const { camera, viewer, frame, axis, ink, context } = pen;
   const across = viewer.axes[axis];
@@ -90,18 +92,21 @@ export function draw_markers(pen: Pen, level: number): void {
   const [low, high] = [across.plane((slice >> level) * 2 ** level), across.plane(Math.min(((slice >> level) + 1) * 2 ** level, across.cells))];
   const labels: Label[] = [];
   for (const { box, guess } of viewer.markers.value) if (box && slice >= box[axis] && slice < box[axis + 3]!) draw_extent(pen, box, guess === true);
-  for (const { at, text } of viewer.markers.value) {
+  const tips: (readonly [number, number])[] = [];
+  for (const { at, text, name } of viewer.markers.value) {
     const w = at[axis];
     const away = Math.max(low - w, w - high, 0) * camera.zoom;
     if (away > NEAR) continue;
     const [x, y] = [camera.x_of(at[frame.u]), camera.y_of(at[frame.v])];
+    if (tips.some(([p, q]) => Math.hypot(x - p, y - q) < APART)) continue;
+    tips.push([x, y]);
     context.globalAlpha = 1 - (0.8 * away) / NEAR;
     pen.path([[x, y], [x - 6, y - 14], [x + 6, y - 14]], ink.marker, { width: 2, close: true });
     context.fillStyle = ink.marker;
     context.fill();
-    const words = text.length > LONGEST ? `${text.slice(0, LONGEST - 1)}…` : text;
+    const words = name ?? (text.length > LONGEST ? `${text.slice(0, LONGEST - 1)}…` : text);
     const label = { left: x + 11, right: x + 11 + context.measureText(words).width, y: y - 10 };
-    if (away === 0 && !labels.some((other) => overlap(label, other))) {
+    if (away === 0 && label.right < camera.width && !labels.some((other) => overlap(label, other))) {
       pen.text(words, label.left, label.y);
       labels.push(label);
     }

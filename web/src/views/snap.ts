@@ -26,7 +26,9 @@ export async function snapped(viewer: Viewer, axis: AxisIndex, point: readonly [
     const cell = ([0, 1, 2] as const).map((e) => viewer.axes[e].clamp(viewer.axes[e].cell_at(point[e])));
     const frame = FRAMES[d];
     const address = viewer.address.column(d, cell[frame.u]!, cell[frame.v]!, Math.max(low - 1, 0), Math.min(high + 2, own.cells));
-    return nearest_boundary((await get_json<Column>(address, signal)).runs, point[d], reach);
+    // Planes are those of the axis: of a grid that is shown in another unit, the answer has the file's own.
+    const planes = (await get_json<Column>(address, signal)).runs.map(({ from, to }) => ({ min: own.plane(from), max: own.plane(to) }));
+    return nearest_boundary(planes, point[d], reach);
   };
   const [a, b] = await Promise.all([along(u), along(v)]);
   return nearer(point, u, a, v, b);

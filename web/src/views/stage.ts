@@ -36,8 +36,8 @@ export class Stage {
   readonly draft = signal<Box | null>(null);
   // Whether a view waits for tiles.
   readonly waiting: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
-  // Whether the server could not read something that a view shows.
   readonly together: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)]; // bodies of one material
+  // Whether the server could not read something that a view shows.
   readonly damaged: readonly [Signal<boolean>, Signal<boolean>, Signal<boolean>] = [signal(false), signal(false), signal(false)];
   // The view that keys act on: its panel has the pointer or the focus. `active` is the last such view that shows
   // slices.
@@ -267,7 +267,7 @@ export class Stage {
     const camera = view?.camera;
     const before = viewer.hover.value;
     if (!view?.pointer || !camera) {
-      if (before) viewer.hover.value = null;
+      if (before && before.axis !== null) viewer.hover.value = null;
       return;
     }
     const { u, v, w } = FRAMES[view.axis];

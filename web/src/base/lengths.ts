@@ -1,5 +1,5 @@
 // Lengths for scale bars and measured lines, in the grid's units.
-import { significant, unit_name } from "../base/format";
+import { significant, unit_name } from "./format";
 
 // The largest 1, 2 or 5 times a power of ten that is not above `most`.
 export function round_length(most: number): number {
