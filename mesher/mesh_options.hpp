@@ -20,6 +20,7 @@ struct MeshOptions {
   std::filesystem::path write_caps;  // file for the caps that close open surfaces; empty: none. Of parts, the first writes it
   bool thin = false;                 // count what is lost between sample points, for all solids and along all axes
   std::optional<Subdivision> fractions;  // count sub-samples of mixed cells, and keep the counts in the file
+  bool links = false;                // find where labels change between neighbouring sample points, and keep that in the file
   bool resume = false;               // go on with what a killed run has left, if it has left anything
   double checkpoint_seconds = 1;     // at least so many between two checkpoints
   std::optional<Shard> shard;        // make this part of the grid alone; merge.hpp puts parts together

@@ -4,6 +4,7 @@
 
 #include "mesher/boundary/sub_axis.hpp"
 #include "store/fractions.hpp"
+#include "store/links.hpp"
 
 namespace teracell {
 namespace {
@@ -43,7 +44,7 @@ AxisChoice choose_axis(const Grid& grid, const Vec3& area, std::optional<int> as
 
 }  // namespace
 
-Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays, std::optional<Subdivision> fractions) {
+Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays, std::optional<Subdivision> fractions, bool links) {
   Plan plan;
   Metadata& meta = plan.meta;
   meta.units = scene.units;
@@ -60,6 +61,7 @@ Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis
     check_sub_samples(meta.grid, *fractions);
     meta.channels.push_back(fractions_channel(*fractions));
   }
+  if (links) meta.channels.push_back(links_channel());
   return plan;
 }
 

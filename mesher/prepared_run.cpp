@@ -45,13 +45,13 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
       read_bodies(scene, options.count_aside ? std::max(2, threads) : threads, budget, counts, [&](double share) { this->progress("read", share); });
   give_back_memory();
   end_phase("read");
-  plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions);
+  plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);
   close_bodies(scene, plan.meta.grid, budget, bodies, [&](double share) { this->progress("close", share); });
   if (!options.write_caps.empty()) caps_ = write_caps(scene, bodies, options.write_caps, budget);
   end_phase("close");
   if (counts) check_caps();
   end_phase("check");
-  widened = widened_bodies(scene, options.thin || options.fractions);
+  widened = widened_bodies(scene, options.thin || options.fractions, options.links);
 }
 
 void PreparedRun::end_phase(const char* name) {
@@ -116,6 +116,7 @@ std::string PreparedRun::identity() const {
                                  {"format", fmt::format("{}.{}", kFormatMajor, kFormatMinor)},
                                  {"zstd", compressor_version()}};
   if (options.fractions) rest["fractions"] = *options.fractions;
+  if (options.links) rest["links"] = true;
   return fmt::format("{{\"inputs\":{},\"scene\":{},{}", brief(std::move(inputs)), brief(normalised(scene)), rest.dump().substr(1));
 }
 

@@ -36,7 +36,7 @@ class PreparedRun {
   const Budget budget;
   Plan plan;
   Bodies bodies;
-  std::vector<bool> widened;  // bodies, as in rays.hpp
+  std::vector<uint8_t> widened;  // bodies, as in rays.hpp
   RunReport run;
 
  private:

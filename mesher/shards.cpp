@@ -26,7 +26,7 @@ double doubled_area(const Facet& f, int u, int v) {
 
 std::string Shard::name() const { return fmt::format("shard-{}-of-{}", number, of); }
 
-CostMap::CostMap(const Metadata& meta, std::vector<bool> widened) : rays_(meta, std::move(widened)) {
+CostMap::CostMap(const Metadata& meta, std::vector<uint8_t> widened) : rays_(meta, std::move(widened)) {
   const auto count = [&](uint32_t rays) { return static_cast<uint32_t>((rays + rays_.size(height_) - 1) / rays_.size(height_)); };
   while (count(std::max(rays_.shape.nu, rays_.shape.nv)) > kMostNodes) ++height_;
   nodes_u_ = count(rays_.shape.nu), nodes_v_ = count(rays_.shape.nv);

@@ -19,8 +19,8 @@ struct Shard {
 class CostMap {
  public:
   // Keeps references to the axes of `meta`; `widened` bodies as in rays.hpp.
-  CostMap(const Metadata& meta, std::vector<bool> widened);
-  CostMap(Metadata&& meta, std::vector<bool> widened) = delete;
+  CostMap(const Metadata& meta, std::vector<uint8_t> widened);
+  CostMap(Metadata&& meta, std::vector<uint8_t> widened) = delete;
   void add(const Facet& facet, uint32_t layer);  // as the grid sees it
   TreeRange stretch(const Shard& shard) const;
   // All of the tree in pieces that processes make one after another: as many as the cost asks for, so they do not depend on who makes them.

@@ -37,24 +37,33 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
     worker.composer.compose(worker.crossings, nu, nv, shape_.nw, fine.rays);
     tally_pairs(worker.composer.crossing_pairs(), cells, totals_[i / kFanOut].tallies);
     totals_[i / kFanOut].overlaps.add(worker.composer.take_overlaps(cells));
-    make_frames(i, cells, solids, fine.rays, worker);
+    make_frames(i, cells, facets, fine.rays, worker);
   }
   pieces_[i] = coarsen(fine, 2);
   chunks_[i] = encode_level(worker.encoder, meta_, 0, cu, cv, fine);
 }
 
 // In the order of the channels (plan.cpp).
-void TileGroupWork::make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> solids, const RayBlock& runs, Worker& worker) {
+void TileGroupWork::make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> facets, const RayBlock& runs, Worker& worker) {
   const auto by_segment = [&](auto&& encode) {
     std::vector<Bytes>& out = frames_[i].emplace_back();
     for (uint32_t s = 0; s < shape_.segments; ++s) out.push_back(encode(s * shape_.chunk_cells, s * shape_.chunk_cells + shape_.length(s)));
   };
   if (worker.fractions) {
-    worker.fractions->count(cells, solids, *worker.engine, runs, worker.mixed);
+    worker.fractions->count(cells, worker.marker.solids(facets), *worker.engine, runs, worker.mixed);
     by_segment([&](uint32_t from, uint32_t to) {
       if (shape_.segments == 1) return worker.mixed.empty() ? Bytes() : worker.mixed_encoder.encode(worker.mixed);
       const MixedCells part = cut(worker.mixed, from, to);
       return part.empty() ? Bytes() : worker.mixed_encoder.encode(part);
+    });
+  }
+  if (worker.links) {
+    if (facets.empty()) worker.found_links = {};
+    else worker.links->find({cells, &worker.crossings, &runs}, facets, *group_.block->facets, *worker.engine, worker.found_links);
+    const std::vector<ChunkLinks> chunks = split(worker.found_links, shape_.chunk_cells);
+    by_segment([&](uint32_t from, uint32_t) {
+      const ChunkLinks& links = chunks.empty() ? worker.found_links : chunks[from / shape_.chunk_cells];
+      return links.empty() ? Bytes() : worker.links_encoder.encode(links);
     });
   }
 }

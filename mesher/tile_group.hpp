@@ -5,6 +5,7 @@
 #include <atomic>
 
 #include "mesher/boundary/fractions.hpp"
+#include "mesher/boundary/links.hpp"
 #include "mesher/cast_totals.hpp"
 #include "mesher/compose/compose.hpp"
 #include "mesher/mesh_options.hpp"
@@ -22,8 +23,9 @@ struct Worker {
          const MeshOptions& options)
       : engine(std::move(by)), marker(scene, meta, labels, options.thin), composer(layers, labels.rank, labels.of_body, meta.ray_axis) {
     if (options.fractions) fractions.emplace(layers, labels, meta, *options.fractions);
+    if (options.links) links.emplace(scene, layers, labels, meta);
   }
-  uint64_t exact_decisions() const { return engine->exact_decisions() + marker.exact_decisions(); }
+  uint64_t exact_decisions() const { return engine->exact_decisions() + marker.exact_decisions() + (links ? links->exact_decisions() : 0); }
   std::unique_ptr<Engine> engine;
   Marker marker;
   Composer composer;
@@ -32,6 +34,9 @@ struct Worker {
   std::optional<FractionCounter> fractions;
   MixedCells mixed;
   MixedCellsEncoder mixed_encoder;
+  std::optional<LinkFinder> links;
+  ChunkLinks found_links;
+  LinksEncoder links_encoder;
 };
 
 class TileGroupWork {
@@ -63,7 +68,7 @@ class TileGroupWork {
  private:
   void make_chunk(uint32_t i, std::span<const SceneFacet* const> facets, Worker& worker);
   void tally_pairs(const std::vector<CrossingPairs>& all, const Box& cells, Tallies& tallies) const;
-  void make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> solids, const RayBlock& runs, Worker& worker);
+  void make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> facets, const RayBlock& runs, Worker& worker);
   void make_level2(Worker& worker);
 
   const TileGroup group_;

@@ -16,7 +16,7 @@ std::vector<bool> which_move(const Scene& scene) {
 
 }  // namespace
 
-TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const Budget& budget,
+TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<uint8_t>& widened, const Budget& budget,
                          int threads, std::function<void(double)> progress)
     : scene_(scene),
       bodies_(bodies),

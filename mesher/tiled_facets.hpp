@@ -13,7 +13,7 @@ class TiledFacets {
  public:
   // Keeps references to scene, bodies, meta, widened and budget; `progress` is called with shares of 1 while facets are spilled. `widened`
   // bodies as in rays.hpp.
-  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<bool>& widened, const Budget& budget, int threads,
+  TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<uint8_t>& widened, const Budget& budget, int threads,
               std::function<void(double)> progress);
 
   // Tiles the facets of a stretch of the tree; the tiling before this one is gone. The first call takes facets in memory out of `bodies`;
@@ -32,7 +32,7 @@ class TiledFacets {
   const Scene& scene_;
   Bodies& bodies_;
   const Metadata& meta_;
-  const std::vector<bool>& widened_;
+  const std::vector<uint8_t>& widened_;
   const Budget& budget_;
   const int threads_;
   const std::function<void(double)> progress_;

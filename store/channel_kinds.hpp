@@ -12,7 +12,8 @@
 // clang-format off
 #define TERACELL_CHANNEL_KINDS(kind) \
   kind(kLabelsKind) \
-  kind(kFractionsKind)
+  kind(kFractionsKind) \
+  kind(kLinksKind)
 // clang-format on
 
 namespace teracell {

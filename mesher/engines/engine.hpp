@@ -15,7 +15,9 @@ namespace teracell {
 struct SceneFacet {
   Facet facet;
   uint32_t layer;
+  uint32_t patch = 0;
 };
+inline constexpr uint32_t kAddedFacet = uint32_t{1} << 31;
 // Added to the layer of a facet that repeats another one (closing.hpp): it counts for nothing, and no engine may see it.
 inline constexpr uint32_t kIgnored = uint32_t{1} << 30;
 
@@ -44,6 +46,7 @@ struct Crossing {
 struct Crossings {
   std::vector<uint32_t> begin;  // where each ray's crossings begin in `all`, and where the last ones end
   std::vector<uint64_t> all;
+  std::span<const uint64_t> of_ray(uint32_t ray) const { return {all.data() + begin[ray], begin[ray + 1] - begin[ray]}; }
 };
 
 // Throws InputError when there are more crossings than a tile may hold. Every engine calls it before it holds many more than that.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mesher/engines/predicates.hpp"
+#include "mesher/engines/sub_position.hpp"
 
 namespace teracell {
 
@@ -50,11 +51,11 @@ void FacetHeight::bound_cells() {
   cell_slack_ = slack_ * per_cell_ * (1 + 8 * kRoundoff) + 16 * kRoundoff * reach;
 }
 
-bool FacetHeight::above(double u, double v, int64_t cell, uint64_t& exact) const {
+bool FacetHeight::above(double u, double v, double w, uint64_t& exact) const {
   Vec3 p;
   p[frame_.u] = u;
   p[frame_.v] = v;
-  p[frame_.w] = axis_.centre(cell);
+  p[frame_.w] = w;
   ++exact;
   return is_above(facet_, frame_.w, p);
 }
@@ -79,7 +80,7 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
     for (size_t i = 0; i < u.size(); ++i) {
       const double t = height(u[i]), r = (t + kRound) - kRound;
       const auto cell = static_cast<uint32_t>(static_cast<int32_t>(r));
-      if (std::abs(t - r) <= cell_slack_ && cell < axis_.cells()) cells[i] = above(u[i], v, cell, exact) ? cell : cell + 1;
+      if (std::abs(t - r) <= cell_slack_ && cell < axis_.cells()) cells[i] = above(u[i], v, axis_.centre(cell), exact) ? cell : cell + 1;
     }
     return;
   }
@@ -92,10 +93,36 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
     }
     while (lo < hi) {
       const int64_t middle = (lo + hi) / 2;
-      if (above(u[i], v, middle, exact)) hi = middle;
+      if (above(u[i], v, axis_.centre(middle), exact)) hi = middle;
       else lo = middle + 1;
     }
     cells[i] = static_cast<uint32_t>(lo);
+  }
+}
+
+// In units of sub-positions above the lower sample point, the facet lies at x, and the bound includes the rounding of sub-positions. Between
+// two integers, nearly always neighbours, the exact predicate decides.
+void FacetHeight::first_sub_positions(std::span<const double> u, double v, const uint32_t* cells, uint32_t* subs, uint64_t& exact) const {
+  const double base = w0_ + gv_ * (v - v0_), slack = flat_ ? 0 : slack_;
+  for (size_t i = 0; i < u.size(); ++i) {
+    subs[i] = 0;
+    if (cells[i] == 0 || cells[i] >= axis_.cells()) continue;
+    const double lower = axis_.centre(cells[i] - 1), upper = axis_.centre(cells[i]);
+    int64_t below = 0, from = kSubPositions;  // the first one above lies in (below, from]
+    if (slack < HUGE_VAL) {
+      const double w = flat_ ? w0_ : base + gu_ * (u[i] - u0_);
+      const double per = kSubPositions / (upper - lower);
+      const double x = (w - lower) * per;
+      const double bound = (slack + 8 * kRoundoff * (std::abs(lower) + std::abs(upper) + std::abs(w))) * per + 1e-9;
+      below = static_cast<int64_t>(std::clamp(std::floor(x - bound), 0.0, kSubPositions - 1.0));
+      from = static_cast<int64_t>(std::clamp(std::ceil(x + bound), static_cast<double>(below + 1), double{kSubPositions}));
+    }
+    while (from - below > 1) {
+      const int64_t middle = (below + from) / 2;
+      const double q = lower + (static_cast<double>(middle) / kSubPositions) * (upper - lower);
+      (flat_ ? q >= w0_ : above(u[i], v, q, exact)) ? from = middle : below = middle;
+    }
+    subs[i] = static_cast<uint32_t>(from);
   }
 }
 

@@ -19,10 +19,14 @@ class FacetHeight {
   // the number of cells. Adds to `exact` how often the exact predicate was called. REQUIRES: all of the rays cross the facet.
   void first_cells(std::span<const double> u, double v, uint32_t* cells, uint64_t& exact) const;
 
+  // For the same rays: subs[i] = the first sub-position (sub_position.hpp) behind cells[i] - 1 that lies above the facet, from 1 to
+  // kSubPositions; 0 where that cell has no sample point on both of its sides. `cells` are those of first_cells().
+  void first_sub_positions(std::span<const double> u, double v, const uint32_t* cells, uint32_t* subs, uint64_t& exact) const;
+
  private:
   void bound_plane();
   void bound_cells();
-  bool above(double u, double v, int64_t cell, uint64_t& exact) const;
+  bool above(double u, double v, double w, uint64_t& exact) const;
 
   const Facet& facet_;
   const RayFrame frame_;

@@ -21,6 +21,25 @@ class FacetLines {
   // them; `up` as in rows.hpp. Adds to `exact` as FacetHeight does.
   template <class F>
   void cross(const Facet& facet, const Box& cells, uint64_t& exact, F&& f) {
+    cross_rows(facet, cells, exact, [&](const Index3& cell, std::span<const uint32_t> above, bool up, auto&&...) { f(cell, above, up); });
+  }
+  // Calls f(cell, above, subs, up): as cross(), with where the facet lies below these sample points (FacetHeight::first_sub_positions).
+  // REQUIRES: `points` is the grid's own axis.
+  template <class F>
+  void cross_exactly(const Facet& facet, const Box& cells, uint64_t& exact, F&& f) {
+    const auto with_subs = [&](const Index3& cell, std::span<const uint32_t> above, bool up, const FacetHeight& height, std::span<const double> u, double v) {
+      height.first_sub_positions(u, v, above.data(), subs_.data(), exact);
+      f(cell, above, std::span<const uint32_t>(subs_.data(), above.size()), up);
+    };
+    cross_rows(facet, cells, exact, with_subs);
+  }
+  const RayFrame& frame() const { return frame_; }
+
+ private:
+  // Lines are handled in blocks, because a facet may be as long as the grid.
+  static constexpr int64_t kBlock = 4096;
+  template <class F>
+  void cross_rows(const Facet& facet, const Box& cells, uint64_t& exact, F&& f) {
     const auto [u0, u1] = range(facet, frame_.u, find_u_, cells);
     const auto [v0, v1] = range(facet, frame_.v, find_v_, cells);
     if (u0 >= u1) return;
@@ -41,16 +60,11 @@ class FacetLines {
           height->first_cells(u, v_[row], above_.data(), exact);
           cell[frame_.u] = first_u + met.from;
           cell[frame_.v] = first_v + row;
-          f(cell, std::span<const uint32_t>(above_.data(), u.size()), met.up);
+          f(cell, std::span<const uint32_t>(above_.data(), u.size()), met.up, *height, u, v_[row]);
         }
       }
     }
   }
-  const RayFrame& frame() const { return frame_; }
-
- private:
-  // Lines are handled in blocks, because a facet may be as long as the grid.
-  static constexpr int64_t kBlock = 4096;
   static void fill(std::vector<double>& out, const Axis& axis, int64_t from, int64_t to) {
     out.clear();
     for (int64_t i = from; i < std::min(to, from + kBlock); ++i) out.push_back(axis.centre(i));
@@ -66,7 +80,7 @@ class FacetLines {
   const Axis& points_;
   const RayBounds find_u_, find_v_;
   std::vector<double> u_, v_;
-  std::vector<uint32_t> above_ = std::vector<uint32_t>(kBlock);
+  std::vector<uint32_t> above_ = std::vector<uint32_t>(kBlock), subs_ = std::vector<uint32_t>(kBlock);
 };
 
 // An axis whose sample points are exactly the planes of another axis.

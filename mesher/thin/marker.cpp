@@ -6,10 +6,15 @@
 
 namespace teracell {
 
-std::vector<bool> widened_bodies(const Scene& scene, bool all_solids) {
-  std::vector<bool> widened;
+bool has_marks(const Scene& scene) {
+  return std::ranges::any_of(scene.bodies, [](const SceneBody& body) { return body.kind == Kind::kSheet || body.thin == Thin::kKeep; });
+}
+
+std::vector<uint8_t> widened_bodies(const Scene& scene, bool all_solids, bool links) {
+  if (links) return std::vector<uint8_t>(scene.bodies.size(), has_marks(scene) ? 2 : 1);
+  std::vector<uint8_t> widened;
   for (const SceneBody& body : scene.bodies) widened.push_back(body.kind == Kind::kSheet || ThinParts::wanted(body, all_solids));
-  return std::ranges::count(widened, true) > 0 ? widened : std::vector<bool>{};
+  return std::ranges::count(widened, 0) < static_cast<int64_t>(widened.size()) ? widened : std::vector<uint8_t>{};
 }
 
 Marker::Marker(const Scene& scene, const Metadata& meta, const Labels& labels, bool count_thin) : scene_(scene) {

@@ -8,9 +8,11 @@
 
 namespace teracell {
 
-// For each body, whether its facets matter to rays that they do not meet (rays.hpp); empty if this is so for no body.
-// `all_solids`: those of every solid do, not only of those that keep their thin parts.
-std::vector<bool> widened_bodies(const Scene& scene, bool all_solids);
+// Whether some cells may belong to bodies that their sample points are not inside of.
+bool has_marks(const Scene& scene);
+// For each body, how many rays further its facets matter than those that they meet (rays.hpp); empty if it is 0 for all. `all_solids`: those
+// of every solid do, not only of those that keep their thin parts. `links`: cells are compared with their neighbours.
+std::vector<uint8_t> widened_bodies(const Scene& scene, bool all_solids, bool links);
 
 // Not thread-safe.
 class Marker {

@@ -5,17 +5,10 @@
 #include <cstdint>
 #include <map>
 
+#include "mesher/engines/sub_position.hpp"
 #include "store/bytes.hpp"
-#include "store/grid.hpp"
 
 namespace teracell {
-
-// Sub-positions between neighbouring sample points: q(k) = c(i) + (k / kSubPositions) * (c(i + 1) - c(i)).
-inline constexpr uint32_t kSubPositions = 65536;
-inline double sub_position(const Axis& axis, int64_t cell, uint32_t k) {
-  const double lower = axis.centre(cell), upper = axis.centre(cell + 1);
-  return k == kSubPositions ? upper : lower + (k / static_cast<double>(kSubPositions)) * (upper - lower);
-}
 
 struct TallyKey {
   enum class What : uint8_t {

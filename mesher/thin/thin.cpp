@@ -26,33 +26,14 @@ ThinParts::ThinParts(const Scene& scene, const Labels& labels, const Grid& grid,
 void ThinParts::find(const Box& tile, std::span<const SceneFacet* const> facets, const Crossings& crossings, Marks& marks, Tallies& tallies) {
   tile_ = tile;
   crossings_ = &crossings, marks_ = &marks, tallies_ = &tallies;
-  const int w = rays_.w;
-  const RayBounds cells(grid_.axis[w]);
-  reaches_.clear(), active_.clear();
-  for (const SceneFacet* facet : facets) {
-    if (!wanted(scene_.bodies[body_of_layer(facet->layer)], count_all_)) continue;
-    const auto& [a, b, c] = facet->facet.vertex;
-    reaches_.push_back({cells.first(std::min(std::min(a[w], b[w]), c[w])), int64_t{cells.last(std::max(std::max(a[w], b[w]), c[w]))} + 1, facet});
-  }
-  std::ranges::stable_sort(reaches_, {}, &Reach::first);
-  const int64_t length = grid_.axis[w].cells(), rays = (tile.hi[rays_.u] - tile.lo[rays_.u]) * (tile.hi[rays_.v] - tile.lo[rays_.v]);
-  const int64_t block = std::max<int64_t>(kBlockIntervals / rays, 1);
-  auto next = reaches_.begin();
-  for (int64_t from = 0; from < length; from += block) {
-    std::erase_if(active_, [&](const Reach& r) { return r.end <= from; });
-    if (active_.empty()) {
-      if (next == reaches_.end()) return;
-      from = std::max(from, next->first / block * block);
-    }
-    for (; next != reaches_.end() && next->first < from + block; ++next) active_.push_back(*next);
-    Box cells_of_block = tile;
-    cells_of_block.lo[w] = from, cells_of_block.hi[w] = std::min(from + block, length);
-    if (!cells_of_block.empty()) find_in_block(cells_of_block);
-  }
-}
-
-void ThinParts::find_in_block(const Box& cells) {
-  for (int axis = 0; axis < 3; ++axis) find_along(axis, cells);
+  const int64_t rays = (tile.hi[rays_.u] - tile.lo[rays_.u]) * (tile.hi[rays_.v] - tile.lo[rays_.v]);
+  blocks_.for_each(
+      grid_, tile, rays_.w, facets, std::max<int64_t>(kBlockIntervals / rays, 1), false,
+      [&](const SceneFacet& facet) { return wanted(scene_.bodies[body_of_layer(facet.layer)], count_all_); },
+      [&](const Box& cells, std::span<const SceneFacet* const> of_block) {
+        active_ = of_block;
+        for (int axis = 0; axis < 3; ++axis) find_along(axis, cells);
+      });
 }
 
 // An interval has the number of its upper cell, the first one whose sample point is above a facet there.
@@ -68,7 +49,7 @@ void ThinParts::find_along(int axis, const Box& cells) {
   crossers_.clear();
   const int along = lines_[axis].frame().u;
   for (uint32_t f = 0; f < active_.size(); ++f)
-    lines_[axis].cross(active_[f].facet->facet, cells, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> above, bool up) {
+    lines_[axis].cross(active_[f]->facet, cells, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> above, bool up) {
       cell[axis] = intervals.lo[axis];
       auto line = static_cast<uint32_t>((cell[0] - intervals.lo[0]) * stride[0] + (cell[1] - intervals.lo[1]) * stride[1] +
                                         (cell[2] - intervals.lo[2]) * stride[2]);
@@ -97,8 +78,8 @@ void ThinParts::find_along(int axis, const Box& cells) {
 void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> crossers) {
   bodies_.clear();  // the bodies with at least two of the facets
   for (size_t i = 0; i < crossers.size(); ++i) {
-    const uint32_t body = body_of_layer(active_[crossers[i].facet].facet->layer);
-    const auto is_same = [&](const Crosser& c) { return body_of_layer(active_[c.facet].facet->layer) == body; };
+    const uint32_t body = body_of_layer(active_[crossers[i].facet]->layer);
+    const auto is_same = [&](const Crosser& c) { return body_of_layer(active_[c.facet]->layer) == body; };
     if (std::ranges::count_if(crossers.first(i), is_same) == 1) bodies_.push_back(body);
   }
   if (bodies_.empty() && !count_all_) return;
@@ -110,10 +91,10 @@ void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> 
   lower_ = upper_ = sums_;
   for (const Crosser& c : crossers) {
     const int step = (c.up ? 1 : -1) * handedness(axis) * handedness(rays_.w);
-    const uint32_t layer = active_[c.facet].facet->layer;
-    owns_lower ? add_step(upper_, layer, step) : add_step(lower_, layer, -step);
+    const uint32_t layer = active_[c.facet]->layer;
+    owns_lower ? upper_.add(layer, step) : lower_.add(layer, -step);
   }
-  std::erase_if(bodies_, [&](uint32_t body) { return inside(body, lower_) || inside(body, upper_); });
+  std::erase_if(bodies_, [&](uint32_t body) { return lower_.inside(body) || upper_.inside(body); });
   const uint32_t around = count_all_ ? material(lower_) : 0;
   const bool may_have_gap = around != 0 && around == material(upper_);
   if (bodies_.empty() && !may_have_gap) return;
@@ -123,7 +104,7 @@ void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> 
     if (owns_lower && s.widest > 0) tallies_->add({what, of, static_cast<uint8_t>(axis)}, {1, s.widest, s.from, lower});
   };
   for (const uint32_t body : bodies_) {
-    const Stretches lost = stretches([&] { return inside(body, sums_); });
+    const Stretches lost = stretches([&] { return sums_.inside(body); });
     tally(TallyKey::What::kStretches, body, lost);
     if (lost.widest > 0 && scene_.bodies[body].thin == Thin::kKeep) keep(axis, lower, lost.first, body);
   }
@@ -136,39 +117,14 @@ uint32_t ThinParts::ray_of(const Index3& cell) const {
 
 // Adds up the crossings below the sample point of a cell of the tile.
 void ThinParts::sum_crossings(const Index3& cell) {
-  const uint32_t ray = ray_of(cell);
   sums_.clear();
-  for (uint32_t i = crossings_->begin[ray]; i < crossings_->begin[ray + 1]; ++i) {
-    const uint64_t c = crossings_->all[i];
-    if (Crossing::cell(c) <= cell[rays_.w]) add_step(sums_, Crossing::layer(c), Crossing::step(c));
-  }
-}
-
-void ThinParts::add_step(std::vector<Sum>& sums, uint32_t layer, int step) const {
-  for (Sum& s : sums)
-    if (s.layer == layer) {
-      s.sum += step;
-      return;
-    }
-  sums.push_back({layer, step});
-}
-
-bool ThinParts::inside(uint32_t body, const std::vector<Sum>& sums) const {
-  for (const Sum& s : sums)
-    if (s.layer == layer_of(body, false) ? s.sum != 0 : s.layer == layer_of(body, true) && s.sum % 2 != 0) return true;
-  return false;
+  sums_.add_below(crossings_->of_ray(ray_of(cell)), static_cast<uint32_t>(cell[rays_.w]));
 }
 
 // The material of the strongest body that the point is inside of, or the background.
-uint32_t ThinParts::material(const std::vector<Sum>& sums) const {
-  uint32_t strongest = ~uint32_t{0}, found = 0;
-  for (const Sum& s : sums) {
-    const uint32_t body = body_of_layer(s.layer);
-    if (!(is_parity_layer(s.layer) ? s.sum % 2 != 0 : s.sum != 0) || labels_.rank[body] >= strongest) continue;
-    strongest = labels_.rank[body];
-    found = scene_.bodies[body].material;
-  }
-  return found;
+uint32_t ThinParts::material(const LayerSums& sums) const {
+  const uint32_t owner = sums.owner(labels_.rank);
+  return owner == kNoBody ? 0 : scene_.bodies[owner].material;
 }
 
 void ThinParts::find_sub_positions(int axis, const Index3& lower, std::span<const Crosser> crossers) {
@@ -176,7 +132,7 @@ void ThinParts::find_sub_positions(int axis, const Index3& lower, std::span<cons
   Vec3 p;
   for (int d = 0; d < 3; ++d) p[d] = grid_.axis[d].centre(lower[d]);
   for (const Crosser& c : crossers) {
-    const SceneFacet& facet = *active_[c.facet].facet;
+    const SceneFacet& facet = *active_[c.facet];
     uint32_t below = 0, above = kSubPositions;
     while (above - below > 1) {
       const uint32_t middle = (below + above) / 2;
@@ -196,7 +152,7 @@ ThinParts::Stretches ThinParts::stretches(Is&& is) {
   sums_ = lower_;
   for (size_t i = 0; i < steps_.size();) {
     const uint32_t k = steps_[i].k;
-    for (; i < steps_.size() && steps_[i].k == k; ++i) add_step(sums_, steps_[i].layer, steps_[i].step);
+    for (; i < steps_.size() && steps_[i].k == k; ++i) sums_.add(steps_[i].layer, steps_[i].step);
     const bool begins = k < kSubPositions && is();
     if (begins && since == 0) since = k;
     if (begins || since == 0) continue;

@@ -8,7 +8,9 @@
 // A body that keeps its thin parts gets the cell that holds the first sub-position of a lost stretch. So a plate thinner than a
 // cell has no hole where it crosses the lines. A part that crosses no line stays lost.
 #pragma once
+#include "mesher/compose/layer_sums.hpp"
 #include "mesher/scene/labels.hpp"
+#include "mesher/thin/blocks.hpp"
 #include "mesher/thin/lines.hpp"
 #include "mesher/thin/marks.hpp"
 #include "mesher/thin/tally.hpp"
@@ -28,21 +30,11 @@ class ThinParts {
   uint64_t exact_decisions() const { return exact_decisions_; }
 
  private:
-  // A facet, and the cells along the rays whose intervals or lines it may cross: [first, end).
-  struct Reach {
-    int64_t first, end;
-    const SceneFacet* facet;
-  };
   // A facet crosses an interval of the block.
   struct Crosser {
     uint32_t interval, facet;
     bool up;
     friend auto operator<=>(const Crosser&, const Crosser&) = default;
-  };
-  // The sum of the crossings below a point, for a layer.
-  struct Sum {
-    uint32_t layer;
-    int sum;
   };
   // In an interval: at sub-position k the layer's sum changes by `step`.
   struct Step {
@@ -54,13 +46,10 @@ class ThinParts {
     uint32_t first = 0, from = 0, widest = 0;
   };
 
-  void find_in_block(const Box& cells);
   void find_along(int axis, const Box& cells);
   void look_at(int axis, const Index3& upper, std::span<const Crosser> crossers);
   void sum_crossings(const Index3& cell);
-  void add_step(std::vector<Sum>& sums, uint32_t layer, int step) const;
-  bool inside(uint32_t body, const std::vector<Sum>& sums) const;
-  uint32_t material(const std::vector<Sum>& sums) const;
+  uint32_t material(const LayerSums& sums) const;
   void find_sub_positions(int axis, const Index3& lower, std::span<const Crosser> crossers);
   template <class Is>
   Stretches stretches(Is&& is);
@@ -80,12 +69,14 @@ class ThinParts {
   const Crossings* crossings_ = nullptr;
   Marks* marks_ = nullptr;
   Tallies* tallies_ = nullptr;
-  std::vector<Reach> reaches_, active_;
+  BlocksAlongRays blocks_;
+  // Of a block.
+  std::span<const SceneFacet* const> active_;
   // Of a block, along an axis.
   std::vector<uint64_t> once_, twice_;  // bit: the interval is crossed
   std::vector<Crosser> crossers_;
   // Of an interval.
-  std::vector<Sum> lower_, upper_, sums_;
+  LayerSums lower_, upper_, sums_;
   std::vector<Step> steps_;
   std::vector<uint32_t> bodies_;
 };

@@ -25,7 +25,7 @@ uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
 
 }  // namespace
 
-FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened,
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<uint8_t> widened,
                      const TreeRange& range)
     : rays_(meta, std::move(widened)),
       range_(range),

@@ -30,7 +30,7 @@ class FacetBins {
   // bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
   // thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets that lie
   // outside `range` alone are dropped.
-  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<bool> widened,
+  FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<uint8_t> widened,
             const TreeRange& range = {});
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).

@@ -3,6 +3,7 @@
 // memory meanwhile.) There are two types, so that coordinates of a file are never mistaken for those of the grid.
 #pragma once
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -19,6 +20,12 @@ class FacetStore {
 
   uint64_t size() const { return size_; }
   const SceneFacet& operator[](uint64_t i) const { return pieces_[i / kPiece][i % kPiece]; }
+  // The number of a facet of the store. Takes time: it looks through the pieces.
+  uint64_t number_of(const SceneFacet& facet) const {
+    for (uint64_t piece = 0;; ++piece)
+      if (const SceneFacet* first = pieces_[piece].get(); !std::less<>()(&facet, first) && std::less<>()(&facet, first + kPiece))
+        return piece * kPiece + static_cast<uint64_t>(&facet - first);
+  }
   // Appends as many of `facets` as fit into the last piece, at least one, and returns their place. They stay there as long as
   // the store lives. One thread may append while others use facets that were returned.
   std::span<SceneFacet> append(std::span<const Facet> facets, uint32_t layer);

@@ -63,11 +63,11 @@ struct GridRays {
   const Axis& w;
   RayBounds u, v;
   LevelShape shape;
-  std::vector<bool> widened;  // for each body; empty if this is so for no body
+  std::vector<uint8_t> widened;  // for each body; empty if it is 0 for all
 
-  // Keeps references to the axes. Facets of `widened` bodies reach one ray further on each side, because they may own cells
-  // whose rays they do not meet (marker.hpp).
-  explicit GridRays(const Metadata& meta, std::vector<bool> widened_bodies = {})
+  // Keeps references to the axes. Facets of a body reach as many rays further on each side as `widened` says, because they may
+  // matter to cells whose rays they do not meet (marker.hpp).
+  explicit GridRays(const Metadata& meta, std::vector<uint8_t> widened_bodies = {})
       : frame(meta.frame()),
         w(meta.grid.axis[frame.w]),
         u(meta.grid.axis[frame.u]),
@@ -81,8 +81,9 @@ struct GridRays {
     const auto least = [&](int d) { return std::min(std::min(a[d], b[d]), c[d]); };
     const auto most = [&](int d) { return std::max(std::max(a[d], b[d]), c[d]); };
     const RayRange r = {u.first(least(frame.u)), u.last(most(frame.u)), v.first(least(frame.v)), v.last(most(frame.v))};
-    if (widened.empty() || !widened[body_of_layer(layer)]) return r;
-    return {r.u0 - (r.u0 > 0), std::min(r.u1 + 1, shape.nu), r.v0 - (r.v0 > 0), std::min(r.v1 + 1, shape.nv)};
+    if (widened.empty()) return r;
+    const uint32_t more = widened[body_of_layer(layer)];
+    return {r.u0 - std::min(r.u0, more), std::min(r.u1 + more, shape.nu), r.v0 - std::min(r.v0, more), std::min(r.v1 + more, shape.nv)};
   }
   // REQUIRES: !range.empty().
   ChunkRange chunks_of(const RayRange& r) const {

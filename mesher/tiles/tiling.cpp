@@ -23,7 +23,7 @@ ListedFacet listed(uint32_t number, const ChunkRange& r, uint32_t cu, uint32_t c
 
 }  // namespace
 
-Tiling::Tiling(const Metadata& meta, std::vector<bool> widened, const TreeRange& range) : rays_(meta, std::move(widened)), range_(range) {
+Tiling::Tiling(const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range) : rays_(meta, std::move(widened)), range_(range) {
   groups_u_ = (rays_.shape.chunks_u + kFanOut - 1) / kFanOut;
   groups_v_ = (rays_.shape.chunks_v + kFanOut - 1) / kFanOut;
   groups_ = groups_below(rays_.root());
@@ -85,7 +85,7 @@ class Tiling::NodeBuilder {
   std::vector<uint32_t> order_ = std::vector<uint32_t>(kHeights + 2);
 };
 
-Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened, const TreeRange& range)
+Tiling::Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range)
     : Tiling(meta, std::move(widened), range) {
   NodeBuilder root(rays_);
   root.expect(facets->size());

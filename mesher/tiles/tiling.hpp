@@ -47,7 +47,7 @@ struct TileGroup {
 class Tiling {
  public:
   // Of facets in memory; `widened` bodies as in rays.hpp.
-  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<bool> widened, const TreeRange& range = {});
+  Tiling(std::shared_ptr<const GridFacets> facets, const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range = {});
   // `counter`, if not null, counts the facets of every bin; then bins outside the range are loaded, too. While the groups of one bin are
   // taken, the next `ahead` bins are loaded by other threads.
   Tiling(std::unique_ptr<FacetBins> bins, BinnedCounter* counter, int ahead, const Metadata& meta, const TreeRange& range = {});
@@ -67,7 +67,7 @@ class Tiling {
     std::vector<ListedFacet> facets;
   };
   class NodeBuilder;
-  Tiling(const Metadata& meta, std::vector<bool> widened, const TreeRange& range);
+  Tiling(const Metadata& meta, std::vector<uint8_t> widened, const TreeRange& range);
   bool wanted(const TreePlace& place) const { return range_.has_any(place.depth, place.cu, place.cv); }
   uint64_t groups_below(const TreePlace& place) const;
   RayRange rays_of(const SceneFacet& facet) const;

@@ -71,6 +71,8 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
       "--fractions", o.fractions,
       "SX,SY,SZ: keep in the file the shares of materials in cells that a boundary cuts, counted over this many sub-samples per cell along "
       "x, y and z: powers of two from 1 to 256, at most 65536 in all");
+  app.add_flag("--links", o.links,
+               "keep in the file where, between neighbouring cells with different labels, the one label ends and the other begins");
   app.add_option("--engine", o.engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")
       ->check(one_of(engine_names()));
   add_threads(app, o.threads);
@@ -167,6 +169,7 @@ MeshOptions mesh_options(const MeshArguments& o, int share) {
   options.write_caps = o.caps;
   options.resume = o.resume;
   options.thin = o.thin;
+  options.links = o.links;
   options.shard = parse_shard(o.shard);
   if (!o.fractions.empty()) {
     const auto n = parse_integers(o.fractions, 3, "--fractions");

@@ -34,7 +34,7 @@ Given walk(Tiling& tiling) {
   return out;
 }
 
-Given given(const Metadata& meta, const std::vector<Facet>& facets, std::vector<bool> widened = {}) {
+Given given(const Metadata& meta, const std::vector<Facet>& facets, std::vector<uint8_t> widened = {}) {
   Tiling tiling(stored(facets), meta, std::move(widened));
   return walk(tiling);
 }
@@ -123,12 +123,12 @@ TEST_CASE("A facet of a widened body reaches a ray further on each side, within 
   std::mt19937_64 random(2);
   for (const Metadata& meta : tile_grids()) {
     const std::vector<Facet> facets = facets_over(random, meta, rounds(60));
-    expect_given(meta, facets, given(meta, facets, std::vector<bool>(facets.size(), true)), 1);
+    expect_given(meta, facets, given(meta, facets, std::vector<uint8_t>(facets.size(), 1)), 1);
   }
   const Axis axis = Axis::uniform(0, 1, 0, 32, 0.5);
   const Metadata meta = tile_grid(2, axis, axis, axis, 4);
   const std::vector<Facet> two = {facet_between(4.25, 5, 0, 2), facet_between(4.25, 5, 0, 2), facet_between(4.25, 5, 0, 2)};
-  const Given lists = given(meta, two, {false, true});  // layers 0 and 1 are of body 0, layer 2 of body 1
+  const Given lists = given(meta, two, {0, 1});  // layers 0 and 1 are of body 0, layer 2 of body 1
   CHECK(lists.at({0, 0}) == std::vector<uint32_t>{2});
   CHECK(lists.at({0, 1}) == std::vector<uint32_t>{0, 1, 2});
 }
@@ -182,7 +182,7 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
     Given expected = given(meta, facets);
     for (const int ahead : {0, 3}) {
       auto bins = std::make_unique<FacetBins>(
-          meta, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<bool>{});
+          meta, 0, false, Budget{1, folder.path()}, ahead > 0, [](const Facet& f, uint32_t) { return f; }, std::vector<uint8_t>{});
       for (uint32_t i = 0; i < facets.size(); ++i) bins->add(facets[i], i, FacetBins::kOfFile);
       bins->finish();
       BinnedCounter survey(facets.size());

@@ -1,0 +1,276 @@
+#include "mesher/boundary/links.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace teracell {
+namespace {
+
+// The lines of a block across the rays: so few that what is counted for them stays in a core's cache.
+constexpr int64_t kBlockLines = int64_t{1} << 15;
+
+// The change of the winding number at a step up along an axis has the sign of the frame's handedness, which differs for y.
+int handedness(int axis) { return axis == 1 ? -1 : 1; }
+
+}  // namespace
+
+LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, const Labels& labels, const Metadata& meta)
+    : scene_(scene),
+      labels_(labels),
+      grid_(meta.grid),
+      rays_(meta.frame()),
+      has_marks_(teracell::has_marks(scene)),
+      lines_{FacetLines{meta.grid, 0, meta.grid.axis[0]}, FacetLines{meta.grid, 1, meta.grid.axis[1]}, FacetLines{meta.grid, 2, meta.grid.axis[2]}},
+      marker_(scene, meta, labels, false),
+      composer_(layers, labels.rank, labels.of_body, meta.ray_axis) {}
+
+void LinkFinder::find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, ChunkLinks& out) {
+  tile_ = &tile, all_ = &all;
+  out.nu = tile.runs->nu, out.nv = tile.runs->nv, out.length = tile.runs->length;
+  for (std::vector<Link>& links : out.along) links.clear();
+  if (has_marks_) cast_strip(0, facets, engine), cast_strip(1, facets, engine);
+  find_along_rays(facets, out);
+  const int64_t length = std::max<int64_t>(kBlockLines / std::max(out.nu, out.nv), 1);
+  blocks_.for_each(
+      grid_, tile.box, rays_.w, facets, length, has_marks_, [](const SceneFacet&) { return true; },
+      [&](const Box& block, std::span<const SceneFacet* const> active) {
+        find_across(rays_.u, block, active, out);
+        find_across(rays_.v, block, active, out);
+      });
+}
+
+void LinkFinder::find_along_rays(std::span<const SceneFacet* const> facets, ChunkLinks& out) {
+  stride_ = {};
+  stride_[rays_.u] = 1, stride_[rays_.v] = out.nu;
+  collect(rays_.w, tile_->box, facets);
+  sort_by_line(tile_->runs->rays());
+  link_up(rays_.w, tile_->box, 0, out.along[2]);
+}
+
+void LinkFinder::find_across(int axis, const Box& block, std::span<const SceneFacet* const> facets, ChunkLinks& out) {
+  const int other = axis == rays_.u ? rays_.v : rays_.u;
+  stride_ = {};
+  stride_[other] = 1, stride_[rays_.w] = block.hi[other] - block.lo[other];
+  collect(axis, block, facets);
+  sort_by_line(static_cast<size_t>(stride_[rays_.w] * (block.hi[rays_.w] - block.lo[rays_.w])));
+  link_up(axis, block, static_cast<uint64_t>(block.lo[rays_.w] * stride_[rays_.w]), out.along[axis == rays_.u ? 0 : 1]);
+}
+
+void LinkFinder::collect(int axis, const Box& block, std::span<const SceneFacet* const> facets) {
+  found_.clear();
+  active_ = facets;
+  const auto first = static_cast<uint32_t>(block.lo[axis]) + 1, end = static_cast<uint32_t>(block.hi[axis]) + 1;  // of upper cells
+  const auto next_line = static_cast<uint32_t>(stride_[lines_[axis].frame().u]);
+  for (uint32_t f = 0; f < facets.size(); ++f)
+    lines_[axis].cross_exactly(facets[f]->facet, block, exact_decisions_,
+                               [&](const Index3& cell, std::span<const uint32_t> above, std::span<const uint32_t> subs, bool up) {
+                                 uint32_t line = 0;
+                                 for (int d = 0; d < 3; ++d)
+                                   if (d != axis) line += static_cast<uint32_t>((cell[d] - block.lo[d]) * stride_[d]);
+                                 for (size_t i = 0; i < above.size(); ++i, line += next_line)
+                                   if (subs[i] > 0 && above[i] >= first && above[i] < end) found_.push_back({line, above[i], subs[i], f, up});
+                               });
+  if (has_marks_) collect_differences(axis, block);
+}
+
+// The neighbours in a block that have different labels.
+void LinkFinder::collect_differences(int axis, const Box& block) {
+  const auto [u, v, w] = rays_;
+  Index3 lower;
+  for (lower[v] = block.lo[v]; lower[v] < block.hi[v]; ++lower[v])
+    for (lower[u] = block.lo[u]; lower[u] < block.hi[u]; ++lower[u]) {
+      Index3 upper = lower;
+      upper[axis] += axis != w;
+      lower[w] = upper[w] = block.lo[w];
+      if (upper[axis] >= grid_.axis[axis].cells()) continue;
+      const Place a = place_of(lower), b = place_of(upper);
+      const auto add = [&](int64_t at, int64_t of_upper) {
+        const int64_t line = (lower[u] - block.lo[u]) * stride_[u] + (lower[v] - block.lo[v]) * stride_[v] + (at - block.lo[w]) * stride_[w];
+        found_.push_back({static_cast<uint32_t>(line), static_cast<uint32_t>(of_upper), 0, kNoFacet, 0});
+      };
+      const auto lo = static_cast<uint32_t>(block.lo[w]), hi = static_cast<uint32_t>(block.hi[w]);
+      if (axis == w) {
+        for (const uint32_t change : a.cells->runs->changes(a.ray)) add(0, change);
+        continue;
+      }
+      a.cells->runs->for_each_run(a.ray, lo, hi, [&](uint32_t from, uint32_t to, SetId label) {
+        b.cells->runs->for_each_run(b.ray, from, to, [&](uint32_t begin, uint32_t end, SetId other) {
+          if (label != other)
+            for (uint32_t at = begin; at < end; ++at) add(at, upper[axis]);
+        });
+      });
+    }
+}
+
+// Sorts what was found by line, cell and sub-position.
+void LinkFinder::sort_by_line(size_t lines) {
+  begin_.assign(lines + 1, 0);
+  for (const Crosser& c : found_) ++begin_[c.line + 1];
+  for (size_t i = 0; i < lines; ++i) begin_[i + 1] += begin_[i];
+  crossers_.resize(found_.size());
+  for (const Crosser& c : found_) crossers_[begin_[c.line]++] = c;  // now begin_[i] is where line i ends
+  const auto key = [](const Crosser& c) { return uint64_t{c.upper} << 32 | c.k; };
+  for (size_t i = 0, from = 0; i < crossers_.size(); from = i) {
+    const uint32_t line = crossers_[from].line;
+    bool sorted = true;
+    for (++i; i < crossers_.size() && crossers_[i].line == line; ++i) sorted &= key(crossers_[i - 1]) <= key(crossers_[i]);
+    if (!sorted) std::ranges::stable_sort(std::span(crossers_).subspan(from, i - from), {}, key);
+  }
+}
+
+// `first_line`: the number in the tile of the block's first line.
+void LinkFinder::link_up(int axis, const Box& block, uint64_t first_line, std::vector<Link>& out) {
+  Index3 lower = block.lo;
+  const int inner = axis == rays_.u ? rays_.v : rays_.u, outer = axis == rays_.w ? rays_.v : rays_.w;
+  for (size_t i = 0; i < crossers_.size();) {
+    const size_t from = i;
+    const auto [line, upper] = std::pair(crossers_[from].line, crossers_[from].upper);
+    for (++i; i < crossers_.size() && crossers_[i].line == line && crossers_[i].upper == upper;) ++i;
+    lower[inner] = block.lo[inner] + line % stride_[outer];
+    lower[outer] = block.lo[outer] + line / stride_[outer];
+    lower[axis] = int64_t{upper} - 1;
+    Link link{first_line + line, static_cast<uint32_t>(lower[axis] - block.lo[axis]), 0, 0, kNoPatch};
+    if (look_at(axis, lower, {crossers_.data() + from, i - from}, link)) out.push_back(link);
+  }
+}
+
+// Whether the cell and its upper neighbour have different labels; if they do, fills in the link.
+bool LinkFinder::look_at(int axis, const Index3& lower, std::span<const Crosser> crossers, Link& link) {
+  Index3 upper = lower;
+  ++upper[axis];
+  if (has_marks_ || crossers.size() > 1 || upper[axis] >= tile_->box.hi[axis]) return look_closely(axis, lower, upper, crossers, link);
+  // One facet lies between two cells of the tile, as nearly always.
+  if (label_at(place_of(lower)) == label_at(place_of(upper))) return false;
+  link.end = link.begin = crossers[0].k;
+  link.patch = active_[crossers[0].facet]->patch & ~kAddedFacet;
+  return true;
+}
+
+bool LinkFinder::look_closely(int axis, const Index3& lower, const Index3& upper, std::span<const Crosser> crossers, Link& link) {
+  const Place at = place_of(lower);
+  point_.clear();
+  point_.add_below(at.cells->crossings->of_ray(at.ray), at.w);
+  LayerSums behind = point_;
+  for (const Crosser& c : crossers)
+    if (c.facet != kNoFacet && !is_sheet(body_of_layer(active_[c.facet]->layer))) behind.add(active_[c.facet]->layer, step_of(axis, c));
+  const Label from = label_of(point_.owner(labels_.rank)), to = label_of(behind.owner(labels_.rank));
+  if (has_marks_) {
+    const Place beyond = place_of(upper);
+    const Label of_lower = label_at(at), of_upper = label_at(beyond);
+    if (of_lower == of_upper) return false;
+    const uint32_t below = sheet_at(at), above = sheet_at(beyond);
+    if (below != kNoBody || above != kNoBody) {
+      const uint32_t sheet = is_stronger(above, below) ? above : below;
+      const auto first = std::ranges::find_if(
+          crossers, [&](const Crosser& c) { return c.facet != kNoFacet && body_of_layer(active_[c.facet]->layer) == sheet; });
+      if (first == crossers.end()) return true;
+      link.end = link.begin = first->k;
+      link.patch = patch_of(crossers, first->k, sheet);
+      return true;
+    }
+    if (from != of_lower || to != of_upper) return true;  // a kept cell
+  }
+  if (from == to) return false;
+  change_labels(axis, from, to, crossers, link);
+  return true;
+}
+
+// Walks from the lower sample point, which point_ is about, to the upper one.
+void LinkFinder::change_labels(int axis, Label from, Label to, std::span<const Crosser> crossers, Link& link) {
+  const uint32_t first_owner = point_.owner(labels_.rank);
+  uint32_t owner_at_begin = kNoBody;
+  Label label = from;
+  for (size_t i = 0; i < crossers.size();) {
+    const uint32_t k = crossers[i].k;
+    for (; i < crossers.size() && crossers[i].k == k; ++i)
+      if (const Crosser& c = crossers[i]; c.facet != kNoFacet && !is_sheet(body_of_layer(active_[c.facet]->layer)))
+        point_.add(active_[c.facet]->layer, step_of(axis, c));
+    const uint32_t owner = point_.owner(labels_.rank);
+    const Label next = label_of(owner);
+    if (next == label) continue;
+    if (link.end == 0) link.end = k;
+    if (next == to) link.begin = k, owner_at_begin = owner;
+    label = next;
+  }
+  const bool enters = is_stronger(owner_at_begin, first_owner);
+  link.patch = patch_of(crossers, enters ? link.begin : link.end, enters ? owner_at_begin : first_owner);
+}
+
+// The patch of the first facet that is crossed between sub-positions k - 1 and k: one of the owner, if there is any; one of a body's file
+// before those that close holes; then in the order of bodies and facets. Solids tell, or the sheet that is the owner.
+uint32_t LinkFinder::patch_of(std::span<const Crosser> crossers, uint32_t k, uint32_t owner) const {
+  const SceneFacet* best = nullptr;
+  const auto rank = [&](const SceneFacet& f) {
+    const uint32_t body = body_of_layer(f.layer);
+    return std::tuple(body != owner, (f.patch & kAddedFacet) != 0, body, all_->number_of(f));
+  };
+  for (const Crosser& c : crossers) {
+    if (c.k != k || c.facet == kNoFacet) continue;
+    const SceneFacet& facet = *active_[c.facet];
+    if (const uint32_t body = body_of_layer(facet.layer); is_sheet(body) && body != owner) continue;
+    if (!best || rank(facet) < rank(*best)) best = &facet;
+  }
+  return best ? best->patch & ~kAddedFacet : kNoPatch;
+}
+
+int LinkFinder::step_of(int axis, const Crosser& c) const { return (c.up ? 1 : -1) * handedness(axis) * handedness(rays_.w); }
+
+// The rays that follow the tile along u (0) or v (1), with their marks.
+void LinkFinder::cast_strip(int d, std::span<const SceneFacet* const> facets, Engine& engine) {
+  const auto [u, v, w] = rays_;
+  const int axis = d == 0 ? u : v;
+  Strip& strip = strips_[d];
+  strip.cells = {tile_->box, &strip.crossings, &strip.runs};
+  Box& box = strip.cells.box;
+  box.lo[axis] = tile_->box.hi[axis], box.hi[axis] = std::min(box.lo[axis] + 1, grid_.axis[axis].cells());
+  if (box.empty()) return;
+  Tile tile{rays_, {}, {}, &grid_.axis[w]};
+  for (int64_t i = box.lo[u]; i < box.hi[u]; ++i) tile.u.push_back(grid_.axis[u].centre(i));
+  for (int64_t i = box.lo[v]; i < box.hi[v]; ++i) tile.v.push_back(grid_.axis[v].centre(i));
+  engine.cast(tile, marker_.solids(facets), strip.crossings);
+  marker_.mark(tile, box, strip.crossings);
+  composer_.compose(strip.crossings, static_cast<uint32_t>(tile.u.size()), static_cast<uint32_t>(tile.v.size()), tile_->runs->length, strip.runs);
+  // What is counted of these rays is their own tile's to count.
+  marker_.take_tallies();
+  composer_.take_overlaps(box);
+  composer_.take_cells();
+}
+
+LinkFinder::Place LinkFinder::place_of(const Index3& cell) const {
+  const auto [u, v, w] = rays_;
+  const Cells* cells = cell[u] >= tile_->box.hi[u] ? &strips_[0].cells : cell[v] >= tile_->box.hi[v] ? &strips_[1].cells : tile_;
+  const Box& box = cells->box;
+  return {cells, static_cast<uint32_t>((cell[v] - box.lo[v]) * (box.hi[u] - box.lo[u]) + cell[u] - box.lo[u]), static_cast<uint32_t>(cell[w])};
+}
+
+Label LinkFinder::label_at(const Place& place) const {
+  const RayBlock& runs = *place.cells->runs;
+  const auto changes = runs.changes(place.ray);
+  constexpr size_t kFew = 16;
+  size_t i = 0;
+  if (changes.size() > kFew) i = static_cast<size_t>(std::ranges::upper_bound(changes, place.w) - changes.begin());
+  else
+    while (i < changes.size() && changes[i] <= place.w) ++i;
+  return runs.sets(place.ray)[i];
+}
+
+// The sheet that owns a cell, or kNoBody if none does.
+uint32_t LinkFinder::sheet_at(const Place& place) const {
+  const auto crossings = place.cells->crossings->of_ray(place.ray);
+  LayerSums sums;
+  sums.add_below(crossings, place.w);
+  uint32_t owner = sums.owner(labels_.rank);
+  std::vector<std::pair<uint32_t, int>> marks;
+  for (const uint64_t c : crossings) {
+    if (!Crossing::is_mark(c) || Crossing::cell(c) > place.w) continue;
+    const uint32_t body = body_of_layer(Crossing::layer(c));
+    const auto known = std::ranges::find(marks, body, &std::pair<uint32_t, int>::first);
+    if (known == marks.end()) marks.push_back({body, Crossing::step(c)});
+    else known->second += Crossing::step(c);
+  }
+  for (const auto& [body, sum] : marks)
+    if (sum > 0 && is_stronger(body, owner)) owner = body;
+  return owner != kNoBody && is_sheet(owner) ? owner : kNoBody;
+}
+
+}  // namespace teracell

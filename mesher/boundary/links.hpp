@@ -1,0 +1,98 @@
+// Finds the links of a tile: where, between the sample points of two neighbouring cells with different labels, the one label ends and the other
+// begins. The facets are met by the lines through sample points along all three axes, exactly as engines meet them. What is inside at one end
+// of a link is known from the tile's own rays, and what is inside behind it from the facets that it crosses. So a tile needs no other one,
+// except where cells may belong to bodies that their sample points are not inside of: then it casts the next rays as well.
+//
+// After M. Bouzidi, M. Firdaouss, P. Lallemand, "Momentum transfer of a Boltzmann-lattice fluid with boundaries" (2001), whose wall distances
+// these are; that they are decided exactly is ours.
+#pragma once
+#include "mesher/compose/compose.hpp"
+#include "mesher/compose/layer_sums.hpp"
+#include "mesher/thin/blocks.hpp"
+#include "mesher/thin/lines.hpp"
+#include "mesher/thin/marker.hpp"
+#include "mesher/tiles/facet_store.hpp"
+#include "store/links.hpp"
+
+namespace teracell {
+
+// Not thread-safe.
+class LinkFinder {
+ public:
+  // Keeps references.
+  LinkFinder(const Scene& scene, const std::vector<Layer>& layers, const Labels& labels, const Metadata& meta);
+  LinkFinder(const LinkFinder&) = delete;
+
+  // The cells of a tile, which is as long as the grid along the rays: their crossings, as the composer leaves them, and their runs.
+  struct Cells {
+    Box box;
+    const Crossings* crossings;
+    const RayBlock* runs;
+  };
+  // The links of the tile's cells with their upper neighbours. `facets` are those that may matter to it, `all` holds them in their order.
+  void find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, ChunkLinks& out);
+  uint64_t exact_decisions() const { return exact_decisions_ + marker_.exact_decisions(); }
+
+ private:
+  // A facet lies between a cell and the cell `upper` above it on a line: sub-position `k` is the first one above the facet. Or, with kNoFacet,
+  // these two cells are to be looked at although no facet may be there.
+  struct Crosser {
+    uint32_t line, upper, k, facet : 31, up : 1;
+  };
+  static constexpr uint32_t kNoFacet = ~uint32_t{0} >> 1;
+  // A tile, or the rays beside it.
+  struct Strip {
+    Crossings crossings;
+    RayBlock runs;
+    Cells cells;
+  };
+  struct Place {
+    const Cells* cells;
+    uint32_t ray, w;
+  };
+
+  void find_along_rays(std::span<const SceneFacet* const> facets, ChunkLinks& out);
+  void find_across(int axis, const Box& block, std::span<const SceneFacet* const> facets, ChunkLinks& out);
+  void collect(int axis, const Box& block, std::span<const SceneFacet* const> facets);
+  void collect_differences(int axis, const Box& block);
+  void sort_by_line(size_t lines);
+  void link_up(int axis, const Box& block, uint64_t first_line, std::vector<Link>& out);
+  bool look_at(int axis, const Index3& lower, std::span<const Crosser> crossers, Link& link);
+  bool look_closely(int axis, const Index3& lower, const Index3& upper, std::span<const Crosser> crossers, Link& link);
+  void change_labels(int axis, Label from, Label to, std::span<const Crosser> crossers, Link& link);
+  uint32_t patch_of(std::span<const Crosser> crossers, uint32_t k, uint32_t owner) const;
+
+  void cast_strip(int d, std::span<const SceneFacet* const> facets, Engine& engine);
+  Place place_of(const Index3& cell) const;
+  Label label_at(const Place& place) const;
+  uint32_t sheet_at(const Place& place) const;
+  Label label_of(uint32_t owner) const { return owner == kNoBody ? 0 : labels_.of_body[owner]; }
+  bool is_sheet(uint32_t body) const { return scene_.bodies[body].kind == Kind::kSheet; }
+  bool is_stronger(uint32_t a, uint32_t b) const { return a != kNoBody && (b == kNoBody || labels_.rank[a] < labels_.rank[b]); }
+  int step_of(int axis, const Crosser& c) const;
+
+  const Scene& scene_;
+  const Labels& labels_;
+  const Grid& grid_;
+  const RayFrame rays_;
+  const bool has_marks_;  // cells may belong to bodies that their sample points are not inside of
+  std::array<FacetLines, 3> lines_;
+  BlocksAlongRays blocks_;
+  Marker marker_;
+  Composer composer_;
+  uint64_t exact_decisions_ = 0;
+
+  // Of the tile.
+  const Cells* tile_ = nullptr;
+  const GridFacets* all_ = nullptr;
+  std::array<Strip, 2> strips_;  // the next rays along u and along v; used if has_marks_
+  // Of a block, along an axis.
+  std::span<const SceneFacet* const> active_;
+  Index3 stride_{};  // of the numbers of lines
+  std::vector<Crosser> found_, crossers_;
+  std::vector<uint32_t> begin_;  // of each line's crossers
+  // Of a pair of cells.
+  LayerSums point_;
+};
+
+}  // namespace teracell
