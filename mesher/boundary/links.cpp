@@ -12,6 +12,16 @@ constexpr int64_t kBlockLines = int64_t{1} << 15;
 // The change of the winding number at a step up along an axis has the sign of the frame's handedness, which differs for y.
 int handedness(int axis) { return axis == 1 ? -1 : 1; }
 
+Label label_at(const RayBlock& runs, uint32_t ray, uint32_t w) {
+  const auto changes = runs.changes(ray);
+  constexpr size_t kFew = 16;
+  size_t i = 0;
+  if (changes.size() > kFew) i = static_cast<size_t>(std::ranges::upper_bound(changes, w) - changes.begin());
+  else
+    for (const uint32_t change : changes) i += change <= w;
+  return runs.sets(ray)[i];
+}
+
 }  // namespace
 
 LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, const Labels& labels, const Metadata& meta)
@@ -120,33 +130,40 @@ void LinkFinder::sort_by_line(size_t lines) {
 
 // `first_line`: the number in the tile of the block's first line.
 void LinkFinder::link_up(int axis, const Box& block, uint64_t first_line, std::vector<Link>& out) {
-  Index3 lower = block.lo;
-  const int inner = axis == rays_.u ? rays_.v : rays_.u, outer = axis == rays_.w ? rays_.v : rays_.w;
   for (size_t i = 0; i < crossers_.size();) {
     const size_t from = i;
-    const auto [line, upper] = std::pair(crossers_[from].line, crossers_[from].upper);
-    for (++i; i < crossers_.size() && crossers_[i].line == line && crossers_[i].upper == upper;) ++i;
-    lower[inner] = block.lo[inner] + line % stride_[outer];
-    lower[outer] = block.lo[outer] + line / stride_[outer];
-    lower[axis] = int64_t{upper} - 1;
-    Link link{first_line + line, static_cast<uint32_t>(lower[axis] - block.lo[axis]), 0, 0, kNoPatch};
-    if (look_at(axis, lower, {crossers_.data() + from, i - from}, link)) out.push_back(link);
+    const Crosser& first = crossers_[from];
+    for (++i; i < crossers_.size() && crossers_[i].line == first.line && crossers_[i].upper == first.upper;) ++i;
+    Link link{first_line + first.line, first.upper - 1 - static_cast<uint32_t>(block.lo[axis]), 0, 0, kNoPatch};
+    const bool linked = has_marks_ || i - from > 1 || first.upper >= tile_->box.hi[axis] ? look_closely(axis, block, {&first, i - from}, link)
+                                                                                         : look_at(axis, block, first, link);
+    if (linked) out.push_back(link);
   }
 }
 
-// Whether the cell and its upper neighbour have different labels; if they do, fills in the link.
-bool LinkFinder::look_at(int axis, const Index3& lower, std::span<const Crosser> crossers, Link& link) {
-  Index3 upper = lower;
-  ++upper[axis];
-  if (has_marks_ || crossers.size() > 1 || upper[axis] >= tile_->box.hi[axis]) return look_closely(axis, lower, upper, crossers, link);
-  // One facet lies between two cells of the tile, as nearly always.
-  if (label_at(place_of(lower)) == label_at(place_of(upper))) return false;
-  link.end = link.begin = crossers[0].k;
-  link.patch = active_[crossers[0].facet]->patch & ~kAddedFacet;
+// Whether the cell and its upper neighbour have different labels; if they do, fills in the link. One facet lies between two cells of the tile,
+// as nearly always.
+bool LinkFinder::look_at(int axis, const Box& block, const Crosser& crosser, Link& link) const {
+  const RayBlock& runs = *tile_->runs;
+  if (axis == rays_.w) {
+    if (std::ranges::find(runs.changes(crosser.line), crosser.upper) == runs.changes(crosser.line).end()) return false;
+  } else {
+    const uint32_t row = axis == rays_.u ? runs.nv : runs.nu, other = crosser.line % row;
+    const uint32_t w = static_cast<uint32_t>(block.lo[rays_.w]) + crosser.line / row;
+    const uint32_t ray = axis == rays_.u ? other * runs.nu + link.cell : link.cell * runs.nu + other;
+    if (label_at(runs, ray, w) == label_at(runs, ray + (axis == rays_.u ? 1 : runs.nu), w)) return false;
+  }
+  link.end = link.begin = crosser.k;
+  link.patch = active_[crosser.facet]->patch & ~kAddedFacet;
   return true;
 }
 
-bool LinkFinder::look_closely(int axis, const Index3& lower, const Index3& upper, std::span<const Crosser> crossers, Link& link) {
+bool LinkFinder::look_closely(int axis, const Box& block, std::span<const Crosser> crossers, Link& link) {
+  const int inner = axis == rays_.u ? rays_.v : rays_.u, outer = axis == rays_.w ? rays_.v : rays_.w;  // how lines are numbered
+  Index3 lower = block.lo;
+  lower[inner] += crossers[0].line % stride_[outer], lower[outer] += crossers[0].line / stride_[outer], lower[axis] += link.cell;
+  Index3 upper = lower;
+  ++upper[axis];
   const Place at = place_of(lower);
   point_.clear();
   point_.add_below(at.cells->crossings->of_ray(at.ray), at.w);
@@ -156,7 +173,7 @@ bool LinkFinder::look_closely(int axis, const Index3& lower, const Index3& upper
   const Label from = label_of(point_.owner(labels_.rank)), to = label_of(behind.owner(labels_.rank));
   if (has_marks_) {
     const Place beyond = place_of(upper);
-    const Label of_lower = label_at(at), of_upper = label_at(beyond);
+    const Label of_lower = label_at(*at.cells->runs, at.ray, at.w), of_upper = label_at(*beyond.cells->runs, beyond.ray, beyond.w);
     if (of_lower == of_upper) return false;
     const uint32_t below = sheet_at(at), above = sheet_at(beyond);
     if (below != kNoBody || above != kNoBody) {
@@ -241,17 +258,6 @@ LinkFinder::Place LinkFinder::place_of(const Index3& cell) const {
   const Cells* cells = cell[u] >= tile_->box.hi[u] ? &strips_[0].cells : cell[v] >= tile_->box.hi[v] ? &strips_[1].cells : tile_;
   const Box& box = cells->box;
   return {cells, static_cast<uint32_t>((cell[v] - box.lo[v]) * (box.hi[u] - box.lo[u]) + cell[u] - box.lo[u]), static_cast<uint32_t>(cell[w])};
-}
-
-Label LinkFinder::label_at(const Place& place) const {
-  const RayBlock& runs = *place.cells->runs;
-  const auto changes = runs.changes(place.ray);
-  constexpr size_t kFew = 16;
-  size_t i = 0;
-  if (changes.size() > kFew) i = static_cast<size_t>(std::ranges::upper_bound(changes, place.w) - changes.begin());
-  else
-    while (i < changes.size() && changes[i] <= place.w) ++i;
-  return runs.sets(place.ray)[i];
 }
 
 // The sheet that owns a cell, or kNoBody if none does.

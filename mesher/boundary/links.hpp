@@ -57,14 +57,13 @@ class LinkFinder {
   void collect_differences(int axis, const Box& block);
   void sort_by_line(size_t lines);
   void link_up(int axis, const Box& block, uint64_t first_line, std::vector<Link>& out);
-  bool look_at(int axis, const Index3& lower, std::span<const Crosser> crossers, Link& link);
-  bool look_closely(int axis, const Index3& lower, const Index3& upper, std::span<const Crosser> crossers, Link& link);
+  bool look_at(int axis, const Box& block, const Crosser& crosser, Link& link) const;
+  bool look_closely(int axis, const Box& block, std::span<const Crosser> crossers, Link& link);
   void change_labels(int axis, Label from, Label to, std::span<const Crosser> crossers, Link& link);
   uint32_t patch_of(std::span<const Crosser> crossers, uint32_t k, uint32_t owner) const;
 
   void cast_strip(int d, std::span<const SceneFacet* const> facets, Engine& engine);
   Place place_of(const Index3& cell) const;
-  Label label_at(const Place& place) const;
   uint32_t sheet_at(const Place& place) const;
   Label label_of(uint32_t owner) const { return owner == kNoBody ? 0 : labels_.of_body[owner]; }
   bool is_sheet(uint32_t body) const { return scene_.bodies[body].kind == Kind::kSheet; }

@@ -100,30 +100,53 @@ void FacetHeight::first_cells(std::span<const double> u, double v, uint32_t* cel
   }
 }
 
+void FacetHeight::first_sub_positions(std::span<const double> u, double v, const uint32_t* cells, uint32_t* subs, uint64_t& exact) const {
+  const double base = w0_ + gv_ * (v - v0_);
+  const auto last = static_cast<uint32_t>(axis_.cells() - 1);
+  const auto between = [&](uint32_t cell) { return cell - 1 < last; };  // two sample points
+  if (flat_ || axis_.is_graded() || !(cell_slack_ < 0.25 / kSubPositions)) {
+    for (size_t i = 0; i < u.size(); ++i) subs[i] = between(cells[i]) ? first_sub_position(u[i], v, cells[i], exact) : 0;
+    return;
+  }
+  constexpr double kRound = 0x1.8p52;  // adding and subtracting it rounds to the nearest integer
+  const double bound = 2 * cell_slack_ * kSubPositions, min = axis_.origin();
+  double closest = 1;
+  const auto place = [&](size_t i) {
+    const double t = (base + gu_ * (u[i] - u0_) - min) * per_cell_ - offset_;
+    return std::clamp((t - (static_cast<int32_t>(cells[i]) - 1)) * kSubPositions, 0.0, double{kSubPositions});
+  };
+  for (size_t i = 0; i < u.size(); ++i) {
+    const double x = place(i), r = (x + kRound) - kRound;
+    const bool is_between = between(cells[i]);
+    subs[i] = is_between ? static_cast<uint32_t>(static_cast<int32_t>(r) + (x > r)) : 0;
+    closest = std::min(closest, is_between ? std::abs(x - r) : 1);
+  }
+  if (closest > bound) return;
+  for (size_t i = 0; i < u.size(); ++i) {
+    if (!between(cells[i])) continue;
+    const double x = place(i);
+    if (std::abs(x - ((x + kRound) - kRound)) <= bound) subs[i] = first_sub_position(u[i], v, cells[i], exact);
+  }
+}
+
 // In units of sub-positions above the lower sample point, the facet lies at x, and the bound includes the rounding of sub-positions. Between
 // two integers, nearly always neighbours, the exact predicate decides.
-void FacetHeight::first_sub_positions(std::span<const double> u, double v, const uint32_t* cells, uint32_t* subs, uint64_t& exact) const {
-  const double base = w0_ + gv_ * (v - v0_), slack = flat_ ? 0 : slack_;
-  for (size_t i = 0; i < u.size(); ++i) {
-    subs[i] = 0;
-    if (cells[i] == 0 || cells[i] >= axis_.cells()) continue;
-    const double lower = axis_.centre(cells[i] - 1), upper = axis_.centre(cells[i]);
-    int64_t below = 0, from = kSubPositions;  // the first one above lies in (below, from]
-    if (slack < HUGE_VAL) {
-      const double w = flat_ ? w0_ : base + gu_ * (u[i] - u0_);
-      const double per = kSubPositions / (upper - lower);
-      const double x = (w - lower) * per;
-      const double bound = (slack + 8 * kRoundoff * (std::abs(lower) + std::abs(upper) + std::abs(w))) * per + 1e-9;
-      below = static_cast<int64_t>(std::clamp(std::floor(x - bound), 0.0, kSubPositions - 1.0));
-      from = static_cast<int64_t>(std::clamp(std::ceil(x + bound), static_cast<double>(below + 1), double{kSubPositions}));
-    }
-    while (from - below > 1) {
-      const int64_t middle = (below + from) / 2;
-      const double q = lower + (static_cast<double>(middle) / kSubPositions) * (upper - lower);
-      (flat_ ? q >= w0_ : above(u[i], v, q, exact)) ? from = middle : below = middle;
-    }
-    subs[i] = static_cast<uint32_t>(from);
+uint32_t FacetHeight::first_sub_position(double u, double v, uint32_t cell, uint64_t& exact) const {
+  const double lower = axis_.centre(int64_t{cell} - 1), upper = axis_.centre(cell);
+  int64_t below = 0, from = kSubPositions;  // the first one above lies in (below, from]
+  if (flat_ || slack_ < HUGE_VAL) {
+    const double w = flat_ ? w0_ : w0_ + gv_ * (v - v0_) + gu_ * (u - u0_);
+    const double per = kSubPositions / (upper - lower), x = (w - lower) * per;
+    const double bound = ((flat_ ? 0 : slack_) + 8 * kRoundoff * (std::abs(lower) + std::abs(upper) + std::abs(w))) * per + 1e-9;
+    below = static_cast<int64_t>(std::clamp(std::floor(x - bound), 0.0, kSubPositions - 1.0));
+    from = static_cast<int64_t>(std::clamp(std::ceil(x + bound), static_cast<double>(below + 1), double{kSubPositions}));
   }
+  while (from - below > 1) {
+    const int64_t middle = (below + from) / 2;
+    const double q = sub_position(axis_, int64_t{cell} - 1, static_cast<uint32_t>(middle));
+    (flat_ ? q >= w0_ : above(u, v, q, exact)) ? from = middle : below = middle;
+  }
+  return static_cast<uint32_t>(from);
 }
 
 }  // namespace teracell

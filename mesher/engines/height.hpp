@@ -27,6 +27,7 @@ class FacetHeight {
   void bound_plane();
   void bound_cells();
   bool above(double u, double v, double w, uint64_t& exact) const;
+  uint32_t first_sub_position(double u, double v, uint32_t cell, uint64_t& exact) const;
 
   const Facet& facet_;
   const RayFrame frame_;
