@@ -15,6 +15,7 @@
 
 #include "store/color.hpp"
 #include "store/fraction_reader.hpp"
+#include "store/link_reader.hpp"
 #include "store/info.hpp"
 #include "store/kept_chunks.hpp"
 #include "store/partition.hpp"
@@ -44,6 +45,8 @@ struct tc_grid {
   std::vector<tc_material> materials;
   mutable std::once_flag fractions_opened;
   mutable std::unique_ptr<FractionReader> fractions;
+  mutable std::once_flag links_opened;
+  mutable std::unique_ptr<LinkReader> links;
   mutable std::once_flag info_made;
   mutable std::string info;
 };
@@ -434,6 +437,21 @@ int tc_fractions(const tc_grid* grid, uint32_t material, const int64_t lo[3], co
     for (int d = 0; d < 3; ++d) check(count[d] == 1 || strides[d] != 0, "strides other than 0 where there are several cells");
     check(data != nullptr, "memory for the shares, found NULL");
     grid->fractions->read_box<double>(box, material, outside, data, strides, threads_of(threads));
+  });
+}
+
+int tc_links(const tc_grid* grid, int axis, const int64_t lo[3], const int64_t hi[3], int (*visit)(void*, const tc_link*), void* user) {
+  return guarded([&] {
+    const GridReader& reader = reader_of(grid);
+    check(axis >= 0 && axis <= 2, "axis 0, 1 or 2");
+    check(visit != nullptr, "a function to call, found NULL");
+    std::call_once(grid->links_opened, [&] { grid->links = std::make_unique<LinkReader>(reader); });
+    grid->links->for_each(axis, box_of(lo, hi), [&](std::span<const CellLink> links) {
+      for (const CellLink& l : links) {
+        const tc_link out{{l.cell[0], l.cell[1], l.cell[2]}, l.end, l.begin, l.patch == kNoPatch ? -1 : int64_t{l.patch}};
+        if (visit(user, &out) != 0) throw Stopped("stopped by the caller");
+      }
+    });
   });
 }
 

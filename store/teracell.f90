@@ -17,7 +17,7 @@ module teracell
   use, intrinsic :: iso_fortran_env, only: int8, int16, int32, int64, real64, error_unit
   implicit none
   private
-  public :: tc_grid, tc_cells, tc_column_run, tc_part, tc_partition, tc_error_text, tc_version_text
+  public :: tc_grid, tc_cells, tc_link, tc_column_run, tc_part, tc_partition, tc_error_text, tc_version_text
   public :: int8, int16, int32, int64, real64
 
   integer(c_int), parameter, public :: tc_ok = 0, tc_usage = 1, tc_io = 2, tc_format = 3, tc_memory = 4, &
@@ -28,6 +28,20 @@ module teracell
     integer(c_int64_t) :: cells, cells_high
     real(c_double) :: volume
     integer(c_int64_t) :: lo(3), hi(3)
+  end type
+
+  ! Between a cell and its upper neighbour: where the label of the one ends and that of the other begins, in 65536ths of the distance of
+  ! their sample points; and the patch of the surface, -1 if none is known.
+  type, bind(c) :: tc_link
+    integer(c_int64_t) :: cell(3)
+    integer(c_int32_t) :: end, begin
+    integer(c_int64_t) :: patch
+  end type
+
+  ! Links that are being collected.
+  type :: link_list
+    type(tc_link), allocatable :: links(:)
+    integer(int64) :: count = 0
   end type
 
   type, bind(c) :: tc_column_run
@@ -90,6 +104,7 @@ module teracell
     procedure, public :: column => grid_column
     procedure, public :: uniform => grid_uniform
     procedure, public :: fractions => grid_fractions
+    procedure, public :: links => grid_links
     procedure, private :: read_int8, read_int16, read_int32
     generic, public :: read => read_int8, read_int16, read_int32
     procedure, private :: grid_assign
@@ -188,6 +203,14 @@ module teracell
       integer(c_int64_t), value :: map_size
       integer(c_int), value :: threads
       integer(c_int) :: tc_read_box
+    end function
+    function tc_links(grid, axis, lo, hi, visit, user) bind(c)
+      import
+      type(c_ptr), value :: grid, user
+      type(c_funptr), value :: visit
+      integer(c_int), value :: axis
+      integer(c_int64_t), intent(in) :: lo(3), hi(3)
+      integer(c_int) :: tc_links
     end function
     function tc_column(grid, axis, a, b, from, to, runs, size, capacity, count) bind(c)
       import
@@ -491,6 +514,37 @@ contains
     call finish(tc_fractions(self%handle, int(material, c_int32_t), lo, lo + n, c_loc(shares), [1_int64, n(1), n(1) * n(2)], fill, &
                              workers), status)
   end subroutine
+
+  ! The links along an axis (1, 2, 3 for x, y, z) whose cells lie from lo to below hi, in no particular order.
+  subroutine grid_links(self, axis, lo, hi, links, status)
+    class(tc_grid), intent(in) :: self
+    integer, intent(in) :: axis
+    integer(int64), intent(in) :: lo(3), hi(3)
+    type(tc_link), intent(out), allocatable :: links(:)
+    integer, intent(out), optional :: status
+    type(link_list), target :: list
+    integer(c_int) :: found
+    allocate(list%links(64))
+    found = tc_links(self%handle, int(axis - 1, c_int), lo, hi, c_funloc(add_link), c_loc(list))
+    if (found == tc_ok) links = list%links(:list%count)
+    call finish(found, status)
+  end subroutine
+
+  integer(c_int) function add_link(user, link) bind(c)
+    type(c_ptr), value :: user
+    type(tc_link), intent(in) :: link
+    type(link_list), pointer :: list
+    type(tc_link), allocatable :: more(:)
+    call c_f_pointer(user, list)
+    if (list%count == size(list%links)) then
+      allocate(more(2 * list%count))
+      more(:list%count) = list%links
+      call move_alloc(more, list%links)
+    end if
+    list%count = list%count + 1
+    list%links(list%count) = link
+    add_link = 0
+  end function
 
   integer(c_int) function level_of(level)
     integer, intent(in), optional :: level

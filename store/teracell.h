@@ -187,6 +187,24 @@ TC_API int tc_uniform(const tc_grid* grid, int level, const int64_t lo[3], const
 TC_API int tc_fractions(const tc_grid* grid, uint32_t material, const int64_t lo[3], const int64_t hi[3], double* data, const int64_t stride[3],
                         double outside, int threads);
 
+/* ---- Where the surface lies between cells ---- */
+
+/* Between a cell of level 0 and its upper neighbour along an axis, which have different labels. Going from the sample point of the cell to that
+ * of its neighbour, in 65536ths of that distance: from `end` on the point may not have the label of the cell, from `begin` on all points have the
+ * label of the neighbour. 1 <= end <= begin <= 65536; they are equal where one wall lies there; both are 0 where surfaces don't tell (a thin
+ * part that was kept). Only the library makes these. */
+typedef struct tc_link {
+  int64_t cell[3];
+  uint32_t end, begin;
+  int64_t patch;  /* of the surface; -1 if none is known */
+} tc_link;
+
+/* Calls visit(user, link) for the links along an axis (0, 1, 2 for x, y, z) whose cells lie in a box, until it returns something other than
+ * 0; that is TC_STOPPED. The part of the box outside the grid is left out. Links come in no particular order. TC_USAGE if the grid was
+ * meshed without `--links`: tc_info() lists its channels. */
+TC_API int tc_links(const tc_grid* grid, int axis, const int64_t lo[3], const int64_t hi[3], int (*visit)(void* user, const tc_link* link),
+                    void* user);
+
 /* ---- Who computes what ---- */
 
 /* A file that `teracell partition` has written. Threads may share it. */

@@ -126,25 +126,7 @@ class Grid {
   // Calls visit(const tc_run&) for the runs of a box. What it throws ends the reading and is thrown here.
   template <class Visit>
   void runs(const Box& box, Visit&& visit, int level = 0) const {
-    struct Call {
-      Visit& visit;
-      std::exception_ptr error;
-    } call{visit, nullptr};
-    const int status = tc_runs(
-        get(), level, box.lo.data(), box.hi.data(),
-        [](void* user, const tc_run* run) {
-          Call& c = *static_cast<Call*>(user);
-          try {
-            c.visit(*run);
-            return 0;
-          } catch (...) {
-            c.error = std::current_exception();
-            return 1;
-          }
-        },
-        &call);
-    if (call.error) std::rethrow_exception(call.error);
-    check(status);
+    visited<tc_run>(visit, [&](auto call, void* user) { return tc_runs(get(), level, box.lo.data(), box.hi.data(), call, user); });
   }
   // The column of level 0 along `axis` through (a, b).
   std::vector<tc_column_run> column(int axis, int64_t a, int64_t b) const {
@@ -179,10 +161,38 @@ class Grid {
     return out;
   }
 
+  // Calls visit(const tc_link&) for the links along an axis (0, 1, 2 for x, y, z) whose cells lie in a box of level 0. What it throws ends the
+  // reading and is thrown here.
+  template <class Visit>
+  void links(int axis, const Box& box, Visit&& visit) const {
+    visited<tc_link>(visit, [&](auto call, void* user) { return tc_links(get(), axis, box.lo.data(), box.hi.data(), call, user); });
+  }
+
  private:
   struct Close {
     void operator()(tc_grid* grid) const { tc_close(grid); }
   };
+  // Calls read(function, argument), which calls the function with each T, and takes what visit(T) throws past the C functions.
+  template <class T, class Visit, class Read>
+  static void visited(Visit& visit, Read&& read) {
+    struct Call {
+      Visit& visit;
+      std::exception_ptr error;
+    } call{visit, nullptr};
+    const auto forward = [](void* user, const T* value) {
+      Call& c = *static_cast<Call*>(user);
+      try {
+        c.visit(*value);
+        return 0;
+      } catch (...) {
+        c.error = std::current_exception();
+        return 1;
+      }
+    };
+    const int status = read(static_cast<int (*)(void*, const T*)>(forward), &call);
+    if (call.error) std::rethrow_exception(call.error);
+    check(status);
+  }
   int64_t length(int axis, int level) const {
     if (axis < 0 || axis > 2) throw Error(TC_USAGE, "axis: expected 0, 1 or 2 (x, y, z)");
     return shape(level)[static_cast<size_t>(axis)];

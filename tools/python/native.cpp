@@ -243,6 +243,23 @@ class Native {
     call([&] { return tc_fractions(grid_, material, lo.data(), hi.data(), data, stride.data(), outside, threads); });
   }
 
+  // The cells (x, y, z), ends, begins and patches of the links along an axis.
+  py::tuple links(int axis, const Index& lo, const Index& hi) const {
+    struct Found {
+      std::vector<int64_t> cells, patches;
+      std::vector<uint32_t> ends, begins;
+    } found;
+    const auto take = [](void* user, const tc_link* link) {
+      Found& f = *static_cast<Found*>(user);
+      f.cells.insert(f.cells.end(), {link->cell[0], link->cell[1], link->cell[2]});
+      f.ends.push_back(link->end), f.begins.push_back(link->begin), f.patches.push_back(link->patch);
+      return 0;
+    };
+    call([&] { return tc_links(grid_, axis, lo.data(), hi.data(), take, &found); });
+    const auto array = [](const auto& values) { return py::array(static_cast<py::ssize_t>(values.size()), values.data()); };
+    return py::make_tuple(array(found.cells).reshape({py::ssize_t{-1}, py::ssize_t{3}}), array(found.ends), array(found.begins), array(found.patches));
+  }
+
  private:
   template <class F>
   py::array_t<double> positions(int level, int axis, int64_t more, F&& f) const {
@@ -315,6 +332,7 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   if (given("memory")) o.memory = options["memory"].cast<uint64_t>();
   if (given("tmp")) o.tmp = options["tmp"].cast<std::string>();
   if (given("thin")) o.thin = options["thin"].cast<bool>();
+  if (given("links")) o.links = options["links"].cast<bool>();
   if (given("fractions")) {
     o.fractions = options["fractions"].cast<Subdivision>();
     if (const std::string beyond = beyond_bounds(*o.fractions); !beyond.empty()) throw UsageError("fractions: " + beyond);
@@ -402,5 +420,6 @@ PYBIND11_MODULE(_native, m) {
       .def("column", &Native::column)
       .def("stats", &Native::stats)
       .def("uniform", &Native::uniform)
-      .def("fractions", &Native::fractions, py::arg("material"), py::arg("lo"), py::arg("out").noconvert(), py::arg("outside"), py::arg("threads"));
+      .def("fractions", &Native::fractions, py::arg("material"), py::arg("lo"), py::arg("out").noconvert(), py::arg("outside"), py::arg("threads"))
+      .def("links", &Native::links);
 }

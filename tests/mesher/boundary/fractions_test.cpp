@@ -206,7 +206,7 @@ TEST_CASE("Many sub-samples per cell are counted in blocks of a ray, and give th
   }
 }
 
-TEST_CASE("The cells are the same with and without fractions, and without them the file is") {
+TEST_CASE("The cells are the same with and without fractions and links") {
   std::mt19937_64 random(9);
   const Axis axis = Axis::uniform(0, 0.5, 0, 18, 0.5);
   const TempFolder folder;
@@ -215,6 +215,7 @@ TEST_CASE("The cells are the same with and without fractions, and without them t
   options.axis = 1;
   mesh_quietly(scene, folder / "plain.tcell", options);
   options.fractions = Subdivision{2, 2, 2};
+  options.links = true;
   mesh_quietly(scene, folder / "shares.tcell", options);
   const GridReader plain(folder / "plain.tcell"), shares(folder / "shares.tcell");
   CHECK(all_cells(plain) == all_cells(shares));
@@ -222,7 +223,7 @@ TEST_CASE("The cells are the same with and without fractions, and without them t
   CHECK(plain.meta().levels()[0].bytes == shares.meta().levels()[0].bytes);
 }
 
-TEST_CASE("A file with fractions is the same for any threads, from parts, and after an interruption") {
+TEST_CASE("A file with fractions and links is the same for any threads, from parts, and after an interruption") {
   std::mt19937_64 random(12);
   const Axis axis = Axis::uniform(0, 0.25, 0, 40, 0.5);
   const TempFolder folder;
@@ -233,6 +234,7 @@ TEST_CASE("A file with fractions is the same for any threads, from parts, and af
   options.chunk_rays = 4;
   options.threads = 1;
   options.fractions = Subdivision{2, 4, 8};
+  options.links = true;
   mesh_quietly(scene, folder / "g.tcell", options);
   const std::string expected = bytes_of(folder / "g.tcell");
 

@@ -291,6 +291,28 @@ class Grid(Level):
             self._native.fractions(material, lo[::-1], out, float(outside), threads)
         return out
 
+    def links(self, box=None, axis="x"):
+        """The links between the cells of a box (z0, y0, x0, z1, y1, x1) of level 0 and their upper neighbours along an axis, where these have
+        different labels: arrays (cells, end, begin, patch), in the order of the cells.
+
+        axis    "x", "y" or "z"
+        cells   [n][3], int64: z, y, x
+        end     [n], uint32: going from the cell's sample point to its neighbour's, in 65536ths of the distance, where the label of the cell
+                ends ...
+        begin   [n], uint32: ... and from where on there is only that of its neighbour. They are equal where one wall lies there, and
+                1 <= end <= begin <= 65536. Both are 0 where surfaces don't tell (a thin part that was kept).
+        patch   [n], int64: that of the surface; -1 if none is known
+
+        A grid that was meshed without links is a UsageError.
+        """
+        if axis not in ("x", "y", "z"):
+            raise UsageError(f"axis: expected 'x', 'y' or 'z', found {shown(axis)}")
+        lo, hi = self._box(box)
+        cells, end, begin, patch = self._native.links("xyz".index(axis), lo[::-1], hi[::-1])
+        cells = cells[:, ::-1]
+        order = numpy.lexsort(cells.T[::-1])
+        return cells[order], end[order], begin[order], patch[order]
+
     def level(self, number):
         """A level: 0 has all cells, each further one half as many along every axis, rounded up."""
         return Level(self, number)
@@ -345,7 +367,7 @@ class Partition(collections.abc.Sequence):
 
 
 def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=None, engine=None, threads=0, memory=None, tmp=None, thin=False,
-         fractions=None, resume=False, progress=None):
+         fractions=None, links=False, resume=False, progress=None):
     """Meshes a scene and returns the Grid. The file appears under the name `output` only when it is complete.
 
     scene     a scene file, a surface file, a list of surface files, or a scene as a dict, whose paths are relative to `folder`
@@ -354,6 +376,8 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
     pad       cells around the bodies
     axis      "x", "y" or "z": the axis of the rays (the cells are the same)
     memory    bytes that the run may take (default: a quarter of the machine's); larger surfaces are spilled to `tmp`
+    fractions keep the shares of materials in cells that a boundary cuts, counted over so many sub-samples per cell along (x, y, z)
+    links     keep where labels change between neighbouring sample points
     progress  a function that is called with the phase and the share of it that is done; what it raises ends the run
 
     The report of the run is the attribute `report` of the grid that is returned.
@@ -381,7 +405,8 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
     options = {"cells": _given(cells, lambda n: one_or_three("cells", n, 1)), "step": _given(step, _length),
                "pad": _given(pad, lambda n: whole("pad", n, 0)), "axis": _given(axis, "xyz".index), "engine": _given(engine, str),
                "threads": whole("threads", threads, 0, 1024), "memory": _given(memory, lambda n: whole("memory", n, 1, (1 << 63) - 1)),
-               "tmp": _given(tmp, lambda path: os.fsencode(path_of(path))), "thin": bool(thin), "fractions": _given(fractions, lambda n: wholes("fractions", n, 3, 1)), "resume": bool(resume)}
+               "tmp": _given(tmp, lambda path: os.fsencode(path_of(path))), "thin": bool(thin), "links": bool(links),
+               "fractions": _given(fractions, lambda n: wholes("fractions", n, 3, 1)), "resume": bool(resume)}
     report = _native.mesh(text, os.fsencode(base), surfaces, os.fsencode(path_of(output)), options, progress)
     grid = Grid(output)
     grid.report = json.loads(report)
