@@ -167,6 +167,76 @@ class Shares(unittest.TestCase):
                 ask()
 
 
+class Links(unittest.TestCase):
+    """Where labels change between sample points, against grids that are 65536 times finer along one axis."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.scene = json.loads((folder / "stadium/scene.json").read_text())
+        for body in cls.scene["bodies"]:
+            body["mesh"] = str(folder / "stadium" / body["mesh"])
+            body["stitch"] = 0
+        cls.scene["grid"] = {"min": [-150, -120, -3], "max": [150, 120, 57], "cells": [75, 60, 15]}  # cells of 4 m: no number is rounded
+        cls.path = folder / "links.tcell"
+        cls.grid = teracell.mesh(cls.scene, cls.path, links=True)
+
+    def test_labels_change_where_they_do_in_a_grid_65536_times_finer(self):
+        cells = self.grid[...]
+        for axis, name in enumerate("xyz"):
+            along = 2 - axis
+            fine = json.loads(json.dumps(self.scene))
+            n, first = cells.shape[along], self.scene["grid"]["min"][axis] + 2
+            half = 2 / 65536
+            fine["grid"][name] = {"min": first - half, "max": first + (n - 1) * 4 + half, "cells": (n - 1) * 65536 + 1}
+            for key in ("min", "max", "cells"):
+                for d, other in enumerate("xyz"):
+                    if other != name:
+                        fine["grid"].setdefault(other, {})[key] = self.scene["grid"][key][d]
+                del fine["grid"][key]
+            finer = teracell.mesh(fine, folder / "finer.tcell", axis=name)
+            expected = []
+            for a in range(cells.shape[0 if along else 1]):
+                for b in range(cells.shape[2 if along < 2 else 1]):
+                    changes = {}
+                    runs = finer.column(along, (a, b))
+                    for start, _, _ in runs[1:]:
+                        changes.setdefault((start - 1) // 65536, []).append((start - 1) % 65536 + 1)
+                    for i, ks in changes.items():
+                        cell = [a, b]
+                        cell.insert(along, i)
+                        upper = list(cell)
+                        upper[along] += 1
+                        if cells[tuple(cell)] != cells[tuple(upper)]:
+                            expected.append((*cell, ks[0], ks[-1]))
+            found = self.grid.links(axis=name)
+            self.assertGreater(len(expected), 1000)
+            self.assertEqual(sorted(expected), [(*map(int, c), int(e), int(b)) for c, e, b in zip(*found[:3])])
+
+    def test_boxes_through_every_language(self):
+        rng = random.Random(5)
+        lines, expected = [], []
+        whole = [self.grid.links(axis=name) for name in "xyz"]
+        for _ in range(20):
+            axis, box = rng.randrange(3), random_box(rng, self.grid.shape)
+            cells = whole[axis][0]
+            inside = ((cells >= box[:3]) & (cells < box[3:])).all(axis=1)
+            found = self.grid.links(box, "xyz"[axis])
+            for a, b in zip(found, whole[axis]):
+                numpy.testing.assert_array_equal(a, b[inside])
+            for (z, y, x), end, begin, patch in zip(*found):
+                expected.append(f"{x} {y} {z} {end} {begin} {patch}")
+            z0, y0, x0, z1, y1, x1 = box
+            lines.append(f"{axis} {x0} {y0} {z0} {x1} {y1} {z1}")
+        for name in ("links.cpp", "links.f90"):
+            printed = run(compiled(SOURCES / name), self.path, input=("\n".join(lines) + "\n").encode()).decode().splitlines()
+            self.assertEqual(sorted(" ".join(line.split()) for line in printed), sorted(expected), name)
+
+    def test_wrong_questions(self):
+        for ask, words in ((lambda: self.grid.links(axis="w"), "expected 'x', 'y' or 'z'"), (lambda: teracell.open(grids[0]).links(), "has no links")):
+            with self.assertRaisesRegex(teracell.UsageError, words):
+                ask()
+
+
 class Questions(unittest.TestCase):
     def test_counts_columns_runs_and_uniform_boxes_agree_with_the_cells(self):
         rng = random.Random(4)
