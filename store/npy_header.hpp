@@ -7,9 +7,9 @@
 
 namespace teracell {
 
-// `dtype` is as NumPy writes it: "|u1" for bytes, "<u2" for little-endian numbers of two bytes.
+// `dtype` is as NumPy writes it: "|u1" for bytes, "<u2" for little-endian numbers of two bytes, or a list of named fields in brackets.
 inline Bytes npy_header(const std::string& dtype, const std::vector<int64_t>& shape) {
-  std::string dict = "{'descr': '" + dtype + "', 'fortran_order': False, 'shape': (";
+  std::string dict = "{'descr': " + (dtype.starts_with('[') ? dtype : "'" + dtype + "'") + ", 'fortran_order': False, 'shape': (";
   for (const int64_t n : shape) dict += std::to_string(n) + ", ";
   dict += "), }";
   const size_t unpadded = 10 + dict.size() + 1;
