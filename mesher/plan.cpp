@@ -44,7 +44,8 @@ AxisChoice choose_axis(const Grid& grid, const Vec3& area, std::optional<int> as
 
 }  // namespace
 
-Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays, std::optional<Subdivision> fractions, bool links) {
+Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays, std::optional<Subdivision> fractions,
+               bool links) {
   Plan plan;
   Metadata& meta = plan.meta;
   meta.units = scene.units;

@@ -23,6 +23,7 @@ struct Plan {
 
 // `axis` is the axis that the user asks for, if any. `fractions`: the sub-samples that mixed cells are counted by, if they are.
 // `links`: the file has them.
-Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays, std::optional<Subdivision> fractions = {}, bool links = false);
+Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis, uint32_t chunk_rays, std::optional<Subdivision> fractions = {},
+               bool links = false);
 
 }  // namespace teracell

@@ -15,9 +15,9 @@
 
 #include "store/color.hpp"
 #include "store/fraction_reader.hpp"
-#include "store/link_reader.hpp"
 #include "store/info.hpp"
 #include "store/kept_chunks.hpp"
+#include "store/link_reader.hpp"
 #include "store/partition.hpp"
 #include "store/query.hpp"
 #include "store/sources.hpp"

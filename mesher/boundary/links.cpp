@@ -178,8 +178,8 @@ bool LinkFinder::look_closely(int axis, const Box& block, std::span<const Crosse
     const uint32_t below = sheet_at(at), above = sheet_at(beyond);
     if (below != kNoBody || above != kNoBody) {
       const uint32_t sheet = is_stronger(above, below) ? above : below;
-      const auto first = std::ranges::find_if(
-          crossers, [&](const Crosser& c) { return c.facet != kNoFacet && body_of_layer(active_[c.facet]->layer) == sheet; });
+      const auto first =
+          std::ranges::find_if(crossers, [&](const Crosser& c) { return c.facet != kNoFacet && body_of_layer(active_[c.facet]->layer) == sheet; });
       if (first == crossers.end()) return true;
       link.end = link.begin = first->k;
       link.patch = patch_of(crossers, first->k, sheet);

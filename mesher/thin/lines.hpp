@@ -27,7 +27,8 @@ class FacetLines {
   // REQUIRES: `points` is the grid's own axis.
   template <class F>
   void cross_exactly(const Facet& facet, const Box& cells, uint64_t& exact, F&& f) {
-    const auto with_subs = [&](const Index3& cell, std::span<const uint32_t> above, bool up, const FacetHeight& height, std::span<const double> u, double v) {
+    const auto with_subs = [&](const Index3& cell, std::span<const uint32_t> above, bool up, const FacetHeight& height, std::span<const double> u,
+                               double v) {
       height.first_sub_positions(u, v, above.data(), subs_.data(), exact);
       f(cell, above, std::span<const uint32_t>(subs_.data(), above.size()), up);
     };

@@ -25,8 +25,8 @@ uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
 
 }  // namespace
 
-FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<uint8_t> widened,
-                     const TreeRange& range)
+FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move,
+                     std::vector<uint8_t> widened, const TreeRange& range)
     : rays_(meta, std::move(widened)),
       range_(range),
       float32_(float32),

@@ -257,7 +257,8 @@ class Native {
     };
     call([&] { return tc_links(grid_, axis, lo.data(), hi.data(), take, &found); });
     const auto array = [](const auto& values) { return py::array(static_cast<py::ssize_t>(values.size()), values.data()); };
-    return py::make_tuple(array(found.cells).reshape({py::ssize_t{-1}, py::ssize_t{3}}), array(found.ends), array(found.begins), array(found.patches));
+    return py::make_tuple(array(found.cells).reshape({py::ssize_t{-1}, py::ssize_t{3}}), array(found.ends), array(found.begins),
+                          array(found.patches));
   }
 
  private:

@@ -45,8 +45,8 @@ struct Filling {
 };
 
 std::unique_ptr<FacetBins> filled(const Metadata& meta, const std::vector<Added>& facets, const TempFolder& folder, const Filling& how = {}) {
-  auto out =
-      std::make_unique<FacetBins>(meta, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move, std::vector<uint8_t>{});
+  auto out = std::make_unique<FacetBins>(meta, how.expected, how.float32, Budget{how.budget, folder.path()}, how.own_writer, how.move,
+                                         std::vector<uint8_t>{});
   for (const Added& f : facets) out->add(f.facet, f.layer | (f.ignored ? kIgnored : 0), f.origin);
   out->finish();
   return out;

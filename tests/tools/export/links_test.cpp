@@ -17,7 +17,8 @@ TEST_CASE("Records of links have both materials, cells and places", "[export]") 
   MeshOptions options;
   options.links = true;
   options.chunk_rays = 4;
-  mesh_quietly(scene_of(folder, {{shapes::sphere({9, 9, 8}, 6.2, 2)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}}, {{axis, axis, axis}}),
+  mesh_quietly(scene_of(folder, {{shapes::sphere({9, 9, 8}, 6.2, 2)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}},
+                        {{axis, axis, axis}}),
                folder / "g.tcell", options);
   const GridReader reader(folder / "g.tcell");
   const std::vector<uint32_t> cells = all_cells(reader);
