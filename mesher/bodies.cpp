@@ -8,6 +8,7 @@
 
 #include "mesher/closing/extrude.hpp"
 #include "mesher/scene/placement.hpp"
+#include "mesher/surface/area.hpp"
 #include "mesher/surface/read_facets.hpp"
 #include "store/error.hpp"
 
@@ -26,7 +27,7 @@ constexpr uint64_t kMostTogether = uint64_t{8} << 20;
 class Study {
  public:
   Study() { begin(); }
-  void take(const Facet& facet, const SceneBody& body, bool moves) {
+  void take(const Facet& facet, const SceneBody& body, bool moves, uint32_t patch) {
     const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
     boundary_.add(hashes);
     opposites_.add(hashes);
@@ -38,6 +39,8 @@ class Study {
         hi_[d] = std::max(hi_[d], q[d]);
       }
     }
+    if (patch >= areas_.size()) areas_.resize(patch + 1);
+    areas_[patch] += area(p);
     for (int w = 0; w < 3; ++w) {
       const int u = (w + 1) % 3, v = (w + 2) % 3;
       area_[w] += std::abs((p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u])) / 2;
@@ -45,7 +48,7 @@ class Study {
   }
   // REQUIRES: all facets of the body were taken.
   void end_body() {
-    bodies_.push_back({lo_, hi_, boundary_, opposites_.take_answer()});
+    bodies_.push_back({lo_, hi_, boundary_, opposites_.take_answer(), std::exchange(areas_, {})});
     begin();
   }
   void hand_over(Bodies& out) {
@@ -56,6 +59,7 @@ class Study {
       body.lo = bodies_[b].lo, body.hi = bodies_[b].hi;
       body.boundary = bodies_[b].boundary;
       body.opposites = bodies_[b].opposites;
+      body.areas = std::move(bodies_[b].areas);
       for (int d = 0; d < 3; ++d) {
         out.lo[d] = std::min(out.lo[d], body.lo[d]);
         out.hi[d] = std::max(out.hi[d], body.hi[d]);
@@ -68,12 +72,14 @@ class Study {
     Vec3 lo, hi;
     BoundaryProof boundary;
     bool opposites;
+    std::vector<double> areas;
   };
   void begin() {
     lo_.fill(HUGE_VAL), hi_.fill(-HUGE_VAL);
     boundary_ = {};
   }
   Vec3 lo_, hi_, area_{};
+  std::vector<double> areas_;  // of patches
   BoundaryProof boundary_;
   OppositeSample opposites_;
   std::vector<Found> bodies_;
@@ -111,10 +117,10 @@ class BodyReader {
                                  take(b, layer, facets);
                                  progress(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
                                },
-                               {budget_, out_.helper.get(), [&](uint64_t facets) { make_room(facets); }});
+                               {budget_, out_.helper.get(), [&](uint64_t facets) { make_room(facets); }, [&](uint32_t patch) { patch_ = patch; }});
       if (!found.file.regular) once_.push_back(b);
       if (!out_.in_memory) expect_files();
-      batch_.pieces.push_back({b, {}, 0, true});
+      batch_.pieces.push_back({b, {}, 0, true, 0});
       if (batch_.pieces.size() >= kPieces) hand_on();
     }
     hand_on();
@@ -130,6 +136,7 @@ class BodyReader {
     std::span<const SceneFacet> stored;
     size_t copied;
     bool ends;
+    uint32_t patch;  // of those copied
   };
   struct Batch {
     std::vector<Piece> pieces;
@@ -141,12 +148,12 @@ class BodyReader {
     make_room(facets.size());
     batch_.facets += facets.size();
     if (!out_.in_memory) {
-      batch_.pieces.push_back({b, {}, facets.size(), false});
+      batch_.pieces.push_back({b, {}, facets.size(), false, patch_});
       batch_.copies.insert(batch_.copies.end(), facets.begin(), facets.end());
     }
     while (out_.in_memory && !facets.empty()) {
-      const std::span<const SceneFacet> stored = out_.facets->append(facets, layer);
-      batch_.pieces.push_back({b, stored, 0, false});
+      const std::span<const SceneFacet> stored = out_.facets->append(facets, layer, patch_);
+      batch_.pieces.push_back({b, stored, 0, false, patch_});
       facets = facets.subspan(stored.size());
     }
     if (batch_.facets >= kFacets) hand_on();
@@ -184,8 +191,8 @@ class BodyReader {
       for (const Piece& p : batch->pieces) {
         const SceneBody& body = scene.bodies[p.body];
         const bool moves = body.matrix != kIdentity;
-        for (const SceneFacet& f : p.stored) study->take(f.facet, body, moves);
-        for (size_t i = 0; i < p.copied; ++i) study->take(*copy++, body, moves);
+        for (const SceneFacet& f : p.stored) study->take(f.facet, body, moves, f.patch);
+        for (size_t i = 0; i < p.copied; ++i) study->take(*copy++, body, moves, p.patch);
         if (p.ends) study->end_body();
       }
     });
@@ -204,6 +211,7 @@ class BodyReader {
   const Budget& budget_;
   const uint64_t most_;
   const bool count_;
+  uint32_t patch_ = 0;        // of the facets that are being read
   std::vector<size_t> once_;  // bodies whose mesh was no regular file
   Bodies& out_;
   // Shared, because jobs may outlive the reading when it throws.
@@ -259,7 +267,7 @@ void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bo
     if (uint64_t i = 0; closed.rules) bodies.facets->for_each(found.first, last, [&](SceneFacet& f) { f.layer = closed.rules->layer(b, i++); });
     else if (closed.layer(b) != layer_of(b, body.fill == Fill::kEvenodd))
       bodies.facets->for_each(found.first, last, [&](SceneFacet& f) { f.layer = closed.layer(b); });
-    for (const bool parity : {false, true}) bodies.facets->append_all(closed.added[parity], layer_of(b, parity));
+    for (const bool parity : {false, true}) bodies.facets->append_all(closed.added[parity], layer_of(b, parity), kCapPatch);
   }
 }
 
@@ -288,8 +296,9 @@ void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& bud
   }
 }
 
-void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink) {
-  const SurfaceFile file = read_facets(body.mesh, body.part, sink, {budget});
+void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink,
+                const std::function<void(uint32_t)>& enter_patch) {
+  const SurfaceFile file = read_facets(body.mesh, body.part, sink, {.budget = budget, .enter_patch = enter_patch});
   if (file.hash != found.file.hash)
     throw InputError(
         fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));

@@ -12,8 +12,12 @@
 
 namespace teracell {
 
+// Until patches are numbered (patches.hpp), a facet has the number of its patch in its file, and what closes a body has one of these.
+inline constexpr uint32_t kCapPatch = kAddedFacet, kSidePatch = kAddedFacet | 1;
+
 struct BodyFacets {
   SurfaceFile file;
+  std::vector<double> areas;  // of file.patches, as the grid sees them
   uint64_t first = 0;  // when in memory: its facets are [first, first + file.facets) of Bodies::facets
   Vec3 lo, hi;         // the box of its vertices, as the grid sees them
   BoundaryProof boundary;
@@ -51,6 +55,8 @@ void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies
 // Calls f with all facets, those that close surfaces included, as the grid sees them. REQUIRES: they were not handed on.
 void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&, uint32_t layer)>& f);
 // Reads a body's file once more. Throws InputError when the file has changed.
-void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink);
+void read_again(
+    const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink,
+    const std::function<void(uint32_t)>& enter_patch = [](uint32_t) {});
 
 }  // namespace teracell

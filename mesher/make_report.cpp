@@ -82,6 +82,9 @@ std::vector<std::string> all_warnings(const Scene& scene, const Bodies& bodies, 
       warn(fmt::format("body '{}' {}", body.name, words));
   }
   for (const std::string& words : cell_warnings(scene, bodies, plan, totals)) warn(words);
+  if (plan.meta.patches.size() == 6 && !scene.bodies.empty())
+    warn(fmt::format("no patch of the surfaces is known: they are more than the {} that a file holds (a body with \"patches\": false has one)",
+                     kMostPatches - 6));
   if (more > 0) out.push_back(fmt::format("there are {} more warnings than the report holds", more));
   return out;
 }

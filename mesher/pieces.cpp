@@ -25,7 +25,7 @@ Pieces::Pieces(const Scene& scene, const std::filesystem::path& output, const Me
     : output_(output),
       run_(scene, output, of_process(options, first), first, progress, stop),
       pieces_(run_.costs().pieces()),
-      facets_(run_.scene, run_.bodies, run_.plan.meta, run_.widened, run_.budget, run_.threads,
+      facets_(run_.scene, run_.bodies, run_.plan.meta, run_.widened, run_.budget, run_.threads, run_.options.links ? &*run_.patches : nullptr,
               [this](double share) { run_.progress("spill", share); }) {
   const std::string identity = run_.identity();
   ContentHash hash;

@@ -63,7 +63,7 @@ class MeshRun {
     open_output();
     totals_.overlaps.bound(run_.budget);
     TiledFacets facets(run_.scene, run_.bodies, run_.plan.meta, run_.widened, run_.budget, run_.threads,
-                       [&](double share) { run_.progress("spill", share); });
+                       run_.options.links ? &*run_.patches : nullptr, [&](double share) { run_.progress("spill", share); });
     Tiling& tiling = facets.tile(range_, run_.counts, false);
     Casting casting(run_, engine_maker(options_.engine, run_.plan.meta.frame(), [&] { return run_.of_solids(facets.in_memory()); }));
     run_.end_phase("prepare");

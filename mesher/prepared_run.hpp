@@ -6,6 +6,7 @@
 
 #include "mesher/caps_file.hpp"
 #include "mesher/mesh_options.hpp"
+#include "mesher/patches.hpp"
 #include "mesher/plan.hpp"
 #include "mesher/report.hpp"
 
@@ -36,6 +37,7 @@ class PreparedRun {
   const Budget budget;
   Plan plan;
   Bodies bodies;
+  std::optional<Patches> patches;
   std::vector<uint8_t> widened;  // bodies, as in rays.hpp
   RunReport run;
 

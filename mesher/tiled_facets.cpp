@@ -17,13 +17,14 @@ std::vector<bool> which_move(const Scene& scene) {
 }  // namespace
 
 TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<uint8_t>& widened, const Budget& budget,
-                         int threads, std::function<void(double)> progress)
+                         int threads, const Patches* patches, std::function<void(double)> progress)
     : scene_(scene),
       bodies_(bodies),
       meta_(meta),
       widened_(widened),
       budget_(budget),
       threads_(threads),
+      patches_(patches),
       progress_(std::move(progress)),
       binned_(scene.bodies.size()) {}
 
@@ -45,14 +46,14 @@ void TiledFacets::take_from_memory(bool count) {
   const bool any_moves = std::ranges::count(moves, true) > 0;
   if (any_moves && count) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
   const std::unique_ptr<FileFacets> facets = std::move(bodies_.facets);
-  facets_ = any_moves ? std::make_shared<GridFacets>(std::move(*facets),
-                                                     [&](SceneFacet& f) {
-                                                       if (const uint32_t b = body_of_layer(f.layer); moves[b])
-                                                         f.facet = moved(f.facet, scene_.bodies[b]);
-                                                     })
-                      : std::make_shared<GridFacets>(std::move(*facets));
+  const auto move = [&](SceneFacet& f) {
+    const uint32_t b = body_of_layer(f.layer);
+    if (moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
+    f.patch = patch_of(b, f.patch);
+  };
+  facets_ = any_moves || patches_ ? std::make_shared<GridFacets>(std::move(*facets), move) : std::make_shared<GridFacets>(std::move(*facets));
   for (size_t b = 0; b < scene_.bodies.size(); ++b)
-    for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity));
+    for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity), patch_of(b, kSidePatch));
   for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
 }
 
@@ -66,11 +67,13 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
   };
   const bool walls =
       std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
-  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range);
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range,
+                                          patches_ != nullptr);
   struct Stretch {  // of facets that are alike
     size_t facets;
     uint32_t layer;
     FacetBins::Origin origin;
+    uint32_t patch;
   };
   struct Batch {
     std::vector<Facet> facets;
@@ -83,14 +86,14 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
     background.run([&bins, batch = std::exchange(batch, {})] {
       const Facet* f = batch.facets.data();
       for (const Stretch& s : batch.stretches)
-        for (size_t i = 0; i < s.facets; ++i) bins->add(*f++, s.layer, s.origin);
+        for (size_t i = 0; i < s.facets; ++i) bins->add(*f++, s.layer, s.origin, s.patch);
     });
     batch.facets.reserve(kBatch);
   };
-  const auto add = [&](std::span<const Facet> facets, uint32_t layer, FacetBins::Origin origin) {
+  const auto add = [&](std::span<const Facet> facets, uint32_t layer, FacetBins::Origin origin, uint32_t patch) {
     if (!batch.facets.empty() && batch.facets.size() + facets.size() > kBatch) hand_on();
     batch.facets.insert(batch.facets.end(), facets.begin(), facets.end());
-    batch.stretches.push_back({facets.size(), layer, origin});
+    batch.stretches.push_back({facets.size(), layer, origin, patch});
   };
   const double all = static_cast<double>(bodies_.facet_count());
   uint64_t done = 0;
@@ -98,17 +101,17 @@ std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool a
     const BodyFacets& found = bodies_.bodies[b];
     const ClosedBody& closed = found.closed;
     uint64_t number = 0;
-    read_again(scene_.bodies[b], found, budget_, [&](std::span<const Facet> facets) {
-      if (!closed.rules) add(facets, closed.layer(b), FacetBins::kOfFile);
+    uint32_t patch = 0;
+    const auto take = [&](std::span<const Facet> facets) {
+      if (!closed.rules) add(facets, closed.layer(b), FacetBins::kOfFile, patch);
       else
-        for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile);
+        for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile, patch);
       done += facets.size();
       progress_(static_cast<double>(done) / all);
-    });
-    for (const bool parity : {false, true}) {
-      add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded);
-      add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced);
-    }
+    };
+    read_again(scene_.bodies[b], found, budget_, take, [&](uint32_t of_file) { patch = patch_of(b, of_file); });
+    for (const bool parity : {false, true}) add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded, patch_of(b, kCapPatch));
+    for (const bool parity : {false, true}) add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced, patch_of(b, kSidePatch));
   }
   hand_on();
   background.finish();

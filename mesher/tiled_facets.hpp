@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "mesher/bodies.hpp"
+#include "mesher/patches.hpp"
 #include "mesher/tiles/binned_counts.hpp"
 #include "mesher/tiles/tiling.hpp"
 
@@ -12,9 +12,9 @@ namespace teracell {
 class TiledFacets {
  public:
   // Keeps references to scene, bodies, meta, widened and budget; `progress` is called with shares of 1 while facets are spilled. `widened`
-  // bodies as in rays.hpp.
+  // bodies as in rays.hpp. `patches`: facets get those, if it isn't null.
   TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<uint8_t>& widened, const Budget& budget, int threads,
-              std::function<void(double)> progress);
+              const Patches* patches, std::function<void(double)> progress);
 
   // Tiles the facets of a stretch of the tree; the tiling before this one is gone. The first call takes facets in memory out of `bodies`;
   // `again`: there may be another one, so those that were added are kept. `count` is for counts(): one tiling may do that.
@@ -26,6 +26,7 @@ class TiledFacets {
   std::vector<SurfaceCounts> counts();
 
  private:
+  uint32_t patch_of(size_t body, uint32_t patch) const { return patches_ ? patches_->of(static_cast<uint32_t>(body), patch) : 0; }
   void take_from_memory(bool count);
   std::unique_ptr<FacetBins> fill_bins(const TreeRange& range, bool again);
 
@@ -35,6 +36,7 @@ class TiledFacets {
   const std::vector<uint8_t>& widened_;
   const Budget& budget_;
   const int threads_;
+  const Patches* const patches_;
   const std::function<void(double)> progress_;
   std::shared_ptr<GridFacets> facets_;
   uint64_t spilled_ = 0, held_ = 0;

@@ -102,6 +102,10 @@ std::string info_json(const GridReader& reader, std::string_view id) {
   if (keeps_bodies(meta))
     write_all(out, "labels", meta.labels,
               [&](size_t i) { out.begin_object().field("material", meta.labels[i].material).field("body", meta.labels[i].body).end_object(); });
+  write_all(out, "patches", meta.patches, [&](size_t i) {
+    const PatchInfo& p = meta.patches[i];
+    out.begin_object().field("id", i).field("name", p.name).field("body", p.body).field("area", p.area).end_object();
+  });
   out.key("levels").begin_array();
   for (int level = 0; level < reader.levels(); ++level) write_level(out, reader, level);
   out.end_array();

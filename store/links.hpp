@@ -12,7 +12,6 @@
 namespace teracell {
 
 inline constexpr char kLinks[] = "links", kDistances[] = "distances";  // the name and the coding of the channel
-inline constexpr uint32_t kNoPatch = ~uint32_t{0};
 
 // Between a cell of a chunk and its upper neighbour along an axis. `end` and `begin` are in 65536ths of the distance of the two sample points:
 // 1 <= end <= begin <= 65536, or both are 0 where surfaces don't tell.

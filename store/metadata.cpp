@@ -23,9 +23,11 @@ std::string beyond_bounds(const Metadata& meta) {
   const auto look_at = [&](const std::string& name) {
     if (name.size() > longest.size()) longest = name;
   };
-  size_t names = 0, values = kRoomForOthers + 4 * meta.materials.size() + 3 * meta.labels.size();
+  size_t names = 0, values = kRoomForOthers + 4 * meta.materials.size() + 3 * meta.labels.size() + 4 * meta.patches.size();
   for (const MaterialInfo& m : meta.materials) look_at(m.name), names += m.name.size();
   for (const LabelInfo& l : meta.labels) look_at(l.body);
+  for (const PatchInfo& p : meta.patches) look_at(p.name), look_at(p.body);
+  if (meta.patches.size() > kMostPatches) return fmt::format("expected at most {} patches, found {}", kMostPatches, meta.patches.size());
   for (const Channel& c : meta.channels) look_at(c.name), look_at(c.coding), values += 7;
   if (longest.size() > kMostName)
     return fmt::format("expected names of at most {} bytes, found one of {}: '{}...'", kMostName, longest.size(),
@@ -34,8 +36,8 @@ std::string beyond_bounds(const Metadata& meta) {
   uint64_t planes = 0;
   for (const Axis& a : meta.grid.axis) planes += a.planes().size();
   if (planes > kMostMetadataValues || values + planes > kMostMetadataValues)
-    return fmt::format("{} planes, {} materials and {} labels are more than the {} values that a file's metadata may have", planes,
-                       meta.materials.size(), meta.labels.size(), kMostMetadataValues);
+    return fmt::format("{} planes, {} materials, {} labels and {} patches are more than the {} values that a file's metadata may have", planes,
+                       meta.materials.size(), meta.labels.size(), meta.patches.size(), kMostMetadataValues);
   return "";
 }
 

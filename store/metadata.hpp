@@ -13,6 +13,7 @@ namespace teracell {
 // some answers hold them all. And how many values its metadata may have as JSON, since they are read into a tree.
 inline constexpr size_t kMostName = 256, kMostStem = 240;  // a name made from a file's name leaves room for a number
 inline constexpr size_t kMostMaterialNames = size_t{1} << 22, kMostMetadataValues = size_t{1} << 20;
+inline constexpr size_t kMostPatches = size_t{1} << 16;
 
 struct MaterialInfo {
   std::string name;
@@ -27,6 +28,15 @@ struct LabelInfo {
   std::string body;  // empty unless labels keep bodies apart
   friend bool operator==(const LabelInfo&, const LabelInfo&) = default;
 };
+
+// A part of the boundary: of the surfaces, or a side of the domain.
+struct PatchInfo {
+  std::string name;  // no two are equal
+  std::string body;  // empty for a side of the domain
+  double area = 0;   // in square units
+  friend bool operator==(const PatchInfo&, const PatchInfo&) = default;
+};
+inline constexpr uint32_t kNoPatch = ~uint32_t{0};
 
 // A stored level of the labels.
 struct LevelInfo {
@@ -60,6 +70,7 @@ struct Metadata {
   int ray_axis = 2;
   std::vector<MaterialInfo> materials;
   std::vector<LabelInfo> labels;
+  std::vector<PatchInfo> patches;  // the sides xmin, xmax, ymin ... first; empty if the file does not tell
   uint32_t chunk_rays = 64;      // a chunk has chunk_rays x chunk_rays rays ...
   uint32_t chunk_cells = 65536;  // ... of chunk_cells cells
   uint32_t page_chunks = 16;     // a page has page_chunks x page_chunks chunks

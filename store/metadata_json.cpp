@@ -91,6 +91,8 @@ Metadata metadata_from(const ordered_json& j, std::span<const ChannelKind> known
     for (int d = 0; d < 3; ++d) meta.grid.axis[d] = axis_from(j.at("axes").at(d));
     for (const auto& m : j.at("materials")) meta.materials.push_back({m.at("name"), m.at("color"), whole<uint32_t>(m, "rank", 65535)});
     for (const auto& l : j.at("labels")) meta.labels.push_back({whole<uint32_t>(l, "material", 65535), l.value("body", "")});
+    if (const auto patches = j.find("patches"); patches != j.end())
+      for (const auto& p : *patches) meta.patches.push_back({p.at("name"), p.value("body", ""), p.at("area")});
     meta.chunk_rays = whole<uint32_t>(j.at("chunk"), "rays", 256);
     meta.chunk_cells = whole<uint32_t>(j.at("chunk"), "cells", uint64_t{1} << 31);
     meta.page_chunks = whole<uint32_t>(j.at("chunk"), "page", 16);
@@ -154,6 +156,12 @@ Bytes encode_metadata(const Metadata& meta) {
     ordered_json label = {{"material", l.material}};
     if (!l.body.empty()) label["body"] = l.body;
     j["labels"].push_back(label);
+  }
+  for (const PatchInfo& p : meta.patches) {
+    ordered_json patch = {{"name", p.name}};
+    if (!p.body.empty()) patch["body"] = p.body;
+    patch["area"] = p.area;
+    j["patches"].push_back(patch);
   }
   j["chunk"] = {{"rays", meta.chunk_rays}, {"cells", meta.chunk_cells}, {"page", meta.page_chunks}};
   j["crossings"] = meta.crossings;

@@ -440,6 +440,21 @@ int tc_fractions(const tc_grid* grid, uint32_t material, const int64_t lo[3], co
   });
 }
 
+int64_t tc_patch_count(const tc_grid* grid) { return grid ? static_cast<int64_t>(grid->reader.meta().patches.size()) : 0; }
+
+int tc_patches(const tc_grid* grid, int64_t first, int64_t count, tc_patch* out, size_t size) {
+  return guarded([&] {
+    const std::vector<PatchInfo>& patches = reader_of(grid).meta().patches;
+    check_part(first, count, tc_patch_count(grid), "patches");
+    check(out != nullptr || count == 0, "memory for the patches, found NULL");
+    Structures structures(out, size, "tc_patch");
+    for (int64_t i = 0; i < count; ++i) {
+      const PatchInfo& p = patches[static_cast<size_t>(first + i)];
+      structures.put(i, tc_patch{p.name.c_str(), p.body.c_str(), p.area});
+    }
+  });
+}
+
 int tc_links(const tc_grid* grid, int axis, const int64_t lo[3], const int64_t hi[3], int (*visit)(void*, const tc_link*), void* user) {
   return guarded([&] {
     const GridReader& reader = reader_of(grid);

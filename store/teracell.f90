@@ -55,6 +55,11 @@ module teracell
     integer(c_int32_t) :: rank
   end type
 
+  type, bind(c) :: c_patch
+    type(c_ptr) :: name, body
+    real(c_double) :: area
+  end type
+
   type, bind(c) :: c_plan
     integer(c_int64_t) :: ranks, cells(3), align, halo
     real(c_double) :: total
@@ -105,6 +110,8 @@ module teracell
     procedure, public :: uniform => grid_uniform
     procedure, public :: fractions => grid_fractions
     procedure, public :: links => grid_links
+    procedure, public :: patches => grid_patches
+    procedure, public :: patch => grid_patch
     procedure, private :: read_int8, read_int16, read_int32
     generic, public :: read => read_int8, read_int16, read_int32
     procedure, private :: grid_assign
@@ -203,6 +210,19 @@ module teracell
       integer(c_int64_t), value :: map_size
       integer(c_int), value :: threads
       integer(c_int) :: tc_read_box
+    end function
+    function tc_patch_count(grid) bind(c)
+      import
+      type(c_ptr), value :: grid
+      integer(c_int64_t) :: tc_patch_count
+    end function
+    function tc_patches(grid, first, count, out, size) bind(c)
+      import
+      type(c_ptr), value :: grid
+      integer(c_int64_t), value :: first, count
+      type(c_patch), intent(out) :: out
+      integer(c_size_t), value :: size
+      integer(c_int) :: tc_patches
     end function
     function tc_links(grid, axis, lo, hi, visit, user) bind(c)
       import
@@ -514,6 +534,26 @@ contains
     call finish(tc_fractions(self%handle, int(material, c_int32_t), lo, lo + n, c_loc(shares), [1_int64, n(1), n(1) * n(2)], fill, &
                              workers), status)
   end subroutine
+
+  ! How many patches there are. Their numbers are 0 to this less 1.
+  integer function grid_patches(self)
+    class(tc_grid), intent(in) :: self
+    grid_patches = int(tc_patch_count(self%handle))
+  end function
+
+  ! The name of a patch by its number; '' after an error.
+  function grid_patch(self, number, status) result(name)
+    class(tc_grid), intent(in) :: self
+    integer, intent(in) :: number
+    integer, intent(out), optional :: status
+    character(len=:), allocatable :: name
+    type(c_patch) :: patch
+    integer(c_int) :: found
+    name = ''
+    found = tc_patches(self%handle, int(number, int64), 1_int64, patch, c_sizeof(patch))
+    if (found == tc_ok) name = text_of(patch%name)
+    call finish(found, status)
+  end function
 
   ! The links along an axis (1, 2, 3 for x, y, z) whose cells lie from lo to below hi, in no particular order.
   subroutine grid_links(self, axis, lo, hi, links, status)

@@ -196,8 +196,22 @@ TC_API int tc_fractions(const tc_grid* grid, uint32_t material, const int64_t lo
 typedef struct tc_link {
   int64_t cell[3];
   uint32_t end, begin;
-  int64_t patch;  /* of the surface; -1 if none is known */
+  int64_t patch; /* its number; -1 if none is known */
 } tc_link;
+
+/* A part of the boundary: what the mesh files call a group, an object or a solid; what closes a body; or a side of the domain. */
+typedef struct tc_patch {
+  const char* name; /* UTF-8; valid until tc_close() */
+  const char* body; /* empty for a side of the domain; valid until tc_close() */
+  double area;      /* in square units of length */
+} tc_patch;
+
+/* How many patches the grid has. They are numbered from 0: xmin, xmax, ymin, ymax, zmin, zmax, then those of the surfaces. 0 if the file was
+ * written before files had them. */
+TC_API int64_t tc_patch_count(const tc_grid* grid);
+
+/* out[i] = the patch with the number first + i, for i < count. `size` is sizeof *out. */
+TC_API int tc_patches(const tc_grid* grid, int64_t first, int64_t count, tc_patch* out, size_t size);
 
 /* Calls visit(user, link) for the links along an axis (0, 1, 2 for x, y, z) whose cells lie in a box, until it returns something other than
  * 0; that is TC_STOPPED. The part of the box outside the grid is left out. Links come in no particular order. TC_USAGE if the grid was

@@ -161,6 +161,12 @@ class Grid {
     return out;
   }
 
+  // By number.
+  std::vector<tc_patch> patches() const {
+    std::vector<tc_patch> out(static_cast<size_t>(tc_patch_count(get())));
+    check(tc_patches(get(), 0, static_cast<int64_t>(out.size()), out.data(), sizeof(tc_patch)));
+    return out;
+  }
   // Calls visit(const tc_link&) for the links along an axis (0, 1, 2 for x, y, z) whose cells lie in a box of level 0. What it throws ends the
   // reading and is thrown here.
   template <class Visit>

@@ -12,6 +12,11 @@ constexpr int64_t kBlockLines = int64_t{1} << 15;
 // The change of the winding number at a step up along an axis has the sign of the frame's handedness, which differs for y.
 int handedness(int axis) { return axis == 1 ? -1 : 1; }
 
+uint32_t number_of_patch(const SceneFacet& facet) {
+  const uint32_t number = facet.patch & ~kAddedFacet;
+  return number == (kNoPatch & ~kAddedFacet) ? kNoPatch : number;
+}
+
 Label label_at(const RayBlock& runs, uint32_t ray, uint32_t w) {
   const auto changes = runs.changes(ray);
   constexpr size_t kFew = 16;
@@ -154,7 +159,7 @@ bool LinkFinder::look_at(int axis, const Box& block, const Crosser& crosser, Lin
     if (label_at(runs, ray, w) == label_at(runs, ray + (axis == rays_.u ? 1 : runs.nu), w)) return false;
   }
   link.end = link.begin = crosser.k;
-  link.patch = active_[crosser.facet]->patch & ~kAddedFacet;
+  link.patch = number_of_patch(*active_[crosser.facet]);
   return true;
 }
 
@@ -227,7 +232,7 @@ uint32_t LinkFinder::patch_of(std::span<const Crosser> crossers, uint32_t k, uin
     if (const uint32_t body = body_of_layer(facet.layer); is_sheet(body) && body != owner) continue;
     if (!best || rank(facet) < rank(*best)) best = &facet;
   }
-  return best ? best->patch & ~kAddedFacet : kNoPatch;
+  return best ? number_of_patch(*best) : kNoPatch;
 }
 
 int LinkFinder::step_of(int axis, const Crosser& c) const { return (c.up ? 1 : -1) * handedness(axis) * handedness(rays_.w); }

@@ -11,12 +11,15 @@
 
 namespace teracell {
 
-// A facet of the scene: its vertices in the coordinates of the grid, and the layer that it belongs to (compose.hpp).
+// A facet of the scene: its vertices in the coordinates of the grid, the layer that it belongs to (compose.hpp), and where it is wanted the
+// number of its patch (patches.hpp).
 struct SceneFacet {
   Facet facet;
   uint32_t layer;
   uint32_t patch = 0;
 };
+static_assert(sizeof(SceneFacet) == 80);
+// Added to the patch of a facet that is not in its body's file but closes it.
 inline constexpr uint32_t kAddedFacet = uint32_t{1} << 31;
 // Added to the layer of a facet that repeats another one (closing.hpp): it counts for nothing, and no engine may see it.
 inline constexpr uint32_t kIgnored = uint32_t{1} << 30;

@@ -258,8 +258,8 @@ Closing closing_of(const Node& node) {
 }
 
 SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& folder) {
-  node.check_keys(
-      {"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "matrix", "scale", "rotate", "translate"});
+  node.check_keys({"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "patches", "matrix", "scale",
+                   "rotate", "translate"});
   SceneBody body;
   body.mesh_text = node.require("mesh").text();
   body.mesh = folder / body.mesh_text;
@@ -282,6 +282,7 @@ SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& f
     throw UsageError(fmt::format(
         "{}: fill, closing, stitch and thin are for solids only: a sheet is not filled, closed or stitched, and no part of it is lost between sample points",
         node.where()));
+  if (const auto n = node.find("patches")) body.patches = n->boolean();
   body.matrix = parse_matrix(node);
   return body;
 }
@@ -349,6 +350,7 @@ void write_body(JsonWriter& out, const Scene& scene, const SceneBody& b) {
   if (b.stitch) out.field("stitch", *b.stitch);
   if (b.kind == Kind::kSheet) out.field("kind", "sheet");
   if (b.thin == Thin::kKeep) out.field("thin", "keep");
+  if (!b.patches) out.key("patches").raw("false");
   out.field("matrix", b.matrix).end_object();
 }
 

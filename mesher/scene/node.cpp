@@ -173,6 +173,11 @@ double Node::positive() const {
   return x;
 }
 
+bool Node::boolean() const {
+  if (!value_->is_boolean()) fail("true or false");
+  return value_->get<bool>();
+}
+
 int64_t Node::integer(int64_t lo, int64_t hi) const {
   const std::string expected = fmt::format("an integer from {} to {}", lo, hi);
   int64_t n = 0;

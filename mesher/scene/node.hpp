@@ -52,6 +52,7 @@ class Node {
   double number() const;
   double positive() const;
   int64_t integer(int64_t lo, int64_t hi) const;
+  bool boolean() const;
   const std::string& text() const;  // not empty, without control characters
   size_t choice(std::span<const std::string_view> words) const;  // the index of the word
   size_t choice(std::initializer_list<std::string_view> words) const { return choice(std::span(words.begin(), words.size())); }

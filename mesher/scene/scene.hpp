@@ -58,6 +58,7 @@ struct SceneBody {
   Kind kind = Kind::kSolid;
   Thin thin = Thin::kIgnore;
   Matrix matrix = kIdentity;
+  bool patches = true;  // groups, objects and solids of the mesh are patches of their own
   friend bool operator==(const SceneBody&, const SceneBody&) = default;
 };
 
@@ -112,7 +113,7 @@ Scene bare_scene(const std::vector<std::filesystem::path>& meshes);
 void override_grid(Scene& scene, const GridOptions& options);
 
 // The scene as JSON in a normal form: defaults are written out, and a matrix takes the place of scale, rotate and translate.
-// `stitch`, `kind` and `thin` are written only where they are not the default. Parsing the text gives an equal scene. Bodies
+// `stitch`, `kind`, `thin` and `patches` are written only where they are not the default. Parsing the text gives an equal scene. Bodies
 // that don't fit into `most` bytes are left out, and their number is written instead.
 std::string normalised(const Scene& scene, size_t most = ~size_t{0});
 

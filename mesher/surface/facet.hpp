@@ -26,6 +26,8 @@ struct SurfaceFile {
   bool regular = true;              // the file can be read again: it is no pipe and no device
   // Names of STL solids, or of OBJ groups and objects, in the file's order, not only those that match; up to some megabytes.
   std::vector<std::string> parts;
+  // Names of the patches that facets passed to the sink belong to, in the order of their first facets; "" where none is named.
+  std::vector<std::string> patches;
   std::vector<std::string> warnings;  // what was skipped or tolerated: one sentence per kind, without the file's name
 };
 

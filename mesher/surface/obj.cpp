@@ -2,6 +2,7 @@
 // counts the polylines, points, free-form curves and surfaces among it, since a body may lack them.
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -153,8 +154,9 @@ class ObjReader {
   // A line may name several groups; the facets that follow belong to each of them.
   void enter_groups(std::string_view line) {
     grouped_ = group_wanted_ = false;
+    group_.clear();
     for (std::string_view name = next_word(line); !name.empty() && name[0] != '#'; name = next_word(line)) {
-      grouped_ = true;
+      if (!std::exchange(grouped_, true)) group_ = name;
       group_wanted_ |= out_.wants(name);
     }
     choose();
@@ -164,6 +166,7 @@ class ObjReader {
     const std::string_view name = trimmed(line);
     in_object_ = !name.empty();
     object_wanted_ = in_object_ && out_.wants(name);
+    object_ = name;
     choose();
   }
 
@@ -190,7 +193,10 @@ class ObjReader {
                             surfaces_ > 0 ? ": convert surfaces to polygons where the body needs them" : ""));
   }
 
-  void choose() { wanted_ = grouped_ || in_object_ ? group_wanted_ || object_wanted_ : out_.wants(""); }
+  void choose() {
+    wanted_ = grouped_ || in_object_ ? group_wanted_ || object_wanted_ : out_.wants("");
+    out_.enter_patch(grouped_ ? group_ : object_);
+  }
 
   Input& input_;
   FacetStream& out_;
@@ -198,7 +204,7 @@ class ObjReader {
   VertexTable vertices_;
   std::array<std::vector<Vec3>, 2> plain_;  // parsed by this thread, and by the helper
   uint64_t next_plain_ = 0;                 // the offset from which to look for plain vertices again
-  std::string joined_;
+  std::string joined_, group_, object_;
   bool grouped_ = false, group_wanted_ = false, in_object_ = false, object_wanted_ = false;
   bool wanted_;  // the facets of the current part go to the sink
   uint64_t polylines_ = 0, points_ = 0, curves_ = 0, surfaces_ = 0;  // skipped

@@ -74,7 +74,7 @@ const SurfaceReader& reader_of(Input& input) {
 
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const ReadOptions& options) {
   SurfaceFile file;
-  FacetStream out(part, sink);
+  FacetStream out(part, sink, options.enter_patch);
   reader_of(input).read(input, out, file, options);
   out.finish(input.name(), file);
   file.bytes = input.bytes_on_disk();

@@ -20,7 +20,8 @@ class Input;
 // vertices; vertices beyond an eighth of the budget are kept on disk, in the budget's folder.
 //
 // In an OBJ, a facet belongs to the parts named by its groups (`g`) and by its object (`o`); in an ASCII STL, to its solid.
-// What has no name has the name "". The glob knows `*`, `?` and `[...]` as in fnmatch(3), and is case-sensitive.
+// What has no name has the name "". The first group names the patch of a facet; without one it is the object, or the solid. The glob knows `*`, `?`
+// and `[...]` as in fnmatch(3), and is case-sensitive.
 //
 // Throws IoError or InputError (file, line or byte offset, expected, found). A file without facets is an InputError, and so is
 // a `part` that nothing matches. For a file of another format, the message names that format. Facets before the fault have

@@ -15,6 +15,8 @@ struct ReadOptions {
   Background* helper = nullptr;  // may do part of the parsing; it may have other jobs
   // Called before the first facet by a reader that knows about how many there are.
   std::function<void(uint64_t)> expect = [](uint64_t) {};
+  // Called when the facets that follow belong to another patch, with its number in SurfaceFile::patches; before the first facet, too.
+  std::function<void(uint32_t)> enter_patch = [](uint32_t) {};
 };
 
 }  // namespace teracell

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -23,7 +25,32 @@ locale_t c_locale() {
 
 }  // namespace
 
-FacetStream::FacetStream(const std::string& glob, const FacetSink& sink) : glob_(glob), sink_(sink) {}
+FacetStream::FacetStream(const std::string& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch)
+    : glob_(glob), sink_(sink), enter_patch_(enter_patch) {}
+
+void FacetStream::enter_patch(std::string_view name) {
+  if (name == patch_) return;
+  flush();
+  patch_ = name;
+  limit_ = 0;
+}
+
+// A file may name more patches than can be remembered: the others are not told apart.
+void FacetStream::begin_patch() {
+  constexpr size_t kMostPatchesOfFile = size_t{1} << 16;
+  auto known = patches_.find(patch_);
+  if (known == patches_.end() && patches_.size() >= kMostPatchesOfFile && !patch_.empty()) {
+    if (std::exchange(warned_of_patches_, true) == false)
+      warn(fmt::format("more than {} groups or solids are named: facets of the others belong to the patch of the body", kMostPatchesOfFile));
+    known = patches_.find("");
+  }
+  if (known == patches_.end()) {
+    const std::string name = patches_.size() >= kMostPatchesOfFile ? "" : patch_;
+    known = patches_.emplace(name, static_cast<uint32_t>(patch_names_.size())).first;
+    patch_names_.push_back(name);
+  }
+  if (std::exchange(entered_, known->second) != known->second) enter_patch_(known->second);
+}
 
 bool FacetStream::wants(std::string_view part) {
   const std::string name(part);
@@ -52,11 +79,13 @@ void FacetStream::flush() {
 }
 
 void FacetStream::make_room() {
+  if (limit_ == 0) begin_patch();
+  if (std::exchange(limit_, capacity_) == 0) return;
   flush();
   if (capacity_ == kMany) return;
   many_ = std::make_unique_for_overwrite<Facet[]>(kMany);
   batch_ = many_.get();
-  capacity_ = kMany;
+  capacity_ = limit_ = kMany;
 }
 
 void FacetStream::finish(const std::string& name, SurfaceFile& file) {
@@ -75,6 +104,7 @@ void FacetStream::finish(const std::string& name, SurfaceFile& file) {
                                  warnings_.empty() ? "" : ": ", fmt::join(warnings_, ". ")));
   file.facets = facets_;
   file.parts = std::move(parts_);
+  file.patches = std::move(patch_names_);
   file.warnings = std::move(warnings_);
 }
 

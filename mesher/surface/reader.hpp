@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string_view>
+#include <unordered_map>
 #include <unordered_set>
 
 #include "mesher/surface/facet.hpp"
@@ -18,15 +19,17 @@ namespace teracell {
 // Collects what a reader finds: facets for the sink, in batches, and the names of parts.
 class FacetStream {
  public:
-  // Both must outlive it.
-  FacetStream(const std::string& glob, const FacetSink& sink);
+  // All must outlive it.
+  FacetStream(const std::string& glob, const FacetSink& sink, const std::function<void(uint32_t)>& enter_patch);
   FacetStream(const FacetStream&) = delete;
 
   // Records that the file has this part ("": the unnamed one). Returns whether its facets are wanted.
   bool wants(std::string_view part);
+  // The facets that follow belong to this patch ("": to the one of the body).
+  void enter_patch(std::string_view name);
   // A new facet, which the caller fills in before the next call.
   Facet& next() {
-    if (used_ == capacity_) make_room();
+    if (used_ == limit_) make_room();
     return batch_[used_++];
   }
   void add(const Vec3& a, const Vec3& b, const Vec3& c) { next().vertex = {a, b, c}; }
@@ -41,19 +44,26 @@ class FacetStream {
   void note(const std::string& name);
   void flush();
   void make_room();
+  void begin_patch();
 
   const std::string& glob_;
   const FacetSink& sink_;
+  const std::function<void(uint32_t)>& enter_patch_;
   Facet few_[kFew];  // most files of an assembly are small
   std::unique_ptr<Facet[]> many_;
   Facet* batch_ = few_;
-  size_t used_ = 0, capacity_ = kFew;
+  size_t used_ = 0, capacity_ = kFew, limit_ = 0;  // up to the limit, next() has nothing to do; 0 before the first facet of a patch
   uint64_t facets_ = 0;
   bool matched_ = false;  // some part is wanted
   std::vector<std::string> parts_;
   std::unordered_set<std::string> known_parts_;
   uint64_t names_ = 0;       // bytes that these two take, approximately
   bool more_parts_ = false;  // the file has more parts than these two hold
+  std::string patch_;        // of the facets that follow
+  std::unordered_map<std::string, uint32_t> patches_;
+  std::vector<std::string> patch_names_;
+  uint32_t entered_ = ~uint32_t{0};
+  bool warned_of_patches_ = false;
   std::vector<std::string> warnings_;
 };
 

@@ -227,6 +227,7 @@ void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const ReadOpt
       unended += inside;
       name = words.solid_name();
       wanted = out.wants(name);
+      out.enter_patch(name);
       inside = true, has_facet = false;
     } else if (inside && is_keyword(word, "endsolid")) {
       words.skip_name(name);

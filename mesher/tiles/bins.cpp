@@ -26,11 +26,12 @@ uint64_t expected_bytes(uint64_t facets, size_t record_bytes) {
 }  // namespace
 
 FacetBins::FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move,
-                     std::vector<uint8_t> widened, const TreeRange& range)
+                     std::vector<uint8_t> widened, const TreeRange& range, bool patches)
     : rays_(meta, std::move(widened)),
       range_(range),
       float32_(float32),
-      record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + sizeof(uint32_t)),
+      patches_(patches),
+      record_bytes_(9 * (float32 ? sizeof(float) : sizeof(double)) + (patches ? 2 : 1) * sizeof(uint32_t)),
       most_facets_(std::max<uint64_t>(std::min(budget.bytes, kMostUseful) / 16 / kLoadedBytes, 1024)),
       move_(std::move(move)),
       file_(budget.folder, expected_bytes(facets, record_bytes_), expected_bytes(facets, record_bytes_) <= budget.bytes / 2),
@@ -71,10 +72,10 @@ FacetBins::GroupRange FacetBins::groups_of(const RayRange& r) const {
   return {std::min(r.u0, u) / group, std::min(r.u1, u) / group, std::min(r.v0, v) / group, std::min(r.v1, v) / group};
 }
 
-void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin) {
+void FacetBins::add(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch) {
   const uint32_t tag = layer | (origin == kOfFile ? 0 : kNotOfFile) | (origin == kPlaced ? kInPlace : 0);
-  std::array<uint8_t, 9 * sizeof(double) + sizeof(uint32_t)> record;
-  encode(facet, tag, {record.data(), record_bytes_});
+  std::array<uint8_t, 9 * sizeof(double) + 2 * sizeof(uint32_t)> record;
+  encode(facet, tag, patch, {record.data(), record_bytes_});
   put(root_, groups_of(rays_.range_of(placed(facet, tag), layer_in(tag))), {record.data(), record_bytes_});
 }
 
@@ -147,6 +148,7 @@ void FacetBins::take(const TreePlace& place, const std::function<void(const Binn
     out.layer = layer_in(tag);
     out.ignored = (tag & kIgnored) != 0;
     out.added = (tag & kNotOfFile) != 0;
+    out.patch = patch_in(record);
     const Facet moved = placed(out.facet, tag);
     const RayRange range = rays_.range_of(moved, out.layer);
     const GroupRange groups = groups_of(range);
@@ -175,7 +177,7 @@ void FacetBins::take_records(Bin& bin, F&& f) {
   bin.extents = {};
 }
 
-void FacetBins::encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const {
+void FacetBins::encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const {
   uint8_t* to = record.data();
   for (const Vec3& p : facet.vertex)
     for (const double x : p) {
@@ -189,6 +191,13 @@ void FacetBins::encode(const Facet& facet, uint32_t tag, std::span<uint8_t> reco
       }
     }
   std::memcpy(to, &tag, sizeof tag);
+  if (patches_) std::memcpy(to + sizeof tag, &patch, sizeof patch);
+}
+
+uint32_t FacetBins::patch_in(std::span<const uint8_t> record) const {
+  uint32_t patch = 0;
+  if (patches_) std::memcpy(&patch, record.last(sizeof patch).data(), sizeof patch);
+  return patch;
 }
 
 Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& tag) const {

@@ -20,6 +20,7 @@ struct BinnedFacet {
   bool shared;     // it lies in several bins
   bool added;      // it closes a hole and is not in the body's file
   bool ignored;    // it counts for nothing
+  uint32_t patch;  // as in SceneFacet; 0 if they are not kept
 };
 
 // Not thread-safe while it is filled; then threads may take different bins at once.
@@ -29,13 +30,13 @@ class FacetBins {
   // For about `facets` facets, in single precision if `float32`. `move` transforms a facet to where the grid sees it. A loaded
   // bin takes about a sixteenth of the budget, and so do all buffers together while bins are filled. With `own_writer` another
   // thread writes to the disk. If all fits into half of the budget, it stays in memory. `widened` bodies as in rays.hpp. Facets that lie
-  // outside `range` alone are dropped.
+  // outside `range` alone are dropped. `patches`: facets keep theirs.
   FacetBins(const Metadata& meta, uint64_t facets, bool float32, const Budget& budget, bool own_writer, Move move, std::vector<uint8_t> widened,
-            const TreeRange& range = {});
+            const TreeRange& range = {}, bool patches = false);
 
   // Where a facet comes from: the body's file, closing (in the file's coordinates), or closing (as the grid sees it).
   enum Origin { kOfFile, kAdded, kPlaced };
-  void add(const Facet& facet, uint32_t layer, Origin origin);
+  void add(const Facet& facet, uint32_t layer, Origin origin, uint32_t patch = 0);
   // To be called after the last facet. Splits bins that are too large, as far as the tree goes.
   void finish();
 
@@ -73,16 +74,17 @@ class FacetBins {
   void split_large(Bin& bin);
   template <class F>
   void take_records(Bin& bin, F&& f);
-  // A record is nine coordinates and a tag: the layer, with two bits for the origin.
+  // A record is nine coordinates, a tag (the layer, with two bits for the origin), and the patch if patches are kept.
   static constexpr uint32_t kNotOfFile = uint32_t{1} << 31, kInPlace = uint32_t{1} << 29;
   static uint32_t layer_in(uint32_t tag) { return tag & ~(kNotOfFile | kIgnored | kInPlace); }
   Facet placed(const Facet& facet, uint32_t tag) const { return tag & kInPlace ? facet : move_(facet, layer_in(tag)); }
-  void encode(const Facet& facet, uint32_t tag, std::span<uint8_t> record) const;
+  void encode(const Facet& facet, uint32_t tag, uint32_t patch, std::span<uint8_t> record) const;
   Facet decode(std::span<const uint8_t> record, uint32_t& tag) const;
+  uint32_t patch_in(std::span<const uint8_t> record) const;
 
   GridRays rays_;
   const TreeRange range_;
-  const bool float32_;
+  const bool float32_, patches_;
   const size_t record_bytes_;
   const uint64_t most_facets_;  // of a bin that is loaded
   size_t buffer_bytes_;

@@ -6,7 +6,7 @@
 
 namespace teracell {
 
-std::span<SceneFacet> FacetStore::append(std::span<const Facet> facets, uint32_t layer) {
+std::span<SceneFacet> FacetStore::append(std::span<const Facet> facets, uint32_t layer, uint32_t patch) {
   const uint64_t used = size_ % kPiece;
   if (used == 0) {
     pieces_.push_back(std::make_unique_for_overwrite<SceneFacet[]>(kPiece));
@@ -14,7 +14,7 @@ std::span<SceneFacet> FacetStore::append(std::span<const Facet> facets, uint32_t
   }
   SceneFacet* const first = pieces_.back().get() + used;
   const size_t count = std::min<size_t>(facets.size(), kPiece - used);
-  for (size_t i = 0; i < count; ++i) first[i] = {facets[i], layer};
+  for (size_t i = 0; i < count; ++i) first[i] = {facets[i], layer, patch};
   size_ += count;
   return {first, count};
 }

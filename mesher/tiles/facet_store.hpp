@@ -28,9 +28,9 @@ class FacetStore {
   }
   // Appends as many of `facets` as fit into the last piece, at least one, and returns their place. They stay there as long as
   // the store lives. One thread may append while others use facets that were returned.
-  std::span<SceneFacet> append(std::span<const Facet> facets, uint32_t layer);
-  void append_all(std::span<const Facet> facets, uint32_t layer) {
-    while (!facets.empty()) facets = facets.subspan(append(facets, layer).size());
+  std::span<SceneFacet> append(std::span<const Facet> facets, uint32_t layer, uint32_t patch = 0);
+  void append_all(std::span<const Facet> facets, uint32_t layer, uint32_t patch) {
+    while (!facets.empty()) facets = facets.subspan(append(facets, layer, patch).size());
   }
   // Calls f(facet) for facets first to last - 1 in order.
   template <class F>

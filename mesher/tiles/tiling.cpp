@@ -120,7 +120,7 @@ Tiling::Node Tiling::load(const TreePlace& place) const {
   bins_->take(place, [&](const BinnedFacet& f, const Facet& moved, const RayRange& range) {
     if (counts) counts->add(f);
     if (!kept || range.empty()) return;
-    store->append({&moved, 1}, f.layer);
+    store->append({&moved, 1}, f.layer, f.patch);
     node.add(moved, range);
   });
   if (counts) counts->finish();

@@ -126,6 +126,23 @@ void print_report(const Report& report, const std::string& units) {
   for (const std::string& w : report.warnings) row(std::exchange(title, ""), w);
 }
 
+// The largest patches of the surfaces; the sides of the domain say nothing new.
+void print_patches(const Metadata& meta) {
+  constexpr size_t kShown = 12;
+  std::vector<const PatchInfo*> patches;
+  size_t width = 0;
+  for (const PatchInfo& p : meta.patches)
+    if (!p.body.empty()) patches.push_back(&p);
+  std::ranges::stable_sort(patches, std::ranges::greater{}, &PatchInfo::area);
+  const size_t shown = std::min(patches.size(), kShown);
+  for (size_t i = 0; i < shown; ++i) width = std::max(width, patches[i]->name.size());
+  std::string title = "patches";
+  for (size_t i = 0; i < shown; ++i)
+    row(std::exchange(title, ""), fmt::format("{:<{}}  {} {}²", patches[i]->name, width, number_text(patches[i]->area, 4), meta.units));
+  if (patches.size() > shown)
+    row("", fmt::format("and {} more, none larger than {} {}²", patches.size() - shown, number_text(patches[shown]->area, 4), meta.units));
+}
+
 void print(const GridReader& reader) {
   const Metadata& meta = reader.meta();
   const Index3 n = meta.grid.cells();
@@ -147,6 +164,7 @@ void print(const GridReader& reader) {
   for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
   for (size_t i = 0; i < meta.materials.size(); ++i)
     row(i == 0 ? "materials" : "", fmt::format("{:>3}  {:<{}}  {}", i, meta.materials[i].name, width, meta.materials[i].color));
+  print_patches(meta);
   for (int level = 0; level < reader.levels(); ++level) {
     const Index3 c = meta.grid.cells(level);
     std::string how = "derived when read";

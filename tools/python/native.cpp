@@ -154,6 +154,13 @@ class Native {
     for (const tc_material& m : all) out.append(py::make_tuple(m.name, py::make_tuple(m.color[0], m.color[1], m.color[2], m.color[3]), m.rank));
     return out;
   }
+  py::list patches() const {
+    std::vector<tc_patch> all(static_cast<size_t>(tc_patch_count(grid_)));
+    call([&] { return tc_patches(grid_, 0, tc_patch_count(grid_), all.data(), sizeof(tc_patch)); });
+    py::list out;
+    for (const tc_patch& p : all) out.append(py::make_tuple(p.name, p.body, p.area));
+    return out;
+  }
   py::array_t<double> planes(int level, int axis) const { return positions(level, axis, 1, tc_planes); }
   py::array_t<double> samples(int level, int axis) const { return positions(level, axis, 0, tc_samples); }
 
@@ -422,5 +429,6 @@ PYBIND11_MODULE(_native, m) {
       .def("stats", &Native::stats)
       .def("uniform", &Native::uniform)
       .def("fractions", &Native::fractions, py::arg("material"), py::arg("lo"), py::arg("out").noconvert(), py::arg("outside"), py::arg("threads"))
-      .def("links", &Native::links);
+      .def("links", &Native::links)
+      .def("patches", &Native::patches);
 }

@@ -47,7 +47,7 @@ TEST_CASE("Facets keep number, layer and place while others are appended, one by
 
 TEST_CASE("A stretch of facets is walked in order, from anywhere to anywhere, and may be changed on the way") {
   FacetStore store;
-  store.append_all(facets(0, 10000), 5);
+  store.append_all(facets(0, 10000), 5, 2);
   REQUIRE(store.size() == 10000);
   for (const auto& [first, last] :
        {std::pair<uint64_t, uint64_t>{0, 10000}, {0, 0}, {4095, 4097}, {4096, 8192}, {8191, 8192}, {9999, 10000}, {17, 9000}}) {
@@ -56,7 +56,10 @@ TEST_CASE("A stretch of facets is walked in order, from anywhere to anywhere, an
     REQUIRE(next == last);
   }
   store.for_each(4000, 4200, [](SceneFacet& f) { f.layer = 6; });
-  for (uint64_t i = 3900; i < 4300; ++i) REQUIRE(store[i].layer == (i >= 4000 && i < 4200 ? 6 : 5));
+  for (uint64_t i = 3900; i < 4300; ++i) {
+    REQUIRE(store[i].layer == (i >= 4000 && i < 4200 ? 6 : 5));
+    REQUIRE(store[i].patch == 2);
+  }
 }
 
 }  // namespace

@@ -22,13 +22,15 @@ from . import _native
 from ._arguments import corners, index_of, is_address, one_or_three, path_of, shown, whole, whole_key, wholes
 from ._errors import Error, FormatError, IoError, UsageError
 
-__all__ = ["open", "mesh", "Grid", "Level", "Axis", "Material", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
+__all__ = ["open", "mesh", "Grid", "Level", "Axis", "Material", "Patch", "Cells", "Partition", "Part", "Error", "FormatError", "IoError", "UsageError",
            "__version__"]
 __version__ = _native.version
 
 Axis = collections.namedtuple("Axis", "name planes samples")
 Axis.__doc__ = """An axis of a level: its planes (cells + 1) and the sample points of its cells (cells), as float64."""
 
+Patch = collections.namedtuple("Patch", "number name body area")
+Patch.__doc__ = """A part of the boundary: its number, its name, its body ("" for a side of the domain) and its area in square units."""
 Material = collections.namedtuple("Material", "id name color rank")
 Material.__doc__ = """A material: its id, its name, its colour (red, green, blue, alpha) and its rank, 0 for the strongest."""
 
@@ -291,6 +293,12 @@ class Grid(Level):
             self._native.fractions(material, lo[::-1], out, float(outside), threads)
         return out
 
+    @property
+    def patches(self):
+        """The parts of the boundary by number, as a list of Patch: the sides of the domain (xmin, xmax, ymin ...), then those of the surfaces:
+        groups, objects and solids that mesh files name, and what closes a body. Empty for files of earlier versions."""
+        return [Patch(i, *p) for i, p in enumerate(self._native.patches())]
+
     def links(self, box=None, axis="x"):
         """The links between the cells of a box (z0, y0, x0, z1, y1, x1) of level 0 and their upper neighbours along an axis, where these have
         different labels: arrays (cells, end, begin, patch), in the order of the cells.
@@ -301,7 +309,7 @@ class Grid(Level):
                 ends ...
         begin   [n], uint32: ... and from where on there is only that of its neighbour. They are equal where one wall lies there, and
                 1 <= end <= begin <= 65536. Both are 0 where surfaces don't tell (a thin part that was kept).
-        patch   [n], int64: that of the surface; -1 if none is known
+        patch   [n], int64: its number in `patches`; -1 if none is known
 
         A grid that was meshed without links is a UsageError.
         """
