@@ -1,0 +1,29 @@
+// Which patch of the boundary each facet belongs to, and how large the patches are.
+#pragma once
+#include "mesher/bodies.hpp"
+#include "store/metadata.hpp"
+
+namespace teracell {
+
+// The patches of a grid (metadata.hpp): the sides of the domain, then for each body those of its file in the order of their first facets, that
+// of what closes it, and that of its extruded walls. Names that several bodies have are preceded by that of the body. If they are more than a
+// file holds, there are those of the sides alone.
+class Patches {
+ public:
+  // REQUIRES: the bodies are closed, and their facets were not handed on.
+  Patches(const Scene& scene, const Bodies& bodies, const Grid& grid);
+
+  const std::vector<PatchInfo>& all() const { return all_; }
+  // What SceneFacet holds for a facet: the number in all() of its patch, or one beyond all(), and kAddedFacet. `patch` as it was read.
+  uint32_t of(uint32_t body, uint32_t patch) const;
+
+ private:
+  struct OfBody {
+    std::vector<uint32_t> of_file;
+    uint32_t cap = kNoPatch, side = kNoPatch;
+  };
+  std::vector<PatchInfo> all_;
+  std::vector<OfBody> bodies_;
+};
+
+}  // namespace teracell
