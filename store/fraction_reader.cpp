@@ -51,6 +51,13 @@ std::vector<FractionReader::LabelCount> FractionReader::cell(const Index3& c) co
 
 template <class T>
 void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads) const {
+  std::vector<double> values(reader_.meta().materials.size());
+  values[material] = 1;
+  read_means(box, values, outside, data, stride, threads);
+}
+
+template <class T>
+void FractionReader::read_means(const Box& box, std::span<const double> values, T outside, T* data, const Index3& stride, int threads) const {
   const Metadata& meta = reader_.meta();
   const RayFrame f = meta.frame();
   Box inner = box;
@@ -68,7 +75,7 @@ void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* d
   reader_.prefetch(0, inner);
   std::vector<ChunkPart> parts;
   for_each_part(reader_.shape(0), RayBox(inner, f), [&](const ChunkPart& p) { parts.push_back(p); });
-  const auto is_of = [&](Label label) { return meta.labels[label].material == material; };
+  const auto value = [&](Label label) { return values[meta.labels[label].material]; };
   size_t next = 0;
   in_order(
       std::min<int>(threads, static_cast<int>(std::min<size_t>(parts.size(), 1024))),
@@ -86,13 +93,12 @@ void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* d
             for (int64_t w = std::max(from, p.w0); w < std::min(to, p.w1); ++w) ray[w * stride[f.w]] = share;
           };
           labels->rays.for_each_run(v * labels->rays.nu + u, p.w0, p.w1,
-                                    [&](uint32_t from, uint32_t to, SetId label) { fill(from, to, is_of(label)); });
+                                    [&](uint32_t from, uint32_t to, SetId label) { fill(from, to, static_cast<T>(value(label))); });
           for (const MixedCells::Run& run : mixed->of_ray(v * mixed->nu + u)) {
             if (run.to <= p.w0 || run.from >= p.w1) continue;
-            uint32_t count = 0;
-            for (size_t k = 0; k < mixed->labels(run).size(); ++k)
-              if (is_of(mixed->labels(run)[k])) count += mixed->counts_of(run)[k];
-            fill(run.from, run.to, static_cast<T>(static_cast<double>(count) / mixed->total));
+            double sum = 0;
+            for (size_t k = 0; k < mixed->labels(run).size(); ++k) sum += value(mixed->labels(run)[k]) * mixed->counts_of(run)[k];
+            fill(run.from, run.to, static_cast<T>(sum / mixed->total));
           }
         });
         return true;
@@ -102,5 +108,7 @@ void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* d
 
 template void FractionReader::read_box(const Box&, uint32_t, float, float*, const Index3&, int) const;
 template void FractionReader::read_box(const Box&, uint32_t, double, double*, const Index3&, int) const;
+template void FractionReader::read_means(const Box&, std::span<const double>, float, float*, const Index3&, int) const;
+template void FractionReader::read_means(const Box&, std::span<const double>, double, double*, const Index3&, int) const;
 
 }  // namespace teracell

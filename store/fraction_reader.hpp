@@ -28,6 +28,9 @@ class FractionReader {
   // `outside`. T is float or double; a float is the double, rounded once. REQUIRES: the material is one of the grid's.
   template <class T>
   void read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads = 1) const;
+  // The same of the mean of `values`, of which there is one for each material, weighted with the shares of the materials.
+  template <class T>
+  void read_means(const Box& box, std::span<const double> values, T outside, T* data, const Index3& stride, int threads = 1) const;
 
  private:
   const GridReader& reader_;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "store/bytes.hpp"
+#include "store/xml.hpp"
 
 namespace teracell {
 namespace {
@@ -19,13 +20,13 @@ std::string names(std::span<const MaterialInfo> materials) {
 
 void put_bytes(std::string& out, const void* data, size_t size) { out.append(static_cast<const char*>(data), size); }
 
-void put_count(std::string& out, uint64_t count) {
-  Bytes bytes;
-  put_fixed(bytes, count);
-  put_bytes(out, bytes.data(), bytes.size());
-}
-
 }  // namespace
+
+std::string vtk_count(uint64_t bytes) {
+  Bytes out;
+  put_fixed(out, bytes);
+  return {out.begin(), out.end()};
+}
 
 void expect_few_planes(const Index3& cells) {
   for (int d = 0; d < 3; ++d)
@@ -57,17 +58,21 @@ std::string vtk_header(const VtkGrid& grid, size_t bytes) {
     }
     header += "</Coordinates>\n";
   }
-  header += fmt::format(
-      "<CellData Scalars=\"material\"><DataArray type=\"UInt{}\" Name=\"material\" format=\"appended\" offset=\"{}\"/></CellData>\n</Piece>\n</{}>\n"
-      "<AppendedData encoding=\"raw\">\n_",
-      8 * bytes, offset, kind);
+  const uint64_t all = static_cast<uint64_t>(n[0]) * static_cast<uint64_t>(n[1]) * static_cast<uint64_t>(n[2]);
+  header += fmt::format("<CellData Scalars=\"material\"><DataArray type=\"UInt{}\" Name=\"material\" format=\"appended\" offset=\"{}\"/>", 8 * bytes,
+                        offset);
+  offset += 8 + bytes * all;
+  for (const std::string& name : grid.shares) {
+    header += fmt::format("\n<DataArray type=\"Float32\" Name=\"{}\" format=\"appended\" offset=\"{}\"/>", xml_text(name), offset);
+    offset += 8 + sizeof(float) * all;
+  }
+  header += fmt::format("</CellData>\n</Piece>\n</{}>\n<AppendedData encoding=\"raw\">\n_", kind);
   for (const std::vector<double>& planes : grid.planes) {
     if (planes.empty()) continue;
-    put_count(header, 8 * planes.size());
+    header += vtk_count(8 * planes.size());
     put_bytes(header, planes.data(), 8 * planes.size());
   }
-  put_count(header, static_cast<uint64_t>(n[0]) * static_cast<uint64_t>(n[1]) * static_cast<uint64_t>(n[2]) * bytes);
-  return header;
+  return header + vtk_count(all * bytes);
 }
 
 }  // namespace teracell

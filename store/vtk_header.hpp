@@ -16,10 +16,13 @@ struct VtkGrid {
   Vec3 origin, step;                           // of uniform axes
   std::array<std::vector<double>, 3> planes;   // of a graded grid; empty: none
   std::span<const MaterialInfo> materials;     // whose names are written; empty: none
+  std::vector<std::string> shares = {};        // names of more arrays, of floats
 };
 
-// What stands before the cells, which have `bytes` bytes each, little endian, x fastest.
+// What stands before the cells, which have `bytes` bytes each, little endian, x fastest. Each array of floats follows as its length in bytes
+// (vtk_count) and its numbers, in the same order.
 std::string vtk_header(const VtkGrid& grid, size_t bytes);
+std::string vtk_count(uint64_t bytes);
 inline constexpr char kVtkFooter[] = "\n</AppendedData>\n</VTKFile>\n";
 
 }  // namespace teracell

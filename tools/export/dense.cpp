@@ -18,18 +18,15 @@ void append_cells(const Export& e, OutputFile& file) {
 }  // namespace
 
 // A slab is as many layers of the slowest axis as fit it. Where not even one fits, it is rows of a layer, or a part of a row.
-template <class T>
-void for_each_slab(const Export& e, const AxisOrder& order, const std::function<void(std::span<const T>)>& take) {
+void for_each_slab(const Export& e, const AxisOrder& order, size_t bytes, const std::function<void(const Box&, const Index3&, size_t)>& take) {
   const auto [slow, middle, fast] = order;
   const auto& [lo, hi] = e.box;
   const int64_t row_cells = hi[fast] - lo[fast], layer_rows = hi[middle] - lo[middle];
   const auto fit = [](int64_t count, int64_t size) { return std::clamp<int64_t>(kSlabBytes / size, 1, count); };
-  const int64_t columns = fit(row_cells, sizeof(T)), row = row_cells * static_cast<int64_t>(sizeof(T)), rows = fit(layer_rows, row);
+  const int64_t columns = fit(row_cells, static_cast<int64_t>(bytes)), row = row_cells * static_cast<int64_t>(bytes), rows = fit(layer_rows, row);
   const int64_t layers = rows < layer_rows ? 1 : fit(hi[slow] - lo[slow], layer_rows * row);
-  const SetValue number = e.number();
   const double cells = static_cast<double>(row_cells) * static_cast<double>(layer_rows) * static_cast<double>(hi[slow] - lo[slow]);
   double done = 0;
-  std::vector<T> slab;
   for (int64_t k = lo[slow]; k < hi[slow]; k += layers)
     for (int64_t j = lo[middle]; j < hi[middle]; j += rows)
       for (int64_t i = lo[fast]; i < hi[fast]; i += columns) {
@@ -42,12 +39,22 @@ void for_each_slab(const Export& e, const AxisOrder& order, const std::function<
         stride[fast] = 1;
         stride[middle] = part.hi[fast] - i;
         stride[slow] = stride[middle] * (part.hi[middle] - j);
-        slab.resize(static_cast<size_t>(stride[slow] * (part.hi[slow] - k)));
-        read_box<T>(e.reader, e.level, part, number, 0, slab.data(), stride);
-        take(slab);
-        done += static_cast<double>(slab.size());
+        const int64_t count = stride[slow] * (part.hi[slow] - k);
+        take(part, stride, static_cast<size_t>(count));
+        done += static_cast<double>(count);
       }
   e.progress(1);
+}
+
+template <class T>
+void for_each_slab(const Export& e, const AxisOrder& order, const std::function<void(std::span<const T>)>& take) {
+  const SetValue number = e.number();
+  std::vector<T> slab;
+  for_each_slab(e, order, sizeof(T), [&](const Box& part, const Index3& stride, size_t cells) {
+    slab.resize(cells);
+    read_box<T>(e.reader, e.level, part, number, 0, slab.data(), stride);
+    take(slab);
+  });
 }
 
 template void for_each_slab(const Export&, const AxisOrder&, const std::function<void(std::span<const uint8_t>)>&);

@@ -17,7 +17,11 @@ void append_dense_cells(const Export& e, OutputFile& file);
 using AxisOrder = std::array<int, 3>;
 inline constexpr AxisOrder kXFastest = {2, 1, 0}, kZFastest = {0, 1, 2};
 
-// Hands over the cells of the box in this order, one slab after another. T is uint8_t, uint16_t or uint32_t.
+// Hands over the box in this order, one slab after another: its part, the strides of its axes in an array, and how many cells it has. An
+// array with `bytes` for each of them has a bounded size.
+void for_each_slab(const Export& e, const AxisOrder& order, size_t bytes,
+                   const std::function<void(const Box& part, const Index3& stride, size_t cells)>& take);
+// The same with the cells. T is uint8_t, uint16_t or uint32_t.
 template <class T>
 void for_each_slab(const Export& e, const AxisOrder& order, const std::function<void(std::span<const T>)>& take);
 

@@ -41,6 +41,7 @@ class MaterialsOfCells {
 void write_links(const Export& e) {
   if (e.level != 0) throw UsageError("--level: links are between cells of level 0, found " + std::to_string(e.level));
   const LinkReader links(e.reader);
+  e.progress(0);
   int64_t number = 0;
   for (int axis = 0; axis < 3; ++axis)
     links.for_each(axis, e.box, [&](std::span<const CellLink> found) {
@@ -67,6 +68,7 @@ void write_links(const Export& e) {
       done += static_cast<int64_t>(found.size());
       e.progress(static_cast<double>(done) / static_cast<double>(number));
     });
+  e.progress(1);
   file.commit();
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "store/link_reader.hpp"
 #include "tests/support/meshed.hpp"
 
 namespace fs = std::filesystem;
@@ -100,12 +101,27 @@ void Expected::drop_unreachable() {
   number_cells();
 }
 
-std::string Expected::patch(const Index3& c) const {
+void Expected::read_patches(const GridReader& reader) {
+  const LinkReader links(reader);
+  for (int d = 0; d < 3; ++d)
+    links.for_each(d, box, [&](std::span<const CellLink> found) {
+      for (const CellLink& l : found) {
+        Index3 lower = l.cell, upper;
+        for (int k = 0; k < 3; ++k) lower[k] -= box.lo[k];
+        upper = lower;
+        ++upper[d];
+        if (l.patch != kNoPatch) patches[{lower, upper}] = reader.meta().patches[l.patch].name;
+      }
+    });
+}
+
+std::string Expected::patch(const Index3& own, const Index3& c) const {
   for (int d = 0; d < 3; ++d) {
     if (c[d] < 0) return axis_name(d) + "min";
     if (c[d] >= n[d]) return axis_name(d) + "max";
   }
-  return names[material[at(c)]];
+  const auto found = patches.find(std::minmax(own, c));
+  return found == patches.end() ? names[material[at(c)]] : found->second;
 }
 
 void check_mesh(const Expected& e, const PolyMesh& mesh, const std::vector<int64_t>& cells, bool divided) {
@@ -152,7 +168,7 @@ void check_mesh(const Expected& e, const PolyMesh& mesh, const std::vector<int64
       continue;
     }
     REQUIRE(beyond < 0);
-    REQUIRE(patch.name == e.patch(b.before));
+    REQUIRE(patch.name == e.patch(b.behind, b.before));
     REQUIRE(patch.type == (e.inside(b.before) ? "wall" : "patch"));
   }
   REQUIRE(std::ranges::all_of(sides, [](int s) { return s == 63; }));

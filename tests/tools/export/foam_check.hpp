@@ -1,5 +1,6 @@
 // What the mesh of a grid must be, told cell by cell, and the comparison with what was exported.
 #pragma once
+#include <map>
 #include <set>
 
 #include "store/reader.hpp"
@@ -21,8 +22,10 @@ struct Expected {
   }
   // Leaves only the largest region; the first of those that are equally large.
   void drop_unreachable();
-  // The patch that lies beyond the box or is made of the cell.
-  std::string patch(const Index3& c) const;
+  // The patch of the face of a cell beyond which lies `c`: a side of the box, what the surface's links name, or the material.
+  std::string patch(const Index3& own, const Index3& c) const;
+  // Takes the patches of the links.
+  void read_patches(const GridReader& reader);
 
   Box box;
   Index3 n;
@@ -32,6 +35,7 @@ struct Expected {
   std::vector<int64_t> number;
   std::vector<size_t> cells;
   std::vector<std::string> names;
+  std::map<std::pair<Index3, Index3>, std::string> patches;  // between neighbouring cells of the box, the lower one first
 
  private:
   void number_cells();

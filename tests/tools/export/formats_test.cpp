@@ -97,12 +97,30 @@ TEST_CASE("A coarse level is exported as the reader gives it", "[export]") {
 }
 
 TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves nothing", "[export]") {
-  const Stored s({13, 9, 11}, 5);
+  const TempFolder folder;
+  const Index3 n{13, 9, 11};
+  MeshOptions mesh;
+  mesh.links = true;
+  mesh.fractions = Subdivision{2, 2, 4};
+  const Scene scene = scene_of(folder, {{shapes::sphere({6, 5, 5}, 4.2, 1)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}},
+                               {{Axis::uniform(0, 1, 0, n[0], 0.5), Axis::uniform(0, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 0, n[2], 0.5)}});
+  mesh_quietly(scene, folder / "g.tcell", mesh);
+  const GridReader reader(folder / "g.tcell");
+  const std::string inner = reader.meta().materials[1].name, outer = reader.meta().materials[2].name;
+  std::vector<std::pair<const ExportFormat*, std::map<std::string, std::string>>> exports;
   for (const ExportFormat& format : export_formats()) {
     std::map<std::string, std::string> options;
-    if (format.name == "openems") options["--epsilon"] = "m1=2,m2=2,m3=2,m4=2";
+    if (format.name == "openems") options["--epsilon"] = inner + "=2," + outer + "=3";
+    exports.emplace_back(&format, options);
+    for (const char* more : {"--fractions", "--patches"})
+      if (std::ranges::count(format.options, more, &ExportOption::name) > 0) options[more], exports.emplace_back(&format, options);
+  }
+  CHECK(exports.size() == export_formats().size() + 5);
+  for (size_t i = 0; i < exports.size(); ++i) {
+    const auto& [format, options] = exports[i];
+    INFO(format->name);
     std::vector<double> shares;
-    format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / ("done-" + format.name), [&](double share) { shares.push_back(share); }, {}, options});
+    format->write({reader, 0, {{0, 0, 0}, n}, folder / ("done-" + std::to_string(i)), [&](double share) { shares.push_back(share); }, {}, options});
     CHECK(shares.front() == 0);
     CHECK(shares.back() == 1);
     CHECK(std::ranges::is_sorted(shares));
@@ -110,8 +128,8 @@ TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves not
       const auto stop = [&](double share) {
         if (share == last) throw Interrupted("stopped");
       };
-      CHECK_THROWS_AS(format.write({*s.reader, 0, {{0, 0, 0}, s.n}, s.folder / "stopped", stop, {}, options}), Interrupted);
-      for (const auto& left : std::filesystem::directory_iterator(s.folder.path()))
+      CHECK_THROWS_AS(format->write({reader, 0, {{0, 0, 0}, n}, folder / "stopped", stop, {}, options}), Interrupted);
+      for (const auto& left : std::filesystem::directory_iterator(folder.path()))
         CHECK_FALSE(left.path().filename().string().starts_with("stopped"));
     }
   }

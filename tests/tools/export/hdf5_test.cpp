@@ -11,6 +11,7 @@
 #include <catch2/catch.hpp>
 
 #include "store/error.hpp"
+#include "store/fraction_reader.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 #include "tools/export/formats.hpp"
@@ -212,6 +213,77 @@ TEST_CASE("The profile meep has permittivities, x slowest", "[export]") {
     CHECK(eps.kind == H5T_FLOAT);
     CHECK(same_numbers(eps.values, s.materials(box, false), std::vector<double>{1, 2.25, 4, 9.5, 80}));
   }
+}
+
+TEST_CASE("Shares of materials stand beside the cells, and Meep has the mean of the permittivities", "[export]") {
+  const TempFolder folder;
+  MeshOptions options;
+  options.fractions = Subdivision{2, 4, 8};
+  options.chunk_rays = 8;
+  Grid grid;
+  for (int d = 0; d < 3; ++d) grid.axis[d] = Axis::uniform(0, 1, 0, std::array{70, 17, 15}[static_cast<size_t>(d)], 0.5);
+  mesh_quietly(scene_of(folder, {{shapes::sphere({60, 8, 8}, 6.2, 2)}, {shapes::box({3, 3, 3}, {58.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}}, grid),
+               folder / "g.tcell", options);
+  const GridReader reader(folder / "g.tcell");
+  const FractionReader fractions(reader);
+  const std::vector<MaterialInfo>& materials = reader.meta().materials;
+  const auto write = [&](const char* format, const std::string& name, const Box& box, Options asked, int level = 0) {
+    asked["--fractions"];
+    export_format_named(format)->write({reader, level, box, folder / name, [](double) {}, {}, asked});
+    return folder / name;
+  };
+  const std::string epsilon = fmt::format("{}=1,{}=2.25,{}=9.5", materials[0].name, materials[1].name, materials[2].name);
+  for (const Box& box : {grid.box(0), Box{{3, 7, 1}, {69, 17, 2}}}) {
+    const Index3 n{box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]};
+    const auto cells = static_cast<size_t>(n[0] * n[1] * n[2]);
+    std::vector<double> mean(cells), sum(cells);
+    std::vector<std::vector<float>> shares(3, std::vector<float>(cells));
+    int mixed = 0;
+    for (uint32_t id = 0; id < 3; ++id) {
+      std::vector<double> share(cells);
+      fractions.read_box(box, id, 0.0, share.data(), {n[1] * n[2], n[2], 1});
+      for (size_t i = 0; i < cells; ++i) mean[i] += share[i] * std::array{1.0, 2.25, 9.5}[id], sum[i] += share[i], mixed += share[i] > 0 && share[i] < 1;
+      fractions.read_box(box, id, 0.0F, shares[id].data(), {1, n[0], n[0] * n[1]});
+    }
+    CHECK(mixed > 5);
+    CHECK(std::ranges::count(sum, 1.0) == static_cast<int64_t>(cells));
+
+    const Read eps = read_h5(write("hdf5", "eps.h5", box, {{"--profile", "meep"}, {"--epsilon", epsilon}}), "eps");
+    CHECK(eps.size == size_xyz(box));
+    double worst = 0;
+    for (size_t i = 0; i < cells; ++i) worst = std::max(worst, std::abs(eps.values[i] - mean[i]));
+    CHECK(worst <= 1e-14);  // sums of the same three numbers in other orders
+
+    const fs::path plain = write("hdf5", "plain.h5", box, {});
+    const std::string vti = bytes_of(write("vti", "x.vti", box, {})), vtr = bytes_of(write("vtr", "x.vtr", box, {}));
+    const std::string xdmf = bytes_of(write("xdmf", "x.xdmf", box, {}));
+    for (uint32_t id = 0; id < 3; ++id) {
+      const std::string name = fmt::format("fractions/{}", id);
+      const Read found = read_h5(plain, name);
+      CHECK(found.size == size_zyx(box));
+      CHECK(found.bytes == 4);
+      CHECK(std::ranges::equal(found.values, shares[id], {}, {}, [](float f) { return static_cast<double>(f); }));
+      CHECK(read_h5_texts(plain, name, "material") == std::vector{materials[id].name});
+      CHECK(xdmf.find(fmt::format("fraction of {}", materials[id].name)) != std::string::npos);
+      CHECK(xdmf.find(":/" + name) != std::string::npos);
+      for (const std::string& vtk : {vti, vtr}) {
+        CHECK(vtk.find(fmt::format("<DataArray type=\"Float32\" Name=\"fraction of {}\"", materials[id].name)) != std::string::npos);
+        const std::string numbers(reinterpret_cast<const char*>(shares[id].data()), 4 * cells), end = "\n</AppendedData>\n</VTKFile>\n";
+        const size_t at = vtk.size() - end.size() - (3 - id) * (8 + 4 * cells);
+        const uint64_t bytes = 4 * cells;
+        CHECK(vtk.substr(at, 8) == std::string(reinterpret_cast<const char*>(&bytes), 8));
+        CHECK((vtk.substr(at + 8, 4 * cells) == numbers));
+      }
+    }
+  }
+  for (const char* profile : {"gprmax", "openems"})
+    CHECK_THROWS_WITH(write("hdf5", "no.h5", grid.box(0), {{"--profile", profile}, {"--epsilon", epsilon}}), Catch::Contains("one material for each cell"));
+  CHECK_THROWS_WITH(write("vti", "no.vti", grid.box(1), {}, 1), Catch::Contains("expected --level 0"));
+  CHECK_FALSE(fs::exists(folder / "no.h5"));
+  CHECK_FALSE(fs::exists(folder / "no.vti"));
+  const H5Cells without(2);
+  CHECK_THROWS_WITH(without.write("no.h5", without.all(), {{"--fractions", ""}}), Catch::Contains("no fractions"));
+  CHECK(files_in(without.folder) == 1);
 }
 
 TEST_CASE("The profile gprmax has numbers of lines of a file of materials, and -1 for the background", "[export]") {

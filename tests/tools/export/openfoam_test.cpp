@@ -1,3 +1,5 @@
+#include <fstream>
+
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
@@ -91,6 +93,50 @@ TEST_CASE("A mesh has the cells of its materials and a patch for each thing beyo
     check_parts(e, whole, folder / "case", ranks, options.contains("--zones"));
   }
   CHECK(checked > 40);
+}
+
+TEST_CASE("Walls are told apart by the patches of the surface, in parts or as a whole", "[openfoam]") {
+  std::mt19937_64 random(29);
+  const TempFolder folder;
+  // The sides of each body are patches of their own; the second one overlaps the first one.
+  for (const auto& [name, lo, hi] : {std::tuple("a", 2.3, 8.6), {"b", 5.2, 11.7}}) {
+    std::ofstream out(folder / fmt::format("{}.obj", name));
+    for (int i = 0; i < 8; ++i) out << fmt::format("v {} {} {}\n", i & 1 ? hi : lo, i & 2 ? hi : lo, i & 4 ? hi : lo);
+    const char* faces[] = {"1 5 7 3", "2 4 8 6", "1 2 6 5", "3 7 8 4", "1 3 4 2", "5 6 8 7"};
+    for (int i = 0; i < 6; ++i) out << fmt::format("g {}{}\nf {}\n", name, i, faces[i]);
+  }
+  for (int trial = 0; trial < 12; ++trial) {
+    Scene scene = bare_scene({folder / "a.obj", folder / "b.obj"});
+    for (SceneAxis& axis : scene.axis) axis.min = 0, axis.max = 14, axis.cells = 14;
+    MeshOptions options;
+    options.links = true;
+    options.axis = trial % 3;
+    options.chunk_rays = 4;
+    mesh_quietly(scene, folder / "g.tcell", options);
+    const GridReader reader(folder / "g.tcell");
+    const Box box = trial == 0 ? reader.meta().grid.box(0) : random_box(random, {14, 14, 14});
+    Options asked = {{"--patches", ""}};
+    std::set<uint32_t> fluid = {0};
+    if (trial % 2 == 1) asked["--fluid"] = reader.meta().materials[0].name + ",b", fluid = {0, 2};
+    Expected e(reader, 0, box, 1, fluid);
+    if (e.cells.empty()) continue;
+    e.read_patches(reader);
+    INFO("trial " << trial);
+    export_case(reader, box, folder / "case", asked);
+    const PolyMesh whole(folder / "case" / "constant" / "polyMesh");
+    check_mesh(e, whole, all_numbers(e), false);
+    if (trial == 0) CHECK(whole.patches.size() > 6 + 8);
+    asked["--ranks"] = std::to_string(std::min<size_t>(e.cells.size(), 5));
+    export_case(reader, box, folder / "case", asked);
+    check_parts(e, whole, folder / "case", static_cast<int>(std::min<size_t>(e.cells.size(), 5)), false);
+    fs::remove_all(folder / "case");
+    if (trial == 0) CHECK_THROWS_WITH(export_case(reader, reader.meta().grid.box(1), folder / "case", asked, 1), Catch::Contains("expected --level 0"));
+  }
+  Metadata meta = random_meta(random, {3, 3, 3}, 2);
+  store_cells(folder / "plain.tcell", meta, random_cells(random, {3, 3, 3}, 2));
+  const GridReader plain(folder / "plain.tcell");
+  CHECK_THROWS_WITH(export_case(plain, meta.grid.box(0), folder / "case", {{"--patches", ""}}), Catch::Contains("no links"));
+  CHECK_FALSE(fs::exists(folder / "case"));
 }
 
 TEST_CASE("Every cell may be a part of its own", "[openfoam]") {

@@ -11,7 +11,7 @@
 namespace teracell {
 namespace {
 
-constexpr int64_t kSlabCells = 32 << 20, kChunkBytes = 256 << 10;
+constexpr int64_t kSlabBytes = 64 << 20, kChunkBytes = 256 << 10;
 constexpr size_t kMostKept = 64;
 
 // Everything below is in the order of the dataset: the last axis varies fastest.
@@ -30,12 +30,12 @@ Index3 chunk_of(const Index3& n, int64_t most_cells) {
   return c;
 }
 
-// The size of what is read at once: whole chunks, as long as possible along the axes that vary fastest.
-Index3 slab_of(const Index3& n, const Index3& chunk) {
+// The size of what is read at once, about so many cells: whole chunks, as long as possible along the axes that vary fastest.
+Index3 slab_of(const Index3& n, const Index3& chunk, int64_t cells) {
   Index3 slab = chunk;
   for (int d = 2; d >= 0; --d) {
     const int64_t others = slab[0] * slab[1] * slab[2] / chunk[d];
-    slab[d] = std::min(n[d], chunk[d] * std::max<int64_t>(1, kSlabCells / (others * chunk[d])));
+    slab[d] = std::min(n[d], chunk[d] * std::max<int64_t>(1, cells / (others * chunk[d])));
     if (slab[d] < n[d]) break;
   }
   return slab;
@@ -56,47 +56,47 @@ Bytes compressed(const std::vector<T>& cells) {
   return out;
 }
 
-// A part of a slab of material ids.
+// A part of a slab.
+template <class V>
 struct Piece {
-  const uint16_t* ids;
+  const V* values;
   Index3 size, stride;
 
   template <class F>
   void for_each_row(const F& f) const {
     for (int64_t i = 0; i < size[0]; ++i)
-      for (int64_t j = 0; j < size[1]; ++j) f(i, j, std::span(ids + i * stride[0] + j * stride[1], static_cast<size_t>(size[2])));
+      for (int64_t j = 0; j < size[1]; ++j) f(i, j, std::span(values + i * stride[0] + j * stride[1], static_cast<size_t>(size[2])));
   }
   bool uniform() const {
     bool same = true;
-    for_each_row([&](int64_t, int64_t, std::span<const uint16_t> row) {
+    for_each_row([&](int64_t, int64_t, std::span<const V> row) {
       uint16_t differences = 0;
-      for (const uint16_t id : row) differences |= id ^ *ids;
+      for (const V value : row) differences |= value != *values;
       same = same && differences == 0;
     });
     return same;
   }
 };
 
-// Compresses chunks; those of one material only once.
-template <class T>
+// Compresses chunks of number(value); those of one value only once.
+template <class T, class V, class Number>
 class ChunkMaker {
  public:
-  ChunkMaker(const Index3& size, const std::vector<T>& values)
-      : size_(size), values_(values), cells_(static_cast<size_t>(size[0] * size[1] * size[2])) {}
+  ChunkMaker(const Index3& size, const Number& number) : size_(size), number_(number), cells_(static_cast<size_t>(size[0] * size[1] * size[2])) {}
 
   // The chunk with the cells of the piece; those beyond it are of no account. It is valid until the next call.
-  const Bytes& make(const Piece& piece) {
+  const Bytes& make(const Piece<V>& piece) {
     if (!piece.uniform()) {
-      piece.for_each_row([&](int64_t i, int64_t j, std::span<const uint16_t> row) {
+      piece.for_each_row([&](int64_t i, int64_t j, std::span<const V> row) {
         T* out = cells_.data() + (i * size_[1] + j) * size_[2];
-        for (const uint16_t id : row) *out++ = values_[id];
+        for (const V value : row) *out++ = number_(value);
       });
       return last_ = compressed(cells_);
     }
     if (uniform_.size() == kMostKept) uniform_.clear();
-    const auto [it, added] = uniform_.try_emplace(*piece.ids);
+    const auto [it, added] = uniform_.try_emplace(*piece.values);
     if (added) {
-      std::ranges::fill(cells_, values_[*piece.ids]);
+      std::ranges::fill(cells_, number_(*piece.values));
       it->second = compressed(cells_);
     }
     return it->second;
@@ -104,10 +104,10 @@ class ChunkMaker {
 
  private:
   const Index3 size_;
-  const std::vector<T>& values_;
+  const Number& number_;
   std::vector<T> cells_;
   Bytes last_;
-  std::unordered_map<uint16_t, Bytes> uniform_;  // by material
+  std::unordered_map<V, Bytes> uniform_;
 };
 
 std::array<hsize_t, 3> sizes(const Index3& n) { return {static_cast<hsize_t>(n[0]), static_cast<hsize_t>(n[1]), static_cast<hsize_t>(n[2])}; }
@@ -122,19 +122,17 @@ H5Handle create(H5File& file, const char* name, const Index3& n, const Index3& c
   return {file.checked(H5Dcreate2(file.id(), name, h5_type<T>(), space, H5P_DEFAULT, how, H5P_DEFAULT), "create a dataset"), H5Dclose};
 }
 
-}  // namespace
-
-template <class T>
-H5Handle write_cells(H5File& file, const Export& e, const char* name, const AxisOrder& axis, const std::vector<T>& values) {
+// Writes number(value) of the values that read(box, data, strides of its axes) finds, slab by slab. They are of type V, the numbers of type T.
+template <class T, class V, class Read, class Number>
+H5Handle write_chunks(H5File& file, const Export& e, const char* name, const AxisOrder& axis, const Read& read, const Number& number) {
   Index3 n;
   for (int d = 0; d < 3; ++d) n[d] = e.box.hi[axis[d]] - e.box.lo[axis[d]];
-  const Index3 chunk = chunk_of(n, kChunkBytes / static_cast<int64_t>(sizeof(T))), slab = slab_of(n, chunk);
+  const Index3 chunk = chunk_of(n, kChunkBytes / static_cast<int64_t>(sizeof(T))), slab = slab_of(n, chunk, kSlabBytes / static_cast<int64_t>(sizeof(V)));
   H5Handle dataset = create<T>(file, name, n, chunk);
-  ChunkMaker<T> maker(chunk, values);
-  const SetValue material = strongest_material(e.reader.meta());
+  ChunkMaker<T, V, Number> maker(chunk, number);
   const double cells = static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
   double done = 0;
-  std::vector<uint16_t> ids;
+  std::vector<V> values;
 
   const auto for_each_part = [](const Index3& whole, const Index3& step, const auto& f) {
     for (int64_t i = 0; i < whole[0]; i += step[0])
@@ -152,17 +150,36 @@ H5Handle write_cells(H5File& file, const Export& e, const char* name, const Axis
       box.hi[axis[d]] = box.lo[axis[d]] + size[d];
       stride_of_axis[axis[d]] = stride[d];
     }
-    ids.resize(static_cast<size_t>(size[0] * size[1] * size[2]));
-    read_box<uint16_t>(e.reader, e.level, box, material, 0, ids.data(), stride_of_axis);
+    values.resize(static_cast<size_t>(size[0] * size[1] * size[2]));
+    read(box, values.data(), stride_of_axis);
     for_each_part(size, chunk, [&](const Index3& from, const Index3& part) {
-      const Bytes& bytes = maker.make({ids.data() + from[0] * stride[0] + from[1] * stride[1] + from[2], part, stride});
+      const Bytes& bytes = maker.make({values.data() + from[0] * stride[0] + from[1] * stride[1] + from[2], part, stride});
       const auto place = sizes({at[0] + from[0], at[1] + from[1], at[2] + from[2]});
       file.checked(H5Dwrite_chunk(dataset, H5P_DEFAULT, 0, place.data(), bytes.size(), bytes.data()), "write a chunk");
     });
-    done += static_cast<double>(ids.size());
+    done += static_cast<double>(values.size());
   });
   e.progress(1);
   return dataset;
+}
+
+}  // namespace
+
+template <class T>
+H5Handle write_cells(H5File& file, const Export& e, const char* name, const AxisOrder& axis, const std::vector<T>& values) {
+  const SetValue material = strongest_material(e.reader.meta());
+  return write_chunks<T, uint16_t>(
+      file, e, name, axis,
+      [&](const Box& box, uint16_t* data, const Index3& stride) { read_box<uint16_t>(e.reader, e.level, box, material, 0, data, stride); },
+      [&](uint16_t id) { return values[id]; });
+}
+
+template <class T>
+H5Handle write_means(H5File& file, const Export& e, const char* name, const AxisOrder& axis, const std::vector<double>& values,
+                     const FractionReader& shares) {
+  return write_chunks<T, T>(
+      file, e, name, axis, [&](const Box& box, T* data, const Index3& stride) { shares.read_means(box, values, T{0}, data, stride); },
+      [](T mean) { return mean; });
 }
 
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<uint8_t>&);
@@ -170,5 +187,7 @@ template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrd
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<uint32_t>&);
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<int16_t>&);
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<double>&);
+template H5Handle write_means<float>(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<double>&, const FractionReader&);
+template H5Handle write_means<double>(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<double>&, const FractionReader&);
 
 }  // namespace teracell

@@ -1,5 +1,6 @@
 // Cells as a dataset of HDF5: in chunks of up to 256 KiB, each compressed by shuffle and deflate.
 #pragma once
+#include "store/fraction_reader.hpp"
 #include "tools/export/dense.hpp"
 #include "tools/export/hdf5/h5_file.hpp"
 
@@ -8,5 +9,10 @@ namespace teracell {
 // Writes values[id] for the cells of each material, and calls e.progress with the share that is done, from 0 to 1. T is a type of h5_type().
 template <class T>
 H5Handle write_cells(H5File& file, const Export& e, const char* name, const AxisOrder& order, const std::vector<T>& values);
+
+// The same of the mean of `values` in each cell, weighted with the shares of the materials. T is float or double.
+template <class T>
+H5Handle write_means(H5File& file, const Export& e, const char* name, const AxisOrder& order, const std::vector<double>& values,
+                     const FractionReader& shares);
 
 }  // namespace teracell

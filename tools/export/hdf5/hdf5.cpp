@@ -4,6 +4,7 @@
 #include "store/error.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/media.hpp"
+#include "tools/export/shares.hpp"
 #include "tools/export/two_files.hpp"
 
 namespace teracell {
@@ -11,11 +12,14 @@ namespace {
 
 struct Profile {
   const char* name;
-  bool media;  // whether it takes the options of media instead of a map
+  bool media;   // whether it takes the options of media instead of a map
+  bool shares;  // whether it can hold shares of materials
   void (*write)(const Export&);
 };
-constexpr Profile kProfiles[] = {
-    {"plain", false, write_plain}, {"meep", true, write_meep}, {"gprmax", true, write_gprmax}, {"openems", true, write_disc_material}};
+constexpr Profile kProfiles[] = {{"plain", false, true, write_plain},
+                                 {"meep", true, true, write_meep},
+                                 {"gprmax", true, false, write_gprmax},
+                                 {"openems", true, false, write_disc_material}};
 
 std::string names_of_profiles() {
   std::string out;
@@ -30,6 +34,8 @@ void write_hdf5(const Export& e) {
     if (p.media && !e.map.empty()) throw UsageError(fmt::format("--map: the profile {} has no numbers for materials: give --epsilon", name));
     for (const ExportOption& option : media_options())
       if (!p.media && e.has(option.name)) throw UsageError(fmt::format("{}: the profile {} has no such option", option.name, name));
+    if (!p.shares && e.has(shares_option().name))
+      throw UsageError(fmt::format("{}: the profile {} has one material for each cell", shares_option().name, name));
     return p.write(e);
   }
   throw UsageError(fmt::format("--profile: expected {}, found '{}'", names_of_profiles(), name));
@@ -52,6 +58,7 @@ void expect_uniform(const Export& e, const char* profile) {
 ExportFormat hdf5_format() {
   ExportFormat out = {"hdf5", {".h5", ".hdf5"}, "an HDF5 file, for any program or for one solver", write_hdf5};
   out.options = media_options();
+  out.options.push_back(shares_option());
   out.options.insert(out.options.begin(), {"--profile", "NAME", names_of_profiles() + " (default plain)"});
   return out;
 }

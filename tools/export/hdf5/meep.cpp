@@ -1,10 +1,12 @@
-// Meep's epsilon_input_file: a dataset `eps`, [x][y][z], which Meep stretches over its cell and interpolates.
+// Meep's epsilon_input_file: a dataset `eps`, [x][y][z], which Meep stretches over its cell and interpolates. With shares, a cut cell has the
+// mean of what its materials have, which takes most of the stairs out of the field.
 #include <fmt/format.h>
 
 #include "store/error.hpp"
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/media.hpp"
+#include "tools/export/shares.hpp"
 
 namespace teracell {
 
@@ -14,8 +16,10 @@ void write_meep(const Export& e) {
     if (e.has(option)) throw UsageError(fmt::format("{}: Meep reads --epsilon alone from a file", option));
   std::vector<double> epsilon;
   for (const Medium& m : media_of(e, true)) epsilon.push_back(m.epsilon);
+  const std::optional<FractionReader> shares = shares_of(e);
   H5File file(e.output);
-  write_cells(file, e, "eps", kZFastest, epsilon);
+  if (shares) write_means<double>(file, e, "eps", kZFastest, epsilon, *shares);
+  else write_cells(file, e, "eps", kZFastest, epsilon);
   file.finish();
   file.commit();
 }

@@ -1,10 +1,13 @@
 // The layout for programs that have none of their own: cells [z][y][x], planes, materials.
 #include <numeric>
 
+#include <fmt/format.h>
+
 #include "tools/export/dense.hpp"
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/place.hpp"
+#include "tools/export/shares.hpp"
 
 namespace teracell {
 namespace {
@@ -36,10 +39,21 @@ void put_plain(H5File& file, const Export& e) {
   file.dataset(materials, "name", names);
   file.dataset(materials, "color", colors);
 
+  const std::optional<FractionReader> shares = shares_of(e);
+  const size_t steps = 1 + (shares ? meta.materials.size() : 0);
+  const Export cells = step_of(e, 0, steps);
   const size_t bytes = bytes_per_cell(e.most());
-  if (bytes == 1) put_cells<uint8_t>(file, e, numbers);
-  else if (bytes == 2) put_cells<uint16_t>(file, e, numbers);
-  else put_cells<uint32_t>(file, e, numbers);
+  if (bytes == 1) put_cells<uint8_t>(file, cells, numbers);
+  else if (bytes == 2) put_cells<uint16_t>(file, cells, numbers);
+  else put_cells<uint32_t>(file, cells, numbers);
+  if (!shares) return;
+  const H5Handle group = file.group("fractions");
+  for (size_t id = 0; id + 1 < steps; ++id) {
+    std::vector<double> one(meta.materials.size());
+    one[id] = 1;
+    const H5Handle dataset = write_means<float>(file, step_of(e, id + 1, steps), fmt::format("fractions/{}", id).c_str(), kXFastest, one, *shares);
+    file.attribute(dataset, "material", meta.materials[id].name);
+  }
 }
 
 void write_plain(const Export& e) {

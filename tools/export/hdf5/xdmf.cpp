@@ -6,7 +6,8 @@
 #include "tools/export/dense.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/place.hpp"
-#include "tools/export/xml.hpp"
+#include "tools/export/shares.hpp"
+#include "store/xml.hpp"
 
 namespace teracell {
 namespace {
@@ -19,6 +20,14 @@ std::string description(const Export& e, const std::filesystem::path& cells) {
   for (int d = 0; d < 3; ++d)
     planes += fmt::format("        <DataItem Dimensions=\"{}\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">{}:/planes_{}</DataItem>\n",
                           n[d] + 1, h5, axis_name(d));
+  std::string shares;
+  const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
+  for (size_t id = 0; e.has("--fractions") && id < materials.size(); ++id)
+    shares += fmt::format(
+        "      <Attribute Name=\"fraction of {}\" AttributeType=\"Scalar\" Center=\"Cell\">\n"
+        "        <DataItem Dimensions=\"{} {} {}\" NumberType=\"Float\" Precision=\"4\" Format=\"HDF\">{}:/fractions/{}</DataItem>\n"
+        "      </Attribute>\n",
+        xml_text(materials[id].name), n[2], n[1], n[0], h5, id);
   const size_t bytes = bytes_per_cell(e.most());
   return fmt::format(
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"3.0\">\n  <Domain>\n    <Grid Name=\"cells\" GridType=\"Uniform\">\n"
@@ -26,12 +35,12 @@ std::string description(const Export& e, const std::filesystem::path& cells) {
       "      <Geometry GeometryType=\"VXVYVZ\">\n{0}      </Geometry>\n"
       "      <Attribute Name=\"material\" AttributeType=\"Scalar\" Center=\"Cell\">\n"
       "        <DataItem Dimensions=\"{6} {5} {4}\" NumberType=\"{7}\" Precision=\"{8}\" Format=\"HDF\">{9}:/material</DataItem>\n"
-      "      </Attribute>\n    </Grid>\n  </Domain>\n</Xdmf>\n",
+      "      </Attribute>\n{10}    </Grid>\n  </Domain>\n</Xdmf>\n",
       planes, n[0] + 1, n[1] + 1, n[2] + 1, n[0], n[1], n[2],
       bytes == 1   ? "UChar"
       : bytes == 2 ? "UShort"
                    : "UInt",
-      bytes, h5);
+      bytes, h5, shares);
 }
 
 // Everything is on disk before the first name appears. A run that is killed between the two leaves the HDF5 file alone.
@@ -55,7 +64,11 @@ void write_xdmf(const Export& e) {
 }  // namespace
 
 ExportFormat xdmf_format() {
-  return {"xdmf", {".xdmf", ".xmf"}, "a description of an HDF5 file, which is written beside it, for ParaView and VisIt", write_xdmf};
+  return {.name = "xdmf",
+          .extensions = {".xdmf", ".xmf"},
+          .holds = "a description of an HDF5 file, which is written beside it, for ParaView and VisIt",
+          .write = write_xdmf,
+          .options = {shares_option()}};
 }
 
 }  // namespace teracell

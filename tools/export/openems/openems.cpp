@@ -9,7 +9,7 @@
 #include "tools/export/metres.hpp"
 #include "tools/export/openems/boxes.hpp"
 #include "tools/export/place.hpp"
-#include "tools/export/xml.hpp"
+#include "store/xml.hpp"
 
 namespace teracell {
 namespace {

@@ -22,17 +22,19 @@ class Counter : public MeshVisitor {
     own.faces[kInner] += along;
     counts_.inner += along;
     for (int d = 0; d < 6; ++d)
-      if (s.beyond[d] != nullptr) beyond(s.run->part, *s.beyond[d], d, d % 3 == kXUp ? 1 : cells);
+      if (s.beyond[d] != nullptr) beyond(s, d, d % 3 == kXUp ? 1 : cells);
   }
 
   MeshCounts take() { return std::move(counts_); }
 
  private:
-  void beyond(uint32_t part, const CellRun& run, int direction, int64_t faces) {
+  void beyond(const Segment& s, int direction, int64_t faces) {
+    const CellRun& run = *s.beyond[direction];
+    const uint32_t part = s.run->part;
     PartCounts& own = counts_.parts[part];
     if (!run.in_mesh()) {
-      own.faces[run.what] += faces;
-      counts_.patches[run.what] += faces;
+      own.faces[s.what[direction]] += faces;
+      counts_.patches[s.what[direction]] += faces;
     } else if (direction <= kZUp) {  // else the other cell's
       own.faces[run.part == part ? kInner : shared_with(run.part)] += faces;
       if (run.part != part) counts_.parts[run.part].faces[shared_with(part)] += faces;

@@ -11,14 +11,14 @@ namespace teracell::foam {
 // long.
 inline constexpr int64_t kMostLabel = (int64_t{1} << 31) - 1, kMostFaces = kMostLabel / 4;
 
-struct PatchInfo {
+struct NamedPatch {
   std::string name;
   std::string type;  // of OpenFOAM
 };
 
 // What a part of the mesh is called, and which patches and zones it has. All parts have the same, be they empty.
 struct MeshNames {
-  std::map<uint32_t, PatchInfo> patches;     // by what lies beyond
+  std::map<uint32_t, NamedPatch> patches;     // by what lies beyond
   std::map<uint32_t, std::string> zones;     // by material; empty: no zones
   bool addressing = false;                   // whether parts tell their numbers in the whole mesh, for reconstructPar
 };

@@ -99,7 +99,7 @@ class Writer : public MeshVisitor {
   Target target(const Segment& s, int direction) {
     const CellRun& beyond = *s.beyond[direction];
     Part& own = *parts_[s.run->part];
-    if (!beyond.in_mesh()) return {.files = &own.group(beyond.what), .patch = &next_of_patch_.at(beyond.what)};
+    if (!beyond.in_mesh()) return {.files = &own.group(s.what[direction]), .patch = &next_of_patch_.at(s.what[direction])};
     if (direction > kZUp) return {};
     const int64_t step = direction == kXUp ? 1 : 0, cell = beyond.number(step) - begins_[beyond.part];
     if (beyond.part == s.run->part) return {.files = &own.group(kInner), .neighbour = cell};

@@ -33,8 +33,11 @@ MeshNames names_of(const Export& e, const MeshCounts& counts) {
   const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
   MeshNames out;
   std::set<std::string> patches(std::begin(kSideNames), std::end(kSideNames)), zones;
-  for (const auto& [what, faces] : counts.patches)
-    out.patches[what] = what >= kSides ? PatchInfo{kSideNames[what - kSides], "patch"} : PatchInfo{word(materials[what].name, patches), "wall"};
+  // Patches of the surface first: they are often called as the material is, which is beyond the few faces of which no patch is known.
+  for (auto it = counts.patches.lower_bound(kSurface); it != counts.patches.end(); ++it)
+    out.patches[it->first] = {word(e.reader.meta().patches[it->first - kSurface].name, patches), "wall"};
+  for (auto it = counts.patches.begin(); it != counts.patches.end() && it->first < kSurface; ++it)
+    out.patches[it->first] = it->first >= kSides ? NamedPatch{kSideNames[it->first - kSides], "patch"} : NamedPatch{word(materials[it->first].name, patches), "wall"};
   if (!e.has("--zones")) return out;
   std::set<uint32_t> found;
   for (const PartCounts& part : counts.parts)
@@ -93,8 +96,11 @@ void write_case(const Export& asked) {
   const Export e = for_layers(asked);
   const uint32_t ranks = ranks_of(e);
   const double scale = metres(e.reader.meta().units, "OpenFOAM");
+  if (e.has("--patches") && e.level != 0) throw UsageError(fmt::format("--patches: expected --level 0, whose cells have links, found {}", e.level));
+  std::optional<LinkReader> links;
+  if (e.has("--patches")) links.emplace(e.reader);
   Regions regions;
-  Division division{e, cells_of_mesh(e), nullptr, {0, std::numeric_limits<int64_t>::max()}};
+  Division division{e, cells_of_mesh(e), nullptr, {0, std::numeric_limits<int64_t>::max()}, links ? &*links : nullptr};
   const auto layers = static_cast<double>(size_of(e.box)[2]);
   const auto share = [&](double from, double to) {
     return [&, from, to](int64_t done) { e.progress(from + (to - from) * static_cast<double>(done) / layers); };
@@ -130,6 +136,7 @@ ExportFormat openfoam_format() {
           .write = foam::write_case,
           .numbers = false,
           .options = {{"--fluid", "NAME,...", "the materials whose cells are the mesh; others are walls (default: the background)"},
+                      {"--patches", "", "walls are told apart by the patches of the surface (of a grid meshed with --links)"},
                       {"--zones", "", "a cellZone for each material; without --fluid the cells of all materials are the mesh"},
                       {"--drop-unreachable", "", "only the largest of the regions that don't touch through faces"},
                       {"--ranks", "N", "parts of equally many cells, in processor0/ to processorN-1/"}}};

@@ -1,7 +1,10 @@
 #include "tools/export/openfoam/sweep.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <tuple>
+
+#include "tools/export/openfoam/face_patches.hpp"
 
 namespace teracell::foam {
 namespace {
@@ -120,20 +123,34 @@ class Beside {
   const CellRun* at_;
 };
 
-void visit_row(std::span<const CellRun> row, const CellRun& left, const CellRun& right, std::array<Beside, 4> beside, Segment s,
-               MeshVisitor& visitor) {
+// The patches on the faces of a row, by Direction. Those across x, in both directions, are one row of faces: kXUp.
+using PatchesBeside = std::array<AlongPatches, 6>;
+
+void visit_row(std::span<const CellRun> row, const CellRun& left, const CellRun& right, std::array<Beside, 4> beside, PatchesBeside patches,
+               Segment s, MeshVisitor& visitor) {
+  // The patch of a wall, and where another one follows. What is no wall of another material has none.
+  const auto find_patch = [&](Direction d, int64_t x) {
+    s.what[d] = s.beyond[d]->what;
+    if (s.beyond[d]->in_mesh() || s.what[d] >= kSides) return std::numeric_limits<int64_t>::max();
+    const AlongPatches::Found found = patches[d == kXDown ? kXUp : d].at(d == kXDown ? x - 1 : x);
+    if (found.patch != kNoPatch) s.what[d] = kSurface + found.patch;
+    return found.end;
+  };
   for (size_t i = 0; i < row.size(); ++i) {
     s.run = &row[i];
     if (!s.run->in_mesh()) continue;
     for (int64_t x = s.run->begin; x < s.run->end; x = s.end) {
       s.begin = x, s.end = s.run->end;
-      for (const int d : {0, 1, 2, 3}) {
-        const CellRun& other = beside[d].over(x);
-        s.beyond[std::array{kYUp, kZUp, kYDown, kZDown}[d]] = &other;
-        s.end = std::min<int64_t>(s.end, other.end);
+      for (const int b : {0, 1, 2, 3}) {
+        const Direction d = std::array{kYUp, kZUp, kYDown, kZDown}[b];
+        const CellRun& other = beside[b].over(x);
+        s.beyond[d] = &other;
+        s.end = std::min({s.end, int64_t{other.end}, find_patch(d, x)});
       }
       s.beyond[kXDown] = x > s.run->begin ? nullptr : i > 0 ? &row[i - 1] : &left;
       s.beyond[kXUp] = s.end < s.run->end ? nullptr : i + 1 < row.size() ? &row[i + 1] : &right;
+      if (s.beyond[kXDown] != nullptr) find_patch(kXDown, x);
+      if (s.beyond[kXUp] != nullptr) find_patch(kXUp, s.end - 1);
       visitor.segment(s);
     }
   }
@@ -155,6 +172,9 @@ void sweep(const Division& division, MeshVisitor& visitor, const std::function<v
   const std::array<CellRun, 4> sides = {side(0), side(1), side(2), side(3)};
   Layer below = outside(n, 4), here, above;
   std::array<PointPlane, 2> planes;
+  std::optional<FacePatches> patches;
+  if (division.links != nullptr) patches.emplace(division.e, *division.links);
+  const auto along = [&](int axis, int64_t y, int64_t z) { return AlongPatches(patches ? patches->row(axis, y, z) : std::span<const PatchRun>()); };
   progress(0);
   layers.read(0, here);
   points.plane(0, below, here, planes[1]);
@@ -163,10 +183,12 @@ void sweep(const Division& division, MeshVisitor& visitor, const std::function<v
     if (z + 1 < n[2]) layers.read(z + 1, above);
     else above = outside(n, 5);
     points.plane(z + 1, here, above, planes[1]);
+    if (patches) patches->read(z);
     for (int64_t y = 0; y < n[1]; ++y) {
       const Beside up_y(y + 1 < n[1] ? here.row(y + 1) : std::span(&sides[3], 1)), down_y(y > 0 ? here.row(y - 1) : std::span(&sides[2], 1));
-      visit_row(here.row(y), sides[0], sides[1], {up_y, Beside(above.row(y)), down_y, Beside(below.row(y))}, {0, 0, y, z, nullptr, {}, planes.data()},
-                visitor);
+      visit_row(here.row(y), sides[0], sides[1], {up_y, Beside(above.row(y)), down_y, Beside(below.row(y))},
+                {along(0, y, z), along(1, y, z), along(2, y, z), AlongPatches({}), along(1, y - 1, z), along(2, y, z - 1)},
+                {0, 0, y, z, nullptr, {}, {}, planes.data()}, visitor);
     }
     std::swap(below, here);
     std::swap(here, above);

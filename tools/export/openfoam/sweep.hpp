@@ -1,6 +1,7 @@
 // A pass over the cells of the mesh in their order, x fastest: the points of each layer and the cells between them, with what lies
 // beyond their six faces. Two layers of points and three of cells are in memory, as runs.
 #pragma once
+#include "store/link_reader.hpp"
 #include "tools/export/layer.hpp"
 #include "tools/export/openfoam/regions.hpp"
 
@@ -12,7 +13,11 @@ struct Division {
   std::vector<bool> in_mesh;        // by material
   Regions* regions = nullptr;       // if not null: only the cells that it keeps
   std::vector<int64_t> part_begin;  // numbers of the first cells of all parts, and the end
+  const LinkReader* links = nullptr;  // if not null: walls are told apart by the patches of the surface
 };
+
+// What lies beyond a face at the rim of the mesh: a material or a side of the box (layer.hpp), or from here on a patch of the surface.
+inline constexpr uint32_t kSurface = kSides + 6;
 
 // Consecutive points along x that one part has. Coordinates count planes from the box's lower corner.
 struct PointRun {
@@ -31,11 +36,12 @@ struct PointPlane {
 
 enum Direction { kXUp, kYUp, kZUp, kXDown, kYDown, kZDown };
 
-// Cells of a run that have the same neighbours in y and z.
+// Cells of a run that have the same beyond them in y and z.
 struct Segment {
   int64_t begin, end, y, z;
   const CellRun* run;
   const CellRun* beyond[6];  // by Direction; in x nullptr where the run goes on
+  uint32_t what[6];          // that is, if it isn't cells of the mesh
   const PointPlane* planes;  // the lower and the upper one
 };
 
