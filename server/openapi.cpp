@@ -35,6 +35,10 @@ ordered_json outline() {
                    flag());
 }
 
+ordered_json shares() {
+  return parameter("shares", "query", "1: mixed cells of level 0 by their shares, where the grid has fractions; with sets=1, or in pictures of the size that outline allows", flag());
+}
+
 ordered_json content(const char* type, const char* schema) {
   ordered_json c = {{type, ordered_json::object()}};
   if (schema) c[type]["schema"] = {{"$ref", std::string("#/components/schemas/") + schema}};
@@ -199,7 +203,7 @@ std::string openapi_json(const Request& request) {
   paths[grid + "/slice/{axis}/{index}.png"] =
       get("a slice as a picture, v upwards",
           {id, axis(), parameter("index", "path", "the index of the slice, in cells of the level", kInteger), level("query"),
-           parameter("region", "query", "U0,V0,U1,V1: half open, in cells of the level", kString), materials(), outline(), version()},
+           parameter("region", "query", "U0,V0,U1,V1: half open, in cells of the level", kString), materials(), outline(), shares(), version()},
           "image/png", nullptr);
   const auto tile = [&](const ordered_json& more) {
     ordered_json p = {id,
@@ -212,7 +216,7 @@ std::string openapi_json(const Request& request) {
     return p;
   };
   paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.png"] =
-      get("a tile of 512 x 512 cells as a picture, v upwards; tiles at the edge are smaller", tile({materials(), outline(), version()}), "image/png",
+      get("a tile of 512 x 512 cells as a picture, v upwards; tiles at the edge are smaller", tile({materials(), outline(), shares(), version()}), "image/png",
           nullptr);
   paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.bin"] = get(
       "a tile as labels, the row with the lowest v first. Each cell is the id of its strongest material: one byte, or two (little endian) in grids of more than 256 materials. With "
@@ -225,7 +229,7 @@ std::string openapi_json(const Request& request) {
                "1, with sets=1: labels in place of materials, where the grid keeps bodies apart. The upper half of the number of sets has flags then: 1: numbers in sets have "
                "four bytes; 2: more sets than can be numbered, so each label is replaced by the first one of its material",
                flag()),
-           version()}),
+           shares(), version()}),
       "application/octet-stream", nullptr);
   paths[grid + "/cell"] = get("the materials of a cell",
                               {id, parameter("i", "query", "along x", kInteger), parameter("j", "query", "along y", kInteger),

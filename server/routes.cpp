@@ -16,7 +16,7 @@
 #include "server/service/picture_parts.hpp"
 #include "server/start_page.hpp"
 #include "server/view.hpp"
-#include "store/fraction_reader.hpp"
+#include "store/cut_plane.hpp"
 #include "store/info.hpp"
 #include "store/json_text.hpp"
 #include "store/vtk_header.hpp"
@@ -73,9 +73,17 @@ bool switched_on(const Target& target, const char* name) {
   return text && integer_in(*text, name, 0, 1) == 1;
 }
 
-// "?materials=1,3" and "?outline=1".
-PictureStyle style_of(const Target& target, const Metadata& meta) {
+bool asks_for_shares(const Target& target, const GridReader& reader) {
+  const bool asks = switched_on(target, "shares");
+  if (asks) expect_shares(reader);
+  return asks;
+}
+
+// "?materials=1,3", "?outline=1" and "?shares=1".
+PictureStyle style_of(const Target& target, const GridReader& reader) {
+  const Metadata& meta = reader.meta();
   PictureStyle style;
+  style.shares = asks_for_shares(target, reader);
   style.outline = switched_on(target, "outline");
   if (const std::string* list = target.find("materials")) {
     const size_t n = meta.materials.size();
@@ -115,7 +123,7 @@ Response json_answer(const GridRequest& r, const char* route, std::function<std:
 }
 
 Response picture_answer(const GridRequest& r, const char* route, const SliceView& view) {
-  Service::Recipe recipe = picture_recipe(r.reader(), view, style_of(r.target, r.meta()));
+  Service::Recipe recipe = picture_recipe(r.reader(), view, style_of(r.target, r.reader()));
   recipe.route = route;
   return r.service.answer(r.request, r.target, r.grid, recipe);
 }
@@ -126,7 +134,7 @@ Response info(const GridRequest& r) {
 }
 
 Response slice(const GridRequest& r) {
-  r.target.allow({"v", "level", "region", "materials", "outline"});
+  r.target.allow({"v", "level", "region", "materials", "outline", "shares"});
   const int axis = axis_of(r.rest[1]), level = level_of(r.target.find("level"), r.reader());
   const auto [index, extension] = split_name(r.rest[2]);
   if (extension != ".png") throw not_found(fmt::format("slices are .png, found '{}'", extension.substr(0, 48)));
@@ -158,31 +166,38 @@ Response tile(const GridRequest& r) {
   view.u0 = u * kTilePixels, view.v0 = v * kTilePixels;
   view.u1 = std::min(view.u1, view.u0 + kTilePixels), view.v1 = std::min(view.v1, view.v0 + kTilePixels);
   if (extension == ".bin") {
-    r.target.allow({"v", "sets", "bodies"});
-    const bool sets = switched_on(r.target, "sets"), bodies = asks_for_bodies(r);
+    r.target.allow({"v", "sets", "bodies", "shares"});
+    const bool sets = switched_on(r.target, "sets"), bodies = asks_for_bodies(r), shares = asks_for_shares(r.target, r.reader());
     if (bodies && !sets) throw bad_request("bodies: expected sets=1 beside it");
+    if (shares && !sets) throw bad_request("shares: expected sets=1 beside it");
     return r.service.answer(r.request, r.target, r.grid,
                             {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&] {
-                               return bodies ? raw_label_sets(r.reader(), view) : sets ? raw_sets(r.reader(), view) : raw_labels(r.reader(), view);
+                               return bodies ? raw_label_sets(r.reader(), view, shares)
+                                      : sets ? raw_sets(r.reader(), view, shares)
+                                             : raw_labels(r.reader(), view);
                              }});
   }
   if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));
-  r.target.allow({"v", "materials", "outline"});
+  r.target.allow({"v", "materials", "outline", "shares"});
   return picture_answer(r, "tile", view);
 }
 
-// What a cell of level 0 is made of, by material. `own` is its material.
-ordered_json shares_in(const GridReader& reader, const Index3& cell, uint32_t own) {
+// What a cell of level 0 is made of, by material, and if it is mixed the plane of one: of `own`, its material, or of the one with the largest
+// share where a sheet owns the cell.
+void put_shares(ordered_json& out, const GridReader& reader, const Index3& cell, uint32_t own) {
   const FractionReader fractions(reader);
   const Metadata& meta = reader.meta();
   const uint32_t total = sub_samples(fractions.samples());
   std::map<uint32_t, uint32_t> counts;
   for (const auto& [label, count] : fractions.cell(cell)) counts[meta.labels[label].material] += count;
   if (counts.empty()) counts[own] = total;
-  ordered_json out = ordered_json::array();
+  out["shares"] = ordered_json::array();
   for (const auto& [id, count] : counts)
-    out.push_back({{"id", id}, {"name", meta.materials[id].name}, {"share", static_cast<double>(count) / total}});
-  return out;
+    out["shares"].push_back({{"id", id}, {"name", meta.materials[id].name}, {"share", static_cast<double>(count) / total}});
+  if (counts.size() == 1) return;
+  if (!counts.contains(own)) own = std::ranges::max_element(counts, {}, &std::pair<const uint32_t, uint32_t>::second)->first;
+  if (const auto plane = cut_plane(fractions, meta.grid, cell, own))
+    out["plane"] = {{"id", own}, {"name", meta.materials[own].name}, {"normal", plane->normal}, {"offset", plane->offset}};
 }
 
 Response cell(const GridRequest& r) {
@@ -211,7 +226,7 @@ Response cell(const GridRequest& r) {
         for (const Label label : *run.set)
           j["bodies"].push_back({{"label", label}, {"name", meta.labels[label].body}, {"material", meta.labels[label].material}});
     });
-    if (level == 0 && find_fractions(meta)) j["shares"] = shares_in(r.reader(), box.lo, j["materials"][0]["id"]);
+    if (level == 0 && find_fractions(meta)) put_shares(j, r.reader(), box.lo, j["materials"][0]["id"]);
     return ascii_json(j);
   });
 }

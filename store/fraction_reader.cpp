@@ -49,6 +49,22 @@ std::vector<FractionReader::LabelCount> FractionReader::cell(const Index3& c) co
   return out;
 }
 
+void FractionReader::for_each_mixed(const Box& box, const Visit& visit) const {
+  const RayFrame f = reader_.meta().frame();
+  for_each_part(reader_.shape(0), RayBox(box, f), [&](const ChunkPart& p) {
+    const auto mixed = chunk(p.key);
+    for_each_ray(p, [&](uint32_t u, uint32_t v) {
+      for (const MixedCells::Run& run : mixed->of_ray(v * mixed->nu + u)) {
+        const uint32_t from = std::max(run.from, p.w0), to = std::min(run.to, p.w1);
+        if (from >= to) continue;
+        Index3 first;
+        first[f.u] = p.first_u + u, first[f.v] = p.first_v + v, first[f.w] = p.first_w + from;
+        visit(first, to - from, mixed->labels(run), mixed->counts_of(run));
+      }
+    });
+  });
+}
+
 template <class T>
 void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads) const {
   std::vector<double> values(reader_.meta().materials.size());

@@ -1,5 +1,7 @@
 // What mixed cells are made of, read from a grid.
 #pragma once
+#include <functional>
+
 #include "store/fractions.hpp"
 #include "store/lru_cache.hpp"
 #include "store/reader.hpp"
@@ -22,6 +24,11 @@ class FractionReader {
     uint32_t sub_samples;
   };
   std::vector<LabelCount> cell(const Index3& cell) const;
+
+  // Calls visit(first, length, labels, counts) for the mixed cells of a box: `length` cells from `first` on along the rays' axis that are alike.
+  // Those of a ray come in order. REQUIRES: the box lies in the grid.
+  using Visit = std::function<void(const Index3& first, int64_t length, std::span<const Label> labels, std::span<const uint32_t> counts)>;
+  void for_each_mixed(const Box& box, const Visit& visit) const;
 
   // Writes the share of a material, from 0 to 1, in the cells of `box` to
   // data[(x - lo.x) * stride[0] + (y - lo.y) * stride[1] + (z - lo.z) * stride[2]]. The box may reach outside the grid: cells there get

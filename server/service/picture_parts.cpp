@@ -82,9 +82,9 @@ class PictureParts final : public Parts {
 }  // namespace
 
 std::unique_ptr<Parts> picture_parts(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
-  if (style.outline)
-    throw UsageError(fmt::format("outline: expected a picture of at most {} pixels, found {} x {}: ask for a part of it or for a coarser level",
-                                 kMostOutlined, view.u1 - view.u0, view.v1 - view.v0));
+  if (style.outline || style.shares)
+    throw UsageError(fmt::format("{}: expected a picture of at most {} pixels, found {} x {}: ask for a part of it or for a coarser level",
+                                 style.outline ? "outline" : "shares", kMostOutlined, view.u1 - view.u0, view.v1 - view.v0));
   return std::make_unique<PictureParts>(reader, view, style);
 }
 

@@ -7,7 +7,7 @@
 
 namespace teracell {
 
-// The view as PNG in parts, the row with the highest v on top. REQUIRES: `reader` outlives it. Throws UsageError for outlines.
+// The view as PNG in parts, the row with the highest v on top. REQUIRES: `reader` outlives it. Throws UsageError for outlines and shares.
 std::unique_ptr<Parts> picture_parts(const GridReader& reader, const SliceView& view, const PictureStyle& style = {});
 
 // How to answer with a picture: whole, or in parts when it has more than kMostOutlined pixels. REQUIRES: `reader` outlives it.

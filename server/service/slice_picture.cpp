@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "server/picture/picture.hpp"
 #include "server/picture/tile_png.hpp"
 #include "store/error.hpp"
+#include "store/fraction_reader.hpp"
 
 namespace teracell {
 namespace {
@@ -28,13 +30,8 @@ class SetNumbers {
   SetValue value() {
     return [this](const std::vector<Label>& set) { return number(set); };
   }
-  // Members of each set.
-  const std::vector<std::vector<uint32_t>>& sets() const { return sets_; }
-
- private:
-  static constexpr size_t kMostSets = 65535;  // the outline has the next number
-  uint32_t number(const std::vector<Label>& set) {
-    const auto [it, fresh] = numbers_.try_emplace(members_(set), static_cast<uint32_t>(sets_.size()));
+  uint32_t number_of(std::vector<uint32_t> members) {
+    const auto [it, fresh] = numbers_.try_emplace(std::move(members), static_cast<uint32_t>(sets_.size()));
     if (fresh) {
       if (sets_.size() == kMostSets || it->first.size() > left_)
         throw TooManySets(fmt::format("the picture has more than {} different sets of materials: ask for a smaller part of it", kMostSets));
@@ -43,6 +40,14 @@ class SetNumbers {
     }
     return it->second;
   }
+  // The one that counts for a label.
+  uint32_t member(Label label) const { return members_({label})[0]; }
+  // Members of each set.
+  const std::vector<std::vector<uint32_t>>& sets() const { return sets_; }
+
+ private:
+  static constexpr size_t kMostSets = 65535;  // the outline has the next number
+  uint32_t number(const std::vector<Label>& set) { return number_of(members_(set)); }
   const Members members_;
   std::map<std::vector<uint32_t>, uint32_t> numbers_;
   std::vector<std::vector<uint32_t>> sets_;
@@ -86,6 +91,58 @@ std::vector<uint16_t> outlined_numbers_of(const GridReader& reader, const SliceV
   return numbers;
 }
 
+constexpr uint32_t kParts = 16;  // of a mixed cell, which are counted out to its members
+
+// The members of a mixed cell, as often as their shares of kParts say, `own` first (at least once) and then in ascending order. The largest
+// remainders are rounded up (A. Hamilton's method, 1792), those of lower members first where they are equal.
+std::vector<uint32_t> counted_out(const std::map<uint32_t, uint32_t>& counts, uint32_t own) {
+  uint64_t total = 0;
+  for (const auto& [member, count] : counts) total += count;
+  std::vector<std::pair<uint64_t, uint32_t>> remainders;  // of kParts * count / total, and whose they are
+  std::map<uint32_t, uint32_t> parts;
+  uint32_t left = kParts;
+  for (const auto& [member, count] : counts) {
+    const uint64_t product = uint64_t{count} * kParts;
+    left -= parts[member] = static_cast<uint32_t>(product / total);
+    remainders.emplace_back(product % total, member);
+  }
+  std::ranges::stable_sort(remainders, std::greater(), &std::pair<uint64_t, uint32_t>::first);
+  for (uint32_t i = 0; i < left; ++i) ++parts[remainders[i].second];
+  if (parts[own] == 0) --std::ranges::max_element(parts, {}, &std::pair<const uint32_t, uint32_t>::second)->second, ++parts[own];
+  std::vector<uint32_t> out(parts[own], own);
+  for (const auto& [member, n] : parts)
+    if (member != own) out.insert(out.end(), n, member);
+  return out;
+}
+
+// Gives mixed cells of a view other numbers: place(column, row) in `numbers` is that of a cell, rows counted from v0. Cells that have the
+// number `keep` keep it.
+template <class Place>
+void shade(const GridReader& reader, const SliceView& view, SetNumbers& sets, std::vector<uint16_t>& numbers, std::optional<uint16_t> keep, const Place& place) {
+  if (view.level > 0) return;
+  const RayFrame f = RayFrame::along(view.axis);
+  Box box;
+  box.lo[f.u] = view.u0, box.hi[f.u] = view.u1, box.lo[f.v] = view.v0, box.hi[f.v] = view.v1, box.lo[f.w] = view.index, box.hi[f.w] = view.index + 1;
+  const int along = reader.meta().frame().w;
+  FractionReader(reader).for_each_mixed(box, [&](const Index3& first, int64_t length, std::span<const Label> labels, std::span<const uint32_t> counts) {
+    std::map<uint32_t, uint32_t> by_member;
+    for (size_t i = 0; i < labels.size(); ++i) by_member[sets.member(labels[i])] += counts[i];
+    Index3 cell = first;
+    for (; cell[along] < first[along] + length; ++cell[along]) {
+      uint16_t& number = numbers[place(static_cast<size_t>(cell[f.u] - view.u0), static_cast<size_t>(cell[f.v] - view.v0))];
+      if (number == keep) continue;
+      const uint32_t own = sets.sets()[number][0];
+      if (by_member.size() > 1 && by_member.contains(own)) number = static_cast<uint16_t>(sets.number_of(counted_out(by_member, own)));
+    }
+  });
+}
+
+std::vector<uint16_t> numbers_from_below(const GridReader& reader, const SliceView& view, SetNumbers& sets, bool shares) {
+  std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
+  if (shares) shade(reader, view, sets, numbers, {}, [&](size_t u, size_t v) { return v * width_of(view) + u; });
+  return numbers;
+}
+
 constexpr size_t kMostMembers = size_t{1} << 20;           // of sets of labels
 constexpr uint16_t kWideMembers = 1, kBodiesNotApart = 2;  // flags
 uint16_t width_flag(const Metadata& meta) { return meta.labels.size() > 65536 ? kWideMembers : 0; }
@@ -110,7 +167,18 @@ std::string sets_text(const SetNumbers& sets, std::span<const uint16_t> numbers,
 
 std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style) {
   SetNumbers sets(reader.meta());
-  const std::vector<uint16_t> numbers = style.outline ? outlined_numbers_of(reader, view, sets) : numbers_of(reader, view, sets, true);
+  std::vector<uint16_t> numbers = style.outline ? outlined_numbers_of(reader, view, sets) : numbers_of(reader, view, sets, true);
+  if (style.shares) {
+    // The outline's number follows those of the sets, of which there may now be more.
+    constexpr uint16_t kOutlined = 65535;
+    const size_t outlined = sets.sets().size();
+    if (style.outline)
+      for (uint16_t& n : numbers) n = n == outlined ? kOutlined : n;
+    shade(reader, view, sets, numbers, style.outline ? std::optional(kOutlined) : std::nullopt,
+          [&](size_t u, size_t v) { return (height_of(view) - 1 - v) * width_of(view) + u; });
+    if (style.outline)
+      for (uint16_t& n : numbers) n = n == kOutlined ? static_cast<uint16_t>(sets.sets().size()) : n;
+  }
   const MaterialColors of_materials(reader.meta(), style.shown);
   std::vector<Rgba> colors;
   for (const auto& set : sets.sets()) colors.push_back(of_materials.of(set));
@@ -127,15 +195,19 @@ std::string raw_labels(const GridReader& reader, const SliceView& view) {
   return out;
 }
 
-std::string raw_sets(const GridReader& reader, const SliceView& view) {
+void expect_shares(const GridReader& reader) {
+  if (find_fractions(reader.meta()) == nullptr) throw UsageError("shares: the grid has none: it was meshed without fractions");
+}
+
+std::string raw_sets(const GridReader& reader, const SliceView& view, bool shares) {
   SetNumbers sets(reader.meta());
-  const std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
+  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
   return sets_text(sets, numbers, 0);
 }
 
-std::string raw_label_sets(const GridReader& reader, const SliceView& view) try {
+std::string raw_label_sets(const GridReader& reader, const SliceView& view, bool shares) try {
   SetNumbers sets([](const std::vector<Label>& set) { return set; }, kMostMembers);
-  const std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
+  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
   return sets_text(sets, numbers, width_flag(reader.meta()));
 } catch (const TooManySets&) {
   const std::vector<LabelInfo>& labels = reader.meta().labels;
@@ -147,7 +219,7 @@ std::string raw_label_sets(const GridReader& reader, const SliceView& view) try 
     std::ranges::sort(firsts);
     return firsts;
   });
-  const std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
+  const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
   return sets_text(sets, numbers, width_flag(reader.meta()) | kBodiesNotApart);
 }
 

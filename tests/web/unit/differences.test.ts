@@ -52,7 +52,7 @@ class Grid {
     const [width, height] = tile_size(place, this.cells);
     const sets = Uint32Array.from([[0], [1], [0, 1]], (set) => this.sets.number_of(set));
     const labels = Uint8Array.from({ length: width * height }, () => whole(random, 0, place.level === 0 ? 1 : 2));
-    const tile = { place, name, width, height, sets, labels, apart: true, bytes: 0 };
+    const tile = { place, name, width, height, sets, owners: sets, labels, apart: true, bytes: 0 };
     this.tiles.set(name, tile);
     return tile;
   }

@@ -30,7 +30,7 @@ function tile_of(place: Place): Tile {
   for (let r = 0; r < height; ++r)
     for (let c = 0; c < width; ++c)
       labels[r * width + c] = pattern(place.level, (place.column * 512 + c) * 2 ** place.level, (place.row * 512 + r) * 2 ** place.level) - 2;
-  return { place, name: place_name(place), width, height, sets, labels, apart: true, bytes: 0 };
+  return { place, name: place_name(place), width, height, sets, owners: sets, labels, apart: true, bytes: 0 };
 }
 
 // Shades of grey, whose means are easy to compute.

@@ -8,7 +8,7 @@ import { random_of, whole } from "./random";
 
 const cells: [number, number, number] = [5000, 3000, 700];
 const levels = 14;
-const tile_of = (place: Place): Tile => ({ place, name: place_name(place), width: 1, height: 1, sets: new Uint32Array(1), labels: null, apart: true, bytes: 1 });
+const tile_of = (place: Place): Tile => ({ place, name: place_name(place), width: 1, height: 1, sets: new Uint32Array(1), owners: new Uint32Array(1), labels: null, apart: true, bytes: 1 });
 
 function places_of(level: number, slice: number): Place[] {
   const size = 512 * 2 ** level;

@@ -57,3 +57,26 @@ test("the same set has the same number in all tiles", () => {
   assert.equal(a.sets[0], b.sets[1]);
   assert.notEqual(b.sets[0], b.sets[1]);
 });
+
+test("a mixed cell has its labels once, its own look, and the owner that it has without its shares", () => {
+  const table = new SetTable();
+  const shares = [3, 3, 3, 3, 3, 1, 1, 1, 1, 1, 1, 1, 1, 4, 4, 4];
+  const tile = decode_tile(place, [3, 1], encoded([[3], shares, [1, 3, 4]], [0, 1, 2]), table);
+  const mixed = tile.sets[1]!;
+  assert.deepEqual(table.members(mixed), [1, 3, 4]);
+  const looks = [0, 1, 2, 3, 4].map((material) => ({ color: [10 * material, 0, 0] as [number, number, number], opacity: material === 4 ? 0 : 1, visible: true, material }));
+  assert.deepEqual(table.color(mixed, looks), [Math.round((5 * 30 + 8 * 10) / 13), 0, 0, Math.round((255 * 13) / 16)]);
+  assert.deepEqual(table.color(mixed, looks.map((look, i) => ({ ...look, visible: i !== 3 }))), [10, 0, 0, Math.round(255 / 2)]);
+  assert.equal(tile.owners[1], tile.sets[0]);
+  assert.equal(tile.owners[0], tile.sets[0]);
+  assert.equal(tile.owners[2], tile.sets[2]);
+  assert.notEqual(mixed, tile.sets[2]);
+});
+
+test("a set of sixteen labels is a set", () => {
+  const table = new SetTable();
+  const set = Array.from({ length: 16 }, (_, i) => 3 * i);
+  const tile = decode_tile(place, [1, 1], encoded([set], [0]), table);
+  assert.deepEqual(table.members(tile.sets[0]!), set);
+  assert.equal(tile.owners[0], tile.sets[0]);
+});

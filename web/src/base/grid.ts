@@ -70,6 +70,7 @@ export interface GridInfo {
   materials: Material[];
   labels?: Label[]; // where the file keeps bodies apart; otherwise labels are materials
   levels: { level: number; cells: Index3; stored: boolean; chunks: number; bytes: number }[];
+  channels: { name: string; bytes: number }[]; // what the file holds beside the cells
   file: { bytes: number; version: string; hash: string };
   crossings: number;
   bits_per_crossing: number;
@@ -119,6 +120,20 @@ export interface Stats {
 export interface CellAnswer {
   materials: { id: number; name: string }[];
   bodies?: { label: number; name: string; material: number }[]; // where the file keeps bodies apart
+  shares?: Share[]; // where the file has fractions
+  plane?: Plane; // where more than one material has a share
+}
+export interface Share {
+  id: number;
+  name: string;
+  share: number; // from 0 to 1
+}
+// The plane that stands for the surface of a material within a cell: normal . x = offset. The material lies where normal . x is less.
+export interface Plane {
+  id: number;
+  name: string;
+  normal: [number, number, number];
+  offset: number;
 }
 
 // Which cells have a material of another name in another grid of equal cells.
@@ -168,9 +183,11 @@ export class GridAddress {
     this.base = `api/v1/grids/${encodeURIComponent(id)}`;
     this.bodies = keeps_bodies ? "&bodies=1" : "";
   }
-  // The sets of labels in a tile of 512 x 512 cells. tiles/tile.ts describes the format.
-  tile(axis: AxisIndex, index: number, level: number, column: number, row: number): string {
-    return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1${this.bodies}&v=${this.hash}`;
+  // The sets of labels in a tile of 512 x 512 cells. tiles/tile.ts describes the format. With `shares`, mixed cells of level 0 tell what they
+  // are made of.
+  tile(axis: AxisIndex, index: number, level: number, column: number, row: number, shares = false): string {
+    const more = this.bodies + (shares && level === 0 ? "&shares=1" : "");
+    return `${this.base}/tile/${AXIS_NAMES[axis]}/${index}/${level}/${column}_${row}.bin?sets=1${more}&v=${this.hash}`;
   }
   // What is seen from somewhere: a picture, numbers for each of its pixels, or what is at one of its points. `query` says from where.
   view(ending: "png" | "bin" | "json", query: string): string {

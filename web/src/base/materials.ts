@@ -74,3 +74,17 @@ export function shown_color(set: readonly number[], looks: readonly LabelLook[])
   const mixed = set.some((label) => looks[label]?.material !== looks[set[0]!]?.material);
   return [r, g, b, mixed ? Math.round((510 * a) / (255 + a)) : a];
 }
+
+// The colour of a mixed cell whose labels are named as often as their shares say. A hidden label is clear here, so that what is left fades.
+export function color_of_shares(parts: readonly number[], looks: readonly LabelLook[]): [number, number, number, number] {
+  let [r, g, b, a] = [0, 0, 0, 0];
+  for (const label of parts) {
+    const look = looks[label];
+    if (!look?.visible) continue;
+    r += look.color[0] * look.opacity;
+    g += look.color[1] * look.opacity;
+    b += look.color[2] * look.opacity;
+    a += look.opacity;
+  }
+  return a === 0 ? [0, 0, 0, 0] : [Math.round(r / a), Math.round(g / a), Math.round(b / a), Math.round((255 * a) / parts.length)];
+}

@@ -1,11 +1,13 @@
 // The dock below the views, at a fixed height: what is under the pointer, where the crosshair or the pinned cell is,
 // and the materials along the three columns through it.
+import { useEffect } from "preact/hooks";
 import { coordinate, grouped } from "../base/format";
 import { AXES, AXIS_NAMES, type CellAnswer, type Index3 } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
 import type { Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
 import { LabelNames } from "./label_names";
+import { PlaneText, Shares, use_shares } from "./shares";
 import { Profiles, SETTLED, use_profiles } from "./profiles";
 
 
@@ -33,12 +35,19 @@ function Place({ viewer, cell, point }: { viewer: Viewer; cell: Index3 | null; p
 
 function Pointer({ viewer }: { viewer: Viewer }) {
   const hover = viewer.hover.value;
+  const { shares, plane } = use_shares(viewer, hover?.cell ?? null);
+  useEffect(() => {
+    viewer.cut.value = hover && plane ? { cell: hover.cell, plane } : null;
+  }, [plane]);
   return (
     <section class="dock-part dock-pointer" aria-label="Under the pointer">
-      <h2>Pointer</h2>
+      <h2>
+        Pointer
+        {plane && <PlaneText plane={plane} />}
+      </h2>
       <Place viewer={viewer} cell={hover?.cell ?? null} {...(hover ? { point: hover.point } : {})} />
       <div class="dock-material">
-        <LabelNames viewer={viewer} labels={hover?.labels ?? null} />
+        {shares ? <Shares viewer={viewer} shares={shares} /> : <LabelNames viewer={viewer} labels={hover?.labels ?? null} />}
       </div>
     </section>
   );
@@ -57,6 +66,7 @@ export function Dock({ viewer }: { viewer: Viewer }) {
   const cell = pinned ?? viewer.cell.value;
   const profiles = use_profiles(viewer, cell);
   const labels = use_labels(viewer, cell, profiles.material);
+  const { shares } = use_shares(viewer, cell);
   return (
     <aside class="dock" aria-label="Read-out">
       <Pointer viewer={viewer} />
@@ -87,7 +97,7 @@ export function Dock({ viewer }: { viewer: Viewer }) {
         </h2>
         <Place viewer={viewer} cell={cell} />
         <div class="dock-material">
-          <LabelNames viewer={viewer} labels={labels} />
+          {shares ? <Shares viewer={viewer} shares={shares} /> : <LabelNames viewer={viewer} labels={labels} />}
         </div>
       </section>
       <Profiles viewer={viewer} cell={cell} profiles={profiles} />

@@ -48,7 +48,7 @@ export async function fetch_cells(viewer: Viewer, axis: AxisIndex, window: Windo
   const waiting = places.entries();
   const take = async () => {
     for (const [n, place] of waiting) {
-      const address = viewer.address.tile(axis, place.index, place.level, place.column, place.row);
+      const address = viewer.address.tile(axis, place.index, place.level, place.column, place.row, viewer.show_shares.peek());
       const bytes = await (await get_patiently(address, signal)).arrayBuffer();
       regions[n] = { ...extent_of(place, viewer.cells), tile: decode_tile(place, tile_size(place, viewer.cells), bytes, sets), damaged: false };
     }

@@ -1,7 +1,7 @@
 // A slice as the subject of a figure.
 import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
-import { type LabelLook, shown_color } from "../base/materials";
+import type { LabelLook } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import { Palette, type Rgb } from "../tiles/sets";
 import { joined } from "./areas";
@@ -41,7 +41,7 @@ async function fetch_shapes(viewer: Viewer, axis: AxisIndex, window: Window, pix
     const colors = new Map<number, string>();
     const color_of = (set: number): string => {
       let color = colors.get(set);
-      if (color === undefined) colors.set(set, (color = shown_color(cells.sets.members(set) ?? [], looks).join(" ")));
+      if (color === undefined) colors.set(set, (color = cells.sets.color(set, looks).join(" ")));
       return color;
     };
     const runs: { key: string; u0: number; u1: number; v0: number; v1: number }[] = [];

@@ -24,7 +24,7 @@ const numbers = (text: string | null, count: number): number[] | null => {
 
 const LAYOUTS: readonly Layout[] = ["four", "x", "y", "z", "3d"];
 const PANELS: readonly Panel[] = ["materials", "bodies", "report", "box", "share", "status"];
-const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline" } as const;
+const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline", shares: "show_shares" } as const;
 
 function parsed_color(text: string | undefined): [number, number, number] | null {
   if (!/^[0-9a-f]{6}$/.test(text ?? "")) return null;

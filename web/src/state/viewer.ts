@@ -3,7 +3,7 @@
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
 import { type Axis, axes_of } from "../base/axis";
 import { unit_name } from "../base/format";
-import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label } from "../base/grid";
+import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane } from "../base/grid";
 import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
 import { TileCounters } from "../tiles/counters";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
@@ -93,6 +93,7 @@ export class Viewer {
   readonly show_scale = signal(true);
   readonly show_lines = signal(true); // between cells, when they are large enough
   readonly show_outline = signal(false); // between materials
+  readonly show_shares = signal(false); // mixed cells as blends of what they are made of
   readonly sweeping = signal<AxisIndex | null>(null); // the view whose slices are played
   readonly box = signal<Box | null>(null);
   readonly measure = signal<Measure | null>(null);
@@ -113,12 +114,14 @@ export class Viewer {
 
   // The cell under the pointer, and the slice that it is in (null: the overview); null outside the grid.
   readonly hover = signal<{ axis: AxisIndex | null; cell: Index3; point: [number, number, number]; labels: readonly number[] | null } | null>(null);
+  // The plane within the mixed cell under the pointer.
+  readonly cut = signal<{ cell: Index3; plane: Plane } | null>(null);
   // A cell that a click keeps in the read-out.
   readonly pinned = signal<Index3 | null>(null);
 
   // The state at the start. The page's address holds only what differs from it.
   readonly standard_looks: readonly MaterialLook[];
-  readonly standard_switches = { show_axes: true, show_scale: true, show_lines: true, show_outline: false } as const;
+  readonly standard_switches = { show_axes: true, show_scale: true, show_lines: true, show_outline: false, show_shares: false } as const;
 
   readonly units: string; // as people write them
   readonly cells: Index3;
@@ -150,6 +153,10 @@ export class Viewer {
   get keeps_bodies(): boolean {
     return this.info.labels !== undefined;
   }
+  // Whether the file tells what mixed cells are made of.
+  get has_shares(): boolean {
+    return this.info.channels.some(({ name }) => name === "fractions");
+  }
   // The name of each label's material.
   get material_names(): string[] {
     return this.labels.map(({ material }) => this.info.materials[material]!.name);
@@ -180,7 +187,7 @@ export class Viewer {
       this.panel.value = "materials";
       this.looks.value = this.standard_looks;
       this.body_looks.value = new Map();
-      for (const name of ["show_axes", "show_scale", "show_lines", "show_outline"] as const) this[name].value = this.standard_switches[name];
+      for (const name of ["show_axes", "show_scale", "show_lines", "show_outline", "show_shares"] as const) this[name].value = this.standard_switches[name];
       this.box.value = null;
       this.measure.value = null;
       this.pinned.value = null;

@@ -1,10 +1,11 @@
 // A number for each set of labels that occurs in tiles. The numbers are the same in all tiles of a grid, so that
 // neighbours can be compared and one palette colours all tiles. The first two numbers stand for no set.
-import { type LabelLook, shown_color } from "../base/materials";
+import { type LabelLook, color_of_shares, shown_color } from "../base/materials";
 
 export const OUTSIDE = 0; // outside the grid
 export const UNKNOWN = 1; // in the grid, where no tile has come yet
 const FIRST = 2;
+const SHARES = 16; // parts of a mixed cell
 
 export class SetTable {
   private readonly numbers = new Map<string, number>();
@@ -27,7 +28,30 @@ export class SetTable {
 
   // Labels in ascending order; null for a number that stands for no set.
   members(number: number): readonly number[] | null {
+    const parts = this.parts(number);
+    return parts && this.is_shared_out(parts) ? [...new Set(parts)].sort((a, b) => a - b) : parts;
+  }
+
+  // As RGBA, not premultiplied. REQUIRES: the number stands for a set.
+  color(number: number, looks: readonly LabelLook[]): [number, number, number, number] {
+    const parts = this.parts(number)!;
+    return this.is_shared_out(parts) ? color_of_shares(parts, looks) : shown_color(parts, looks);
+  }
+
+  // The number of the set that a cell has without its shares.
+  owner(number: number): number {
+    const parts = this.parts(number);
+    return parts && this.is_shared_out(parts) ? this.number_of(parts.slice(0, 1)) : number;
+  }
+
+  // The same as members(), but each label of a mixed cell as often as its share of the cell says, the cell's own label first.
+  private parts(number: number): readonly number[] | null {
     return number < FIRST ? null : this.sets[number]!;
+  }
+
+  // A set ascends.
+  private is_shared_out(parts: readonly number[]): boolean {
+    return parts.length === SHARES && parts.some((label, i) => i > 0 && label <= parts[i - 1]!);
   }
 }
 
@@ -65,9 +89,8 @@ export class Palette {
   }
 
   private color(number: number): Rgb {
-    const set = this.sets.members(number);
-    if (!set) return number === OUTSIDE ? this.outside : this.ground;
-    const [r, g, b, alpha] = shown_color(set, this.looks);
+    if (!this.sets.members(number)) return number === OUTSIDE ? this.outside : this.ground;
+    const [r, g, b, alpha] = this.sets.color(number, this.looks);
     const a = alpha / 255;
     const over = (c: number, under: number) => Math.round(c * a + under * (1 - a));
     return [over(r, this.ground[0]), over(g, this.ground[1]), over(b, this.ground[2])];

@@ -46,6 +46,7 @@ export class TileStore {
   private bytes = 0;
   private timer: ReturnType<typeof setTimeout> | undefined;
   private closed = false;
+  private shares = false;
 
   constructor(
     private readonly address: GridAddress,
@@ -80,6 +81,21 @@ export class TileStore {
     for (const { abort } of this.flights.values()) abort.abort();
     this.flights.clear();
     this.failures.clear();
+    this.pump();
+    this.on_change();
+  }
+
+  // Whether mixed cells come with their shares. Those of level 0 are asked for anew when this changes.
+  show_shares(shares: boolean): void {
+    if (shares === this.shares) return;
+    this.shares = shares;
+    for (const { abort } of this.flights.values()) abort.abort();
+    this.flights.clear();
+    for (const [name, tile] of this.tiles) {
+      if (tile.place.level > 0) continue;
+      this.tiles.delete(name);
+      this.bytes -= tile.bytes;
+    }
     this.pump();
     this.on_change();
   }
@@ -139,7 +155,7 @@ export class TileStore {
 
   private async fetch_one(place: Place, name: string, flight: Flight): Promise<void> {
     const began = performance.now();
-    const path = this.address.tile(place.axis, place.index, place.level, place.column, place.row);
+    const path = this.address.tile(place.axis, place.index, place.level, place.column, place.row, this.shares);
     try {
       const response = await this.fetch_tile(path, { signal: flight.abort.signal, priority: flight.ahead ? "low" : "high" });
       const buffer = await response.arrayBuffer();

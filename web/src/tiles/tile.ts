@@ -1,4 +1,4 @@
-// A tile as the server sends it (`.bin?sets=1`), little-endian:
+// A tile as the server sends it (`.bin?sets=1`, which for mixed cells may have lists of shares in place of sets), little-endian:
 // - u16: the number of sets; u16: flags;
 // - for each set, u16: the number of its labels, then these as u16; with the flag WIDE all of them as u32;
 // - for each cell, row v = 0 first, the number of its set: u8 when there are at most 256 sets, otherwise u16.
@@ -12,6 +12,7 @@ export interface Tile {
   readonly width: number;
   readonly height: number;
   readonly sets: Uint32Array; // numbers in the SetTable
+  readonly owners: Uint32Array; // the same, as they are without the shares of mixed cells
   readonly labels: Uint8Array | Uint16Array | null; // places in `sets`; null when sets[0] is everywhere
   readonly apart: boolean; // false: too many bodies are in sight here, so each label stands for all bodies of its material
   readonly bytes: number; // that it holds in memory
@@ -40,15 +41,16 @@ export function decode_tile(place: Place, size: readonly [number, number], buffe
     sets[s] = table.number_of(Array.from({ length: n }, (_, i) => number_at(at + width_of * i)));
     at += width_of * n;
   }
+  const owners = sets.map((set) => table.owner(set));
   const apart = (flags & NOT_APART) === 0;
   const [width, height] = size;
   const cells = width * height;
   const wide = count > 256;
   const length = at + cells * (wide ? 2 : 1);
   if (count === 0 || buffer.byteLength !== length) throw wrong(`${length} bytes for ${width} x ${height} cells and ${count} sets`);
-  if (count === 1) return { place, name, width, height, sets, labels: null, apart, bytes: OVERHEAD };
+  if (count === 1) return { place, name, width, height, sets, owners, labels: null, apart, bytes: OVERHEAD };
   const labels = wide ? new Uint16Array(buffer, at, cells) : new Uint8Array(buffer, at, cells);
-  return { place, name, width, height, sets, labels, apart, bytes: OVERHEAD + length };
+  return { place, name, width, height, sets, owners, labels, apart, bytes: OVERHEAD + length };
 }
 
 // The number of the set at a cell of level 0. REQUIRES: the cell lies in the tile.

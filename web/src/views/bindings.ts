@@ -26,6 +26,7 @@ export const slice_bindings: readonly Binding[] = [
   { keys: "b", does: "show or hide the scale bar" },
   { keys: "l", does: "show or hide the lines between cells" },
   { keys: "o", does: "show or hide the outlines of materials" },
+  { keys: "s", does: "show mixed cells by their shares, where the grid has them, or as cells of one material" },
   { keys: "m", does: "measure a distance with one drag; its ends snap to boundaries, with alt they do not" },
   { keys: "t, shift + click", does: "measure how thick the material of the cell is" },
   { keys: "Enter", does: "while measuring: begin or end the line at the crosshair" },

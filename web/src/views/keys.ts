@@ -76,6 +76,7 @@ function actions_of(stage: Stage): Record<string, () => void> {
     b: () => flip(viewer.show_scale),
     l: () => flip(viewer.show_lines),
     o: () => flip(viewer.show_outline),
+    s: () => viewer.has_shares && flip(viewer.show_shares),
     p: () => toggle_sweep(viewer, stage.active),
     c: () => viewer.go_to_cell(viewer.cell.value),
     m: () => choose_tool(viewer, "measure"),

@@ -26,6 +26,44 @@ export function draw_pin(pen: Pen): void {
   pen.path([[x - 6, y - 6], [x + 6, y - 6], [x + 6, y + 6], [x - 6, y + 6]], ink.accent, { width: 2, dash, close: true });
 }
 
+const LEAST_CUT = 8; // CSS pixels: in smaller cells a line would say nothing
+
+// The plane within the cell under the pointer: the line in which it meets the plane of the slice, clipped to the cell.
+export function draw_cut(pen: Pen): void {
+  const { viewer, frame, axis, camera } = pen;
+  const cut = viewer.cut.value;
+  if (!cut || cut.cell[axis] !== viewer.cell.value[axis]) return;
+  const { cell, plane } = cut;
+  const [across, up, through] = [camera.across, camera.up, viewer.axes[axis]];
+  const [u, v] = [cell[frame.u], cell[frame.v]];
+  const ends = line_in_cell(
+    [plane.normal[frame.u], plane.normal[frame.v]],
+    plane.offset - plane.normal[axis] * through.centre(cell[axis]),
+    [across.plane(u), up.plane(v), across.plane(u + 1), up.plane(v + 1)],
+  );
+  const size = Math.min(across.width(u), up.width(v)) * camera.zoom;
+  if (!ends || size < LEAST_CUT) return;
+  pen.path(ends.map(([x, y]) => [camera.x_of(x), camera.y_of(y)] as const), pen.ink.accent, { width: 2 });
+}
+
+// The part of the line n . (x, y) = offset within a rectangle [x0, y0, x1, y1]; null when it does not pass through.
+export function line_in_cell(
+  n: readonly [number, number],
+  offset: number,
+  [x0, y0, x1, y1]: readonly [number, number, number, number],
+): [[number, number], [number, number]] | null {
+  const corners = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]] as const;
+  const side = corners.map(([x, y]) => n[0] * x + n[1] * y - offset);
+  const ends: [number, number][] = [];
+  corners.forEach(([x, y], i) => {
+    const [next, a, b] = [corners[(i + 1) % 4]!, side[i]!, side[(i + 1) % 4]!];
+    if (a < 0 === b < 0) return;
+    const t = a / (a - b);
+    ends.push([x + t * (next[0] - x), y + t * (next[1] - y)]);
+  });
+  return ends.length === 2 ? [ends[0]!, ends[1]!] : null;
+}
+
 export function draw_box(pen: Pen, box: Box | null): void {
   if (!box) return;
   const { frame, axis, viewer } = pen;

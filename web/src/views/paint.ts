@@ -159,14 +159,16 @@ function as_colors(regions: readonly Region[]): Uint32Array {
   return Uint32Array.from({ length: most + 1 }, (_, i) => i);
 }
 
-// Puts a packed colour on each pixel whose set differs from that of the pixel on its left or above it.
+// Puts a packed colour on each pixel whose set differs from that of the pixel on its left or above it. Mixed cells count as what owns them.
 export function paint_outline(out: Uint32Array, samples: SampleCells, regions: readonly Region[], color: number): void {
   const { each, rows } = samples;
   const width = samples.columns.length / each;
   // Paints the numbers of the sets as if they were colours, from the first sample of each pixel.
   const firsts: SampleCells = { columns: samples.columns.filter((_, i) => i % each === 0), rows: rows.filter((_, i) => i % each === 0), each: 1 };
   const numbers = new Uint32Array(out.length);
-  paint(numbers, firsts, regions, as_colors(regions));
+  const owners = as_colors(regions);
+  for (const { tile } of regions) tile?.sets.forEach((set, i) => (owners[set] = tile.owners[i]!));
+  paint(numbers, firsts, regions, owners);
   for (let i = width; i < numbers.length; ++i) {
     const here = numbers[i]!;
     if ((here !== numbers[i - 1] && i % width !== 0) || here !== numbers[i - width]) out[i] = color;

@@ -71,13 +71,15 @@ export class Stage {
     this.stops.push(
       effect(() => {
         for (const s of [
-          v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.box, v.measure, v.pinned, v.markers,
+          v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.cut, v.box, v.measure, v.pinned,
+          v.markers,
         ])
           s.value;
         this.draft.value;
         this.invalidate();
       }),
     );
+    this.stops.push(effect(() => this.store.show_shares(v.show_shares.value && v.has_shares)));
     // Keys act on a view that is shown alone, even before the pointer is over it.
     this.stops.push(effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))));
     let returns = returned.peek();

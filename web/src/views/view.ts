@@ -105,7 +105,7 @@ export class View {
     const samples = this.samples!;
     const [width, height] = [samples.columns.length / samples.each, samples.rows.length / samples.each];
     const outline = viewer.show_outline.value;
-    const key = `${this.camera_key} ${palette.version} ${outline} ${this.shown.regions.map(region_key).join(" ")}`;
+    const key = `${this.camera_key} ${palette.version} ${outline} ${viewer.show_shares.value} ${this.shown.regions.map(region_key).join(" ")}`;
     if (key === this.picture_key) return false;
     this.picture_key = key;
     if (!this.picture || this.picture.width !== width || this.picture.height !== height) {
