@@ -15,7 +15,7 @@
 
 namespace teracell {
 
-inline constexpr uint16_t kFormatMajor = 2, kFormatMinor = 0;
+inline constexpr uint16_t kFormatMajor = 2, kFormatMinor = 1;
 
 uint64_t checksum(std::span<const uint8_t> bytes);  // XXH3, 64 bits, seed 0
 std::string compressor_version();                   // another version may compress to other bytes

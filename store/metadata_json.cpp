@@ -1,5 +1,8 @@
 #include "store/metadata_json.hpp"
 
+#include <cmath>
+#include <unordered_set>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -91,8 +94,13 @@ Metadata metadata_from(const ordered_json& j, std::span<const ChannelKind> known
     for (int d = 0; d < 3; ++d) meta.grid.axis[d] = axis_from(j.at("axes").at(d));
     for (const auto& m : j.at("materials")) meta.materials.push_back({m.at("name"), m.at("color"), whole<uint32_t>(m, "rank", 65535)});
     for (const auto& l : j.at("labels")) meta.labels.push_back({whole<uint32_t>(l, "material", 65535), l.value("body", "")});
-    if (const auto patches = j.find("patches"); patches != j.end())
-      for (const auto& p : *patches) meta.patches.push_back({p.at("name"), p.value("body", ""), p.at("area")});
+    if (const auto patches = j.find("patches"); patches != j.end()) {
+      if (!patches->is_array()) throw FormatError("metadata: patches is an array, found " + shown(*patches));
+      for (const auto& p : *patches) {
+        if (!p.at("area").is_number()) throw FormatError("metadata: the area of a patch is a number, found " + shown(p.at("area")));
+        meta.patches.push_back({p.at("name"), p.value("body", ""), p.at("area")});
+      }
+    }
     meta.chunk_rays = whole<uint32_t>(j.at("chunk"), "rays", 256);
     meta.chunk_cells = whole<uint32_t>(j.at("chunk"), "cells", uint64_t{1} << 31);
     meta.page_chunks = whole<uint32_t>(j.at("chunk"), "page", 16);
@@ -133,6 +141,11 @@ void check(const Metadata& meta) {
     taken[m.rank] = true;
   }
   for (const LabelInfo& l : meta.labels) expect(l.material < meta.materials.size(), "a label names a material that is not there");
+  std::unordered_set<std::string_view> patches;
+  for (const PatchInfo& p : meta.patches) {
+    expect(std::isfinite(p.area) && p.area >= 0, "the area of a patch is 0 or more");
+    expect(patches.insert(p.name).second, "no two patches may have the same name");
+  }
   for (const Channel& c : meta.others()) expect(c.frames > 0, "the cover of a channel has at least one frame");
   const std::vector<LevelInfo>& levels = meta.levels();
   expect(!levels.empty() && levels[0].level == 0, "level 0 must be stored");

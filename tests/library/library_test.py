@@ -212,6 +212,20 @@ class Links(unittest.TestCase):
             self.assertGreater(len(expected), 1000)
             self.assertEqual(sorted(expected), [(*map(int, c), int(e), int(b)) for c, e, b in zip(*found[:3])])
 
+    def test_patches_have_names_bodies_and_areas(self):
+        told = json.loads(run(PROGRAM, "info", self.path, "--json"))["patches"]
+        self.assertEqual([(p.name, p.body, p.area) for p in self.grid.patches], [(p["name"], p["body"], p["area"]) for p in told])
+        self.assertEqual([p.name for p in self.grid.patches[:6]], ["xmin", "xmax", "ymin", "ymax", "zmin", "zmax"])
+        self.assertEqual(self.grid.patches[0].area, 240 * 60)
+        self.assertEqual({p.body for p in self.grid.patches[6:]}, {b["name"] for b in self.scene["bodies"]})
+        used = {int(n) for name in "xyz" for n in self.grid.links(axis=name)[3]}
+        self.assertTrue(used <= set(range(6, len(told))))
+        self.assertGreater(len(used), 5)
+        names = [p["name"] for p in told]
+        for name in ("patches.cpp", "patches.f90"):
+            printed = run(compiled(SOURCES / name), self.path).decode().splitlines()
+            self.assertEqual([line.strip() for line in printed], names, name)
+
     def test_boxes_through_every_language(self):
         rng = random.Random(5)
         lines, expected = [], []

@@ -22,6 +22,7 @@ Metadata some_metadata() {
   meta.ray_axis = 1;
   meta.materials = {{"air", "#00000000", 2}, {"\"steel\"\n", "#8899aa", 0}, {"", "#ffffff", 1}};
   meta.labels = {{0, ""}, {2, "hull"}, {1, "déck"}, {1, ""}};
+  meta.patches = {{"xmin", "", 0.1}, {"rüssel", "hull", 1.7976931348623157e308}, {"", "hull", 0}};
   meta.chunk_rays = 256;
   meta.chunk_cells = 1u << 31;
   meta.page_chunks = 1;
@@ -132,6 +133,8 @@ TEST_CASE("Every key of the metadata is needed and no value of another type is t
                            "/materials/0/rank",
                            "/labels",
                            "/labels/0/material",
+                           "/patches/1/name",
+                           "/patches/1/area",
                            "/chunk",
                            "/chunk/rays",
                            "/chunk/cells",
@@ -152,7 +155,9 @@ TEST_CASE("Every key of the metadata is needed and no value of another type is t
     REQUIRE_THROWS_AS(decode_metadata(edited([&](ordered_json& j) { j[pointer.parent_pointer()].erase(pointer.back()); })), FormatError);
     for (const ordered_json& value : wrong) {
       const Bytes frame = edited([&](ordered_json& j) { j[pointer] = value; });
-      if (value.is_string() && (path == std::string("/units") || std::string(path).starts_with("/materials/0/"))) continue;  // texts are free
+      if (value.is_string() && (path == std::string("/units") || path == std::string("/patches/1/name") || std::string(path).starts_with("/materials/0/")))
+        continue;  // texts are free
+      if (value == 1.5 && path == std::string("/patches/1/area")) continue;
       INFO(value.dump());
       REQUIRE_THROWS_AS(decode_metadata(frame), FormatError);
     }
@@ -185,6 +190,9 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   refused("/labels/1/material", 3);
   refused("/labels", ordered_json::array());
   refused("/materials", ordered_json::array());
+  refused("/patches/1/name", "xmin");  // equal to another
+  refused("/patches/1/area", -1e-300);
+  for (const ordered_json& none : {ordered_json(nullptr), ordered_json("text"), ordered_json(3), ordered_json({{"name", "a"}, {"area", 1}})}) refused("/patches", none);
   refused("/channels/0/levels", ordered_json::array());
   refused("/channels/0/levels/0/level", 1);   // level 0 is missing
   refused("/channels/0/levels/1/level", 0);   // twice

@@ -5,6 +5,9 @@
 #include <catch2/catch.hpp>
 
 #include "store/chunk_codec.hpp"
+#include "store/fraction_reader.hpp"
+#include "store/link_reader.hpp"
+#include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
@@ -38,6 +41,46 @@ TEST_CASE("Any single bit flipped in a file is reported by verify, and no wrong 
       file[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
     }
   }
+}
+
+TEST_CASE("Any single bit flipped in a file with fractions and links is reported by verify, and no wrong share or link is ever read") {
+  const TempFolder folder;
+  Grid grid;
+  for (Axis& axis : grid.axis) axis = Axis::uniform(0, 1, 0, 9, 0.5);
+  MeshOptions options;
+  options.fractions = Subdivision{2, 2, 4};
+  options.links = true;
+  options.chunk_rays = 4;
+  mesh_quietly(scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}}, grid),
+               folder / "g.tcell", options);
+  const Bytes whole = file_bytes(folder / "g.tcell");
+  const auto read = [&](const GridReader& reader) {
+    std::pair<std::vector<double>, std::vector<CellLink>> out;
+    out.first.resize(729);
+    FractionReader(reader).read_box(grid.box(0), 1, 0.0, out.first.data(), {1, 9, 81});
+    for (int d = 0; d < 3; ++d)
+      LinkReader(reader).for_each(d, grid.box(0), [&](std::span<const CellLink> found) { out.second.insert(out.second.end(), found.begin(), found.end()); });
+    return out;
+  };
+  const auto undamaged = read(reader_of(whole));
+  REQUIRE(undamaged.second.size() > 200);
+  Bytes file = whole;
+  size_t missed = 0, wrong = 0;
+  for (size_t bit = 0; bit < 8 * file.size(); bit += kStride) {
+    file[bit / 8] ^= static_cast<uint8_t>(1u << bit % 8);
+    try {
+      verify_quietly(reader_of(file));
+      ++missed;
+    } catch (const FormatError&) {
+    }
+    try {
+      wrong += read(reader_of(file)) != undamaged;
+    } catch (const FormatError&) {
+    }
+    file[bit / 8] = whole[bit / 8];
+  }
+  CHECK(missed == 0);
+  CHECK(wrong == 0);
 }
 
 TEST_CASE("A block of a file overwritten, or two of them swapped, is reported by verify") {

@@ -10,6 +10,7 @@
 
 #include "mesher/report_json.hpp"
 #include "store/error.hpp"
+#include "store/fractions.hpp"
 #include "store/info.hpp"
 #include "store/number_text.hpp"
 #include "store/text.hpp"
@@ -143,6 +144,19 @@ void print_patches(const Metadata& meta) {
     row("", fmt::format("and {} more, none larger than {} {}²", patches.size() - shown, number_text(patches[shown]->area, 4), meta.units));
 }
 
+// What the file holds beside the cells.
+void print_channels(const Metadata& meta) {
+  std::string title = "channels";
+  for (const Channel& c : meta.others()) {
+    std::string about;
+    if (const Channel* fractions = find_fractions(meta); fractions == &c) {
+      const Subdivision s = subdivision_of(c);
+      about = fmt::format(", {} x {} x {} sub-samples of each mixed cell", s[0], s[1], s[2]);
+    }
+    row(std::exchange(title, ""), fmt::format("{}  {}{}", c.name, c.bytes > 0 ? bytes_text(static_cast<double>(c.bytes)) : "of unknown size", about));
+  }
+}
+
 void print(const GridReader& reader) {
   const Metadata& meta = reader.meta();
   const Index3 n = meta.grid.cells();
@@ -172,6 +186,7 @@ void print(const GridReader& reader) {
       if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", l.chunks, l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
   }
+  print_channels(meta);
   try {
     print_report(parse_report(reader.report()), meta.units);
   } catch (const FormatError&) {
