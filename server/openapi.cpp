@@ -36,7 +36,9 @@ ordered_json outline() {
 }
 
 ordered_json shares() {
-  return parameter("shares", "query", "1: mixed cells of level 0 by their shares, where the grid has fractions; with sets=1, or in pictures of the size that outline allows", flag());
+  return parameter(
+      "shares", "query",
+      "1: mixed cells of level 0 by their shares, where the grid has fractions; with sets=1, or in pictures of the size that outline allows", flag());
 }
 
 ordered_json content(const char* type, const char* schema) {
@@ -216,8 +218,8 @@ std::string openapi_json(const Request& request) {
     return p;
   };
   paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.png"] =
-      get("a tile of 512 x 512 cells as a picture, v upwards; tiles at the edge are smaller", tile({materials(), outline(), shares(), version()}), "image/png",
-          nullptr);
+      get("a tile of 512 x 512 cells as a picture, v upwards; tiles at the edge are smaller", tile({materials(), outline(), shares(), version()}),
+          "image/png", nullptr);
   paths[grid + "/tile/{axis}/{index}/{level}/{col}_{row}.bin"] = get(
       "a tile as labels, the row with the lowest v first. Each cell is the id of its strongest material: one byte, or two (little endian) in grids of more than 256 materials. With "
       "sets=1 there are, all little endian: the number of sets (u32); for each set its number of materials and their ids (u16 each); for each cell the number of its set, one byte, "

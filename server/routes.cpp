@@ -170,12 +170,11 @@ Response tile(const GridRequest& r) {
     const bool sets = switched_on(r.target, "sets"), bodies = asks_for_bodies(r), shares = asks_for_shares(r.target, r.reader());
     if (bodies && !sets) throw bad_request("bodies: expected sets=1 beside it");
     if (shares && !sets) throw bad_request("shares: expected sets=1 beside it");
-    return r.service.answer(r.request, r.target, r.grid,
-                            {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&] {
-                               return bodies ? raw_label_sets(r.reader(), view, shares)
-                                      : sets ? raw_sets(r.reader(), view, shares)
-                                             : raw_labels(r.reader(), view);
-                             }});
+    return r.service.answer(
+        r.request, r.target, r.grid,
+        {.route = "tile_bin", .content_type = "application/octet-stream", .compress = true, .make = [&] {
+           return bodies ? raw_label_sets(r.reader(), view, shares) : sets ? raw_sets(r.reader(), view, shares) : raw_labels(r.reader(), view);
+         }});
   }
   if (extension != ".png") throw not_found(fmt::format("tiles are .png or .bin, found '{}'", extension.substr(0, 48)));
   r.target.allow({"v", "materials", "outline", "shares"});

@@ -5,8 +5,8 @@
 #include <map>
 #include <set>
 
-#include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <catch2/catch.hpp>
 
 #include "store/link_reader.hpp"
 #include "store/metadata_json.hpp"
@@ -74,12 +74,9 @@ TEST_CASE("Groups, objects and what has no name are patches with their areas, an
   CHECK(meta.patches[8] == PatchInfo{"wall", "cube", 36});
   CHECK(meta.patches[9] == PatchInfo{"box", "cube", 36});
   const GridReader reader(folder / "g.tcell");
-  CHECK(patches_of_links(reader) == std::map<std::string, std::set<std::string>>{{"-x", {"cube"}},
-                                                                                {"+x", {"inlet"}},
-                                                                                {"-y", {"inlet"}},
-                                                                                {"+y", {"wall"}},
-                                                                                {"-z", {"box"}},
-                                                                                {"+z", {"inlet"}}});
+  CHECK(patches_of_links(reader) ==
+        std::map<std::string, std::set<std::string>>{
+            {"-x", {"cube"}}, {"+x", {"inlet"}}, {"-y", {"inlet"}}, {"+y", {"wall"}}, {"-z", {"box"}}, {"+z", {"inlet"}}});
   CHECK(decode_metadata(encode_metadata(reader.meta()), channel_kinds()).patches == meta.patches);
 
   Scene merged = cube_scene({folder / "cube.obj"});
@@ -93,8 +90,8 @@ TEST_CASE("Names that several bodies have are told apart, and those of the domai
   write_cube(folder / "a.obj", {"g inlet", "g b", "g xmin", "g rest", "", ""});
   write_cube(folder / "b.obj", {"g inlet", "g b", "g own", "", "", ""});
   const auto areas = areas_of(meshed(cube_scene({folder / "a.obj", folder / "b.obj"}), folder / "g.tcell"));
-  CHECK(areas == std::map<std::string, double>{
-                     {"a:inlet", 36}, {"a:b", 36}, {"a:xmin", 36}, {"rest", 108}, {"b:inlet", 36}, {"b", 36}, {"own", 144}});
+  CHECK(areas ==
+        std::map<std::string, double>{{"a:inlet", 36}, {"a:b", 36}, {"a:xmin", 36}, {"rest", 108}, {"b:inlet", 36}, {"b", 36}, {"own", 144}});
 }
 
 TEST_CASE("Solids of an STL are patches; a part takes its own alone", "[patches]") {

@@ -7,7 +7,7 @@ import unittest
 import h5py
 import numpy
 
-from support import GRADED, PROGRAM, exported, folder, metal_grids, run
+from support import GRADED, PROGRAM, exported, folder, metal_grids, mixed_metals, run
 
 # Debian's ParaView can't be installed beside python3-vtk9, so it is unpacked here.
 PARAVIEW = pathlib.Path(__file__).resolve().parents[2] / "build" / "paraview"
@@ -32,6 +32,13 @@ class H5py(unittest.TestCase):
                         continue
                     self.assertEqual(file["planes_x"][()].tolist(), GRADED["x"]["planes"] if kind == "graded" else [-1 + i / 2 for i in range(25)])
                     self.assertEqual(file["planes_z"][()].tolist(), [5 + i / 2 for i in range(11)])
+
+    def test_shares_of_materials_in_mixed_cells(self):
+        grid, shares = mixed_metals()
+        with h5py.File(exported(grid, "s.h5", "--fractions")) as file:
+            for id, expected in enumerate((1 - shares["steel"] - shares["brass"], shares["steel"], shares["brass"])):
+                numpy.testing.assert_array_equal(file[f"fractions/{id}"][()], expected.astype("f4"))
+                self.assertEqual(file[f"fractions/{id}"].attrs["material"], ["air", "steel", "brass"][id])
 
     def test_numbers_of_a_map(self):
         cells = numpy.load(exported(grids[0][1], "m.npy"))

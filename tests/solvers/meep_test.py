@@ -6,7 +6,7 @@ warnings.filterwarnings("ignore", message="The value of the smallest subnormal")
 import meep
 import numpy
 
-from support import CELLS, SIZE, dielectric_grid, exported, folder
+from support import CELLS, SIZE, UNIFORM, dielectric_grid, exported, folder, mixed_metals
 
 EPSILON = [1, 2.25, 9.5]
 
@@ -34,6 +34,20 @@ class Meep(unittest.TestCase):
             self.assertAlmostEqual(simulation.get_epsilon_point(meep.Vector3(*centre)).real, around[1, 1, 1], places=6, msg=str((x, y, z)))
             compared[around[1, 1, 1]] += 1
         self.assertTrue(all(compared.values()), compared)
+
+    def test_a_mixed_cell_has_the_mean_of_what_it_is_made_of(self):
+        grid, shares = mixed_metals()
+        exported(grid, "mean.h5", "--profile", "meep", "--fractions", "--epsilon", "air=1,steel=2.25,brass=9.5")
+        expected = (1 + 1.25 * shares["steel"] + 8.5 * shares["brass"]).transpose()
+        self.assertGreater(len(numpy.unique(expected)), 3)  # there are mixed cells
+        size, cells = [b - a for a, b in zip(UNIFORM["min"], UNIFORM["max"])], UNIFORM["cells"]
+        meep.verbosity(0)
+        simulation = meep.Simulation(cell_size=meep.Vector3(*size), resolution=4, epsilon_input_file=f"{folder / 'mean.h5'}:eps", eps_averaging=False)
+        simulation.init_sim()
+        for x, y, z in numpy.ndindex(*cells):
+            centre = [(i + 0.5) * size[d] / cells[d] - size[d] / 2 for d, i in enumerate((x, y, z))]
+            if min(x, y, z) > 0 and all(i < n - 1 for i, n in zip((x, y, z), cells)):
+                self.assertAlmostEqual(simulation.get_epsilon_point(meep.Vector3(*centre)).real, expected[x, y, z], places=5, msg=str((x, y, z)))
 
 
 if __name__ == "__main__":

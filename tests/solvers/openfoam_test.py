@@ -150,6 +150,26 @@ class OpenFoam(unittest.TestCase):
             for number, material in enumerate(("air", "copper", "steel")):
                 self.assertEqual(int(re.search(rf"^\s*{material}\s+(\d+)", text, re.M)[1]), int((self.cells == number).sum()), (ranks, material))
 
+    def test_walls_are_patches_of_the_surface_alone_and_on_ranks(self):
+        lines = []
+        with open(os.path.join(self.folder, "0.obj")) as file:
+            for line in file:
+                if line.startswith("f "):
+                    lines.append(f"g side{len(lines)}\n")
+                lines.append(line)
+        self.write("0.obj", "".join(lines))
+        self.teracell("mesh", "scene.json", "-o", "g.tcell", "--links")
+        air = int((self.cells == 0).sum())
+        for ranks in (1, 3):
+            text = self.foam(self.case("patches", "--patches", ranks=3) if ranks == 1 else "patches", "checkMesh", "-allTopology", "-allGeometry", ranks=ranks)
+            self.expect_mesh(text, air, regions=2 if ranks == 1 else int(re.search(r"Number of regions: (\d+)", text)[1]))
+        with open(os.path.join(self.folder, "patches/constant/polyMesh/boundary")) as file:
+            boundary = file.read()
+        names = re.findall(r"^    (\w+)\n    {", boundary, re.M)
+        self.assertTrue({"xmin", "xmax", "ymin", "ymax", "zmin", "zmax", "body1", "body2"} < set(names), names)
+        self.assertGreaterEqual(sum(name.startswith("side") for name in names), 3)
+        self.assertNotIn("copper", names)
+
     def test_a_solver_computes_the_same_on_ranks_as_alone(self):
         alone = self.case("alone", "--drop-unreachable")
         self.foam(alone, "laplacianFoam")

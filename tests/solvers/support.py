@@ -7,6 +7,8 @@ import subprocess
 import sys
 import tempfile
 
+import numpy
+
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "e2e"))
 from solids import obj  # noqa: E402
 
@@ -49,6 +51,22 @@ def metal_grids():
 
 def dielectric_grid(**axes):
     return mesh("dielectrics", DIELECTRICS, DIELECTRIC_BLOCKS, {"min": (0, 0, 0), "max": SIZE, "cells": CELLS, **axes})
+
+
+SAMPLES = (4, 8, 2)
+
+
+def mixed_metals():
+    """A grid with fractions, and the shares of steel and brass in its cells, [z][y][x]. Blocks that don't overlap have separable ones."""
+    shares = {}
+    for material, (lo, hi) in METAL_BLOCKS.items():
+        along = []
+        for d in range(3):
+            n, step = UNIFORM["cells"][d] * SAMPLES[d], (UNIFORM["max"][d] - UNIFORM["min"][d]) / UNIFORM["cells"][d] / SAMPLES[d]
+            points = UNIFORM["min"][d] + (numpy.arange(n) + 0.5) * step
+            along.append(((lo[d] <= points) & (points < hi[d])).reshape(-1, SAMPLES[d]).mean(axis=1))
+        shares[material] = numpy.einsum("x,y,z->zyx", *along)
+    return mesh("mixed", METALS, METAL_BLOCKS, UNIFORM, "--fractions", ",".join(map(str, SAMPLES))), shares
 
 
 def exported(grid, name, *more):

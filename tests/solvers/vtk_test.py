@@ -6,7 +6,7 @@ import numpy
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-from support import GRADED, PROGRAM, exported, folder, metal_grids, run
+from support import GRADED, PROGRAM, exported, folder, metal_grids, mixed_metals, run
 
 grids = metal_grids()
 
@@ -51,6 +51,17 @@ class Vtk(unittest.TestCase):
         cells = numpy.load(exported(grids[0][1], "m.npy"))
         found = self.cells(self.read(vtk.vtkXMLImageDataReader(), exported(grids[0][1], "m.vti", "--map", "air=0,steel=700,brass=70000")))
         numpy.testing.assert_array_equal(found, numpy.array([0, 700, 70000])[cells])
+
+    def test_shares_of_materials_in_mixed_cells(self):
+        grid, shares = mixed_metals()
+        self.assertGreater(len(numpy.unique(shares["brass"])), 2)
+        for reader, name in ((vtk.vtkXMLRectilinearGridReader(), "s.vtr"), (vtk.vtkXMLImageDataReader(), "s.vti")):
+            data = self.read(reader, exported(grid, name, "--fractions"))
+            found = {data.GetCellData().GetArrayName(i) for i in range(data.GetCellData().GetNumberOfArrays())}
+            self.assertEqual(found, {"material", "fraction of air", "fraction of steel", "fraction of brass"})
+            for material, expected in {**shares, "air": 1 - shares["steel"] - shares["brass"]}.items():
+                numpy.testing.assert_array_equal(vtk_to_numpy(data.GetCellData().GetArray(f"fraction of {material}")), expected.ravel().astype("f4"))
+            numpy.testing.assert_array_equal(self.cells(data), numpy.load(exported(grid, "s.npy")))
 
     def test_a_graded_grid_is_refused_by_vti_and_nrrd(self):
         for name in ("g.vti", "g.nrrd"):

@@ -155,7 +155,8 @@ TEST_CASE("Every key of the metadata is needed and no value of another type is t
     REQUIRE_THROWS_AS(decode_metadata(edited([&](ordered_json& j) { j[pointer.parent_pointer()].erase(pointer.back()); })), FormatError);
     for (const ordered_json& value : wrong) {
       const Bytes frame = edited([&](ordered_json& j) { j[pointer] = value; });
-      if (value.is_string() && (path == std::string("/units") || path == std::string("/patches/1/name") || std::string(path).starts_with("/materials/0/")))
+      if (value.is_string() &&
+          (path == std::string("/units") || path == std::string("/patches/1/name") || std::string(path).starts_with("/materials/0/")))
         continue;  // texts are free
       if (value == 1.5 && path == std::string("/patches/1/area")) continue;
       INFO(value.dump());
@@ -192,7 +193,8 @@ TEST_CASE("Numbers of the metadata that lie are refused") {
   refused("/materials", ordered_json::array());
   refused("/patches/1/name", "xmin");  // equal to another
   refused("/patches/1/area", -1e-300);
-  for (const ordered_json& none : {ordered_json(nullptr), ordered_json("text"), ordered_json(3), ordered_json({{"name", "a"}, {"area", 1}})}) refused("/patches", none);
+  for (const ordered_json& none : {ordered_json(nullptr), ordered_json("text"), ordered_json(3), ordered_json({{"name", "a"}, {"area", 1}})})
+    refused("/patches", none);
   refused("/channels/0/levels", ordered_json::array());
   refused("/channels/0/levels/0/level", 1);   // level 0 is missing
   refused("/channels/0/levels/1/level", 0);   // twice

@@ -59,7 +59,8 @@ TEST_CASE("Any single bit flipped in a file with fractions and links is reported
     out.first.resize(729);
     FractionReader(reader).read_box(grid.box(0), 1, 0.0, out.first.data(), {1, 9, 81});
     for (int d = 0; d < 3; ++d)
-      LinkReader(reader).for_each(d, grid.box(0), [&](std::span<const CellLink> found) { out.second.insert(out.second.end(), found.begin(), found.end()); });
+      LinkReader(reader).for_each(d, grid.box(0),
+                                  [&](std::span<const CellLink> found) { out.second.insert(out.second.end(), found.begin(), found.end()); });
     return out;
   };
   const auto undamaged = read(reader_of(whole));

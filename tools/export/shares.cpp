@@ -12,9 +12,7 @@ std::optional<FractionReader> shares_of(const Export& e) {
 
 Export step_of(const Export& e, size_t step, size_t steps) {
   Export out = e;
-  out.progress = [told = e.progress, step, steps](double share) {
-    told((static_cast<double>(step) + share) / static_cast<double>(steps));
-  };
+  out.progress = [told = e.progress, step, steps](double share) { told((static_cast<double>(step) + share) / static_cast<double>(steps)); };
   return out;
 }
 

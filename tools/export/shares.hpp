@@ -8,7 +8,8 @@
 namespace teracell {
 
 inline ExportOption shares_option() {
-  return {"--fractions", "", "the shares of all materials in each cell, too (of a grid meshed with --fractions); meep: the mean epsilon of each cell"};
+  return {"--fractions", "",
+          "the shares of all materials in each cell, too (of a grid meshed with --fractions); meep: the mean epsilon of each cell"};
 }
 
 // What the shares are read from; nothing unless the option was given. Throws UsageError if the grid or the level has none.

@@ -129,8 +129,7 @@ TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves not
         if (share == last) throw Interrupted("stopped");
       };
       CHECK_THROWS_AS(format->write({reader, 0, {{0, 0, 0}, n}, folder / "stopped", stop, {}, options}), Interrupted);
-      for (const auto& left : std::filesystem::directory_iterator(folder.path()))
-        CHECK_FALSE(left.path().filename().string().starts_with("stopped"));
+      for (const auto& left : std::filesystem::directory_iterator(folder.path())) CHECK_FALSE(left.path().filename().string().starts_with("stopped"));
     }
   }
 }

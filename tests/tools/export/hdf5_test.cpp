@@ -242,7 +242,8 @@ TEST_CASE("Shares of materials stand beside the cells, and Meep has the mean of 
     for (uint32_t id = 0; id < 3; ++id) {
       std::vector<double> share(cells);
       fractions.read_box(box, id, 0.0, share.data(), {n[1] * n[2], n[2], 1});
-      for (size_t i = 0; i < cells; ++i) mean[i] += share[i] * std::array{1.0, 2.25, 9.5}[id], sum[i] += share[i], mixed += share[i] > 0 && share[i] < 1;
+      for (size_t i = 0; i < cells; ++i)
+        mean[i] += share[i] * std::array{1.0, 2.25, 9.5}[id], sum[i] += share[i], mixed += share[i] > 0 && share[i] < 1;
       fractions.read_box(box, id, 0.0F, shares[id].data(), {1, n[0], n[0] * n[1]});
     }
     CHECK(mixed > 5);
@@ -277,7 +278,8 @@ TEST_CASE("Shares of materials stand beside the cells, and Meep has the mean of 
     }
   }
   for (const char* profile : {"gprmax", "openems"})
-    CHECK_THROWS_WITH(write("hdf5", "no.h5", grid.box(0), {{"--profile", profile}, {"--epsilon", epsilon}}), Catch::Contains("one material for each cell"));
+    CHECK_THROWS_WITH(write("hdf5", "no.h5", grid.box(0), {{"--profile", profile}, {"--epsilon", epsilon}}),
+                      Catch::Contains("one material for each cell"));
   CHECK_THROWS_WITH(write("vti", "no.vti", grid.box(1), {}, 1), Catch::Contains("expected --level 0"));
   CHECK_FALSE(fs::exists(folder / "no.h5"));
   CHECK_FALSE(fs::exists(folder / "no.vti"));

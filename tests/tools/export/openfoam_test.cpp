@@ -130,7 +130,8 @@ TEST_CASE("Walls are told apart by the patches of the surface, in parts or as a 
     export_case(reader, box, folder / "case", asked);
     check_parts(e, whole, folder / "case", static_cast<int>(std::min<size_t>(e.cells.size(), 5)), false);
     fs::remove_all(folder / "case");
-    if (trial == 0) CHECK_THROWS_WITH(export_case(reader, reader.meta().grid.box(1), folder / "case", asked, 1), Catch::Contains("expected --level 0"));
+    if (trial == 0)
+      CHECK_THROWS_WITH(export_case(reader, reader.meta().grid.box(1), folder / "case", asked, 1), Catch::Contains("expected --level 0"));
   }
   Metadata meta = random_meta(random, {3, 3, 3}, 2);
   store_cells(folder / "plain.tcell", meta, random_cells(random, {3, 3, 3}, 2));

@@ -127,7 +127,8 @@ template <class T, class V, class Read, class Number>
 H5Handle write_chunks(H5File& file, const Export& e, const char* name, const AxisOrder& axis, const Read& read, const Number& number) {
   Index3 n;
   for (int d = 0; d < 3; ++d) n[d] = e.box.hi[axis[d]] - e.box.lo[axis[d]];
-  const Index3 chunk = chunk_of(n, kChunkBytes / static_cast<int64_t>(sizeof(T))), slab = slab_of(n, chunk, kSlabBytes / static_cast<int64_t>(sizeof(V)));
+  const Index3 chunk = chunk_of(n, kChunkBytes / static_cast<int64_t>(sizeof(T))),
+               slab = slab_of(n, chunk, kSlabBytes / static_cast<int64_t>(sizeof(V)));
   H5Handle dataset = create<T>(file, name, n, chunk);
   ChunkMaker<T, V, Number> maker(chunk, number);
   const double cells = static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include "store/error.hpp"
+#include "store/xml.hpp"
 #include "tools/export/dense.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/place.hpp"
 #include "tools/export/shares.hpp"
-#include "store/xml.hpp"
 
 namespace teracell {
 namespace {

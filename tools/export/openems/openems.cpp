@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include "store/color.hpp"
+#include "store/xml.hpp"
 #include "tools/export/media.hpp"
 #include "tools/export/metres.hpp"
 #include "tools/export/openems/boxes.hpp"
 #include "tools/export/place.hpp"
-#include "store/xml.hpp"
 
 namespace teracell {
 namespace {

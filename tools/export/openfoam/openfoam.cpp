@@ -37,7 +37,8 @@ MeshNames names_of(const Export& e, const MeshCounts& counts) {
   for (auto it = counts.patches.lower_bound(kSurface); it != counts.patches.end(); ++it)
     out.patches[it->first] = {word(e.reader.meta().patches[it->first - kSurface].name, patches), "wall"};
   for (auto it = counts.patches.begin(); it != counts.patches.end() && it->first < kSurface; ++it)
-    out.patches[it->first] = it->first >= kSides ? NamedPatch{kSideNames[it->first - kSides], "patch"} : NamedPatch{word(materials[it->first].name, patches), "wall"};
+    out.patches[it->first] =
+        it->first >= kSides ? NamedPatch{kSideNames[it->first - kSides], "patch"} : NamedPatch{word(materials[it->first].name, patches), "wall"};
   if (!e.has("--zones")) return out;
   std::set<uint32_t> found;
   for (const PartCounts& part : counts.parts)
