@@ -39,6 +39,8 @@ class H5py(unittest.TestCase):
             for id, expected in enumerate((1 - shares["steel"] - shares["brass"], shares["steel"], shares["brass"])):
                 numpy.testing.assert_array_equal(file[f"fractions/{id}"][()], expected.astype("f4"))
                 self.assertEqual(file[f"fractions/{id}"].attrs["material"], ["air", "steel", "brass"][id])
+        with h5py.File(exported(grid, "mean.h5", "--fractions", "--profile", "meep", *MEDIA)) as file:
+            numpy.testing.assert_allclose(file["eps"][()], (1 + 1.25 * shares["steel"] + 8.5 * shares["brass"]).transpose(), rtol=1e-15)
 
     def test_numbers_of_a_map(self):
         cells = numpy.load(exported(grids[0][1], "m.npy"))
