@@ -153,12 +153,14 @@ class Outputs(Case):
                            lambda: os.path.exists(self.path("g.tcell.partial")), sent)
             self.assertEqual(self.bytes("g.tcell"), kept, "the older file stays")
         self.run_ok("mesh", "box.stl", "--cells", "8000,8000,8000", "-o", "large.tcell")
+        self.run_ok("mesh", "box.stl", "--cells", "2000,2000,2000", "-o", "linked.tcell", "--links")
         before = set(os.listdir(self.folder))
         formats = [line.split()[0] for line in self.run_ok("export", "--list").out.splitlines() if not line.startswith(" ")]
         self.assertIn("ply", formats)
         for name in formats:
             media = {"openems": ["--epsilon", "box=2"], "openfoam": ["--ranks", 1000]}.get(name, [])  # 1000: labels that are wide enough
-            self.interrupt(["export", "large.tcell", "-o", "out", "--format", name, *media], lambda: set(os.listdir(self.folder)) != before)
+            grid = "linked.tcell" if name == "links" else "large.tcell"
+            self.interrupt(["export", grid, "-o", "out", "--format", name, *media], lambda: set(os.listdir(self.folder)) != before)
             self.assertEqual(set(os.listdir(self.folder)), before, name)
         self.interrupt(["slice", "large.tcell", "--axis", "z", "--index", 3999, "-o", "large.npy"],
                        lambda: os.path.exists(self.path("large.npy.partial")))
