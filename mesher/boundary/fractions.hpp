@@ -23,6 +23,7 @@ class FractionCounter {
     uint32_t at;
     Label from, to;
   };
+  // Appends the rays of a block.
   void count_block(const Box& tile, const Box& cells, std::span<const SceneFacet* const> facets, Engine& engine, const RayBlock& runs,
                    MixedCells& out);
   void cast(const Box& cells, std::span<const SceneFacet* const> facets, Engine& engine);
@@ -55,6 +56,7 @@ class FractionCounter {
     uint32_t from, to;
   };
   std::vector<Stretch> stretches_;
+  std::vector<uint32_t> plain_;
 };
 
 }  // namespace teracell

@@ -58,6 +58,9 @@ class Composer {
     Label label = 0;
     uint32_t pattern = ~0u;
   };
+  // REQUIRES: by_turns(all), and a body that is not the background.
+  void compose_turns(std::span<const uint64_t> all, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
+  uint32_t alternating_pattern(Label label, bool begins_inside, size_t changes, PatternTable& patterns);
   // Both write the changes of a ray at `at`, set its pattern, and return how many layers are still open at its end.
   size_t compose_one_layer(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
   size_t compose_any(std::span<const uint64_t> all, uint32_t length, uint32_t*& at, uint32_t& pattern, PatternTable& patterns);
