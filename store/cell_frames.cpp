@@ -9,15 +9,15 @@
 namespace teracell {
 namespace {
 
-constexpr int kZstdLevel = 3;
-constexpr BodyBound kBound{uint64_t{1} << 20, uint64_t{1} << 16};
+constexpr int kIndexZstdLevel = 3;
+constexpr BodyBound kIndexBound{uint64_t{1} << 20, uint64_t{1} << 16};
 
-Bytes compressed(const Bytes& body) { return ZstdEncoder().encode(body, kZstdLevel, kBound); }
+Bytes compressed(const Bytes& body) { return ZstdEncoder().encode(body, kIndexZstdLevel, kIndexBound); }
 
 Bytes decompressed(std::span<const uint8_t> frame, const std::string& what) {
   thread_local ZstdDecoder decoder;
   Bytes body;
-  decoder.decode(frame, kBound, what, body);
+  decoder.decode(frame, kIndexBound, what, body);
   return body;
 }
 

@@ -21,16 +21,16 @@ double volume_below(const Vec3& m, double a) {
 
 // The gradient of the shares of the 27 cells around, x fastest: central differences, means over the other two axes with weights 1, 2, 1.
 Vec3 gradient(const std::array<double, 27>& share, const std::array<double, 3>& distance) {
-  constexpr int kStep[] = {1, 3, 9};
+  constexpr size_t kStep[] = {1, 3, 9};
   Vec3 out{};
   for (int d = 0; d < 3; ++d) {
     if (distance[static_cast<size_t>(d)] == 0) continue;
-    const int along = kStep[d], p = kStep[(d + 1) % 3], q = kStep[(d + 2) % 3];
-    for (int i = -1; i <= 1; ++i)
-      for (int j = -1; j <= 1; ++j) {
-        const int at = 13 + i * p + j * q;
-        const double weight = (i == 0 ? 2 : 1) * (j == 0 ? 2 : 1);
-        out[d] += weight / 16 * (share[static_cast<size_t>(at + along)] - share[static_cast<size_t>(at - along)]) / distance[static_cast<size_t>(d)];
+    const size_t along = kStep[d], p = kStep[(d + 1) % 3], q = kStep[(d + 2) % 3];
+    for (size_t i = 0; i < 3; ++i)
+      for (size_t j = 0; j < 3; ++j) {
+        const size_t at = along + i * p + j * q;
+        const double weight = (i == 1 ? 2.0 : 1.0) * (j == 1 ? 2.0 : 1.0);
+        out[d] += weight / 16 * (share[at + along] - share[at - along]) / distance[static_cast<size_t>(d)];
       }
   }
   return out;

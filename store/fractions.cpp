@@ -45,7 +45,7 @@ void decode_fractions(const Metadata& meta, const ChunkKey& key, const Subdivisi
 
 namespace {
 
-void check(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
+void check_fractions(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
   const Subdivision samples = subdivision_of(channel);
   MixedCells cells;
   check_cell_frames(meta, channel, frame, [&](const ChunkKey& key, const Bytes& bytes) { decode_fractions(meta, key, samples, bytes, cells); });
@@ -53,6 +53,6 @@ void check(const Metadata& meta, const Channel& channel, const std::function<Byt
 
 }  // namespace
 
-const ChannelKind kFractionsKind = {kFractions, kShares, check};
+const ChannelKind kFractionsKind = {kFractions, kShares, check_fractions};
 
 }  // namespace teracell

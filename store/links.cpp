@@ -12,8 +12,8 @@
 namespace teracell {
 namespace {
 
-constexpr int kZstdLevel = 1, kFractionBits = 16;
-constexpr BodyBound kBound{kMaxChunkBytes / 4, kChunkBytesOfAnyFrame};  // a link in memory has more bytes than in a body
+constexpr int kLinksZstdLevel = 1, kFractionBits = 16;
+constexpr BodyBound kLinksBound{kMaxChunkBytes / 4, kChunkBytesOfAnyFrame};  // a link in memory has more bytes than in a body
 
 uint64_t zigzag(int64_t v) { return (static_cast<uint64_t>(v) << 1) ^ static_cast<uint64_t>(v >> 63); }
 int64_t unzigzag(uint64_t v) { return static_cast<int64_t>(v >> 1) ^ -static_cast<int64_t>(v & 1); }
@@ -123,10 +123,10 @@ Bytes LinksEncoder::encode(const ChunkLinks& links) {
       s.body.insert(s.body.end(), part->begin(), part->end());
     }
   }
-  if (s.body.size() > kBound.most)
+  if (s.body.size() > kLinksBound.most)
     throw InputError(fmt::format("a chunk of {} x {} rays has {} links, more than fit in {} MiB: the surface is finer than the chunks can hold",
-                                 links.nu, links.nv, links.along[0].size() + links.along[1].size() + links.along[2].size(), kBound.most >> 20));
-  return s.zstd.encode(s.body, kZstdLevel, kBound);
+                                 links.nu, links.nv, links.along[0].size() + links.along[1].size() + links.along[2].size(), kLinksBound.most >> 20));
+  return s.zstd.encode(s.body, kLinksZstdLevel, kLinksBound);
 }
 
 // ---- decoding
@@ -185,7 +185,7 @@ void decode_along(int axis, ByteReader& in, ChunkLinks& out) {
   gaps.expect_end(), patches.expect_end();
 }
 
-void check(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
+void check_links(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
   ChunkLinks links;
   check_cell_frames(meta, channel, frame, [&](const ChunkKey& key, const Bytes& bytes) { decode_links(meta, key, bytes, links); });
 }
@@ -197,7 +197,7 @@ void decode_links(const Metadata& meta, const ChunkKey& key, std::span<const uin
   out.nu = s.rays_u(key.cu), out.nv = s.rays_v(key.cv), out.length = s.length(key.segment);
   thread_local ZstdDecoder zstd;
   thread_local Bytes body;
-  zstd.decode(frame, kBound, "links", body);
+  zstd.decode(frame, kLinksBound, "links", body);
   ByteReader in(body, "links");
   for (int axis = 0; axis < 3; ++axis) decode_along(axis, in, out);
   in.expect_end();
@@ -211,6 +211,6 @@ const Channel* find_links(const Metadata& meta) {
   return found == meta.others().end() ? nullptr : &*found;
 }
 
-const ChannelKind kLinksKind = {kLinks, kDistances, check};
+const ChannelKind kLinksKind = {kLinks, kDistances, check_links};
 
 }  // namespace teracell

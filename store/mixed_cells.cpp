@@ -11,8 +11,8 @@
 namespace teracell {
 namespace {
 
-constexpr int kZstdLevel = 1;
-constexpr BodyBound kBound{kMaxChunkBytes, kChunkBytesOfAnyFrame};
+constexpr int kCellsZstdLevel = 1;
+constexpr BodyBound kCellsBound{kMaxChunkBytes, kChunkBytesOfAnyFrame};
 // Of the numbers of sub-samples, each less one, the low and the high bytes stand apart: the high ones take half of their bits, the low ones
 // none, so the entropy stage would find neither among the other.
 bool has_high_bytes(uint32_t total) { return total > 256; }
@@ -102,7 +102,7 @@ Bytes MixedCellsEncoder::encode(const MixedCells& cells) {
         fmt::format("a chunk of {} x {} rays has {} runs of mixed cells, more than fit in {} MiB: the surface is finer than the chunks "
                     "can hold",
                     cells.nu, cells.nv, cells.runs.size(), kMaxChunkBytes >> 20));
-  return s.zstd.encode(s.body, kZstdLevel, kBound);
+  return s.zstd.encode(s.body, kCellsZstdLevel, kCellsBound);
 }
 
 // ---- decoding
@@ -111,7 +111,7 @@ void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv
   if (uint64_t{nu} * nv > kMaxChunkRays) throw FormatError(fmt::format("a chunk of {} x {} rays is larger than FORMAT.md allows", nu, nv));
   thread_local ZstdDecoder zstd;
   thread_local Bytes body;
-  zstd.decode(frame, kBound, "mixed cells", body);
+  zstd.decode(frame, kCellsBound, "mixed cells", body);
   ByteReader in(body, "mixed cells");
   out.reset(nu, nv, length, total);
   const uint64_t sets = in.varint(1, in.remaining(), "sets");

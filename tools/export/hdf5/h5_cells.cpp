@@ -11,7 +11,7 @@
 namespace teracell {
 namespace {
 
-constexpr int64_t kSlabBytes = 64 << 20, kChunkBytes = 256 << 10;
+constexpr int64_t kReadAtOnce = 64 << 20, kChunkBytes = 256 << 10;
 constexpr size_t kMostKept = 64;
 
 // Everything below is in the order of the dataset: the last axis varies fastest.
@@ -128,7 +128,7 @@ H5Handle write_chunks(H5File& file, const Export& e, const char* name, const Axi
   Index3 n;
   for (int d = 0; d < 3; ++d) n[d] = e.box.hi[axis[d]] - e.box.lo[axis[d]];
   const Index3 chunk = chunk_of(n, kChunkBytes / static_cast<int64_t>(sizeof(T))),
-               slab = slab_of(n, chunk, kSlabBytes / static_cast<int64_t>(sizeof(V)));
+               slab = slab_of(n, chunk, kReadAtOnce / static_cast<int64_t>(sizeof(V)));
   H5Handle dataset = create<T>(file, name, n, chunk);
   ChunkMaker<T, V, Number> maker(chunk, number);
   const double cells = static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
