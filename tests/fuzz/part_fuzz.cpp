@@ -40,7 +40,8 @@ class Sound {
     MeshOptions options;
     options.axis = 2;
     options.chunk_rays = 4;
-    options.thin = true;
+    options.thin = options.links = true;
+    options.fractions = Subdivision{2, 2, 4};
     options.threads = 1;
     for (uint32_t i = 0; i < 3; ++i) {
       options.shard = Shard{i, 3};

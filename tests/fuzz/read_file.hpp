@@ -5,7 +5,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "store/fraction_reader.hpp"
 #include "store/info.hpp"
+#include "store/link_reader.hpp"
 #include "store/query.hpp"
 #include "store/slice.hpp"
 #include "store/stats.hpp"
@@ -62,6 +64,28 @@ inline void read_some(const GridReader& reader, int level) {
     if (n[axis] < 4096) read_column(reader, axis, 0, 0);
 }
 
+inline void read_boundary(const GridReader& reader) {
+  const Index3 n = reader.meta().grid.cells();
+  for (Box box : some_boxes(n)) {
+    if (find_links(reader.meta()))
+      for (int axis = 0; axis < 3; ++axis)
+        LinkReader(reader).for_each(axis, box, [&](std::span<const CellLink> links) {
+          for (const CellLink& l : links)
+            if (l.end > l.begin || l.begin > 65536 || (l.end == 0) != (l.begin == 0) ||
+                !overlap(box, {l.cell, {l.cell[0] + 1, l.cell[1] + 1, l.cell[2] + 1}}))
+              std::abort();
+        });
+    if (!find_fractions(reader.meta())) continue;
+    const FractionReader fractions(reader);
+    for (int d = 0; d < 3; ++d) box.hi[d] = std::min(box.hi[d], n[d]);
+    fractions.for_each_mixed(box, [&](const Index3&, int64_t length, std::span<const Label> labels, std::span<const uint32_t> counts) {
+      uint64_t sum = 0;
+      for (const uint32_t count : counts) sum += count;
+      if (length < 1 || labels.size() != counts.size() || sum != sub_samples(fractions.samples())) std::abort();
+    });
+  }
+}
+
 inline void read_file(const Bytes& bytes) {
   bool sound = false;
   try {
@@ -75,6 +99,7 @@ inline void read_file(const Bytes& bytes) {
     for (int level = 0; level < std::min(reader.levels(), 6); ++level) {
       try {
         read_some(reader, level);
+        if (level == 0) read_boundary(reader);
       } catch (const FormatError&) {
         if (sound) std::abort();
       } catch (const IoError&) {

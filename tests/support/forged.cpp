@@ -35,9 +35,9 @@ class Forger {
       meta_.levels()[i].directory = append_directory(directories_[i]);
     }
     for (size_t i = 0; i < covers.size(); ++i) {
-      const std::string& name = lies_.channels[i].name;
-      if (lies_.cover) lies_.cover(name, covers[i]);
-      meta_.channels.push_back({name, "", false, {}, append_directory(covers[i]), covers[i].size()});
+      const ForgedChannel& channel = lies_.channels[i];
+      if (lies_.cover) lies_.cover(channel.name, covers[i]);
+      meta_.channels.push_back({channel.name, channel.coding, false, {}, append_directory(covers[i]), covers[i].size(), channel.about});
     }
     if (lies_.metadata) lies_.metadata(meta_);
     Footer footer;

@@ -10,10 +10,11 @@ namespace teracell::testing {
 
 enum class FilePart { kHeader, kChunk, kPage, kDirectory, kMetadata, kReport, kFooter };
 
-// A channel that no reader knows: bytes.
+// A channel of any bytes; no reader knows it unless it is called like one that is known.
 struct ForgedChannel {
   std::string name;
   std::vector<Bytes> frames;
+  std::string coding{}, about{};
 };
 
 struct Lies {
