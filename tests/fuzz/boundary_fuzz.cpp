@@ -5,6 +5,8 @@
 #include <fuzzer/FuzzedDataProvider.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
+
 #include "store/cell_frames.hpp"
 #include "tests/fuzz/read_file.hpp"
 #include "tests/support/forged.hpp"
@@ -62,8 +64,7 @@ class Hand {
   Bytes forged_file() {
     ForgedChannel links{kLinks, frames_of(honest_links), kDistances};
     ForgedChannel fractions{kFractions, frames_of(honest_fractions), kShares, fractions_channel(kSamples).about};
-    if (here()) fractions.about = in_.ConsumeRandomLengthString(40);
-    if (here()) fractions.about = R"({"samples":[1,1,2]})";
+    if (here()) fractions.about = fmt::format(R"({{"samples":[{},{},{}]}})", in_.ConsumeIntegral<int16_t>(), below(300), below(300));
     return forge(sound().file, {.channels = {links, fractions}});
   }
 

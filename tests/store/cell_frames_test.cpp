@@ -37,11 +37,11 @@ void put_chunk(GridWriter& writer, ChunkEncoder& encoder, const ChunkKey& key) {
   writer.put_cells(1, key, name ? encode_text(*name) : Bytes());
 }
 
-struct Named {
+struct NamedFrames {
   TempFolder folder;
   Metadata meta;
   std::vector<ChunkKey> keys;
-  Named() {
+  NamedFrames() {
     const Axis axis = Axis::uniform(0, 1, 0, 61, 0.5);
     meta = with_tiny_chunks(metadata_of({{axis, axis, Axis::uniform(0, 1, 0, 23, 0.5)}}, 2, 2));
     meta.channels.push_back({"names", "text", false, {}, 0, 0});
@@ -62,7 +62,7 @@ struct Named {
 };
 
 TEST_CASE("Each chunk finds its frame, or that it has none", "[fractions]") {
-  Named named;
+  NamedFrames named;
   const GridReader reader(named.whole());
   REQUIRE(reader.shape(0).pages() > 3);
   const Channel& channel = reader.meta().others()[0];
@@ -80,7 +80,7 @@ TEST_CASE("Each chunk finds its frame, or that it has none", "[fractions]") {
 }
 
 TEST_CASE("A writer that goes on from any state makes the same index", "[fractions]") {
-  Named named;
+  NamedFrames named;
   const std::string expected = bytes_of(named.whole());
   const auto at = named.folder / "again.tcell";
   ChunkEncoder encoder;
@@ -120,7 +120,7 @@ TEST_CASE("An index that names frames wrongly is refused", "[fractions]") {
 }
 
 TEST_CASE("verify() finds a frame that belongs to no chunk", "[fractions]") {
-  Named named;
+  NamedFrames named;
   GridWriter writer(named.folder / "g.tcell", named.meta);
   ChunkEncoder encoder;
   for (const ChunkKey& key : named.keys) {
