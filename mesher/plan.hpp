@@ -19,6 +19,7 @@ struct Plan {
   Metadata meta;
   AxisChoice rays;
   Labels labels;
+  bool all_patches = true;  // whether the file has room for all patches
 };
 
 // `axis` is the axis that the user asks for, if any. `fractions`: the sub-samples that mixed cells are counted by, if they are.

@@ -48,6 +48,7 @@ PreparedRun::PreparedRun(const Scene& of, const std::filesystem::path& output, c
   plan = make_plan(scene, bodies, options.axis, options.chunk_rays, options.fractions, options.links);
   close_bodies(scene, plan.meta.grid, budget, bodies, [&](double share) { this->progress("close", share); });
   plan.meta.patches = patches.emplace(scene, bodies, plan.meta.grid).all();
+  plan.all_patches = patches->whole();
   if (!options.write_caps.empty()) caps_ = write_caps(scene, bodies, options.write_caps, budget);
   end_phase("close");
   if (counts) check_caps();

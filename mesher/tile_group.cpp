@@ -50,7 +50,7 @@ void TileGroupWork::make_frames(uint32_t i, const Box& cells, std::span<const Sc
     for (uint32_t s = 0; s < shape_.segments; ++s) out.push_back(encode(s * shape_.chunk_cells, s * shape_.chunk_cells + shape_.length(s)));
   };
   if (worker.fractions) {
-    worker.fractions->count(cells, worker.marker.solids(facets), *worker.engine, runs, worker.mixed);
+    worker.fractions->count({cells, worker.crossings.all.size(), &runs}, worker.marker.solids(facets), *worker.engine, worker.mixed);
     by_segment([&](uint32_t from, uint32_t to) {
       if (shape_.segments == 1) return worker.mixed.empty() ? Bytes() : worker.mixed_encoder.encode(worker.mixed);
       const MixedCells part = cut(worker.mixed, from, to);

@@ -73,17 +73,18 @@ bool switched_on(const Target& target, const char* name) {
   return text && integer_in(*text, name, 0, 1) == 1;
 }
 
-bool asks_for_shares(const Target& target, const GridReader& reader) {
-  const bool asks = switched_on(target, "shares");
-  if (asks) expect_shares(reader);
-  return asks;
+// "?shares=1"; null for 0.
+const FractionReader* asks_for_shares(const Target& target, const ServedGrid& grid) {
+  if (!switched_on(target, "shares")) return nullptr;
+  if (!grid.fractions) throw UsageError("shares: the grid has none: it was meshed without fractions");
+  return grid.fractions.get();
 }
 
 // "?materials=1,3", "?outline=1" and "?shares=1".
-PictureStyle style_of(const Target& target, const GridReader& reader) {
-  const Metadata& meta = reader.meta();
+PictureStyle style_of(const Target& target, const ServedGrid& grid) {
+  const Metadata& meta = grid.meta();
   PictureStyle style;
-  style.shares = asks_for_shares(target, reader);
+  style.shares = asks_for_shares(target, grid);
   style.outline = switched_on(target, "outline");
   if (const std::string* list = target.find("materials")) {
     const size_t n = meta.materials.size();
@@ -123,7 +124,7 @@ Response json_answer(const GridRequest& r, const char* route, std::function<std:
 }
 
 Response picture_answer(const GridRequest& r, const char* route, const SliceView& view) {
-  Service::Recipe recipe = picture_recipe(r.reader(), view, style_of(r.target, r.reader()));
+  Service::Recipe recipe = picture_recipe(r.reader(), view, style_of(r.target, *r.grid));
   recipe.route = route;
   return r.service.answer(r.request, r.target, r.grid, recipe);
 }
@@ -167,7 +168,8 @@ Response tile(const GridRequest& r) {
   view.u1 = std::min(view.u1, view.u0 + kTilePixels), view.v1 = std::min(view.v1, view.v0 + kTilePixels);
   if (extension == ".bin") {
     r.target.allow({"v", "sets", "bodies", "shares"});
-    const bool sets = switched_on(r.target, "sets"), bodies = asks_for_bodies(r), shares = asks_for_shares(r.target, r.reader());
+    const bool sets = switched_on(r.target, "sets"), bodies = asks_for_bodies(r);
+    const FractionReader* const shares = asks_for_shares(r.target, *r.grid);
     if (bodies && !sets) throw bad_request("bodies: expected sets=1 beside it");
     if (shares && !sets) throw bad_request("shares: expected sets=1 beside it");
     return r.service.answer(
@@ -183,9 +185,7 @@ Response tile(const GridRequest& r) {
 
 // What a cell of level 0 is made of, by material, and if it is mixed the plane of one: of `own`, its material, or of the one with the largest
 // share where a sheet owns the cell.
-void put_shares(ordered_json& out, const GridReader& reader, const Index3& cell, uint32_t own) {
-  const FractionReader fractions(reader);
-  const Metadata& meta = reader.meta();
+void put_shares(ordered_json& out, const Metadata& meta, const FractionReader& fractions, const Index3& cell, uint32_t own) {
   const uint32_t total = sub_samples(fractions.samples());
   std::map<uint32_t, uint32_t> counts;
   for (const auto& [label, count] : fractions.cell(cell)) counts[meta.labels[label].material] += count;
@@ -225,7 +225,7 @@ Response cell(const GridRequest& r) {
         for (const Label label : *run.set)
           j["bodies"].push_back({{"label", label}, {"name", meta.labels[label].body}, {"material", meta.labels[label].material}});
     });
-    if (level == 0 && find_fractions(meta)) put_shares(j, r.reader(), box.lo, j["materials"][0]["id"]);
+    if (level == 0 && r.grid->fractions) put_shares(j, meta, *r.grid->fractions, box.lo, j["materials"][0]["id"]);
     return ascii_json(j);
   });
 }

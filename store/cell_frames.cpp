@@ -60,32 +60,39 @@ std::vector<uint64_t> decode_cell_list(std::span<const uint8_t> frame, size_t pa
 }
 
 void check_cell_frames(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame,
-                       const std::function<void(const ChunkKey&, const Bytes&)>& check) {
+                       const std::function<void(const ChunkKey&, const Bytes*)>& check) {
   const LevelShape s(meta, 0);
   const uint64_t lists = cell_lists(s.pages());
   if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages", channel.name));
-  uint64_t found = lists;
+  std::vector<bool> named(channel.frames);
+  const auto name_once = [&](uint64_t number) {
+    if (number >= named.size() || named[number])
+      throw FormatError(fmt::format("channel '{}' frame {}: it is named twice, or is not there", channel.name, number));
+    named[number] = true;
+  };
+  for (uint64_t i = 0; i < lists; ++i) name_once(channel.frames - lists + i);
   for (uint64_t first = 0; first < s.pages(); first += kPagesPerList) {
     const auto list =
         decode_cell_list(frame(channel.frames - lists + first / kPagesPerList), std::min(kPagesPerList, s.pages() - first), channel.frames);
     for (uint64_t page = first; page < first + list.size(); ++page) {
       const uint64_t number = list[page - first];
-      if (number == kNoFrame) continue;
-      ++found;
-      const CellPage chunks = decode_cell_page(frame(number), s.page_size(page), number);
+      CellPage chunks(s.page_size(page), kNoFrame);
+      if (number != kNoFrame) name_once(number), chunks = decode_cell_page(frame(number), s.page_size(page), number);
       for (uint32_t slot = 0; slot < chunks.size(); ++slot) {
-        if (chunks[slot] == kNoFrame) continue;
-        ++found;
         const ChunkKey key = s.key_of(page, slot);
+        const bool has_frame = chunks[slot] != kNoFrame;
+        if (has_frame) name_once(chunks[slot]);
         try {
-          check(key, frame(chunks[slot]));
+          const Bytes bytes = has_frame ? frame(chunks[slot]) : Bytes();
+          check(key, has_frame ? &bytes : nullptr);
         } catch (const FormatError& e) {
-          throw FormatError(fmt::format("channel '{}' frame {}: {}: {}", channel.name, chunks[slot], chunk_name(key), e.what()));
+          const std::string which = has_frame ? fmt::format("frame {}", chunks[slot]) : "has no frame";
+          throw FormatError(fmt::format("channel '{}' {}: {}: {}", channel.name, which, chunk_name(key), e.what()));
         }
       }
     }
   }
-  if (found != channel.frames)
+  if (const auto found = static_cast<uint64_t>(std::ranges::count(named, true)); found != channel.frames)
     throw FormatError(fmt::format("channel '{}' has {} frames, but its pages name {}", channel.name, channel.frames, found));
 }
 

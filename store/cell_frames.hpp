@@ -30,10 +30,10 @@ Bytes encode_cell_list(std::span<const uint64_t> pages);
 // Throws FormatError unless the frame lists so many pages, with frames below `frames`.
 std::vector<uint64_t> decode_cell_list(std::span<const uint8_t> frame, size_t pages, uint64_t frames);
 
-// Goes through all frames of a channel as verify() does: `frame(i)` reads frame i of the cover. Calls check(key, frame) for each chunk that has
-// one. Throws FormatError unless every frame belongs to one chunk, page or list.
+// Goes through all frames of a channel as verify() does: `frame(i)` reads frame i of the cover. Calls check(key, frame) for each chunk; null if
+// it has none. Throws FormatError unless every frame belongs to one chunk, page or list.
 void check_cell_frames(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame,
-                       const std::function<void(const ChunkKey&, const Bytes&)>& check);
+                       const std::function<void(const ChunkKey&, const Bytes*)>& check);
 
 // Numbers the frames of a channel while they are written. Memory: 8 bytes per page, and the open pages.
 class CellFrames {

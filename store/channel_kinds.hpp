@@ -18,11 +18,13 @@
 
 namespace teracell {
 
+class GridReader;
+
 struct ChannelKind {
   std::string_view name, coding;
-  // Throws FormatError unless the frames of the channel are what its coding says; `frame(i)` reads frame i of the cover,
-  // held against its checksum. Null for the labels: verify() holds their levels against each other.
-  void (*check)(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame);
+  // Throws FormatError unless the frames of the channel are what its coding says, and agree with the labels, which are sound; `frame(i)`
+  // reads frame i of the cover, held against its checksum. Null for the labels: verify() holds their levels against each other.
+  void (*check)(const GridReader& reader, const Channel& channel, const std::function<Bytes(uint64_t)>& frame);
 };
 
 #define DECLARED(name) extern const ChannelKind name;

@@ -84,7 +84,7 @@ std::optional<CutPlane> cut_plane(const FractionReader& fractions, const Grid& g
   for (int d = 0; d < 3; ++d) {
     const Axis& axis = grid.axis[d];
     const double size = axis.plane(cell[d] + 1) - axis.plane(cell[d]);
-    out.normal[d] = -normal[d] / length;
+    out.normal[d] = 0 - normal[d] / length;  // no negative zero
     across[d] = std::abs(out.normal[d]) * size;
     out.offset += out.normal[d] * (out.normal[d] < 0 ? axis.plane(cell[d] + 1) : axis.plane(cell[d]));  // where the plane's constant is 0
   }

@@ -2,40 +2,21 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "store/chunk_parts.hpp"
 #include "store/in_order.hpp"
 
 namespace teracell {
 
-FractionReader::FractionReader(const GridReader& reader, size_t bytes)
+FractionReader::FractionReader(const GridReader& reader, std::shared_ptr<FractionCache> cache)
     : reader_(reader),
-      channel_([&]() -> const Channel& {
-        if (const Channel* found = find_fractions(reader.meta())) return *found;
-        throw UsageError(fmt::format("{}: the grid has no fractions: it was meshed without them", reader.name()));
-      }()),
-      samples_(subdivision_of(channel_)),
-      chunks_(bytes) {}
-
-std::shared_ptr<const MixedCells> FractionReader::chunk(const ChunkKey& key) const {
-  if (auto kept = chunks_.find(key)) return kept;
-  auto cells = std::make_shared<MixedCells>();
-  thread_local Bytes frame;
-  try {
-    if (reader_.read_cells(channel_, key, frame)) decode_fractions(reader_.meta(), key, samples_, frame, *cells);
-    else {
-      const LevelShape s = reader_.shape(0);
-      cells->reset(s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), sub_samples(samples_));
-      cells->begin.resize(size_t{cells->nu} * cells->nv + 1);
-    }
-  } catch (const FormatError& e) {
-    const std::string message = e.what();
-    throw FormatError(message.starts_with(reader_.name()) ? message : fmt::format("{}: {}: {}", reader_.name(), chunk_name(key), message));
-  }
-  chunks_.add(key, cells, cells->memory());
-  return cells;
-}
+      chunks_(reader, find_fractions(reader.meta()), kFractions, std::move(cache),
+              [this](const ChunkKey& key, const Bytes* frame, MixedCells& out) {
+                if (frame) return decode_fractions(reader_.meta(), key, samples_, *frame, out);
+                const LevelShape s = reader_.shape(0);
+                out.reset(s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), sub_samples(samples_));
+                out.begin.resize(size_t{out.nu} * out.nv + 1);
+              }),
+      samples_(subdivision_of(*find_fractions(reader.meta()))) {}
 
 std::vector<FractionReader::LabelCount> FractionReader::cell(const Index3& c) const {
   const LevelShape s = reader_.shape(0);
@@ -51,6 +32,7 @@ std::vector<FractionReader::LabelCount> FractionReader::cell(const Index3& c) co
 
 void FractionReader::for_each_mixed(const Box& box, const Visit& visit) const {
   const RayFrame f = reader_.meta().frame();
+  chunks_.prefetch(box);
   for_each_part(reader_.shape(0), RayBox(box, f), [&](const ChunkPart& p) {
     const auto mixed = chunk(p.key);
     for_each_ray(p, [&](uint32_t u, uint32_t v) {
@@ -69,11 +51,17 @@ template <class T>
 void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads) const {
   std::vector<double> values(reader_.meta().materials.size());
   values[material] = 1;
-  read_means(box, values, outside, data, stride, threads);
+  read(box, values, Strangers::kCounted, outside, data, stride, threads);
 }
 
 template <class T>
 void FractionReader::read_means(const Box& box, std::span<const double> values, T outside, T* data, const Index3& stride, int threads) const {
+  read(box, values, Strangers::kOwn, outside, data, stride, threads);
+}
+
+template <class T>
+void FractionReader::read(const Box& box, std::span<const double> values, Strangers strangers, T outside, T* data, const Index3& stride,
+                          int threads) const {
   const Metadata& meta = reader_.meta();
   const RayFrame f = meta.frame();
   Box inner = box;
@@ -89,6 +77,7 @@ void FractionReader::read_means(const Box& box, std::span<const double> values, 
   if (inner.empty()) return;
 
   reader_.prefetch(0, inner);
+  chunks_.prefetch(inner);
   std::vector<ChunkPart> parts;
   for_each_part(reader_.shape(0), RayBox(inner, f), [&](const ChunkPart& p) { parts.push_back(p); });
   const auto value = [&](Label label) { return values[meta.labels[label].material]; };
@@ -108,13 +97,20 @@ void FractionReader::read_means(const Box& box, std::span<const double> values, 
           const auto fill = [&](uint32_t from, uint32_t to, T share) {
             for (int64_t w = std::max(from, p.w0); w < std::min(to, p.w1); ++w) ray[w * stride[f.w]] = share;
           };
-          labels->rays.for_each_run(v * labels->rays.nu + u, p.w0, p.w1,
-                                    [&](uint32_t from, uint32_t to, SetId label) { fill(from, to, static_cast<T>(value(label))); });
+          const auto for_each_own = [&](uint32_t from, uint32_t to, auto&& f) { labels->rays.for_each_run(v * labels->rays.nu + u, from, to, f); };
+          for_each_own(p.w0, p.w1, [&](uint32_t from, uint32_t to, SetId label) { fill(from, to, static_cast<T>(value(label))); });
           for (const MixedCells::Run& run : mixed->of_ray(v * mixed->nu + u)) {
-            if (run.to <= p.w0 || run.from >= p.w1) continue;
+            const uint32_t begin = std::max(run.from, p.w0), end = std::min(run.to, p.w1);
+            if (begin >= end) continue;
             double sum = 0;
             for (size_t k = 0; k < mixed->labels(run).size(); ++k) sum += value(mixed->labels(run)[k]) * mixed->counts_of(run)[k];
-            fill(run.from, run.to, static_cast<T>(sum / mixed->total));
+            const auto mean = static_cast<T>(sum / mixed->total);
+            if (strangers == Strangers::kCounted) fill(begin, end, mean);
+            else
+              for_each_own(begin, end, [&](uint32_t from, uint32_t to, SetId own) {
+                const auto is_own = [&](Label label) { return meta.labels[label].material == meta.labels[own].material; };
+                if (std::ranges::any_of(mixed->labels(run), is_own)) fill(from, to, mean);
+              });
           }
         });
         return true;

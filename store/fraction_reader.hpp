@@ -2,21 +2,22 @@
 #pragma once
 #include <functional>
 
+#include "store/cell_chunks.hpp"
 #include "store/fractions.hpp"
-#include "store/lru_cache.hpp"
-#include "store/reader.hpp"
 
 namespace teracell {
+
+using FractionCache = CellChunkCache<MixedCells>;
 
 // Reads the fractions of a grid. Threads may share it. Throws IoError or FormatError, like its reader.
 class FractionReader {
  public:
-  // Keeps a reference to the reader, and up to `bytes` of chunks. Throws UsageError if the grid has no fractions.
-  explicit FractionReader(const GridReader& reader, size_t bytes = size_t{32} << 20);
+  // Keeps a reference to the reader. Without a cache, it has its own. Throws UsageError if the grid has no fractions.
+  explicit FractionReader(const GridReader& reader, std::shared_ptr<FractionCache> cache = nullptr);
 
   const Subdivision& samples() const { return samples_; }
   // The mixed cells of a chunk of level 0.
-  std::shared_ptr<const MixedCells> chunk(const ChunkKey& key) const;
+  std::shared_ptr<const MixedCells> chunk(const ChunkKey& key) const { return chunks_.get(key); }
 
   // The sub-samples of each label in a mixed cell; empty if it is not mixed. REQUIRES: the cell lies in the grid.
   struct LabelCount {
@@ -35,15 +36,19 @@ class FractionReader {
   // `outside`. T is float or double; a float is the double, rounded once. REQUIRES: the material is one of the grid's.
   template <class T>
   void read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads = 1) const;
-  // The same of the mean of `values`, of which there is one for each material, weighted with the shares of the materials.
+  // The same of the mean of `values`, of which there is one for each material, weighted with the shares of the materials. A cell whose own
+  // material has no share in it, for example that of a sheet, has the value of its material.
   template <class T>
   void read_means(const Box& box, std::span<const double> values, T outside, T* data, const Index3& stride, int threads = 1) const;
 
  private:
+  enum class Strangers { kCounted, kOwn };  // what cells count as whose own material has no share in them
+  template <class T>
+  void read(const Box& box, std::span<const double> values, Strangers strangers, T outside, T* data, const Index3& stride, int threads) const;
+
   const GridReader& reader_;
-  const Channel& channel_;
+  const CellChunks<MixedCells> chunks_;
   const Subdivision samples_;
-  mutable LruCache<ChunkKey, MixedCells, ChunkKeyHash> chunks_;
 };
 
 }  // namespace teracell

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "store/cell_frames.hpp"
-#include "store/channel_kinds.hpp"
 #include "store/json_text.hpp"
 
 namespace teracell {
@@ -42,17 +40,5 @@ void decode_fractions(const Metadata& meta, const ChunkKey& key, const Subdivisi
   decode_mixed_cells(frame, s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), static_cast<uint32_t>(meta.labels.size()),
                      sub_samples(samples), out);
 }
-
-namespace {
-
-void check_fractions(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
-  const Subdivision samples = subdivision_of(channel);
-  MixedCells cells;
-  check_cell_frames(meta, channel, frame, [&](const ChunkKey& key, const Bytes& bytes) { decode_fractions(meta, key, samples, bytes, cells); });
-}
-
-}  // namespace
-
-const ChannelKind kFractionsKind = {kFractions, kShares, check_fractions};
 
 }  // namespace teracell

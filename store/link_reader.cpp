@@ -2,37 +2,16 @@
 
 #include <algorithm>
 
-#include <fmt/format.h>
-
 #include "store/chunk_parts.hpp"
 
 namespace teracell {
 
-LinkReader::LinkReader(const GridReader& reader, size_t bytes)
-    : reader_(reader),
-      channel_([&]() -> const Channel& {
-        if (const Channel* found = find_links(reader.meta())) return *found;
-        throw UsageError(fmt::format("{}: the grid has no links: it was meshed without them", reader.name()));
-      }()),
-      chunks_(bytes) {}
-
-std::shared_ptr<const ChunkLinks> LinkReader::chunk(const ChunkKey& key) const {
-  if (auto kept = chunks_.find(key)) return kept;
-  auto links = std::make_shared<ChunkLinks>();
-  thread_local Bytes frame;
-  try {
-    if (reader_.read_cells(channel_, key, frame)) decode_links(reader_.meta(), key, frame, *links);
-    else {
-      const LevelShape s = reader_.shape(0);
-      *links = {s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), {}};
-    }
-  } catch (const FormatError& e) {
-    const std::string message = e.what();
-    throw FormatError(message.starts_with(reader_.name()) ? message : fmt::format("{}: {}: {}", reader_.name(), chunk_name(key), message));
-  }
-  chunks_.add(key, links, links->memory());
-  return links;
-}
+LinkReader::LinkReader(const GridReader& reader)
+    : reader_(reader), chunks_(reader, find_links(reader.meta()), kLinks, nullptr, [&reader](const ChunkKey& key, const Bytes* frame, ChunkLinks& out) {
+        const LevelShape s = reader.shape(0);
+        if (frame) decode_links(reader.meta(), key, *frame, out);
+        else out = {s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), {}};
+      }) {}
 
 void LinkReader::for_each(int axis, const Box& box, const std::function<void(std::span<const CellLink>)>& visit) const {
   const RayFrame f = reader_.meta().frame();
@@ -44,6 +23,7 @@ void LinkReader::for_each(int axis, const Box& box, const std::function<void(std
   const int inside = along == 0 ? f.v : f.u, across = along == 2 ? f.v : f.w;  // how lines are numbered: those in a row, and rows
   const LevelShape s = reader_.shape(0);
   std::vector<CellLink> found;
+  chunks_.prefetch(inner);
   for_each_part(s, RayBox(inner, f), [&](const ChunkPart& p) {
     const auto links = chunk(p.key);
     Index3 first;

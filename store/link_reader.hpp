@@ -2,9 +2,8 @@
 #pragma once
 #include <functional>
 
+#include "store/cell_chunks.hpp"
 #include "store/links.hpp"
-#include "store/lru_cache.hpp"
-#include "store/reader.hpp"
 
 namespace teracell {
 
@@ -19,19 +18,18 @@ struct CellLink {
 // Reads the links of a grid. Threads may share it. Throws IoError or FormatError, like its reader.
 class LinkReader {
  public:
-  // Keeps a reference to the reader, and up to `bytes` of chunks. Throws UsageError if the grid has no links.
-  explicit LinkReader(const GridReader& reader, size_t bytes = size_t{32} << 20);
+  // Keeps a reference to the reader. Throws UsageError if the grid has no links.
+  explicit LinkReader(const GridReader& reader);
 
   // The links of a chunk of level 0.
-  std::shared_ptr<const ChunkLinks> chunk(const ChunkKey& key) const;
+  std::shared_ptr<const ChunkLinks> chunk(const ChunkKey& key) const { return chunks_.get(key); }
   // Calls visit(links) with the links along an axis whose lower cells lie in `box`, chunk by chunk. Within a chunk they ascend by line and cell.
   // The part of the box outside the grid is left out.
   void for_each(int axis, const Box& box, const std::function<void(std::span<const CellLink>)>& visit) const;
 
  private:
   const GridReader& reader_;
-  const Channel& channel_;
-  mutable LruCache<ChunkKey, ChunkLinks, ChunkKeyHash> chunks_;
+  const CellChunks<ChunkLinks> chunks_;
 };
 
 }  // namespace teracell

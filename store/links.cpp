@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "store/cell_frames.hpp"
-#include "store/channel_kinds.hpp"
 #include "store/chunk_codec.hpp"
 #include "store/zstd_frame.hpp"
 
@@ -133,11 +131,13 @@ Bytes LinksEncoder::encode(const ChunkLinks& links) {
 
 namespace {
 
-void decode_along(int axis, ByteReader& in, ChunkLinks& out) {
+// `cells`: of which a line may have links; `patches`: how many there are.
+void decode_along(int axis, uint32_t cells, size_t patches, ByteReader& in, ChunkLinks& out) {
   std::vector<Link>& all = out.along[axis];
   const uint64_t number = in.varint(0, in.remaining(), "links");
   all.clear();
   all.reserve(number);
+  if (number > 0 && cells == 0) in.fail("cells at the end of the grid have links");
   const auto part = [&](const char* name) { return ByteReader(in.take(in.varint(0, in.remaining(), name)), "links"); };
   ByteReader lines = part("bytes of lines");
   for (uint64_t next = 0; all.size() < number;) {
@@ -152,14 +152,14 @@ void decode_along(int axis, ByteReader& in, ChunkLinks& out) {
     const uint64_t difference = in.varint();
     link.end = static_cast<uint32_t>(difference), link.begin = static_cast<uint32_t>(difference >> 32);
   }
-  ByteReader gaps = part("bytes of gaps"), patches = part("bytes of patches");
+  ByteReader gaps = part("bytes of gaps"), changes = part("bytes of patches");
   // The number of the next exception; `number` if there is none.
   const auto next_of = [&](ByteReader& exceptions, uint64_t from) {
     return exceptions.remaining() == 0 ? number : from + exceptions.varint(0, number - 1 - from, "links without an exception");
   };
   Forecast forecast(out.row(axis));
-  uint64_t gap = number == 0 ? 0 : next_of(gaps, 0), patch = number == 0 ? 0 : next_of(patches, 0);
-  const int64_t most = (int64_t{out.cells(axis)} << kFractionBits) - 1;
+  uint64_t gap = number == 0 ? 0 : next_of(gaps, 0), patch = number == 0 ? 0 : next_of(changes, 0);
+  const int64_t most = (int64_t{cells} << kFractionBits) - 1;
   for (uint64_t i = 0; i < number; ++i) {
     Link& link = all[i];
     forecast.at(link.line);
@@ -176,18 +176,13 @@ void decode_along(int axis, ByteReader& in, ChunkLinks& out) {
       gap = i + 1 < number ? next_of(gaps, i + 1) : number;
     }
     if (i == patch) {
-      const uint64_t of_link = patches.varint(0, kNoPatch, "patch of a link");
+      const uint64_t of_link = changes.varint(0, patches, "patch of a link");
       link.patch = of_link == 0 ? kNoPatch : static_cast<uint32_t>(of_link - 1);
-      patch = i + 1 < number ? next_of(patches, i + 1) : number;
+      patch = i + 1 < number ? next_of(changes, i + 1) : number;
     }
     forecast.set(static_cast<int64_t>(height), link.patch);
   }
-  gaps.expect_end(), patches.expect_end();
-}
-
-void check_links(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
-  ChunkLinks links;
-  check_cell_frames(meta, channel, frame, [&](const ChunkKey& key, const Bytes& bytes) { decode_links(meta, key, bytes, links); });
+  gaps.expect_end(), changes.expect_end();
 }
 
 }  // namespace
@@ -199,7 +194,9 @@ void decode_links(const Metadata& meta, const ChunkKey& key, std::span<const uin
   thread_local Bytes body;
   zstd.decode(frame, kLinksBound, "links", body);
   ByteReader in(body, "links");
-  for (int axis = 0; axis < 3; ++axis) decode_along(axis, in, out);
+  // The last cell of the grid has no upper neighbour.
+  const bool ends[] = {(key.cu + 1) * uint64_t{s.chunk_rays} >= s.nu, (key.cv + 1) * uint64_t{s.chunk_rays} >= s.nv, key.segment + 1 == s.segments};
+  for (int axis = 0; axis < 3; ++axis) decode_along(axis, out.cells(axis) - ends[axis], meta.patches.size(), in, out);
   in.expect_end();
   if (out.empty()) in.fail("there is no link");
 }
@@ -210,7 +207,5 @@ const Channel* find_links(const Metadata& meta) {
   const auto found = std::ranges::find_if(meta.others(), [](const Channel& c) { return c.name == kLinks && c.coding == kDistances; });
   return found == meta.others().end() ? nullptr : &*found;
 }
-
-const ChannelKind kLinksKind = {kLinks, kDistances, check_links};
 
 }  // namespace teracell

@@ -13,7 +13,7 @@ namespace teracell {
 // some answers hold them all. And how many values its metadata may have as JSON, since they are read into a tree.
 inline constexpr size_t kMostName = 256, kMostStem = 240;  // a name made from a file's name leaves room for a number
 inline constexpr size_t kMostMaterialNames = size_t{1} << 22, kMostMetadataValues = size_t{1} << 20;
-inline constexpr size_t kMostPatches = size_t{1} << 16;
+inline constexpr size_t kMostPatches = size_t{1} << 16, kMostPatchNames = size_t{1} << 22;  // bytes, with the names of their bodies
 
 struct MaterialInfo {
   std::string name;

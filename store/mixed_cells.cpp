@@ -12,7 +12,7 @@ namespace teracell {
 namespace {
 
 constexpr int kCellsZstdLevel = 1;
-constexpr BodyBound kCellsBound{kMaxChunkBytes, kChunkBytesOfAnyFrame};
+constexpr BodyBound kCellsBound{kMaxChunkBytes / 4, kChunkBytesOfAnyFrame};  // runs and counts in memory have more bytes than in a body
 // Of the numbers of sub-samples, each less one, the low and the high bytes stand apart: the high ones take half of their bits, the low ones
 // none, so the entropy stage would find neither among the other.
 bool has_high_bytes(uint32_t total) { return total > 256; }
@@ -97,11 +97,11 @@ Bytes MixedCellsEncoder::encode(const MixedCells& cells) {
     if (!runs.empty()) first = runs[0].from;
   }
   for (const Bytes* part : {&s.begins, &s.lengths, &s.sets, &s.low, &s.high}) s.body.insert(s.body.end(), part->begin(), part->end());
-  if (s.body.size() > kMaxChunkBytes)
+  if (s.body.size() > kCellsBound.most)
     throw InputError(
         fmt::format("a chunk of {} x {} rays has {} runs of mixed cells, more than fit in {} MiB: the surface is finer than the chunks "
                     "can hold",
-                    cells.nu, cells.nv, cells.runs.size(), kMaxChunkBytes >> 20));
+                    cells.nu, cells.nv, cells.runs.size(), kCellsBound.most >> 20));
   return s.zstd.encode(s.body, kCellsZstdLevel, kCellsBound);
 }
 

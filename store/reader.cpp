@@ -111,6 +111,7 @@ void GridReader::check_directory(const std::string& whose, uint64_t offset, uint
 }
 
 DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const {
+  if (i >= entries) throw FormatError(fmt::format("its index names frame {} of a directory of {}", i, entries));
   const BlockPlace block = directory_block(i / kBlockEntries, entries);
   const uint64_t offset = directory + block.offset;
   const IndexPlace place{number_, false, offset};
@@ -142,22 +143,28 @@ std::shared_ptr<const IndexPart> GridReader::cells_part(const Channel& channel, 
   return part;
 }
 
+// The frame of a page, or kNoFrame.
+uint64_t GridReader::cells_page(const Channel& channel, uint64_t page) const {
+  const uint64_t pages = shape(0).pages(), lists = cell_lists(pages), first = page / kPagesPerList * kPagesPerList;
+  if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages", channel.name));
+  const size_t listed = std::min(kPagesPerList, pages - first);
+  const auto decode = [&](const Bytes& bytes) { return decode_cell_list(bytes, listed, channel.frames); };
+  return cells_part(channel, channel.frames - lists + page / kPagesPerList, decode, listed)->cells[page - first];
+}
+
+// The frame of a chunk, or kNoFrame.
+uint64_t GridReader::cells_frame(const Channel& channel, const ChunkKey& key) const {
+  const LevelShape s = shape(0);
+  const uint64_t page = s.page_of(key), frame = cells_page(channel, page);
+  if (frame == kNoFrame) return kNoFrame;
+  const size_t chunks = s.page_size(page);
+  return cells_part(channel, frame, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, frame); }, chunks)->cells[s.slot_of(key, page)];
+}
+
 bool GridReader::read_cells(const Channel& channel, const ChunkKey& key, Bytes& frame) const {
   Wanted::stop_if_not();
   try {
-    const LevelShape s = shape(0);
-    const uint64_t page = s.page_of(key), lists = cell_lists(s.pages()), first = page / kPagesPerList * kPagesPerList;
-    if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages", channel.name));
-    const size_t listed = std::min(kPagesPerList, s.pages() - first);
-    const auto list = cells_part(
-        channel, channel.frames - lists + page / kPagesPerList, [&](const Bytes& bytes) { return decode_cell_list(bytes, listed, channel.frames); },
-        listed);
-    const uint64_t page_frame = list->cells[page - first];
-    if (page_frame == kNoFrame) return false;
-    const size_t chunks = s.page_size(page);
-    const auto of_page = cells_part(
-        channel, page_frame, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, page_frame); }, chunks);
-    const uint64_t number = of_page->cells[s.slot_of(key, page)];
+    const uint64_t number = cells_frame(channel, key);
     if (number == kNoFrame) return false;
     read_checked(*source_, frame_place(channel, number), fmt::format("channel '{}' frame {}", channel.name, number), frame);
     return true;
@@ -249,6 +256,50 @@ void GridReader::prefetch(int level, const Box& box, bool with_chunks) const {
     for (const ChunkKey& key : keys)
       if (const auto e = entry(key); e->size != 0) places.push_back({e->offset, e->size});
     source_->prefetch(places);
+  } catch (const FormatError& e) {
+    const std::string message = e.what();
+    throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));
+  }
+}
+
+// Their blocks of the cover, and then the frames.
+void GridReader::prefetch_frames(const Channel& channel, const std::vector<uint64_t>& frames) const {
+  std::vector<ByteRange> places;
+  for (const uint64_t frame : frames) {
+    if (frame >= channel.frames) continue;
+    const BlockPlace block = directory_block(frame / kBlockEntries, channel.frames);
+    if (places.empty() || places.back().offset != channel.cover + block.offset) places.push_back({channel.cover + block.offset, block.bytes()});
+  }
+  source_->prefetch(places);
+  places.clear();
+  for (const uint64_t frame : frames) {
+    if (frame >= channel.frames) continue;
+    const DirectoryEntry place = frame_place(channel, frame);
+    places.push_back({place.offset, place.size});
+  }
+  source_->prefetch(places);
+}
+
+void GridReader::prefetch_cells(const Channel& channel, const Box& box) const {
+  constexpr size_t kMostChunks = 4096;
+  if (!source_->is_far() || box.empty()) return;
+  const LevelShape s = shape(0);
+  std::vector<ChunkKey> keys;
+  for_each_part(s, RayBox(box, meta_.frame()), [&](const ChunkPart& p) {
+    keys.push_back(p.key);
+    return keys.size() < kMostChunks;
+  });
+  const auto frames_of = [&](auto&& frame_of) {
+    std::vector<uint64_t> frames;
+    for (const ChunkKey& key : keys)
+      if (const uint64_t frame = frame_of(key); frame != kNoFrame && (frames.empty() || frames.back() != frame)) frames.push_back(frame);
+    return frames;
+  };
+  try {
+    const uint64_t lists = cell_lists(s.pages());
+    prefetch_frames(channel, frames_of([&](const ChunkKey& key) { return channel.frames - lists + s.page_of(key) / kPagesPerList; }));
+    prefetch_frames(channel, frames_of([&](const ChunkKey& key) { return cells_page(channel, s.page_of(key)); }));
+    prefetch_frames(channel, frames_of([&](const ChunkKey& key) { return cells_frame(channel, key); }));
   } catch (const FormatError& e) {
     const std::string message = e.what();
     throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));

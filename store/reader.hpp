@@ -61,6 +61,8 @@ class GridReader {
   // Makes ready what the index says of the chunks that meet the box, and the chunks themselves, in as few round trips as possible,
   // if the source is far away: otherwise each read of a chunk would be one. Of a large box, a part. REQUIRES: the box lies in the level.
   void prefetch(int level, const Box& box, bool with_chunks = true) const;
+  // The same for the frames that read_cells() reads of chunks of level 0.
+  void prefetch_cells(const Channel& channel, const Box& box) const;
 
   // ---- The parts of the file, for a program that goes through all of them. FormatErrors don't name the file yet, except
   // those of chunks.
@@ -80,6 +82,9 @@ class GridReader {
   void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
   std::shared_ptr<const IndexPart> cells_part(const Channel& channel, uint64_t frame,
                                               const std::function<std::vector<uint64_t>(const Bytes&)>& decode, size_t size) const;
+  uint64_t cells_page(const Channel& channel, uint64_t page) const;
+  uint64_t cells_frame(const Channel& channel, const ChunkKey& key) const;
+  void prefetch_frames(const Channel& channel, const std::vector<uint64_t>& frames) const;
   DirectoryEntry directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const;
 
   std::unique_ptr<ByteSource> source_;

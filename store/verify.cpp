@@ -108,6 +108,7 @@ void verify_frames(const GridReader& reader, const Channel& c, std::span<const C
                    const std::function<void()>& tell_progress) {
   const auto name_of = [&](uint64_t i) { return fmt::format("channel '{}' frame {}", c.name, i); };
   coverage.add(c.cover, directory_bytes(c.frames));
+  uint64_t bytes_of_all = 0;
   for (uint64_t i = 0; i < c.frames; ++i) {
     const std::string what = name_of(i);
     const DirectoryEntry place = reader.frame_place(c, i);
@@ -117,11 +118,14 @@ void verify_frames(const GridReader& reader, const Channel& c, std::span<const C
     RunningChecksum sum;
     read_in_pieces(reader.source(), place.offset, place.size, [&](auto bytes) { sum.add(bytes); });
     check_sum(place, what, sum.value());
+    bytes_of_all += place.size;
     tell_progress();
   }
+  if (c.bytes != 0 && c.bytes != bytes_of_all)
+    throw FormatError(fmt::format("channel '{}': the metadata counts {} bytes of frames, found {}", c.name, c.bytes, bytes_of_all));
   const ChannelKind* kind = find_kind(known, c.name, c.coding);
   if (kind == nullptr || kind->check == nullptr) return;
-  kind->check(reader.meta(), c, [&](uint64_t i) {
+  kind->check(reader, c, [&](uint64_t i) {
     Bytes bytes;
     read_checked(reader.source(), reader.frame_place(c, i), name_of(i), bytes);
     return bytes;

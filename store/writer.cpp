@@ -211,7 +211,9 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   }
   check_json(report, "report");
   Footer footer;
-  footer.metadata = append_hashed(encode_metadata(meta_));
+  const Bytes metadata = encode_metadata(meta_);
+  decode_metadata(metadata);  // which throws before there is a file that nobody can open
+  footer.metadata = append_hashed(metadata);
   footer.report = append_hashed(encode_text(report));
   footer.hash = hash.digest();
   footer.file_bytes = file_.size() + kFooterBytes;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include <fmt/format.h>
+
 #include "mesher/boundary/sub_axis.hpp"
 
 namespace teracell {
@@ -11,6 +13,8 @@ namespace {
 // A block has one ray, or up to so many sub-rays along u and along v: one of 256 x 256 no longer fits into the caches, and took 5 % longer.
 // Along the rays it has so many sub-samples: on a graded axis they take memory, and everywhere they are counted in 32 bits.
 constexpr int64_t kSubRaysU = 256, kSubRaysV = 64, kGradedSamples = 1 << 20, kUniformSamples = 1 << 30;
+// Where many surfaces lie above each other, blocks have fewer rays, whose sub-rays cross them about so many times.
+constexpr uint64_t kBlockCrossings = uint64_t{1} << 22;
 
 // How many cells a change of a plain ray may be spread over.
 constexpr uint32_t kMostPlainCells = 64;
@@ -36,18 +40,22 @@ FractionCounter::FractionCounter(const std::vector<Layer>& layers, const Labels&
       composer_(layers, labels.rank, labels.of_body, meta.ray_axis),
       sub_tile_{frame_, {}, {}, &axis_} {}
 
-void FractionCounter::count(const Box& tile, std::span<const SceneFacet* const> facets, Engine& engine, const RayBlock& runs, MixedCells& out) {
+void FractionCounter::count(const Cells& all, std::span<const SceneFacet* const> facets, Engine& engine, MixedCells& out) {
+  const Box& tile = all.box;
+  const RayBlock& runs = *all.runs;
   const auto [u, v, w] = frame_;
-  const auto side = [&](int d, int64_t sub_rays) { return std::max<int64_t>(sub_rays / samples_[d], 1); };
+  const auto sub_rays = static_cast<int64_t>(kBlockCrossings / (all.crossings / runs.rays() + 1));
+  const int64_t rays_u = std::max<int64_t>(std::min(kSubRaysU, sub_rays) / samples_[u], 1);
+  const int64_t rays_v = std::max<int64_t>(std::min(kSubRaysV, sub_rays / kSubRaysU) / samples_[v], 1);
   const int64_t length = std::max<int64_t>((meta_.grid.axis[w].is_graded() ? kGradedSamples : kUniformSamples) / samples_[w], 1);
   const auto stretches = static_cast<size_t>((tile.hi[w] + length - 1) / length);
   out.reset(runs.nu, runs.nv, runs.length, total_);
-  in_pieces(tile.lo[v], tile.hi[v], side(v, kSubRaysV), [&](int64_t v0, int64_t v1) {
+  in_pieces(tile.lo[v], tile.hi[v], rays_v, [&](int64_t v0, int64_t v1) {
     Box cells = tile;
     cells.lo[v] = v0, cells.hi[v] = v1;
-    if (stretches == 1 && tile.hi[u] - tile.lo[u] <= side(u, kSubRaysU)) return count_block(tile, cells, facets, engine, runs, out);
+    if (stretches == 1 && tile.hi[u] - tile.lo[u] <= rays_u) return count_block(tile, cells, facets, engine, runs, out);
     blocks_.clear();
-    in_pieces(tile.lo[u], tile.hi[u], side(u, kSubRaysU), [&](int64_t u0, int64_t u1) {
+    in_pieces(tile.lo[u], tile.hi[u], rays_u, [&](int64_t u0, int64_t u1) {
       in_pieces(tile.lo[w], tile.hi[w], length, [&](int64_t w0, int64_t w1) {
         cells.lo[u] = u0, cells.hi[u] = u1, cells.lo[w] = w0, cells.hi[w] = w1;
         blocks_.emplace_back().reset(static_cast<uint32_t>(u1 - u0), static_cast<uint32_t>(v1 - v0), runs.length, total_);
@@ -98,7 +106,11 @@ void FractionCounter::cast(const Box& cells, std::span<const SceneFacet* const> 
     if (meets(u, sub_tile_.u) && meets(v, sub_tile_.v)) near_.push_back(facet);
   }
   if (near_.empty() && !engine.searches_scene()) return sub_runs_.fill(nu, nv, length, 0);
-  engine.cast(sub_tile_, near_, crossings_);
+  try {
+    engine.cast(sub_tile_, near_, crossings_);
+  } catch (const InputError& e) {
+    throw InputError(fmt::format("fractions of {} x {} x {} sub-samples per cell: {}", samples_[0], samples_[1], samples_[2], e.what()));
+  }
   composer_.compose(crossings_, nu, nv, length, sub_runs_);
   // What the composer counts is of no use here.
   composer_.take_overlaps(cells);

@@ -13,9 +13,14 @@ class FractionCounter {
   // Keeps a reference to `meta`.
   FractionCounter(const std::vector<Layer>& layers, const Labels& labels, const Metadata& meta, const Subdivision& samples);
 
-  // Finds the mixed cells of a tile, which is as long as the grid along the rays. `facets` hold those of solids that lie in its cells;
-  // `runs` are the labels that its cells have got.
-  void count(const Box& tile, std::span<const SceneFacet* const> facets, Engine& engine, const RayBlock& runs, MixedCells& out);
+  // The cells of a tile, which is as long as the grid along the rays: how often their rays cross surfaces, and the labels that they have got.
+  struct Cells {
+    Box box;
+    uint64_t crossings;
+    const RayBlock* runs;
+  };
+  // Finds the mixed cells of a tile. `facets` hold those of solids that lie in its cells.
+  void count(const Cells& tile, std::span<const SceneFacet* const> facets, Engine& engine, MixedCells& out);
 
  private:
   // In a sub-ray, the sub-sample `at` is the first one with another label.

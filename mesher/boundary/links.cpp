@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <tuple>
+#include <unordered_map>
 
 namespace teracell {
 namespace {
 
 // The lines of a block across the rays: so few that what is counted for them stays in a core's cache.
 constexpr int64_t kBlockLines = int64_t{1} << 15;
+// Crossings of rays that are gone through at once.
+constexpr uint64_t kMostCrossings = uint64_t{1} << 21;
 
 // The change of the winding number at a step up along an axis has the sign of the frame's handedness, which differs for y.
 int handedness(int axis) { return axis == 1 ? -1 : 1; }
@@ -36,14 +39,27 @@ LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, con
       rays_(meta.frame()),
       has_marks_(teracell::has_marks(scene)),
       lines_{FacetLines{meta.grid, 0, meta.grid.axis[0]}, FacetLines{meta.grid, 1, meta.grid.axis[1]}, FacetLines{meta.grid, 2, meta.grid.axis[2]}},
+      only_patch_(scene.bodies.size(), kNoPatch),
       marker_(scene, meta, labels, false),
-      composer_(layers, labels.rank, labels.of_body, meta.ray_axis) {}
+      composer_(layers, labels.rank, labels.of_body, meta.ray_axis) {
+  std::unordered_map<std::string_view, std::pair<uint32_t, int>> of_body;  // a patch, and how many there are
+  for (uint32_t i = 0; i < meta.patches.size(); ++i) {
+    auto& [patch, number] = of_body[meta.patches[i].body];
+    patch = i, ++number;
+  }
+  for (size_t b = 0; b < scene.bodies.size(); ++b)
+    if (const auto found = of_body.find(scene.bodies[b].name); found != of_body.end() && found->second.second == 1) only_patch_[b] = found->second.first;
+}
 
 void LinkFinder::find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, ChunkLinks& out) {
   tile_ = &tile, all_ = &all;
   out.nu = tile.runs->nu, out.nv = tile.runs->nv, out.length = tile.runs->length;
   for (std::vector<Link>& links : out.along) links.clear();
   if (has_marks_) cast_strip(0, facets, engine), cast_strip(1, facets, engine);
+  for (std::vector<Walk>& walks : walks_) {
+    walks.resize(tile.runs->rays() + (has_marks_ ? tile.runs->nu + tile.runs->nv : 0));
+    for (Walk& walk : walks) walk.next = 0, walk.solids.clear(), walk.marks.clear();
+  }
   find_along_rays(facets, out);
   const int64_t length = std::max<int64_t>(kBlockLines / std::max(out.nu, out.nv), 1);
   blocks_.for_each(
@@ -57,9 +73,14 @@ void LinkFinder::find(const Cells& tile, std::span<const SceneFacet* const> face
 void LinkFinder::find_along_rays(std::span<const SceneFacet* const> facets, ChunkLinks& out) {
   stride_ = {};
   stride_[rays_.u] = 1, stride_[rays_.v] = out.nu;
-  collect(rays_.w, tile_->box, facets);
-  sort_by_line(tile_->runs->rays());
-  link_up(rays_.w, tile_->box, 0, out.along[2]);
+  // All rows at once, or where many surfaces lie above each other so many as fit into memory.
+  const auto rows = static_cast<int64_t>(std::clamp<uint64_t>(kMostCrossings * out.nv / (tile_->crossings->all.size() + 1), 1, out.nv));
+  for (Box part = tile_->box; part.lo[rays_.v] < tile_->box.hi[rays_.v]; part.lo[rays_.v] = part.hi[rays_.v]) {
+    part.hi[rays_.v] = std::min(part.lo[rays_.v] + rows, tile_->box.hi[rays_.v]);
+    collect(rays_.w, part, facets);
+    sort_by_line(static_cast<size_t>((part.hi[rays_.v] - part.lo[rays_.v]) * out.nu));
+    link_up(rays_.w, part, static_cast<uint64_t>((part.lo[rays_.v] - tile_->box.lo[rays_.v]) * out.nu), out.along[2]);
+  }
 }
 
 void LinkFinder::find_across(int axis, const Box& block, std::span<const SceneFacet* const> facets, ChunkLinks& out) {
@@ -151,7 +172,8 @@ void LinkFinder::link_up(int axis, const Box& block, uint64_t first_line, std::v
 bool LinkFinder::look_at(int axis, const Box& block, const Crosser& crosser, Link& link) const {
   const RayBlock& runs = *tile_->runs;
   if (axis == rays_.w) {
-    if (std::ranges::find(runs.changes(crosser.line), crosser.upper) == runs.changes(crosser.line).end()) return false;
+    const auto changes = runs.changes(static_cast<uint32_t>(link.line));
+    if (std::ranges::find(changes, crosser.upper) == changes.end()) return false;
   } else {
     const uint32_t row = axis == rays_.u ? runs.nv : runs.nu, other = crosser.line % row;
     const uint32_t w = static_cast<uint32_t>(block.lo[rays_.w]) + crosser.line / row;
@@ -170,8 +192,7 @@ bool LinkFinder::look_closely(int axis, const Box& block, std::span<const Crosse
   Index3 upper = lower;
   ++upper[axis];
   const Place at = place_of(lower);
-  point_.clear();
-  point_.add_below(at.cells->crossings->of_ray(at.ray), at.w);
+  point_ = walk_to(axis, at).solids;
   LayerSums behind = point_;
   for (const Crosser& c : crossers)
     if (c.facet != kNoFacet && !is_sheet(body_of_layer(active_[c.facet]->layer))) behind.add(active_[c.facet]->layer, step_of(axis, c));
@@ -180,17 +201,25 @@ bool LinkFinder::look_closely(int axis, const Box& block, std::span<const Crosse
     const Place beyond = place_of(upper);
     const Label of_lower = label_at(*at.cells->runs, at.ray, at.w), of_upper = label_at(*beyond.cells->runs, beyond.ray, beyond.w);
     if (of_lower == of_upper) return false;
-    const uint32_t below = sheet_at(at), above = sheet_at(beyond);
+    const uint32_t lower_owner = owner_at(axis, at), upper_owner = owner_at(axis, beyond);
+    const auto sheet_of = [&](uint32_t owner) { return owner != kNoBody && is_sheet(owner) ? owner : kNoBody; };
+    const uint32_t below = sheet_of(lower_owner), above = sheet_of(upper_owner);
     if (below != kNoBody || above != kNoBody) {
       const uint32_t sheet = is_stronger(above, below) ? above : below;
       const auto first =
           std::ranges::find_if(crossers, [&](const Crosser& c) { return c.facet != kNoFacet && body_of_layer(active_[c.facet]->layer) == sheet; });
-      if (first == crossers.end()) return true;
+      if (first == crossers.end()) {
+        link.patch = only_patch_[sheet];
+        return true;
+      }
       link.end = link.begin = first->k;
       link.patch = patch_of(crossers, first->k, sheet);
       return true;
     }
-    if (from != of_lower || to != of_upper) return true;  // a kept cell
+    if (from != of_lower || to != of_upper) {  // a kept cell
+      link.patch = only_patch_[is_stronger(upper_owner, lower_owner) ? upper_owner : lower_owner];
+      return true;
+    }
   }
   if (from == to) return false;
   change_labels(axis, from, to, crossers, link);
@@ -265,23 +294,33 @@ LinkFinder::Place LinkFinder::place_of(const Index3& cell) const {
   return {cells, static_cast<uint32_t>((cell[v] - box.lo[v]) * (box.hi[u] - box.lo[u]) + cell[u] - box.lo[u]), static_cast<uint32_t>(cell[w])};
 }
 
-// The sheet that owns a cell, or kNoBody if none does.
-uint32_t LinkFinder::sheet_at(const Place& place) const {
+// REQUIRES: along an axis the places of a ray never go down again. (Adding up a ray's crossings anew for each link took 50 times as long where
+// thousands of surfaces lie above each other.)
+const LinkFinder::Walk& LinkFinder::walk_to(int axis, const Place& place) {
+  const size_t before = place.cells == tile_ ? 0 : tile_->runs->rays() + (place.cells == &strips_[1].cells ? tile_->runs->nv : 0);
+  Walk& walk = walks_[static_cast<size_t>(axis)][before + place.ray];
   const auto crossings = place.cells->crossings->of_ray(place.ray);
-  LayerSums sums;
-  sums.add_below(crossings, place.w);
-  uint32_t owner = sums.owner(labels_.rank);
-  std::vector<std::pair<uint32_t, int>> marks;
-  for (const uint64_t c : crossings) {
-    if (!Crossing::is_mark(c) || Crossing::cell(c) > place.w) continue;
+  for (; walk.next < crossings.size() && Crossing::cell(crossings[walk.next]) <= place.w; ++walk.next) {
+    const uint64_t c = crossings[walk.next];
+    if (!Crossing::is_mark(c)) {
+      walk.solids.add(Crossing::layer(c), Crossing::step(c));
+      continue;
+    }
     const uint32_t body = body_of_layer(Crossing::layer(c));
-    const auto known = std::ranges::find(marks, body, &std::pair<uint32_t, int>::first);
-    if (known == marks.end()) marks.push_back({body, Crossing::step(c)});
-    else known->second += Crossing::step(c);
+    const auto known = std::ranges::find(walk.marks, body, &std::pair<uint32_t, int>::first);
+    if (known == walk.marks.end()) walk.marks.push_back({body, Crossing::step(c)});
+    else if ((known->second += Crossing::step(c)) == 0) *known = walk.marks.back(), walk.marks.pop_back();
   }
-  for (const auto& [body, sum] : marks)
+  return walk;
+}
+
+// The body that owns a cell, or kNoBody.
+uint32_t LinkFinder::owner_at(int axis, const Place& place) {
+  const Walk& walk = walk_to(axis, place);
+  uint32_t owner = walk.solids.owner(labels_.rank);
+  for (const auto& [body, sum] : walk.marks)
     if (sum > 0 && is_stronger(body, owner)) owner = body;
-  return owner != kNoBody && is_sheet(owner) ? owner : kNoBody;
+  return owner;
 }
 
 }  // namespace teracell

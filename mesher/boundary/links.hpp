@@ -50,6 +50,12 @@ class LinkFinder {
     const Cells* cells;
     uint32_t ray, w;
   };
+  // Goes along a ray: what the sample point of a cell is inside of, and the marks that the cell has.
+  struct Walk {
+    size_t next = 0;  // crossing
+    LayerSums solids;
+    std::vector<std::pair<uint32_t, int>> marks;  // by body
+  };
 
   void find_along_rays(std::span<const SceneFacet* const> facets, ChunkLinks& out);
   void find_across(int axis, const Box& block, std::span<const SceneFacet* const> facets, ChunkLinks& out);
@@ -64,7 +70,8 @@ class LinkFinder {
 
   void cast_strip(int d, std::span<const SceneFacet* const> facets, Engine& engine);
   Place place_of(const Index3& cell) const;
-  uint32_t sheet_at(const Place& place) const;
+  const Walk& walk_to(int axis, const Place& place);
+  uint32_t owner_at(int axis, const Place& place);
   Label label_of(uint32_t owner) const { return owner == kNoBody ? 0 : labels_.of_body[owner]; }
   bool is_sheet(uint32_t body) const { return scene_.bodies[body].kind == Kind::kSheet; }
   bool is_stronger(uint32_t a, uint32_t b) const { return a != kNoBody && (b == kNoBody || labels_.rank[a] < labels_.rank[b]); }
@@ -75,6 +82,7 @@ class LinkFinder {
   const Grid& grid_;
   const RayFrame rays_;
   const bool has_marks_;  // cells may belong to bodies that their sample points are not inside of
+  std::vector<uint32_t> only_patch_;  // of each body that has one patch alone; kNoPatch of the others
   std::array<FacetLines, 3> lines_;
   BlocksAlongRays blocks_;
   Marker marker_;
@@ -85,6 +93,7 @@ class LinkFinder {
   const Cells* tile_ = nullptr;
   const GridFacets* all_ = nullptr;
   std::array<Strip, 2> strips_;  // the next rays along u and along v; used if has_marks_
+  std::array<std::vector<Walk>, 3> walks_;  // for links along each axis: those of the tile's rays, then of the strips'
   // Of a block, along an axis.
   std::span<const SceneFacet* const> active_;
   Index3 stride_{};  // of the numbers of lines

@@ -29,6 +29,7 @@ FacetStream::FacetStream(const std::string& glob, const FacetSink& sink, const s
     : glob_(glob), sink_(sink), enter_patch_(enter_patch) {}
 
 void FacetStream::enter_patch(std::string_view name) {
+  name = name.substr(0, kLongestPatchName);
   if (name == patch_) return;
   flush();
   patch_ = name;
@@ -37,17 +38,18 @@ void FacetStream::enter_patch(std::string_view name) {
 
 // A file may name more patches than can be remembered: the others are not told apart.
 void FacetStream::begin_patch() {
-  constexpr size_t kMostPatchesOfFile = size_t{1} << 16;
+  constexpr size_t kMostPatchesOfFile = size_t{1} << 16, kMostBytes = size_t{1} << 23;
   auto known = patches_.find(patch_);
-  if (known == patches_.end() && patches_.size() >= kMostPatchesOfFile && !patch_.empty()) {
-    if (std::exchange(warned_of_patches_, true) == false)
-      warn(fmt::format("more than {} groups or solids are named: facets of the others belong to the patch of the body", kMostPatchesOfFile));
-    known = patches_.find("");
-  }
   if (known == patches_.end()) {
-    const std::string name = patches_.size() >= kMostPatchesOfFile ? "" : patch_;
-    known = patches_.emplace(name, static_cast<uint32_t>(patch_names_.size())).first;
-    patch_names_.push_back(name);
+    const bool one_too_many = !patch_.empty() && (patches_.size() >= kMostPatchesOfFile || patch_bytes_ + patch_.size() > kMostBytes);
+    if (one_too_many && !std::exchange(warned_of_patches_, true))
+      warn(fmt::format("more groups or solids are named than are told apart, {} or {} bytes of names: facets of the others belong to the patch of "
+                       "the body",
+                       kMostPatchesOfFile, kMostBytes));
+    const std::string name = one_too_many ? "" : patch_;
+    const auto [place, fresh] = patches_.emplace(name, static_cast<uint32_t>(patch_names_.size()));
+    if (fresh) patch_names_.push_back(name), patch_bytes_ += name.size();
+    known = place;
   }
   if (std::exchange(entered_, known->second) != known->second) enter_patch_(known->second);
 }

@@ -25,7 +25,7 @@ class FacetStream {
 
   // Records that the file has this part ("": the unnamed one). Returns whether its facets are wanted.
   bool wants(std::string_view part);
-  // The facets that follow belong to this patch ("": to the one of the body).
+  // The facets that follow belong to this patch ("": to the one of the body). Names are told apart by their first bytes.
   void enter_patch(std::string_view name);
   // A new facet, which the caller fills in before the next call.
   Facet& next() {
@@ -40,7 +40,7 @@ class FacetStream {
   void finish(const std::string& name, SurfaceFile& file);
 
  private:
-  static constexpr size_t kFew = 32, kMany = 4096;
+  static constexpr size_t kFew = 32, kMany = 4096, kLongestPatchName = 256;
   void note(const std::string& name);
   void flush();
   void make_room();
@@ -62,6 +62,7 @@ class FacetStream {
   std::string patch_;        // of the facets that follow
   std::unordered_map<std::string, uint32_t> patches_;
   std::vector<std::string> patch_names_;
+  size_t patch_bytes_ = 0;  // of these names
   uint32_t entered_ = ~uint32_t{0};
   bool warned_of_patches_ = false;
   std::vector<std::string> warnings_;

@@ -3,12 +3,13 @@
 // share of each material in its finest cells ("fraction/steel").
 //
 // The metadata is consolidated, since nothing can be listed over HTTP.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "server/protocols/blocks.hpp"
 #include "server/protocols/protocols.hpp"
-#include "store/fraction_reader.hpp"
 #include "store/ome.hpp"
 #include "store/space.hpp"
 
@@ -39,24 +40,38 @@ ordered_json array(const Metadata& meta, int level, const char* type) {
 
 ordered_json array(const Metadata& meta, int level) { return array(meta, level, wide_labels(meta) ? "uint16" : "uint8"); }
 
-// A material as a segment of a path: its name, or its number where the name can't be one.
-std::string segment_of(const Metadata& meta, uint32_t material) {
-  const std::string& name = meta.materials[material].name;
-  const bool plain = !name.empty() && name.find('/') == std::string::npos && name != "." && name != ".." && !name.starts_with("__");
-  return plain && name != "zarr.json" ? name : std::to_string(material);
+// The segments of the paths to the shares of materials, by id: a material's name; or "id-3" where that can't be a segment, or could be taken
+// for one of these.
+std::vector<std::string> segments_of(const Metadata& meta) {
+  std::vector<std::string> out;
+  for (uint32_t material = 0; material < meta.materials.size(); ++material) {
+    const std::string& name = meta.materials[material].name;
+    const bool plain = !name.empty() && name.find('/') == std::string::npos && name != "." && name != ".." && !name.starts_with("__");
+    out.push_back(plain && name != kZarrDocument && !name.starts_with("id-") ? name : fmt::format("id-{}", material));
+  }
+  return out;
 }
 
 std::optional<uint32_t> material_at(const Metadata& meta, std::string_view segment) {
-  for (uint32_t material = 0; material < meta.materials.size(); ++material)
-    if (segment_of(meta, material) == segment) return material;
-  return std::nullopt;
+  const std::vector<std::string> segments = segments_of(meta);
+  const auto found = std::ranges::find(segments, segment);
+  return found == segments.end() ? std::nullopt : std::optional(static_cast<uint32_t>(found - segments.begin()));
 }
+
+ordered_json fraction_array(const Metadata& meta, uint32_t material) {
+  ordered_json j = array(meta, 0, "float32");
+  j["attributes"]["teracell"] = {{"material", material}, {"name", meta.materials[material].name}};
+  return j;
+}
+
+// So many materials are listed at the root. Shares of others have metadata of their own.
+constexpr uint32_t kMostListed = 256;
 
 // The shares in a cube as float32, little endian, like every machine this runs on.
 Service::Recipe fraction_recipe(const ServedGrid& grid, uint32_t material, const Box& cube) {
   return {.content_type = "application/octet-stream", .make = [&grid, material, cube] {
             std::vector<float> shares(static_cast<size_t>(kZarrCells * kZarrCells * kZarrCells));
-            FractionReader(grid.reader()).read_box<float>(cube, material, 0, shares.data(), {1, kZarrCells, kZarrCells * kZarrCells});
+            grid.fractions->read_box<float>(cube, material, 0, shares.data(), {1, kZarrCells, kZarrCells * kZarrCells});
             return deflated(std::string(reinterpret_cast<const char*>(shares.data()), shares.size() * sizeof(float)), Wrapping::kGzip);
           }};
 }
@@ -76,8 +91,8 @@ ordered_json label_group(const ServedGrid& grid) {
   return j;
 }
 
-// All nodes except the root, by their paths.
-Documents nodes(const ServedGrid& grid) {
+// All nodes except the root, by their paths, with the shares of so many materials.
+Documents nodes(const ServedGrid& grid, size_t most_fractions) {
   Documents out;
   const auto add_levels = [&](const std::string& prefix) {
     for (int level = 0; level < grid.reader().levels(); ++level)
@@ -87,20 +102,21 @@ Documents nodes(const ServedGrid& grid) {
   out.emplace_back(kLabels, [] { return group({{"version", "0.5"}, {"labels", {"material"}}}); });
   out.emplace_back(kMaterial, [&grid] { return label_group(grid); });
   add_levels(fmt::format("{}/", kMaterial));
-  if (!find_fractions(grid.meta())) return out;
+  if (!grid.fractions) return out;
   out.emplace_back(kFraction, [&grid] {
     ordered_json j = {{"zarr_format", 3}, {"node_type", "group"}};
     j["attributes"]["teracell"] = space_json(grid.meta());
     return j;
   });
-  for (uint32_t material = 0; material < grid.meta().materials.size(); ++material)
-    out.emplace_back(fmt::format("{}/{}", kFraction, segment_of(grid.meta(), material)), [&grid] { return array(grid.meta(), 0, "float32"); });
+  const std::vector<std::string> segments = segments_of(grid.meta());
+  for (uint32_t material = 0; material < std::min(segments.size(), most_fractions); ++material)
+    out.emplace_back(fmt::format("{}/{}", kFraction, segments[material]), [&grid, material] { return fraction_array(grid.meta(), material); });
   return out;
 }
 
 ordered_json root(const ServedGrid& grid) {
   ordered_json j = grid_group(grid), metadata = ordered_json::object();
-  for (const auto& [path, make] : nodes(grid)) metadata[path] = make();
+  for (const auto& [path, make] : nodes(grid, kMostListed)) metadata[path] = make();
   j["consolidated_metadata"] = {{"kind", "inline"}, {"must_understand", false}, {"metadata", metadata}};
   return j;
 }
@@ -109,9 +125,9 @@ std::optional<Service::Recipe> find_in_zarr3(const ServedGrid& grid, std::span<c
   if (path.empty()) return std::nullopt;
   if (path.back() == kZarrDocument) {
     if (path.size() == 1) return json_recipe([&grid] { return root(grid); });
-    return find_document(nodes(grid), joined(path.first(path.size() - 1)));
+    return find_document(nodes(grid, ~size_t{0}), joined(path.first(path.size() - 1)));
   }
-  if (path.size() == 6 && path[0] == kFraction && path[2] == "c" && find_fractions(grid.meta())) {
+  if (path.size() == 6 && path[0] == kFraction && path[2] == "c" && grid.fractions) {
     const auto material = material_at(grid.meta(), path[1]);
     const auto cube = material ? zarr_cube(grid.meta(), 0, path.subspan(3)) : std::nullopt;
     if (!cube) return std::nullopt;

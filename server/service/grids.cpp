@@ -72,8 +72,20 @@ size_t count_grids(const std::vector<fs::path>& named) {
   return n;
 }
 
-Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, double recheck_after)
-    : open_(std::move(open)), complain_(std::move(complain)) {
+// `modified`: none for an address.
+std::shared_ptr<const ServedGrid> Grids::opened(const fs::path& path, const std::string& id, uint64_t number, std::optional<int64_t> modified) const {
+  auto reader = open_(path, number);
+  std::unique_ptr<const FractionReader> fractions;
+  if (find_fractions(reader->meta())) fractions = std::make_unique<const FractionReader>(*reader, fractions_);
+  const std::string hash = reader->hash();
+  return std::make_shared<const ServedGrid>(
+      ServedGrid{id, number, hash, std::move(reader), modified ? path : fs::path(), modified, std::move(fractions)});
+}
+
+Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, double recheck_after, std::shared_ptr<FractionCache> fractions)
+    : open_(std::move(open)),
+      complain_(std::move(complain)),
+      fractions_(fractions ? std::move(fractions) : std::make_shared<FractionCache>(CellChunks<MixedCells>::kMemory)) {
   bool addresses = false;
   for (const auto& path : named) {
     if (is_address(path.string())) {
@@ -81,10 +93,7 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, d
       addresses = true;
       WatchedFile& file = watched(path);
       if (file.grid) continue;  // named twice
-      const uint64_t number = next_number_++;
-      auto reader = open_(path, number);
-      const std::string hash = reader->hash();
-      file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader), {}, {}});
+      file.grid = opened(path, file.id, next_number_++, {});
       continue;
     }
     std::error_code error;
@@ -163,9 +172,7 @@ void Grids::open_address(const fs::path& path) {
   std::string error;
   try {
     if (old && !old->reader().source().was_replaced()) return;
-    auto reader = open_(path, number);
-    const std::string hash = reader->hash();
-    next = std::make_shared<const ServedGrid>(ServedGrid{id, number, hash, std::move(reader), {}, {}});
+    next = opened(path, id, number, {});
   } catch (const Unwanted&) {
     throw;
   } catch (const FormatError& e) {
@@ -262,10 +269,7 @@ void Grids::open(const fs::path& path, WatchedFile& file, const FileState& state
     if (file.failures == 2) complain_(with_folder(file.error, path));
   };
   try {
-    const uint64_t number = next_number_++;
-    auto reader = open_(path, number);
-    const std::string hash = reader->hash();
-    file.grid = std::make_shared<const ServedGrid>(ServedGrid{file.id, number, hash, std::move(reader), path, file.state.changed / 1'000'000'000});
+    file.grid = opened(path, file.id, next_number_++, file.state.changed / 1'000'000'000);
   } catch (const FormatError& e) {
     fail(e, true);
   } catch (const std::exception& e) {

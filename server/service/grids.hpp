@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "store/reader.hpp"
+#include "store/fraction_reader.hpp"
 
 namespace teracell {
 
@@ -32,6 +32,7 @@ struct ServedGrid {
   std::unique_ptr<const GridReader> file;
   std::filesystem::path path;       // empty for an address
   std::optional<int64_t> modified;  // seconds since 1970; none for an address
+  std::unique_ptr<const FractionReader> fractions;  // null: the grid has none
   const GridReader& reader() const { return *file; }
   const Metadata& meta() const { return file->meta(); }
 };
@@ -49,8 +50,9 @@ class Grids {
   // Throws UsageError for a path that is neither a folder nor a file, IoError for a folder that can't be read, FormatError for
   // a named file that can't be opened. For a file in a folder, or one that can't be read later, `complain` is called instead, on
   // any thread: once, when the file has stopped changing.
-  // `recheck`: seconds between two questions to the host of an address.
-  Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain, double recheck = 60);
+  // `recheck`: seconds between two questions to the host of an address. `fractions`: the memory for those of all grids; null: 32 MiB.
+  Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain, double recheck = 60,
+        std::shared_ptr<FractionCache> fractions = nullptr);
 
   // Throws HttpError: 404 when there is no such grid, 500 with what is wrong when its file can't be read.
   std::shared_ptr<const ServedGrid> find(const std::string& id) const;
@@ -105,12 +107,15 @@ class Grids {
   void open_address(const std::filesystem::path& path);
   WatchedFile* check_file(const std::filesystem::path& path, bool anew);  // null when it is not there
   void open(const std::filesystem::path& path, WatchedFile& file, const FileState& state);
+  std::shared_ptr<const ServedGrid> opened(const std::filesystem::path& path, const std::string& id, uint64_t number,
+                                           std::optional<int64_t> modified) const;
   void forget_gone();
   std::string new_id(const std::filesystem::path& path) const;
   std::shared_ptr<const Snapshot> snapshot() const;
 
   const Open open_;
   const Complain complain_;
+  const std::shared_ptr<FractionCache> fractions_;
 
   std::mutex looking_;  // guards the members down to snapshot_mutex_, which only look() uses
   std::vector<ServedPath> served_;

@@ -28,8 +28,8 @@ struct ChunkPlaceHash {
 
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files, folders and addresses
-  size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; on top of this, answers take up
-                                             // to 1/8, and what pictures in three dimensions share 1/4
+  size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; on top of this, answers and fractions
+                                             // take up to 1/8 each, and what pictures in three dimensions share 1/4
   uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
   size_t open_files = 256;                   // descriptors of grids that are kept
   bool anybody = true;                       // answers are for everybody, so proxies may keep them

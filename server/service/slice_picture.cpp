@@ -118,14 +118,14 @@ std::vector<uint32_t> counted_out(const std::map<uint32_t, uint32_t>& counts, ui
 // Gives mixed cells of a view other numbers: place(column, row) in `numbers` is that of a cell, rows counted from v0. Cells that have the
 // number `keep` keep it.
 template <class Place>
-void shade(const GridReader& reader, const SliceView& view, SetNumbers& sets, std::vector<uint16_t>& numbers, std::optional<uint16_t> keep,
+void shade(const GridReader& reader, const FractionReader& shares, const SliceView& view, SetNumbers& sets, std::vector<uint16_t>& numbers, std::optional<uint16_t> keep,
            const Place& place) {
   if (view.level > 0) return;
   const RayFrame f = RayFrame::along(view.axis);
   Box box;
   box.lo[f.u] = view.u0, box.hi[f.u] = view.u1, box.lo[f.v] = view.v0, box.hi[f.v] = view.v1, box.lo[f.w] = view.index, box.hi[f.w] = view.index + 1;
   const int along = reader.meta().frame().w;
-  FractionReader(reader).for_each_mixed(
+  shares.for_each_mixed(
       box, [&](const Index3& first, int64_t length, std::span<const Label> labels, std::span<const uint32_t> counts) {
         std::map<uint32_t, uint32_t> by_member;
         for (size_t i = 0; i < labels.size(); ++i) by_member[sets.member(labels[i])] += counts[i];
@@ -139,9 +139,9 @@ void shade(const GridReader& reader, const SliceView& view, SetNumbers& sets, st
       });
 }
 
-std::vector<uint16_t> numbers_from_below(const GridReader& reader, const SliceView& view, SetNumbers& sets, bool shares) {
+std::vector<uint16_t> numbers_from_below(const GridReader& reader, const SliceView& view, SetNumbers& sets, const FractionReader* shares) {
   std::vector<uint16_t> numbers = numbers_of(reader, view, sets, false);
-  if (shares) shade(reader, view, sets, numbers, {}, [&](size_t u, size_t v) { return v * width_of(view) + u; });
+  if (shares) shade(reader, *shares, view, sets, numbers, {}, [&](size_t u, size_t v) { return v * width_of(view) + u; });
   return numbers;
 }
 
@@ -176,7 +176,7 @@ std::string picture_png(const GridReader& reader, const SliceView& view, const P
     const size_t outlined = sets.sets().size();
     if (style.outline)
       for (uint16_t& n : numbers) n = n == outlined ? kOutlined : n;
-    shade(reader, view, sets, numbers, style.outline ? std::optional(kOutlined) : std::nullopt,
+    shade(reader, *style.shares, view, sets, numbers, style.outline ? std::optional(kOutlined) : std::nullopt,
           [&](size_t u, size_t v) { return (height_of(view) - 1 - v) * width_of(view) + u; });
     if (style.outline)
       for (uint16_t& n : numbers) n = n == kOutlined ? static_cast<uint16_t>(sets.sets().size()) : n;
@@ -197,17 +197,13 @@ std::string raw_labels(const GridReader& reader, const SliceView& view) {
   return out;
 }
 
-void expect_shares(const GridReader& reader) {
-  if (find_fractions(reader.meta()) == nullptr) throw UsageError("shares: the grid has none: it was meshed without fractions");
-}
-
-std::string raw_sets(const GridReader& reader, const SliceView& view, bool shares) {
+std::string raw_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) {
   SetNumbers sets(reader.meta());
   const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
   return sets_text(sets, numbers, 0);
 }
 
-std::string raw_label_sets(const GridReader& reader, const SliceView& view, bool shares) try {
+std::string raw_label_sets(const GridReader& reader, const SliceView& view, const FractionReader* shares) try {
   SetNumbers sets([](const std::vector<Label>& set) { return set; }, kMostMembers);
   const std::vector<uint16_t> numbers = numbers_from_below(reader, view, sets, shares);
   return sets_text(sets, numbers, width_flag(reader.meta()));

@@ -94,6 +94,51 @@ TEST_CASE("Names that several bodies have are told apart, and those of the domai
         std::map<std::string, double>{{"a:inlet", 36}, {"a:b", 36}, {"a:xmin", 36}, {"rest", 108}, {"b:inlet", 36}, {"b", 36}, {"own", 144}});
 }
 
+TEST_CASE("A body may be called like a side of the domain, and its groups by any bytes", "[patches]") {
+  const TempFolder folder;
+  const std::string wild(200, '\xFF'), long_name(5000, 'x');
+  write_cube(folder / "xmin.obj", {"", "g xmin", ("g " + wild).c_str(), ("g " + long_name).c_str(), ("g " + long_name + "y").c_str(), "g xmin-2"});
+  const auto areas = areas_of(meshed(cube_scene({folder / "xmin.obj"}), folder / "g.tcell"));
+  CHECK(areas.size() == 4);
+  CHECK(areas.at("xmin-3") == 72);  // the body's own, which has the group `xmin`, too
+  CHECK(areas.at("xmin-2") == 36);
+  CHECK(areas.at(std::string(120, 'x')) == 72);
+  CHECK(GridReader(folder / "g.tcell").meta().patches.size() == 10);
+}
+
+TEST_CASE("Groups that a file has no room for belong to the patch of their body", "[patches]") {
+  const TempFolder folder;
+  write_cube(folder / "cube.obj", {"", "", "", "", "", ""});
+  std::ofstream more(folder / "cube.obj", std::ios::app);
+  for (int i = 0; i < 66'000; ++i) more << "g " << std::string(60, 'n') << i << "\nf 1 3 1\n";
+  more.close();
+  const auto meta = meshed(cube_scene({folder / "cube.obj"}), folder / "g.tcell");
+  CHECK(meta.patches.size() > 40'000);
+  CHECK(meta.patches.size() < 66'000);
+  CHECK(meta.patches[6] == PatchInfo{"cube", "cube", 216});
+  CHECK(GridReader(folder / "g.tcell").report().find("groups and solids beyond that belong to the patches of their bodies") != std::string::npos);
+}
+
+TEST_CASE("All walls of a sheet with one patch have that patch, also where the sheet is not crossed between two sample points", "[patches]") {
+  const TempFolder folder;
+  MeshOptions options;
+  options.links = true;
+  const Axis axis = Axis::uniform(0, 1, 0, 10, 0.5);
+  std::vector<oracle::Body> bodies = {{shapes::sphere({5, 5, 5}, 3.3, 2)}};
+  bodies[0].sheet = true;
+  mesh_quietly(scene_of(folder, bodies, {{axis, axis, axis}}), folder / "g.tcell", options);
+  const GridReader reader(folder / "g.tcell");
+  size_t without_place = 0;
+  for (int d = 0; d < 3; ++d)
+    LinkReader(reader).for_each(d, reader.meta().grid.box(0), [&](std::span<const CellLink> found) {
+      for (const CellLink& l : found) {
+        REQUIRE(l.patch == 6);
+        without_place += l.end == 0;
+      }
+    });
+  CHECK(without_place > 50);
+}
+
 TEST_CASE("Solids of an STL are patches; a part takes its own alone", "[patches]") {
   const TempFolder folder;
   std::ofstream out(folder / "two.stl");

@@ -49,12 +49,13 @@ TEST_CASE("Zarr v3 has the shares of each material as float32, padded with 0", "
   const json all = s.parsed("/zarr/g/zarr.json")["consolidated_metadata"]["metadata"];
   const FractionReader fractions(*s.reader);
   const Index3 n = s.reader->meta().grid.cells();
-  const char* names[] = {"m0", "m1", "2"};  // by number where the name can't be one
+  const char* names[] = {"m0", "m1", "id-2"};  // by id where the name can't be a segment
   for (uint32_t material = 0; material < 3; ++material) {
     const std::string array = fmt::format("fraction/{}", names[material]);
     const json document = s.parsed("/zarr/g/" + array + "/zarr.json");
     REQUIRE(document == all[array]);
     REQUIRE(document["data_type"] == "float32");
+    REQUIRE(document["attributes"]["teracell"] == json({{"material", material}, {"name", s.reader->meta().materials[material].name}}));
     REQUIRE(document["codecs"][0]["configuration"]["endian"] == "little");
     REQUIRE(document["shape"] == json::array({67, 40, 70}));
     std::vector<float> expected(static_cast<size_t>(n[0] * n[1] * n[2]));

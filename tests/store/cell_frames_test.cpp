@@ -15,9 +15,9 @@ namespace {
 using namespace testing;
 
 constexpr ChannelKind kNames[] = {{kLabels, kRuns, nullptr},
-                                  {"names", "text", [](const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
-                                     check_cell_frames(meta, channel, frame, [](const ChunkKey& key, const Bytes& bytes) {
-                                       if (decode_text(bytes, "name") != chunk_name(key)) throw FormatError("it is another chunk's");
+                                  {"names", "text", [](const GridReader& reader, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
+                                     check_cell_frames(reader.meta(), channel, frame, [](const ChunkKey& key, const Bytes* bytes) {
+                                       if (bytes && decode_text(*bytes, "name") != chunk_name(key)) throw FormatError("it is another chunk's");
                                      });
                                    }}};
 

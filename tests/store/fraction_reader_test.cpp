@@ -68,6 +68,28 @@ TEST_CASE("Shares of a box are those of its cells one by one, sum to one, and ar
   }
 }
 
+TEST_CASE("In means a sheet's cell keeps the value of its material, which has no share in it", "[fractions]") {
+  const TempFolder folder;
+  const Axis axis = Axis::uniform(0, 1, 0, 10, 0.5);
+  std::vector<oracle::Body> bodies = {{shapes::sphere({4, 5, 5}, 3.3, 2)}, {shapes::box({6.3, 1.2, 1.2}, {8.4, 8.7, 8.7}), oracle::Rule::kNonzero, 2}};
+  bodies[1].sheet = true;
+  MeshOptions options;
+  options.fractions = Subdivision{4, 4, 4};
+  mesh_quietly(scene_of(folder, bodies, {{axis, axis, axis}}), folder / "g.tcell", options);
+  const GridReader reader(folder / "g.tcell");
+  const std::vector<uint32_t> cells = all_cells(reader);
+  const double values[] = {1, 5, 40};
+  std::vector<double> means(1000);
+  FractionReader(reader).read_means<double>(reader.meta().grid.box(0), values, 0, means.data(), {1, 10, 100});
+  size_t sheets = 0, mixed = 0;
+  for (size_t i = 0; i < cells.size(); ++i) {
+    sheets += cells[i] == 2, mixed += means[i] != 1 && means[i] != 5 && means[i] != 40;
+    REQUIRE((cells[i] == 2 ? means[i] == 40 : means[i] >= 1 && means[i] <= 5));
+  }
+  CHECK(sheets > 100);
+  CHECK(mixed > 100);
+}
+
 TEST_CASE("The C library reads shares into arrays of any strides, and refuses what makes no sense", "[fractions][api]") {
   const FractionScene scene(1);
   tc_grid* grid = nullptr;

@@ -21,6 +21,7 @@ Metadata links_of_one_chunk(int64_t nu, int64_t nv, int64_t length) {
   meta.grid = {{Axis::uniform(0, 1, 0, nu, 0.5), Axis::uniform(0, 1, 0, nv, 0.5), Axis::uniform(0, 1, 0, length, 0.5)}};
   meta.materials = {{"air", "#00000000", 1}, {"steel", "#112233", 0}};
   meta.labels = {{0, ""}, {1, ""}};
+  for (int i = 0; i < 10; ++i) meta.patches.push_back({std::to_string(i), "", 1});
   meta.channels.push_back(links_channel());
   return meta;
 }
@@ -30,7 +31,7 @@ ChunkLinks random_links(std::mt19937_64& random, uint32_t nu, uint32_t nv, uint3
   for (int axis = 0; axis < 3; ++axis) {
     uint32_t patch = 6;
     for (uint64_t line = 0; line < out.lines(axis); ++line)
-      for (uint32_t cell = 0; cell < out.cells(axis); ++cell) {
+      for (uint32_t cell = 0; cell + 1 < out.cells(axis); ++cell) {
         if (random_int(random, 0, 5) != 0) continue;
         Link link{line, cell, static_cast<uint32_t>(random_int(random, 1, 65536)), 0, patch};
         link.begin = link.end;
@@ -65,7 +66,7 @@ void expect_refused_or_sound_links(const Metadata& meta, const Bytes& bytes) {
   for (int axis = 0; axis < 3; ++axis)
     for (size_t i = 0; i < links.along[axis].size(); ++i) {
       const Link& l = links.along[axis][i];
-      sound &= l.line < links.lines(axis) && l.cell < links.cells(axis) && l.end <= l.begin && l.begin <= 65536 && (l.end > 0 || l.begin == 0);
+      sound &= l.line < links.lines(axis) && l.cell + 1 < links.cells(axis) && (l.patch == kNoPatch || l.patch < 10) && l.end <= l.begin && l.begin <= 65536 && (l.end > 0 || l.begin == 0);
       if (i > 0) sound &= std::pair(links.along[axis][i - 1].line, links.along[axis][i - 1].cell) < std::pair(l.line, l.cell);
     }
   if (!sound) FAIL("decoded links are not sound");
@@ -125,10 +126,10 @@ TEST_CASE("Bytes that are no links are refused", "[links]") {
     for (const uint64_t n : numbers) put_varint(body, n);
     return encode_text({body.begin(), body.end()});
   };
-  // Along u one link: in line 2, cell 1 ends at 3 and its neighbour begins at 5, patch 6. None along v and w.
-  const std::vector<uint64_t> sound = {1, 3, 2, 1, 1, 2 * (65536 + 2), 2, 0, 2, 2, 0, 7, 0, 0, 0, 0, 0, 0, 0, 0};
+  // Along u one link: in line 2, cell 0 ends at 3 and its neighbour begins at 5, patch 6. None along v and w.
+  const std::vector<uint64_t> sound = {1, 3, 2, 1, 1, 2 * 2, 2, 0, 2, 2, 0, 7, 0, 0, 0, 0, 0, 0, 0, 0};
   const ChunkLinks links = decoded_links(meta, frame_of(sound));
-  REQUIRE(links.along[0] == std::vector<Link>{{2, 1, 3, 5, 6}});
+  REQUIRE(links.along[0] == std::vector<Link>{{2, 0, 3, 5, 6}});
   const auto refused = [&](size_t at, uint64_t value, const std::string& words) {
     INFO(words);
     std::vector<uint64_t> numbers = sound;
@@ -139,7 +140,8 @@ TEST_CASE("Bytes that are no links are refused", "[links]") {
   refused(2, 12, "lines of a group");
   refused(3, 11, "lines of a group");
   refused(4, 2, "links of a line");
-  refused(5, 2 * (2 * 65536), "beyond its line");
+  refused(5, 2 * 65536, "beyond its line");  // the last cell has no neighbour above it
+  refused(11, 11, "patch of a link");
   refused(5, 1, "beyond its line");
   refused(7, 1, "without an exception");
   refused(12, 5, "");

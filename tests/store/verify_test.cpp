@@ -1,4 +1,5 @@
 // verify: it passes sound files, and it sees every damage and every lie.
+#include "store/cell_frames.hpp"
 #include "store/verify.hpp"
 
 #include <fmt/format.h>
@@ -188,8 +189,8 @@ TEST_CASE("Sums, statistics, coarse sets and the content hash that lie are found
 // What the check of a kind was called for and the frames that it read. (A check is a plain function: it captures nothing.)
 std::string checked;
 
-void check_fractions(const Metadata& meta, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
-  checked = fmt::format("{} of {} labels:", channel.name, meta.labels.size());
+void check_fractions(const GridReader& reader, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
+  checked = fmt::format("{} of {} labels:", channel.name, reader.meta().labels.size());
   for (uint64_t i = 0; i < channel.frames; ++i) checked += ' ' + decode_text(frame(i), "frame");
   if (checked.find("all of it") != checked.npos) throw FormatError("a fraction of 1");
 }
@@ -211,6 +212,54 @@ TEST_CASE("A channel of a known kind and coding is checked by its kind, any othe
   REQUIRE_NOTHROW(verify_with_kinds(file("other", "all of it")));
   REQUIRE_NOTHROW(verify_quietly(reader_of(file("text", "all of it"))));
   REQUIRE(checked.empty());
+}
+
+// A file with links that were changed on the way, under right checksums.
+Bytes with_links(const Bytes& plain, const ChunkLinks& links) {
+  const Metadata meta = reader_of(plain).meta();
+  CellFrames frames(meta);
+  std::vector<Bytes> all;
+  if (!links.empty()) all.push_back(LinksEncoder().encode(links));
+  const auto page = frames.put({0, 0, 0, 0}, all.empty() ? kNoFrame : 0, all.size());
+  if (!page->empty()) all.push_back(*page);
+  for (const Bytes& list : frames.lists()) all.push_back(list);
+  return forge(plain, {.channels = {{kLinks, all, kDistances}}});
+}
+
+TEST_CASE("Links that are not where labels change are reported by verify", "[links]") {
+  const TempFolder folder;
+  const Axis axis = Axis::uniform(0, 1, 0, 9, 0.5);
+  const Scene scene = scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}}, {{axis, axis, axis}});
+  MeshOptions options;
+  mesh_quietly(scene, folder / "plain.tcell", options);
+  options.links = true;
+  mesh_quietly(scene, folder / "g.tcell", options);
+  const Bytes plain = file_bytes(folder / "plain.tcell");
+  const GridReader reader(folder / "g.tcell");
+  const ChunkLinks sound = *LinkReader(reader).chunk({0, 0, 0, 0});
+  REQUIRE_NOTHROW(verify_quietly(reader_of(with_links(plain, sound))));
+  for (int axis_of_link = 0; axis_of_link < 3; ++axis_of_link) {
+    const auto d = static_cast<size_t>(axis_of_link);
+    ChunkLinks fewer = sound, moved = sound;
+    fewer.along[d].pop_back();
+    expect_verify_refuses(with_links(plain, fewer), "but there are");
+    moved.along[d].front().cell -= 1;
+    expect_verify_refuses(with_links(plain, moved), "between cells with the same label");
+  }
+  expect_verify_refuses(with_links(plain, {sound.nu, sound.nv, sound.length, {}}), "has no frame");
+}
+
+TEST_CASE("Frames that are named twice, and bytes that are counted wrong, are reported by verify", "[fractions]") {
+  const TempFolder folder;
+  const Axis axis = Axis::uniform(0, 1, 0, 9, 0.5);
+  mesh_quietly(scene_of(folder, {{shapes::sphere({4, 4, 4}, 3.2, 1)}}, {{axis, axis, axis}}), folder / "plain.tcell", {});
+  const Bytes plain = file_bytes(folder / "plain.tcell");
+  const std::string about = fractions_channel({1, 1, 1}).about;
+  const Bytes list = encode_cell_list(std::vector<uint64_t>{0}), page = encode_cell_page({kNoFrame}, 0);
+  expect_verify_refuses(forge(plain, {.channels = {{kFractions, {page, page, list}, kShares, about}}}), "but its pages name 2");
+  expect_verify_refuses(forge(plain, {.channels = {{kFractions, {encode_cell_list(std::vector<uint64_t>{0})}, kShares, about}}}), "named twice");
+  expect_verify_refuses(forge(plain, {.metadata = [](Metadata& m) { m.channels[1].bytes = 7; }, .channels = {{kFractions, {page, list}, kShares, about}}}),
+                        "counts 7 bytes");
 }
 
 }  // namespace

@@ -174,7 +174,7 @@ Bytes square(uint64_t i) { return encode_text(std::to_string(i * i)); }
 
 uint64_t squares_checked;  // a check is a plain function, so it can't capture what it found
 
-void check_squares(const Metadata&, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
+void check_squares(const GridReader&, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
   squares_checked = 0;
   for (uint64_t i = 0; i < channel.frames; ++i, ++squares_checked)
     if (decode_text(frame(i), "square") != std::to_string(i * i)) throw FormatError(fmt::format("frame {} is no square", i));

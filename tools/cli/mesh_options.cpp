@@ -70,7 +70,8 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
   app.add_option(
       "--fractions", o.fractions,
       "SX,SY,SZ: keep in the file the shares of materials in cells that a boundary cuts, counted over this many sub-samples per cell along "
-      "x, y and z: powers of two from 1 to 256, at most 65536 in all");
+      "x, y and z: powers of two from 1 to 256, at most 65536 in all")
+      ->check([](const std::string& text) { return text.empty() ? "expected SX,SY,SZ, found nothing" : ""; });
   app.add_flag("--links", o.links,
                "keep in the file where, between neighbouring cells with different labels, the one label ends and the other begins");
   app.add_option("--engine", o.engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")
@@ -174,7 +175,10 @@ MeshOptions mesh_options(const MeshArguments& o, int share) {
   if (!o.fractions.empty()) {
     const auto n = parse_integers(o.fractions, 3, "--fractions");
     Subdivision samples;
-    for (size_t d = 0; d < 3; ++d) samples[d] = static_cast<uint32_t>(std::clamp<int64_t>(n[d], 0, ~uint32_t{0}));
+    for (size_t d = 0; d < 3; ++d) {
+      if (n[d] < 1 || n[d] > 256) throw UsageError(fmt::format("--fractions: expected powers of two from 1 to 256, found {}", n[d]));
+      samples[d] = static_cast<uint32_t>(n[d]);
+    }
     if (const std::string beyond = beyond_bounds(samples); !beyond.empty()) throw UsageError("--fractions: " + beyond);
     options.fractions = samples;
   }

@@ -33,12 +33,14 @@ MeshNames names_of(const Export& e, const MeshCounts& counts) {
   const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
   MeshNames out;
   std::set<std::string> patches(std::begin(kSideNames), std::end(kSideNames)), zones;
+  // OpenFOAM's own names are of walls between ranks.
+  const auto word_of = [&](const std::string& name) { return word(name.starts_with("procBoundary") ? "patch_" + name : name, patches); };
   // Patches of the surface first: they are often called as the material is, which is beyond the few faces of which no patch is known.
   for (auto it = counts.patches.lower_bound(kSurface); it != counts.patches.end(); ++it)
-    out.patches[it->first] = {word(e.reader.meta().patches[it->first - kSurface].name, patches), "wall"};
+    out.patches[it->first] = {word_of(e.reader.meta().patches[it->first - kSurface].name), "wall"};
   for (auto it = counts.patches.begin(); it != counts.patches.end() && it->first < kSurface; ++it)
     out.patches[it->first] =
-        it->first >= kSides ? NamedPatch{kSideNames[it->first - kSides], "patch"} : NamedPatch{word(materials[it->first].name, patches), "wall"};
+        it->first >= kSides ? NamedPatch{kSideNames[it->first - kSides], "patch"} : NamedPatch{word_of(materials[it->first].name), "wall"};
   if (!e.has("--zones")) return out;
   std::set<uint32_t> found;
   for (const PartCounts& part : counts.parts)

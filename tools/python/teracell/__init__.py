@@ -287,6 +287,8 @@ class Grid(Level):
             if not ids:
                 raise UsageError(f"material: expected a name of {', '.join(m.name for m in self.materials)}, found {shown(material)}")
             material = ids[0]
+        if isinstance(material, (bool, numpy.bool_)):
+            raise UsageError(f"material: expected an id or a name, found {shown(material)}")
         material = whole("material", material, 0, len(self.materials) - 1)
         out = numpy.empty([max(0, hi[d] - lo[d]) for d in range(3)], numpy.float64)
         if out.size:
@@ -308,8 +310,9 @@ class Grid(Level):
         end     [n], uint32: going from the cell's sample point to its neighbour's, in 65536ths of the distance, where the label of the cell
                 ends ...
         begin   [n], uint32: ... and from where on there is only that of its neighbour. They are equal where one wall lies there, and
-                1 <= end <= begin <= 65536. Both are 0 where surfaces don't tell (a thin part that was kept).
-        patch   [n], int64: its number in `patches`; -1 if none is known
+                1 <= end <= begin <= 65536. Both are 0 where surfaces don't tell: beside cells that are kept because of thin parts, and beside
+                those of a sheet that is not crossed between the two sample points.
+        patch   [n], int64: its number in `patches`; -1 if none is known. Where both are 0 it is that of the body, if it has just one.
 
         A grid that was meshed without links is a UsageError.
         """
@@ -414,7 +417,7 @@ def mesh(scene, output, *, folder=".", cells=None, step=None, pad=None, axis=Non
                "pad": _given(pad, lambda n: whole("pad", n, 0)), "axis": _given(axis, "xyz".index), "engine": _given(engine, str),
                "threads": whole("threads", threads, 0, 1024), "memory": _given(memory, lambda n: whole("memory", n, 1, (1 << 63) - 1)),
                "tmp": _given(tmp, lambda path: os.fsencode(path_of(path))), "thin": bool(thin), "links": bool(links),
-               "fractions": _given(fractions, lambda n: wholes("fractions", n, 3, 1)), "resume": bool(resume)}
+               "fractions": _given(fractions, lambda n: [whole("fractions", m, 1, 256) for m in wholes("fractions", n, 3)]), "resume": bool(resume)}
     report = _native.mesh(text, os.fsencode(base), surfaces, os.fsencode(path_of(output)), options, progress)
     grid = Grid(output)
     grid.report = json.loads(report)
