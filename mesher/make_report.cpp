@@ -86,9 +86,10 @@ std::vector<std::string> all_warnings(const Scene& scene, const Bodies& bodies, 
     warn(fmt::format("no patch of the surfaces is known: the bodies are more than a file has room for, {} patches or {} bytes of names", kMostPatches,
                      kMostPatchNames));
   else if (!plan.all_patches)
-    warn(fmt::format("a file has room for {} patches and {} bytes of their names: groups and solids beyond that belong to the patches of their bodies "
-                     "(a body with \"patches\": false has one)",
-                     kMostPatches, kMostPatchNames));
+    warn(
+        fmt::format("a file has room for {} patches and {} bytes of their names: groups and solids beyond that belong to the patches of their bodies "
+                    "(a body with \"patches\": false has one)",
+                    kMostPatches, kMostPatchNames));
   if (more > 0) out.push_back(fmt::format("there are {} more warnings than the report holds", more));
   return out;
 }

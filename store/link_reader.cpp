@@ -7,7 +7,8 @@
 namespace teracell {
 
 LinkReader::LinkReader(const GridReader& reader)
-    : reader_(reader), chunks_(reader, find_links(reader.meta()), kLinks, nullptr, [&reader](const ChunkKey& key, const Bytes* frame, ChunkLinks& out) {
+    : reader_(reader),
+      chunks_(reader, find_links(reader.meta()), kLinks, nullptr, [&reader](const ChunkKey& key, const Bytes* frame, ChunkLinks& out) {
         const LevelShape s = reader.shape(0);
         if (frame) decode_links(reader.meta(), key, *frame, out);
         else out = {s.rays_u(key.cu), s.rays_v(key.cv), s.length(key.segment), {}};

@@ -79,7 +79,8 @@ class LinkCheck {
     const RayBlock& rays = own.rays;
     uint64_t out = 0;
     if (axis == 2) {
-      for (uint32_t ray = 0; ray < rays.rays(); ++ray) out += rays.changes(ray).size() + (next && rays.sets(ray).back() != next->rays.sets(ray).front());
+      for (uint32_t ray = 0; ray < rays.rays(); ++ray)
+        out += rays.changes(ray).size() + (next && rays.sets(ray).back() != next->rays.sets(ray).front());
       return out;
     }
     for (uint32_t v = 0; v < rays.nv; ++v)

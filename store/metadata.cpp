@@ -28,7 +28,8 @@ std::string beyond_bounds(const Metadata& meta) {
   for (const LabelInfo& l : meta.labels) look_at(l.body);
   size_t patch_names = 0;
   for (const PatchInfo& p : meta.patches) look_at(p.name), look_at(p.body), patch_names += p.name.size() + p.body.size();
-  if (patch_names > kMostPatchNames) return fmt::format("expected at most {} bytes of names of patches in all, found {}", kMostPatchNames, patch_names);
+  if (patch_names > kMostPatchNames)
+    return fmt::format("expected at most {} bytes of names of patches in all, found {}", kMostPatchNames, patch_names);
   if (meta.patches.size() > kMostPatches) return fmt::format("expected at most {} patches, found {}", kMostPatches, meta.patches.size());
   for (const Channel& c : meta.channels) look_at(c.name), look_at(c.coding), values += 7;
   if (longest.size() > kMostName)

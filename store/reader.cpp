@@ -158,7 +158,9 @@ uint64_t GridReader::cells_frame(const Channel& channel, const ChunkKey& key) co
   const uint64_t page = s.page_of(key), frame = cells_page(channel, page);
   if (frame == kNoFrame) return kNoFrame;
   const size_t chunks = s.page_size(page);
-  return cells_part(channel, frame, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, frame); }, chunks)->cells[s.slot_of(key, page)];
+  return cells_part(
+             channel, frame, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, frame); }, chunks)
+      ->cells[s.slot_of(key, page)];
 }
 
 bool GridReader::read_cells(const Channel& channel, const ChunkKey& key, Bytes& frame) const {

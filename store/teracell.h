@@ -191,8 +191,8 @@ TC_API int tc_fractions(const tc_grid* grid, uint32_t material, const int64_t lo
 
 /* Between a cell of level 0 and its upper neighbour along an axis, which have different labels. Going from the sample point of the cell to that
  * of its neighbour, in 65536ths of that distance: from `end` on the point may not have the label of the cell, from `begin` on all points have the
- * label of the neighbour. 1 <= end <= begin <= 65536; they are equal where one wall lies there; both are 0 where surfaces don't tell (a thin
- * part that was kept). Only the library makes these. */
+ * label of the neighbour. 1 <= end <= begin <= 65536; they are equal where one wall lies there; both are 0 where surfaces don't tell (a sheet
+ * that is not crossed there, a thin part that was kept). Only the library makes these. */
 typedef struct tc_link {
   int64_t cell[3];
   uint32_t end, begin;

@@ -212,7 +212,9 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   check_json(report, "report");
   Footer footer;
   const Bytes metadata = encode_metadata(meta_);
-  decode_metadata(metadata);  // which throws before there is a file that nobody can open
+  std::vector<ChannelKind> kinds;
+  for (const Channel& c : meta_.channels) kinds.push_back({c.name, c.coding, nullptr});
+  decode_metadata(metadata, kinds);  // throws before there is a file that nobody can open
   footer.metadata = append_hashed(metadata);
   footer.report = append_hashed(encode_text(report));
   footer.hash = hash.digest();

@@ -48,7 +48,8 @@ LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, con
     patch = i, ++number;
   }
   for (size_t b = 0; b < scene.bodies.size(); ++b)
-    if (const auto found = of_body.find(scene.bodies[b].name); found != of_body.end() && found->second.second == 1) only_patch_[b] = found->second.first;
+    if (const auto found = of_body.find(scene.bodies[b].name); found != of_body.end() && found->second.second == 1)
+      only_patch_[b] = found->second.first;
 }
 
 void LinkFinder::find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, ChunkLinks& out) {

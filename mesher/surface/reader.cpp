@@ -43,9 +43,10 @@ void FacetStream::begin_patch() {
   if (known == patches_.end()) {
     const bool one_too_many = !patch_.empty() && (patches_.size() >= kMostPatchesOfFile || patch_bytes_ + patch_.size() > kMostBytes);
     if (one_too_many && !std::exchange(warned_of_patches_, true))
-      warn(fmt::format("more groups or solids are named than are told apart, {} or {} bytes of names: facets of the others belong to the patch of "
-                       "the body",
-                       kMostPatchesOfFile, kMostBytes));
+      warn(
+          fmt::format("more groups or solids are named than are told apart, {} or {} bytes of names: facets of the others belong to the patch of "
+                      "the body",
+                      kMostPatchesOfFile, kMostBytes));
     const std::string name = one_too_many ? "" : patch_;
     const auto [place, fresh] = patches_.emplace(name, static_cast<uint32_t>(patch_names_.size()));
     if (fresh) patch_names_.push_back(name), patch_bytes_ += name.size();

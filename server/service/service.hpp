@@ -29,13 +29,13 @@ struct ChunkPlaceHash {
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files, folders and addresses
   size_t cache_bytes = size_t{256} << 20;    // 1/16 for index pages, the rest for decoded chunks; on top of this, answers and fractions
-                                             // take up to 1/8 each, and what pictures in three dimensions share 1/4
-  uint64_t max_pixels = uint64_t{1} << 26;   // of one picture
-  size_t open_files = 256;                   // descriptors of grids that are kept
-  bool anybody = true;                       // answers are for everybody, so proxies may keep them
+                                           // take up to 1/8 each, and what pictures in three dimensions share 1/4
+  uint64_t max_pixels = uint64_t{1} << 26;  // of one picture
+  size_t open_files = 256;  // descriptors of grids that are kept
+  bool anybody = true;  // answers are for everybody, so proxies may keep them
   std::function<void(const std::string&)> complain;  // called with each damage that is found, once, on any thread
-  SourceOptions source = {};                 // for addresses
-  double recheck = 60;                       // seconds between two questions to the host of an address whether the grid was replaced
+  SourceOptions source = {};  // for addresses
+  double recheck = 60;  // seconds between two questions to the host of an address whether the grid was replaced
 };
 
 // Threads share it.
@@ -50,10 +50,10 @@ class Service {
     const char* route = "other";  // for the metrics
     std::string content_type;
     bool cacheable = true;
-    bool compress = false;        // with gzip, for clients that accept it; false for what is compressed already
+    bool compress = false;  // with gzip, for clients that accept it; false for what is compressed already
     std::function<std::string()> make;
     std::function<std::unique_ptr<Parts>()> parts = {};  // in place of make(), for what may be large; they may refer to the grid
-    std::string address = {};     // set when the answer contains its own address, or something else than the grid tells: its ETag depends on it
+    std::string address = {};  // set when the answer contains its own address, or something else than the grid tells: its ETag depends on it
   };
   // The answer; or status 304, without making it, when the client has it. An answer of more than kWhole bytes that comes in parts has
   // its first ones made, and is not kept. Clients may keep it for ever when the address names
@@ -68,7 +68,7 @@ class Service {
 
   struct Counters {
     std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
-    std::atomic<uint64_t> damaged{0};          // requests that failed on a damaged or unreadable file
+    std::atomic<uint64_t> damaged{0};  // requests that failed on a damaged or unreadable file
   };
   const Counters& counters() const { return *counters_; }
   // To be called when a request met bytes that can't be read or are damaged: counts it, and complains the first time.

@@ -118,25 +118,24 @@ std::vector<uint32_t> counted_out(const std::map<uint32_t, uint32_t>& counts, ui
 // Gives mixed cells of a view other numbers: place(column, row) in `numbers` is that of a cell, rows counted from v0. Cells that have the
 // number `keep` keep it.
 template <class Place>
-void shade(const GridReader& reader, const FractionReader& shares, const SliceView& view, SetNumbers& sets, std::vector<uint16_t>& numbers, std::optional<uint16_t> keep,
-           const Place& place) {
+void shade(const GridReader& reader, const FractionReader& shares, const SliceView& view, SetNumbers& sets, std::vector<uint16_t>& numbers,
+           std::optional<uint16_t> keep, const Place& place) {
   if (view.level > 0) return;
   const RayFrame f = RayFrame::along(view.axis);
   Box box;
   box.lo[f.u] = view.u0, box.hi[f.u] = view.u1, box.lo[f.v] = view.v0, box.hi[f.v] = view.v1, box.lo[f.w] = view.index, box.hi[f.w] = view.index + 1;
   const int along = reader.meta().frame().w;
-  shares.for_each_mixed(
-      box, [&](const Index3& first, int64_t length, std::span<const Label> labels, std::span<const uint32_t> counts) {
-        std::map<uint32_t, uint32_t> by_member;
-        for (size_t i = 0; i < labels.size(); ++i) by_member[sets.member(labels[i])] += counts[i];
-        Index3 cell = first;
-        for (; cell[along] < first[along] + length; ++cell[along]) {
-          uint16_t& number = numbers[place(static_cast<size_t>(cell[f.u] - view.u0), static_cast<size_t>(cell[f.v] - view.v0))];
-          if (number == keep) continue;
-          const uint32_t own = sets.sets()[number][0];
-          if (by_member.size() > 1 && by_member.contains(own)) number = static_cast<uint16_t>(sets.number_of(counted_out(by_member, own)));
-        }
-      });
+  shares.for_each_mixed(box, [&](const Index3& first, int64_t length, std::span<const Label> labels, std::span<const uint32_t> counts) {
+    std::map<uint32_t, uint32_t> by_member;
+    for (size_t i = 0; i < labels.size(); ++i) by_member[sets.member(labels[i])] += counts[i];
+    Index3 cell = first;
+    for (; cell[along] < first[along] + length; ++cell[along]) {
+      uint16_t& number = numbers[place(static_cast<size_t>(cell[f.u] - view.u0), static_cast<size_t>(cell[f.v] - view.v0))];
+      if (number == keep) continue;
+      const uint32_t own = sets.sets()[number][0];
+      if (by_member.size() > 1 && by_member.contains(own)) number = static_cast<uint16_t>(sets.number_of(counted_out(by_member, own)));
+    }
+  });
 }
 
 std::vector<uint16_t> numbers_from_below(const GridReader& reader, const SliceView& view, SetNumbers& sets, const FractionReader* shares) {

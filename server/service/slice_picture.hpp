@@ -18,7 +18,6 @@ struct PictureStyle {
 // The view as PNG, the row with the highest v on top. REQUIRES: it has at most kMostOutlined pixels; picture_parts.hpp makes larger ones.
 std::string picture_png(const GridReader& reader, const SliceView& view, const PictureStyle& style = {});
 
-
 // The cells of the view as the ids of their strongest materials, row v0 first, written by put_labels().
 std::string raw_labels(const GridReader& reader, const SliceView& view);
 // The same with the sets of coarse cells: the number of sets (u32); for each set its number of materials and their ids (u16

@@ -14,12 +14,12 @@ namespace {
 
 using namespace testing;
 
-constexpr ChannelKind kNames[] = {{kLabels, kRuns, nullptr},
-                                  {"names", "text", [](const GridReader& reader, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
-                                     check_cell_frames(reader.meta(), channel, frame, [](const ChunkKey& key, const Bytes* bytes) {
-                                       if (bytes && decode_text(*bytes, "name") != chunk_name(key)) throw FormatError("it is another chunk's");
-                                     });
-                                   }}};
+constexpr ChannelKind kNames[] = {
+    {kLabels, kRuns, nullptr}, {"names", "text", [](const GridReader& reader, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {
+                                  check_cell_frames(reader.meta(), channel, frame, [](const ChunkKey& key, const Bytes* bytes) {
+                                    if (bytes && decode_text(*bytes, "name") != chunk_name(key)) throw FormatError("it is another chunk's");
+                                  });
+                                }}};
 
 // Puts the name of a chunk for two chunks of three.
 std::optional<std::string> name_for(const ChunkKey& key) {

@@ -71,7 +71,8 @@ TEST_CASE("Shares of a box are those of its cells one by one, sum to one, and ar
 TEST_CASE("In means a sheet's cell keeps the value of its material, which has no share in it", "[fractions]") {
   const TempFolder folder;
   const Axis axis = Axis::uniform(0, 1, 0, 10, 0.5);
-  std::vector<oracle::Body> bodies = {{shapes::sphere({4, 5, 5}, 3.3, 2)}, {shapes::box({6.3, 1.2, 1.2}, {8.4, 8.7, 8.7}), oracle::Rule::kNonzero, 2}};
+  std::vector<oracle::Body> bodies = {{shapes::sphere({4, 5, 5}, 3.3, 2)},
+                                      {shapes::box({6.3, 1.2, 1.2}, {8.4, 8.7, 8.7}), oracle::Rule::kNonzero, 2}};
   bodies[1].sheet = true;
   MeshOptions options;
   options.fractions = Subdivision{4, 4, 4};

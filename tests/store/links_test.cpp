@@ -66,7 +66,8 @@ void expect_refused_or_sound_links(const Metadata& meta, const Bytes& bytes) {
   for (int axis = 0; axis < 3; ++axis)
     for (size_t i = 0; i < links.along[axis].size(); ++i) {
       const Link& l = links.along[axis][i];
-      sound &= l.line < links.lines(axis) && l.cell + 1 < links.cells(axis) && (l.patch == kNoPatch || l.patch < 10) && l.end <= l.begin && l.begin <= 65536 && (l.end > 0 || l.begin == 0);
+      sound &= l.line < links.lines(axis) && l.cell + 1 < links.cells(axis) && (l.patch == kNoPatch || l.patch < 10) && l.end <= l.begin &&
+               l.begin <= 65536 && (l.end > 0 || l.begin == 0);
       if (i > 0) sound &= std::pair(links.along[axis][i - 1].line, links.along[axis][i - 1].cell) < std::pair(l.line, l.cell);
     }
   if (!sound) FAIL("decoded links are not sound");

@@ -1,6 +1,6 @@
 // verify: it passes sound files, and it sees every damage and every lie.
-#include "store/cell_frames.hpp"
 #include "store/verify.hpp"
+#include "store/cell_frames.hpp"
 
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
@@ -258,8 +258,9 @@ TEST_CASE("Frames that are named twice, and bytes that are counted wrong, are re
   const Bytes list = encode_cell_list(std::vector<uint64_t>{0}), page = encode_cell_page({kNoFrame}, 0);
   expect_verify_refuses(forge(plain, {.channels = {{kFractions, {page, page, list}, kShares, about}}}), "but its pages name 2");
   expect_verify_refuses(forge(plain, {.channels = {{kFractions, {encode_cell_list(std::vector<uint64_t>{0})}, kShares, about}}}), "named twice");
-  expect_verify_refuses(forge(plain, {.metadata = [](Metadata& m) { m.channels[1].bytes = 7; }, .channels = {{kFractions, {page, list}, kShares, about}}}),
-                        "counts 7 bytes");
+  expect_verify_refuses(
+      forge(plain, {.metadata = [](Metadata& m) { m.channels[1].bytes = 7; }, .channels = {{kFractions, {page, list}, kShares, about}}}),
+      "counts 7 bytes");
 }
 
 }  // namespace

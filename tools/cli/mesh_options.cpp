@@ -68,9 +68,9 @@ void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
       "--thin", o.thin,
       "count, along x, y and z, the parts of every solid and of the gaps between solids that lie between sample points and are lost; the cells are the same");
   app.add_option(
-      "--fractions", o.fractions,
-      "SX,SY,SZ: keep in the file the shares of materials in cells that a boundary cuts, counted over this many sub-samples per cell along "
-      "x, y and z: powers of two from 1 to 256, at most 65536 in all")
+         "--fractions", o.fractions,
+         "SX,SY,SZ: keep in the file the shares of materials in cells that a boundary cuts, counted over this many sub-samples per cell along "
+         "x, y and z: powers of two from 1 to 256, at most 65536 in all")
       ->check([](const std::string& text) { return text.empty() ? "expected SX,SY,SZ, found nothing" : ""; });
   app.add_flag("--links", o.links,
                "keep in the file where, between neighbouring cells with different labels, the one label ends and the other begins");
