@@ -308,9 +308,10 @@ const LinkFinder::Walk& LinkFinder::walk_to(int axis, const Place& place) {
       continue;
     }
     const uint32_t body = body_of_layer(Crossing::layer(c));
-    const auto known = std::ranges::find(walk.marks, body, &std::pair<uint32_t, int>::first);
-    if (known == walk.marks.end()) walk.marks.push_back({body, Crossing::step(c)});
-    else if ((known->second += Crossing::step(c)) == 0) *known = walk.marks.back(), walk.marks.pop_back();
+    auto known = std::ranges::find(walk.marks, body, &std::pair<uint32_t, int>::first);
+    if (known == walk.marks.end()) known = walk.marks.insert(known, {body, 0});
+    known->second += Crossing::step(c);
+    if (known->second == 0) *known = walk.marks.back(), walk.marks.pop_back();
   }
   return walk;
 }

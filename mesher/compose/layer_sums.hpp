@@ -17,7 +17,8 @@ class LayerSums {
   void add(uint32_t layer, int step) {
     for (Sum& s : sums_)
       if (s.layer == layer) {
-        if ((s.sum += step) == 0) s = sums_.back(), sums_.pop_back();
+        s.sum += step;
+        if (s.sum == 0) s = sums_.back(), sums_.pop_back();
         return;
       }
     sums_.push_back({layer, step});
