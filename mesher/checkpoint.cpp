@@ -11,7 +11,7 @@
 namespace teracell {
 namespace {
 
-constexpr char kMagic[] = "tcellru7";  // its last digit is raised when the layout changes
+constexpr char kMagic[] = "tcellru8";  // its last digit is raised when the layout changes
 
 }  // namespace
 

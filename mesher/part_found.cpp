@@ -98,7 +98,7 @@ Bytes encode_found(const CastTotals& totals, const SurfacesFound* surfaces) {
   put(surfaces->bodies.bodies);
   put(surfaces->counts);
   put(surfaces->rays.axis), put(surfaces->rays.asked_for), fields(put, surfaces->rays.crossings);
-  put(surfaces->thin);
+  put(surfaces->thin), put(surfaces->all_patches);
   return out;
 }
 
@@ -119,7 +119,7 @@ PartFound decode_found(std::span<const uint8_t> bytes, const std::string& name) 
     take(surfaces.bodies.bodies);
     take(surfaces.counts);
     take(surfaces.rays.axis), take(surfaces.rays.asked_for), fields(take, surfaces.rays.crossings);
-    take(surfaces.thin);
+    take(surfaces.thin), take(surfaces.all_patches);
   }
   in.expect_end();
   return out;

@@ -15,6 +15,7 @@ struct SurfacesFound {
   std::vector<SurfaceCounts> counts;  // one per body
   AxisChoice rays;
   bool thin = false;  // what is lost was counted for all solids
+  bool all_patches = true;  // Plan::all_patches
 };
 
 struct PartFound {

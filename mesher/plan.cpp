@@ -9,8 +9,8 @@
 namespace teracell {
 namespace {
 
-// Chunks are as long as the rays, up to the format's default. They are shorter where a chunk would hold millions of changes, so
-// that reading one stays cheap.
+// Chunks are as long as the rays, up to the format's default. They are shorter where a chunk would hold millions of changes, or of links along
+// any axis, so that reading one stays cheap. `crossings`: how many of these to expect in all.
 uint32_t chunk_length(double crossings, double rays, int64_t cells, uint32_t chunk_rays) {
   uint32_t length = Metadata{}.chunk_cells;
   const double per_cell = crossings / rays * chunk_rays * chunk_rays / static_cast<double>(cells);
@@ -54,7 +54,8 @@ Plan make_plan(const Scene& scene, const Bodies& bodies, std::optional<int> axis
   const int w = plan.rays.axis;
   meta.ray_axis = w;
   meta.chunk_rays = chunk_rays;
-  meta.chunk_cells = chunk_length(plan.rays.crossings[w], rays_along(meta.grid, w), meta.grid.cells()[w], chunk_rays);
+  meta.chunk_cells = chunk_length(links ? plan.rays.crossings[0] + plan.rays.crossings[1] + plan.rays.crossings[2] : plan.rays.crossings[w],
+                                  rays_along(meta.grid, w), meta.grid.cells()[w], chunk_rays);
   plan.labels = make_labels(scene);
   meta.materials = plan.labels.materials;
   meta.labels = plan.labels.labels;

@@ -45,26 +45,22 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
 
 // In the order of the channels (plan.cpp).
 void TileGroupWork::make_frames(uint32_t i, const Box& cells, std::span<const SceneFacet* const> facets, const RayBlock& runs, Worker& worker) {
-  const auto by_segment = [&](auto&& encode) {
-    std::vector<Bytes>& out = frames_[i].emplace_back();
-    for (uint32_t s = 0; s < shape_.segments; ++s) out.push_back(encode(s * shape_.chunk_cells, s * shape_.chunk_cells + shape_.length(s)));
-  };
   if (worker.fractions) {
     worker.fractions->count({cells, worker.crossings.all.size(), &runs}, worker.marker.solids(facets), *worker.engine, worker.mixed);
-    by_segment([&](uint32_t from, uint32_t to) {
-      if (shape_.segments == 1) return worker.mixed.empty() ? Bytes() : worker.mixed_encoder.encode(worker.mixed);
-      const MixedCells part = cut(worker.mixed, from, to);
-      return part.empty() ? Bytes() : worker.mixed_encoder.encode(part);
-    });
+    std::vector<Bytes>& out = frames_[i].emplace_back();
+    for (uint32_t s = 0; s < shape_.segments; ++s) {
+      const uint32_t from = s * shape_.chunk_cells;
+      const MixedCells& part = shape_.segments == 1 ? worker.mixed : worker.mixed_part = cut(worker.mixed, from, from + shape_.length(s));
+      out.push_back(part.empty() ? Bytes() : worker.mixed_encoder.encode(part));
+    }
   }
   if (worker.links) {
-    if (facets.empty()) worker.found_links = {};
-    else worker.links->find({cells, &worker.crossings, &runs}, facets, *group_.block->facets, *worker.engine, worker.found_links);
-    const std::vector<ChunkLinks> chunks = split(worker.found_links, shape_.chunk_cells);
-    by_segment([&](uint32_t from, uint32_t) {
-      const ChunkLinks& links = chunks.empty() ? worker.found_links : chunks[from / shape_.chunk_cells];
-      return links.empty() ? Bytes() : worker.links_encoder.encode(links);
-    });
+    std::vector<Bytes>& out = frames_[i].emplace_back(shape_.segments);
+    if (!facets.empty())
+      worker.links->find({cells, &worker.crossings, &runs}, facets, *group_.block->facets, *worker.engine, shape_.chunk_cells,
+                         [&](uint32_t segment, const ChunkLinks& links) {
+                           if (!links.empty()) out[segment] = worker.links_encoder.encode(links);
+                         });
   }
 }
 

@@ -32,10 +32,9 @@ struct Worker {
   ChunkEncoder encoder;
   Crossings crossings;
   std::optional<FractionCounter> fractions;
-  MixedCells mixed;
+  MixedCells mixed, mixed_part;
   MixedCellsEncoder mixed_encoder;
   std::optional<LinkFinder> links;
-  ChunkLinks found_links;
   LinksEncoder links_encoder;
 };
 

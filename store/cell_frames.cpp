@@ -100,18 +100,22 @@ std::optional<Bytes> CellFrames::put(const ChunkKey& key, uint64_t number, uint6
   const uint64_t page = shape_.page_of(key);
   const auto [it, fresh] = open_.try_emplace(page);
   Open& open = it->second;
-  if (fresh) open = {CellPage(shape_.page_size(page), kNoFrame), shape_.page_size(page)};
-  open.chunks[shape_.slot_of(key, page)] = number;
+  if (fresh) open = {CellPage(shape_.page_size(page), kNotPut), shape_.page_size(page)};
+  uint64_t& frame = open.chunks[shape_.slot_of(key, page)];
+  if (frame != kNotPut || pages_[page] != kNotPut) throw FormatError(fmt::format("{}: a channel has it twice", chunk_name(key)));
+  frame = number;
   if (--open.missing > 0) return std::nullopt;
   const CellPage chunks = std::move(open.chunks);
   open_.erase(it);
   ++complete_;
-  if (std::ranges::all_of(chunks, [](uint64_t frame) { return frame == kNoFrame; })) return Bytes();
-  pages_[page] = next;
+  const bool empty = std::ranges::all_of(chunks, [](uint64_t f) { return f == kNoFrame; });
+  pages_[page] = empty ? kNoFrame : next;
+  if (empty) return Bytes();
   return encode_cell_page(chunks, next);
 }
 
 void CellFrames::put_page(uint64_t page, uint64_t number) {
+  if (pages_[page] != kNotPut || open_.contains(page)) throw FormatError(fmt::format("page {} of a channel: it is there twice", page));
   pages_[page] = number;
   ++complete_;
 }
@@ -126,23 +130,23 @@ std::vector<Bytes> CellFrames::lists() const {
 
 void CellFrames::save(Bytes& state) const {
   put_varint(state, complete_);
-  for (const uint64_t frame : pages_) put_varint(state, frame + 1);
+  for (const uint64_t frame : pages_) put_varint(state, frame - kNotPut);
   put_varint(state, open_.size());
   for (const auto& [page, open] : open_) {
     put_varint(state, page);
     put_varint(state, open.missing);
-    for (const uint64_t frame : open.chunks) put_varint(state, frame + 1);
+    for (const uint64_t frame : open.chunks) put_varint(state, frame - kNotPut);
   }
 }
 
 void CellFrames::restore(ByteReader& state) {
   complete_ = state.varint(0, pages_.size(), "complete pages");
-  for (uint64_t& frame : pages_) frame = state.varint() - 1;
+  for (uint64_t& frame : pages_) frame = state.varint() + kNotPut;
   for (uint64_t left = state.varint(0, pages_.size(), "open pages"); left > 0; --left) {
     const uint64_t page = state.varint(0, pages_.size() - 1, "page");
     Open open{CellPage(shape_.page_size(page)), 0};
     open.missing = state.varint(1, open.chunks.size(), "missing chunks");
-    for (uint64_t& frame : open.chunks) frame = state.varint() - 1;
+    for (uint64_t& frame : open.chunks) frame = state.varint() + kNotPut;
     open_[page] = std::move(open);
   }
 }

@@ -38,12 +38,12 @@ void check_cell_frames(const Metadata& meta, const Channel& channel, const std::
 // Numbers the frames of a channel while they are written. Memory: 8 bytes per page, and the open pages.
 class CellFrames {
  public:
-  explicit CellFrames(const Metadata& meta) : shape_(meta, 0), pages_(shape_.pages(), kNoFrame) {}
+  explicit CellFrames(const Metadata& meta) : shape_(meta, 0), pages_(shape_.pages(), kNotPut) {}
 
   // Takes what a chunk has: the frame with that number, or kNoFrame. If this was the last chunk of its page, returns the frame of the page,
-  // which must get `next`, the next number; it is empty if none of the chunks has a frame.
+  // which must get `next`, the next number; it is empty if none of the chunks has a frame. Throws FormatError for a chunk that was put before.
   std::optional<Bytes> put(const ChunkKey& key, uint64_t number, uint64_t next);
-  // A page whose chunks were put elsewhere: its frame, or kNoFrame.
+  // A page whose chunks were put elsewhere: its frame, or kNoFrame. Throws FormatError for a page of which something was put before.
   void put_page(uint64_t page, uint64_t number);
   // The frames that list the pages, which come last. Throws FormatError when chunks are missing.
   std::vector<Bytes> lists() const;
@@ -52,6 +52,7 @@ class CellFrames {
   void restore(ByteReader& state);
 
  private:
+  static constexpr uint64_t kNotPut = kNoFrame - 1;
   struct Open {
     CellPage chunks;
     size_t missing;

@@ -25,6 +25,9 @@ struct ChannelKind {
   // Throws FormatError unless the frames of the channel are what its coding says, and agree with the labels, which are sound; `frame(i)`
   // reads frame i of the cover, held against its checksum. Null for the labels: verify() holds their levels against each other.
   void (*check)(const GridReader& reader, const Channel& channel, const std::function<Bytes(uint64_t)>& frame);
+  // Throws FormatError unless Channel::about says what the kind needs, so that a file that does not is refused when it is opened, and not by
+  // the first that reads the channel. Null: it needs nothing.
+  void (*check_about)(const Channel& channel) = nullptr;
 };
 
 #define DECLARED(name) extern const ChannelKind name;

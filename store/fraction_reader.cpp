@@ -54,9 +54,8 @@ void FractionReader::read_box(const Box& box, uint32_t material, T outside, T* d
   read(box, values, Strangers::kCounted, outside, data, stride, threads);
 }
 
-template <class T>
-void FractionReader::read_means(const Box& box, std::span<const double> values, T outside, T* data, const Index3& stride, int threads) const {
-  read(box, values, Strangers::kOwn, outside, data, stride, threads);
+void FractionReader::read_means(const Box& box, std::span<const double> values, double* data, const Index3& stride) const {
+  read(box, values, Strangers::kOwn, 0.0, data, stride, 1);
 }
 
 template <class T>
@@ -97,7 +96,9 @@ void FractionReader::read(const Box& box, std::span<const double> values, Strang
           const auto fill = [&](uint32_t from, uint32_t to, T share) {
             for (int64_t w = std::max(from, p.w0); w < std::min(to, p.w1); ++w) ray[w * stride[f.w]] = share;
           };
-          const auto for_each_own = [&](uint32_t from, uint32_t to, auto&& f) { labels->rays.for_each_run(v * labels->rays.nu + u, from, to, f); };
+          const auto for_each_own = [&](uint32_t from, uint32_t to, auto&& take) {
+            labels->rays.for_each_run(v * labels->rays.nu + u, from, to, take);
+          };
           for_each_own(p.w0, p.w1, [&](uint32_t from, uint32_t to, SetId label) { fill(from, to, static_cast<T>(value(label))); });
           for (const MixedCells::Run& run : mixed->of_ray(v * mixed->nu + u)) {
             const uint32_t begin = std::max(run.from, p.w0), end = std::min(run.to, p.w1);
@@ -120,7 +121,5 @@ void FractionReader::read(const Box& box, std::span<const double> values, Strang
 
 template void FractionReader::read_box(const Box&, uint32_t, float, float*, const Index3&, int) const;
 template void FractionReader::read_box(const Box&, uint32_t, double, double*, const Index3&, int) const;
-template void FractionReader::read_means(const Box&, std::span<const double>, float, float*, const Index3&, int) const;
-template void FractionReader::read_means(const Box&, std::span<const double>, double, double*, const Index3&, int) const;
 
 }  // namespace teracell

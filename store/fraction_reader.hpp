@@ -36,10 +36,10 @@ class FractionReader {
   // `outside`. T is float or double; a float is the double, rounded once. REQUIRES: the material is one of the grid's.
   template <class T>
   void read_box(const Box& box, uint32_t material, T outside, T* data, const Index3& stride, int threads = 1) const;
-  // The same of the mean of `values`, of which there is one for each material, weighted with the shares of the materials. A cell whose own
-  // material has no share in it, for example that of a sheet, has the value of its material.
-  template <class T>
-  void read_means(const Box& box, std::span<const double> values, T outside, T* data, const Index3& stride, int threads = 1) const;
+  // The same of the mean of `values`, of which there is one for each material, weighted with the shares of the materials. Unlike a share, it
+  // heeds the labels: a cell whose own material has no share in it, for example that of a sheet, has the value of its material. REQUIRES: the
+  // box lies in the grid.
+  void read_means(const Box& box, std::span<const double> values, double* data, const Index3& stride) const;
 
  private:
   enum class Strangers { kCounted, kOwn };  // what cells count as whose own material has no share in them

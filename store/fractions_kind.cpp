@@ -33,6 +33,6 @@ void check_fractions(const GridReader& reader, const Channel& channel, const std
 
 }  // namespace
 
-const ChannelKind kFractionsKind = {kFractions, kShares, check_fractions};
+const ChannelKind kFractionsKind = {kFractions, kShares, check_fractions, [](const Channel& channel) { subdivision_of(channel); }};
 
 }  // namespace teracell

@@ -13,7 +13,7 @@ namespace teracell {
 class FrameClaims {
  public:
   struct Owner {
-    int level;
+    int level;        // below 0: a channel of cells
     bool page;        // or else a chunk
     uint64_t number;  // of the page; of a chunk: that of its page, and then its slot
     friend bool operator==(const Owner&, const Owner&) = default;

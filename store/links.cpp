@@ -55,22 +55,6 @@ int64_t height_of(const Link& link) { return (int64_t{link.cell} << kFractionBit
 
 }  // namespace
 
-std::vector<ChunkLinks> split(const ChunkLinks& links, uint32_t chunk_cells) {
-  std::vector<ChunkLinks> out;
-  if (links.length <= chunk_cells) return out;
-  for (uint32_t from = 0; from < links.length; from += chunk_cells)
-    out.push_back({links.nu, links.nv, std::min(chunk_cells, links.length - from), {}});
-  for (int axis = 0; axis < 3; ++axis)
-    for (Link link : links.along[axis]) {
-      const uint64_t w = axis == 2 ? link.cell : link.line / links.row(axis);
-      const uint64_t chunk = w / chunk_cells;
-      if (axis == 2) link.cell -= static_cast<uint32_t>(chunk * chunk_cells);
-      else link.line -= chunk * chunk_cells * links.row(axis);
-      out[chunk].along[axis].push_back(link);
-    }
-  return out;
-}
-
 // ---- encoding
 
 struct LinksEncoder::Scratch {
@@ -122,8 +106,9 @@ Bytes LinksEncoder::encode(const ChunkLinks& links) {
     }
   }
   if (s.body.size() > kLinksBound.most)
-    throw InputError(fmt::format("a chunk of {} x {} rays has {} links, more than fit in {} MiB: the surface is finer than the chunks can hold",
-                                 links.nu, links.nv, links.along[0].size() + links.along[1].size() + links.along[2].size(), kLinksBound.most >> 20));
+    throw InputError(
+        fmt::format("a chunk of {} x {} rays of {} cells has {} links, more than fit in {} MiB: rays along another axis may have fewer in each",
+                    links.nu, links.nv, links.length, links.along[0].size() + links.along[1].size() + links.along[2].size(), kLinksBound.most >> 20));
   return s.zstd.encode(s.body, kLinksZstdLevel, kLinksBound);
 }
 

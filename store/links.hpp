@@ -37,9 +37,6 @@ struct ChunkLinks {
   size_t memory() const { return sizeof *this + (along[0].capacity() + along[1].capacity() + along[2].capacity()) * sizeof(Link); }
 };
 
-// The links of whole rays in chunks of so many cells, the last one of what is left; none if one chunk holds all of them.
-std::vector<ChunkLinks> split(const ChunkLinks& links, uint32_t chunk_cells);
-
 // Keeps scratch memory between calls: each thread has its own.
 class LinksEncoder {
  public:

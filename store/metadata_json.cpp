@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "store/channel_kinds.hpp"
 #include "store/color.hpp"
 #include "store/format.hpp"
 #include "store/json_text.hpp"
@@ -112,6 +113,7 @@ Metadata metadata_from(const ordered_json& j, std::span<const ChannelKind> known
       const bool is_labels = c.name == kLabels;
       if (is_labels && found) throw FormatError("metadata: channel 'labels' occurs twice");
       found |= is_labels;
+      if (const ChannelKind* kind = find_kind(channel_kinds(), c.name, c.coding); kind && kind->check_about) kind->check_about(c);
       meta.channels.insert(is_labels ? meta.channels.begin() : meta.channels.end(), std::move(c));
     }
     if (!found) throw FormatError("metadata: no channel 'labels'");

@@ -129,15 +129,22 @@ DirectoryEntry GridReader::page_place(int level, uint64_t page) const { return d
 
 DirectoryEntry GridReader::frame_place(const Channel& channel, uint64_t frame) const { return directory_entry(channel.cover, channel.frames, frame); }
 
-// A page or a list, with the `size` numbers that `decode` finds in the frame.
-std::shared_ptr<const IndexPart> GridReader::cells_part(const Channel& channel, uint64_t frame,
+// Among those who own frames (FrameClaims): below 0, since levels are not.
+int GridReader::number_of(const Channel& channel) const {
+  return -static_cast<int>(std::ranges::find(meta_.channels, channel.name, &Channel::name) - meta_.channels.begin());
+}
+
+// A page or a list, with the `size` numbers that `decode` finds in the frame. `owner`: the page, or a list counted behind all pages.
+std::shared_ptr<const IndexPart> GridReader::cells_part(const Channel& channel, uint64_t frame, uint64_t owner,
                                                         const std::function<std::vector<uint64_t>(const Bytes&)>& decode, size_t size) const {
-  const DirectoryEntry place = frame_place(channel, frame);
-  const IndexPlace at{number_, false, place.offset};
+  const int number = number_of(channel);
+  const IndexPlace at{number_, false, uint64_t{1} << 63 | static_cast<uint64_t>(-number) << 56 | owner};  // no offset in a file
   auto part = index_->find(at);
   if (part && part->cells.size() == size) return part;
+  const DirectoryEntry place = frame_place(channel, frame);
   Bytes bytes;
   read_checked(*source_, place, fmt::format("channel '{}' frame {}", channel.name, frame), bytes);
+  claims_.expect_own({number, true, owner}, place);
   part = std::make_shared<const IndexPart>(IndexPart{{}, {}, decode(bytes)});
   index_->add(at, part, memory_of(*part));
   return part;
@@ -149,7 +156,8 @@ uint64_t GridReader::cells_page(const Channel& channel, uint64_t page) const {
   if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages", channel.name));
   const size_t listed = std::min(kPagesPerList, pages - first);
   const auto decode = [&](const Bytes& bytes) { return decode_cell_list(bytes, listed, channel.frames); };
-  return cells_part(channel, channel.frames - lists + page / kPagesPerList, decode, listed)->cells[page - first];
+  const uint64_t list = page / kPagesPerList;
+  return cells_part(channel, channel.frames - lists + list, pages + list, decode, listed)->cells[page - first];
 }
 
 // The frame of a chunk, or kNoFrame.
@@ -159,7 +167,7 @@ uint64_t GridReader::cells_frame(const Channel& channel, const ChunkKey& key) co
   if (frame == kNoFrame) return kNoFrame;
   const size_t chunks = s.page_size(page);
   return cells_part(
-             channel, frame, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, frame); }, chunks)
+             channel, frame, page, [&](const Bytes& bytes) { return decode_cell_page(bytes, chunks, frame); }, chunks)
       ->cells[s.slot_of(key, page)];
 }
 
@@ -168,7 +176,11 @@ bool GridReader::read_cells(const Channel& channel, const ChunkKey& key, Bytes& 
   try {
     const uint64_t number = cells_frame(channel, key);
     if (number == kNoFrame) return false;
-    read_checked(*source_, frame_place(channel, number), fmt::format("channel '{}' frame {}", channel.name, number), frame);
+    const DirectoryEntry place = frame_place(channel, number);
+    read_checked(*source_, place, fmt::format("channel '{}' frame {}", channel.name, number), frame);
+    const LevelShape s = shape(0);
+    const uint64_t page = s.page_of(key);
+    claims_.expect_own({number_of(channel), false, page << 12 | s.slot_of(key, page)}, place);
     return true;
   } catch (const FormatError& e) {
     throw FormatError(fmt::format("{}: {}", name(), e.what()));

@@ -80,8 +80,9 @@ class GridReader {
  private:
   const LevelInfo& info(int level) const;
   void check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const;
-  std::shared_ptr<const IndexPart> cells_part(const Channel& channel, uint64_t frame,
+  std::shared_ptr<const IndexPart> cells_part(const Channel& channel, uint64_t frame, uint64_t owner,
                                               const std::function<std::vector<uint64_t>(const Bytes&)>& decode, size_t size) const;
+  int number_of(const Channel& channel) const;
   uint64_t cells_page(const Channel& channel, uint64_t page) const;
   uint64_t cells_frame(const Channel& channel, const ChunkKey& key) const;
   void prefetch_frames(const Channel& channel, const std::vector<uint64_t>& frames) const;

@@ -12,9 +12,6 @@ constexpr int64_t kBlockLines = int64_t{1} << 15;
 // Crossings of rays that are gone through at once.
 constexpr uint64_t kMostCrossings = uint64_t{1} << 21;
 
-// The change of the winding number at a step up along an axis has the sign of the frame's handedness, which differs for y.
-int handedness(int axis) { return axis == 1 ? -1 : 1; }
-
 uint32_t number_of_patch(const SceneFacet& facet) {
   const uint32_t number = facet.patch & ~kAddedFacet;
   return number == (kNoPatch & ~kAddedFacet) ? kNoPatch : number;
@@ -38,8 +35,8 @@ LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, con
       grid_(meta.grid),
       rays_(meta.frame()),
       has_marks_(teracell::has_marks(scene)),
-      lines_{FacetLines{meta.grid, 0, meta.grid.axis[0]}, FacetLines{meta.grid, 1, meta.grid.axis[1]}, FacetLines{meta.grid, 2, meta.grid.axis[2]}},
       only_patch_(scene.bodies.size(), kNoPatch),
+      lines_{FacetLines{meta.grid, 0, meta.grid.axis[0]}, FacetLines{meta.grid, 1, meta.grid.axis[1]}, FacetLines{meta.grid, 2, meta.grid.axis[2]}},
       marker_(scene, meta, labels, false),
       composer_(layers, labels.rank, labels.of_body, meta.ray_axis) {
   std::unordered_map<std::string_view, std::pair<uint32_t, int>> of_body;  // a patch, and how many there are
@@ -52,45 +49,51 @@ LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, con
       only_patch_[b] = found->second.first;
 }
 
-void LinkFinder::find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, ChunkLinks& out) {
+void LinkFinder::find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, uint32_t segment_cells,
+                      const PutLinks& put) {
   tile_ = &tile, all_ = &all;
-  out.nu = tile.runs->nu, out.nv = tile.runs->nv, out.length = tile.runs->length;
-  for (std::vector<Link>& links : out.along) links.clear();
   if (has_marks_) cast_strip(0, facets, engine), cast_strip(1, facets, engine);
   for (std::vector<Walk>& walks : walks_) {
     walks.resize(tile.runs->rays() + (has_marks_ ? tile.runs->nu + tile.runs->nv : 0));
     for (Walk& walk : walks) walk.next = 0, walk.solids.clear(), walk.marks.clear();
   }
-  find_along_rays(facets, out);
-  const int64_t length = std::max<int64_t>(kBlockLines / std::max(out.nu, out.nv), 1);
-  blocks_.for_each(
-      grid_, tile.box, rays_.w, facets, length, has_marks_, [](const SceneFacet&) { return true; },
-      [&](const Box& block, std::span<const SceneFacet* const> active) {
-        find_across(rays_.u, block, active, out);
-        find_across(rays_.v, block, active, out);
-      });
+  const auto any = [](const SceneFacet&) { return true; };
+  // A facet behind the last sample point of a segment lies in the links of its last cells.
+  segments_.for_each(grid_, tile.box, rays_.w, facets, segment_cells, true, any, [&](const Box& segment, std::span<const SceneFacet* const> near) {
+    links_.nu = tile.runs->nu, links_.nv = tile.runs->nv;
+    links_.length = static_cast<uint32_t>(segment.hi[rays_.w] - segment.lo[rays_.w]);
+    for (std::vector<Link>& links : links_.along) links.clear();
+    find_along_rays(segment, near);
+    const int64_t length = std::max<int64_t>(kBlockLines / std::max(links_.nu, links_.nv), 1);
+    blocks_.for_each(grid_, segment, rays_.w, near, length, has_marks_, any, [&](const Box& block, std::span<const SceneFacet* const> active) {
+      find_across(rays_.u, segment, block, active);
+      find_across(rays_.v, segment, block, active);
+    });
+    put(static_cast<uint32_t>(segment.lo[rays_.w] / segment_cells), links_);
+  });
 }
 
-void LinkFinder::find_along_rays(std::span<const SceneFacet* const> facets, ChunkLinks& out) {
+void LinkFinder::find_along_rays(const Box& segment, std::span<const SceneFacet* const> facets) {
   stride_ = {};
-  stride_[rays_.u] = 1, stride_[rays_.v] = out.nu;
+  stride_[rays_.u] = 1, stride_[rays_.v] = links_.nu;
   // All rows at once, or where many surfaces lie above each other so many as fit into memory.
-  const auto rows = static_cast<int64_t>(std::clamp<uint64_t>(kMostCrossings * out.nv / (tile_->crossings->all.size() + 1), 1, out.nv));
-  for (Box part = tile_->box; part.lo[rays_.v] < tile_->box.hi[rays_.v]; part.lo[rays_.v] = part.hi[rays_.v]) {
-    part.hi[rays_.v] = std::min(part.lo[rays_.v] + rows, tile_->box.hi[rays_.v]);
+  const auto rows = static_cast<int64_t>(std::clamp<uint64_t>(kMostCrossings * links_.nv / (tile_->crossings->all.size() + 1), 1, links_.nv));
+  for (Box part = segment; part.lo[rays_.v] < segment.hi[rays_.v]; part.lo[rays_.v] = part.hi[rays_.v]) {
+    part.hi[rays_.v] = std::min(part.lo[rays_.v] + rows, segment.hi[rays_.v]);
     collect(rays_.w, part, facets);
-    sort_by_line(static_cast<size_t>((part.hi[rays_.v] - part.lo[rays_.v]) * out.nu));
-    link_up(rays_.w, part, static_cast<uint64_t>((part.lo[rays_.v] - tile_->box.lo[rays_.v]) * out.nu), out.along[2]);
+    sort_by_line(static_cast<size_t>((part.hi[rays_.v] - part.lo[rays_.v]) * links_.nu));
+    link_up(rays_.w, part, static_cast<uint64_t>((part.lo[rays_.v] - segment.lo[rays_.v]) * links_.nu), links_.along[2]);
   }
 }
 
-void LinkFinder::find_across(int axis, const Box& block, std::span<const SceneFacet* const> facets, ChunkLinks& out) {
+void LinkFinder::find_across(int axis, const Box& segment, const Box& block, std::span<const SceneFacet* const> facets) {
   const int other = axis == rays_.u ? rays_.v : rays_.u;
   stride_ = {};
   stride_[other] = 1, stride_[rays_.w] = block.hi[other] - block.lo[other];
   collect(axis, block, facets);
   sort_by_line(static_cast<size_t>(stride_[rays_.w] * (block.hi[rays_.w] - block.lo[rays_.w])));
-  link_up(axis, block, static_cast<uint64_t>(block.lo[rays_.w] * stride_[rays_.w]), out.along[axis == rays_.u ? 0 : 1]);
+  const auto first_line = static_cast<uint64_t>((block.lo[rays_.w] - segment.lo[rays_.w]) * stride_[rays_.w]);
+  link_up(axis, block, first_line, links_.along[axis == rays_.u ? 0 : 1]);
 }
 
 void LinkFinder::collect(int axis, const Box& block, std::span<const SceneFacet* const> facets) {
@@ -127,7 +130,8 @@ void LinkFinder::collect_differences(int axis, const Box& block) {
       };
       const auto lo = static_cast<uint32_t>(block.lo[w]), hi = static_cast<uint32_t>(block.hi[w]);
       if (axis == w) {
-        for (const uint32_t change : a.cells->runs->changes(a.ray)) add(0, change);
+        for (const uint32_t change : a.cells->runs->changes(a.ray))
+          if (change > lo && change <= hi) add(0, change);
         continue;
       }
       a.cells->runs->for_each_run(a.ray, lo, hi, [&](uint32_t from, uint32_t to, SetId label) {
@@ -155,7 +159,7 @@ void LinkFinder::sort_by_line(size_t lines) {
   }
 }
 
-// `first_line`: the number in the tile of the block's first line.
+// `first_line`: the number in the segment of the block's first line.
 void LinkFinder::link_up(int axis, const Box& block, uint64_t first_line, std::vector<Link>& out) {
   for (size_t i = 0; i < crossers_.size();) {
     const size_t from = i;
@@ -173,8 +177,7 @@ void LinkFinder::link_up(int axis, const Box& block, uint64_t first_line, std::v
 bool LinkFinder::look_at(int axis, const Box& block, const Crosser& crosser, Link& link) const {
   const RayBlock& runs = *tile_->runs;
   if (axis == rays_.w) {
-    const auto changes = runs.changes(static_cast<uint32_t>(link.line));
-    if (std::ranges::find(changes, crosser.upper) == changes.end()) return false;
+    if (!std::ranges::binary_search(runs.changes(static_cast<uint32_t>(link.line)), crosser.upper)) return false;
   } else {
     const uint32_t row = axis == rays_.u ? runs.nv : runs.nu, other = crosser.line % row;
     const uint32_t w = static_cast<uint32_t>(block.lo[rays_.w]) + crosser.line / row;
@@ -206,15 +209,16 @@ bool LinkFinder::look_closely(int axis, const Box& block, std::span<const Crosse
     const auto sheet_of = [&](uint32_t owner) { return owner != kNoBody && is_sheet(owner) ? owner : kNoBody; };
     const uint32_t below = sheet_of(lower_owner), above = sheet_of(upper_owner);
     if (below != kNoBody || above != kNoBody) {
-      const uint32_t sheet = is_stronger(above, below) ? above : below;
-      const auto first =
-          std::ranges::find_if(crossers, [&](const Crosser& c) { return c.facet != kNoFacet && body_of_layer(active_[c.facet]->layer) == sheet; });
-      if (first == crossers.end()) {
-        link.patch = only_patch_[sheet];
-        return true;
+      const uint32_t stronger = is_stronger(above, below) ? above : below;
+      link.patch = only_patch_[stronger];
+      for (const uint32_t sheet : {stronger, stronger == above ? below : above}) {  // of two sheets the one that is crossed
+        const auto first =
+            std::ranges::find_if(crossers, [&](const Crosser& c) { return c.facet != kNoFacet && body_of_layer(active_[c.facet]->layer) == sheet; });
+        if (first == crossers.end()) continue;
+        link.end = link.begin = first->k;
+        link.patch = patch_of(crossers, first->k, sheet);
+        break;
       }
-      link.end = link.begin = first->k;
-      link.patch = patch_of(crossers, first->k, sheet);
       return true;
     }
     if (from != of_lower || to != of_upper) {  // a kept cell
@@ -254,18 +258,22 @@ uint32_t LinkFinder::patch_of(std::span<const Crosser> crossers, uint32_t k, uin
   const SceneFacet* best = nullptr;
   const auto rank = [&](const SceneFacet& f) {
     const uint32_t body = body_of_layer(f.layer);
-    return std::tuple(body != owner, (f.patch & kAddedFacet) != 0, body, all_->number_of(f));
+    return std::tuple(body != owner, (f.patch & kAddedFacet) != 0, body);
+  };
+  const auto comes_first = [&](const SceneFacet& a, const SceneFacet& b) {
+    const auto of_a = rank(a), of_b = rank(b);
+    return of_a != of_b ? of_a < of_b : all_->number_of(a) < all_->number_of(b);
   };
   for (const Crosser& c : crossers) {
     if (c.k != k || c.facet == kNoFacet) continue;
     const SceneFacet& facet = *active_[c.facet];
     if (const uint32_t body = body_of_layer(facet.layer); is_sheet(body) && body != owner) continue;
-    if (!best || rank(facet) < rank(*best)) best = &facet;
+    if (!best || comes_first(facet, *best)) best = &facet;
   }
   return best ? number_of_patch(*best) : kNoPatch;
 }
 
-int LinkFinder::step_of(int axis, const Crosser& c) const { return (c.up ? 1 : -1) * handedness(axis) * handedness(rays_.w); }
+int LinkFinder::step_of(int axis, const Crosser& c) const { return step_along(axis, c.up, rays_.w); }
 
 // The rays that follow the tile along u (0) or v (1), with their marks.
 void LinkFinder::cast_strip(int d, std::span<const SceneFacet* const> facets, Engine& engine) {

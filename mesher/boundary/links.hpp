@@ -6,6 +6,8 @@
 // After M. Bouzidi, M. Firdaouss, P. Lallemand, "Momentum transfer of a Boltzmann-lattice fluid with boundaries" (2001), whose wall distances
 // these are; that they are decided exactly is ours.
 #pragma once
+#include <functional>
+
 #include "mesher/compose/compose.hpp"
 #include "mesher/compose/layer_sums.hpp"
 #include "mesher/thin/blocks.hpp"
@@ -29,8 +31,12 @@ class LinkFinder {
     const Crossings* crossings;
     const RayBlock* runs;
   };
-  // The links of the tile's cells with their upper neighbours. `facets` are those that may matter to it, `all` holds them in their order.
-  void find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, ChunkLinks& out);
+  // The links of the tile's cells with their upper neighbours, in segments of so many cells along the rays, so that memory does not follow
+  // their length: calls put(segment, links) in order for segments that may have any; the links are valid during the call. `facets` are those
+  // that may matter to the tile, `all` holds them in their order.
+  using PutLinks = std::function<void(uint32_t segment, const ChunkLinks& links)>;
+  void find(const Cells& tile, std::span<const SceneFacet* const> facets, const GridFacets& all, Engine& engine, uint32_t segment_cells,
+            const PutLinks& put);
   uint64_t exact_decisions() const { return exact_decisions_ + marker_.exact_decisions(); }
 
  private:
@@ -57,8 +63,8 @@ class LinkFinder {
     std::vector<std::pair<uint32_t, int>> marks;  // by body
   };
 
-  void find_along_rays(std::span<const SceneFacet* const> facets, ChunkLinks& out);
-  void find_across(int axis, const Box& block, std::span<const SceneFacet* const> facets, ChunkLinks& out);
+  void find_along_rays(const Box& segment, std::span<const SceneFacet* const> facets);
+  void find_across(int axis, const Box& segment, const Box& block, std::span<const SceneFacet* const> facets);
   void collect(int axis, const Box& block, std::span<const SceneFacet* const> facets);
   void collect_differences(int axis, const Box& block);
   void sort_by_line(size_t lines);
@@ -84,7 +90,7 @@ class LinkFinder {
   const bool has_marks_;  // cells may belong to bodies that their sample points are not inside of
   std::vector<uint32_t> only_patch_;  // of each body that has one patch alone; kNoPatch of the others
   std::array<FacetLines, 3> lines_;
-  BlocksAlongRays blocks_;
+  BlocksAlongRays segments_, blocks_;
   Marker marker_;
   Composer composer_;
   uint64_t exact_decisions_ = 0;
@@ -94,6 +100,7 @@ class LinkFinder {
   const GridFacets* all_ = nullptr;
   std::array<Strip, 2> strips_;  // the next rays along u and along v; used if has_marks_
   std::array<std::vector<Walk>, 3> walks_;  // for links along each axis: those of the tile's rays, then of the strips'
+  ChunkLinks links_;                        // of a segment
   // Of a block, along an axis.
   std::span<const SceneFacet* const> active_;
   Index3 stride_{};  // of the numbers of lines

@@ -11,6 +11,9 @@ namespace teracell {
 
 inline constexpr uint32_t kNoBody = ~uint32_t{0};
 
+// What a crossing along an axis adds, so that it can be added to those of the rays: by the sign of a frame's handedness, which differs for y.
+inline int step_along(int axis, bool up, int ray_axis) { return (up ? 1 : -1) * (axis == 1 ? -1 : 1) * (ray_axis == 1 ? -1 : 1); }
+
 class LayerSums {
  public:
   void clear() { sums_.clear(); }

@@ -7,31 +7,31 @@ namespace teracell {
 // Not thread-safe: it keeps scratch memory.
 class BlocksAlongRays {
  public:
-  // Calls f(cells, facets) for the blocks of `tile`, as long as the grid along the rays, that have facets. A block has `length` cells
-  // along the rays. With `neighbours`, facets matter to the cells beside those that they cross. The facets of `facets` that are
-  // wanted(facet) come in the same order in each block.
+  // Calls f(cells, facets) for the blocks of `cells` that have facets. A block has `length` cells along the rays. With `neighbours`, facets matter to
+  // the cells beside those that they cross. The facets of `facets` that are wanted(facet) come in the same order in each block.
   template <class Wanted, class F>
-  void for_each(const Grid& grid, const Box& tile, int w, std::span<const SceneFacet* const> facets, int64_t length, bool neighbours, Wanted&& wanted,
-                F&& f) {
-    const RayBounds cells(grid.axis[w]);
+  void for_each(const Grid& grid, const Box& cells, int w, std::span<const SceneFacet* const> facets, int64_t length, bool neighbours,
+                Wanted&& wanted, F&& f) {
+    const RayBounds finder(grid.axis[w]);
     reaches_.clear(), active_.clear();
     for (const SceneFacet* facet : facets) {
       if (!wanted(*facet)) continue;
       const auto& [a, b, c] = facet->facet.vertex;
-      const int64_t first = cells.first(std::min(std::min(a[w], b[w]), c[w])), last = cells.last(std::max(std::max(a[w], b[w]), c[w]));
-      reaches_.push_back({std::max<int64_t>(first - neighbours, 0), last + 1 + neighbours, facet});
+      const int64_t first = finder.first(std::min(std::min(a[w], b[w]), c[w])), last = finder.last(std::max(std::max(a[w], b[w]), c[w]));
+      const Reach reach{std::max(first - neighbours, cells.lo[w]), last + 1 + neighbours, facet};
+      if (reach.end > cells.lo[w] && reach.first < cells.hi[w]) reaches_.push_back(reach);
     }
     std::ranges::stable_sort(reaches_, {}, &Reach::first);
-    const int64_t end = grid.axis[w].cells();
+    const int64_t begin = cells.lo[w], end = cells.hi[w];
     auto next = reaches_.begin();
-    for (int64_t from = 0; from < end; from += length) {
+    for (int64_t from = begin; from < end; from += length) {
       std::erase_if(active_, [&](const Reach& r) { return r.end <= from; });
       if (active_.empty()) {
         if (next == reaches_.end()) return;
-        from = std::max(from, next->first / length * length);
+        from = std::max(from, begin + (next->first - begin) / length * length);
       }
       for (; next != reaches_.end() && next->first < from + length; ++next) active_.push_back(*next);
-      Box block = tile;
+      Box block = cells;
       block.lo[w] = from, block.hi[w] = std::min(from + length, end);
       if (block.empty()) continue;
       facets_.clear();

@@ -10,9 +10,6 @@ namespace {
 // The most intervals of a block: so few that their bits stay in a core's cache.
 constexpr int64_t kBlockIntervals = int64_t{1} << 20;
 
-// The change of the winding number at a step up along an axis has the sign of the frame's handedness, which differs for y.
-int handedness(int axis) { return axis == 1 ? -1 : 1; }
-
 }  // namespace
 
 ThinParts::ThinParts(const Scene& scene, const Labels& labels, const Grid& grid, int ray_axis, bool count_all)
@@ -49,21 +46,23 @@ void ThinParts::find_along(int axis, const Box& cells) {
   crossers_.clear();
   const int along = lines_[axis].frame().u;
   for (uint32_t f = 0; f < active_.size(); ++f)
-    lines_[axis].cross(active_[f]->facet, cells, exact_decisions_, [&](Index3 cell, std::span<const uint32_t> above, bool up) {
-      cell[axis] = intervals.lo[axis];
-      auto line = static_cast<uint32_t>((cell[0] - intervals.lo[0]) * stride[0] + (cell[1] - intervals.lo[1]) * stride[1] +
-                                        (cell[2] - intervals.lo[2]) * stride[2]);
-      for (const uint32_t upper : above) {
-        if (upper >= intervals.lo[axis] && upper < intervals.hi[axis]) {
-          const uint32_t interval = line + static_cast<uint32_t>((upper - intervals.lo[axis]) * stride[axis]);
-          const uint64_t bit = uint64_t{1} << (interval % 64);
-          twice_[interval / 64] |= once_[interval / 64] & bit;
-          once_[interval / 64] |= bit;
-          crossers_.push_back({interval, f, up});
-        }
-        line += static_cast<uint32_t>(stride[along]);
-      }
-    });
+    lines_[axis].cross_exactly(active_[f]->facet, cells, exact_decisions_,
+                               [&](Index3 cell, std::span<const uint32_t> above, std::span<const uint32_t> subs, bool up) {
+                                 cell[axis] = intervals.lo[axis];
+                                 auto line = static_cast<uint32_t>((cell[0] - intervals.lo[0]) * stride[0] + (cell[1] - intervals.lo[1]) * stride[1] +
+                                                                   (cell[2] - intervals.lo[2]) * stride[2]);
+                                 for (size_t i = 0; i < above.size(); ++i) {
+                                   const uint32_t upper = above[i];
+                                   if (upper >= intervals.lo[axis] && upper < intervals.hi[axis]) {
+                                     const uint32_t interval = line + static_cast<uint32_t>((upper - intervals.lo[axis]) * stride[axis]);
+                                     const uint64_t bit = uint64_t{1} << (interval % 64);
+                                     twice_[interval / 64] |= once_[interval / 64] & bit;
+                                     once_[interval / 64] |= bit;
+                                     crossers_.push_back({interval, f, subs[i], up});
+                                   }
+                                   line += static_cast<uint32_t>(stride[along]);
+                                 }
+                               });
   std::erase_if(crossers_, [&](const Crosser& c) { return (twice_[c.interval / 64] >> (c.interval % 64) & 1) == 0; });
   std::ranges::sort(crossers_);
   for (size_t i = 0; i < crossers_.size();) {
@@ -90,7 +89,7 @@ void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> 
   sum_crossings(owns_lower ? lower : upper);
   lower_ = upper_ = sums_;
   for (const Crosser& c : crossers) {
-    const int step = (c.up ? 1 : -1) * handedness(axis) * handedness(rays_.w);
+    const int step = step_along(axis, c.up, rays_.w);
     const uint32_t layer = active_[c.facet]->layer;
     owns_lower ? upper_.add(layer, step) : lower_.add(layer, -step);
   }
@@ -99,7 +98,9 @@ void ThinParts::look_at(int axis, const Index3& upper, std::span<const Crosser> 
   const bool may_have_gap = around != 0 && around == material(upper_);
   if (bodies_.empty() && !may_have_gap) return;
 
-  find_sub_positions(axis, lower, crossers);
+  steps_.clear();
+  for (const Crosser& c : crossers) steps_.push_back({c.k, active_[c.facet]->layer, step_along(axis, c.up, rays_.w)});
+  std::ranges::sort(steps_, {}, &Step::k);
   const auto tally = [&](TallyKey::What what, uint32_t of, const Stretches& s) {
     if (owns_lower && s.widest > 0) tallies_->add({what, of, static_cast<uint8_t>(axis)}, {1, s.widest, s.from, lower});
   };
@@ -125,23 +126,6 @@ void ThinParts::sum_crossings(const Index3& cell) {
 uint32_t ThinParts::material(const LayerSums& sums) const {
   const uint32_t owner = sums.owner(labels_.rank);
   return owner == kNoBody ? 0 : scene_.bodies[owner].material;
-}
-
-void ThinParts::find_sub_positions(int axis, const Index3& lower, std::span<const Crosser> crossers) {
-  steps_.clear();
-  Vec3 p;
-  for (int d = 0; d < 3; ++d) p[d] = grid_.axis[d].centre(lower[d]);
-  for (const Crosser& c : crossers) {
-    const SceneFacet& facet = *active_[c.facet];
-    uint32_t below = 0, above = kSubPositions;
-    while (above - below > 1) {
-      const uint32_t middle = (below + above) / 2;
-      p[axis] = sub_position(grid_.axis[axis], lower[axis], middle);
-      (is_above(facet.facet, axis, p) ? above : below) = middle;
-    }
-    steps_.push_back({above, facet.layer, (c.up ? 1 : -1) * handedness(axis) * handedness(rays_.w)});
-  }
-  std::ranges::sort(steps_, {}, &Step::k);
 }
 
 // The stretches of sub-positions whose sums make is() true. REQUIRES: it is false at both ends.

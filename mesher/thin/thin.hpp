@@ -30,9 +30,9 @@ class ThinParts {
   uint64_t exact_decisions() const { return exact_decisions_; }
 
  private:
-  // A facet crosses an interval of the block.
+  // A facet crosses an interval of the block; k: the first sub-position above it.
   struct Crosser {
-    uint32_t interval, facet;
+    uint32_t interval, facet, k;
     bool up;
     friend auto operator<=>(const Crosser&, const Crosser&) = default;
   };
@@ -50,7 +50,6 @@ class ThinParts {
   void look_at(int axis, const Index3& upper, std::span<const Crosser> crossers);
   void sum_crossings(const Index3& cell);
   uint32_t material(const LayerSums& sums) const;
-  void find_sub_positions(int axis, const Index3& lower, std::span<const Crosser> crossers);
   template <class Is>
   Stretches stretches(Is&& is);
   void keep(int axis, const Index3& lower, uint32_t k, uint32_t body);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "mesher/merge.hpp"
 #include "store/link_reader.hpp"
 #include "store/metadata_json.hpp"
 #include "tests/support/meshed.hpp"
@@ -117,6 +118,18 @@ TEST_CASE("Groups that a file has no room for belong to the patch of their body"
   CHECK(meta.patches.size() < 66'000);
   CHECK(meta.patches[6] == PatchInfo{"cube", "cube", 216});
   CHECK(GridReader(folder / "g.tcell").report().find("groups and solids beyond that belong to the patches of their bodies") != std::string::npos);
+  // Parts tell it to whoever merges them.
+  MeshOptions options;
+  std::vector<std::filesystem::path> parts;
+  for (uint32_t i = 0; i < 2; ++i) {
+    options.shard = Shard{i, 2};
+    mesh(
+        cube_scene({folder / "cube.obj"}), folder / "merged.tcell", options, [](const char*, double, double) {}, std::atomic<bool>{false});
+    parts.push_back(part_path(folder / "merged.tcell", *options.shard));
+  }
+  merge(
+      parts, folder / "merged.tcell", [](const char*, double, double) {}, std::atomic<bool>{false});
+  CHECK(bytes_of(folder / "merged.tcell") == bytes_of(folder / "g.tcell"));
 }
 
 TEST_CASE("All walls of a sheet with one patch have that patch, also where the sheet is not crossed between two sample points", "[patches]") {

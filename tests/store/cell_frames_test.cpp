@@ -102,6 +102,54 @@ TEST_CASE("A writer that goes on from any state makes the same index", "[fractio
   }
 }
 
+TEST_CASE("A chunk or a page that is there twice is refused, as is one that is missing", "[fractions]") {
+  NamedFrames named;
+  const LevelShape s(named.meta, 0);
+  CellFrames frames(named.meta);
+  const auto put_all = [&](uint64_t page) {
+    for (uint32_t slot = 0; slot < s.page_size(page); ++slot) frames.put(s.key_of(page, slot), kNoFrame, 0);
+  };
+  frames.put(s.key_of(0, 0), 7, 8);
+  CHECK_THROWS_WITH(frames.put(s.key_of(0, 0), 7, 8), Catch::Contains("twice"));
+  CHECK_THROWS_WITH(frames.put_page(0, 3), Catch::Contains("twice"));
+  put_all(1);
+  CHECK_THROWS_WITH(frames.put(s.key_of(1, 0), kNoFrame, 0), Catch::Contains("twice"));
+  CHECK_THROWS_WITH(frames.put_page(1, kNoFrame), Catch::Contains("twice"));
+  frames.put_page(2, 9);
+  CHECK_THROWS_WITH(frames.put(s.key_of(2, 0), kNoFrame, 0), Catch::Contains("twice"));
+  CHECK_THROWS_WITH(frames.lists(), Catch::Contains("lacks chunks"));
+}
+
+TEST_CASE("One frame named for many chunks is decoded for one of them alone", "[fractions]") {
+  NamedFrames named;
+  const auto path = named.folder / "g.tcell";
+  {
+    GridWriter writer(path, named.meta);
+    ChunkEncoder encoder;
+    const LevelShape s(named.meta, 0);
+    for (const ChunkKey& key : named.keys) {
+      RayBlock rays;
+      const LevelShape of(named.meta, key.level);
+      rays.fill(of.rays_u(key.cu), of.rays_v(key.cv), of.length(key.segment), 0);
+      writer.put(key, encode_chunk(encoder, rays, SetTable(2), key.level == 0));
+    }
+    writer.put_frame(1, encode_text("one for all"));
+    std::vector<uint64_t> pages;
+    for (uint64_t page = 0; page < s.pages(); ++page) {
+      pages.push_back(page + 1);
+      writer.put_frame(1, encode_cell_page(CellPage(s.page_size(page), 0), page + 1));
+    }
+    writer.put_frame(1, encode_cell_list(pages));
+    writer.finish("{}", 0);
+  }
+  const GridReader reader(path);
+  const Channel& channel = reader.meta().others()[0];
+  Bytes frame;
+  CHECK(reader.read_cells(channel, {0, 0, 0, 0}, frame));
+  CHECK(reader.read_cells(channel, {0, 0, 0, 0}, frame));
+  CHECK_THROWS_WITH(reader.read_cells(channel, {0, 1, 0, 0}, frame), Catch::Contains("belongs to two things"));
+}
+
 TEST_CASE("An index that names frames wrongly is refused", "[fractions]") {
   const CellPage page = {3, kNoFrame, 5};
   const Bytes frame = encode_cell_page(page, 7);

@@ -81,7 +81,7 @@ TEST_CASE("In means a sheet's cell keeps the value of its material, which has no
   const std::vector<uint32_t> cells = all_cells(reader);
   const double values[] = {1, 5, 40};
   std::vector<double> means(1000);
-  FractionReader(reader).read_means<double>(reader.meta().grid.box(0), values, 0, means.data(), {1, 10, 100});
+  FractionReader(reader).read_means(reader.meta().grid.box(0), values, means.data(), {1, 10, 100});
   size_t sheets = 0, mixed = 0;
   for (size_t i = 0; i < cells.size(); ++i) {
     sheets += cells[i] == 2, mixed += means[i] != 1 && means[i] != 5 && means[i] != 40;

@@ -98,28 +98,6 @@ TEST_CASE("A flat wall, however it leans, takes less than a byte per link", "[li
   CHECK(LinksEncoder().encode(links).size() < links.along[2].size() / 4);
 }
 
-TEST_CASE("Links of whole rays are split into those of chunks", "[links]") {
-  std::mt19937_64 random(5);
-  const ChunkLinks links = random_links(random, 3, 4, 25);
-  CHECK(split(links, 25).empty());
-  const std::vector<ChunkLinks> parts = split(links, 10);
-  REQUIRE(parts.size() == 3);
-  CHECK(parts[2].length == 5);
-  for (int axis = 0; axis < 3; ++axis) {
-    std::vector<Link> joined;
-    for (uint32_t i = 0; i < 3; ++i)
-      for (Link link : parts[i].along[axis]) {
-        REQUIRE(link.line < parts[i].lines(axis));
-        REQUIRE(link.cell < parts[i].cells(axis));
-        if (axis == 2) link.cell += 10 * i;
-        else link.line += uint64_t{10} * i * links.row(axis);
-        joined.push_back(link);
-      }
-    std::ranges::stable_sort(joined, {}, &Link::line);
-    CHECK(joined == links.along[axis]);
-  }
-}
-
 TEST_CASE("Bytes that are no links are refused", "[links]") {
   const Metadata meta = links_of_one_chunk(2, 3, 4);
   const auto frame_of = [](const std::vector<uint64_t>& numbers) {

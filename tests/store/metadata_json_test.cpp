@@ -85,6 +85,19 @@ TEST_CASE("Unknown keys of the metadata are skipped; of unknown optional channel
           })) == plain);
 }
 
+TEST_CASE("Fractions without valid numbers of sub-samples are refused when the file is opened; in another coding they are unknown") {
+  const auto with = [](const char* coding, const ordered_json& about) {
+    return edited([&](ordered_json& j) {
+      j["channels"].push_back(
+          {{"name", "fractions"}, {"required", false}, {"coding", coding}, {"about", about}, {"cover", {{"offset", 9}, {"frames", 10}}}});
+    });
+  };
+  CHECK_NOTHROW(decode_metadata(with("shares", {{"samples", {4, 4, 64}}})));
+  CHECK_NOTHROW(decode_metadata(with("other", {{"samples", {3}}})));
+  for (const ordered_json& about : {ordered_json::object(), ordered_json{{"samples", {4, 4}}}, ordered_json{{"samples", {4, 4, 3}}}})
+    CHECK_THROWS_WITH(decode_metadata(with("shares", about)), Catch::Contains("channel 'fractions'"));
+}
+
 TEST_CASE("Of two successive levels one must be stored: a reader would derive the rest from the whole grid") {
   Metadata meta = some_metadata();
   meta.levels().pop_back();

@@ -72,8 +72,10 @@ Changes expected_links(const std::vector<Body>& bodies, const Grid& grid, const 
           };
           const int a = sheet_of(lower), b = sheet_of(upper);
           if (a >= 0 || b >= 0) {
-            const int sheet = strongest([&](size_t body) { return static_cast<int>(body) == a || static_cast<int>(body) == b; });
-            for (const auto& [k, step] : steps_of(static_cast<size_t>(sheet))) end = end == 0 ? k : std::min(end, k);
+            const int first = strongest([&](size_t body) { return static_cast<int>(body) == a || static_cast<int>(body) == b; });
+            for (const int sheet : {first, first == a ? b : a})
+              if (end == 0 && sheet >= 0)
+                for (const auto& [k, step] : steps_of(static_cast<size_t>(sheet))) end = end == 0 ? k : std::min(end, k);
             begin = end;
             continue;
           }
@@ -158,6 +160,74 @@ TEST_CASE("A wall between two sample points is at its place") {
   CHECK(links.at({0, {1, 1, 1}}) == std::pair(65536u, 65536u));  // the sample point on the face counts as outside
   CHECK(links.at({1, {1, 0, 1}}) == std::pair(32768u, 32768u));
   CHECK(links.size() == 8 + 4 + 4);
+}
+
+TEST_CASE("Of two sheets side by side the one tells the place that is crossed between their cells") {
+  const Axis axis = Axis::uniform(0, 1, 0, 6, 0.5);
+  for (const int priority : {1, -1}) {
+    std::vector<Body> bodies;
+    for (const double x : {2.2, 3.3})
+      bodies.push_back({{Facet{{Vec3{x, 0, 0}, Vec3{x, 9, 0}, Vec3{x, 0, 9}}}}, Rule::kNonzero, static_cast<uint32_t>(x) - 1});
+    bodies[0].priority = priority;
+    for (Body& body : bodies) body.sheet = true;
+    expect_exact_links(bodies, {{axis, axis, axis}});
+    const TempFolder folder;
+    MeshOptions options;
+    options.links = true;
+    mesh_quietly(scene_of(folder, bodies, {{axis, axis, axis}}), folder / "g.tcell", options);
+    CHECK(links_of(GridReader(folder / "g.tcell")).at({0, {2, 1, 1}}) == std::pair(52429u, 52429u));  // 0.8 from the sample point
+  }
+}
+
+// Along the rays a grid of several segments; the others have one.
+TEST_CASE("Links of long rays are those of rays along another axis") {
+  const TempFolder folder;
+  const auto n = static_cast<int64_t>(2 * Metadata{}.chunk_cells + 1000);
+  const Axis across = Axis::uniform(0, 1, 0, 5, 0.5);
+  for (int axis = 0; axis < 3; ++axis) {
+    Grid grid{{across, across, across}};
+    grid.axis[axis] = Axis::uniform(0, 1, 0, n, 0.5);
+    const double segment = Metadata{}.chunk_cells;
+    Vec3 lo{1.25, 1.25, 1.25}, hi{3.4, 3.4, 3.4}, middle{2.3, 2.3, 2.3};
+    lo[axis] = segment - 0.25, hi[axis] = static_cast<double>(n) - 3;  // its end lies between the last cell of a segment and the next one
+    middle[axis] = 2 * segment;
+    const std::vector<Body> bodies = {{shapes::box(lo, hi)}, {shapes::sphere(middle, 1.9, 2), Rule::kNonzero, 2, 1}};
+    std::optional<Changes> expected;
+    for (int rays = 0; rays < 3; ++rays) {
+      MeshOptions options;
+      options.axis = rays;
+      options.links = true;
+      mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
+      const GridReader reader(folder / "g.tcell");
+      REQUIRE((reader.shape(0).segments > 2) == (rays == axis));
+      const Changes found = links_of(reader);
+      if (!expected) expected = found;
+      expect_same(found, *expected);
+    }
+    CHECK(expected->size() > 4 * static_cast<size_t>(n) / 2);
+    Index3 before = {2, 2, 2};
+    before[axis] = static_cast<int64_t>(segment) - 1;
+    CHECK(expected->at({axis, before}) == std::pair(16384u, 16384u));
+  }
+}
+
+TEST_CASE("Chunks are shorter where walls along the rays have links of every cell") {
+  const TempFolder folder;
+  std::vector<Body> bodies;
+  for (int i = 0; i < 8; ++i) bodies.push_back({shapes::box({8. * i + 2.2, 1.3, 1.3}, {8. * i + 5.1, 62.2, 65500.4})});
+  const Axis across = Axis::uniform(0, 1, 0, 64, 0.5);
+  const Scene scene = scene_of(folder, bodies, {{across, across, Axis::uniform(0, 1, 0, 65536, 0.5)}});
+  MeshOptions options;
+  options.axis = 2;
+  mesh_quietly(scene, folder / "g.tcell", options);
+  CHECK(GridReader(folder / "g.tcell").shape(0).segments == 1);
+  options.links = true;
+  mesh_quietly(scene, folder / "g.tcell", options);
+  const GridReader reader(folder / "g.tcell");
+  CHECK(reader.shape(0).segments > 30);
+  uint64_t links = 0;
+  LinkReader(reader).for_each(0, {{0, 0, 30000}, {64, 64, 30001}}, [&](std::span<const CellLink> found) { links += found.size(); });
+  CHECK(links == 2 * 8 * 61);
 }
 
 TEST_CASE("Links of random scenes full of ties are where rational arithmetic finds them, along every axis and by every engine") {

@@ -288,6 +288,35 @@ TEST_CASE("Shares of materials stand beside the cells, and Meep has the mean of 
   CHECK(files_in(without.folder) == 1);
 }
 
+TEST_CASE("In every format cells of sheets and kept cells have the shares that solids have in them", "[export]") {
+  const TempFolder folder;
+  MeshOptions options;
+  options.fractions = Subdivision{2, 2, 2};
+  const Axis axis = Axis::uniform(0, 1, 0, 10, 0.5);
+  std::vector<oracle::Body> bodies = {{shapes::box({2.2, 2.2, 0.6}, {7.7, 7.7, 4.3})},
+                                      {shapes::sphere({5, 5, 5}, 3.1, 2), oracle::Rule::kNonzero, 2},
+                                      {shapes::box({1.6, 1, 1}, {1.9, 9, 9}), oracle::Rule::kNonzero, 3}};
+  bodies[1].sheet = true;
+  Scene scene = scene_of(folder, bodies, {{axis, axis, axis}});
+  scene.bodies[2].thin = Thin::kKeep;
+  mesh_quietly(scene, folder / "g.tcell", options);
+  const GridReader reader(folder / "g.tcell");
+  const Box box = reader.meta().grid.box(0);
+  const auto write = [&](const char* format, const char* name) {
+    export_format_named(format)->write({reader, 0, box, folder / name, [](double) {}, {}, {{"--fractions", ""}}});
+    return folder / name;
+  };
+  const fs::path plain = write("hdf5", "plain.h5");
+  write("xdmf", "x.xdmf");
+  for (uint32_t id = 0; id < 4; ++id) {
+    std::vector<float> share(1000);
+    FractionReader(reader).read_box(box, id, 0.0F, share.data(), {1, 10, 100});
+    CHECK((std::ranges::count_if(share, [](float s) { return s > 0; }) > 0) == (id != 2));  // a sheet has no share
+    for (const fs::path& h5 : {plain, folder / "x.h5"})
+      CHECK(std::ranges::equal(read_h5(h5, fmt::format("fractions/{}", id)).values, share, {}, {}, [](float f) { return static_cast<double>(f); }));
+  }
+}
+
 TEST_CASE("The profile gprmax has numbers of lines of a file of materials, and -1 for the background", "[export]") {
   const H5Cells s(5);
   const Options options = {{"--profile", "gprmax"}, {"--epsilon", "m4=80,m1=2.25,m2=4,m3=9.5"}, {"--sigma", "m2=0.01,m4=inf"}, {"--mu", "m3=2"}};

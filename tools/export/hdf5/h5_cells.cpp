@@ -175,12 +175,17 @@ H5Handle write_cells(H5File& file, const Export& e, const char* name, const Axis
       [&](uint16_t id) { return values[id]; });
 }
 
-template <class T>
+H5Handle write_shares(H5File& file, const Export& e, const char* name, const AxisOrder& axis, uint32_t material, const FractionReader& shares) {
+  return write_chunks<float, float>(
+      file, e, name, axis, [&](const Box& box, float* data, const Index3& stride) { shares.read_box(box, material, 0.0F, data, stride); },
+      [](float share) { return share; });
+}
+
 H5Handle write_means(H5File& file, const Export& e, const char* name, const AxisOrder& axis, const std::vector<double>& values,
                      const FractionReader& shares) {
-  return write_chunks<T, T>(
-      file, e, name, axis, [&](const Box& box, T* data, const Index3& stride) { shares.read_means(box, values, T{0}, data, stride); },
-      [](T mean) { return mean; });
+  return write_chunks<double, double>(
+      file, e, name, axis, [&](const Box& box, double* data, const Index3& stride) { shares.read_means(box, values, data, stride); },
+      [](double mean) { return mean; });
 }
 
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<uint8_t>&);
@@ -188,7 +193,5 @@ template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrd
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<uint32_t>&);
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<int16_t>&);
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<double>&);
-template H5Handle write_means<float>(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<double>&, const FractionReader&);
-template H5Handle write_means<double>(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<double>&, const FractionReader&);
 
 }  // namespace teracell

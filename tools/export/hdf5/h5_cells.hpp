@@ -10,8 +10,10 @@ namespace teracell {
 template <class T>
 H5Handle write_cells(H5File& file, const Export& e, const char* name, const AxisOrder& order, const std::vector<T>& values);
 
-// The same of the mean of `values` in each cell, weighted with the shares of the materials. T is float or double.
-template <class T>
+// The same of the share of a material in each cell, as a float.
+H5Handle write_shares(H5File& file, const Export& e, const char* name, const AxisOrder& order, uint32_t material, const FractionReader& shares);
+
+// The same of the mean of `values` in each cell (FractionReader::read_means), as a double.
 H5Handle write_means(H5File& file, const Export& e, const char* name, const AxisOrder& order, const std::vector<double>& values,
                      const FractionReader& shares);
 

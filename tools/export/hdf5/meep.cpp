@@ -18,7 +18,7 @@ void write_meep(const Export& e) {
   for (const Medium& m : media_of(e, true)) epsilon.push_back(m.epsilon);
   const std::optional<FractionReader> shares = shares_of(e);
   H5File file(e.output);
-  if (shares) write_means<double>(file, e, "eps", kZFastest, epsilon, *shares);
+  if (shares) write_means(file, e, "eps", kZFastest, epsilon, *shares);
   else write_cells(file, e, "eps", kZFastest, epsilon);
   file.finish();
   file.commit();

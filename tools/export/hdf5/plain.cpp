@@ -49,9 +49,8 @@ void put_plain(H5File& file, const Export& e) {
   if (!shares) return;
   const H5Handle group = file.group("fractions");
   for (size_t id = 0; id + 1 < steps; ++id) {
-    std::vector<double> one(meta.materials.size());
-    one[id] = 1;
-    const H5Handle dataset = write_means<float>(file, step_of(e, id + 1, steps), fmt::format("fractions/{}", id).c_str(), kXFastest, one, *shares);
+    const H5Handle dataset =
+        write_shares(file, step_of(e, id + 1, steps), fmt::format("fractions/{}", id).c_str(), kXFastest, static_cast<uint32_t>(id), *shares);
     file.attribute(dataset, "material", meta.materials[id].name);
   }
 }

@@ -70,7 +70,7 @@ export interface GridInfo {
   materials: Material[];
   labels?: Label[]; // where the file keeps bodies apart; otherwise labels are materials
   levels: { level: number; cells: Index3; stored: boolean; chunks: number; bytes: number }[];
-  channels: { name: string; bytes: number }[]; // what the file holds beside the cells
+  channels: { name: string; coding: string; bytes: number }[]; // what the file holds beside the cells
   file: { bytes: number; version: string; hash: string };
   crossings: number;
   bits_per_crossing: number;

@@ -155,7 +155,7 @@ export class Viewer {
   }
   // Whether the file tells what mixed cells are made of.
   get has_shares(): boolean {
-    return this.info.channels.some(({ name }) => name === "fractions");
+    return this.info.channels.some(({ name, coding }) => name === "fractions" && coding === "shares");
   }
   // The name of each label's material.
   get material_names(): string[] {
