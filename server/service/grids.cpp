@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 
 #include <fmt/format.h>
 
@@ -19,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr auto kEvery = std::chrono::milliseconds(500);
 constexpr uint64_t kLongestPause = 120;  // looks
 constexpr size_t kMostGone = 1000;  // files that are gone, and whose ids are still reserved for them
 
@@ -82,15 +80,13 @@ std::shared_ptr<const ServedGrid> Grids::opened(const fs::path& path, const std:
       ServedGrid{id, number, hash, std::move(reader), modified ? path : fs::path(), modified, std::move(fractions)});
 }
 
-Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, double recheck_after, std::shared_ptr<FractionCache> fractions)
+Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, std::shared_ptr<FractionCache> fractions)
     : open_(std::move(open)),
       complain_(std::move(complain)),
       fractions_(fractions ? std::move(fractions) : std::make_shared<FractionCache>(CellChunks<MixedCells>::kMemory)) {
-  bool addresses = false;
   for (const auto& path : named) {
     if (is_address(path.string())) {
       served_.push_back({path, false, true, {path}, ""});
-      addresses = true;
       WatchedFile& file = watched(path);
       if (file.grid) continue;  // named twice
       file.grid = opened(path, file.id, next_number_++, {});
@@ -111,40 +107,9 @@ Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, d
     if (const auto it = files_.find(served.path); it != files_.end() && !it->second.grid)
       throw FormatError(with_folder(it->second.error, served.path));
   }
-  watch_ = std::jthread([this](const std::stop_token& stop) {
-    for (;;) {
-      bool anew;
-      {
-        std::unique_lock lock(waiting_);
-        woken_.wait_for(lock, stop, kEvery, [&] { return look_soon_; });
-        anew = std::exchange(look_soon_, false);
-      }
-      if (stop.stop_requested()) return;
-      try {
-        look(anew);
-      } catch (const std::exception&) {  // out of memory: the last snapshot stays
-      }
-    }
-  });
-  if (!addresses) return;
-  watch_addresses_ = std::jthread([this, recheck_after](const std::stop_token& stop) {
-    for (;;) {
-      {
-        std::unique_lock lock(waiting_);
-        woken_.wait_for(lock, stop, std::chrono::duration<double>(recheck_after), [&] { return recheck_soon_; });
-        recheck_soon_ = false;
-      }
-      if (stop.stop_requested()) return;
-      try {
-        const Wanted until_stopped([&] {
-          if (stop.stop_requested()) throw Unwanted("the server stops");
-        });
-        recheck();
-      } catch (const std::exception&) {  // asked again next time
-      }
-    }
-  });
 }
+
+bool Grids::has_addresses() const { return std::ranges::any_of(served_, &ServedPath::address); }
 
 void Grids::recheck() {
   const uint64_t mine = ++rechecks_;
@@ -187,14 +152,6 @@ void Grids::open_address(const fs::path& path) {
   if (!message.empty() && message != file.error) complain_(with_folder(message, path));
   file.grid = next;
   file.error = message;
-}
-
-void Grids::look_soon() {
-  {
-    std::lock_guard lock(waiting_);
-    look_soon_ = recheck_soon_ = true;
-  }
-  woken_.notify_all();
 }
 
 void Grids::look(bool anew) {

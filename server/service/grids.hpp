@@ -1,14 +1,12 @@
-// The grids that are served: files named at the start, and every *.tcell directly in a folder named there. A thread looks at the
-// files twice per second, so that no request waits for a disk: a caller gets what was found by the last look. A file that is
-// replaced, added or removed is noticed within a second; a caller that holds the old grid goes on reading it while its descriptor
-// is kept. A file that can't be
-// opened is not tried at each look: not before it changes if it breaks the format, or else after pauses of up to a minute.
+// The grids that are served: files named at the start, and every *.tcell directly in a folder named there. No request waits for a disk: a
+// caller gets what was found by the last look, and GridsWatch (grids_watch.hpp) looks twice per second. A file that is replaced, added or
+// removed is noticed by the next look; a caller that holds the old grid goes on reading it while its descriptor is kept. A file that can't be
+// opened is not tried at each look: not before it changes if it breaks the format, or else after pauses that grow.
 //
-// A grid may lie behind an address. Another thread asks its host now and then whether it was replaced. Cells of two versions never mix,
+// A grid may lie behind an address. Its host is asked now and then whether it was replaced. Cells of two versions never mix,
 // since a source notices by itself when its object is another one: what is asked here is how long answers of the old one are given.
 #pragma once
 #include <atomic>
-#include <condition_variable>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -17,7 +15,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "store/fraction_reader.hpp"
@@ -49,10 +46,8 @@ class Grids {
 
   // Throws UsageError for a path that is neither a folder nor a file, IoError for a folder that can't be read, FormatError for
   // a named file that can't be opened. For a file in a folder, or one that can't be read later, `complain` is called instead, on
-  // any thread: once, when the file has stopped changing.
-  // `recheck`: seconds between two questions to the host of an address. `fractions`: the memory for those of all grids; null: 32 MiB.
-  Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain, double recheck = 60,
-        std::shared_ptr<FractionCache> fractions = nullptr);
+  // any thread: once, when the file has stopped changing. `fractions`: the memory for those of all grids; null: 32 MiB.
+  Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain, std::shared_ptr<FractionCache> fractions = nullptr);
 
   // Throws HttpError: 404 when there is no such grid, 500 with what is wrong when its file can't be read.
   std::shared_ptr<const ServedGrid> find(const std::string& id) const;
@@ -67,12 +62,11 @@ class Grids {
     std::string id, error;
   };
   std::vector<Unreadable> unreadable() const;
-  // Looks at the files now. The thread does so every half second. `anew`: tries also files that are not due.
+  // Looks at the files now. `anew`: tries also files that are not due.
   void look(bool anew = false);
   // Asks the hosts of all addresses now, and looks at the files. Threads that call it at the same time share the answers.
   void recheck();
-  // Makes the thread look anew now. Returns at once. From any thread.
-  void look_soon();
+  bool has_addresses() const;
 
  private:
   struct WatchedFile {
@@ -127,13 +121,9 @@ class Grids {
   std::shared_ptr<const Snapshot> snapshot_ = std::make_shared<const Snapshot>();
   std::atomic<uint64_t> epoch_ = 0;  // of snapshot_
 
-  std::mutex waiting_;  // guards the next two
-  std::condition_variable_any woken_;
-  bool look_soon_ = false, recheck_soon_ = false;
   std::atomic<uint64_t> rechecks_ = 0;  // that were asked for
   std::mutex rechecking_;               // one thread asks the hosts at a time; guards the next one
   uint64_t rechecked_ = 0;              // rechecks_ when the last one of them began
-  std::jthread watch_, watch_addresses_;  // last: they use the others
 };
 
 }  // namespace teracell

@@ -129,7 +129,7 @@ Service::Service(ServiceOptions options)
             return std::make_unique<const GridReader>(std::make_unique<CountedSource>(std::move(source), counters),
                                                       std::make_shared<Keeper>(chunks, number), index);
           },
-          [this](const std::string& message) { complain(message); }, options_.recheck, std::make_shared<FractionCache>(options_.cache_bytes / 8))) {}
+          [this](const std::string& message) { complain(message); }, std::make_shared<FractionCache>(options_.cache_bytes / 8))) {}
 
 Service::AnswerCache::Pointer Service::find_cached(const Request& request) {
   const uint64_t epoch = grids_->epoch();

@@ -35,7 +35,6 @@ struct ServiceOptions {
   bool anybody = true;  // answers are for everybody, so proxies may keep them
   std::function<void(const std::string&)> complain;  // called with each damage that is found, once, on any thread
   SourceOptions source = {};  // for addresses
-  double recheck = 60;  // seconds between two questions to the host of an address whether the grid was replaced
 };
 
 // Threads share it.
@@ -96,7 +95,7 @@ class Service {
   PreparedCache prepared_;
   std::mutex complaints_mutex_;
   std::set<std::string> complaints_;
-  std::unique_ptr<Grids> grids_;  // last: it looks at files, and complains, on a thread of its own
+  std::unique_ptr<Grids> grids_;  // last: it complains when it looks at files, which others may make it do
 };
 
 }  // namespace teracell

@@ -19,6 +19,7 @@
 #include "server/prefetch.hpp"
 #include "server/routes.hpp"
 #include "server/service/descriptors.hpp"
+#include "server/service/grids_watch.hpp"
 #include "server/web.hpp"
 #include "store/error.hpp"
 #include "store/sources.hpp"
@@ -163,10 +164,11 @@ void run(const ServeArguments& o) {
     note(fmt::format("warning: --token-file {}: other users of this machine can read it: chmod 600 {}", o.token_file, o.token_file));
   SourceOptions source = o.source;
   source.blocks = make_block_cache(kBlocks);
-  Service service({named, parse_size(o.cache, "--cache"), o.max_pixels, shares.files, listen.token.empty(), note, source, o.recheck});
+  Service service({named, parse_size(o.cache, "--cache"), o.max_pixels, shares.files, listen.token.empty(), note, source});
+  GridsWatch watch(service.grids(), o.recheck);
   Listener* listening = nullptr;
   listen.on_hangup = [&] {
-    service.grids().look_soon();
+    watch.look_soon();
     if (!o.token_file.empty()) try {
         listening->use_token(read_token(o.token_file));
       } catch (const Error& e) {

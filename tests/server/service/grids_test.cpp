@@ -1,5 +1,5 @@
 // Which grids are served, and what happens when files are added, removed and replaced.
-#include "server/service/grids.hpp"
+#include "server/service/grids_watch.hpp"
 
 #include <atomic>
 #include <fstream>
@@ -141,10 +141,11 @@ TEST_CASE("A file that is replaced, added or removed is noticed; a caller that h
   CHECK(ids(grids) == Ids{"g", "new"});
 }
 
-TEST_CASE("Changes are noticed without a call of look()", "[server][threads]") {
+TEST_CASE("A watch notices changes without a call of look()", "[server][threads]") {
   TempFolder folder;
   store(folder / "g.tcell", 0);
-  const Watched w({folder.path()});
+  Watched w({folder.path()});
+  const GridsWatch watch(w.grids);
   const uint64_t epoch = w.grids.epoch();
   store(folder / "new.tcell", 1);
   for (int i = 0; i < 1000 && w.grids.epoch() == epoch; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -209,8 +210,9 @@ TEST_CASE("A look anew tries files that are not due", "[server]") {
   f.look(200);
   f.state = Failing::kReadable;
   SECTION("by hand") { f.grids.look(true); }
-  SECTION("by the thread") {
-    f.grids.look_soon();
+  SECTION("by a watch") {
+    GridsWatch watch(f.grids);
+    watch.look_soon();
     for (int i = 0; i < 1000 && ids(f.grids).empty(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   CHECK(ids(f.grids) == Ids{"g"});
