@@ -1,6 +1,6 @@
 #include "server/diff.hpp"
 
-#include "store/difference.hpp"
+#include "store/difference_counts.hpp"
 #include "store/equal_cells.hpp"
 #include "store/info.hpp"
 #include "store/wanted.hpp"
@@ -39,8 +39,8 @@ Service::Recipe diff_recipe(Service& service, const ServedGrid& grid, const Targ
                 DifferenceOptions options;
                 options.memory = kMemory;
                 options.most_changes = kMostChanges;
-                const auto go_on = [](const char*, double) { Wanted::stop_if_not(); };
-                return difference_json(refused_in_words([&] { return find_difference(grid.reader(), other->reader(), options, go_on); }));
+                const auto go_on = [](double) { Wanted::stop_if_not(); };
+                return difference_json(refused_in_words([&] { return count_difference(grid.reader(), other->reader(), options, go_on); }));
               },
           .address = other->hash};
 }

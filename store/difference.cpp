@@ -1,13 +1,9 @@
 #include "store/difference.hpp"
 
-#include <algorithm>
-#include <numeric>
 #include <set>
-#include <tuple>
 
 #include <fmt/format.h>
 
-#include "store/chunk_comparison.hpp"
 #include "store/color.hpp"
 #include "store/difference_file.hpp"
 #include "store/equal_cells.hpp"
@@ -16,39 +12,6 @@
 
 namespace teracell {
 namespace {
-
-// The cells of the changes, by their numbers less 1.
-class ChangeSums {
- public:
-  explicit ChangeSums(const GridReader& a) : shape_(a.shape(0)), frame_(a.meta().frame()) {}
-  void add(const FoundChanges& found) {
-    for (const LabelStats& l : found.stats) {
-      if (l.label == 0) continue;
-      if (sums_.size() < l.label) sums_.resize(l.label);
-      Sum& sum = sums_[l.label - 1];
-      const std::array<int64_t, 3> first = {int64_t{found.key.cu} * shape_.chunk_rays, int64_t{found.key.cv} * shape_.chunk_rays, found.first};
-      const std::array<int, 3> axes = {frame_.u, frame_.v, frame_.w};
-      for (size_t i = 0; i < 3; ++i) {
-        int64_t &lo = sum.box.lo[axes[i]], &hi = sum.box.hi[axes[i]];
-        lo = sum.cells == 0 ? first[i] + l.lo[i] : std::min(lo, first[i] + l.lo[i]);
-        hi = std::max(hi, first[i] + l.hi[i]);
-      }
-      sum.cells += l.cells;
-    }
-  }
-  Change change(size_t i, const MaterialNames& names, const ChangeNumbers::Pair& pair) const {
-    return {names[pair.from], names[pair.to], sums_[i].cells, sums_[i].box};
-  }
-
- private:
-  struct Sum {
-    unsigned __int128 cells = 0;
-    Box box;
-  };
-  const LevelShape shape_;
-  const RayFrame frame_;
-  std::vector<Sum> sums_;
-};
 
 // A name is cut where both together would be too long, and then may be that of another change.
 std::string name_of(const Change& change, size_t number, std::set<std::string>& names) {
@@ -101,54 +64,19 @@ std::string report_of(const GridReader& a, const GridReader& b) {
 
 Difference find_difference(const GridReader& a, const GridReader& b, const DifferenceOptions& options,
                            const std::function<void(const char*, double)>& progress) {
+  const auto compared = [&](double share) { progress("compare", share); };
+  if (options.output.empty()) return count_difference(a, b, options, compared);
   expect_equal_cells(a, b);
-  const bool with_cells = !options.output.empty();
-  std::optional<SpilledChanges> spilled;
-  if (with_cells) {
+  {
     const OutputFile could_be_written(options.output);  // which is better found out now than at the end
-    const std::filesystem::path beside = options.output.has_parent_path() ? options.output.parent_path() : ".";
-    spilled.emplace(options.folder.empty() ? beside : options.folder, a.meta());
   }
-  const MaterialNames names(a.meta(), b.meta());
-  ChangeNumbers numbers(with_cells ? std::min<size_t>(kMostChangeLabels, options.most_changes) : options.most_changes);
-  ChangeSums sums(a);
-  const GridComparison comparison{a,
-                                  b,
-                                  names,
-                                  numbers,
-                                  with_cells,
-                                  options.threads,
-                                  options.memory,
-                                  [&](double share) { progress("compare", share); },
-                                  [&](const FoundChanges& found) {
-                                    sums.add(found);
-                                    if (spilled) spilled->put(found.key.cu, found.key.cv, found.first, found.length, found.frame);
-                                  }};
-  if (a.meta().ray_axis == b.meta().ray_axis) compare_along(comparison);
-  else compare_across(comparison);
-
-  Difference out;
-  const Index3 n = a.meta().grid.cells();
-  out.cells = static_cast<unsigned __int128>(n[0]) * static_cast<unsigned __int128>(n[1]) * static_cast<unsigned __int128>(n[2]);
-  out.same = out.cells;
-  std::vector<Change> changes;
-  for (size_t i = 0; i < numbers.pairs().size(); ++i) changes.push_back(sums.change(i, names, numbers.pairs()[i]));
-  std::vector<uint32_t> order(changes.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::ranges::sort(order, [&](uint32_t i, uint32_t j) {
-    const Change &x = changes[i], &y = changes[j];
-    return std::tie(y.cells, x.from, x.to) < std::tie(x.cells, y.from, y.to);
-  });
-  std::vector<Label> label_of(changes.size() + 1);
-  for (const uint32_t i : order) {
-    out.same -= changes[i].cells;
-    out.changes.push_back(std::move(changes[i]));
-    label_of[i + 1] = static_cast<Label>(out.changes.size());
-  }
-  if (with_cells)
-    write_changes(options.output, metadata_of(a.meta(), out.changes), *spilled, label_of, report_of(a, b), options.threads,
-                  [&](double share) { progress("write", share); });
-  return out;
+  const std::filesystem::path beside = options.output.has_parent_path() ? options.output.parent_path() : ".";
+  SpilledChanges spilled(options.folder.empty() ? beside : options.folder, a.meta());
+  const auto put = [&](const FoundChanges& found) { spilled.put(found.key.cu, found.key.cv, found.first, found.length, found.frame); };
+  CountedChanges counted = count_changes(a, b, options, true, put, compared);
+  write_changes(options.output, metadata_of(a.meta(), counted.difference.changes), spilled, counted.label_of, report_of(a, b), options.threads,
+                [&](double share) { progress("write", share); });
+  return std::move(counted.difference);
 }
 
 }  // namespace teracell
