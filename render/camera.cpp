@@ -51,7 +51,8 @@ Camera perspective_camera(const Vec3& from, const Vec3& at, int up, double fov, 
   if (dot(forward, forward) == 0)
     throw UsageError(fmt::format("--from, --at: expected two points, found ({}, {}, {}) twice", from[0], from[1], from[2]));
   Camera camera{.perspective = true, .from = from, .size = size};
-  camera.pixel = 2 * std::tan(fov / 2 * std::numbers::pi / 180) / size.height;
+  // In long doubles, so that the double is the same with any library's tangent.
+  camera.pixel = 2 * static_cast<double>(std::tan(static_cast<long double>(fov / 2 * std::numbers::pi / 180))) / size.height;
   turn(camera, forward, up);
   return camera;
 }
@@ -59,7 +60,7 @@ Camera perspective_camera(const Vec3& from, const Vec3& at, int up, double fov, 
 DefaultView default_view(const Grid& grid) {
   Vec3 extent, centre;
   for (int d = 0; d < 3; ++d) extent[d] = length(grid.axis[d]), centre[d] = middle(grid.axis[d]);
-  return {centre + Vec3{1, -1.4, 0.9} * std::hypot(extent[0], extent[1], extent[2]), centre};
+  return {centre + Vec3{1, -1.4, 0.9} * norm(extent), centre};
 }
 
 Camera axis_camera(const Grid& grid, int axis, bool positive, PictureSize size) {

@@ -77,7 +77,7 @@ std::optional<CutPlane> cut_plane(const FractionReader& fractions, const Grid& g
       for (int64_t x = -1; x <= 1; ++x) share[next++] = found[place(x, y, z)];
   const double own = share[13];
   Vec3 normal = gradient(share, distance);
-  const double length = std::hypot(normal[0], normal[1], normal[2]);
+  const double length = norm(normal);
   if (!(own > 0 && own < 1) || length == 0) return {};
   CutPlane out{{}, 0};
   Vec3 across;

@@ -5,6 +5,7 @@
 // for 10^9.
 #pragma once
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -14,6 +15,8 @@
 namespace teracell {
 
 using Vec3 = std::array<double, 3>;
+// The same on every machine, unlike std::hypot: libraries round that differently.
+inline double norm(const Vec3& v) { return std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]); }
 using Index3 = std::array<int64_t, 3>;
 
 // A half-open box of cells, [lo, hi) on x, y, z.

@@ -164,7 +164,7 @@ std::string difference_json(const Difference& difference) {
 }
 
 std::string line_json(const Metadata& meta, const Vec3& a, const Vec3& b, const std::vector<LineRun>& runs) {
-  const double length = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+  const double length = norm({b[0] - a[0], b[1] - a[1], b[2] - a[2]});
   std::string text;
   JsonWriter out(text);
   out.begin_object().field("schema", 1).field("from", std::span<const double>(a)).field("to", std::span<const double>(b)).field("length", length);

@@ -47,7 +47,7 @@ JsonWriter& JsonWriter::value(std::string_view text) {
 JsonWriter& JsonWriter::value(double number) {
   if (!std::isfinite(number)) return value(nullptr);
   char digits[64];
-  return raw({digits, nlohmann::detail::to_chars(digits, std::end(digits), number)});
+  return raw(std::string_view(digits, static_cast<size_t>(nlohmann::detail::to_chars(digits, std::end(digits), number) - digits)));
 }
 
 JsonWriter& JsonWriter::value(std::span<const double> numbers) {

@@ -27,7 +27,7 @@ class JsonWriter {
   template <std::integral T>
   JsonWriter& value(T number) {
     char digits[24];
-    return raw({digits, std::to_chars(digits, std::end(digits), number).ptr});
+    return raw(std::string_view(digits, static_cast<size_t>(std::to_chars(digits, std::end(digits), number).ptr - digits)));
   }
   JsonWriter& value(std::nullptr_t) { return raw("null"); }
   JsonWriter& value(std::span<const double> numbers);

@@ -69,7 +69,8 @@ class Collector {
   // Takes the materials of the cells of a stretch. `cell`: one of them.
   void take(Index3 cell, const Stretch& stretch) {
     Wanted::stop_if_not();
-    const auto [low, high] = std::minmax(stretch.cells.front().first, stretch.cells.back().first);
+    const int64_t low = std::min(stretch.cells.front().first, stretch.cells.back().first),
+                  high = std::max(stretch.cells.front().first, stretch.cells.back().first);
     Box box{cell, cell};
     for (int d = 0; d < 3; ++d) box.hi[d] = box.lo[d] + 1;
     box.lo[w_] = low, box.hi[w_] = high + 1;

@@ -116,7 +116,7 @@ class PieceReader {
   };
 
   static void along_rows(const RayBlock& rays, const Sampled& s, const RunValues<T>& values, const Cells<T>& cells) {
-    const auto [step_u, step_v, step_w] = cells.step;
+    const auto step_u = cells.step[0], step_v = cells.step[1], step_w = cells.step[2];
     for_each_run_within(rays, s, cells.size, [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, uint32_t pattern, size_t run) {
       T* const row = cells.data + u * step_u + v * step_v;
       const T value = values.of(pattern)[run];
@@ -193,7 +193,7 @@ void for_each_part_to_fill(const Cells<T>& cells, F&& f) {
   double all = 1;
   for (const int64_t n : cells.size) all *= static_cast<double>(n);
   const auto axes = cells.nearest_first();
-  const auto farthest = std::ranges::find_if(axes.rbegin(), axes.rend(), [&](int d) { return cells.size[d] > 1; });
+  const auto farthest = std::find_if(axes.rbegin(), axes.rend(), [&](int d) { return cells.size[d] > 1; });
   if (all <= kMost || farthest == axes.rend()) return f(cells);
   const int d = *farthest;
   const auto layers = static_cast<int64_t>(std::max(1.0, kMost / (all / static_cast<double>(cells.size[d]))));
