@@ -16,10 +16,11 @@ namespace fs = std::filesystem;
 
 // Code, styles and data come from this server alone, so that a name from somebody's file can do no harm in the page. "blob:" is for
 // what the page makes itself: workers of three.js, and pictures to be saved. "data:" is for small icons that the build puts into
-// the style sheet. Frames are allowed: no button of the page changes anything, and notebooks show the page in a frame.
+// the style sheet. "wasm-unsafe-eval" lets the page compile its module (web/module), and no script. Frames are allowed: no button of
+// the page changes anything, and notebooks show the page in a frame.
 constexpr const char* kMoreFields =
-    "Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; font-src 'self'; connect-src 'self'; "
-    "worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'\r\n"
+    "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
+    "font-src 'self'; connect-src 'self'; worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'\r\n"
     "Referrer-Policy: no-referrer\r\n";
 
 const char* type_of(std::string_view name) {

@@ -5,6 +5,7 @@ import { prose } from "../base/format";
 import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
 import { drop, say } from "../base/messages";
 import { ask_again, doubt, not_reached, reached } from "./connection";
+import { ask } from "./transport";
 
 // The server answered with an error, or it did not answer at all (status 0).
 export class ServerError extends Error {
@@ -100,7 +101,7 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
   const timer = setTimeout(() => void doubt(), SLOW);
   let response: Response;
   try {
-    response = await fetch(path, { ...options, headers });
+    response = await ask(path, { ...options, headers });
   } catch (error) {
     if (options.signal?.aborted) throw error;
     not_reached();

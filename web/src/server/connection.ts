@@ -2,6 +2,7 @@
 // page asks for its health at growing intervals until it answers. Then `returned` counts up, and everything that waits
 // for data asks again.
 import { signal } from "@preact/signals";
+import { ask } from "./transport";
 
 export interface Connection {
   state: "there" | "lost";
@@ -41,7 +42,7 @@ function schedule(): void {
 // A proxy may answer in place of a server that is gone, so only an answer of success counts.
 async function is_healthy(): Promise<boolean> {
   try {
-    return (await fetch("healthz", { cache: "no-store", signal: AbortSignal.timeout(10000) })).ok;
+    return (await ask("healthz", { cache: "no-store", signal: AbortSignal.timeout(10000) })).ok;
   } catch {
     return false;
   }
