@@ -42,6 +42,8 @@ class CellChunks {
   // Keeps a reference to the reader. Without a cache, it has its own. Throws UsageError if the grid has no such `channel`: it is null.
   CellChunks(const GridReader& reader, const Channel* channel, const char* name, std::shared_ptr<CellChunkCache<T>> cache, Make make)
       : reader_(reader), channel_(channel), make_(std::move(make)), cache_(cache ? std::move(cache) : std::make_shared<CellChunkCache<T>>(kMemory)) {
+    if (channel_ == nullptr && std::ranges::find(reader.meta().others(), name, &Channel::name) != reader.meta().others().end())
+      throw UsageError(fmt::format("{}: its {} are in a coding that this version can't read", reader.name(), name));
     if (channel_ == nullptr) throw UsageError(fmt::format("{}: the grid has no {}: it was meshed without them", reader.name(), name));
     number_ = cache_->new_reader();
   }

@@ -14,6 +14,7 @@ namespace {
 
 constexpr uint32_t kSkippableMagic = 0x184D2A5E;  // zstd tools step over frames that start with it
 constexpr char kHeaderMagic[] = "teracell", kFooterMagic[] = "tcellend";
+constexpr std::string_view kPartMagic = "tcellpt";  // of any layout (part.cpp)
 constexpr int kIndexLevel = 6;                    // pages are small: a good ratio costs microseconds
 constexpr int kLongTextLevel = 1;                 // a report of 100,000 bodies takes a fifth of the time and is smaller, too
 constexpr uint64_t kLeastStats = 8;               // bytes of a summary
@@ -199,7 +200,9 @@ Bytes encode_header() {
 uint16_t check_header(std::span<const uint8_t> bytes) {
   ByteReader in(bytes, "header");
   if (bytes.size() < kHeaderBytes || !std::equal(kHeaderMagic, kHeaderMagic + 8, bytes.begin() + 8))
-    throw FormatError("not a teracell file: it does not start with a teracell header");
+    throw FormatError(bytes.size() >= kPartMagic.size() && std::equal(kPartMagic.begin(), kPartMagic.end(), bytes.begin())
+                          ? "expected a grid, found a part of one: merged with the other parts it becomes a grid"
+                          : "not a teracell file: it does not start with a teracell header");
   check_skippable(in, kHeaderBytes - 8);
   in.take(8);
   const auto major = in.fixed<uint16_t>(), minor = in.fixed<uint16_t>();

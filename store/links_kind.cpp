@@ -16,7 +16,11 @@ constexpr size_t kMemory = size_t{64} << 20;  // for chunks of labels: about a r
 
 class LinkCheck {
  public:
-  explicit LinkCheck(const GridReader& reader) : reader_(reader), shape_(reader.shape(0)), chunks_(kMemory) {}
+  explicit LinkCheck(const GridReader& reader)
+      : reader_(reader),
+        shape_(reader.shape(0)),
+        axes_{reader.meta().frame().u, reader.meta().frame().v, reader.meta().frame().w},
+        chunks_(kMemory) {}
 
   // `links`: those of the chunk.
   void check(const ChunkKey& key, const ChunkLinks& links) {
@@ -29,15 +33,15 @@ class LinkCheck {
       const auto d = static_cast<size_t>(axis);
       const uint64_t expected = differences(axis, *own, next[d].get());
       if (expected != links.along[d].size())
-        throw FormatError(fmt::format("the labels of neighbours differ {} times along axis {} of the rays' frame, but there are {} links", expected,
-                                      axis, links.along[d].size()));
+        throw FormatError(fmt::format("along {} the labels of neighbours change {} times, but there are {} links", axis_name(axes_[d]), expected,
+                                      links.along[d].size()));
       for (const Link& link : links.along[d]) {
         Cell cell = cell_of(axis, links, link);
         const Label lower = label_of(*own, cell);
         const bool beyond = ++cell[d] == links.cells(axis);
         if (beyond) cell[d] = 0;
         if (lower == label_of(beyond ? *next[d] : *own, cell))
-          throw FormatError(fmt::format("a link along axis {} of the rays' frame lies between cells with the same label", axis));
+          throw FormatError(fmt::format("a link along {} lies between cells with the same label", axis_name(axes_[d])));
       }
     }
   }
@@ -95,6 +99,7 @@ class LinkCheck {
 
   const GridReader& reader_;
   const LevelShape shape_;
+  const std::array<int, 3> axes_;  // of the rays' frame
   LruCache<ChunkKey, Chunk, ChunkKeyHash> chunks_;
 };
 

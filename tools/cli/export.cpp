@@ -63,7 +63,8 @@ void check_options(const ExportArguments& o, const ExportFormat& format) {
   for (const auto& [name, value] : o.of_formats)
     if (std::ranges::count(format.options, name, &ExportOption::name) == 0)
       throw UsageError(fmt::format("{}: the format {} has no such option", name, format.name));
-  if (o.map && !format.numbers) throw UsageError(fmt::format("--map: the format {} names materials, it has no numbers for them", format.name));
+  if (o.map && !format.numbers)
+    throw UsageError(fmt::format("--map: the format {} names materials or has the ids of the grid, which a map can't change", format.name));
 }
 
 void run(const ExportArguments& o) {

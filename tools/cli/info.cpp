@@ -187,8 +187,9 @@ void print(const GridReader& reader) {
     row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
   }
   print_channels(meta);
+  const std::string report = reader.report();
   try {
-    print_report(parse_report(reader.report()), meta.units);
+    print_report(parse_report(report), meta.units);
   } catch (const FormatError&) {
     row("report", "is not laid out as this program lays it out");
   }
