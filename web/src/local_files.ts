@@ -1,15 +1,12 @@
-// Grids that the page reads by itself: named in its own address ("?grid=https://..."), dropped on it, or chosen. The module that does it is
-// loaded when the first of them is there.
+// Grids that the page reads by itself: named in its own address ("?grid=https://..."), or dropped on it. The module that does it is loaded when the first of them is there.
 import module_address from "virtual:module";
-import { signal } from "@preact/signals";
 import { say } from "./base/messages";
 import type { LocalGrids } from "./module/local";
 import { ask_again } from "./server/connection";
 
 // Whether this page was built with the module.
-export const can_read_files = module_address !== null;
+const can_read_files = module_address !== null;
 export const addresses = (): string[] => new URLSearchParams(location.search).getAll("grid");
-export const reading = signal<string | null>(null); // the file that is being opened
 
 let local: Promise<LocalGrids> | null = null;
 // `alone`: no server is asked for other grids.
@@ -19,8 +16,8 @@ export async function open_addresses(): Promise<void> {
   const grids = await local_grids(true);
   const { HttpSource } = await import("./module/sources");
   for (const address of addresses()) {
-    const url = new URL(address, location.href);
-    await grids.add(() => HttpSource.open(url), url.pathname.split("/").pop() || url.host);
+    // What is no address is said in the list, too.
+    await grids.add(async () => HttpSource.open(new URL(address, location.href)), address.split(/[?#]/)[0]!.split("/").pop() || address);
   }
 }
 
@@ -30,12 +27,10 @@ export async function open_files(files: Iterable<File>): Promise<void> {
   const { FileSource } = await import("./module/sources");
   let last: string | null = null;
   for (const file of files) {
-    reading.value = file.name;
     const id = await grids.add(async () => new FileSource(file, file.name), file.name);
     last = id ?? last;
     if (id === null) say(`${file.name} can't be read`, "The list of grids says why.");
   }
-  reading.value = null;
   ask_again();
   if (last !== null) location.hash = `#g=${encodeURIComponent(last)}`;
 }

@@ -8,7 +8,6 @@ export class KeptBytes {
   private readonly blocks = new Map<number, Uint8Array<ArrayBuffer>>(); // those that were read last come last
   private readonly under_way = new Map<number, Promise<void>>();
   private bytes = 0;
-  requests = 0;
   constructor(private readonly source: Source) {}
 
   // REQUIRES: whole blocks, the last one as long as the source has it.
@@ -44,7 +43,6 @@ export class KeptBytes {
     const offset = first * BLOCK;
     const size = Math.min(end * BLOCK, this.source.size) - offset;
     try {
-      ++this.requests;
       const bytes = await this.source.read(offset, size);
       for (let b = first; b < end; ++b) {
         const block = bytes.slice((b - first) * BLOCK, (b - first + 1) * BLOCK);

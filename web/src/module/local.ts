@@ -8,9 +8,6 @@ import { KeptBytes } from "./kept_bytes";
 import { type Source, SourceError } from "./sources";
 import type { FromWorker, ToWorker } from "./worker";
 
-// Whether this page was built with the module.
-export const can_read_files = module_address !== null;
-
 const SLOW = /^api\/v1\/grids\/[^/]+\/(view\.|stats|diff|line|column|box\.|slice)/;
 
 interface Waiting {
@@ -73,7 +70,7 @@ class Helper {
 const json = (status: number, value: unknown) => new Response(JSON.stringify(value), { status, headers: { "content-type": "application/json" } });
 const failure = (status: number, code: string, message: string) => json(status, { error: { code, message } });
 
-const words_for_status = (answer: Answer) => new Response(answer.status === 304 ? null : answer.body, { status: answer.status, headers: { "content-type": answer.type, etag: answer.etag } });
+const response_of = ({ status, type, etag, body }: Answer) => new Response(body, { status, headers: { "content-type": type, etag } });
 
 export class LocalGrids {
   private readonly files: KeptBytes[] = [];
@@ -125,7 +122,7 @@ export class LocalGrids {
     options.signal?.throwIfAborted();
     try {
       const message = await helper.ask({ kind: "ask", target: `/${path}` }, options.signal);
-      if (message.kind === "answer") return words_for_status(message.answer);
+      if (message.kind === "answer") return response_of(message.answer);
       return failure(500, "failed", message.kind === "failed" ? message.message : "the module gave another answer");
     } catch (error) {
       if (!(error instanceof SourceError)) throw error;
