@@ -11,6 +11,7 @@
 #include "server/diff.hpp"
 #include "server/service/box_parts.hpp"
 #include "server/service/column_parts.hpp"
+#include "server/service/file_parts.hpp"
 #include "server/service/picture_parts.hpp"
 #include "server/view.hpp"
 #include "store/cut_plane.hpp"
@@ -296,6 +297,13 @@ Response box_file(const GridRequest& r, const std::string& ending) {
                                                         }});
 }
 
+// The grid's file as it is.
+Response file(const GridRequest& r) {
+  r.target.allow({"v"});
+  return r.service.answer(r.request, r.target, r.grid,
+                          {.route = "file", .content_type = "application/octet-stream", .parts = [&] { return file_parts(r.reader().source()); }});
+}
+
 Response stats(const GridRequest& r) {
   r.target.allow({"v", "region", "bodies"});
   const bool bodies = asks_for_bodies(r);
@@ -374,6 +382,7 @@ Response answer_api(Service& service, const Request& request, const Target& targ
   if (is("line", 1)) return line(r);
   if (is("stats", 1)) return stats(r);
   if (is("check", 1)) return findings(r);
+  if (is("file.tcell", 1)) return file(r);
   if (is("diff", 1)) return service.answer(request, target, r.grid, diff_recipe(service, *r.grid, target));
   const auto [name, ending] = split_name(r.rest[0]);
   if (name == "box" && r.rest.size() == 1) return box_file(r, ending);
@@ -388,7 +397,8 @@ Cost cost_of_api(const Target& target) {
   const std::string& what = path[4];
   if (what == "view.json" || what == "line" || what == "column") return Cost::kSeen;
   if (what == "view.bin" && pixels_asked_for(target) <= kMostSeenPixels) return Cost::kSeen;
-  const bool dear = what == "stats" || what == "slice" || what == "diff" || what.starts_with("box.") || what.starts_with("view.");
+  const bool dear =
+      what == "stats" || what == "slice" || what == "diff" || what == "file.tcell" || what.starts_with("box.") || what.starts_with("view.");
   return dear ? Cost::kDear : Cost::kCheap;
 }
 

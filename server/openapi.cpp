@@ -263,6 +263,7 @@ std::string openapi_json(const Request& request) {
                                                                                                            : "a file of VTK, also for graded axes")
             .c_str(),
         {id, region, version()}, std::string(ending) == "npy" ? "application/octet-stream" : "application/xml", nullptr);
+  paths[grid + "/file.tcell"] = get("the grid's file as it is", {id, version()}, "application/octet-stream", nullptr);
   paths[grid + "/stats"] = get("the exact number of cells, volume and box of every material, counted from runs",
                                {id, parameter("region", "query", "X0,Y0,Z0,X1,Y1,Z1: half open, in cells; default: the whole grid", kString),
                                 parameter("bodies", "query", "1: also those of every body, where the grid keeps bodies apart", flag()), version()},

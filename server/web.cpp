@@ -46,25 +46,6 @@ std::string_view name_of(std::string_view path) {
   return on_top || path.starts_with("/assets/") ? path.substr(1) : "";
 }
 
-std::string inflated(std::string_view gzip) {
-  z_stream z{};
-  if (inflateInit2(&z, MAX_WBITS + 16) != Z_OK) throw std::bad_alloc();
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(gzip.data()));
-  z.avail_in = static_cast<uInt>(gzip.size());
-  std::string out;
-  char piece[16384];
-  int status = Z_OK;
-  while (status == Z_OK) {
-    z.next_out = reinterpret_cast<Bytef*>(piece);
-    z.avail_out = sizeof piece;
-    status = inflate(&z, Z_NO_FLUSH);
-    out.append(piece, sizeof piece - z.avail_out);
-  }
-  inflateEnd(&z);
-  if (status != Z_STREAM_END) throw FormatError("a file of the page is damaged in the program: build the program again");
-  return out;
-}
-
 std::string hash_of(std::string_view bytes) {
   return fmt::format("{:016x}", checksum({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}));
 }
@@ -84,6 +65,25 @@ Response with_body(Response r, const Request& request, Body body) {
 }
 
 }  // namespace
+
+std::string unpacked(const EmbeddedFile& file) {
+  z_stream z{};
+  if (inflateInit2(&z, MAX_WBITS + 16) != Z_OK) throw std::bad_alloc();
+  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(file.gzip.data()));
+  z.avail_in = static_cast<uInt>(file.gzip.size());
+  std::string out;
+  char piece[16384];
+  int status = Z_OK;
+  while (status == Z_OK) {
+    z.next_out = reinterpret_cast<Bytef*>(piece);
+    z.avail_out = sizeof piece;
+    status = inflate(&z, Z_NO_FLUSH);
+    out.append(piece, sizeof piece - z.avail_out);
+  }
+  inflateEnd(&z);
+  if (status != Z_STREAM_END) throw FormatError(fmt::format("{} of the page is damaged in the program: build the program again", file.name));
+  return out;
+}
 
 Page::Page(std::span<const EmbeddedFile> files) {
   for (const EmbeddedFile& f : files) files_.emplace(f.name, File{body_of(std::string(f.gzip)), hash_of(f.gzip)});
@@ -127,7 +127,7 @@ std::optional<Response> Page::answer(const Request& request) const {
   if (name.empty()) return std::nullopt;
   if (const auto found = files_.find(name); found != files_.end())
     return with_body(response(name, fmt::format("\"{}\"", found->second.etag), name.starts_with("assets/")), request,
-                     body_of(inflated(*found->second.gzip)));
+                     body_of(unpacked({name, *found->second.gzip})));
   if (folder_.empty()) return std::nullopt;
   const Listing there = listing();
   const auto found = there.find(name);

@@ -18,6 +18,8 @@ struct EmbeddedFile {
 };
 // The files that web/CMakeLists.txt put into the program; empty when it was built without the page.
 std::span<const EmbeddedFile> embedded_page();
+// Throws FormatError for what is damaged.
+std::string unpacked(const EmbeddedFile& file);
 
 // Threads share it.
 class Page {

@@ -15,6 +15,7 @@
   command(export, "a box of cells in the format of another program") \
   command(partition, "boxes of equal work for the ranks of a parallel program") \
   command(pack, "the same cells laid out for reading from far away") \
+  command(page, "the dashboard without a server: files for a host, or one HTML file") \
   command(verify, "check every byte and every invariant of a file") \
   command(sample, "write a built-in scene") \
   command(serve, "grids over HTTP: pictures, numbers, the formats of other viewers")

@@ -7,6 +7,7 @@ import { FigureDialog } from "./figures/dialog";
 import { Header } from "./header";
 import { Help } from "./help";
 import { grids, opening, start_page, trouble, unreadable, viewer } from "./page";
+import { dragged } from "./module/own_grids";
 import { SidePanel } from "./panels/side_panel";
 import { token_wanted } from "./server/api";
 import { watch_network } from "./server/connection";
@@ -48,6 +49,7 @@ export function App() {
       {open && <Help viewer={open} />}
       {open && <FigureDialog viewer={open} />}
       <Toasts />
+      {dragged.value && <div class="drop-here">Drop .tcell files to open them. Nothing is uploaded.</div>}
     </>
   );
 }

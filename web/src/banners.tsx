@@ -1,8 +1,9 @@
 // Messages about the page as a whole: the server does not answer, or the file behind the grid has changed.
 import { useEffect, useState } from "preact/hooks";
-import { clock } from "./base/format";
+import { clock, upper_first } from "./base/format";
 import { reload, stale, unreadable, viewer } from "./page";
 import { connection, next_try, try_now } from "./server/connection";
+import { answerer, is_read_here } from "./server/transport";
 import { Icon } from "./widgets/icons";
 
 function Waiting() {
@@ -25,7 +26,7 @@ export function Banners() {
         <div class="banner bad">
           <Icon name="warning" />
           <span>
-            The server has not answered since {clock(connection.value.since)};{" "}
+            {upper_first(answerer())} has not answered since {clock(connection.value.since)};{" "}
             <span aria-hidden="true">
               <Waiting />
             </span>
@@ -49,7 +50,8 @@ export function Banners() {
         <div class="banner bad">
           <Icon name="warning" />
           <span>
-            “{id}” is no longer served: {broken?.error ?? "its file is gone"}. What is on screen stays.
+            {is_read_here(id ?? "") ? `“${id}” can't be read any more` : `“${id}” is no longer served`}: {broken?.error ?? "its file is gone"}. What is on
+            screen stays.
           </span>
         </div>
       )}

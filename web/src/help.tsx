@@ -1,5 +1,7 @@
 // The dialog that lists gestures and keys, as the views declare them.
 import { useEffect, useRef } from "preact/hooks";
+import { notice_address } from "./module/beside";
+import { is_alone } from "./server/transport";
 import type { Viewer } from "./state/viewer";
 import { type Binding, comparison_bindings, overview_bindings, slice_bindings } from "./views/bindings";
 import { Icon } from "./widgets/icons";
@@ -49,8 +51,8 @@ export function Help({ viewer }: { viewer: Viewer }) {
         <h3>While two slices are compared</h3>
         <Bindings list={comparison_bindings} />
         <p>
-          <a href="NOTICE" target="_blank" rel="noreferrer">
-            Licences of the third-party software in this page and its server
+          <a href={notice_address()} target="_blank" rel="noreferrer">
+            Licences of the third-party software in this page{is_alone() ? "" : " and its server"}
           </a>
         </p>
       </div>

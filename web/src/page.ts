@@ -6,6 +6,7 @@ import type { GridSummary, UnreadableFile } from "./base/grid";
 import { words_of } from "./base/messages";
 import { ServerError, drop_complaints, grid_info, list_grids, version_gone } from "./server/api";
 import { connection, returned } from "./server/connection";
+import { is_alone } from "./server/transport";
 import { keep_ground } from "./state/ground";
 import { grid_in_address, keep_address, read_address } from "./state/permalink";
 import { Viewer } from "./state/viewer";
@@ -80,7 +81,10 @@ function follow_address(): void {
 }
 
 // Opens the grid as its file is now, at the same place.
-export const reload = () => viewer.value && void open(viewer.value.info.id);
+export function reload(): void {
+  if (is_alone()) location.reload();
+  else if (viewer.value) void open(viewer.value.info.id);
+}
 
 export async function start_page(): Promise<void> {
   addEventListener("hashchange", follow_address);

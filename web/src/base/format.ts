@@ -103,3 +103,6 @@ export function csv_name(name: string): string {
   const text = /^[=+\-@\t\r]/.test(name) ? `'${name}` : name;
   return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
 }
+
+// As it begins a sentence.
+export const upper_first = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);

@@ -99,7 +99,7 @@ function Counted({ pair, comparison, difference }: { pair: Pair; comparison: Sig
 function NotCounted({ error, own, other }: { error: string; own: string; other: string }) {
   return (
     <>
-      <p class="note">The server did not count the cells that differ: {error}. This does, where both have the same cells:</p>
+      <p class="note">The cells that differ were not counted: {error}. This does, where both have the same cells:</p>
       <CodeLine class="hash" text={`teracell diff ${quoted(`${own}.tcell`)} ${quoted(`${other}.tcell`)}`} what="the command" />
     </>
   );

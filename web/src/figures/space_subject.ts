@@ -98,7 +98,7 @@ export async function space_subject(viewer: Viewer, options: FigureOptions, grou
       }
       return {
         labels: [...labels].sort((a, b) => a - b),
-        note: fewer < 1 ? `Drawn with ${image.width} pixels, the most that the server makes, and enlarged.` : "Cells of at most a quarter of a pixel.",
+        note: fewer < 1 ? `Drawn with ${image.width} pixels, the most that are made, and enlarged.` : "Cells of at most a quarter of a pixel.",
         paint: (sheet, { plot }) => sheet.context.drawImage(picture, plot.x, plot.y, plot.width, plot.height),
       };
     },

@@ -1,8 +1,8 @@
 // Grids without a server: files that a host gives out by ranges, or that the user gives to the page. The module answers about them, in two
 // workers: one for what is quick, and one for what may take long, so that slices stay swift while 3D gets sharp.
-import module_address from "virtual:module";
 import type { GridSummary, UnreadableFile } from "../base/grid";
-import { type Ask, answer_by } from "../server/transport";
+import { type Ask, is_alone, note_read_here } from "../server/transport";
+import { make_worker, module_bytes } from "./beside";
 import type { Answer, Missing } from "./instance";
 import { KeptBytes } from "./kept_bytes";
 import { type Source, SourceError } from "./sources";
@@ -16,16 +16,19 @@ interface Waiting {
 }
 
 class Helper {
-  private readonly worker = new Worker(new URL("./worker.ts", import.meta.url), { type: "module" });
+  private readonly worker = make_worker();
   private readonly waiting = new Map<number, Waiting>();
   private next = 0;
+  private broken: Error | null = null; // why the worker does not answer
   constructor(
-    module: Promise<WebAssembly.Module>,
+    module: Promise<ArrayBuffer>,
     private readonly files: readonly KeptBytes[],
   ) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
+    this.worker.onerror = ({ message }) => this.fail(`the worker that reads grids can't be started: ${message || "the browser does not say why"}`);
+    this.worker.onmessageerror = () => this.fail("the browser gives the worker nothing to read");
     module.then(
-      (compiled) => this.tell({ kind: "module", module: compiled }),
+      (code) => this.tell({ kind: "module", code }),
       () => {}, // open() says it
     );
   }
@@ -34,6 +37,7 @@ class Helper {
   ask(message: { kind: "ask"; target: string } | { kind: "open"; name: string; size: number }, signal?: AbortSignal | null): Promise<FromWorker> {
     const id = this.next++;
     return new Promise((resolve, reject) => {
+      if (this.broken) return reject(this.broken);
       this.waiting.set(id, { resolve, reject });
       signal?.addEventListener("abort", () => this.give_up(id, signal.reason));
       this.tell({ ...message, id });
@@ -55,6 +59,10 @@ class Helper {
       this.give_up(id, error);
     }
   }
+  private fail(message: string): void {
+    this.broken = new Error(message);
+    for (const id of [...this.waiting.keys()]) this.give_up(id, this.broken);
+  }
   private give_up(id: number, error: unknown): void {
     const waiting = this.waiting.get(id);
     if (!waiting) return;
@@ -72,36 +80,64 @@ const failure = (status: number, code: string, message: string) => json(status, 
 
 const response_of = ({ status, type, etag, body }: Answer) => new Response(body, { status, headers: { "content-type": type, etag } });
 
+interface LocalGrid {
+  readonly source: Source;
+  readonly kept: KeptBytes;
+  changed: string | null; // what was said when its file was found to be another one
+}
+
 export class LocalGrids {
   private readonly files: KeptBytes[] = [];
-  private readonly ids = new Set<string>();
+  private readonly grids = new Map<string, LocalGrid>(); // by id
   private readonly unreadable: UnreadableFile[] = [];
-  private readonly module = compiled();
+  private readonly module = unpacked_module();
   private readonly helpers = [new Helper(this.module, this.files), new Helper(this.module, this.files)] as const;
-
-  // Makes them the ones who answer about their grids. `alone`: there is no server.
-  constructor(private readonly alone: boolean) {
-    answer_by((before) => (path, options) => this.answer(path, options, before));
-  }
+  private lost: Source | null = null; // whose host could not be reached
 
   // Adds a grid, and returns its id; or null when it can't be read, which the list of grids then says.
   async add(open: () => Promise<Source>, name: string): Promise<string | null> {
     try {
-      await this.module;
-      const source = await open();
-      this.files.push(new KeptBytes(source));
+      const [source] = await Promise.all([open(), this.module]);
+      const kept = new KeptBytes(source);
+      this.files.push(kept);
       const before = (await this.list()).map(({ id }) => id);
       const opened = await Promise.all(this.helpers.map((helper) => helper.ask({ kind: "open", name: source.name, size: source.size })));
       for (const message of opened) {
         if (message.kind === "failed") throw new Error(message.message);
         if (message.kind === "opened" && message.wrong) throw new Error(message.wrong);
       }
-      const added = (await this.list()).find(({ id }) => !before.includes(id))!.id;
-      this.ids.add(added);
-      return added;
+      const { id } = (await this.list()).find((grid) => !before.includes(grid.id))!;
+      this.grids.set(id, { source, kept, changed: null });
+      note_read_here(id);
+      return id;
     } catch (error) {
       this.unreadable.push({ id: name.replace(/\.tcell$/, ""), error: error instanceof Error ? error.message : String(error) });
       return null;
+    }
+  }
+
+  // Answers for its grids; `before` answers for those of a server, if there is one.
+  async answer(path: string, options: Parameters<Ask>[1], before: Ask): Promise<Response> {
+    if (path === "api/v1/grids") return this.lists(is_alone() ? null : before(path, options));
+    const [, encoded, rest] = /^api\/v1\/grids\/([^/?]+)(.*)/s.exec(path) ?? [];
+    const id = decodeURIComponent(encoded ?? "");
+    const grid = this.grids.get(id);
+    if (!grid && !is_alone()) return before(path, options);
+    if (path === "healthz") return this.health();
+    options.signal?.throwIfAborted();
+    try {
+      if (grid && rest === "/file.tcell") return await whole_file(grid.source);
+      const helper = this.helpers[SLOW.test(path) ? 1 : 0];
+      const message = await helper.ask({ kind: "ask", target: `/${path}` }, options.signal);
+      if (message.kind === "answer") return response_of(message.answer);
+      return failure(500, "failed", message.kind === "failed" ? message.message : "the module gave another answer");
+    } catch (error) {
+      if (!(error instanceof SourceError)) throw error;
+      if (grid && error.code === "unreachable") this.lost = grid.source;
+      if (error.code === "unreachable") throw new TypeError(error.message);
+      if (grid && error.code === "replaced") grid.changed = error.message;
+      // As a server answers for a version that is gone.
+      return failure(error.code === "replaced" ? 404 : 500, error.code, error.message);
     }
   }
 
@@ -110,30 +146,36 @@ export class LocalGrids {
     return message.kind === "answer" ? (JSON.parse(new TextDecoder().decode(message.answer.body)) as { grids: GridSummary[] }).grids : [];
   }
 
-  private async answer(path: string, options: Parameters<Ask>[1], before: Ask): Promise<Response> {
-    if (path === "api/v1/grids") {
-      const served = this.alone ? { grids: [], unreadable: [] } : await before(path, options).then((response) => response.json());
-      return json(200, { ...served, grids: [...served.grids, ...(await this.list())], unreadable: [...served.unreadable, ...this.unreadable] });
+  // A grid of an address that was replaced has another version now, which a new page will read. A file that was changed must be given again.
+  private async lists(served: Promise<Response> | null): Promise<Response> {
+    const others = served ? ((await (await served).json()) as { grids: GridSummary[]; unreadable: UnreadableFile[] }) : { grids: [], unreadable: [] };
+    const [grids, unreadable] = [[...others.grids], [...others.unreadable, ...this.unreadable]];
+    for (const grid of await this.list()) {
+      const { changed = null, source } = this.grids.get(grid.id) ?? {};
+      if (changed === null) grids.push(grid);
+      else if (source?.may_be_opened_again) grids.push({ ...grid, hash: "" });
+      else unreadable.push({ id: grid.id, error: changed });
     }
-    const id = decodeURIComponent(/^api\/v1\/grids\/([^/?]+)/.exec(path)?.[1] ?? "");
-    if (!this.alone && !this.ids.has(id)) return before(path, options);
-    if (path === "healthz") return new Response("ok");
-    const helper = this.helpers[SLOW.test(path) ? 1 : 0];
-    options.signal?.throwIfAborted();
-    try {
-      const message = await helper.ask({ kind: "ask", target: `/${path}` }, options.signal);
-      if (message.kind === "answer") return response_of(message.answer);
-      return failure(500, "failed", message.kind === "failed" ? message.message : "the module gave another answer");
-    } catch (error) {
-      if (!(error instanceof SourceError)) throw error;
-      if (error.code === "unreachable") throw new TypeError(error.message);
-      return failure(500, error.code, error.message);
-    }
+    return json(200, { ...others, grids, unreadable });
+  }
+
+  private async health(): Promise<Response> {
+    await this.lost?.read(0, 1);
+    this.lost = null;
+    return new Response("ok");
   }
 }
 
-async function compiled(): Promise<WebAssembly.Module> {
-  if (module_address === null) throw new Error("this page was built without the module that reads grids");
-  const response = await fetch(module_address);
-  return WebAssembly.compile(await response.arrayBuffer());
+const WHOLE = 1 << 20; // bytes that are read at once
+
+async function whole_file(source: Source): Promise<Response> {
+  const parts: Uint8Array<ArrayBuffer>[] = [];
+  for (let at = 0; at < source.size; at += WHOLE) parts.push(await source.read(at, Math.min(WHOLE, source.size - at)));
+  return new Response(new Blob(parts), { headers: { "content-type": "application/octet-stream" } });
+}
+
+async function unpacked_module(): Promise<ArrayBuffer> {
+  if (module_bytes === null) throw new Error("this page was built without the module that reads grids");
+  const packed = new Blob([await module_bytes()]);
+  return new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
 }

@@ -3,6 +3,7 @@
 export interface Source {
   readonly name: string; // that of the file
   readonly size: number;
+  readonly may_be_opened_again?: boolean; // when it was replaced: it has an address that lasts
   read(offset: number, size: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>>;
 }
 
@@ -40,6 +41,7 @@ const last_part = (url: URL) => decodeURIComponent(url.pathname.split("/").pop()
 const ALLOWANCE = "it must allow this page's origin and the header Range, and expose Content-Range and ETag (CORS)";
 
 export class HttpSource implements Source {
+  readonly may_be_opened_again = true;
   private constructor(
     private readonly url: URL,
     readonly size: number,

@@ -3,7 +3,7 @@
 import { type Answer, Instance, type Missing, is_missing } from "./instance";
 
 export type ToWorker =
-  | { kind: "module"; module: WebAssembly.Module }
+  | { kind: "module"; code: ArrayBuffer } // not compiled: Chromium gives no compiled module to a worker of a page from a disk
   | { kind: "open"; id: number; name: string; size: number }
   | { kind: "ask"; id: number; target: string }
   | { kind: "bytes"; id: number; parts: { offset: number; file: number; bytes: Uint8Array<ArrayBuffer> }[] }
@@ -40,7 +40,7 @@ function begin(instance: Instance, id: number, make: () => { missing: readonly M
 }
 
 self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
-  if (data.kind === "module") return start(await Instance.of(data.module));
+  if (data.kind === "module") return start(await Instance.of(await WebAssembly.compile(data.code)));
   const instance = await ready;
   const { id } = data;
   if (data.kind === "open") {

@@ -1,11 +1,23 @@
-// Ways to share: a link to what is shown, a picture of it, and the addresses of the grid for other programs.
-import { has_token, server_root } from "../server/api";
+// Ways to share: a link to what is shown, a picture of it, one file with the grid in it, and the addresses of the grid for other programs.
+import { useState } from "preact/hooks";
+import { save_blob } from "../base/download";
+import { bytes_text } from "../base/format";
+import type { GridInfo } from "../base/grid";
+import { say, words_of } from "../base/messages";
+import { quoted } from "../base/shell";
+import { whole_page } from "../module/beside";
+import { MOST_HELD, page_with } from "../module/held";
+import { get, has_token, server_root } from "../server/api";
+import { is_read_here } from "../server/transport";
 import { address_of } from "../state/permalink";
 import type { Viewer } from "../state/viewer";
 import { CodeLine, CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
 import { use_save_picture } from "./save_picture";
 import { type Door, NEUROGLANCER, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
+
+const PAGE = 1_300_000; // bytes of a page without a grid, about
+const about_bytes = (grid: number) => (4 / 3) * grid + PAGE; // base64
 
 const link = (viewer: Viewer) => `${location.href.split("#")[0]}${address_of(viewer)}`;
 
@@ -50,23 +62,45 @@ function neuroglancer_note(): string {
   return `${under_https} Put a server with https in front of this one.`;
 }
 
-export function SharePanel({ viewer }: { viewer: Viewer }) {
+// The grid and this page as one HTML file, for somebody who has neither.
+function SavePage({ info }: { info: GridInfo }) {
+  const [busy, set_busy] = useState(false);
+  if (whole_page === null) return null;
+  const large = info.file.bytes > MOST_HELD;
+  const save = async () => {
+    set_busy(true);
+    try {
+      const grid = await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/file.tcell`)).blob();
+      save_blob(await page_with(await whole_page!(), `${info.id}.tcell`, grid), `${info.id}.html`);
+    } catch (error) {
+      say(`The page can't be saved: ${words_of(error)}.`);
+    }
+    set_busy(false);
+  };
+  return (
+    <section>
+      <h3>One file for anybody</h3>
+      <div class="toolbar">
+        <button class="button" onClick={() => void save()} disabled={busy || large}>
+          <Icon name="save" /> {busy ? "Saving …" : "Save as one file"}
+        </button>
+        {!large && <span class="note">{bytes_text(about_bytes(info.file.bytes))}</span>}
+      </div>
+      <p class="note">
+        {large
+          ? `The grid has ${bytes_text(info.file.bytes)}, and a browser would hold all of it in memory: at most ${bytes_text(MOST_HELD)} fit into one file. “teracell page” writes a folder for a host of files instead.`
+          : "An HTML file with this page and the whole grid in it. It opens from a disk or a mail, without a network, in Chromium, Firefox and others."}
+      </p>
+    </section>
+  );
+}
+
+function Doors({ viewer }: { viewer: Viewer }) {
   const { info } = viewer;
   const cell = viewer.cell.value;
   const state = neuroglancer_state(info, server_root(), cell, viewer.looks.value, viewer.zoom.value);
   return (
     <>
-      <section>
-        <h3>What you see</h3>
-        <div class="toolbar">
-          <CopyButton label="Copy link" what="a link to what you see" text={() => link(viewer)} />
-          <SavePicture viewer={viewer} />
-          <button class="button" onClick={() => (viewer.figure.value = true)}>
-            <Icon name="picture" /> Figure …
-          </button>
-        </div>
-        <p class="note">The link holds everything that you see, except the choice of light or dark. The picture has a scale bar and a legend.</p>
-      </section>
       <section>
         <h3>Neuroglancer</h3>
         <a class="button" href={neuroglancer_link(state)} target="_blank" rel="noreferrer">
@@ -81,6 +115,43 @@ export function SharePanel({ viewer }: { viewer: Viewer }) {
           <DoorCard key={door.name} door={door} />
         ))}
       </section>
+    </>
+  );
+}
+
+// Programs can't ask a page for cells. They read the file, or ask a server.
+function FileAlone({ info }: { info: GridInfo }) {
+  const file = quoted(`${info.id}.tcell`);
+  return (
+    <section>
+      <h3>Other programs</h3>
+      <p class="note">This page reads the grid by itself. Where the file is, a server gives it to Neuroglancer, Zarr, ParaView and others:</p>
+      <CodeLine class="code-line" text={`teracell serve ${file}`} what="the command that serves the grid" />
+    </section>
+  );
+}
+
+export function SharePanel({ viewer }: { viewer: Viewer }) {
+  const { info } = viewer;
+  const here = is_read_here(info.id);
+  return (
+    <>
+      <section>
+        <h3>What you see</h3>
+        <div class="toolbar">
+          <CopyButton label="Copy link" what="a link to what you see" text={() => link(viewer)} />
+          <SavePicture viewer={viewer} />
+          <button class="button" onClick={() => (viewer.figure.value = true)}>
+            <Icon name="picture" /> Figure …
+          </button>
+        </div>
+        <p class="note">
+          The link holds everything that you see, except the choice of light or dark{here ? "; it leads to the grid where this page finds it by itself" : ""}. The picture has a
+          scale bar and a legend.
+        </p>
+      </section>
+      <SavePage info={info} />
+      {here ? <FileAlone info={info} /> : <Doors viewer={viewer} />}
     </>
   );
 }

@@ -1,4 +1,5 @@
 // The panel at the side (a sheet at the bottom on narrow screens): tabs, one of which is shown.
+import { is_alone } from "../server/transport";
 import type { Panel, Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
 import { BodiesPanel } from "./bodies";
@@ -22,7 +23,7 @@ const TABS: readonly Tab[] = [
   { panel: "report", label: "Report", Content: ReportPanel },
   { panel: "box", label: "Box", Content: BoxPanel },
   { panel: "share", label: "Share", Content: SharePanel },
-  { panel: "status", label: "Status", Content: StatusPanel },
+  { panel: "status", label: "Status", Content: StatusPanel, shown: () => !is_alone() },
 ];
 
 export function SidePanel({ viewer }: { viewer: Viewer }) {

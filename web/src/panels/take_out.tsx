@@ -6,12 +6,13 @@ import { AXES } from "../base/grid";
 import { say, words_of } from "../base/messages";
 import { quoted } from "../base/shell";
 import { get, has_token, server_root } from "../server/api";
+import { is_read_here } from "../server/transport";
 import type { Box, Viewer } from "../state/viewer";
 import { CodeLine, CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
 
 const MOST = 2n ** 32n; // cells that the server sends
-const MOST_HELD = 512n << 20n; // bytes that the page holds, where a token has to be sent
+const MOST_HELD = 512n << 20n; // bytes that the page holds, where a token has to be sent or there is no server
 
 // Lines of Python that fetch a box: NumPy and the standard library are enough.
 export const box_snippet = (address: string): string =>
@@ -57,33 +58,39 @@ function SaveAs({ viewer, box, ending, held }: { viewer: Viewer; box: Box; endin
 export function TakeOut({ viewer, box }: { viewer: Viewer; box: Box }) {
   const cells = product(AXES.map((d) => box[d + 3]! - box[d]));
   const bytes = cells * (viewer.info.materials.length > 256 ? 2n : 1n);
-  const token = has_token();
+  const here = is_read_here(viewer.info.id);
+  const held = here || has_token();
   const vtk = viewer.axes.some((axis) => axis.graded) ? "vtr" : "vti";
   const lines = box_snippet(`${server_root()}/${viewer.address.box("npy", box)}`);
-  const fits = cells <= MOST && (!token || bytes <= MOST_HELD);
+  const fits = cells <= MOST && (!held || bytes <= MOST_HELD);
   return (
     <section>
       <h3>Take the cells out</h3>
       {fits ? (
         <>
           <div class="toolbar">
-            <SaveAs viewer={viewer} box={box} ending="npy" held={token} />
-            <SaveAs viewer={viewer} box={box} ending={vtk} held={token} />
+            <SaveAs viewer={viewer} box={box} ending="npy" held={held} />
+            <SaveAs viewer={viewer} box={box} ending={vtk} held={held} />
             <span class="note">{bytes_text(Number(bytes))}</span>
           </div>
-          <p class="note">
-            .npy for NumPy, .{vtk} for ParaView. With Python, these lines fetch the box; they need <code>python3-numpy</code>
-            {token ? ", and a server that asks for no token." : "."}
-          </p>
-          <div class="code-line">
-            <pre>{lines}</pre>
-            <CopyButton text={lines} what="the lines that fetch the box" />
-          </div>
+          <p class="note">.npy for NumPy, .{vtk} for ParaView.</p>
+          {!here && (
+            <>
+              <p class="note">
+                With Python, these lines fetch the box; they need <code>python3-numpy</code>
+                {held ? ", and a server that asks for no token." : "."}
+              </p>
+              <div class="code-line">
+                <pre>{lines}</pre>
+                <CopyButton text={lines} what="the lines that fetch the box" />
+              </div>
+            </>
+          )}
         </>
       ) : (
         <>
           <p class="note">
-            {grouped(cells)} cells are more than {token ? "the page can hold" : "the server sends at once"}. On the machine that has the file:
+            {grouped(cells)} cells are more than {held ? "the page can hold" : "the server sends at once"}. On the machine that has the file:
           </p>
           <CodeLine
             class="hash"

@@ -5,7 +5,7 @@ import { prose } from "../base/format";
 import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
 import { drop, say } from "../base/messages";
 import { ask_again, doubt, not_reached, reached } from "./connection";
-import { ask } from "./transport";
+import { answerer, ask } from "./transport";
 
 // The server answered with an error, or it did not answer at all (status 0).
 export class ServerError extends Error {
@@ -105,7 +105,7 @@ export async function get(path: string, options: { signal?: AbortSignal; priorit
   } catch (error) {
     if (options.signal?.aborted) throw error;
     not_reached();
-    throw new ServerError(0, "unreachable", "the server can't be reached");
+    throw new ServerError(0, "unreachable", `${answerer()} can't be reached`);
   } finally {
     clearTimeout(timer);
   }

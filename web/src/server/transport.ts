@@ -2,9 +2,25 @@
 export type Ask = (path: string, options: RequestInit & { priority?: "high" | "low" | "auto" }) => Promise<Response>;
 
 let current: Ask = (path, options) => fetch(path, options);
+let alone = false;
+const read_here = new Set<string>();
 
 export const ask: Ask = (path, options) => current(path, options);
 // `make` gets who answered so far, and returns who answers from now on.
 export function answer_by(make: (before: Ask) => Ask): void {
   current = make(current);
 }
+
+// There is no server: the page reads all its grids by itself.
+export function be_alone(): void {
+  alone = true;
+}
+export const is_alone = (): boolean => alone;
+// What the page waits for when nothing answers.
+export const answerer = (): string => (alone ? "the host of the grids" : "the server");
+
+// The page reads this grid by itself, so no other program can have it from a server.
+export function note_read_here(id: string): void {
+  read_here.add(id);
+}
+export const is_read_here = (id: string): boolean => alone || read_here.has(id);

@@ -11,6 +11,7 @@ import { type Care, care_of } from "../panels/report_words";
 import { checked_findings, server_root } from "../server/api";
 import { use_answer } from "../server/answer";
 import { use_picture } from "../server/picture";
+import { is_read_here } from "../server/transport";
 import { theme } from "../state/theme";
 import { CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
@@ -140,7 +141,7 @@ export function Card({ grid }: { grid: GridSummary }) {
         <Materials info={info} />
         <CareLine grid={grid} info={info} wanted={seen} />
       </a>
-      <Addresses grid={grid} />
+      {!is_read_here(grid.id) && <Addresses grid={grid} />}
     </li>
   );
 }

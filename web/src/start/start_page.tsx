@@ -2,6 +2,8 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { grouped, plural } from "../base/format";
 import type { GridSummary, UnreadableFile } from "../base/grid";
+import { can_read_files, open_files } from "../module/own_grids";
+import { is_alone } from "../server/transport";
 import { Icon } from "../widgets/icons";
 import { Card } from "./card";
 import { ORDERS, type Order, listed } from "./listing";
@@ -25,6 +27,16 @@ function headline(readable: number, broken: number): string {
 }
 
 function Empty() {
+  if (is_alone())
+    return (
+      <div class="empty">
+        <h1>Open a grid</h1>
+        <p>Choose .tcell files on your machine, or drop them here. This page reads them by itself: nothing is uploaded.</p>
+        <FileChoice />
+        <p class="note">A grid is made from triangle surfaces by the program teracell:</p>
+        <pre>teracell mesh part.stl --cells 2000 -o part.tcell</pre>
+      </div>
+    );
   return (
     <div class="empty">
       <h1>No grid here yet</h1>
@@ -32,6 +44,30 @@ function Empty() {
         The server is running, but it has no grid to serve. Make one and put it into the folder that is served. It will appear here by itself.
       </p>
       <pre>teracell mesh part.stl --cells 2000 -o part.tcell</pre>
+      {can_read_files && <p>Or open a file of your machine. The page reads it by itself: nothing is uploaded.</p>}
+      <FileChoice />
+    </div>
+  );
+}
+
+// Opens files of this machine. Nothing is uploaded.
+function FileChoice() {
+  const input = useRef<HTMLInputElement>(null);
+  if (!can_read_files) return null;
+  return (
+    <div class="file-choice">
+      <input
+        ref={input}
+        type="file"
+        accept=".tcell"
+        multiple
+        hidden
+        aria-label="Files to open"
+        onChange={(e) => e.currentTarget.files && void open_files([...e.currentTarget.files])}
+      />
+      <button class="button" title="Files of this machine; nothing is uploaded" onClick={() => input.current!.click()}>
+        <Icon name="open" /> Open files …
+      </button>
     </div>
   );
 }
@@ -87,6 +123,7 @@ function List({ grids, broken }: { grids: readonly GridSummary[]; broken: readon
       <div class="start-head">
         <h1>{headline(grids.length, broken.length)}</h1>
         {many && <Choice text={text} order={order} search={set_text} sort={set_order} />}
+        <FileChoice />
       </div>
       <p class="note" role="status">
         {many && found.length === 0 && "No name contains this text."}

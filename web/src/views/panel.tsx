@@ -57,7 +57,7 @@ function Title({ stage, viewer, axis }: { stage: Stage; viewer: Viewer; axis: Ax
         </span>
       )}
       {stage.damaged[axis].value && (
-        <span class="view-damaged" role="status" title="The server can't read this part of the file. “teracell verify” says what is damaged.">
+        <span class="view-damaged" role="status" title="This part of the file can't be read. “teracell verify” says what is damaged.">
           striped: unreadable
         </span>
       )}

@@ -1,0 +1,66 @@
+// teracell page: the dashboard without a server.
+#include <deque>
+
+#include <fmt/format.h>
+
+#include "server/static_page.hpp"
+#include "store/error.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/notice.hpp"
+#include "tools/cli/progress.hpp"
+
+namespace teracell {
+namespace {
+
+struct PageArguments {
+  std::vector<std::string> grids, beside;
+  SourceOptions source;
+  std::string output, progress = "auto";
+};
+
+void run(const PageArguments& o) {
+  expect_module(embedded_page());
+  const bool whole = o.output.ends_with(".html");
+  if (whole && o.grids.empty()) throw UsageError("page: expected the grids that are to be in the page: teracell page g.tcell -o g.html");
+  std::vector<std::string> names = o.grids;
+  names.insert(names.end(), o.beside.begin(), o.beside.end());
+  if (whole) refuse_overwriting(names, o.output);
+
+  std::deque<GridReader> readers;  // a file that is no grid is refused
+  std::vector<PageGrid> grids;
+  for (const std::string& name : names) {
+    const std::string file = std::filesystem::path(name.substr(0, name.find_first_of("?#"))).filename().string();
+    if (!whole && is_address(name)) {
+      grids.push_back({file, name, nullptr});
+    } else {
+      readers.emplace_back(open_source(name, o.source));
+      grids.push_back({is_address(name) ? file : std::filesystem::path(name).filename().string(), "", &readers.back().source()});
+    }
+  }
+  const std::atomic<bool>& stop = watch_interrupts();
+  ProgressLine line(o.progress, "");
+  const auto progress = [&](double share) {
+    stop_if(stop, o.output);
+    line("page", share);
+  };
+  if (whole) write_whole_page(embedded_page(), grids, o.output, progress);
+  else write_site(embedded_page(), notice(), grids, o.output, progress);
+}
+
+}  // namespace
+
+Run setup_page(CLI::App& app) {
+  const auto o = std::make_shared<PageArguments>();
+  app.add_option("grids", o->grids, ".tcell files, or addresses (https://..., s3://...)");
+  app.add_option("--grids", o->beside, "the same, for a folder: files are copied beside the page, addresses are listed");
+  app.add_option("-o,--output", o->output, "a folder for the files of the page, or one file if the name ends with .html")->required();
+  add_source_options(app, o->source);
+  add_progress(app, o->progress);
+  app.footer(
+      "The page reads the grids by itself: no server is needed. A folder is for any host of static files that answers ranges of bytes; one HTML\n"
+      "file, which holds the grids, opens from a disk or a mail. `teracell pack` makes grids that need fewer requests. Examples:\n"
+      "  teracell page -o site/ --grids packed.tcell\n  teracell page g.tcell -o g.html");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell

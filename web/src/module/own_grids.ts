@@ -1,0 +1,84 @@
+// Grids that the page reads by itself: named in its address ("?grid=https://..."), in the page as it was written (held.ts), or given to
+// it by the user. The module that does it is loaded when the first of them is there.
+import { signal } from "@preact/signals";
+import { say } from "../base/messages";
+import { ask_again } from "../server/connection";
+import { answer_by, be_alone } from "../server/transport";
+import { module_bytes } from "./beside";
+import { HeldSource, type ListedGrid, listed_grids } from "./held";
+import type { LocalGrids } from "./local";
+import { FileSource, HttpSource, type Source } from "./sources";
+
+// Whether this page was built with the module.
+export const can_read_files = module_bytes !== null;
+
+const last_part = (address: string) => address.split(/[?#]/)[0]!.split("/").pop() || address;
+const addressed = (address: string): ListedGrid => ({ name: last_part(address), address });
+
+// Those of the address bar, or else of the page; null: a server has the grids.
+function own_grids(): readonly ListedGrid[] | null {
+  const addresses = new URLSearchParams(location.search).getAll("grid");
+  return addresses.length > 0 ? addresses.map(addressed) : listed_grids();
+}
+
+async function source_of(grid: ListedGrid, number: number): Promise<Source> {
+  if ("bytes" in grid) return new HeldSource(number, grid.name, grid.bytes);
+  return HttpSource.open(new URL(grid.address, location.href)); // what is no address is said in the list
+}
+
+let local: Promise<LocalGrids> | null = null;
+// `first`: is to be done before anything is answered.
+function local_grids(first: (grids: LocalGrids) => Promise<unknown> = () => Promise.resolve()): Promise<LocalGrids> {
+  if (local) return local;
+  const ready = import("./local").then(async ({ LocalGrids }) => {
+    const grids = new LocalGrids();
+    await first(grids);
+    return grids;
+  });
+  answer_by((before) => async (path, options) => (await ready).answer(path, options, before));
+  return (local = ready);
+}
+
+// Finds out whether there is a server. If not, the page opens its own grids, and all that it asks for waits for them.
+export function open_own_grids(): void {
+  const own = own_grids();
+  if (own === null) return;
+  be_alone();
+  void local_grids(async (grids) => {
+    for (const [number, grid] of own.entries()) await grids.add(() => source_of(grid, number), grid.name);
+  });
+}
+
+// Opens the last one of those that can be read. Nothing is uploaded.
+export async function open_files(files: Iterable<File>): Promise<void> {
+  const grids = await local_grids();
+  let last: string | null = null;
+  for (const file of files) {
+    const id = await grids.add(async () => new FileSource(file, file.name), file.name);
+    last = id ?? last;
+    if (id === null) say(`${file.name} can't be read`, "The list of grids says why.");
+  }
+  ask_again();
+  if (last !== null) location.hash = `#g=${encodeURIComponent(last)}`;
+}
+
+// Whether files are held over the page.
+export const dragged = signal(false);
+
+// What is dropped anywhere on the page is opened.
+export function watch_drops(): void {
+  if (!can_read_files) return;
+  const has_files = (event: DragEvent) => event.dataTransfer?.types.includes("Files") ?? false;
+  document.addEventListener("dragover", (event) => {
+    if (!has_files(event)) return;
+    event.preventDefault();
+    dragged.value = true;
+  });
+  document.addEventListener("dragleave", (event) => event.relatedTarget === null && (dragged.value = false));
+  document.addEventListener("drop", (event) => {
+    if (!has_files(event)) return;
+    event.preventDefault();
+    dragged.value = false;
+    void open_files([...event.dataTransfer!.files]);
+  });
+}
