@@ -5,6 +5,7 @@
 
 #include "store/error.hpp"
 #include "store/in_order.hpp"
+#include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
@@ -50,11 +51,17 @@ void Caster::each_part(const Window& window, const std::function<void(const Wind
         return 0;
       },
       [&](int) { progress(static_cast<double>(++made) / static_cast<double>(across * down)); }, 8);
+  if (late_) throw Later("bytes of some pixels come later");
 }
 
-Sample Caster::sample(double x, double y, int worker) {
-  const auto hit = hits_[static_cast<size_t>(worker)].first(aim_.camera.sight(x, y));
-  return hit ? Sample{hit->t, hit->label, static_cast<int8_t>(hit->face)} : Sample{};
+std::optional<Sample> Caster::sample(double x, double y, int worker) {
+  try {
+    const auto hit = hits_[static_cast<size_t>(worker)].first(aim_.camera.sight(x, y));
+    return hit ? Sample{hit->t, hit->label, static_cast<int8_t>(hit->face)} : Sample{};
+  } catch (const Later&) {
+    late_ = true;
+    return std::nullopt;
+  }
 }
 
 Samples Caster::cast(const Window& window, const Progress& progress) {
@@ -63,7 +70,11 @@ Samples Caster::cast(const Window& window, const Progress& progress) {
       window,
       [&](const Window& part, int worker) {
         for (int64_t y = part.y0; y < part.y1; ++y)
-          for (int64_t x = part.x0; x < part.x1; ++x) out.at(x, y) = sample(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, worker);
+          for (int64_t x = part.x0; x < part.x1; ++x) {
+            const auto s = sample(static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5, worker);
+            if (s) out.at(x, y) = *s;
+            else x |= 7;  // its neighbours lack the same bytes
+          }
       },
       progress);
   return out;
@@ -83,8 +94,8 @@ std::array<Seen, 4> Caster::around(const Samples& samples, int64_t x, int64_t y,
   std::array<Seen, 4> out;
   for (size_t i = 0; i < 4; ++i) {
     const auto& [dx, dy] = kPlaces[i];
-    const Sample s = sample(cx + dx, cy + dy, worker);
-    if (s.shown()) out[i] = {s.label, shading_.light(aim_.camera.sight(cx + dx, cy + dy), s, normal_near(samples, x, y, s, dx, dy))};
+    const auto s = sample(cx + dx, cy + dy, worker);
+    if (s && s->shown()) out[i] = {s->label, shading_.light(aim_.camera.sight(cx + dx, cy + dy), *s, normal_near(samples, x, y, *s, dx, dy))};
   }
   return out;
 }

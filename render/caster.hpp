@@ -36,11 +36,12 @@ class Caster {
   // Whether the middle is too little to know of a pixel. Then four points show what it shows.
   bool is_edge(const Samples& samples, int64_t x, int64_t y) const { return shading_.is_edge(samples, x, y); }
   std::array<Seen, 4> around(const Samples& samples, int64_t x, int64_t y, int worker);
-  // Calls f(part, worker) for the parts of a window, on all threads.
+  // Calls f(part, worker) for the parts of a window, on all threads. Pixels of which bytes come later show nothing; Later is thrown when all
+  // parts are done.
   void each_part(const Window& window, const std::function<void(const Window& part, int worker)>& f, const Progress& progress);
 
  private:
-  Sample sample(double x, double y, int worker);
+  std::optional<Sample> sample(double x, double y, int worker);  // none: it comes later
   Vec3 normal_near(const Samples& samples, int64_t x, int64_t y, const Sample& s, double dx, double dy) const;
 
   const GridReader& reader_;
@@ -50,7 +51,8 @@ class Caster {
   const Subject subject_;
   const Openness openness_;
   const Shading shading_;
-  std::vector<FirstHits> hits_;  // of threads
+  std::vector<FirstHits> hits_;    // of threads
+  std::atomic<bool> late_ = false;  // bytes of some pixel come later
 };
 
 }  // namespace teracell

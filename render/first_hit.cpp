@@ -95,6 +95,7 @@ std::optional<Hit> FirstHits::first(const Sight& sight) {
     line_.inverse[d] = 1 / line_.sight.along[d];
   }
   hit_.reset();
+  to_the_end_ = false;  // an error may have left it
   clip();
   for (const Stretch& s : stretches_) {
     line_.begin = s.begin, line_.face = s.face;

@@ -13,6 +13,12 @@ struct Unwanted : Error {
   using Error::Error;
 };
 
+// Bytes that are needed will be there later: the same work is to be done again then. Who has many parts to do goes on with the others first,
+// so that whoever fetches bytes learns of all that are missing at once.
+struct Later : Unwanted {
+  using Unwanted::Unwanted;
+};
+
 class Wanted {
  public:
   // `check` throws what is to end the work, such as Unwanted. It is called often, by the thread that made this object.

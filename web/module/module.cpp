@@ -28,16 +28,16 @@ Response response;
 std::string body;  // of the response
 
 // What a call returns.
-enum Outcome { kDone = 0, kBytesWanted = 1 };
+enum Outcome { kDone = 0, kLater = 1 };
 
 template <class F>
 Outcome make(F&& f) {
   try {
     f();
     return kDone;
-  } catch (const BytesWanted&) {
+  } catch (const Later&) {
     wanted = files.take_missing();
-    return kBytesWanted;
+    return kLater;
   }
 }
 
@@ -124,7 +124,7 @@ EXPORTED const char* content_type() { return response.content_type.c_str(); }
 EXPORTED const char* etag() { return response.etag.c_str(); }
 EXPORTED const char* body_data() { return body.data(); }
 EXPORTED size_t body_size() { return body.size(); }
-// What kBytesWanted means: which bytes of which files.
+// What kLater means: which bytes of which files.
 EXPORTED size_t missing_count() { return wanted.size(); }
 EXPORTED uint32_t missing_file(size_t i) { return wanted[i].file; }
 EXPORTED double missing_offset(size_t i) { return static_cast<double>(wanted[i].offset); }

@@ -40,22 +40,22 @@ void PageFiles::read(uint32_t file, uint64_t offset, std::span<uint8_t> out) {
 
 void PageFiles::expect(uint32_t file, std::span<const ByteRange> ranges) {
   const uint64_t size = files_[file].size;
-  const size_t before = missing_.size();
+  bool all = true;
   for (const ByteRange& r : ranges) {
     if (r.size == 0 || r.offset > size || r.size > size - r.offset) continue;
     for (uint64_t b = r.offset / kBlock; b <= (r.offset + r.size - 1) / kBlock; ++b)
       if (!find(file, b)) {
-        missing_.emplace_back(file, b);
+        all = false;
+        missing_.emplace(file, b);
         if (bytes_ + missing_.size() * kBlock > kKept + kMost)
           throw OptionError(fmt::format("{}: this needs more than {} MB of the file at once: ask for less, or use the program teracell",
                                         files_[file].name, kMost >> 20));
       }
   }
-  if (missing_.size() != before) throw BytesWanted();
+  if (!all) throw Later("bytes are wanted that the page has not fetched yet");
 }
 
 std::vector<PageFiles::Missing> PageFiles::take_missing() {
-  std::ranges::sort(missing_);
   std::vector<Missing> out;
   for (const auto& [file, block] : missing_) {
     const uint64_t offset = block * kBlock, end = std::min(offset + kBlock, files_[file].size);

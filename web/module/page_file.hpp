@@ -1,20 +1,17 @@
 // A grid's file as the module sees it: the page has it (behind an address, on the user's disk, in itself), and what the page gives is kept in
-// blocks. The module never waits. When bytes are missing, what is being made ends with BytesWanted; the page fetches what missing() lists, all
+// blocks. The module never waits. When bytes are missing, what is being made ends with Later; the page fetches what missing() lists, all
 // of it at once, and asks again. Since readers prefetch what they are about to read, few rounds are needed.
 //
 // (Rejected: synchronous requests, of which only one is under way at a time; and a stack that is put aside while bytes are fetched (Asyncify),
 // which makes the module half as large again.)
 #pragma once
+#include <set>
 #include <unordered_map>
 
 #include "store/file.hpp"
 #include "store/wanted.hpp"
 
 namespace teracell {
-
-struct BytesWanted : Unwanted {
-  BytesWanted() : Unwanted("bytes are wanted that the page has not fetched yet") {}
-};
 
 // The files, and the blocks of them that the page has given. Blocks leave in rest(), never while an answer waits for bytes: else it could begin
 // anew for ever.
@@ -31,9 +28,9 @@ class PageFiles {
   uint32_t add(std::string name, uint64_t size);
   const File& file(uint32_t number) const { return files_[number]; }
 
-  // Fills `out`, or throws BytesWanted and lists what is missing.
+  // Fills `out`, or throws Later and lists what is missing.
   void read(uint32_t file, uint64_t offset, std::span<uint8_t> out);
-  // Throws BytesWanted if any of these bytes are missing.
+  // Throws Later if any of these bytes are missing.
   void expect(uint32_t file, std::span<const ByteRange> ranges);
 
   struct Missing {
@@ -58,7 +55,7 @@ class PageFiles {
   std::vector<File> files_;
   std::unordered_map<uint64_t, Block> blocks_;
   uint64_t bytes_ = 0, rests_ = 0;
-  std::vector<std::pair<uint32_t, uint64_t>> missing_;  // files and blocks
+  std::set<std::pair<uint32_t, uint64_t>> missing_;  // files and blocks
 };
 
 class PageFile : public ByteSource {
