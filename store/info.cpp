@@ -26,12 +26,6 @@ void write_all(JsonWriter& out, const char* key, const T& all, F&& item) {
   out.end_array();
 }
 
-void write_numbers(JsonWriter& out, const Index3& numbers) {
-  out.begin_array();
-  for (const int64_t n : numbers) out.value(n);
-  out.end_array();
-}
-
 void write_box(JsonWriter& out, const Box& box) {
   out.begin_array();
   for (const Index3& corner : {box.lo, box.hi})
@@ -59,9 +53,7 @@ void write_level(JsonWriter& out, const GridReader& reader, int level) {
   const std::vector<LevelInfo>& levels = reader.meta().levels();
   const auto stored = std::ranges::find(levels, level, &LevelInfo::level);
   const LevelInfo info = stored == levels.end() ? LevelInfo{} : *stored;
-  out.begin_object().field("level", level).key("cells");
-  write_numbers(out, reader.meta().grid.cells(level));
-  out.key("stored").raw(stored == levels.end() ? "false" : "true");
+  out.begin_object().field("level", level).field("cells", reader.meta().grid.cells(level)).field("stored", stored != levels.end());
   out.field("chunks", info.chunks).field("bytes", info.bytes).field("changes", info.changes).end_object();
 }
 
