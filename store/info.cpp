@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "store/json_writer.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 void write_count(JsonWriter& out, const std::string& key, unsigned __int128 count) {
   if (count <= ~uint64_t{0}) out.field(key, static_cast<uint64_t>(count));
   else out.field(key, static_cast<double>(count));
-  if (count >> 53 != 0) out.field(key + "_text", fmt::format("{}", count));
+  if (count >> 53 != 0) out.field(key + "_text", whole_text(count));
 }
 
 // A list with an item for each of `all`, written by item(i).
