@@ -166,9 +166,7 @@ Response tile(const GridRequest& r) {
 }
 
 // Of a list.
-void write_material(JsonWriter& out, const Metadata& meta, uint32_t id) {
-  out.begin_object().field("id", id).field("name", meta.materials[id].name);
-}
+void write_material(JsonWriter& out, const Metadata& meta, uint32_t id) { out.begin_object().field("id", id).field("name", meta.materials[id].name); }
 
 // What a cell of level 0 is made of, by material, and if it is mixed the plane of one: of `own`, its material, or of the one with the largest
 // share where a sheet owns the cell.

@@ -13,7 +13,8 @@ Service::Service(ServiceOptions options) : Service(std::move(options), nullptr) 
     else source = std::make_unique<ReopenedFile>(path, files);
     return this->open(std::move(source), number);
   };
-  grids_ = std::make_unique<Grids>(options_.named, open, [this](const std::string& message) { complain(message); }, fractions_);
+  grids_ = std::make_unique<Grids>(
+      options_.named, open, [this](const std::string& message) { complain(message); }, fractions_);
 }
 
 }  // namespace teracell

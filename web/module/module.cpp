@@ -3,9 +3,9 @@
 //
 // The page writes what it has to say into room(); numbers that may be large are doubles, since JavaScript has these.
 #include <optional>
+#include <set>
 
 #include "server/api.hpp"
-#include "store/json_text.hpp"
 #include "web/module/page_file.hpp"
 
 #define EXPORTED extern "C" __attribute__((visibility("default"), used))
@@ -51,17 +51,13 @@ std::string_view stem_of(std::string_view name) {
 }
 
 Response answer(const Request& request) {
-  try {
-    Service& all = all_grids();
-    if (auto kept = all.from_cache(request)) return *kept;
-    return answered(all, [&] {
-      const Target target = parse_target(request.target);
-      if (target.path[0] != "api") throw no_such_address(request);
-      return answer_api(all, request, target, {});
-    });
-  } catch (const FormatError& e) {
-    return error_response(500, "damaged", e.what());
-  }
+  Service& all = all_grids();
+  if (auto kept = all.from_cache(request)) return *kept;
+  return answered(all, [&] {
+    const Target target = parse_target(request.target);
+    if (target.path[0] != "api") throw no_such_address(request);
+    return answer_api(all, request, target, {});
+  });
 }
 
 // An answer in parts is put together, since each may want bytes.
