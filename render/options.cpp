@@ -59,7 +59,7 @@ class Options {
   }
 
  private:
-  [[noreturn]] void refuse(std::string_view name, const std::string& expected, std::string_view found) const {
+  [[noreturn]] void refuse(std::string_view name, std::string_view expected, std::string_view found) const {
     throw UsageError(fmt::format("{}{}: expected {}, found '{}'", dashes_, name, expected, found));
   }
 

@@ -5,7 +5,6 @@
 #include <map>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "check/kept.hpp"
 #include "server/diff.hpp"
@@ -16,14 +15,12 @@
 #include "server/view.hpp"
 #include "store/cut_plane.hpp"
 #include "store/info.hpp"
-#include "store/json_text.hpp"
+#include "store/json_writer.hpp"
 #include "store/vtk_header.hpp"
 #include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr const char* kJson = "application/json";
 constexpr double kMostBoxCells = 4294967296.0;  // 2^32
@@ -169,20 +166,29 @@ Response tile(const GridRequest& r) {
   return picture_answer(r, "tile", view);
 }
 
+// Of a list.
+void write_material(JsonWriter& out, const Metadata& meta, uint32_t id) { out.begin_object().field("id", id).field("name", meta.materials[id].name); }
+
 // What a cell of level 0 is made of, by material, and if it is mixed the plane of one: of `own`, its material, or of the one with the largest
 // share where a sheet owns the cell.
-void put_shares(ordered_json& out, const Metadata& meta, const FractionReader& fractions, const Index3& cell, uint32_t own) {
+void write_shares(JsonWriter& out, const Metadata& meta, const FractionReader& fractions, const Index3& cell, uint32_t own) {
   const uint32_t total = sub_samples(fractions.samples());
   std::map<uint32_t, uint32_t> counts;
   for (const auto& [label, count] : fractions.cell(cell)) counts[meta.labels[label].material] += count;
   if (counts.empty()) counts[own] = total;
-  out["shares"] = ordered_json::array();
-  for (const auto& [id, count] : counts)
-    out["shares"].push_back({{"id", id}, {"name", meta.materials[id].name}, {"share", static_cast<double>(count) / total}});
+  out.key("shares").begin_array();
+  for (const auto& [id, count] : counts) {
+    write_material(out, meta, id);
+    out.field("share", static_cast<double>(count) / total).end_object();
+  }
+  out.end_array();
   if (counts.size() == 1) return;
   if (!counts.contains(own)) own = std::ranges::max_element(counts, {}, &std::pair<const uint32_t, uint32_t>::second)->first;
-  if (const auto plane = cut_plane(fractions, meta.grid, cell, own))
-    out["plane"] = {{"id", own}, {"name", meta.materials[own].name}, {"normal", plane->normal}, {"offset", plane->offset}};
+  if (const auto plane = cut_plane(fractions, meta.grid, cell, own)) {
+    out.key("plane");
+    write_material(out, meta, own);
+    out.field("normal", plane->normal).field("offset", plane->offset).end_object();
+  }
 }
 
 Response cell(const GridRequest& r) {
@@ -199,20 +205,35 @@ Response cell(const GridRequest& r) {
     box.hi[d] = box.lo[d] + 1;
   }
   return json_answer(r, "cell", [&, box] {
-    ordered_json j = {{"schema", 1}, {"index", box.lo}, {"level", level}, {"centre", ordered_json::array()}, {"materials", ordered_json::array()}};
+    std::string text;
+    JsonWriter out(text);
+    out.begin_object().field("schema", 1).field("index", box.lo).field("level", level).key("centre").begin_array();
     for (int d = 0; d < 3; ++d) {
       const Axis& a = meta.grid.axis[d];
       const int64_t first = box.lo[d] << level, last = std::min(a.cells(), box.hi[d] << level);
-      j["centre"].push_back(level == 0 ? a.centre(first) : (a.plane(first) + a.plane(last)) / 2);
+      out.value(level == 0 ? a.centre(first) : (a.plane(first) + a.plane(last)) / 2);
     }
+    out.end_array();
     for_each_run(r.reader(), level, box, [&](const BoxRun& run) {  // the cell is a single run
-      for (const uint32_t m : materials_of(meta, *run.set)) j["materials"].push_back({{"id", m}, {"name", meta.materials[m].name}});
-      if (keeps_bodies(meta))
-        for (const Label label : *run.set)
-          j["bodies"].push_back({{"label", label}, {"name", meta.labels[label].body}, {"material", meta.labels[label].material}});
+      const auto materials = materials_of(meta, *run.set);
+      out.key("materials").begin_array();
+      for (const uint32_t m : materials) {
+        write_material(out, meta, m);
+        out.end_object();
+      }
+      out.end_array();
+      if (keeps_bodies(meta)) {
+        out.key("bodies").begin_array();
+        for (const Label label : *run.set) {
+          const LabelInfo& info = meta.labels[label];
+          out.begin_object().field("label", label).field("name", info.body).field("material", info.material).end_object();
+        }
+        out.end_array();
+      }
+      if (level == 0 && r.grid->fractions) write_shares(out, meta, *r.grid->fractions, box.lo, materials[0]);
     });
-    if (level == 0 && r.grid->fractions) put_shares(j, meta, *r.grid->fractions, box.lo, j["materials"][0]["id"]);
-    return ascii_json(j);
+    out.end_object();
+    return text;
   });
 }
 
@@ -326,26 +347,26 @@ Response findings(const GridRequest& r) {
 
 Response list(Service& service, const Target& target, std::span<const Protocol> protocols) {
   target.allow({});
-  ordered_json j = {{"schema", 1}, {"grids", ordered_json::array()}, {"unreadable", ordered_json::array()}};
+  std::string text;
+  JsonWriter out(text);
+  out.begin_object().field("schema", 1).key("grids").begin_array();
   for (const auto& grid : service.grids().all()) {
-    ordered_json addresses = ordered_json::array();
-    for (const Protocol& p : protocols) addresses.push_back({{"title", p.title}, {"path", address_of(p, *grid)}});
-    j["grids"].push_back({{"id", grid->id},
-                          {"name", grid->id},
-                          {"cells", grid->meta().grid.cells()},
-                          {"bytes", grid->reader().file_bytes()},
-                          {"hash", grid->hash},
-                          {"units", grid->meta().units},
-                          {"modified", grid->modified ? ordered_json(*grid->modified) : ordered_json(nullptr)},
-                          {"checked", !grid->path.empty() && has_kept_findings(grid->path, grid->hash)},
-                          {"protocols", std::move(addresses)}});
+    out.begin_object().field("id", grid->id).field("name", grid->id).field("cells", grid->meta().grid.cells());
+    out.field("bytes", grid->reader().file_bytes()).field("hash", grid->hash).field("units", grid->meta().units).key("modified");
+    if (grid->modified) out.value(*grid->modified);
+    else out.value(nullptr);
+    out.field("checked", !grid->path.empty() && has_kept_findings(grid->path, grid->hash)).key("protocols").begin_array();
+    for (const Protocol& p : protocols) out.begin_object().field("title", p.title).field("path", address_of(p, *grid)).end_object();
+    out.end_array().end_object();
   }
-  for (const auto& [id, error] : service.grids().unreadable()) j["unreadable"].push_back({{"id", id}, {"error", error}});
+  out.end_array().key("unreadable").begin_array();
+  for (const auto& [id, error] : service.grids().unreadable()) out.begin_object().field("id", id).field("error", error).end_object();
+  out.end_array().end_object();
   Response r;
   r.route = "grids";
   r.content_type = kJson;
   r.cache_control = "no-cache";
-  r.body = body_of(ascii_json(j));
+  r.body = body_of(std::move(text));
   return r;
 }
 

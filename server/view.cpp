@@ -3,18 +3,15 @@
 #include <charconv>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "render/encode.hpp"
 #include "render/options.hpp"
 #include "render/sights.hpp"
-#include "store/json_text.hpp"
+#include "store/json_writer.hpp"
 #include "store/wanted.hpp"
 
 namespace teracell {
 namespace {
-
-using nlohmann::ordered_json;
 
 constexpr uint64_t kMostPixels = uint64_t{1} << 23;  // others wait meanwhile, so there are fewer than in a slice
 const std::atomic<bool> kNever = false;
@@ -92,19 +89,22 @@ std::pair<double, double> pixel_of(const Target& target) {
 
 std::string point_json(const ServedGrid& grid, const Prepared& prepared, const RenderOptions& options, double x, double y) {
   const Metadata& meta = grid.meta();
-  ordered_json j = {{"schema", 1}, {"seen", nullptr}};
+  std::string text;
+  JsonWriter out(text);
+  out.begin_object().field("schema", 1).key("seen");
   if (const auto hit = seen_at(grid.reader(), prepared, options.aim, x, y)) {
     const Sight sight = options.aim.camera.sight(x, y);
     const LabelInfo& label = meta.labels[hit->label];
-    j["seen"] = {{"at", sight.from + sight.along * hit->t},
-                 {"cell", hit->cell},
-                 {"level", hit->level},
-                 {"distance", hit->t},
-                 {"label", hit->label},
-                 {"material", label.material}};
-    j["seen"]["body"] = label.body.empty() ? ordered_json(nullptr) : ordered_json(label.body);
+    out.begin_object().field("at", sight.from + sight.along * hit->t).field("cell", hit->cell).field("level", hit->level);
+    out.field("distance", hit->t).field("label", hit->label).field("material", label.material).key("body");
+    if (label.body.empty()) out.value(nullptr);
+    else out.value(label.body);
+    out.end_object();
+  } else {
+    out.value(nullptr);
   }
-  return ascii_json(j);
+  out.end_object();
+  return text;
 }
 
 Service::Recipe point(Service& service, const ServedGrid& grid, const Target& target) {

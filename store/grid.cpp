@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "store/error.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 namespace {
@@ -116,6 +117,6 @@ void Grid::check_level(int level) const {
   if (level < 0 || level >= levels()) throw UsageError(fmt::format("level must be 0 to {}, found {}", levels() - 1, level));
 }
 
-std::string cell_count_text(const Index3& cells) { return fmt::format("{}", static_cast<unsigned __int128>(cells[0]) * cells[1] * cells[2]); }
+std::string cell_count_text(const Index3& cells) { return whole_text(static_cast<unsigned __int128>(cells[0]) * cells[1] * cells[2]); }
 
 }  // namespace teracell

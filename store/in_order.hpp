@@ -14,6 +14,15 @@
 
 namespace teracell {
 
+// Whether the calling thread is to do all of the work: always where no thread can be started, as in a page. Then nothing else is compiled.
+inline bool is_alone(int threads) {
+#if defined(__wasm__) && !defined(_REENTRANT)
+  return true;
+#else
+  return threads <= 1;
+#endif
+}
+
 // next() -> std::optional<Job> is called by one thread at a time, in order. make(job, worker) -> Result runs on `threads`
 // threads, with worker in [0, threads). take(Result) runs on the calling thread in the order of the jobs. The results that
 // wait for an earlier one are bounded: a thread that is `ahead` * threads jobs ahead sleeps. An exception of any of the
@@ -24,7 +33,7 @@ namespace teracell {
 // each row of tiles took a quarter of its time.
 template <class Next, class Make, class Take>
 void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) {
-  if (threads <= 1) {
+  if (is_alone(threads)) {
     while (auto job = next()) take(make(std::move(*job), 0));
     return;
   }

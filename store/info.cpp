@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "store/json_writer.hpp"
+#include "store/text.hpp"
 
 namespace teracell {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 void write_count(JsonWriter& out, const std::string& key, unsigned __int128 count) {
   if (count <= ~uint64_t{0}) out.field(key, static_cast<uint64_t>(count));
   else out.field(key, static_cast<double>(count));
-  if (count >> 53 != 0) out.field(key + "_text", fmt::format("{}", count));
+  if (count >> 53 != 0) out.field(key + "_text", whole_text(count));
 }
 
 // A list with an item for each of `all`, written by item(i).
@@ -23,12 +24,6 @@ template <class T, class F>
 void write_all(JsonWriter& out, const char* key, const T& all, F&& item) {
   out.key(key).begin_array();
   for (size_t i = 0; i < std::size(all); ++i) item(i);
-  out.end_array();
-}
-
-void write_numbers(JsonWriter& out, const Index3& numbers) {
-  out.begin_array();
-  for (const int64_t n : numbers) out.value(n);
   out.end_array();
 }
 
@@ -59,9 +54,7 @@ void write_level(JsonWriter& out, const GridReader& reader, int level) {
   const std::vector<LevelInfo>& levels = reader.meta().levels();
   const auto stored = std::ranges::find(levels, level, &LevelInfo::level);
   const LevelInfo info = stored == levels.end() ? LevelInfo{} : *stored;
-  out.begin_object().field("level", level).key("cells");
-  write_numbers(out, reader.meta().grid.cells(level));
-  out.key("stored").raw(stored == levels.end() ? "false" : "true");
+  out.begin_object().field("level", level).field("cells", reader.meta().grid.cells(level)).field("stored", stored != levels.end());
   out.field("chunks", info.chunks).field("bytes", info.bytes).field("changes", info.changes).end_object();
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <ranges>
 #include <vector>
 
 #include <fmt/format.h>
@@ -89,7 +90,7 @@ class Checker {
       value(depth + 1);
     });
     const auto mine = keys_.begin() + static_cast<ptrdiff_t>(first);
-    std::sort(mine, keys_.end());
+    std::ranges::sort(std::ranges::subrange(mine, keys_.end()));
     if (std::adjacent_find(mine, keys_.end()) != keys_.end()) fail("keys that differ in the object that ends here", "one that occurs twice");
     keys_.resize(first);
   }

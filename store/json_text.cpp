@@ -93,6 +93,6 @@ Json parse_json(const std::string& text, const std::string& what, size_t most_va
 
 std::string ascii_json(const Json& j) { return j.dump(-1, ' ', true, Json::error_handler_t::replace); }
 
-std::string utf8_of(std::string_view text) { return Json::parse(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace)); }
+std::string utf8_of(std::string_view text) { return parse_json(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace), "text"); }
 
 }  // namespace teracell

@@ -56,4 +56,10 @@ JsonWriter& JsonWriter::value(std::span<const double> numbers) {
   return end_array();
 }
 
+JsonWriter& JsonWriter::value(std::span<const int64_t> numbers) {
+  begin_array();
+  for (const int64_t n : numbers) value(n);
+  return end_array();
+}
+
 }  // namespace teracell

@@ -3,6 +3,7 @@
 #pragma once
 #include <charconv>
 #include <concepts>
+#include <cstdint>
 #include <iterator>
 #include <span>
 #include <string>
@@ -29,8 +30,10 @@ class JsonWriter {
     char digits[24];
     return raw(std::string_view(digits, static_cast<size_t>(std::to_chars(digits, std::end(digits), number).ptr - digits)));
   }
+  JsonWriter& value(bool yes) { return raw(yes ? "true" : "false"); }
   JsonWriter& value(std::nullptr_t) { return raw("null"); }
   JsonWriter& value(std::span<const double> numbers);
+  JsonWriter& value(std::span<const int64_t> numbers);
 
   template <class T>
   JsonWriter& field(std::string_view name, const T& what) {

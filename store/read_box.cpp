@@ -264,7 +264,7 @@ void read_lattice(const GridReader& reader, int level, const Lattice& lattice, c
     if (job.sampled) readers[worker].read(*job.sampled, job.cells);
     else fill(job.cells, outside);
   };
-  if (threads <= 1)
+  if (is_alone(threads))
     return for_each_job([&](const Job& job) {
       Wanted::stop_if_not();
       work(job, 0);

@@ -38,6 +38,13 @@ std::string_view first_bytes(std::string_view utf8, size_t most) {
   return utf8.substr(0, most);
 }
 
+std::string whole_text(unsigned __int128 number) {
+  std::string out;
+  do out.insert(out.begin(), static_cast<char>('0' + static_cast<int>(number % 10)));
+  while ((number /= 10) != 0);
+  return out;
+}
+
 std::string plural(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
 }  // namespace teracell

@@ -17,6 +17,9 @@ std::string shortened(std::string_view text);
 // As many characters of a UTF-8 text as fit into `most` bytes.
 std::string_view first_bytes(std::string_view utf8, size_t most);
 
+// All digits of it.
+std::string whole_text(unsigned __int128 number);
+
 // "1 chunk", "2 chunks".
 std::string plural(uint64_t n, std::string_view thing);
 

@@ -17,7 +17,7 @@ std::array<uint8_t, N> code_lengths(const std::array<uint32_t, N>& counts, uint3
   uint32_t n = 0;
   for (uint32_t s = 0; s < N; ++s)
     if (counts[s] > 0) leaves[n++] = uint64_t{counts[s]} << 32 | s;
-  std::sort(leaves.begin(), leaves.begin() + n);
+  std::ranges::sort(std::span(leaves).first(n));
   std::array<uint32_t, 2 * N> weight, parent, depth;
   for (uint32_t i = 0; i < n; ++i) weight[i] = static_cast<uint32_t>(leaves[i] >> 32);
   for (;;) {

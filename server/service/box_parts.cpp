@@ -56,16 +56,15 @@ class BoxParts final : public Parts {
     next_[0] = slab.hi[0];
     if (next_[0] == hi[0]) next_[0] = lo[0], next_[1] = slab.hi[1];
     if (next_[1] == hi[1]) next_[1] = lo[1], next_[2] = slab.hi[2];
-    if (wide_) append_cells<uint16_t>(slab, out);
-    else append_cells<uint8_t>(slab, out);
+    append_cells(slab, out);
   }
 
-  template <class T>
   void append_cells(const Box& slab, std::string& out) {
     const int64_t nx = slab.hi[0] - slab.lo[0], ny = slab.hi[1] - slab.lo[1], nz = slab.hi[2] - slab.lo[2];
-    std::vector<T> cells(static_cast<size_t>(nx * ny * nz));
-    read_box<T>(reader_, 0, slab, strongest_material(reader_.meta()), 0, cells.data(), {1, nx, nx * ny});
-    out.append(reinterpret_cast<const char*>(cells.data()), cells.size() * sizeof(T));
+    std::vector<uint16_t> cells(static_cast<size_t>(nx * ny * nz));
+    read_box<uint16_t>(reader_, 0, slab, strongest_material(reader_.meta()), 0, cells.data(), {1, nx, nx * ny});
+    if (wide_) out.append(reinterpret_cast<const char*>(cells.data()), cells.size() * sizeof(uint16_t));
+    else out.append(cells.begin(), cells.end());
   }
 
   const GridReader& reader_;

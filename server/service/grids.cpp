@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "server/service/message.hpp"
-#include "store/json_text.hpp"
 #include "store/sources.hpp"
 #include "store/text.hpp"
 #include "store/wanted.hpp"
@@ -50,17 +49,6 @@ std::string with_folder(const std::string& message, const fs::path& path) {
   return shown(path).string() + (message.starts_with(name + ":") ? message.substr(name.size()) : ": " + message);
 }
 
-// The stem in a form that addresses and JSON can hold: UTF-8 without control characters, and neither "." nor "..", which clients
-// resolve, and not too long: what is not UTF-8 takes up to three times as many bytes.
-std::string stem_of(const fs::path& path) {
-  std::string stem = utf8_of(shown(path).stem().string());
-  std::ranges::replace_if(
-      stem, [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; }, '_');
-  if (stem.empty()) stem = "grid";  // of an address that ends with a slash
-  if (stem == "." || stem == "..") std::ranges::replace(stem, '.', '_');
-  return std::string(first_bytes(stem, kMostStem));
-}
-
 }  // namespace
 
 size_t count_grids(const std::vector<fs::path>& named) {
@@ -72,12 +60,7 @@ size_t count_grids(const std::vector<fs::path>& named) {
 
 // `modified`: none for an address.
 std::shared_ptr<const ServedGrid> Grids::opened(const fs::path& path, const std::string& id, uint64_t number, std::optional<int64_t> modified) const {
-  auto reader = open_(path, number);
-  std::unique_ptr<const FractionReader> fractions;
-  if (find_fractions(reader->meta())) fractions = std::make_unique<const FractionReader>(*reader, fractions_);
-  const std::string hash = reader->hash();
-  return std::make_shared<const ServedGrid>(
-      ServedGrid{id, number, hash, std::move(reader), modified ? path : fs::path(), modified, std::move(fractions)});
+  return served_grid(id, number, open_(path, number), fractions_, modified ? path : fs::path(), modified);
 }
 
 Grids::Grids(const std::vector<fs::path>& named, Open open, Complain complain, std::shared_ptr<FractionCache> fractions)
@@ -157,20 +140,14 @@ void Grids::open_address(const fs::path& path) {
 void Grids::look(bool anew) {
   std::lock_guard lock(looking_);
   ++looks_;
-  auto next = std::make_shared<Snapshot>();
+  std::vector<Entry> found;
   for (ServedPath& served : served_) {
     if (served.folder) list(served);
     for (const auto& path : served.files)
-      if (const WatchedFile* file = check_file(path, anew);
-          file && next->by_id.try_emplace(file->id, Snapshot::GridOrError{file->grid, file->error}).second && file->grid)
-        next->readable.push_back(file->grid);
+      if (const WatchedFile* file = check_file(path, anew)) found.push_back({file->id, file->grid, file->error});
   }
   forget_gone();
-  if (next->by_id == snapshot_->by_id && next->readable == snapshot_->readable) return;
-  next->epoch = epoch_ + 1;
-  std::lock_guard publishing(snapshot_mutex_);
-  epoch_ = next->epoch;
-  snapshot_ = std::move(next);
+  publish(found);
 }
 
 // A folder that can't be read at the moment keeps its files: clients would take status 404 for empty cells.
@@ -187,7 +164,7 @@ void Grids::list(ServedPath& served) {
 Grids::WatchedFile& Grids::watched(const fs::path& path) {
   auto it = files_.find(path);
   if (it == files_.end()) {
-    it = files_.emplace(path, WatchedFile{new_id(path)}).first;
+    it = files_.emplace(path, WatchedFile{grid_id(shown(path).stem().string(), ids_)}).first;
     ids_.insert(it->second.id);
   }
   return it->second;
@@ -249,43 +226,6 @@ void Grids::forget_gone() {
     ids_.erase(it->second.id);
     files_.erase(it);
   }
-}
-
-std::string Grids::new_id(const fs::path& path) const {
-  const std::string stem = stem_of(path);
-  std::string id = stem;
-  for (int n = 2; ids_.contains(id); ++n) id = fmt::format("{}-{}", stem, n);
-  return id;
-}
-
-std::shared_ptr<const Grids::Snapshot> Grids::snapshot() const {
-  std::lock_guard lock(snapshot_mutex_);
-  return snapshot_;
-}
-
-std::optional<uint64_t> Grids::epoch_of(const ServedGrid& grid) const {
-  const auto current = snapshot();
-  const auto it = current->by_id.find(grid.id);
-  if (it == current->by_id.end() || it->second.grid.get() != &grid) return std::nullopt;
-  return current->epoch;
-}
-
-std::shared_ptr<const ServedGrid> Grids::find(const std::string& id) const {
-  const auto current = snapshot();
-  const auto it = current->by_id.find(id);
-  if (it == current->by_id.end()) throw not_found(fmt::format("there is no grid '{}'", id.substr(0, 64)));
-  if (!it->second.grid) throw HttpError(500, "unreadable", it->second.error);
-  return it->second.grid;
-}
-
-std::vector<std::shared_ptr<const ServedGrid>> Grids::all() const { return snapshot()->readable; }
-
-std::vector<Grids::Unreadable> Grids::unreadable() const {
-  std::vector<Unreadable> out;
-  const auto current = snapshot();
-  for (const auto& [id, entry] : current->by_id)
-    if (!entry.grid) out.push_back({id, entry.error});
-  return out;
 }
 
 }  // namespace teracell

@@ -17,28 +17,15 @@
 #include <string>
 #include <vector>
 
-#include "store/fraction_reader.hpp"
+#include "server/service/grid_list.hpp"
 
 namespace teracell {
-
-// One file as it was when it was opened. Immutable; threads share it.
-struct ServedGrid {
-  std::string id;    // the file's stem as an address can hold it, numbered when two files share it; never a path
-  uint64_t number;   // unlike that of any other file opened by this process; a file that is replaced gets another one
-  std::string hash;  // of the content, for ETags and versioned addresses
-  std::unique_ptr<const GridReader> file;
-  std::filesystem::path path;       // empty for an address
-  std::optional<int64_t> modified;  // seconds since 1970; none for an address
-  std::unique_ptr<const FractionReader> fractions;  // null: the grid has none
-  const GridReader& reader() const { return *file; }
-  const Metadata& meta() const { return file->meta(); }
-};
 
 // How many files are served to begin with; those that can't be found count as none.
 size_t count_grids(const std::vector<std::filesystem::path>& named);
 
 // Threads share it.
-class Grids {
+class Grids : public GridList {
  public:
   // Makes the reader of a file; `number` is the grid's.
   using Open = std::function<std::unique_ptr<const GridReader>(const std::filesystem::path&, uint64_t number)>;
@@ -49,24 +36,10 @@ class Grids {
   // any thread: once, when the file has stopped changing. `fractions`: the memory for those of all grids; null: 32 MiB.
   Grids(const std::vector<std::filesystem::path>& named, Open open, Complain complain, std::shared_ptr<FractionCache> fractions = nullptr);
 
-  // Throws HttpError: 404 when there is no such grid, 500 with what is wrong when its file can't be read.
-  std::shared_ptr<const ServedGrid> find(const std::string& id) const;
-  // Changes whenever the answer of all() or find() changes.
-  uint64_t epoch() const { return epoch_; }
-  // That number, or none when find() no longer returns this grid.
-  std::optional<uint64_t> epoch_of(const ServedGrid& grid) const;
-  // The grids that can be read, in the order in which they were named; those of a folder by name.
-  std::vector<std::shared_ptr<const ServedGrid>> all() const;
-  // The files that can't be read, by id.
-  struct Unreadable {
-    std::string id, error;
-  };
-  std::vector<Unreadable> unreadable() const;
-  // Looks at the files now. `anew`: tries also files that are not due.
-  void look(bool anew = false);
-  // Asks the hosts of all addresses now, and looks at the files. Threads that call it at the same time share the answers.
-  void recheck();
-  bool has_addresses() const;
+  void look(bool anew = false) override;
+  // Threads that call it at the same time share the answers.
+  void recheck() override;
+  bool has_addresses() const override;
 
  private:
   struct WatchedFile {
@@ -84,18 +57,6 @@ class Grids {
     std::vector<std::filesystem::path> files;  // the file itself, or what the folder held when it was last readable
     std::string error;                         // why the folder can't be read now
   };
-  // What is served at some time. Immutable.
-  struct Snapshot {
-    struct GridOrError {
-      std::shared_ptr<const ServedGrid> grid;  // null: `error` says why
-      std::string error;
-      friend bool operator==(const GridOrError&, const GridOrError&) = default;
-    };
-    std::map<std::string, GridOrError> by_id;
-    std::vector<std::shared_ptr<const ServedGrid>> readable;
-    uint64_t epoch = 0;
-  };
-
   void list(ServedPath& served);
   WatchedFile& watched(const std::filesystem::path& path);
   void open_address(const std::filesystem::path& path);
@@ -104,22 +65,16 @@ class Grids {
   std::shared_ptr<const ServedGrid> opened(const std::filesystem::path& path, const std::string& id, uint64_t number,
                                            std::optional<int64_t> modified) const;
   void forget_gone();
-  std::string new_id(const std::filesystem::path& path) const;
-  std::shared_ptr<const Snapshot> snapshot() const;
 
   const Open open_;
   const Complain complain_;
   const std::shared_ptr<FractionCache> fractions_;
 
-  std::mutex looking_;  // guards the members down to snapshot_mutex_, which only look() uses
+  std::mutex looking_;  // guards the members down to rechecks_, which only look() uses
   std::vector<ServedPath> served_;
   std::map<std::filesystem::path, WatchedFile> files_;  // files that are gone are kept, with their ids
   std::set<std::string> ids_;                      // of files_
   uint64_t looks_ = 0, next_number_ = 1;
-
-  mutable std::mutex snapshot_mutex_;  // held only while snapshot_ is copied or replaced
-  std::shared_ptr<const Snapshot> snapshot_ = std::make_shared<const Snapshot>();
-  std::atomic<uint64_t> epoch_ = 0;  // of snapshot_
 
   std::atomic<uint64_t> rechecks_ = 0;  // that were asked for
   std::mutex rechecking_;               // one thread asks the hosts at a time; guards the next one

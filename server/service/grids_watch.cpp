@@ -12,7 +12,7 @@ constexpr auto kEvery = std::chrono::milliseconds(500);
 
 }  // namespace
 
-GridsWatch::GridsWatch(Grids& grids, double recheck) : grids_(grids), recheck_(recheck) {
+GridsWatch::GridsWatch(GridList& grids, double recheck) : grids_(grids), recheck_(recheck) {
   files_ = std::jthread([this](const std::stop_token& stop) { watch_files(stop); });
   if (grids_.has_addresses()) addresses_ = std::jthread([this](const std::stop_token& stop) { watch_addresses(stop); });
 }

@@ -12,7 +12,7 @@ namespace teracell {
 class GridsWatch {
  public:
   // `recheck`: seconds between two questions to the host of an address. REQUIRES: the grids outlive it.
-  explicit GridsWatch(Grids& grids, double recheck = 60);
+  explicit GridsWatch(GridList& grids, double recheck = 60);
   // Makes it look anew now. Returns at once. From any thread.
   void look_soon();
 
@@ -20,7 +20,7 @@ class GridsWatch {
   void watch_files(const std::stop_token& stop);
   void watch_addresses(const std::stop_token& stop);
 
-  Grids& grids_;
+  GridList& grids_;
   const double recheck_;
   std::mutex waiting_;  // guards the next two
   std::condition_variable_any woken_;

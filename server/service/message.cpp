@@ -17,6 +17,9 @@ Response error_response(int status, const std::string& code, const std::string& 
   return r;
 }
 
+HttpError bad_request(const std::string& message) { return {400, "bad_request", message}; }
+HttpError not_found(const std::string& message) { return {404, "not_found", message}; }
+
 Response try_again(const std::string& code, const std::string& message) {
   Response r = error_response(503, code, message);
   r.more_fields = "Retry-After: 1\r\n";

@@ -63,7 +63,7 @@ struct HttpError : Error {
   int status;
   std::string code;  // "bad_request", "not_found" ...
 };
-inline HttpError bad_request(const std::string& message) { return {400, "bad_request", message}; }
-inline HttpError not_found(const std::string& message) { return {404, "not_found", message}; }
+HttpError bad_request(const std::string& message);  // status 400
+HttpError not_found(const std::string& message);    // status 404
 
 }  // namespace teracell

@@ -16,7 +16,7 @@ constexpr int kRevision = 2;
 class CountedSource : public ByteSource {
  public:
   CountedSource(std::unique_ptr<ByteSource> source, std::shared_ptr<Service::Counters> counters)
-      : source_(std::move(source)), name_(std::filesystem::path(source_->name()).filename().string()), counters_(std::move(counters)) {}
+      : source_(std::move(source)), name_(source_->name().substr(source_->name().rfind('/') + 1)), counters_(std::move(counters)) {}
   uint64_t size() const override { return source_->size(); }
   const std::string& name() const override { return name_; }
   void read(uint64_t offset, std::span<uint8_t> out) const override {
@@ -111,25 +111,20 @@ std::string cache_key(uint64_t epoch, bool gzip, const std::string& target) {
 
 }  // namespace
 
-Service::Service(ServiceOptions options)
+Service::Service(ServiceOptions options, std::unique_ptr<GridList> grids)
     : options_(std::move(options)),
       counters_(std::make_shared<Counters>()),
       chunks_(std::make_shared<ChunkCache>(options_.cache_bytes - options_.cache_bytes / 16)),
       index_(std::make_shared<IndexCache>(options_.cache_bytes / 16)),
-      files_(std::make_shared<OpenFiles>(options_.open_files)),
+      fractions_(std::make_shared<FractionCache>(options_.cache_bytes / 8)),
       answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
       prepared_(options_.cache_bytes / 4),
-      grids_(std::make_unique<Grids>(
-          options_.named,
-          [counters = counters_, chunks = chunks_, index = index_, files = files_, remote = options_.source](const std::filesystem::path& path,
-                                                                                                             uint64_t number) {
-            std::unique_ptr<ByteSource> source;
-            if (is_address(path.string())) source = open_source(path.string(), remote);
-            else source = std::make_unique<ReopenedFile>(path, files);
-            return std::make_unique<const GridReader>(std::make_unique<CountedSource>(std::move(source), counters),
-                                                      std::make_shared<Keeper>(chunks, number), index);
-          },
-          [this](const std::string& message) { complain(message); }, std::make_shared<FractionCache>(options_.cache_bytes / 8))) {}
+      grids_(std::move(grids)) {}
+
+std::unique_ptr<const GridReader> Service::open(std::unique_ptr<ByteSource> source, uint64_t number) {
+  return std::make_unique<const GridReader>(std::make_unique<CountedSource>(std::move(source), counters_), std::make_shared<Keeper>(chunks_, number),
+                                            index_);
+}
 
 Service::AnswerCache::Pointer Service::find_cached(const Request& request) {
   const uint64_t epoch = grids_->epoch();

@@ -7,9 +7,8 @@
 #include <set>
 
 #include "render/prepared.hpp"
-#include "server/service/grids.hpp"
+#include "server/service/grid_list.hpp"
 #include "server/service/message.hpp"
-#include "server/service/open_files.hpp"
 #include "server/service/target.hpp"
 #include "store/shared_cache.hpp"
 #include "store/sources.hpp"
@@ -40,9 +39,15 @@ struct ServiceOptions {
 // Threads share it.
 class Service {
  public:
+  // Of what `options.named` has (service_of_files.cpp).
   explicit Service(ServiceOptions options);
+  // Of what the caller publishes.
+  Service(ServiceOptions options, std::unique_ptr<GridList> grids);
   const ServiceOptions& options() const { return options_; }
-  Grids& grids() { return *grids_; }
+  GridList& grids() { return *grids_; }
+  // The reader of the grid with this number, which uses the caches.
+  std::unique_ptr<const GridReader> open(std::unique_ptr<ByteSource> source, uint64_t number);
+  const std::shared_ptr<FractionCache>& fractions() { return fractions_; }
 
   // How to make an answer.
   struct Recipe {
@@ -90,12 +95,12 @@ class Service {
   std::shared_ptr<Counters> counters_;
   std::shared_ptr<ChunkCache> chunks_;  // shared with the readers, as are the counters and the index
   std::shared_ptr<IndexCache> index_;
-  std::shared_ptr<OpenFiles> files_;
+  std::shared_ptr<FractionCache> fractions_;
   std::unique_ptr<AnswerCache> answers_;
   PreparedCache prepared_;
   std::mutex complaints_mutex_;
   std::set<std::string> complaints_;
-  std::unique_ptr<Grids> grids_;  // last: it complains when it looks at files, which others may make it do
+  std::unique_ptr<GridList> grids_;  // last: it complains when it looks at files, which others may make it do
 };
 
 }  // namespace teracell

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "server/service/message.hpp"
 
@@ -47,10 +46,12 @@ const std::string* Target::find(std::string_view key) const {
 }
 
 void Target::allow(std::span<const std::string_view> known) const {
-  for (const auto& [name, value] : query)
-    if (std::ranges::find(known, name) == known.end())
-      throw bad_request(fmt::format("there is no parameter {}; expected {}", clipped(name),
-                                    known.empty() ? std::string("none") : fmt::format("one of {}", fmt::join(known, ", "))));
+  for (const auto& [name, value] : query) {
+    if (std::ranges::find(known, name) != known.end()) continue;
+    std::string expected;
+    for (const std::string_view one : known) expected.append(expected.empty() ? "one of " : ", ").append(one);
+    throw bad_request(fmt::format("there is no parameter {}; expected {}", clipped(name), known.empty() ? "none" : expected));
+  }
 }
 
 std::string clipped(std::string_view text) { return fmt::format("'{}{}'", text.substr(0, 48), text.size() > 48 ? "..." : ""); }

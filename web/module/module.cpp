@@ -3,10 +3,9 @@
 //
 // The page writes what it has to say into room(); numbers that may be large are doubles, since JavaScript has these.
 #include <optional>
+#include <set>
 
 #include "server/api.hpp"
-#include "store/json_text.hpp"
-#include "store/sources.hpp"
 #include "web/module/page_file.hpp"
 
 #define EXPORTED extern "C" __attribute__((visibility("default"), used))
@@ -17,11 +16,11 @@ namespace {
 constexpr size_t kCacheBytes = size_t{48} << 20;
 constexpr uint64_t kMostPixels = uint64_t{1} << 24;
 constexpr uint64_t kMostBody = uint64_t{512} << 20;
-constexpr std::string_view kScheme = "page://";
 
 PageFiles files;
-std::vector<std::filesystem::path> named;  // of the files that are grids
-std::optional<Service> service;            // of all of them
+std::optional<Service> service;
+std::vector<GridList::Entry> grids;  // that it serves
+std::set<std::string> ids;           // of them
 std::string room_;
 std::vector<PageFiles::Missing> wanted;
 Response response;
@@ -42,22 +41,23 @@ Outcome make(F&& f) {
 }
 
 Service& all_grids() {
-  if (!service) service.emplace(ServiceOptions{.named = named, .cache_bytes = kCacheBytes, .max_pixels = kMostPixels});
+  if (!service) service.emplace(ServiceOptions{.cache_bytes = kCacheBytes, .max_pixels = kMostPixels}, std::make_unique<GridList>());
   return *service;
 }
 
+std::string_view stem_of(std::string_view name) {
+  const size_t dot = name.rfind('.');
+  return name.substr(0, dot == 0 ? name.npos : dot);
+}
+
 Response answer(const Request& request) {
-  try {
-    Service& grids = all_grids();
-    if (auto kept = grids.from_cache(request)) return *kept;
-    return answered(grids, [&] {
-      const Target target = parse_target(request.target);
-      if (target.path[0] != "api") throw no_such_address(request);
-      return answer_api(grids, request, target, {});
-    });
-  } catch (const FormatError& e) {
-    return error_response(500, "damaged", e.what());
-  }
+  Service& all = all_grids();
+  if (auto kept = all.from_cache(request)) return *kept;
+  return answered(all, [&] {
+    const Target target = parse_target(request.target);
+    if (target.path[0] != "api") throw no_such_address(request);
+    return answer_api(all, request, target, {});
+  });
 }
 
 // An answer in parts is put together, since each may want bytes.
@@ -70,12 +70,6 @@ std::string whole(const Response& r) {
 }
 
 }  // namespace
-
-// Of "page://3/bust.tcell".
-std::unique_ptr<ByteSource> open_source(const std::string& name, const SourceOptions&) {
-  return std::make_unique<PageFile>(files, static_cast<uint32_t>(std::stoul(name.substr(kScheme.size()))));
-}
-bool is_address(std::string_view name) { return name.starts_with(kScheme); }
 
 // Room for so many bytes; it is the same until the next call of room().
 EXPORTED char* room(size_t bytes) {
@@ -91,9 +85,12 @@ EXPORTED int open_file(uint32_t number) {
   return make([&] {
     body.clear();
     try {
-      const GridReader reader(std::make_unique<PageFile>(files, number));
-      named.push_back(std::string(kScheme) + std::to_string(number) + "/" + files.file(number).name);
-      service.reset();
+      Service& all = all_grids();
+      const std::string id = grid_id(stem_of(files.file(number).name), ids);
+      auto grid = served_grid(id, number, all.open(std::make_unique<PageFile>(files, number), number), all.fractions());
+      ids.insert(id);
+      grids.push_back({id, std::move(grid), ""});
+      all.grids().publish(grids);
     } catch (const Unwanted&) {
       throw;
     } catch (const std::exception& e) {

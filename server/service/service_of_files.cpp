@@ -1,0 +1,20 @@
+// A service of files, folders and addresses: what a page has no use for.
+#include "server/service/grids.hpp"
+#include "server/service/open_files.hpp"
+#include "server/service/service.hpp"
+#include "store/sources.hpp"
+
+namespace teracell {
+
+Service::Service(ServiceOptions options) : Service(std::move(options), nullptr) {
+  const auto open = [this, files = std::make_shared<OpenFiles>(options_.open_files)](const std::filesystem::path& path, uint64_t number) {
+    std::unique_ptr<ByteSource> source;
+    if (is_address(path.string())) source = open_source(path.string(), options_.source);
+    else source = std::make_unique<ReopenedFile>(path, files);
+    return this->open(std::move(source), number);
+  };
+  grids_ = std::make_unique<Grids>(
+      options_.named, open, [this](const std::string& message) { complain(message); }, fractions_);
+}
+
+}  // namespace teracell
