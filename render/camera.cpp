@@ -27,48 +27,6 @@ void turn(Camera& camera, const Vec3& forward, int up) {
   camera.up = cross(camera.right, forward);
 }
 
-// A sum of two doubles, which has twice their digits (T. J. Dekker: A floating-point technique for extending the available precision).
-struct Twofold {
-  double high, low;
-};
-Twofold sum(double a, double b) {
-  const double high = a + b, of_b = high - a;
-  return {high, (a - (high - of_b)) + (b - of_b)};
-}
-Twofold product(double a, double b) {
-  const auto upper_half = [](double x) {
-    const double scaled = 134217729 * x;  // 2^27 + 1
-    return scaled - (scaled - x);
-  };
-  const double a1 = upper_half(a), a2 = a - a1, b1 = upper_half(b), b2 = b - b1, high = a * b;
-  return {high, ((a1 * b1 - high) + a1 * b2 + a2 * b1) + a2 * b2};
-}
-Twofold plus(const Twofold& a, const Twofold& b) {
-  const Twofold out = sum(a.high, b.high);
-  return sum(out.high, out.low + (a.low + b.low));
-}
-Twofold times(const Twofold& a, double b) {
-  const Twofold out = product(a.high, b);
-  return sum(out.high, out.low + a.low * b);
-}
-Twofold over(const Twofold& a, const Twofold& b) {
-  const double first = a.high / b.high;
-  const Twofold rest = plus(a, times(b, -first));
-  return sum(first, rest.high / b.high);
-}
-
-// In twofold doubles, so that it is the same on every machine: libraries differ in the last digit.
-double tangent(double x) {
-  Twofold sine{0, 0}, cosine{0, 0}, term{1, 0};  // x^n / n!, with the sign that it has in one of the two
-  for (int n = 0; n < 40; ++n) {
-    Twofold& series = n % 2 == 0 ? cosine : sine;
-    series = plus(series, term);
-    term = over(times(term, n % 2 == 0 ? x : -x), {n + 1.0, 0});
-  }
-  const Twofold out = over(sine, cosine);
-  return out.high + out.low;
-}
-
 double length(const Axis& axis) { return axis.max() - axis.min(); }
 double middle(const Axis& axis) { return axis.min() + length(axis) / 2; }
 
@@ -93,7 +51,8 @@ Camera perspective_camera(const Vec3& from, const Vec3& at, int up, double fov, 
   if (dot(forward, forward) == 0)
     throw UsageError(fmt::format("--from, --at: expected two points, found ({}, {}, {}) twice", from[0], from[1], from[2]));
   Camera camera{.perspective = true, .from = from, .size = size};
-  camera.pixel = 2 * tangent(fov / 2 * std::numbers::pi / 180) / size.height;
+  // In long doubles, so that the double is the same with any library's tangent.
+  camera.pixel = 2 * static_cast<double>(std::tan(static_cast<long double>(fov / 2 * std::numbers::pi / 180))) / size.height;
   turn(camera, forward, up);
   return camera;
 }
