@@ -6,7 +6,8 @@ import { basename, join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 
-const { TERACELL, TERACELL_MODULE, TERACELL_FOLDER, TERACELL_BUNDLE } = process.env;
+const { TERACELL, TERACELL_MODULE, TERACELL_BUNDLE } = process.env;
+const TERACELL_FOLDER = join(process.env.TERACELL_FOLDER, "grids");
 const { Instance, is_missing } = await import(pathToFileURL(TERACELL_BUNDLE));
 const module = new WebAssembly.Module(readFileSync(TERACELL_MODULE));
 

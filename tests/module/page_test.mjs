@@ -1,0 +1,232 @@
+// The page without a server, in real browsers: from a plain nginx, from a disk, with files that are given to it. What it shows is held against
+// the same page from `teracell serve`, pixel by pixel.
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { copyFileSync, existsSync, mkdirSync, readFileSync, renameSync, statSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { createServer } from "node:net";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import { launch_options } from "../support/chromium.mjs";
+import { close, folder, grid_file, open_grid, open_page, pixels, serve, settled } from "../web/support.mjs";
+
+const { chromium, _bidiFirefox } = createRequire(new URL("../../web/package.json", import.meta.url))("playwright-core");
+const teracell = (...args) => execFileSync(process.env.TERACELL, args, { stdio: ["ignore", "ignore", "pipe"] });
+
+const free_port = () =>
+  new Promise((resolve) => {
+    const server = createServer().listen(0, "127.0.0.1", () => {
+      const { port } = server.address();
+      server.close(() => resolve(port));
+    });
+  });
+
+// A host of static files. /open/ may be read by pages of other origins, /whole/ answers no ranges.
+class Host {
+  static async of(root) {
+    const host = new Host(root, await free_port());
+    await host.start();
+    return host;
+  }
+  constructor(root, port) {
+    this.root = root;
+    this.url = `http://127.0.0.1:${port}`;
+    const conf = `daemon off; pid ${root}.pid; error_log ${root}.log;
+      events {} http { access_log off; client_body_temp_path ${root}.tmp; proxy_temp_path ${root}.tmp; fastcgi_temp_path ${root}.tmp;
+      uwsgi_temp_path ${root}.tmp; scgi_temp_path ${root}.tmp; types { text/html html; text/javascript js; text/css css; }
+      server { listen 127.0.0.1:${port}; root ${root};
+        location /whole/ { alias ${root}/; max_ranges 0; }
+        location /open/ { alias ${root}/; add_header Access-Control-Allow-Origin *; add_header Access-Control-Allow-Headers Range;
+          add_header Access-Control-Expose-Headers "Content-Range, ETag";
+          if ($request_method = OPTIONS) { return 204; } } } }`;
+    writeFileSync(`${root}.conf`, conf);
+  }
+  async start() {
+    this.child = spawn("/usr/sbin/nginx", ["-e", `${this.root}.log`, "-c", `${this.root}.conf`], { stdio: "ignore" });
+    for (let i = 0; i < 100; ++i) {
+      if (await fetch(`${this.url}/none`).then(() => true, () => false)) return;
+      await new Promise((done) => setTimeout(done, 50));
+    }
+    throw new Error("nginx does not start");
+  }
+  async stop() {
+    const ended = new Promise((done) => this.child.on("exit", done));
+    this.child.kill("SIGTERM");
+    await ended;
+  }
+}
+
+let browser, server, host;
+const site = join(folder, "site");
+before(async () => {
+  teracell("page", "-o", site, "--grids", grid_file("stadium"), grid_file("mixed"));
+  [browser, server, host] = await Promise.all([chromium.launch(launch_options), serve(join(folder, "grids")), Host.of(site)]);
+});
+after(async () => {
+  await browser?.close();
+  await host?.stop();
+  assert.deepEqual(await server?.stop(), []);
+});
+
+const AXES = ["x", "y", "z"];
+const views = async (page) => Promise.all(AXES.map(async (axis) => Buffer.from((await pixels(page, axis)).data.buffer).toString("base64")));
+const panel = (page) => page.locator("#panel-content").innerText();
+
+// Whether a page shows what the page of the server shows, also after it was moved.
+async function expect_as_served(page, grid) {
+  const served = await open_grid(browser, `${server.url}#g=${grid}`);
+  for (const move of [() => {}, (t) => t.viewer.set_slice(2, 40), (t) => (t.viewer.zoom.value *= 6)]) {
+    for (const one of [page, served]) {
+      await one.evaluate(`(${move})(window.teracell)`);
+      await settled(one);
+    }
+    assert.deepEqual(await views(page), await views(served));
+  }
+  await page.waitForFunction(() => /\d/.test(document.querySelector("#panel-content").innerText));
+  await served.waitForFunction(() => /\d/.test(document.querySelector("#panel-content").innerText));
+  assert.equal(await panel(page), await panel(served));
+  await close(served);
+}
+
+test("a folder on a plain host: the page shows what the server's shows, and speaks of no server", async () => {
+  const page = await open_grid(browser, `${host.url}/#g=stadium`);
+  await expect_as_served(page, "stadium");
+  assert.equal(await page.locator("#tab-status").count(), 0);
+  await page.click("#tab-share");
+  assert.doesNotMatch(await panel(page), /Open in Neuroglancer|zarr\.open/);
+  await close(page);
+  const list = await open_page(browser, `${host.url}/`);
+  await list.waitForSelector(".card h2");
+  assert.deepEqual(await list.locator(".card h2").allInnerTexts(), ["stadium", "mixed"]);
+  assert.equal(await list.getByText("Addresses for other programs").count(), 0);
+  await close(list);
+});
+
+test("save as one file writes what `teracell page` writes", async () => {
+  const file = join(folder, "stadium.html");
+  teracell("page", grid_file("stadium"), "-o", file);
+  assert(statSync(file).size <= 1.4 * statSync(grid_file("stadium")).size + 1.5e6);
+  for (const url of [host.url, server.url]) {
+    const page = await open_grid(browser, new URL("#g=stadium", url).href);
+    await page.click("#tab-share");
+    const [download] = await Promise.all([page.waitForEvent("download"), page.getByText("Save as one file").click()]);
+    assert.equal(download.suggestedFilename(), "stadium.html");
+    assert(readFileSync(await download.path()).equals(readFileSync(file)), url);
+    await close(page);
+  }
+});
+
+test("one HTML file opens from a disk, without a network", async () => {
+  const page = await open_page(browser, "about:blank");
+  await page.context().setOffline(true);
+  await page.goto(pathToFileURL(join(folder, "stadium.html")).href);
+  await settled(page);
+  await expect_as_served(page, "stadium");
+  await page.getByLabel("Help").click();
+  const [notice] = await Promise.all([page.context().waitForEvent("page"), page.getByText("Licences of the third-party").click()]);
+  await notice.waitForLoadState();
+  assert.match(await notice.locator("body").innerText(), /three/);
+  await close(page);
+});
+
+test("one HTML file opens in Firefox", { skip: !existsSync("/usr/bin/firefox-esr") && "firefox-esr is not installed" }, async () => {
+  const firefox = await _bidiFirefox.launch({ executablePath: "/usr/bin/firefox-esr" });
+  const page = await firefox.newPage({ viewport: { width: 1400, height: 900 } });
+  await page.goto(pathToFileURL(join(folder, "stadium.html")).href);
+  await page.waitForFunction(() => window.teracell?.idle() === true, null, { polling: 100 });
+  const served = await open_grid(browser, `${server.url}#g=stadium`);
+  assert.deepEqual(await views(page), await views(served));
+  await close(served);
+  await firefox.close();
+});
+
+test("files that are chosen or dropped are read in the page", async () => {
+  const empty = join(folder, "empty");
+  teracell("page", "-o", empty);
+  const alone = await Host.of(empty);
+  const page = await open_page(browser, alone.url);
+  await page.getByText("nothing is uploaded").waitFor();
+  await page.screenshot({ path: join(folder, "empty.png") });
+  await page.locator("input[type=file]").setInputFiles(grid_file("mixed"));
+  await settled(page);
+  await expect_as_served(page, "mixed");
+  await page.evaluate((text) => {
+    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const dataTransfer = new DataTransfer();
+    dataTransfer.items.add(new File([bytes], "before.tcell"));
+    document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+  }, readFileSync(grid_file("before")).toString("base64"));
+  await page.waitForFunction(() => window.teracell?.viewer.info.id === "before");
+  await settled(page);
+  await expect_as_served(page, "before");
+  await close(page);
+  await alone.stop();
+});
+
+test("what can't be read is said in words, and the page lives", async () => {
+  const whole = readFileSync(grid_file("mixed"));
+  const bad = join(folder, "bad");
+  mkdirSync(bad, { recursive: true });
+  writeFileSync(join(bad, "cut.tcell"), whole.subarray(0, whole.length - 1000));
+  writeFileSync(join(bad, "foreign.tcell"), "solid cube");
+  const damaged = Buffer.from(whole);
+  for (let at = 4096; at < damaged.length - 65536; at += 4096) damaged[at] ^= 1;
+  writeFileSync(join(bad, "damaged.tcell"), damaged);
+  const page = await open_page(browser, `${host.url}/`);
+  await page.waitForSelector(".card h2");
+  await page.locator("input[type=file]").setInputFiles(["cut", "foreign"].map((name) => join(bad, `${name}.tcell`)));
+  await page.getByText("cut.tcell can't be read").waitFor();
+  await page.waitForFunction(() => document.querySelectorAll(".card.unreadable").length === 2);
+  await page.screenshot({ path: join(folder, "unreadable.png") });
+  for (const text of await page.locator(".card.unreadable p").allInnerTexts()) assert.match(text, /expected|found|teracell/);
+  await page.locator("input[type=file]").setInputFiles(join(bad, "damaged.tcell"));
+  await page.getByText("The file is damaged").first().waitFor();
+  await page.goto(`${host.url}/#g=stadium`);
+  await page.reload();
+  await settled(page);
+  await close(page);
+});
+
+test("addresses: a host that may be read, one that may not, one without ranges, and none", async () => {
+  const other = host.url.replace("127.0.0.1", "other.test");
+  const fine = await open_grid(browser, `${host.url}/?grid=${encodeURIComponent(`${other}/open/stadium.tcell`)}`);
+  assert.equal(await fine.evaluate(() => window.teracell.viewer.info.id), "stadium");
+  await close(fine);
+  for (const [address, words] of [
+    [`${other}/stadium.tcell`, /must allow this page's origin and the header Range, and expose Content-Range and ETag/],
+    ["/whole/stadium.tcell", /sends whole files only; a host that answers ranges of bytes is needed/],
+    ["/none.tcell", /answered 404/],
+    ["https://", /can't be read/],
+  ]) {
+    const page = await open_page(browser, `${host.url}/?grid=${encodeURIComponent(address)}`, { expected: () => true });
+    assert.match(await page.locator(".card.unreadable").innerText(), words);
+    await page.context().close();
+  }
+});
+
+test("a file that is replaced, and a host that is lost for a while", async () => {
+  copyFileSync(grid_file("stadium"), join(site, "changing.tcell"));
+  const page = await open_grid(browser, `${host.url}/?grid=changing.tcell`, { expected: () => true });
+  copyFileSync(grid_file("mixed"), join(site, "next.tcell"));
+  renameSync(join(site, "next.tcell"), join(site, "changing.tcell"));
+  await page.evaluate(() => (window.teracell.viewer.zoom.value *= 8));
+  await page.getByText("This grid was meshed again").waitFor();
+  await page.getByRole("button", { name: "Reload" }).click();
+  await page.waitForFunction(() => window.teracell?.viewer.cells[0] === 301);
+  await settled(page);
+  await host.stop();
+  for (const cell of [[20, 20, 30], [280, 220, 30], [20, 220, 30], [280, 20, 30], [150, 20, 10]]) {
+    await page.evaluate((to) => {
+      window.teracell.viewer.go_to_cell(to);
+      window.teracell.viewer.zoom.value = 40;
+    }, cell);
+    await page.waitForTimeout(200);
+  }
+  await page.getByText("The host of the grids has not answered").waitFor();
+  await page.screenshot({ path: join(folder, "lost.png") });
+  await host.start();
+  await page.getByText("The host of the grids has not answered").waitFor({ state: "detached" });
+  await settled(page);
+  await page.context().close();
+});
