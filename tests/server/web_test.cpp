@@ -3,11 +3,11 @@
 
 #include <fstream>
 
-#include <zlib.h>
 #include <catch2/catch.hpp>
 
 #include "server/http/wire.hpp"
 #include "server/service/target.hpp"
+#include "tests/support/gzip.hpp"
 #include "tests/support/meshed.hpp"
 
 namespace teracell {
@@ -16,20 +16,6 @@ namespace {
 using namespace testing;
 
 const std::string kIndex = "<!doctype html><div id=app></div>", kScript = "let a = 1;" + std::string(50'000, ' '), kIcon = "<svg/>";
-
-std::string gzip(const std::string& text) {
-  z_stream z{};
-  REQUIRE(deflateInit2(&z, 9, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string out(deflateBound(&z, text.size()), '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  z.avail_in = static_cast<uInt>(text.size());
-  z.next_out = reinterpret_cast<Bytef*>(out.data());
-  z.avail_out = static_cast<uInt>(out.size());
-  REQUIRE(deflate(&z, Z_FINISH) == Z_STREAM_END);
-  out.resize(z.total_out);
-  deflateEnd(&z);
-  return out;
-}
 
 Page embedded() {
   static const std::string index = gzip(kIndex), script = gzip(kScript), icon = gzip(kIcon);
