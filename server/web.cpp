@@ -18,10 +18,21 @@ namespace fs = std::filesystem;
 // what the page makes itself: workers of three.js, and pictures to be saved. "data:" is for small icons that the build puts into
 // the style sheet. "wasm-unsafe-eval" lets the page compile its module (web/module), and no script. Frames are allowed: no button of
 // the page changes anything, and notebooks show the page in a frame.
-constexpr const char* kMoreFields =
-    "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; "
-    "font-src 'self'; connect-src 'self'; worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'\r\n"
-    "Referrer-Policy: no-referrer\r\n";
+#define TERACELL_POLICY(connect)                                                                                                      \
+  "Content-Security-Policy: default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; img-src 'self' data: blob:; " \
+  "font-src 'self'; connect-src " connect                                                                                             \
+  "; worker-src 'self' blob:; manifest-src 'self'; base-uri 'none'; form-action 'none'\r\n"                                           \
+  "Referrer-Policy: no-referrer\r\n"
+constexpr const char* kMoreFields = TERACELL_POLICY("'self'");
+// Of a page whose own address names grids of other hosts ("?grid=https://..."), and of the workers that read them.
+constexpr const char* kFieldsOfReaders = TERACELL_POLICY("'self' https: http:");
+#undef TERACELL_POLICY
+
+const char* fields_for(std::string_view name, const Request& request) {
+  const size_t query = request.target.find('?');
+  const bool names_grids = query != std::string::npos && request.target.find("grid=", query) != std::string::npos;
+  return name.starts_with("assets/worker-") || (name == "index.html" && names_grids) ? kFieldsOfReaders : kMoreFields;
+}
 
 const char* type_of(std::string_view name) {
   constexpr std::pair<std::string_view, const char*> types[] = {{".html", "text/html; charset=utf-8"},
@@ -50,11 +61,11 @@ std::string hash_of(std::string_view bytes) {
   return fmt::format("{:016x}", checksum({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()}));
 }
 
-Response response(std::string_view name, std::string etag, bool forever) {
+Response response(std::string_view name, const Request& request, std::string etag, bool forever) {
   return {.content_type = type_of(name),
           .etag = std::move(etag),
           .cache_control = forever ? "public, max-age=31536000, immutable" : "no-cache",
-          .more_fields = kMoreFields,
+          .more_fields = fields_for(name, request),
           .route = "page"};
 }
 
@@ -116,7 +127,7 @@ std::optional<Response> Page::at_once(const Request& request) const {
   const std::string_view name = name_of(path_of(request.target));
   const auto found = name.empty() || !request.accepts_gzip ? files_.end() : files_.find(name);
   if (found == files_.end()) return std::nullopt;
-  Response r = response(name, fmt::format("\"{}-gz\"", found->second.etag), name.starts_with("assets/"));
+  Response r = response(name, request, fmt::format("\"{}-gz\"", found->second.etag), name.starts_with("assets/"));
   r.content_encoding = "gzip";
   return with_body(std::move(r), request, found->second.gzip);
 }
@@ -126,7 +137,7 @@ std::optional<Response> Page::answer(const Request& request) const {
   const std::string_view name = name_of(path_of(request.target));
   if (name.empty()) return std::nullopt;
   if (const auto found = files_.find(name); found != files_.end())
-    return with_body(response(name, fmt::format("\"{}\"", found->second.etag), name.starts_with("assets/")), request,
+    return with_body(response(name, request, fmt::format("\"{}\"", found->second.etag), name.starts_with("assets/")), request,
                      body_of(unpacked({name, *found->second.gzip})));
   if (folder_.empty()) return std::nullopt;
   const Listing there = listing();
@@ -135,7 +146,7 @@ std::optional<Response> Page::answer(const Request& request) const {
   std::ifstream in(found->second, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
   if (!in) throw IoError(fmt::format("{}: can't be read", name));
-  Response r = response(name, fmt::format("\"{}\"", hash_of(text)), false);
+  Response r = response(name, request, fmt::format("\"{}\"", hash_of(text)), false);
   return with_body(std::move(r), request, body_of(std::move(text)));
 }
 

@@ -190,9 +190,12 @@ test("what can't be read is said in words, and the page lives", async () => {
 
 test("addresses: a host that may be read, one that may not, one without ranges, and none", async () => {
   const other = host.url.replace("127.0.0.1", "other.test");
-  const fine = await open_grid(browser, `${host.url}/?grid=${encodeURIComponent(`${other}/open/stadium.tcell`)}`);
-  assert.equal(await fine.evaluate(() => window.teracell.viewer.info.id), "stadium");
-  await close(fine);
+  for (const of of [host.url, server.url]) {
+    const fine = await open_grid(browser, new URL(`?grid=${encodeURIComponent(`${other}/open/stadium.tcell`)}`, of).href);
+    assert.equal(await fine.evaluate(() => window.teracell.viewer.info.id), "stadium");
+    await expect_as_served(fine, "stadium");
+    await close(fine);
+  }
   for (const [address, words] of [
     [`${other}/stadium.tcell`, /must allow this page's origin and the header Range, and expose Content-Range and ETag/],
     ["/whole/stadium.tcell", /sends whole files only; a host that answers ranges of bytes is needed/],

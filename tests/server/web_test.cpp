@@ -202,5 +202,16 @@ TEST_CASE("A text in front of other handlers has one path, which needs no token"
   }
 }
 
+TEST_CASE("a page whose address names grids of other hosts, and its workers, may fetch from them; no other page may", "[server][web]") {
+  static const std::string index = gzip(kIndex), script = gzip(kScript);
+  static const EmbeddedFile files[] = {{"assets/main-Ab3_x.js", script}, {"assets/worker-Ab3_x.js", script}, {"index.html", index}};
+  const Page page(files);
+  const auto policy = [&](const std::string& target) { return std::string(page.answer(request(target))->more_fields); };
+  for (const char* target : {"/", "/?other=1", "/assets/main-Ab3_x.js", "/assets/main-Ab3_x.js?grid=https://example.org/g.tcell"})
+    CHECK_THAT(policy(target), Catch::Contains("connect-src 'self';"));
+  for (const char* target : {"/?grid=https://example.org/g.tcell", "/assets/worker-Ab3_x.js"})
+    CHECK_THAT(policy(target), Catch::Contains("connect-src 'self' https: http:;") && Catch::Contains("script-src 'self' 'wasm-unsafe-eval'"));
+}
+
 }  // namespace
 }  // namespace teracell

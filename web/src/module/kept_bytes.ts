@@ -2,7 +2,7 @@
 import type { Source } from "./sources";
 
 const BLOCK = 16384; // as in web/module/page_file.hpp
-const KEPT = 32 << 20;
+const KEPT = 8 << 20; // the module keeps more
 
 export class KeptBytes {
   private readonly blocks = new Map<number, Uint8Array<ArrayBuffer>>(); // those that were read last come last

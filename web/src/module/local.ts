@@ -1,11 +1,11 @@
-// Grids without a server: files that a host gives out by ranges, or that the user gives to the page. The module answers about them, in two
-// workers: one for what is quick, and one for what may take long, so that slices stay swift while 3D gets sharp.
+// Grids without a server: files that a host gives out by ranges, that the user gives to the page, or that are in it. The module answers about
+// them, in two workers: one for what is quick, and one for what may take long, so that slices stay swift while 3D gets sharp.
 import type { GridSummary, UnreadableFile } from "../base/grid";
+import { words_of } from "../base/messages";
 import { type Ask, is_alone, note_read_here } from "../server/transport";
 import { make_worker, module_bytes } from "./beside";
-import type { Answer, Missing } from "./instance";
-import { KeptBytes } from "./kept_bytes";
-import { type Source, SourceError } from "./sources";
+import type { Answer } from "./instance";
+import { type Place, type Placed, type Source, SourceError } from "./sources";
 import type { FromWorker, ToWorker } from "./worker";
 
 const SLOW = /^api\/v1\/grids\/[^/]+\/(view\.|stats|diff|line|column|box\.|slice)/;
@@ -22,19 +22,19 @@ class Helper {
   private broken: Error | null = null; // why the worker does not answer
   constructor(
     module: Promise<ArrayBuffer>,
-    private readonly files: readonly KeptBytes[],
+    private readonly held: ReadonlyMap<number, Source>, // grids that are in the page, by their numbers
   ) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
     this.worker.onerror = ({ message }) => this.fail(`the worker that reads grids can't be started: ${message || "the browser does not say why"}`);
     this.worker.onmessageerror = () => this.fail("the browser gives the worker nothing to read");
     module.then(
       (code) => this.tell({ kind: "module", code }),
-      () => {}, // open() says it
+      () => {}, // add() says it
     );
   }
 
-  // What the worker answers to a message, which gets an id.
-  ask(message: { kind: "ask"; target: string } | { kind: "open"; name: string; size: number }, signal?: AbortSignal | null): Promise<FromWorker> {
+  // What the worker answers to a message, which gets an id. Throws SourceError.
+  ask(message: { kind: "ask"; target: string } | { kind: "open"; place: Place }, signal?: AbortSignal | null): Promise<FromWorker> {
     const id = this.next++;
     return new Promise((resolve, reject) => {
       if (this.broken) return reject(this.broken);
@@ -45,18 +45,18 @@ class Helper {
   }
 
   private take(message: FromWorker): void {
-    if (message.kind === "wanted") return void this.fetch(message.id, message.missing);
-    this.waiting.get(message.id)?.resolve(message);
+    if (message.kind === "wanted") return void this.read(message);
+    const { resolve, reject } = this.waiting.get(message.id) ?? {};
     this.waiting.delete(message.id);
+    if (message.kind === "failed") reject?.(message.code ? new SourceError(message.code, message.message) : new Error(message.message));
+    else resolve?.(message);
   }
-  private async fetch(id: number, missing: readonly Missing[]): Promise<void> {
+  private async read({ id, grid, offset, size }: FromWorker & { kind: "wanted" }): Promise<void> {
     try {
-      const parts = await Promise.all(
-        missing.map(async ({ file, offset, size }) => ({ file, offset, bytes: await this.files[file]!.read(offset, size) })),
-      );
-      this.tell({ kind: "bytes", id, parts }, parts.map(({ bytes }) => bytes.buffer));
+      const bytes = await this.held.get(grid)!.read(offset, size);
+      this.tell({ kind: "bytes", id, bytes }, [bytes.buffer]);
     } catch (error) {
-      this.give_up(id, error);
+      this.tell({ kind: "bytes", id, bytes: words_of(error) });
     }
   }
   private fail(message: string): void {
@@ -80,38 +80,32 @@ const failure = (status: number, code: string, message: string) => json(status, 
 
 const response_of = ({ status, type, etag, body }: Answer) => new Response(body, { status, headers: { "content-type": type, etag } });
 
-interface LocalGrid {
-  readonly source: Source;
-  readonly kept: KeptBytes;
+interface LocalGrid extends Placed {
   changed: string | null; // what was said when its file was found to be another one
 }
 
 export class LocalGrids {
-  private readonly files: KeptBytes[] = [];
+  private readonly held = new Map<number, Source>();
   private readonly grids = new Map<string, LocalGrid>(); // by id
   private readonly unreadable: UnreadableFile[] = [];
   private readonly module = unpacked_module();
-  private readonly helpers = [new Helper(this.module, this.files), new Helper(this.module, this.files)] as const;
+  private readonly helpers = [new Helper(this.module, this.held), new Helper(this.module, this.held)] as const;
   private lost: Source | null = null; // whose host could not be reached
 
   // Adds a grid, and returns its id; or null when it can't be read, which the list of grids then says.
-  async add(open: () => Promise<Source>, name: string): Promise<string | null> {
+  async add(open: () => Promise<Placed>, name: string): Promise<string | null> {
     try {
-      const [source] = await Promise.all([open(), this.module]);
-      const kept = new KeptBytes(source);
-      this.files.push(kept);
+      const [{ source, place }] = await Promise.all([open(), this.module]);
+      if (place.kind === "page") this.held.set(place.grid, source);
       const before = (await this.list()).map(({ id }) => id);
-      const opened = await Promise.all(this.helpers.map((helper) => helper.ask({ kind: "open", name: source.name, size: source.size })));
-      for (const message of opened) {
-        if (message.kind === "failed") throw new Error(message.message);
-        if (message.kind === "opened" && message.wrong) throw new Error(message.wrong);
-      }
+      const opened = await Promise.all(this.helpers.map((helper) => helper.ask({ kind: "open", place })));
+      for (const message of opened) if (message.kind === "opened" && message.wrong) throw new Error(message.wrong);
       const { id } = (await this.list()).find((grid) => !before.includes(grid.id))!;
-      this.grids.set(id, { source, kept, changed: null });
+      this.grids.set(id, { source, place, changed: null });
       note_read_here(id);
       return id;
     } catch (error) {
-      this.unreadable.push({ id: name.replace(/\.tcell$/, ""), error: error instanceof Error ? error.message : String(error) });
+      this.unreadable.push({ id: name.replace(/\.tcell$/, ""), error: words_of(error) });
       return null;
     }
   }
@@ -130,9 +124,10 @@ export class LocalGrids {
       const helper = this.helpers[SLOW.test(path) ? 1 : 0];
       const message = await helper.ask({ kind: "ask", target: `/${path}` }, options.signal);
       if (message.kind === "answer") return response_of(message.answer);
-      return failure(500, "failed", message.kind === "failed" ? message.message : "the module gave another answer");
+      return failure(500, "failed", "the module gave another answer");
     } catch (error) {
-      if (!(error instanceof SourceError)) throw error;
+      options.signal?.throwIfAborted();
+      if (!(error instanceof SourceError)) return failure(500, "failed", words_of(error));
       if (grid && error.code === "unreachable") this.lost = grid.source;
       if (error.code === "unreachable") throw new TypeError(error.message);
       if (grid && error.code === "replaced") grid.changed = error.message;
@@ -151,9 +146,9 @@ export class LocalGrids {
     const others = served ? ((await (await served).json()) as { grids: GridSummary[]; unreadable: UnreadableFile[] }) : { grids: [], unreadable: [] };
     const [grids, unreadable] = [[...others.grids], [...others.unreadable, ...this.unreadable]];
     for (const grid of await this.list()) {
-      const { changed = null, source } = this.grids.get(grid.id) ?? {};
+      const { changed = null, place } = this.grids.get(grid.id) ?? {};
       if (changed === null) grids.push(grid);
-      else if (source?.may_be_opened_again) grids.push({ ...grid, hash: "" });
+      else if (place?.kind === "address") grids.push({ ...grid, hash: "" });
       else unreadable.push({ id: grid.id, error: changed });
     }
     return json(200, { ...others, grids, unreadable });

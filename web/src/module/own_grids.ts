@@ -7,7 +7,7 @@ import { answer_by, be_alone } from "../server/transport";
 import { module_bytes } from "./beside";
 import { HeldSource, type ListedGrid, listed_grids } from "./held";
 import type { LocalGrids } from "./local";
-import { FileSource, HttpSource, type Source } from "./sources";
+import { FileSource, HttpSource, type Placed } from "./sources";
 
 // Whether this page was built with the module.
 export const can_read_files = module_bytes !== null;
@@ -21,8 +21,12 @@ function own_grids(): readonly ListedGrid[] | null {
   return addresses.length > 0 ? addresses.map(addressed) : listed_grids();
 }
 
-async function source_of(grid: ListedGrid, number: number): Promise<Source> {
-  if ("bytes" in grid) return new HeldSource(number, grid.name, grid.bytes);
+async function placed(grid: ListedGrid, number: number): Promise<Placed> {
+  if ("bytes" in grid)
+    return {
+      source: new HeldSource(number, grid.name, grid.bytes),
+      place: { kind: "page", grid: number, name: grid.name, size: grid.bytes },
+    };
   return HttpSource.open(new URL(grid.address, location.href)); // what is no address is said in the list
 }
 
@@ -45,7 +49,7 @@ export function open_own_grids(): void {
   if (own === null) return;
   be_alone();
   void local_grids(async (grids) => {
-    for (const [number, grid] of own.entries()) await grids.add(() => source_of(grid, number), grid.name);
+    for (const [number, grid] of own.entries()) await grids.add(() => placed(grid, number), grid.name);
   });
 }
 
@@ -54,7 +58,7 @@ export async function open_files(files: Iterable<File>): Promise<void> {
   const grids = await local_grids();
   let last: string | null = null;
   for (const file of files) {
-    const id = await grids.add(async () => new FileSource(file, file.name), file.name);
+    const id = await grids.add(async () => ({ source: new FileSource(file, file.name), place: { kind: "file", file, name: file.name } }), file.name);
     last = id ?? last;
     if (id === null) say(`${file.name} can't be read`, "The list of grids says why.");
   }

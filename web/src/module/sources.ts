@@ -3,8 +3,19 @@
 export interface Source {
   readonly name: string; // that of the file
   readonly size: number;
-  readonly may_be_opened_again?: boolean; // when it was replaced: it has an address that lasts
   read(offset: number, size: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>>;
+}
+
+// Where a source is, to be passed to a worker.
+export type Place =
+  | { readonly kind: "address"; readonly address: string; readonly size: number; readonly version: string | null }
+  | { readonly kind: "file"; readonly file: Blob; readonly name: string }
+  | { readonly kind: "page"; readonly grid: number; readonly name: string; readonly size: number }; // held.ts
+
+// A source, and where it is.
+export interface Placed {
+  readonly source: Source;
+  readonly place: Place;
 }
 
 // Bytes can't be had. `code` is that of an answer of the server in the same case.
@@ -41,8 +52,7 @@ const last_part = (url: URL) => decodeURIComponent(url.pathname.split("/").pop()
 const ALLOWANCE = "it must allow this page's origin and the header Range, and expose Content-Range and ETag (CORS)";
 
 export class HttpSource implements Source {
-  readonly may_be_opened_again = true;
-  private constructor(
+  constructor(
     private readonly url: URL,
     readonly size: number,
     private readonly version: string | null,
@@ -52,12 +62,13 @@ export class HttpSource implements Source {
   }
 
   // Asks for the size first. Ranges from the end, which would tell it, too, are refused by some hosts.
-  static async open(url: URL): Promise<HttpSource> {
+  static async open(url: URL): Promise<Placed> {
     const head = await asked(url, { method: "HEAD" });
     if (!head.ok) throw new SourceError("unreadable", `${last_part(url)}: ${shown(url)} answered ${head.status} ${head.statusText}`.trim());
     const size = Number(head.headers.get("content-length") ?? Number.NaN);
     if (!Number.isSafeInteger(size)) throw new SourceError("unreadable", `${last_part(url)}: ${shown(url)} does not tell its size (Content-Length)`);
-    return new HttpSource(url, size, version_of(head));
+    const version = version_of(head);
+    return { source: new HttpSource(url, size, version), place: { kind: "address", address: url.href, size, version } };
   }
 
   async read(offset: number, size: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {

@@ -1,68 +1,97 @@
-// A worker with a module of its own. It is told of files, is asked for answers, and asks for bytes of the files when it needs some. While an
-// answer waits for bytes, others are made.
+// A worker with a module of its own. It is told of grids, is asked for answers, and fetches the bytes that an answer needs by itself, so that
+// nothing waits for the page, which is busy drawing. While an answer waits for bytes, others are made.
 import { type Answer, Instance, type Missing, is_missing } from "./instance";
+import { KeptBytes } from "./kept_bytes";
+import { FileSource, HttpSource, type Place, type Source, SourceError } from "./sources";
 
 export type ToWorker =
   | { kind: "module"; code: ArrayBuffer } // not compiled: Chromium gives no compiled module to a worker of a page from a disk
-  | { kind: "open"; id: number; name: string; size: number }
+  | { kind: "open"; id: number; place: Place }
   | { kind: "ask"; id: number; target: string }
-  | { kind: "bytes"; id: number; parts: { offset: number; file: number; bytes: Uint8Array<ArrayBuffer> }[] }
-  | { kind: "forget"; id: number }; // nobody waits for the answer, or its bytes could not be had
+  | { kind: "bytes"; id: number; bytes: Uint8Array<ArrayBuffer> | string } // what was wanted, or what is wrong with it
+  | { kind: "forget"; id: number }; // nobody waits for the answer any more
 
 export type FromWorker =
-  | { kind: "wanted"; id: number; missing: readonly Missing[] }
   | { kind: "opened"; id: number; wrong: string }
   | { kind: "answer"; id: number; answer: Answer }
-  | { kind: "failed"; id: number; message: string }; // the module broke down
-
-let start: (instance: Instance) => void;
-const ready = new Promise<Instance>((resolve) => (start = resolve));
-const waiting = new Map<number, (instance: Instance) => void>(); // what to do again once bytes have come
+  | { kind: "wanted"; id: number; grid: number; offset: number; size: number } // of a grid that is in the page; `id` is the worker's
+  | { kind: "failed"; id: number; code: SourceError["code"] | null; message: string }; // null: the module broke down
 
 const send = (message: FromWorker, transfer: Transferable[] = []) => (self as unknown as Worker).postMessage(message, transfer);
 
-function attempt(instance: Instance, id: number, make: () => { missing: readonly Missing[] } | null): void {
-  let missing: readonly Missing[] | null = null;
-  try {
-    missing = make()?.missing ?? null;
-  } catch (error) {
-    send({ kind: "failed", id, message: error instanceof Error ? error.message : String(error) });
+// A grid in the page.
+const asked = new Map<number, (bytes: Uint8Array<ArrayBuffer> | string) => void>();
+let next = 0;
+class PageSource implements Source {
+  constructor(
+    private readonly grid: number,
+    readonly name: string,
+    readonly size: number,
+  ) {}
+  async read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>> {
+    const id = next++;
+    const bytes = await new Promise<Uint8Array<ArrayBuffer> | string>((resolve) => {
+      asked.set(id, resolve);
+      send({ kind: "wanted", id, grid: this.grid, offset, size });
+    });
+    if (typeof bytes === "string") throw new SourceError("unreadable", bytes);
+    return bytes;
   }
-  if (missing) send({ kind: "wanted", id, missing });
-  else waiting.delete(id);
-  if (waiting.size === 0) instance.rest();
 }
 
-function begin(instance: Instance, id: number, make: () => { missing: readonly Missing[] } | null): void {
-  const again = (of: Instance) => attempt(of, id, make);
-  waiting.set(id, again);
-  again(instance);
+function source_at(place: Place): Source {
+  if (place.kind === "address") return new HttpSource(new URL(place.address), place.size, place.version);
+  if (place.kind === "file") return new FileSource(place.file, place.name);
+  return new PageSource(place.grid, place.name, place.size);
+}
+
+let start: (instance: Instance) => void;
+const ready = new Promise<Instance>((resolve) => (start = resolve));
+const files: KeptBytes[] = []; // by the numbers that the module gives them
+const waiting = new Set<number>(); // answers that are being made
+
+// Calls make() until all bytes that it needs are there; null when nobody waits for it any more.
+async function until_there<T extends object>(instance: Instance, id: number, make: () => T | readonly Missing[]): Promise<T | null> {
+  for (;;) {
+    const outcome = make();
+    if (!is_missing(outcome)) return outcome;
+    const fetched = outcome.map(async ({ file, offset, size }) => ({ file, offset, bytes: await files[file]!.read(offset, size) }));
+    const parts = await Promise.all(fetched);
+    if (!waiting.has(id)) return null;
+    for (const { file, offset, bytes } of parts) instance.give(file, offset, bytes);
+  }
+}
+
+async function open(instance: Instance, id: number, place: Place): Promise<void> {
+  const source = source_at(place);
+  const file = instance.add(source.name, source.size);
+  files[file] = new KeptBytes(source);
+  const opened = await until_there(instance, id, () => instance.open(file));
+  if (opened) send({ kind: "opened", id, wrong: opened.wrong });
+}
+
+async function ask(instance: Instance, id: number, target: string): Promise<void> {
+  const answer = await until_there(instance, id, () => instance.answer(target));
+  if (answer) send({ kind: "answer", id, answer }, [answer.body.buffer]);
 }
 
 self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
   if (data.kind === "module") return start(await Instance.of(await WebAssembly.compile(data.code)));
-  const instance = await ready;
   const { id } = data;
-  if (data.kind === "open") {
-    const file = instance.add(data.name, data.size);
-    begin(instance, id, () => {
-      const outcome = instance.open(file);
-      if (is_missing(outcome)) return { missing: outcome };
-      send({ kind: "opened", id, wrong: outcome.wrong });
-      return null;
-    });
-  } else if (data.kind === "ask") {
-    begin(instance, id, () => {
-      const answer = instance.answer(data.target);
-      if (is_missing(answer)) return { missing: answer };
-      send({ kind: "answer", id, answer }, [answer.body.buffer]);
-      return null;
-    });
-  } else if (data.kind === "bytes") {
-    for (const { file, offset, bytes } of data.parts) instance.give(file, offset, bytes);
-    waiting.get(id)?.(instance);
-  } else {
-    waiting.delete(id);
-    if (waiting.size === 0) instance.rest();
+  if (data.kind === "bytes") {
+    asked.get(id)?.(data.bytes);
+    asked.delete(id);
+    return;
   }
+  if (data.kind === "forget") return void waiting.delete(id);
+  const instance = await ready;
+  waiting.add(id);
+  try {
+    await (data.kind === "open" ? open(instance, id, data.place) : ask(instance, id, data.target));
+  } catch (error) {
+    const message = error instanceof Error ? error.message : String(error);
+    send({ kind: "failed", id, code: error instanceof SourceError ? error.code : null, message });
+  }
+  waiting.delete(id);
+  if (waiting.size === 0) instance.rest();
 };
