@@ -103,6 +103,18 @@ test("a folder on a plain host: the page shows what the server's shows, and spea
   await close(list);
 });
 
+test("what a page can't be made of is refused, and nothing is written", () => {
+  for (const [args, status, words] of [
+    [["--grids", "s3://bucket/g.tcell", "-o", join(folder, "refused")], 2, /a browser reads https:\/\/ addresses only/],
+    [["-o", join(folder, "refused.html")], 2, /expected the grids that are to be in the page/],
+    [[join(folder, "cube.stl"), "-o", join(folder, "refused.html")], 1, /cube\.stl: .*not a teracell file/],
+    [["--grids", join(folder, "none.tcell"), "-o", join(folder, "refused")], 1, /none\.tcell/],
+  ]) {
+    assert.throws(() => teracell("page", ...args), (error) => error.status === status && words.test(error.stderr.toString()), words);
+    assert(!existsSync(args.at(-1)));
+  }
+});
+
 test("save as one file writes what `teracell page` writes", async () => {
   const file = join(folder, "stadium.html");
   teracell("page", grid_file("stadium"), "-o", file);

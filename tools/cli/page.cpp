@@ -31,6 +31,7 @@ void run(const PageArguments& o) {
   for (const std::string& name : names) {
     const std::string file = std::filesystem::path(name.substr(0, name.find_first_of("?#"))).filename().string();
     if (!whole && is_address(name)) {
+      if (!name.starts_with("http")) throw UsageError(fmt::format("{}: a browser reads https:// addresses only: give that of the same object", name));
       grids.push_back({file, name, nullptr});
     } else {
       readers.emplace_back(open_source(name, o.source));

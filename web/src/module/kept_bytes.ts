@@ -1,18 +1,23 @@
-// Bytes of a source, in blocks. What was read is kept, up to a bound; what is under way is not asked for again.
+// Bytes of sources, in blocks. What was read is kept, up to a bound; what is under way is not asked for again.
 import type { Source } from "./sources";
 
 const BLOCK = 16384; // as in web/module/page_file.hpp
-const KEPT = 8 << 20; // the module keeps more
+const KEPT = 8 << 20; // of all sources; the module keeps more
+const FILE = 2 ** 32; // keys of blocks that a source has room for
 
 export class KeptBytes {
+  private readonly sources: Source[] = [];
   private readonly blocks = new Map<number, Uint8Array<ArrayBuffer>>(); // those that were read last come last
   private readonly under_way = new Map<number, Promise<void>>();
   private bytes = 0;
-  constructor(private readonly source: Source) {}
+
+  add(file: number, source: Source): void {
+    this.sources[file] = source;
+  }
 
   // REQUIRES: whole blocks, the last one as long as the source has it.
-  async read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>> {
-    const [first, end] = [offset / BLOCK, Math.ceil((offset + size) / BLOCK)];
+  async read(file: number, offset: number, size: number): Promise<Uint8Array<ArrayBuffer>> {
+    const [first, end] = [file * FILE + offset / BLOCK, file * FILE + Math.ceil((offset + size) / BLOCK)];
     const mine = new Map<number, Uint8Array<ArrayBuffer>>();
     for (;;) {
       const waits: Promise<void>[] = [];
@@ -25,7 +30,7 @@ export class KeptBytes {
         else {
           let last = b + 1;
           while (last < end && !this.blocks.has(last) && !this.under_way.has(last) && !mine.has(last)) ++last;
-          const fetched = this.fetch(b, last, mine);
+          const fetched = this.fetch(file, b, last, mine);
           for (let i = b; i < last; ++i) this.under_way.set(i, fetched);
           waits.push(fetched);
           b = last - 1;
@@ -39,11 +44,12 @@ export class KeptBytes {
     return out;
   }
 
-  private async fetch(first: number, end: number, into: Map<number, Uint8Array<ArrayBuffer>>): Promise<void> {
-    const offset = first * BLOCK;
-    const size = Math.min(end * BLOCK, this.source.size) - offset;
+  private async fetch(file: number, first: number, end: number, into: Map<number, Uint8Array<ArrayBuffer>>): Promise<void> {
+    const source = this.sources[file]!;
+    const offset = (first - file * FILE) * BLOCK;
+    const size = Math.min(offset + (end - first) * BLOCK, source.size) - offset;
     try {
-      const bytes = await this.source.read(offset, size);
+      const bytes = await source.read(offset, size);
       for (let b = first; b < end; ++b) {
         const block = bytes.slice((b - first) * BLOCK, (b - first + 1) * BLOCK);
         into.set(b, block);

@@ -47,7 +47,7 @@ function source_at(place: Place): Source {
 
 let start: (instance: Instance) => void;
 const ready = new Promise<Instance>((resolve) => (start = resolve));
-const files: KeptBytes[] = []; // by the numbers that the module gives them
+const kept = new KeptBytes();
 const waiting = new Set<number>(); // answers that are being made
 
 // Calls make() until all bytes that it needs are there; null when nobody waits for it any more.
@@ -55,7 +55,7 @@ async function until_there<T extends object>(instance: Instance, id: number, mak
   for (;;) {
     const outcome = make();
     if (!is_missing(outcome)) return outcome;
-    const fetched = outcome.map(async ({ file, offset, size }) => ({ file, offset, bytes: await files[file]!.read(offset, size) }));
+    const fetched = outcome.map(async ({ file, offset, size }) => ({ file, offset, bytes: await kept.read(file, offset, size) }));
     const parts = await Promise.all(fetched);
     if (!waiting.has(id)) return null;
     for (const { file, offset, bytes } of parts) instance.give(file, offset, bytes);
@@ -65,7 +65,7 @@ async function until_there<T extends object>(instance: Instance, id: number, mak
 async function open(instance: Instance, id: number, place: Place): Promise<void> {
   const source = source_at(place);
   const file = instance.add(source.name, source.size);
-  files[file] = new KeptBytes(source);
+  kept.add(file, source);
   const opened = await until_there(instance, id, () => instance.open(file));
   if (opened) send({ kind: "opened", id, wrong: opened.wrong });
 }
