@@ -100,6 +100,7 @@ void write(const fs::path& path, std::string_view text) {
 // Whether an older index.html is one of these pages, or there is none.
 bool may_replace(const fs::path& index) {
   if (!fs::exists(index)) return true;
+  if (!fs::is_regular_file(index)) return false;
   std::ifstream in(index, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
   return text.find(kListBegin) != text.npos;
@@ -111,14 +112,27 @@ void expect_module(std::span<const EmbeddedFile> page) { text_of(page, kWholePag
 
 void write_site(std::span<const EmbeddedFile> page, std::string_view notice, const std::vector<PageGrid>& grids, const fs::path& folder,
                 const std::function<void(double)>& progress) {
-  std::set<std::string> names;
+  if (folder.empty()) throw UsageError("expected the name of a folder, found ''");
+  std::set<std::string> names, own = {"NOTICE", "assets"};
+  for (const EmbeddedFile& file : page) own.emplace(file.name);
+  for (const PageGrid& grid : grids)
+    if (grid.source && own.contains(grid.name))
+      throw UsageError(fmt::format("{}: the page has a file of this name: give the grid another one", grid.name));
   for (const PageGrid& grid : grids)
     if (grid.source && !names.insert(grid.name).second)
       throw UsageError(fmt::format("two grids have the name {}: they would be one file in {}", grid.name, folder.string()));
   const Frame frame(text_of(page, kIndex));
   if (!may_replace(folder / kIndex))
     throw UsageError(fmt::format("{}: it is not a page of teracell, and would be replaced: give another folder", (folder / kIndex).string()));
-  for (const EmbeddedFile& file : page) fs::create_directories((folder / file.name).parent_path());
+  if (!fs::exists(folder / kIndex))
+    for (const std::string_view name : {std::string_view("NOTICE"), kWholePage})
+      if (fs::exists(folder / name))
+        throw UsageError(fmt::format("{}: it would be replaced, and is not of a page of teracell: give another folder", (folder / name).string()));
+  for (const EmbeddedFile& file : page) {
+    const fs::path below = (folder / file.name).parent_path();
+    std::error_code error;
+    if (fs::create_directories(below, error); error) throw IoError(fmt::format("{}: can't be made a folder: {}", below.string(), error.message()));
+  }
   for (const EmbeddedFile& file : page)
     if (file.name != kIndex) write(folder / file.name, unpacked(file));
   write(folder / "NOTICE", notice);

@@ -200,6 +200,48 @@ test("what can't be read is said in words, and the page lives", async () => {
   await close(page);
 });
 
+test("a page that is cut, that has no module, or whose module is damaged says so", async () => {
+  const whole = readFileSync(join(folder, "stadium.html"), "utf8");
+  const begin = whole.indexOf('<script id="module"');
+  const broken = {
+    cut: whole.slice(0, whole.length - 3000),
+    damaged: `${whole.slice(0, begin + 2000)}A${whole.slice(begin + 2001)}`.replace("AAAA", "BBBB"),
+    none: whole.slice(0, begin) + whole.slice(whole.indexOf("</script>", begin) + 9),
+  };
+  for (const [name, words] of [["cut", /cut on its way/], ["damaged", /stadium/], ["none", /stadium/]]) {
+    const file = join(folder, `${name}.html`);
+    writeFileSync(file, broken[name]);
+    const page = await open_page(browser, pathToFileURL(file).href);
+    await page.waitForFunction(() => document.body.innerText.trim().length > 40 && document.querySelector(".not-started, .card.unreadable"));
+    assert.match(await page.locator(".not-started, .card.unreadable").first().innerText(), words);
+    await page.screenshot({ path: join(folder, `${name}.png`) });
+    await page.context().close();
+  }
+});
+
+test("files that are dropped one right after the other keep their names", async () => {
+  const page = await open_page(browser, `${host.url}/`);
+  await page.waitForSelector(".card h2");
+  await page.evaluate(
+    (texts) => {
+      for (const [name, text] of texts) {
+        const dataTransfer = new DataTransfer();
+        dataTransfer.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name));
+        document.body.dispatchEvent(new DragEvent("drop", { dataTransfer, bubbles: true, cancelable: true }));
+      }
+    },
+    ["before", "after"].map((name) => [`${name}.tcell`, readFileSync(grid_file(name)).toString("base64")]),
+  );
+  await page.waitForFunction(() => window.teracell?.viewer.info.id === "after");
+  for (const name of ["before", "after"]) {
+    await page.evaluate((id) => (location.hash = `#g=${id}`), name);
+    await page.waitForFunction((id) => window.teracell?.viewer.info.id === id, name);
+    await settled(page);
+    await expect_as_served(page, name);
+  }
+  await close(page);
+});
+
 test("addresses: a host that may be read, one that may not, one without ranges, and none", async () => {
   const other = host.url.replace("127.0.0.1", "other.test");
   for (const of of [host.url, server.url]) {

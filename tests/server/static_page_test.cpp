@@ -110,6 +110,14 @@ TEST_CASE("a folder with another page, and two grids of one name, are refused be
   CHECK_THROWS_WITH(write_site(page(), "", {{"g.tcell", "", &one}, {"g.tcell", "", &two}}, folder / "site", kSilent),
                     Catch::Contains("two grids have the name g.tcell"));
   CHECK(!std::filesystem::exists(folder / "site"));
+  for (const char* name : {"NOTICE", "index.html", "whole.html", "assets"})
+    CHECK_THROWS_WITH(write_site(page(), "", {{name, "", &one}}, folder / "site", kSilent), Catch::Contains("the page has a file of this name"));
+  std::filesystem::create_directories(folder / "source");
+  write(folder / "source/NOTICE", "of somebody else");
+  CHECK_THROWS_WITH(write_site(page(), "", {}, folder / "source", kSilent), Catch::Contains("source/NOTICE: it would be replaced"));
+  write(folder / "file", "no folder");
+  CHECK_THROWS_AS(write_site(page(), "", {}, folder / "file", kSilent), IoError);
+  CHECK_THROWS_AS(write_site(page(), "", {}, "", kSilent), UsageError);
 }
 
 TEST_CASE("one file holds the grids, to the last byte", "[server][static_page]") {

@@ -20,6 +20,7 @@ struct PageArguments {
 
 void run(const PageArguments& o) {
   expect_module(embedded_page());
+  if (is_address(o.output)) throw UsageError(fmt::format("{}: expected a folder or a file of this machine, found an address", o.output));
   const bool whole = o.output.ends_with(".html");
   if (whole && o.grids.empty()) throw UsageError("page: expected the grids that are to be in the page: teracell page g.tcell -o g.html");
   std::vector<std::string> names = o.grids;

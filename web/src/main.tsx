@@ -5,4 +5,6 @@ import { open_own_grids, watch_drops } from "./module/own_grids";
 
 open_own_grids();
 watch_drops();
-render(<App />, document.getElementById("app")!);
+const app = document.getElementById("app")!;
+app.replaceChildren(); // what was said in case that this does not start
+render(<App />, app);

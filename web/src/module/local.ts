@@ -29,7 +29,7 @@ class Helper {
     this.worker.onmessageerror = () => this.fail("the browser gives the worker nothing to read");
     module.then(
       (code) => this.tell({ kind: "module", code }),
-      () => {}, // add() says it
+      (error) => this.fail(words_of(error)),
     );
   }
 
@@ -90,10 +90,15 @@ export class LocalGrids {
   private readonly unreadable: UnreadableFile[] = [];
   private readonly module = unpacked_module();
   private readonly helpers = [new Helper(this.module, this.held), new Helper(this.module, this.held)] as const;
-  private lost: Source | null = null; // whose host could not be reached
+  private adding: Promise<string | null> = Promise.resolve(null);
+  private lost: LocalGrid | null = null; // whose host could not be reached
 
-  // Adds a grid, and returns its id; or null when it can't be read, which the list of grids then says.
-  async add(open: () => Promise<Placed>, name: string): Promise<string | null> {
+  // Adds a grid, and returns its id; or null when it can't be read, which the list of grids then says. One is added after the other.
+  add(open: () => Promise<Placed>, name: string): Promise<string | null> {
+    return (this.adding = this.adding.then(() => this.add_now(open, name)));
+  }
+
+  private async add_now(open: () => Promise<Placed>, name: string): Promise<string | null> {
     try {
       const [{ source, place }] = await Promise.all([open(), this.module]);
       if (place.kind === "page") this.held.set(place.grid, source);
@@ -128,7 +133,7 @@ export class LocalGrids {
     } catch (error) {
       options.signal?.throwIfAborted();
       if (!(error instanceof SourceError)) return failure(500, "failed", words_of(error));
-      if (grid && error.code === "unreachable") this.lost = grid.source;
+      if (grid && error.code === "unreachable") this.lost = grid;
       if (error.code === "unreachable") throw new TypeError(error.message);
       if (grid && error.code === "replaced") grid.changed = error.message;
       // As a server answers for a version that is gone.
@@ -145,17 +150,24 @@ export class LocalGrids {
   private async lists(served: Promise<Response> | null): Promise<Response> {
     const others = served ? ((await (await served).json()) as { grids: GridSummary[]; unreadable: UnreadableFile[] }) : { grids: [], unreadable: [] };
     const [grids, unreadable] = [[...others.grids], [...others.unreadable, ...this.unreadable]];
-    for (const grid of await this.list()) {
-      const { changed = null, place } = this.grids.get(grid.id) ?? {};
+    for (const grid of this.grids.size > 0 ? await this.list() : []) {
+      const known = this.grids.get(grid.id);
+      if (!known) continue; // one of the workers could not open it
+      const { changed, place } = known;
       if (changed === null) grids.push(grid);
-      else if (place?.kind === "address") grids.push({ ...grid, hash: "" });
+      else if (place.kind === "address") grids.push({ ...grid, hash: "" });
       else unreadable.push({ id: grid.id, error: changed });
     }
     return json(200, { ...others, grids, unreadable });
   }
 
   private async health(): Promise<Response> {
-    await this.lost?.read(0, 1);
+    try {
+      await this.lost?.source.read(0, 1);
+    } catch (error) {
+      if (!(error instanceof SourceError) || error.code === "unreachable") throw error;
+      if (error.code === "replaced") this.lost!.changed = error.message; // the host is back, with another file
+    }
     this.lost = null;
     return new Response("ok");
   }

@@ -4,7 +4,7 @@ import { signal } from "@preact/signals";
 import { say } from "../base/messages";
 import { ask_again } from "../server/connection";
 import { answer_by, be_alone } from "../server/transport";
-import { module_bytes } from "./beside";
+import { module_bytes, whole_page } from "./beside";
 import { HeldSource, type ListedGrid, listed_grids } from "./held";
 import type { LocalGrids } from "./local";
 import { FileSource, HttpSource, type Placed } from "./sources";
@@ -17,7 +17,8 @@ const addressed = (address: string): ListedGrid => ({ name: last_part(address), 
 
 // Those of the address bar, or else of the page; null: a server has the grids.
 function own_grids(): readonly ListedGrid[] | null {
-  const addresses = new URLSearchParams(location.search).getAll("grid");
+  // A page that is one file may fetch nothing.
+  const addresses = whole_page ? new URLSearchParams(location.search).getAll("grid").filter((address) => address !== "") : [];
   return addresses.length > 0 ? addresses.map(addressed) : listed_grids();
 }
 

@@ -37,11 +37,13 @@ export class FileSource implements Source {
     return this.blob.size;
   }
   async read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>> {
-    try {
-      return new Uint8Array(await this.blob.slice(offset, offset + size).arrayBuffer());
-    } catch {
+    const bytes = await this.blob
+      .slice(offset, offset + size)
+      .arrayBuffer()
+      .catch(() => null);
+    if (bytes?.byteLength !== size)
       throw new SourceError("replaced", `${this.name}: the file was changed, moved or removed since it was given to this page: give it again`);
-    }
+    return new Uint8Array(bytes);
   }
 }
 

@@ -45,8 +45,15 @@ function source_at(place: Place): Source {
   return new PageSource(place.grid, place.name, place.size);
 }
 
-let start: (instance: Instance) => void;
+let start: (instance: Promise<Instance>) => void;
 const ready = new Promise<Instance>((resolve) => (start = resolve));
+const begun = async (code: ArrayBuffer) => {
+  try {
+    return await Instance.of(await WebAssembly.compile(code));
+  } catch (error) {
+    throw new Error(`the module that reads grids can't be started: ${error instanceof Error ? error.message : String(error)}`);
+  }
+};
 const kept = new KeptBytes();
 const waiting = new Set<number>(); // answers that are being made
 
@@ -76,7 +83,7 @@ async function ask(instance: Instance, id: number, target: string): Promise<void
 }
 
 self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
-  if (data.kind === "module") return start(await Instance.of(await WebAssembly.compile(data.code)));
+  if (data.kind === "module") return start(begun(data.code));
   const { id } = data;
   if (data.kind === "bytes") {
     asked.get(id)?.(data.bytes);
@@ -84,14 +91,14 @@ self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
     return;
   }
   if (data.kind === "forget") return void waiting.delete(id);
-  const instance = await ready;
   waiting.add(id);
   try {
+    const instance = await ready;
     await (data.kind === "open" ? open(instance, id, data.place) : ask(instance, id, data.target));
   } catch (error) {
     const message = error instanceof Error ? error.message : String(error);
     send({ kind: "failed", id, code: error instanceof SourceError ? error.code : null, message });
   }
   waiting.delete(id);
-  if (waiting.size === 0) instance.rest();
+  if (waiting.size === 0) await ready.then((instance) => instance.rest(), () => {}); // it was said above
 };
