@@ -184,5 +184,9 @@ async function whole_file(source: Source): Promise<Response> {
 async function unpacked_module(): Promise<ArrayBuffer> {
   if (module_bytes === null) throw new Error("this page was built without the module that reads grids");
   const packed = new Blob([await module_bytes()]);
-  return new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+  try {
+    return await new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
+  } catch {
+    throw new Error("the part of this page that reads grids is cut or damaged: get the page again");
+  }
 }
