@@ -20,7 +20,7 @@ const std::string kPageIndex = "<!doctype html><body>" + kListElement + "null</s
                   kPageWhole = "<!doctype html>" + kListElement + "[]</script><p>whole";
 
 std::span<const EmbeddedFile> page() {
-  static const std::string index = gzip(kPageIndex), whole = gzip(kPageWhole), script = gzip("let a = 1;");
+  static const std::string index = gzipped(kPageIndex), whole = gzipped(kPageWhole), script = gzipped("let a = 1;");
   static const EmbeddedFile files[] = {{"assets/main.js", script}, {"index.html", index}, {"whole.html", whole}};
   return files;
 }

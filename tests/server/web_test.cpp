@@ -18,7 +18,7 @@ using namespace testing;
 const std::string kIndex = "<!doctype html><div id=app></div>", kScript = "let a = 1;" + std::string(50'000, ' '), kIcon = "<svg/>";
 
 Page embedded() {
-  static const std::string index = gzip(kIndex), script = gzip(kScript), icon = gzip(kIcon);
+  static const std::string index = gzipped(kIndex), script = gzipped(kScript), icon = gzipped(kIcon);
   static const EmbeddedFile files[] = {{"assets/main-Ab3_x.js", script}, {"favicon.svg", icon}, {"index.html", index}};
   return Page(files);
 }
@@ -80,7 +80,7 @@ TEST_CASE("Clients that accept gzip get the page as it is stored, others get it 
     REQUIRE(packed);
     CHECK(packed->status == 200);
     CHECK(packed->content_encoding == "gzip");
-    CHECK(*packed->body == gzip(text));
+    CHECK(*packed->body == gzipped(text));
     CHECK_FALSE(page.at_once(request(target)));  // it must be inflated
     const auto plain = page.answer(request(target));
     REQUIRE(plain);
@@ -203,7 +203,7 @@ TEST_CASE("A text in front of other handlers has one path, which needs no token"
 }
 
 TEST_CASE("a page whose address names grids of other hosts, and its workers, may fetch from them; no other page may", "[server][web]") {
-  static const std::string index = gzip(kIndex), script = gzip(kScript);
+  static const std::string index = gzipped(kIndex), script = gzipped(kScript);
   static const EmbeddedFile files[] = {{"assets/main-Ab3_x.js", script}, {"assets/worker-Ab3_x.js", script}, {"index.html", index}};
   const Page page(files);
   const auto policy = [&](const std::string& target) { return std::string(page.answer(request(target))->more_fields); };

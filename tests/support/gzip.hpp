@@ -1,4 +1,4 @@
-// Compressed text, as the files of the page are.
+// Compressed text, as the files of the page and some surfaces are.
 #pragma once
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace teracell::testing {
 
-inline std::string gzip(const std::string& text) {
+inline std::string gzipped(const std::string& text) {
   z_stream z{};
   REQUIRE(deflateInit2(&z, 9, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY) == Z_OK);
   std::string out(deflateBound(&z, text.size()), '\0');

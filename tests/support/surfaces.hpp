@@ -1,7 +1,6 @@
 // Surfaces as bytes in every format, and what reading them gives: the fixture of the readers' tests.
 #pragma once
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -18,8 +17,11 @@
 #include "mesher/surface/reader.hpp"
 #include "store/error.hpp"
 #include "tests/support/descriptors.hpp"
+#include "tests/support/gzip.hpp"
 
 namespace teracell::surfaces {
+
+using testing::gzipped;
 
 using Facets = std::vector<std::array<Vec3, 3>>;
 
@@ -75,20 +77,6 @@ inline std::string binary_ply(std::endian order) {
     s += '\3';
     for (int32_t i : face) s += bytes_of(i, order);
   }
-  return s;
-}
-
-inline std::string gzipped(const std::string& bytes) {
-  z_stream z{};
-  REQUIRE(deflateInit2(&z, 6, Z_DEFLATED, MAX_WBITS + 16, 8, Z_DEFAULT_STRATEGY) == Z_OK);
-  std::string s(deflateBound(&z, bytes.size()), '\0');
-  z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-  z.avail_in = static_cast<uInt>(bytes.size());
-  z.next_out = reinterpret_cast<Bytef*>(s.data());
-  z.avail_out = static_cast<uInt>(s.size());
-  REQUIRE(deflate(&z, Z_FINISH) == Z_STREAM_END);
-  s.resize(z.total_out);
-  deflateEnd(&z);
   return s;
 }
 

@@ -22,27 +22,29 @@ void run(const PageArguments& o) {
   expect_module(embedded_page());
   if (is_address(o.output)) throw UsageError(fmt::format("{}: expected a folder or a file of this machine, found an address", o.output));
   const bool whole = o.output.ends_with(".html");
-  if (whole && o.grids.empty()) throw UsageError("page: expected the grids that are to be in the page: teracell page g.tcell -o g.html");
   std::vector<std::string> names = o.grids;
   names.insert(names.end(), o.beside.begin(), o.beside.end());
+  if (whole && names.empty()) throw UsageError("page: expected the grids that are to be in the page: teracell page g.tcell -o g.html");
   if (whole) refuse_overwriting(names, o.output);
 
   std::deque<GridReader> readers;  // a file that is no grid is refused
   std::vector<PageGrid> grids;
   for (const std::string& name : names) {
-    const std::string file = std::filesystem::path(name.substr(0, name.find_first_of("?#"))).filename().string();
+    const std::string path = is_address(name) ? name.substr(0, name.find_first_of("?#")) : name,
+                      file = std::filesystem::path(path).filename().string();
     if (!whole && is_address(name)) {
       if (!name.starts_with("http")) throw UsageError(fmt::format("{}: a browser reads https:// addresses only: give that of the same object", name));
       grids.push_back({file, name, nullptr});
     } else {
       readers.emplace_back(open_source(name, o.source));
-      grids.push_back({is_address(name) ? file : std::filesystem::path(name).filename().string(), "", &readers.back().source()});
+      grids.push_back({file, "", &readers.back().source()});
     }
   }
   const std::atomic<bool>& stop = watch_interrupts();
   ProgressLine line(o.progress, "");
   const auto progress = [&](double share) {
-    stop_if(stop, o.output);
+    if (whole) stop_if(stop, o.output);
+    else if (stop) throw Interrupted(o.output + ": interrupted: its index.html stays as it was, other files may be new");
     line("page", share);
   };
   if (whole) write_whole_page(embedded_page(), grids, o.output, progress);
@@ -54,7 +56,7 @@ void run(const PageArguments& o) {
 Run setup_page(CLI::App& app) {
   const auto o = std::make_shared<PageArguments>();
   app.add_option("grids", o->grids, ".tcell files, or addresses (https://..., s3://...)");
-  app.add_option("--grids", o->beside, "the same, for a folder: files are copied beside the page, addresses are listed");
+  app.add_option("--grids", o->beside, "the same; for a folder, files are copied beside the page and https addresses are listed");
   app.add_option("-o,--output", o->output, "a folder for the files of the page, or one file if the name ends with .html")->required();
   add_source_options(app, o->source);
   add_progress(app, o->progress);

@@ -47,9 +47,11 @@ void PageFiles::expect(uint32_t file, std::span<const ByteRange> ranges) {
       if (!find(file, b)) {
         all = false;
         missing_.emplace(file, b);
-        if (bytes_ + missing_.size() * kBlock > kKept + kMost)
+        if (bytes_ + missing_.size() * kBlock > kKept + kMost) {
+          missing_.clear();  // nobody wants them now
           throw OptionError(fmt::format("{}: this needs more than {} MB of the file at once: ask for less, or use the program teracell",
                                         files_[file].name, kMost >> 20));
+        }
       }
   }
   if (!all) throw Later("bytes are wanted that the page has not fetched yet");

@@ -84,6 +84,9 @@ export class HttpSource implements Source {
       throw new SourceError("unreadable", `${this.name}: ${shown(this.url)} sends whole files only; a host that answers ranges of bytes is needed`);
     }
     if (!response.ok) throw new SourceError("unreadable", `${this.name}: ${shown(this.url)} answered ${response.status} ${response.statusText}`.trim());
+    const sent = response.headers.get("content-range");
+    if (sent !== null && !sent.startsWith(`bytes ${offset}-`))
+      throw new SourceError("unreadable", `${this.name}: asked for ${range}, ${shown(this.url)} sent ${sent}`);
     const bytes = new Uint8Array(await body_of(response, this.url));
     if (bytes.length !== size)
       throw new SourceError("unreadable", `${this.name}: expected ${size} bytes from byte ${offset}, and ${shown(this.url)} sent ${bytes.length}`);

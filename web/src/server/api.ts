@@ -5,7 +5,7 @@ import { prose } from "../base/format";
 import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
 import { drop, say } from "../base/messages";
 import { ask_again, doubt, not_reached, reached } from "./connection";
-import { answerer, ask } from "./transport";
+import { answerer, ask, is_alone } from "./transport";
 
 // The server answered with an error, or it did not answer at all (status 0).
 export class ServerError extends Error {
@@ -77,11 +77,11 @@ export const is_version_gone = (error: unknown, path: string): boolean => error 
 const is_proxys = (status: number) => status === 502 || status === 504;
 
 const DAMAGED = "The file is damaged: parts of it can't be read";
-const NO_ANSWER = "The server could not answer";
+const no_answer = () => (is_alone() ? "The page could not answer" : "The server could not answer");
 // A banner says what these messages said.
 export function drop_complaints(): void {
   drop(DAMAGED);
-  drop(NO_ANSWER);
+  drop(no_answer());
 }
 
 // Tells the whole page about an error that concerns it, whichever part of the page asked.
@@ -89,7 +89,7 @@ function noted(error: ServerError, path: string): ServerError {
   if (error.status === 401) token_wanted.value = true;
   else if (is_version_gone(error, path)) ++version_gone.value;
   else if (error.code === "damaged") say(DAMAGED, error.message);
-  else if (error.status >= 500 && !is_proxys(error.status)) say(NO_ANSWER, error.message);
+  else if (error.status >= 500 && !is_proxys(error.status)) say(no_answer(), error.message);
   return error;
 }
 
