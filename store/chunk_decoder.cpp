@@ -34,7 +34,8 @@ void decode_patterns(ByteReader& in, RayBlock& b, const std::vector<SetId>& pale
   }
 }
 
-void decode_pattern_of_rays(ByteReader& in, RayBlock& b) {
+// The loops that take time are functions of their own: browsers compile one function after the other, and small ones soon (web/module).
+[[gnu::noinline]] void decode_pattern_of_rays(ByteReader& in, RayBlock& b) {
   const uint64_t count = in.varint(0, std::min<uint64_t>(b.rays(), in.remaining() / 2), "exceptions");
   std::vector<std::pair<uint32_t, uint32_t>> exceptions(count);  // ray, pattern
   uint64_t next = 0;
@@ -61,7 +62,7 @@ void decode_pattern_of_rays(ByteReader& in, RayBlock& b) {
   b.begin[b.rays()] = static_cast<uint32_t>(changes);
 }
 
-void decode_changes(ByteReader& in, RayBlock& b) {
+[[gnu::noinline]] void decode_changes(ByteReader& in, RayBlock& b) {
   b.at.resize(b.begin.back());
   uint64_t planar = 0;
   walk(

@@ -173,14 +173,15 @@ struct Picture {
   void across() const {
     if (!reader.stored(view.level)) return across_derived();
     const auto segment = static_cast<uint32_t>(view.index / shape.chunk_cells), cell = static_cast<uint32_t>(view.index % shape.chunk_cells);
-    by_chunks(view.level, shape.chunk_rays, segment, [&](const Chunk& chunk, const Patch& p) {
-      const RayBlock& b = chunk.rays;
-      Values values(chunk.sets, value);
-      for (uint32_t v = p.v0; v < p.v1; ++v) {
-        uint16_t* out = p.out + (v - p.v0) * p.stride;
-        for (uint32_t ray = v * b.nu + p.u0; ray < v * b.nu + p.u1; ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
-      }
-    });
+    by_chunks(
+        view.level, shape.chunk_rays, segment, [&](const Chunk& chunk, const Patch& p) __attribute__((noinline)) {
+          const RayBlock& b = chunk.rays;
+          Values values(chunk.sets, value);
+          for (uint32_t v = p.v0; v < p.v1; ++v) {
+            uint16_t* out = p.out + (v - p.v0) * p.stride;
+            for (uint32_t ray = v * b.nu + p.u0; ray < v * b.nu + p.u1; ++ray) *out++ = values(b.sets(ray)[run_at(b.changes(ray), cell)]);
+          }
+        });
   }
 
   // Of a derived level: takes the two cells of each ray of the level below that the slice covers. (Deriving its chunks as a
@@ -283,7 +284,7 @@ struct Picture {
     changes = std::move(sorted);
   }
 
-  Columns columns(const Band& band, int64_t from, int64_t to) const {
+  [[gnu::noinline]] Columns columns(const Band& band, int64_t from, int64_t to) const {
     const auto rows = static_cast<size_t>(band.to - band.from), wide = static_cast<size_t>(to - from);
     Columns out{static_cast<size_t>(from - view.u0), wide, {}};
     std::vector<Columns::Change>& found = out.changes;
@@ -310,7 +311,7 @@ struct Picture {
     return out;
   }
 
-  void upright() const {
+  [[gnu::noinline]] void upright() const {
     Band left{view.v0, view.v1};
     while (left.from < left.to) left = tail(left, sweep(next_band(left, shape.chunk_cells)));  // one segment at a time
   }
@@ -358,7 +359,7 @@ struct Picture {
     return rows;
   }
 
-  void lying() const {
+  [[gnu::noinline]] void lying() const {
     by_parts(shape.chunk_cells, shape.chunk_rays, [&](Part& part) {
       for (int64_t s = part.u0 / shape.chunk_cells; s * shape.chunk_cells < part.u1; ++s)
         runs(part.band.from, part.band.to, static_cast<uint32_t>(s), {part.u0, part.u1}, [&](int64_t v, int64_t a, int64_t b, uint16_t value_of_run) {

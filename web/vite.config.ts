@@ -24,6 +24,20 @@ const module_beside: Plugin = {
   },
 };
 
+// What src/main.ts loads at once: the browser need not wait for that to ask for it.
+const ahead: Plugin = {
+  name: "ahead",
+  transformIndexHtml: {
+    order: "post",
+    handler(_, { bundle }) {
+      const app = Object.values(bundle ?? {}).find((part) => part.type === "chunk" && part.name === "app");
+      if (app?.type !== "chunk") return [];
+      const link = (rel: string, file: string) => ({ tag: "link", attrs: { rel, crossorigin: true, href: `./${file}` }, injectTo: "head" as const });
+      return [link("modulepreload", app.fileName), ...[...app.viteMetadata!.importedCss].map((file) => link("stylesheet", file))];
+    },
+  },
+};
+
 // With TERACELL_WHOLE=1 the whole page becomes one file, whole.html. It opens from a disk, where a browser loads nothing else, and its policy
 // forbids it to send anything.
 const whole = process.env.TERACELL_WHOLE === "1";
@@ -62,7 +76,7 @@ const one_file: Plugin = {
 
 const out = process.env.TERACELL_WEB_OUT ?? "dist";
 export default defineConfig({
-  plugins: [module_beside, ...(whole ? [inside, one_file] : [])],
+  plugins: [module_beside, ahead, ...(whole ? [inside, one_file] : [])],
   worker: { format: whole ? "iife" : "es" }, // in a page from a disk, Chromium starts no worker that is a module
   base: "./",
   // three.js, which is loaded when the overview is first shown, is one piece of 600 kB.

@@ -27,7 +27,8 @@ class Files {
   add(path) {
     const number = this.instance.add(basename(path), statSync(path).size);
     this.descriptors[number] = openSync(path, "r");
-    return this.until_there(() => this.instance.open(number)).wrong;
+    const { wrong, text } = this.until_there(() => this.instance.open(number));
+    return wrong ? text : "";
   }
   until_there(ask) {
     this.rounds = this.requests = this.bytes = 0;

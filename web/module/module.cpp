@@ -80,10 +80,10 @@ EXPORTED char* room(size_t bytes) {
 // room() has a file's name. Returns its number. It is a grid of the list once it has been opened.
 EXPORTED uint32_t add_file(double size) { return files.add(room_, static_cast<uint64_t>(size)); }
 
-// Looks whether a file is a grid. When that is done, body() has what is wrong, or nothing. Ids of grids are the stems of names.
+// Looks whether a file is a grid. When that is done, status() is 200 and body() has the grid's id, the stem of its name; or it is 400, and body()
+// has what is wrong.
 EXPORTED int open_file(uint32_t number) {
   return make([&] {
-    body.clear();
     try {
       Service& all = all_grids();
       const std::string id = grid_id(stem_of(files.file(number).name), ids);
@@ -91,9 +91,12 @@ EXPORTED int open_file(uint32_t number) {
       ids.insert(id);
       grids.push_back({id, std::move(grid), ""});
       all.grids().publish(grids);
+      response.status = 200;
+      body = id;
     } catch (const Unwanted&) {
       throw;
     } catch (const std::exception& e) {
+      response.status = 400;
       body = e.what();
     }
   });

@@ -1,4 +1,5 @@
 // The frame of the page: what is open, what is wrong, and what floats above the rest.
+import { render } from "preact";
 import { useEffect } from "preact/hooks";
 import { Banners } from "./banners";
 import { ComparisonPage } from "./compare/comparison_page";
@@ -7,7 +8,7 @@ import { FigureDialog } from "./figures/dialog";
 import { Header } from "./header";
 import { Help } from "./help";
 import { grids, opening, start_page, trouble, unreadable, viewer } from "./page";
-import { dragged } from "./module/own_grids";
+import { dragged, watch_drops } from "./module/own_grids";
 import { SidePanel } from "./panels/side_panel";
 import { token_wanted } from "./server/api";
 import { watch_network } from "./server/connection";
@@ -20,7 +21,13 @@ import "./style.css";
 
 keep_theme();
 
-export function App() {
+export function show(element: HTMLElement): void {
+  watch_drops();
+  element.replaceChildren(); // what was said in case that this does not start
+  render(<App />, element);
+}
+
+function App() {
   useEffect(() => {
     watch_network();
     void start_page();

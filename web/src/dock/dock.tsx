@@ -56,7 +56,7 @@ function Pointer({ viewer }: { viewer: Viewer }) {
 // The labels of a cell. Columns tell its material; where the file keeps bodies apart, the cell itself is asked for.
 function use_labels(viewer: Viewer, cell: Index3, material: number | null): number[] | null {
   const address = use_settled(viewer.keeps_bodies ? viewer.address.cell(cell) : null, SETTLED);
-  const answer = use_answer<CellAnswer>(address);
+  const answer = use_answer<CellAnswer>(viewer.after_slices(address));
   if (!viewer.keeps_bodies) return material === null ? null : [material];
   return answer.path === viewer.address.cell(cell) ? answer.value!.bodies!.map(({ label }) => label) : null;
 }

@@ -21,7 +21,8 @@ export function use_profiles(viewer: Viewer, cell: Index3): ProfilesAnswer {
   const path = (d: AxisIndex) => viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]);
   const wanted: [string, string, string] = [path(0), path(1), path(2)];
   const settled = use_settled(wanted.join("\n"), SETTLED).split("\n");
-  const answers = [use_answer<Column>(settled[0]!), use_answer<Column>(settled[1]!), use_answer<Column>(settled[2]!)];
+  const answer = (d: AxisIndex) => use_answer<Column>(viewer.after_slices(settled[d]!));
+  const answers = [answer(0), answer(1), answer(2)];
   // A column along d stays the same while the cell moves along d.
   const fresh = AXES.find((d) => answers[d]!.path === wanted[d] && answers[d]!.value);
   const runs = fresh === undefined ? null : answers[fresh]!.value!.runs;

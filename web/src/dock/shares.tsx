@@ -10,7 +10,7 @@ const NOTHING: { shares: Share[] | null; plane: Plane | null } = { shares: null,
 // Of a cell that is not mixed there is nothing to say.
 export function use_shares(viewer: Viewer, cell: Index3 | null): typeof NOTHING {
   const wanted = viewer.has_shares && cell ? viewer.address.cell(cell) : null;
-  const answer = use_answer<CellAnswer>(use_settled(wanted, SETTLED));
+  const answer = use_answer<CellAnswer>(viewer.after_slices(use_settled(wanted, SETTLED)));
   if (!wanted || answer.path !== wanted) return NOTHING;
   const { shares, plane } = answer.value!;
   return shares && shares.length > 1 ? { shares, plane: plane ?? null } : NOTHING;

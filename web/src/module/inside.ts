@@ -3,7 +3,9 @@ import type * as beside from "./beside";
 import { bytes_of, held_text } from "./held";
 import PageWorker from "./worker?worker&inline";
 
-export const module_bytes: typeof beside.module_bytes = async () => bytes_of(held_text("module"));
+export const has_module: typeof beside.has_module = true;
+
+export const module_code: typeof beside.module_code = () => bytes_of(held_text("module"));
 
 export const make_worker: typeof beside.make_worker = () => new PageWorker();
 

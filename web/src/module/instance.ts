@@ -17,6 +17,11 @@ export interface Answer {
   readonly body: Uint8Array<ArrayBuffer>;
 }
 
+export interface Opened {
+  readonly wrong: boolean;
+  readonly text: string;
+}
+
 export const is_missing = <T extends object>(outcome: T | readonly Missing[]): outcome is readonly Missing[] => Array.isArray(outcome);
 
 interface Exports {
@@ -79,14 +84,15 @@ export class Instance {
     return this.exports.memory.buffer.byteLength;
   }
 
-  // Makes a file known. It is a grid when open() has found nothing wrong.
+  // Makes a file known. It is a grid once it has been opened.
   add(name: string, size: number): number {
     this.put(new TextEncoder().encode(name));
     return this.exports.add_file(size);
   }
-  // What is wrong with a file; "" if it is a grid.
-  open(file: number): { wrong: string } | readonly Missing[] {
-    return this.exports.open_file(file) === 0 ? { wrong: new TextDecoder().decode(this.body()) } : this.missing();
+  // The id of the grid that a file holds, or what is wrong with the file.
+  open(file: number): Opened | readonly Missing[] {
+    if (this.exports.open_file(file) !== 0) return this.missing();
+    return { wrong: this.exports.status() !== 200, text: new TextDecoder().decode(this.body()) };
   }
   answer(target: string): Answer | readonly Missing[] {
     this.put(new TextEncoder().encode(target));

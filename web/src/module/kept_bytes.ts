@@ -3,6 +3,7 @@ import type { Source } from "./sources";
 
 const BLOCK = 16384; // as in web/module/page_file.hpp
 const KEPT = 8 << 20; // of all sources; the module keeps more
+const AT_THE_END = 2; // blocks
 const FILE = 2 ** 32; // keys of blocks that a source has room for
 
 export class KeptBytes {
@@ -11,8 +12,13 @@ export class KeptBytes {
   private readonly under_way = new Map<number, Promise<void>>();
   private bytes = 0;
 
-  add(file: number, source: Source): void {
-    this.sources[file] = source;
+  // Returns the number of the source. Its first and its last bytes are read at once, since every reader begins with these.
+  add(source: Source): number {
+    const file = this.sources.push(source) - 1;
+    const end = Math.max(0, Math.ceil(source.size / BLOCK) - AT_THE_END) * BLOCK;
+    for (const at of new Set([0, end]))
+      if (at < source.size) this.read(file, at, Math.min(source.size, at + AT_THE_END * BLOCK) - at).catch(() => {}); // said when they are wanted
+    return file;
   }
 
   // REQUIRES: whole blocks, the last one as long as the source has it.

@@ -1,11 +1,12 @@
 // Grids without a server: files that a host gives out by ranges, that the user gives to the page, or that are in it. The module answers about
-// them, in two workers: one for what is quick, and one for what may take long, so that slices stay swift while 3D gets sharp.
+// them, in two workers: one for what is quick, and one for what may take long, so that slices stay swift while 3D gets sharp. The second one
+// begins when it is needed: until then the machine is for the first picture.
 import type { GridSummary, UnreadableFile } from "../base/grid";
 import { words_of } from "../base/messages";
 import { type Ask, is_alone, note_read_here } from "../server/transport";
-import { make_worker, module_bytes } from "./beside";
+import { make_worker, module_code } from "./beside";
 import type { Answer } from "./instance";
-import { type Place, type Placed, type Source, SourceError } from "./sources";
+import { type Place, type Source, SourceError, source_at } from "./sources";
 import type { FromWorker, ToWorker } from "./worker";
 
 const SLOW = /^api\/v1\/grids\/[^/]+\/(view\.|stats|diff|line|column|box\.|slice)/;
@@ -20,21 +21,30 @@ class Helper {
   private readonly waiting = new Map<number, Waiting>();
   private next = 0;
   private broken: Error | null = null; // why the worker does not answer
-  constructor(
-    module: Promise<ArrayBuffer>,
-    private readonly held: ReadonlyMap<number, Source>, // grids that are in the page, by their numbers
-  ) {
+  // `held`: grids that are in the page, by their numbers.
+  constructor(private readonly held: ReadonlyMap<number, Source>) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
     this.worker.onerror = ({ message }) => this.fail(`the worker that reads grids can't be started: ${message || "the browser does not say why"}`);
     this.worker.onmessageerror = () => this.fail("the browser gives the worker nothing to read");
-    module.then(
-      (code) => this.tell({ kind: "module", code }),
-      (error) => this.fail(words_of(error)),
-    );
+    try {
+      this.tell({ kind: "module", code: module_code() });
+    } catch (error) {
+      this.fail(words_of(error));
+    }
   }
 
-  // What the worker answers to a message, which gets an id. Throws SourceError.
-  ask(message: { kind: "ask"; target: string } | { kind: "open"; place: Place }, signal?: AbortSignal | null): Promise<FromWorker> {
+  // The id of the grid that is there. Throws SourceError, or Error if it is none.
+  async open(place: Place): Promise<{ id: string; place: Place }> {
+    const opened = (await this.send({ kind: "open", place })) as FromWorker & { kind: "opened" };
+    if (opened.wrong) throw new Error(opened.text);
+    return { id: opened.text, place: opened.place };
+  }
+  async answer(target: string, signal?: AbortSignal | null): Promise<Answer> {
+    return ((await this.send({ kind: "ask", target }, signal)) as FromWorker & { kind: "answer" }).answer;
+  }
+
+  // What the worker says to a message, which gets an id. Throws SourceError.
+  private send(message: { kind: "ask"; target: string } | { kind: "open"; place: Place }, signal?: AbortSignal | null): Promise<FromWorker> {
     const id = this.next++;
     return new Promise((resolve, reject) => {
       if (this.broken) return reject(this.broken);
@@ -80,39 +90,59 @@ const failure = (status: number, code: string, message: string) => json(status, 
 
 const response_of = ({ status, type, etag, body }: Answer) => new Response(body, { status, headers: { "content-type": type, etag } });
 
-interface LocalGrid extends Placed {
+interface LocalGrid {
+  readonly place: Place;
   changed: string | null; // what was said when its file was found to be another one
 }
 
 export class LocalGrids {
-  private readonly held = new Map<number, Source>();
+  private readonly places: Place[] = []; // of grids that were opened
   private readonly grids = new Map<string, LocalGrid>(); // by id
   private readonly unreadable: UnreadableFile[] = [];
-  private readonly module = unpacked_module();
-  private readonly helpers = [new Helper(this.module, this.held), new Helper(this.module, this.held)] as const;
+  private readonly quick: Helper;
+  private slow: Helper | null = null;
+  private slow_has = 0; // grids
+  private slow_opens: Promise<unknown> = Promise.resolve();
   private adding: Promise<string | null> = Promise.resolve(null);
   private lost: LocalGrid | null = null; // whose host could not be reached
 
-  // Adds a grid, and returns its id; or null when it can't be read, which the list of grids then says. One is added after the other.
-  add(open: () => Promise<Placed>, name: string): Promise<string | null> {
-    return (this.adding = this.adding.then(() => this.add_now(open, name)));
+  // `held`: grids that are in the page, by their numbers.
+  constructor(private readonly held: ReadonlyMap<number, Source>) {
+    this.quick = new Helper(held);
   }
 
-  private async add_now(open: () => Promise<Placed>, name: string): Promise<string | null> {
+  // Adds a grid, and returns its id; or null when it can't be read, which the list of grids then says. One is added after the other.
+  add(place: () => Place, name: string): Promise<string | null> {
+    return (this.adding = this.adding.then(() => this.add_now(place, name)));
+  }
+
+  private async add_now(asked: () => Place, name: string): Promise<string | null> {
     try {
-      const [{ source, place }] = await Promise.all([open(), this.module]);
-      if (place.kind === "page") this.held.set(place.grid, source);
-      const before = (await this.list()).map(({ id }) => id);
-      const opened = await Promise.all(this.helpers.map((helper) => helper.ask({ kind: "open", place })));
-      for (const message of opened) if (message.kind === "opened" && message.wrong) throw new Error(message.wrong);
-      const { id } = (await this.list()).find((grid) => !before.includes(grid.id))!;
-      this.grids.set(id, { source, place, changed: null });
+      const { id, place } = await this.quick.open(asked());
+      this.places.push(place);
+      this.grids.set(id, { place, changed: null });
       note_read_here(id);
       return id;
     } catch (error) {
       this.unreadable.push({ id: name.replace(/\.tcell$/, ""), error: words_of(error) });
       return null;
     }
+  }
+
+  private source_of({ place }: LocalGrid): Promise<Source> {
+    return source_at(place, ({ grid }) => this.held.get(grid)!);
+  }
+
+  // The worker for what may take long, with all grids that the other one has. They get the same ids, since they come in the same order.
+  private slow_helper(): Promise<Helper> {
+    const helper = (this.slow ??= new Helper(this.held));
+    const caught_up = async () => {
+      for (; this.slow_has < this.places.length; ++this.slow_has) await helper.open(this.places[this.slow_has]!);
+      return helper;
+    };
+    const opens = this.slow_opens.then(caught_up, caught_up);
+    this.slow_opens = opens;
+    return opens;
   }
 
   // Answers for its grids; `before` answers for those of a server, if there is one.
@@ -125,11 +155,9 @@ export class LocalGrids {
     if (path === "healthz") return this.health();
     options.signal?.throwIfAborted();
     try {
-      if (grid && rest === "/file.tcell") return await whole_file(grid.source);
-      const helper = this.helpers[SLOW.test(path) ? 1 : 0];
-      const message = await helper.ask({ kind: "ask", target: `/${path}` }, options.signal);
-      if (message.kind === "answer") return response_of(message.answer);
-      return failure(500, "failed", "the module gave another answer");
+      if (grid && rest === "/file.tcell") return await whole_file(await this.source_of(grid));
+      const helper = SLOW.test(path) ? await this.slow_helper() : this.quick;
+      return response_of(await helper.answer(`/${path}`, options.signal));
     } catch (error) {
       options.signal?.throwIfAborted();
       if (!(error instanceof SourceError)) return failure(500, "failed", words_of(error));
@@ -142,8 +170,8 @@ export class LocalGrids {
   }
 
   private async list(): Promise<GridSummary[]> {
-    const message = await this.helpers[0].ask({ kind: "ask", target: "/api/v1/grids" });
-    return message.kind === "answer" ? (JSON.parse(new TextDecoder().decode(message.answer.body)) as { grids: GridSummary[] }).grids : [];
+    const { body } = await this.quick.answer("/api/v1/grids");
+    return (JSON.parse(new TextDecoder().decode(body)) as { grids: GridSummary[] }).grids;
   }
 
   // A grid of an address that was replaced has another version now, which a new page will read. A file that was changed must be given again.
@@ -152,7 +180,7 @@ export class LocalGrids {
     const [grids, unreadable] = [[...others.grids], [...others.unreadable, ...this.unreadable]];
     for (const grid of this.grids.size > 0 ? await this.list() : []) {
       const known = this.grids.get(grid.id);
-      if (!known) continue; // one of the workers could not open it
+      if (!known) continue;
       const { changed, place } = known;
       if (changed === null) grids.push(grid);
       else if (place.kind === "address") grids.push({ ...grid, hash: "" });
@@ -163,7 +191,7 @@ export class LocalGrids {
 
   private async health(): Promise<Response> {
     try {
-      await this.lost?.source.read(0, 1);
+      if (this.lost) await (await this.source_of(this.lost)).read(0, 1);
     } catch (error) {
       if (!(error instanceof SourceError) || error.code === "unreachable") throw error;
       if (error.code === "replaced") this.lost!.changed = error.message; // the host is back, with another file
@@ -179,14 +207,4 @@ async function whole_file(source: Source): Promise<Response> {
   const parts: Uint8Array<ArrayBuffer>[] = [];
   for (let at = 0; at < source.size; at += WHOLE) parts.push(await source.read(at, Math.min(WHOLE, source.size - at)));
   return new Response(new Blob(parts), { headers: { "content-type": "application/octet-stream" } });
-}
-
-async function unpacked_module(): Promise<ArrayBuffer> {
-  if (module_bytes === null) throw new Error("this page was built without the module that reads grids");
-  const packed = new Blob([await module_bytes()]);
-  try {
-    return await new Response(packed.stream().pipeThrough(new DecompressionStream("gzip"))).arrayBuffer();
-  } catch {
-    throw new Error("the part of this page that reads grids is cut or damaged: get the page again");
-  }
 }

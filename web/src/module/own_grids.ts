@@ -4,13 +4,12 @@ import { signal } from "@preact/signals";
 import { say } from "../base/messages";
 import { ask_again } from "../server/connection";
 import { answer_by, be_alone } from "../server/transport";
-import { module_bytes, whole_page } from "./beside";
+import { has_module, whole_page } from "./beside";
 import { HeldSource, type ListedGrid, listed_grids } from "./held";
-import type { LocalGrids } from "./local";
-import { FileSource, HttpSource, type Placed } from "./sources";
+import { LocalGrids } from "./local";
+import type { Place, Source } from "./sources";
 
-// Whether this page was built with the module.
-export const can_read_files = module_bytes !== null;
+export const can_read_files = has_module;
 
 const last_part = (address: string) => address.split(/[?#]/)[0]!.split("/").pop() || address;
 const addressed = (address: string): ListedGrid => ({ name: last_part(address), address });
@@ -22,26 +21,25 @@ function own_grids(): readonly ListedGrid[] | null {
   return addresses.length > 0 ? addresses.map(addressed) : listed_grids();
 }
 
-async function placed(grid: ListedGrid, number: number): Promise<Placed> {
-  if ("bytes" in grid)
-    return {
-      source: new HeldSource(number, grid.name, grid.bytes),
-      place: { kind: "page", grid: number, name: grid.name, size: grid.bytes },
-    };
-  return HttpSource.open(new URL(grid.address, location.href)); // what is no address is said in the list
+const held = new Map<number, Source>();
+
+function place_of(grid: ListedGrid, number: number): Place {
+  if (!("bytes" in grid)) return { kind: "address", address: new URL(grid.address, location.href).href, found: null };
+  held.set(number, new HeldSource(number, grid.name, grid.bytes));
+  return { kind: "page", grid: number, name: grid.name, size: grid.bytes };
 }
 
-let local: Promise<LocalGrids> | null = null;
-// `first`: is to be done before anything is answered.
-function local_grids(first: (grids: LocalGrids) => Promise<unknown> = () => Promise.resolve()): Promise<LocalGrids> {
+let local: LocalGrids | null = null;
+// `added`: is to be done before anything is answered.
+function local_grids(added: (grids: LocalGrids) => Promise<unknown> = () => Promise.resolve()): LocalGrids {
   if (local) return local;
-  const ready = import("./local").then(async ({ LocalGrids }) => {
-    const grids = new LocalGrids();
-    await first(grids);
-    return grids;
+  const grids = new LocalGrids(held);
+  let adding: Promise<unknown> | null = added(grids).finally(() => (adding = null));
+  answer_by((before) => async (path, options) => {
+    if (adding) await adding; // otherwise the worker is asked at once, and not after the frame that is being drawn
+    return grids.answer(path, options, before);
   });
-  answer_by((before) => async (path, options) => (await ready).answer(path, options, before));
-  return (local = ready);
+  return (local = grids);
 }
 
 // Finds out whether there is a server. If not, the page opens its own grids, and all that it asks for waits for them.
@@ -49,17 +47,15 @@ export function open_own_grids(): void {
   const own = own_grids();
   if (own === null) return;
   be_alone();
-  void local_grids(async (grids) => {
-    for (const [number, grid] of own.entries()) await grids.add(() => placed(grid, number), grid.name);
-  });
+  local_grids((grids) => Promise.all(own.map((grid, number) => grids.add(() => place_of(grid, number), grid.name))));
 }
 
 // Opens the last one of those that can be read. Nothing is uploaded.
 export async function open_files(files: Iterable<File>): Promise<void> {
-  const grids = await local_grids();
+  const grids = local_grids();
   let last: string | null = null;
   for (const file of files) {
-    const id = await grids.add(async () => ({ source: new FileSource(file, file.name), place: { kind: "file", file, name: file.name } }), file.name);
+    const id = await grids.add(() => ({ kind: "file", file, name: file.name }), file.name);
     last = id ?? last;
     if (id === null) say(`${file.name} can't be read`, "The list of grids says why.");
   }

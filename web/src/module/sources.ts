@@ -6,16 +6,16 @@ export interface Source {
   read(offset: number, size: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>>;
 }
 
-// Where a source is, to be passed to a worker.
+// Where a source is, to be passed to a worker. `found`: what the host has said of the file, once it was asked.
 export type Place =
-  | { readonly kind: "address"; readonly address: string; readonly size: number; readonly version: string | null }
+  | { readonly kind: "address"; readonly address: string; readonly found: Found | null }
   | { readonly kind: "file"; readonly file: Blob; readonly name: string }
-  | { readonly kind: "page"; readonly grid: number; readonly name: string; readonly size: number }; // held.ts
+  | HeldPlace;
+export type HeldPlace = { readonly kind: "page"; readonly grid: number; readonly name: string; readonly size: number }; // held.ts
 
-// A source, and where it is.
-export interface Placed {
-  readonly source: Source;
-  readonly place: Place;
+export interface Found {
+  readonly size: number;
+  readonly version: string | null;
 }
 
 // Bytes can't be had. `code` is that of an answer of the server in the same case.
@@ -56,28 +56,29 @@ const ALLOWANCE = "it must allow this page's origin and the header Range, and ex
 export class HttpSource implements Source {
   constructor(
     private readonly url: URL,
-    readonly size: number,
-    private readonly version: string | null,
+    readonly found: Found,
   ) {}
+  get size(): number {
+    return this.found.size;
+  }
   get name(): string {
     return last_part(this.url);
   }
 
   // Asks for the size first. Ranges from the end, which would tell it, too, are refused by some hosts.
-  static async open(url: URL): Promise<Placed> {
+  static async open(url: URL): Promise<HttpSource> {
     const head = await asked(url, { method: "HEAD" });
     if (!head.ok) throw new SourceError("unreadable", `${last_part(url)}: ${shown(url)} answered ${head.status} ${head.statusText}`.trim());
     const size = Number(head.headers.get("content-length") ?? Number.NaN);
     if (!Number.isSafeInteger(size)) throw new SourceError("unreadable", `${last_part(url)}: ${shown(url)} does not tell its size (Content-Length)`);
-    const version = version_of(head);
-    return { source: new HttpSource(url, size, version), place: { kind: "address", address: url.href, size, version } };
+    return new HttpSource(url, { size, version: version_of(head) });
   }
 
   async read(offset: number, size: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
     const range = `bytes=${offset}-${offset + size - 1}`;
     const response = await asked(this.url, { headers: { range }, ...(signal && { signal }) });
     const version = version_of(response);
-    if (response.status === 416 || (version !== null && this.version !== null && version !== this.version))
+    if (response.status === 416 || (version !== null && this.found.version !== null && version !== this.found.version))
       throw new SourceError("replaced", `${this.name}: ${shown(this.url)} has another file under this address now: load the page again`);
     if (response.status === 200 && size < this.size) {
       void response.body?.cancel();
@@ -115,4 +116,12 @@ async function body_of(response: Response, url: URL): Promise<ArrayBuffer> {
   } catch {
     throw new SourceError("unreachable", `${last_part(url)}: the connection to ${shown(url)} broke off`);
   }
+}
+
+// `held`: those that are in the page. Throws SourceError.
+export async function source_at(place: Place, held: (place: HeldPlace) => Source): Promise<Source> {
+  if (place.kind === "page") return held(place);
+  if (place.kind === "file") return new FileSource(place.file, place.name);
+  const url = new URL(place.address);
+  return place.found ? new HttpSource(url, place.found) : HttpSource.open(url);
 }

@@ -2,17 +2,17 @@
 // nothing waits for the page, which is busy drawing. While an answer waits for bytes, others are made.
 import { type Answer, Instance, type Missing, is_missing } from "./instance";
 import { KeptBytes } from "./kept_bytes";
-import { FileSource, HttpSource, type Place, type Source, SourceError } from "./sources";
+import { type HeldPlace, HttpSource, type Place, type Source, SourceError, source_at } from "./sources";
 
 export type ToWorker =
-  | { kind: "module"; code: ArrayBuffer } // not compiled: Chromium gives no compiled module to a worker of a page from a disk
+  | { kind: "module"; code: string | Uint8Array<ArrayBuffer> } // compressed, or its address; no worker of a page from a disk gets one that is compiled
   | { kind: "open"; id: number; place: Place }
   | { kind: "ask"; id: number; target: string }
   | { kind: "bytes"; id: number; bytes: Uint8Array<ArrayBuffer> | string } // what was wanted, or what is wrong with it
   | { kind: "forget"; id: number }; // nobody waits for the answer any more
 
 export type FromWorker =
-  | { kind: "opened"; id: number; wrong: string }
+  | { kind: "opened"; id: number; wrong: boolean; text: string; place: Place } // the grid's id, or what is wrong; where it is in full
   | { kind: "answer"; id: number; answer: Answer }
   | { kind: "wanted"; id: number; grid: number; offset: number; size: number } // of a grid that is in the page; `id` is the worker's
   | { kind: "failed"; id: number; code: SourceError["code"] | null; message: string }; // null: the module broke down
@@ -23,37 +23,44 @@ const send = (message: FromWorker, transfer: Transferable[] = []) => (self as un
 const asked = new Map<number, (bytes: Uint8Array<ArrayBuffer> | string) => void>();
 let next = 0;
 class PageSource implements Source {
-  constructor(
-    private readonly grid: number,
-    readonly name: string,
-    readonly size: number,
-  ) {}
+  constructor(private readonly place: HeldPlace) {}
+  get name(): string {
+    return this.place.name;
+  }
+  get size(): number {
+    return this.place.size;
+  }
   async read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>> {
     const id = next++;
     const bytes = await new Promise<Uint8Array<ArrayBuffer> | string>((resolve) => {
       asked.set(id, resolve);
-      send({ kind: "wanted", id, grid: this.grid, offset, size });
+      send({ kind: "wanted", id, grid: this.place.grid, offset, size });
     });
     if (typeof bytes === "string") throw new SourceError("unreadable", bytes);
     return bytes;
   }
 }
 
-function source_at(place: Place): Source {
-  if (place.kind === "address") return new HttpSource(new URL(place.address), place.size, place.version);
-  if (place.kind === "file") return new FileSource(place.file, place.name);
-  return new PageSource(place.grid, place.name, place.size);
-}
-
 let start: (instance: Promise<Instance>) => void;
 const ready = new Promise<Instance>((resolve) => (start = resolve));
-const begun = async (code: ArrayBuffer) => {
+async function begun(code: string | Uint8Array<ArrayBuffer>): Promise<Instance> {
+  const packed = typeof code === "string" ? await fetched(code) : new Response(code);
+  const bytes = await new Response(packed.body!.pipeThrough(new DecompressionStream("gzip"))).arrayBuffer().catch(() => {
+    throw new Error("the part of this page that reads grids is cut or damaged: get the page again");
+  });
   try {
-    return await Instance.of(await WebAssembly.compile(code));
+    return await Instance.of(await WebAssembly.compile(bytes));
   } catch (error) {
-    throw new Error(`the module that reads grids can't be started: ${error instanceof Error ? error.message : String(error)}`);
+    throw new Error(`the module that reads grids can't be started: ${message_of(error)}`);
   }
-};
+}
+async function fetched(address: string): Promise<Response> {
+  const response = await fetch(address).catch(() => null);
+  if (response?.ok) return response;
+  const why = response ? `${response.status} ${response.statusText}`.trim() : "its host can't be reached";
+  throw new Error(`a part of this page, ${address.split("/").pop()!}, can't be loaded: ${why}`);
+}
+const message_of = (error: unknown) => (error instanceof Error ? error.message : String(error));
 const kept = new KeptBytes();
 const waiting = new Set<number>(); // answers that are being made
 
@@ -69,12 +76,14 @@ async function until_there<T extends object>(instance: Instance, id: number, mak
   }
 }
 
-async function open(instance: Instance, id: number, place: Place): Promise<void> {
-  const source = source_at(place);
-  const file = instance.add(source.name, source.size);
-  kept.add(file, source);
+async function open(id: number, place: Place): Promise<void> {
+  const source = await source_at(place, (held) => new PageSource(held));
+  const file = kept.add(source); // which begins to read, while the module is still on its way
+  const instance = await ready;
+  if (instance.add(source.name, source.size) !== file) throw new Error("the module numbers files in another way");
   const opened = await until_there(instance, id, () => instance.open(file));
-  if (opened) send({ kind: "opened", id, wrong: opened.wrong });
+  const full = source instanceof HttpSource && place.kind === "address" ? { ...place, found: source.found } : place;
+  if (opened) send({ kind: "opened", id, place: full, ...opened });
 }
 
 async function ask(instance: Instance, id: number, target: string): Promise<void> {
@@ -93,11 +102,9 @@ self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
   if (data.kind === "forget") return void waiting.delete(id);
   waiting.add(id);
   try {
-    const instance = await ready;
-    await (data.kind === "open" ? open(instance, id, data.place) : ask(instance, id, data.target));
+    await (data.kind === "open" ? open(id, data.place) : ask(await ready, id, data.target));
   } catch (error) {
-    const message = error instanceof Error ? error.message : String(error);
-    send({ kind: "failed", id, code: error instanceof SourceError ? error.code : null, message });
+    send({ kind: "failed", id, code: error instanceof SourceError ? error.code : null, message: message_of(error) });
   }
   waiting.delete(id);
   if (waiting.size === 0) await ready.then((instance) => instance.rest(), () => {}); // it was said above

@@ -53,7 +53,7 @@ function Found({ viewer, found }: { viewer: Viewer; found: readonly Item[] }) {
 }
 
 export function BodiesPanel({ viewer }: { viewer: Viewer }) {
-  const stats = use_answer<Stats>(viewer.address.body_stats());
+  const stats = use_answer<Stats>(viewer.after_slices(viewer.address.body_stats()));
   const picked = use_picked(viewer);
   const all = Number(product(viewer.cells));
   const items = items_of(viewer, stats.value?.bodies ?? null);

@@ -31,7 +31,7 @@ function items_of(viewer: Viewer, stats: Stats | null): Item[] {
 }
 
 export function MaterialsPanel({ viewer }: { viewer: Viewer }) {
-  const stats = use_answer<Stats>(viewer.address.stats());
+  const stats = use_answer<Stats>(viewer.after_slices(viewer.address.stats()));
   const all = Number(product(viewer.cells));
   const looks = viewer.looks.value;
   const distinct = all_distinct(looks);

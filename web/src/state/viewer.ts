@@ -77,6 +77,10 @@ export class Viewer {
   readonly centre: Signal<[number, number, number]>;
   readonly zoom: Signal<number>;
 
+  // Whether the slices have been sharp, or were waited for long enough. What is asked for beside them comes after that: the first picture
+  // has the machine for itself.
+  readonly settled = signal(false);
+
   // The sizes of the slice views that were in sight last.
   views: readonly ViewSize[] = [];
 
@@ -166,6 +170,11 @@ export class Viewer {
     const { material, body } = this.labels[label] ?? { material: label, body: "" };
     const name = this.info.materials[material]?.name ?? String(material);
     return body ? `${body} · ${name}` : name;
+  }
+
+  // An address that is asked for once the slices have been shown.
+  after_slices<T>(address: T): T | null {
+    return this.settled.value ? address : null;
   }
 
   middle(): [number, number, number] {

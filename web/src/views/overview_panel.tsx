@@ -7,8 +7,6 @@ import { toggle_layout } from "./actions";
 import { MaximiseButton, activating } from "./panel";
 import type { Stage } from "./stage";
 
-const QUIET = 300; // milliseconds that the slices have for themselves, where they are shown too
-
 export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
   const trouble = useSignal<string | null>(null);
@@ -18,8 +16,9 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
   const shown = layout === "four" || layout === "3d";
   const wanted = useSignal(shown);
   if (shown) wanted.value = true; // once loaded it stays, even while it is hidden
+  const time = wanted.value && viewer.settled.value;
   useEffect(() => {
-    if (!wanted.value) return;
+    if (!time) return;
     let gone = false;
     let unmount = () => {};
     const load = async () => {
@@ -33,13 +32,12 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
       }
       loading.value = false;
     };
-    const timer = window.setTimeout(load, layout === "3d" ? 0 : QUIET);
+    void load();
     return () => {
       gone = true;
-      clearTimeout(timer);
       unmount();
     };
-  }, [viewer, wanted.value, attempt.value]);
+  }, [viewer, time, attempt.value]);
   const again = () => {
     trouble.value = null;
     loading.value = true;

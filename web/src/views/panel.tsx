@@ -1,5 +1,5 @@
 // One slice view: its title, the picture, the bar below.
-import { useEffect, useRef } from "preact/hooks";
+import { useLayoutEffect, useRef } from "preact/hooks";
 import { coordinate, grouped, sizes } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import type { ViewName, Viewer } from "../state/viewer";
@@ -76,7 +76,7 @@ export function SlicePanel({ stage, viewer, axis, side }: { stage: Stage; viewer
   const body = useRef<HTMLDivElement>(null);
   const name = AXIS_NAMES[axis];
   const layout = viewer.layout.value;
-  useEffect(() => {
+  useLayoutEffect(() => {
     const element = body.current!;
     const detach = stage.attach(axis, element);
     const let_go = attach_gestures(stage, axis, element);

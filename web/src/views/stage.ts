@@ -23,6 +23,7 @@ const SLOW = 24; // milliseconds: if painting takes longer on average, fine scre
 const FINEST = 2; // device pixels per CSS pixel
 const REST = 500; // milliseconds without a change, after which all device pixels are used again
 const KEPT_TIMES = 4096;
+const LONGEST_WAIT = 2000; // milliseconds after which other requests wait no longer for slices
 
 export class Stage {
   readonly views: readonly [View, View, View] = [new View(0), new View(1), new View(2)];
@@ -71,7 +72,7 @@ export class Stage {
     this.stops.push(
       effect(() => {
         for (const s of [
-          v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.cut, v.box, v.measure, v.pinned,
+          v.settled, v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.cut, v.box, v.measure, v.pinned,
           v.markers,
         ])
           s.value;
@@ -79,6 +80,8 @@ export class Stage {
         this.invalidate();
       }),
     );
+    const timer = window.setTimeout(() => (v.settled.value = true), LONGEST_WAIT);
+    this.stops.push(() => clearTimeout(timer));
     this.stops.push(effect(() => this.store.show_shares(v.show_shares.value && v.has_shares)));
     // Keys act on a view that is shown alone, even before the pointer is over it.
     this.stops.push(effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))));
@@ -103,11 +106,13 @@ export class Stage {
   attach(axis: AxisIndex, body: HTMLElement): () => void {
     const view = this.views[axis];
     body.prepend(view.cells, view.overlay);
-    const sizes = new ResizeObserver(() => {
+    const measure = () => {
       view.width = body.clientWidth;
       view.height = body.clientHeight;
       this.invalidate();
-    });
+    };
+    measure();
+    const sizes = new ResizeObserver(measure);
     sizes.observe(body);
     return () => {
       sizes.disconnect();
@@ -211,6 +216,7 @@ export class Stage {
     if (this.dirty) {
       this.dirty = false;
       this.drew = this.draw();
+      if (!this.dirty && this.laid_out() && this.views.every((view) => view.sharp)) this.viewer.settled.value = true;
     }
     this.last_start = start;
     // One more frame tells how long this one took.
@@ -226,7 +232,8 @@ export class Stage {
     if (this.laid_out()) this.settle_zoom();
     if (viewer.zoom.value === 0) return false; // it is drawn when the sizes are known
     for (const view of views) view.look(scene, began);
-    store.want(wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells));
+    const wants = wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells);
+    store.want(viewer.settled.peek() ? wants : wants.filter(({ ahead }) => !ahead));
     palette.update(viewer.label_looks.value, scene.ink.ground, scene.ink.outside);
     let painted = false;
     for (const view of views) {

@@ -50,6 +50,7 @@ export class View {
 
   constructor(readonly axis: AxisIndex) {
     this.cells.className = "view-cells";
+    this.cells.hidden = true; // until something has come
     this.overlay.className = "view-overlay";
   }
 
@@ -107,6 +108,8 @@ export class View {
     const outline = viewer.show_outline.value;
     const key = `${this.camera_key} ${palette.version} ${outline} ${viewer.show_shares.value} ${this.shown.regions.map(region_key).join(" ")}`;
     if (key === this.picture_key) return false;
+    if (this.cells.hidden && this.shown.regions.every(({ tile, damaged }) => !tile && !damaged)) return false;
+    this.cells.hidden = false;
     this.picture_key = key;
     if (!this.picture || this.picture.width !== width || this.picture.height !== height) {
       this.cells.width = width;

@@ -1,6 +1,6 @@
 // The four panels: the slices across z, x and y, and the overview. The panels of z and y stand one above the other and
 // have x in common; those of x and y stand side by side and have z in common.
-import { useEffect, useMemo, useRef } from "preact/hooks";
+import { useLayoutEffect, useMemo, useRef } from "preact/hooks";
 import type { AxisIndex } from "../base/grid";
 import type { Viewer } from "../state/viewer";
 import { attach_keys } from "./keys";
@@ -26,7 +26,8 @@ export function ToolNote({ viewer }: { viewer: Viewer }) {
 export function Views({ viewer }: { viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
   const stage = useMemo(() => new Stage(viewer), [viewer]);
-  useEffect(() => {
+  // Before the browser draws the page for the first time: the sooner tiles are asked for, the better.
+  useLayoutEffect(() => {
     const stops = [stage.start(host.current!), attach_keys(() => stage), attach_sweep(stage), expose(stage)];
     return () => stops.forEach((stop) => stop());
   }, [stage]);
