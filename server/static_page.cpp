@@ -41,16 +41,23 @@ std::string text_of(std::span<const EmbeddedFile> page, std::string_view name) {
   return unpacked(*found);
 }
 
-// The page around its list of grids, which `list` replaces.
+// The page around its list of grids.
 struct Frame {
   std::string before, after;
   explicit Frame(const std::string& html) {
     const size_t begin = html.find(kListBegin), end = html.find(kListEnd, begin);
     if (begin == html.npos || end == html.npos) throw Error("the page has no place for a list of grids: build the program again");
     before = html.substr(0, begin + kListBegin.size());
-    after = html.substr(end);
+    after = html.substr(end + kListEnd.size());
   }
 };
+
+// JSON with strings that can't end the element that it is in.
+std::string in_element(std::string_view json) {
+  std::string out;
+  for (const char c : json) c == '<' ? out += "\\u003c" : out += c;
+  return out;
+}
 
 std::string list_of(const std::vector<PageGrid>& grids, bool held) {
   auto list = nlohmann::ordered_json::array();
@@ -60,10 +67,15 @@ std::string list_of(const std::vector<PageGrid>& grids, bool held) {
     else entry["address"] = grid.source ? percent_encoded(grid.name) : grid.address;
     list.push_back(std::move(entry));
   }
-  // A name must not end the element.
-  const std::string text = list.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
+  return in_element(list.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+}
+
+// An element for what was found in each of the grids that were looked through.
+std::string findings_of(const std::vector<PageGrid>& grids) {
   std::string out;
-  for (const char c : text) c == '<' ? out += "\\u003c" : out += c;
+  for (size_t i = 0; i < grids.size(); ++i)
+    if (!grids[i].findings.empty())
+      out += fmt::format("\n<script id=\"findings-{}\" type=\"application/json\">{}</script>", i, in_element(grids[i].findings));
   return out;
 }
 
@@ -148,7 +160,7 @@ void write_site(std::span<const EmbeddedFile> page, std::string_view notice, con
     });
     out.commit();
   }
-  write(folder / kIndex, frame.before + list_of(grids, false) + frame.after);
+  write(folder / kIndex, frame.before + list_of(grids, false) + std::string(kListEnd) + findings_of(grids) + frame.after);
 }
 
 void write_whole_page(std::span<const EmbeddedFile> page, const std::vector<PageGrid>& grids, const fs::path& path,
@@ -163,13 +175,13 @@ void write_whole_page(std::span<const EmbeddedFile> page, const std::vector<Page
   const Frame frame(text_of(page, kWholePage));
   Progress done(grids, progress);
   OutputFile out(path);
-  out.append(bytes_of(frame.before + list_of(grids, true) + std::string(kListEnd)));
+  out.append(bytes_of(frame.before + list_of(grids, true) + std::string(kListEnd) + findings_of(grids)));
   for (size_t i = 0; i < grids.size(); ++i)
     for_each_part(*grids[i].source, kHeldPiece, [&](const Bytes& bytes) {
       out.append(bytes_of(fmt::format("\n<script type=\"text/plain\" class=\"grid-{}\">{}</script>", i, base64(bytes))));
       done.add(bytes.size());
     });
-  out.append(bytes_of(std::string_view(frame.after).substr(kListEnd.size())));
+  out.append(bytes_of(frame.after));
   out.commit();
 }
 

@@ -41,10 +41,11 @@ def wait_for(port):
 
 
 class Delay:
-    """Relays a port with a delay, in a thread."""
+    """Relays a port with a delay, in a thread. What comes back takes a line of `rate` bits per second, which all connections share."""
 
-    def __init__(self, target, seconds):
-        self.target, self.seconds, self.port = target, seconds, free_port()
+    def __init__(self, target, seconds, rate=float("inf")):
+        self.target, self.seconds, self.rate, self.port = target, seconds, rate, free_port()
+        self.line_free = 0  # when the last bytes have left
         threading.Thread(target=lambda: asyncio.run(self.serve()), daemon=True).start()
         wait_for(self.port)
 
@@ -55,9 +56,9 @@ class Delay:
     async def relay(self, reader, writer):
         there_reader, there_writer = await asyncio.open_connection("127.0.0.1", self.target)
         opened = time.monotonic() + self.seconds  # when the client could have begun to send
-        await asyncio.gather(self.copy(reader, there_writer, opened), self.copy(there_reader, writer, 0))
+        await asyncio.gather(self.copy(reader, there_writer, opened, float("inf")), self.copy(there_reader, writer, 0, self.rate))
 
-    async def copy(self, source, to, not_before):
+    async def copy(self, source, to, not_before, rate):
         queue = asyncio.Queue()
 
         async def send():
@@ -70,8 +71,11 @@ class Delay:
         task = asyncio.create_task(send())
         try:
             while True:
-                data = await source.read(1 << 16)
-                queue.put_nowait((max(time.monotonic(), not_before) + self.seconds / 2, data))
+                data = await source.read(1 << 14)
+                left = max(time.monotonic(), not_before)
+                if rate < float("inf"):
+                    left = self.line_free = max(left, self.line_free) + 8 * len(data) / rate
+                queue.put_nowait((left + self.seconds / 2, data))
                 if not data:
                     break
         except ConnectionError:

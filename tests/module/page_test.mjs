@@ -89,10 +89,22 @@ async function expect_as_served(page, grid) {
   await close(served);
 }
 
+// Whether it says of the grid what the server's page says, which `teracell check` has found.
+async function expect_findings(page) {
+  const served = await open_grid(browser, `${server.url}#g=stadium`);
+  for (const one of [page, served]) {
+    await one.click("#tab-report");
+    await one.getByText("findings in all").waitFor();
+  }
+  assert.equal(await panel(page), await panel(served));
+  await close(served);
+}
+
 test("a folder on a plain host: the page shows what the server's shows, and speaks of no server", async () => {
   const page = await open_grid(browser, `${host.url}/#g=stadium`);
   await expect_as_served(page, "stadium");
   assert.equal(await page.locator("#tab-status").count(), 0);
+  await expect_findings(page);
   await page.click("#tab-share");
   assert.doesNotMatch(await panel(page), /Open in Neuroglancer|zarr\.open/);
   await close(page);
@@ -135,6 +147,7 @@ test("one HTML file opens from a disk, without a network", async () => {
   await page.goto(pathToFileURL(join(folder, "stadium.html")).href);
   await settled(page);
   await expect_as_served(page, "stadium");
+  await expect_findings(page);
   await page.getByLabel("Help").click();
   const [notice] = await Promise.all([page.context().waitForEvent("page"), page.getByText("Licences of the third-party").click()]);
   await notice.waitForLoadState();

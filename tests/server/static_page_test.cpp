@@ -89,6 +89,20 @@ TEST_CASE("a folder has the page, its licences, the grids, and an index that lis
             R"([{"name": "a b.tcell", "address": "a%20b.tcell"}, {"name": "far.tcell", "address": "https://example.org/far.tcell"}])"));
 }
 
+TEST_CASE("what was found in a grid travels with it", "[server][static_page]") {
+  TempFolder folder;
+  const Memory a("a", "1"), b("b", "2");
+  const std::vector<PageGrid> grids = {{"a.tcell", "", &a}, {"b.tcell", "", &b, R"({"name":"</script>"})"}};
+  write_site(page(), "", grids, folder / "site", kSilent);
+  write_whole_page(page(), grids, folder / "g.html", kSilent);
+  for (const std::string& html : {contents_of(folder / "site/index.html"), contents_of(folder / "g.html")}) {
+    CHECK(list_in(html).size() == 2);
+    CHECK(html.find(R"(</script>
+<script id="findings-1" type="application/json">{"name":"\u003c/script>"}</script>)") != html.npos);
+    CHECK(html.find("findings-0") == html.npos);
+  }
+}
+
 TEST_CASE("a folder may be written again, and its grids may lie in it already", "[server][static_page]") {
   TempFolder folder;
   std::filesystem::create_directories(folder / "site");

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "check/kept.hpp"
 #include "server/static_page.hpp"
 #include "store/error.hpp"
 #include "tools/cli/command.hpp"
@@ -21,7 +22,8 @@ struct PageArguments {
 void run(const PageArguments& o) {
   expect_module(embedded_page());
   if (is_address(o.output)) throw UsageError(fmt::format("{}: expected a folder or a file of this machine, found an address", o.output));
-  const bool whole = o.output.ends_with(".html");
+  const std::string ending = CLI::detail::to_lower(std::filesystem::path(o.output).extension().string());
+  const bool whole = ending == ".html" || ending == ".htm";
   std::vector<std::string> names = o.grids;
   names.insert(names.end(), o.beside.begin(), o.beside.end());
   if (whole && names.empty()) throw UsageError("page: expected the grids that are to be in the page: teracell page g.tcell -o g.html");
@@ -37,7 +39,7 @@ void run(const PageArguments& o) {
       grids.push_back({file, name, nullptr});
     } else {
       readers.emplace_back(open_source(name, o.source));
-      grids.push_back({file, "", &readers.back().source()});
+      grids.push_back({file, "", &readers.back().source(), is_address(name) ? "" : read_kept_findings(name, readers.back().hash())});
     }
   }
   const std::atomic<bool>& stop = watch_interrupts();

@@ -92,8 +92,14 @@ const response_of = ({ status, type, etag, body }: Answer) => new Response(body,
 
 interface LocalGrid {
   readonly place: Place;
+  readonly findings: string | null;
   changed: string | null; // what was said when its file was found to be another one
 }
+
+export type Added = { readonly id: string } | { readonly wrong: string };
+
+// The grid that findings are of (check/check_json.cpp).
+const hash_in = (findings: string) => /^{"schema":1,"grid_hash":"([^"]*)"/.exec(findings)?.[1];
 
 export class LocalGrids {
   private readonly places: Place[] = []; // of grids that were opened
@@ -103,7 +109,7 @@ export class LocalGrids {
   private slow: Helper | null = null;
   private slow_has = 0; // grids
   private slow_opens: Promise<unknown> = Promise.resolve();
-  private adding: Promise<string | null> = Promise.resolve(null);
+  private adding: Promise<unknown> = Promise.resolve();
   private lost: LocalGrid | null = null; // whose host could not be reached
 
   // `held`: grids that are in the page, by their numbers.
@@ -111,21 +117,24 @@ export class LocalGrids {
     this.quick = new Helper(held);
   }
 
-  // Adds a grid, and returns its id; or null when it can't be read, which the list of grids then says. One is added after the other.
-  add(place: () => Place, name: string): Promise<string | null> {
-    return (this.adding = this.adding.then(() => this.add_now(place, name)));
+  // Adds a grid, one after the other. If it can't be read, the list of grids says why. `findings`: what "teracell check" has said of it.
+  add(place: () => Place, name: string, findings: string | null = null): Promise<Added> {
+    const added = this.adding.then(() => this.add_now(place, name, findings));
+    this.adding = added;
+    return added;
   }
 
-  private async add_now(asked: () => Place, name: string): Promise<string | null> {
+  private async add_now(asked: () => Place, name: string, findings: string | null): Promise<Added> {
     try {
       const { id, place } = await this.quick.open(asked());
       this.places.push(place);
-      this.grids.set(id, { place, changed: null });
-      note_read_here(id);
-      return id;
+      this.grids.set(id, { place, findings, changed: null });
+      note_read_here(id, place.kind !== "file");
+      return { id };
     } catch (error) {
-      this.unreadable.push({ id: name.replace(/\.tcell$/, ""), error: words_of(error) });
-      return null;
+      const wrong = words_of(error);
+      this.unreadable.push({ id: name.replace(/\.tcell$/, ""), error: wrong });
+      return { wrong };
     }
   }
 
@@ -155,6 +164,7 @@ export class LocalGrids {
     if (path === "healthz") return this.health();
     options.signal?.throwIfAborted();
     try {
+      if (grid?.findings && rest === "/check") return new Response(grid.findings, { headers: { "content-type": "application/json" } });
       if (grid && rest === "/file.tcell") return await whole_file(await this.source_of(grid));
       const helper = SLOW.test(path) ? await this.slow_helper() : this.quick;
       return response_of(await helper.answer(`/${path}`, options.signal));
@@ -181,8 +191,8 @@ export class LocalGrids {
     for (const grid of this.grids.size > 0 ? await this.list() : []) {
       const known = this.grids.get(grid.id);
       if (!known) continue;
-      const { changed, place } = known;
-      if (changed === null) grids.push(grid);
+      const { changed, place, findings } = known;
+      if (changed === null) grids.push({ ...grid, checked: findings !== null && hash_in(findings) === grid.hash });
       else if (place.kind === "address") grids.push({ ...grid, hash: "" });
       else unreadable.push({ id: grid.id, error: changed });
     }

@@ -24,7 +24,10 @@ function own_grids(): readonly ListedGrid[] | null {
 const held = new Map<number, Source>();
 
 function place_of(grid: ListedGrid, number: number): Place {
-  if (!("bytes" in grid)) return { kind: "address", address: new URL(grid.address, location.href).href, found: null };
+  if (!("bytes" in grid)) {
+    if (!URL.canParse(grid.address, location.href)) throw new Error(`“${grid.address}” is no address: expected that of a .tcell file, such as https://host/g.tcell`);
+    return { kind: "address", address: new URL(grid.address, location.href).href, found: null };
+  }
   held.set(number, new HeldSource(number, grid.name, grid.bytes));
   return { kind: "page", grid: number, name: grid.name, size: grid.bytes };
 }
@@ -47,7 +50,7 @@ export function open_own_grids(): void {
   const own = own_grids();
   if (own === null) return;
   be_alone();
-  local_grids((grids) => Promise.all(own.map((grid, number) => grids.add(() => place_of(grid, number), grid.name))));
+  local_grids((grids) => Promise.all(own.map((grid, number) => grids.add(() => place_of(grid, number), grid.name, grid.findings))));
 }
 
 // Opens the last one of those that can be read. Nothing is uploaded.
@@ -55,9 +58,9 @@ export async function open_files(files: Iterable<File>): Promise<void> {
   const grids = local_grids();
   let last: string | null = null;
   for (const file of files) {
-    const id = await grids.add(() => ({ kind: "file", file, name: file.name }), file.name);
-    last = id ?? last;
-    if (id === null) say(`${file.name} can't be read`, "The list of grids says why.");
+    const added = await grids.add(() => ({ kind: "file", file, name: file.name }), file.name);
+    if ("id" in added) last = added.id;
+    else say(`${file.name} can't be read`, added.wrong);
   }
   ask_again();
   if (last !== null) location.hash = `#g=${encodeURIComponent(last)}`;

@@ -48,7 +48,14 @@ export class FileSource implements Source {
 }
 
 const shown = (url: URL) => url.host || url.protocol;
-const last_part = (url: URL) => decodeURIComponent(url.pathname.split("/").pop() || url.host);
+function last_part(url: URL): string {
+  const name = url.pathname.split("/").pop() || url.host;
+  try {
+    return decodeURIComponent(name);
+  } catch {
+    return name; // its bytes are no UTF-8
+  }
+}
 
 // What a host must allow so that a page of another origin may read its files.
 const ALLOWANCE = "it must allow this page's origin and the header Range, and expose Content-Range and ETag (CORS)";

@@ -7,8 +7,8 @@ import { say, words_of } from "../base/messages";
 import { quoted } from "../base/shell";
 import { whole_page } from "../module/beside";
 import { MOST_HELD, page_with } from "../module/held";
-import { get, has_token, server_root } from "../server/api";
-import { is_read_here } from "../server/transport";
+import { get, has_token, list_grids, server_root } from "../server/api";
+import { is_read_here, must_be_given } from "../server/transport";
 import { address_of } from "../state/permalink";
 import type { Viewer } from "../state/viewer";
 import { CodeLine, CopyButton } from "../widgets/copy";
@@ -71,7 +71,10 @@ function SavePage({ info }: { info: GridInfo }) {
     set_busy(true);
     try {
       const grid = await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/file.tcell`)).blob();
-      save_blob(await page_with(await whole_page!(), `${info.id}.tcell`, grid), `${info.id}.html`);
+      const { grids } = await list_grids();
+      const checked = grids.find(({ id, hash }) => id === info.id && hash === info.file.hash)?.checked;
+      const findings = checked ? await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/check`)).text() : null;
+      save_blob(await page_with(await whole_page!(), `${info.id}.tcell`, grid, findings), `${info.id}.html`);
     } catch (error) {
       say(`The page can't be saved: ${words_of(error)}.`);
     }
@@ -146,8 +149,8 @@ export function SharePanel({ viewer }: { viewer: Viewer }) {
           </button>
         </div>
         <p class="note">
-          The link holds everything that you see, except the choice of light or dark{here ? "; it leads to the grid where this page finds it by itself" : ""}. The picture has a
-          scale bar and a legend.
+          The link holds everything that you see, except the choice of light or dark. {must_be_given(info.id) && "The file was given to this page by hand, so the link shows it only where it was given to the page before. "}The
+          picture has a scale bar and a legend.
         </p>
       </section>
       <SavePage info={info} />

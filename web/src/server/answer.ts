@@ -17,6 +17,7 @@ export function use_answer<T>(path: string | null): Answer<T> {
   useEffect(() => {
     if (path === null) return;
     const abort = new AbortController();
+    set_answer((before) => (before.error === null ? before : { ...before, error: null }));
     get_json<T>(path, abort.signal).then(
       (value) => set_answer({ value, path, error: null }),
       (error: unknown) => {

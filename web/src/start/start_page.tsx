@@ -132,8 +132,8 @@ function List({ grids, broken }: { grids: readonly GridSummary[]; broken: readon
         {found.map((grid) => (
           <Card key={grid.id} grid={grid} />
         ))}
-        {broken.map((file) => (
-          <UnreadableCard key={file.id} file={file} />
+        {broken.map((file, n) => (
+          <UnreadableCard key={`${n} ${file.id}`} file={file} />
         ))}
       </ul>
     </>
