@@ -65,7 +65,7 @@ class Delay:
             while True:
                 due, data = await queue.get()
                 await asyncio.sleep(max(0, due - time.monotonic()))
-                if not data:
+                if not data or to.is_closing():
                     return to.close()
                 to.write(data)
         task = asyncio.create_task(send())

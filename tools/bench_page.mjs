@@ -32,6 +32,7 @@ async function opened(address) {
   const context = await browser.newContext({ viewport: { width: 1400, height: 900 } });
   const page = await context.newPage();
   await page.addInitScript(watch);
+  await pause(1500); // Chromium has work of its own after a page was made or closed
   await page.goto(address, { waitUntil: "commit" });
   await page.waitForFunction(() => window.sharp_at, null, { polling: 250, timeout: 120_000 });
   return page;
@@ -40,6 +41,7 @@ async function sharp(address) {
   const page = await opened(address);
   const at = await page.evaluate(() => window.sharp_at);
   await page.context().close();
+  await pause(1500);
   return at;
 }
 async function in_turn(what, ours, theirs, bar) {
@@ -102,7 +104,6 @@ async function close_up(page) {
 }
 
 try {
-  await pause(2000); // Chromium has work of its own after it has started
   await in_turn("first whole view from a plain host", here, served, "<= 1000 ms");
   await in_turn("  at 20 Mbit/s and 80 ms", far, far_served, "<= 3000 ms");
   {

@@ -2,8 +2,8 @@
 """The page without a server, in Chromium without a graphics card: from nginx on this machine, from nginx over a line of 20 Mbit/s with a round
 trip of 80 ms, and as one HTML file; beside the page of `teracell serve` in the same minutes.
 
-Usage: tools/bench_page.py PATH_TO_TERACELL G.tcell. The program must have been built with -DTERACELL_WASM=ON. The grid is packed first; one that
-is too large for one HTML file is measured as a folder alone. bench_page.mjs measures.
+Usage: tools/bench_page.py PATH_TO_TERACELL G.tcell. The program must have been built with -DTERACELL_WASM=ON. For the hosts the grid is packed; one
+that is too large for one HTML file is measured as a folder alone. bench_page.mjs measures.
 """
 import os
 import re
@@ -27,10 +27,10 @@ def main():
             subprocess.run([program, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         teracell("pack", grid, "-o", "g.tcell")
         teracell("page", "-o", ".", "--grids", "g.tcell")
-        size = os.path.getsize(os.path.join(folder, "g.tcell"))
+        size = os.path.getsize(grid)
         whole = "file://" + os.path.join(folder, "g.html") if size <= MOST_HELD else ""
         if whole:
-            teracell("page", "g.tcell", "-o", "g.html")
+            teracell("page", grid, "-o", "g.html")
         port = free_port()
         with open(os.path.join(folder, "nginx.conf"), "w") as file:
             text = NGINX % {"user": "user root;" if os.geteuid() == 0 else "", "folder": folder, "port": port}
@@ -40,7 +40,8 @@ def main():
         try:
             wait_for(port)
             served = re.search(r"http://\S+", server.stdout.readline()).group(0)
-            print(f"the packed grid: {size / 1e6:.1f} MB" + (f"; one HTML file: {os.path.getsize(whole[7:]) / 1e6:.1f} MB" if whole else ""), flush=True)
+            packed = os.path.getsize(os.path.join(folder, "g.tcell"))
+            print(f"the grid: {size / 1e6:.1f} MB, packed {packed / 1e6:.1f} MB" + (f", in an HTML file {os.path.getsize(whole[7:]) / 1e6:.1f} MB" if whole else ""), flush=True)
             addresses = [f"http://127.0.0.1:{port}/", served]
             far = [f"http://127.0.0.1:{Delay(int(re.search(r':([0-9]+)/', a).group(1)), ROUND_TRIP, RATE).port}/" for a in addresses]
             subprocess.run(["node", os.path.join(ROOT, "tools/bench_page.mjs"), *addresses, *far, whole], check=True)
