@@ -1,12 +1,12 @@
 // The module answers what the server answers, byte for byte, from ranges of the same files; damaged files are errors in words.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
-import { closeSync, mkdirSync, openSync, readFileSync, readSync, readdirSync, statSync, writeFileSync } from "node:fs";
+import { execFileSync, spawn } from "node:child_process";
+import { closeSync, copyFileSync, mkdirSync, openSync, readFileSync, readSync, readdirSync, statSync, writeFileSync } from "node:fs";
 import { basename, join } from "node:path";
 import { after, before, test } from "node:test";
 import { pathToFileURL } from "node:url";
 
-const { TERACELL, TERACELL_MODULE, TERACELL_BUNDLE } = process.env;
+const { TERACELL, TERACELL_MODULE, TERACELL_BUNDLE, FORGED } = process.env;
 const TERACELL_FOLDER = join(process.env.TERACELL_FOLDER, "grids");
 const { Instance, is_missing } = await import(pathToFileURL(TERACELL_BUNDLE));
 const module = new WebAssembly.Module(readFileSync(TERACELL_MODULE));
@@ -172,6 +172,27 @@ test("damaged, cut and foreign files are errors in words, and other grids live o
         if (status === 500) assert.equal(JSON.parse(new TextDecoder().decode(body)).error.code, "damaged");
       }
     assert.equal(files.answer(`/api/v1/grids/${basename(grids[0], ".tcell")}/stats`).status, 200);
+    files.close();
+  }
+});
+
+test("forged files, whose chunks, names or pages become large, are cells or errors in words, and other grids live on", async () => {
+  const folder = join(process.env.TERACELL_FOLDER, "forged");
+  mkdirSync(folder, { recursive: true });
+  execFileSync(FORGED, ["--write", folder, "4"]);
+  for (const file of readdirSync(folder).filter((name) => name.endsWith(".txt"))) {
+    const [what, ...targets] = readFileSync(join(folder, file), "utf8").trim().split("\n");
+    copyFileSync(join(folder, file.replace(".txt", ".tcell")), join(folder, "g.tcell"));
+    const files = await Files.of([join(folder, "g.tcell"), grids[0]]);
+    if (files.errors[0] !== "") assert.match(files.errors[0], /g\.tcell: /, what);
+    // Whole boxes are large answers, which take seconds.
+    else
+      for (const target of targets.filter((address, i) => i % 53 === 0 && !address.includes("/box."))) {
+        const { status, body } = files.answer(target);
+        assert([200, 400, 404, 500].includes(status), `${what}: ${target} is answered with ${status}`);
+        if (status !== 200) assert(JSON.parse(new TextDecoder().decode(body)).error.message.length > 20, `${what}: ${target}`);
+      }
+    assert.equal(files.answer(`/api/v1/grids/${basename(grids[0], ".tcell")}/stats`).status, 200, what);
     files.close();
   }
 });

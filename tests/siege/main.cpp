@@ -2,7 +2,9 @@
 // without a socket. For each request it measures the time of the processor and the memory that is allocated beside the cache.
 //
 //   forged_siege [--first N] [--files N] [--hand-made] [--cache BYTES] [--all]
+//   forged_siege --write FOLDER EACH
 //
+// The second form writes each EACH-th of the hand-made files, and beside each that opens the addresses that it would be asked for, for tests/module.
 // The files are the hand-made ones and then random ones, 2000 in all unless told otherwise. It prints the requests that take more
 // than the bar, kMostSeconds and kMostBytes, and the dearest of all. Exit status 1 when a request is beyond the bar, unless the answer
 // is an error that came within it.
@@ -182,7 +184,26 @@ class Siege {
   Cost slowest_, largest_, worst_;
 };
 
+void write_files(const std::filesystem::path& folder, size_t each) {
+  for (size_t number = 0; number < hand_made_files(); number += each) {
+    const auto file = hand_made_file(number);
+    if (!file) continue;
+    const std::filesystem::path path = folder / fmt::format("{}.tcell", number);
+    std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(file->bytes.data()), static_cast<std::streamsize>(file->bytes.size()));
+    std::ofstream list(folder / fmt::format("{}.txt", number));
+    list << hand_made_name(number) << "\n";
+    try {
+      const GridReader reader(path);
+      for (const std::string& target : targets_of(reader.meta(), reader.levels()))
+        if (target.starts_with("/api/")) list << target << "\n";
+    } catch (const Error&) {
+      continue;  // it has no addresses
+    }
+  }
+}
+
 int run(int argc, char** argv) {
+  if (argc == 4 && argv[1] == std::string_view("--write")) return write_files(argv[2], std::max(1ul, std::strtoul(argv[3], nullptr, 10))), 0;
   size_t first = 0, files = 2000, cache = size_t{64} << 20;
   bool tell_all = false;
   for (int i = 1; i < argc; ++i) {
