@@ -65,6 +65,7 @@ std::string list_of(const std::vector<PageGrid>& grids, bool held) {
     nlohmann::ordered_json entry = {{"name", grid.name}};
     if (held) entry["bytes"] = grid.source->size();
     else entry["address"] = grid.source ? percent_encoded(grid.name) : grid.address;
+    if (!grid.findings.empty()) entry["checked"] = grid.hash;
     list.push_back(std::move(entry));
   }
   return in_element(list.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
@@ -134,6 +135,8 @@ void write_site(std::span<const EmbeddedFile> page, std::string_view notice, con
     if (grid.source && !names.insert(grid.name).second)
       throw UsageError(fmt::format("two grids have the name {}: they would be one file in {}", grid.name, folder.string()));
   const Frame frame(text_of(page, kIndex));
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw UsageError(fmt::format("{}: expected a folder, or a name that ends with .html, found a file", folder.string()));
   if (!may_replace(folder / kIndex))
     throw UsageError(fmt::format("{}: it is not a page of teracell, and would be replaced: give another folder", (folder / kIndex).string()));
   if (!fs::exists(folder / kIndex))
@@ -160,13 +163,15 @@ void write_site(std::span<const EmbeddedFile> page, std::string_view notice, con
     });
     out.commit();
   }
-  write(folder / kIndex, frame.before + list_of(grids, false) + std::string(kListEnd) + findings_of(grids) + frame.after);
+  for (const PageGrid& grid : grids)
+    if (!grid.findings.empty()) write((folder / grid.name).replace_extension(".check.json"), grid.findings);
+  write(folder / kIndex, frame.before + list_of(grids, false) + std::string(kListEnd) + frame.after);
 }
 
 void write_whole_page(std::span<const EmbeddedFile> page, const std::vector<PageGrid>& grids, const fs::path& path,
                       const std::function<void(double)>& progress) {
   uint64_t all = 0;
-  for (const PageGrid& grid : grids) all += grid.source->size();
+  for (const PageGrid& grid : grids) all += grid.source->size() + grid.findings.size();
   if (all > kMostHeld)
     throw UsageError(
         fmt::format("{}: expected grids of at most {} bytes, since a browser holds all of the page in memory, found {}: write a folder for "

@@ -18,7 +18,7 @@ struct PageGrid {
   std::string name;                      // that of its file
   std::string address;                   // where the page finds it, if it is not copied
   const ByteSource* source = nullptr;    // what is copied
-  std::string findings{};                // of `teracell check` (check/check_json.hpp); empty: nobody has looked through it
+  std::string findings{}, hash{};        // of `teracell check` (check/check_json.hpp), and the grid's; empty: nobody has looked through it
 };
 
 // Throws Error unless `page` has the module that reads grids.

@@ -4,6 +4,7 @@ import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import { copyFileSync, existsSync, mkdirSync, readFileSync, renameSync, statSync, writeFileSync } from "node:fs";
 import { createRequire } from "node:module";
+import { createServer as http_server } from "node:http";
 import { createServer } from "node:net";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -299,4 +300,44 @@ test("a file that is replaced, and a host that is lost for a while", async () =>
   await page.getByText("The host of the grids has not answered").waitFor({ state: "detached" });
   await settled(page);
   await page.context().close();
+});
+
+// A host of one grid that stops to answer, or answers with another file, after some requests.
+async function failing_host(grid, after_requests, how) {
+  const bytes = readFileSync(grid_file(grid));
+  let requests = 0;
+  const host = http_server((request, response) => {
+    const late = ++requests > after_requests;
+    if (late && how === "silent") return;
+    const headers = { "Access-Control-Allow-Origin": "*", "Access-Control-Allow-Headers": "Range", "Access-Control-Expose-Headers": "Content-Range, ETag" };
+    if (request.method === "OPTIONS") return response.writeHead(204, headers).end();
+    const [, from, to] = /bytes=(\d+)-(\d+)/.exec(request.headers.range ?? "") ?? [0, 0, bytes.length - 1];
+    const part = bytes.subarray(Number(from), Number(to) + 1);
+    response.writeHead(request.headers.range ? 206 : 200, {
+      ...headers,
+      ETag: late ? '"new"' : '"old"',
+      "Content-Length": part.length,
+      ...(request.headers.range && { "Content-Range": `bytes ${from}-${to}/${bytes.length}` }),
+    });
+    response.end(request.method === "HEAD" ? undefined : part);
+  });
+  await new Promise((listening) => host.listen(0, "127.0.0.1", listening));
+  return { address: `http://127.0.0.1:${host.address().port}/${grid}.tcell`, stop: () => (host.closeAllConnections(), host.close()) };
+}
+
+test("trouble with one grid leaves the others alone", async () => {
+  for (const [requests, how] of [
+    [0, "silent"],
+    [3, "silent"],
+    [4, "replaced"],
+  ]) {
+    const bad = await failing_host("before", requests, how);
+    const page = await open_page(browser, `${host.url}/?grid=${encodeURIComponent(bad.address)}&grid=stadium.tcell#g=stadium`, { expected: () => true });
+    await page.waitForFunction(() => window.teracell?.idle(), null, { timeout: 10_000 });
+    await expect_as_served(page, "stadium");
+    assert.equal(await page.getByText("meshed again").count(), 0, how);
+    assert.equal(await page.getByText("can't be reached").count(), 0, how);
+    await page.context().close();
+    bad.stop();
+  }
 });

@@ -92,15 +92,19 @@ TEST_CASE("a folder has the page, its licences, the grids, and an index that lis
 TEST_CASE("what was found in a grid travels with it", "[server][static_page]") {
   TempFolder folder;
   const Memory a("a", "1"), b("b", "2");
-  const std::vector<PageGrid> grids = {{"a.tcell", "", &a}, {"b.tcell", "", &b, R"({"name":"</script>"})"}};
+  const std::string findings = R"({"name":"</script>"})";
+  const std::vector<PageGrid> grids = {{"a.tcell", "", &a}, {"b c.tcell", "", &b, findings, "1234"}};
   write_site(page(), "", grids, folder / "site", kSilent);
   write_whole_page(page(), grids, folder / "g.html", kSilent);
-  for (const std::string& html : {contents_of(folder / "site/index.html"), contents_of(folder / "g.html")}) {
-    CHECK(list_in(html).size() == 2);
-    CHECK(html.find(R"(</script>
+  CHECK(contents_of(folder / "site/b c.check.json") == findings);
+  CHECK(!std::filesystem::exists(folder / "site/a.check.json"));
+  CHECK(list_in(contents_of(folder / "site/index.html")) ==
+        nlohmann::json::parse(R"([{"name": "a.tcell", "address": "a.tcell"}, {"name": "b c.tcell", "address": "b%20c.tcell", "checked": "1234"}])"));
+  const std::string html = contents_of(folder / "g.html");
+  CHECK(list_in(html)[1]["checked"] == "1234");
+  CHECK(html.find(R"(</script>
 <script id="findings-1" type="application/json">{"name":"\u003c/script>"}</script>)") != html.npos);
-    CHECK(html.find("findings-0") == html.npos);
-  }
+  CHECK(html.find("findings-0") == html.npos);
 }
 
 TEST_CASE("a folder may be written again, and its grids may lie in it already", "[server][static_page]") {
@@ -130,7 +134,8 @@ TEST_CASE("a folder with another page, and two grids of one name, are refused be
   write(folder / "source/NOTICE", "of somebody else");
   CHECK_THROWS_WITH(write_site(page(), "", {}, folder / "source", kSilent), Catch::Contains("source/NOTICE: it would be replaced"));
   write(folder / "file", "no folder");
-  CHECK_THROWS_AS(write_site(page(), "", {}, folder / "file", kSilent), IoError);
+  CHECK_THROWS_WITH(write_site(page(), "", {}, folder / "file", kSilent),
+                    Catch::Contains("expected a folder, or a name that ends with .html, found a file"));
   CHECK_THROWS_AS(write_site(page(), "", {}, "", kSilent), UsageError);
 }
 

@@ -1,4 +1,5 @@
 // teracell page: the dashboard without a server.
+#include <algorithm>
 #include <deque>
 
 #include <fmt/format.h>
@@ -36,10 +37,14 @@ void run(const PageArguments& o) {
                       file = std::filesystem::path(path).filename().string();
     if (!whole && is_address(name)) {
       if (!name.starts_with("http")) throw UsageError(fmt::format("{}: a browser reads https:// addresses only: give that of the same object", name));
+      if (file.empty() || path.find("///") != path.npos || path.find('/', path.find("://") + 3) == path.npos ||
+          std::ranges::any_of(name, [](unsigned char c) { return c <= ' ' || c == 127; }))
+        throw UsageError(fmt::format("'{}': expected the address of a .tcell file, such as https://host/g.tcell", name));
       grids.push_back({file, name, nullptr});
     } else {
       readers.emplace_back(open_source(name, o.source));
-      grids.push_back({file, "", &readers.back().source(), is_address(name) ? "" : read_kept_findings(name, readers.back().hash())});
+      grids.push_back(
+          {file, "", &readers.back().source(), is_address(name) ? "" : read_kept_findings(name, readers.back().hash()), readers.back().hash()});
     }
   }
   const std::atomic<bool>& stop = watch_interrupts();
@@ -59,7 +64,7 @@ Run setup_page(CLI::App& app) {
   const auto o = std::make_shared<PageArguments>();
   app.add_option("grids", o->grids, ".tcell files, or addresses (https://..., s3://...)");
   app.add_option("--grids", o->beside, "the same; for a folder, files are copied beside the page and https addresses are listed");
-  app.add_option("-o,--output", o->output, "a folder for the files of the page, or one file if the name ends with .html")->required();
+  app.add_option("-o,--output", o->output, "a folder for the files of the page, or one file if the name ends with .html or .htm")->required();
   add_source_options(app, o->source);
   add_progress(app, o->progress);
   app.footer(

@@ -62,8 +62,10 @@ async function open(id: string): Promise<void> {
     stop_keeping = () => stops.forEach((stop) => stop());
   } catch (error) {
     if (signal.aborted) return;
-    trouble.value =
-      error instanceof ServerError && error.status === 404 ? `There is no grid “${id}” here.` : `“${id}” can't be opened: ${words_of(error)}`;
+    const none = error instanceof ServerError && error.status === 404;
+    const known = none ? (await list_grids(signal).catch(() => null))?.unreadable.find((file) => file.id === id) : undefined;
+    if (signal.aborted) return;
+    trouble.value = none && !known ? `There is no grid “${id}” here.` : `“${id}” can't be opened: ${known?.error ?? words_of(error)}`;
   }
   opening.value = null;
 }

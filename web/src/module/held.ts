@@ -1,7 +1,7 @@
 // What an HTML file holds in elements that show nothing: which grids the page has, and in a page that is one file the grids themselves.
 // `teracell page` writes the same (server/static_page.cpp).
 //
-//   <script id="grids" type="application/json">[{"name": "bust.tcell", "bytes": 98304}]</script>
+//   <script id="grids" type="application/json">[{"name": "bust.tcell", "bytes": 98304, "checked": "... its hash ..."}]</script>
 //   <script id="findings-0" type="application/json">{... what "teracell check" has found in it ...}</script>
 //   <script type="text/plain" class="grid-0">... base64 of 49,152 bytes ...</script>
 //   <script type="text/plain" class="grid-0">...</script>
@@ -13,9 +13,10 @@ export const PIECE = 49152;
 // Of a grid in a page: browsers hold all of it in memory.
 export const MOST_HELD = 256 << 20;
 
-// A grid of the page's own list: at an address, which may be relative, or in the page itself. `findings`: what was found in it.
+// A grid of the page's own list: at an address, which may be relative, or in the page itself. `checked`: its hash, if what was found in it is
+// there: in a file beside it ("bust.check.json"), or in an element of the page.
 export type ListedGrid = ({ readonly name: string; readonly address: string } | { readonly name: string; readonly bytes: number }) & {
-  readonly findings?: string | null;
+  readonly checked?: string;
 };
 
 const LIST = /(<script id="grids" type="application\/json">).*?(<\/script>)/s;
@@ -23,10 +24,7 @@ const LIST = /(<script id="grids" type="application\/json">).*?(<\/script>)/s;
 export const held_text = (id: string): string => document.getElementById(id)?.textContent ?? "";
 
 // The grids that the page was written with; null: it came from a server, which has some.
-export function listed_grids(): readonly ListedGrid[] | null {
-  const list = JSON.parse(held_text("grids") || "null") as readonly ListedGrid[] | null;
-  return list?.map((grid, number) => ({ ...grid, findings: held_text(`findings-${number}`) || null })) ?? null;
-}
+export const listed_grids = (): readonly ListedGrid[] | null => JSON.parse(held_text("grids") || "null") as readonly ListedGrid[] | null;
 
 export function bytes_of(base64: string): Uint8Array<ArrayBuffer> {
   const text = atob(base64);
@@ -82,13 +80,14 @@ async function base64_of(bytes: Uint8Array<ArrayBuffer>): Promise<string> {
 
 const in_element = (json: string) => json.replaceAll("<", "\\u003c");
 
-// The page with a grid in it, as one HTML file. `page`: that file without a grid. `findings`: what was found in the grid.
-export async function page_with(page: string, name: string, grid: Blob, findings: string | null): Promise<Blob> {
+// The page with a grid in it, as one HTML file. `page`: that file without a grid. `checked`: the grid's hash, and what was
+// found in it.
+export async function page_with(page: string, name: string, grid: Blob, checked: { hash: string; findings: string } | null): Promise<Blob> {
   const found = LIST.exec(page);
   if (!found) throw new Error("the page has no place for a grid: load it again");
-  const list = JSON.stringify([{ name, bytes: grid.size } satisfies ListedGrid]);
+  const list = JSON.stringify([{ name, bytes: grid.size, ...(checked && { checked: checked.hash }) } satisfies ListedGrid]);
   const parts: BlobPart[] = [page.slice(0, found.index), found[1]!, in_element(list), found[2]!];
-  if (findings !== null) parts.push('\n<script id="findings-0" type="application/json">', in_element(findings), "</script>");
+  if (checked) parts.push('\n<script id="findings-0" type="application/json">', in_element(checked.findings), "</script>");
   for (let at = 0; at < grid.size; at += PIECE)
     parts.push('\n<script type="text/plain" class="grid-0">', await base64_of(new Uint8Array(await grid.slice(at, at + PIECE).arrayBuffer())), "</script>");
   return new Blob([...parts, page.slice(found.index + found[0].length)], { type: "text/html" });

@@ -12,7 +12,7 @@ export class KeptBytes {
   private readonly under_way = new Map<number, Promise<void>>();
   private bytes = 0;
 
-  // Returns the number of the source. Its first and its last bytes are read at once, since every reader begins with these.
+  // Returns the source's number here. Its first and its last bytes are read at once, since every reader begins with these.
   add(source: Source): number {
     const file = this.sources.push(source) - 1;
     const end = Math.max(0, Math.ceil(source.size / BLOCK) - AT_THE_END) * BLOCK;

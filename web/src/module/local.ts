@@ -10,6 +10,16 @@ import { type Place, type Source, SourceError, source_at } from "./sources";
 import type { FromWorker, ToWorker } from "./worker";
 
 const SLOW = /^api\/v1\/grids\/[^/]+\/(view\.|stats|diff|line|column|box\.|slice)/;
+const CHECK = /^api\/v1\/grids\/[^/]+\/check$/;
+const FILE = /^api\/v1\/grids\/[^/]+\/file\.tcell$/;
+
+// The grids that an address names: its own, and perhaps that of a comparison.
+function ids_in(path: string): string[] {
+  const { pathname, searchParams } = new URL(path, "http://page/");
+  const [, id] = /^\/api\/v1\/grids\/([^/]+)/.exec(pathname) ?? [];
+  const other = searchParams.get("with");
+  return [...(id === undefined ? [] : [decodeURIComponent(id)]), ...(other === null ? [] : [other])];
+}
 
 interface Waiting {
   resolve(message: FromWorker): void;
@@ -24,7 +34,7 @@ class Helper {
   // `held`: grids that are in the page, by their numbers.
   constructor(private readonly held: ReadonlyMap<number, Source>) {
     this.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => this.take(data);
-    this.worker.onerror = ({ message }) => this.fail(`the worker that reads grids can't be started: ${message || "the browser does not say why"}`);
+    this.worker.onerror = ({ message }) => this.fail(`a part of this page, its worker, can't be started: ${message || "its file may be missing on the host of the page"}`);
     this.worker.onmessageerror = () => this.fail("the browser gives the worker nothing to read");
     try {
       this.tell({ kind: "module", code: module_code() });
@@ -34,8 +44,8 @@ class Helper {
   }
 
   // The id of the grid that is there. Throws SourceError, or Error if it is none.
-  async open(place: Place): Promise<{ id: string; place: Place }> {
-    const opened = (await this.send({ kind: "open", place })) as FromWorker & { kind: "opened" };
+  async open(place: Place, as: string): Promise<{ id: string; place: Place }> {
+    const opened = (await this.send({ kind: "open", place, as })) as FromWorker & { kind: "opened" };
     if (opened.wrong) throw new Error(opened.text);
     return { id: opened.text, place: opened.place };
   }
@@ -44,7 +54,8 @@ class Helper {
   }
 
   // What the worker says to a message, which gets an id. Throws SourceError.
-  private send(message: { kind: "ask"; target: string } | { kind: "open"; place: Place }, signal?: AbortSignal | null): Promise<FromWorker> {
+  private send(message: { kind: "ask"; target: string } | { kind: "open"; place: Place; as: string }, signal?: AbortSignal | null): Promise<FromWorker> {
+    signal?.throwIfAborted();
     const id = this.next++;
     return new Promise((resolve, reject) => {
       if (this.broken) return reject(this.broken);
@@ -58,8 +69,11 @@ class Helper {
     if (message.kind === "wanted") return void this.read(message);
     const { resolve, reject } = this.waiting.get(message.id) ?? {};
     this.waiting.delete(message.id);
-    if (message.kind === "failed") reject?.(message.code ? new SourceError(message.code, message.message) : new Error(message.message));
-    else resolve?.(message);
+    if (message.kind !== "failed") return resolve?.(message);
+    if (!message.code) return reject?.(new Error(message.message));
+    const error = new SourceError(message.code, message.message);
+    error.grid = message.grid;
+    reject?.(error);
   }
   private async read({ id, grid, offset, size }: FromWorker & { kind: "wanted" }): Promise<void> {
     try {
@@ -90,26 +104,29 @@ const failure = (status: number, code: string, message: string) => json(status, 
 
 const response_of = ({ status, type, etag, body }: Answer) => new Response(body, { status, headers: { "content-type": type, etag } });
 
+// What `teracell check` has found in a grid with this hash.
+export interface Checked {
+  readonly hash: string;
+  text(): Promise<string>;
+}
+
 interface LocalGrid {
   readonly place: Place;
-  readonly findings: string | null;
+  readonly order: number;
+  readonly checked: Checked | null;
   changed: string | null; // what was said when its file was found to be another one
+  in_slow: Promise<unknown> | null; // that it is opened in the second worker
 }
 
 export type Added = { readonly id: string } | { readonly wrong: string };
 
-// The grid that findings are of (check/check_json.cpp).
-const hash_in = (findings: string) => /^{"schema":1,"grid_hash":"([^"]*)"/.exec(findings)?.[1];
-
 export class LocalGrids {
-  private readonly places: Place[] = []; // of grids that were opened
   private readonly grids = new Map<string, LocalGrid>(); // by id
   private readonly unreadable: UnreadableFile[] = [];
   private readonly quick: Helper;
   private slow: Helper | null = null;
-  private slow_has = 0; // grids
-  private slow_opens: Promise<unknown> = Promise.resolve();
-  private adding: Promise<unknown> = Promise.resolve();
+  private readonly names = new Set<string>();
+  private readonly adds = new Set<Promise<unknown>>(); // under way
   private lost: LocalGrid | null = null; // whose host could not be reached
 
   // `held`: grids that are in the page, by their numbers.
@@ -117,23 +134,27 @@ export class LocalGrids {
     this.quick = new Helper(held);
   }
 
-  // Adds a grid, one after the other. If it can't be read, the list of grids says why. `findings`: what "teracell check" has said of it.
-  add(place: () => Place, name: string, findings: string | null = null): Promise<Added> {
-    const added = this.adding.then(() => this.add_now(place, name, findings));
-    this.adding = added;
-    return added;
+  // Adds a grid. If it can't be read, the list of grids says why.
+  add(place: () => Place, name: string, checked: Checked | null = null): Promise<Added> {
+    const added = this.add_now(place, name, checked);
+    this.adds.add(added);
+    return added.finally(() => this.adds.delete(added));
   }
 
-  private async add_now(asked: () => Place, name: string, findings: string | null): Promise<Added> {
+  private async add_now(asked: () => Place, name: string, checked: Checked | null): Promise<Added> {
+    const stem = name.replace(/\.tcell$/, "");
+    let as = `${stem}.tcell`;
+    for (let n = 2; this.names.has(as); ++n) as = `${stem}-${n}.tcell`;
+    this.names.add(as);
+    const order = this.names.size;
     try {
-      const { id, place } = await this.quick.open(asked());
-      this.places.push(place);
-      this.grids.set(id, { place, findings, changed: null });
+      const { id, place } = await this.quick.open(asked(), as);
+      this.grids.set(id, { place, order, checked, changed: null, in_slow: null });
       note_read_here(id, place.kind !== "file");
       return { id };
     } catch (error) {
       const wrong = words_of(error);
-      this.unreadable.push({ id: name.replace(/\.tcell$/, ""), error: wrong });
+      this.unreadable.push({ id: stem, error: wrong });
       return { wrong };
     }
   }
@@ -142,38 +163,45 @@ export class LocalGrids {
     return source_at(place, ({ grid }) => this.held.get(grid)!);
   }
 
-  // The worker for what may take long, with all grids that the other one has. They get the same ids, since they come in the same order.
-  private slow_helper(): Promise<Helper> {
+  // The worker for what may take long, with the grids that an address names.
+  private async slow_helper(path: string): Promise<Helper> {
     const helper = (this.slow ??= new Helper(this.held));
-    const caught_up = async () => {
-      for (; this.slow_has < this.places.length; ++this.slow_has) await helper.open(this.places[this.slow_has]!);
-      return helper;
-    };
-    const opens = this.slow_opens.then(caught_up, caught_up);
-    this.slow_opens = opens;
-    return opens;
+    for (const id of ids_in(path)) {
+      const grid = this.grids.get(id);
+      if (!grid) continue;
+      try {
+        await (grid.in_slow ??= helper.open(grid.place, `${id}.tcell`));
+      } catch (error) {
+        grid.in_slow = null;
+        if (error instanceof SourceError) error.grid = id;
+        throw error;
+      }
+    }
+    return helper;
   }
 
   // Answers for its grids; `before` answers for those of a server, if there is one.
   async answer(path: string, options: Parameters<Ask>[1], before: Ask): Promise<Response> {
     if (path === "api/v1/grids") return this.lists(is_alone() ? null : before(path, options));
-    const [, encoded, rest] = /^api\/v1\/grids\/([^/?]+)(.*)/s.exec(path) ?? [];
-    const id = decodeURIComponent(encoded ?? "");
-    const grid = this.grids.get(id);
+    if (path === "healthz" && is_alone()) return this.health();
+    const [id] = ids_in(path);
+    // One that is there is asked at once, and not after the frame that is being drawn.
+    while (is_alone() && id !== undefined && !this.grids.has(id) && this.adds.size > 0) await Promise.race(this.adds);
+    const grid = id === undefined ? undefined : this.grids.get(id);
     if (!grid && !is_alone()) return before(path, options);
-    if (path === "healthz") return this.health();
     options.signal?.throwIfAborted();
     try {
-      if (grid?.findings && rest === "/check") return new Response(grid.findings, { headers: { "content-type": "application/json" } });
-      if (grid && rest === "/file.tcell") return await whole_file(await this.source_of(grid));
-      const helper = SLOW.test(path) ? await this.slow_helper() : this.quick;
+      if (grid?.checked && CHECK.test(path)) return new Response(await grid.checked.text(), { headers: { "content-type": "application/json" } });
+      if (grid && FILE.test(path)) return await whole_file(await this.source_of(grid));
+      const helper = SLOW.test(path) ? await this.slow_helper(path) : this.quick;
       return response_of(await helper.answer(`/${path}`, options.signal));
     } catch (error) {
       options.signal?.throwIfAborted();
       if (!(error instanceof SourceError)) return failure(500, "failed", words_of(error));
-      if (grid && error.code === "unreachable") this.lost = grid;
+      const whose = error.grid === null ? grid : this.grids.get(error.grid);
+      if (whose && error.code === "unreachable") this.lost = whose;
       if (error.code === "unreachable") throw new TypeError(error.message);
-      if (grid && error.code === "replaced") grid.changed = error.message;
+      if (whose && error.code === "replaced") whose.changed = error.message;
       // As a server answers for a version that is gone.
       return failure(error.code === "replaced" ? 404 : 500, error.code, error.message);
     }
@@ -187,12 +215,12 @@ export class LocalGrids {
   // A grid of an address that was replaced has another version now, which a new page will read. A file that was changed must be given again.
   private async lists(served: Promise<Response> | null): Promise<Response> {
     const others = served ? ((await (await served).json()) as { grids: GridSummary[]; unreadable: UnreadableFile[] }) : { grids: [], unreadable: [] };
+    await Promise.all(this.adds);
     const [grids, unreadable] = [[...others.grids], [...others.unreadable, ...this.unreadable]];
-    for (const grid of this.grids.size > 0 ? await this.list() : []) {
-      const known = this.grids.get(grid.id);
-      if (!known) continue;
-      const { changed, place, findings } = known;
-      if (changed === null) grids.push({ ...grid, checked: findings !== null && hash_in(findings) === grid.hash });
+    const own = this.grids.size > 0 ? await this.list() : [];
+    for (const grid of own.sort((a, b) => this.grids.get(a.id)!.order - this.grids.get(b.id)!.order)) {
+      const { changed, place, checked } = this.grids.get(grid.id)!;
+      if (changed === null) grids.push({ ...grid, checked: checked?.hash === grid.hash });
       else if (place.kind === "address") grids.push({ ...grid, hash: "" });
       else unreadable.push({ id: grid.id, error: changed });
     }

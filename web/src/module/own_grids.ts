@@ -5,8 +5,8 @@ import { say } from "../base/messages";
 import { ask_again } from "../server/connection";
 import { answer_by, be_alone } from "../server/transport";
 import { has_module, whole_page } from "./beside";
-import { HeldSource, type ListedGrid, listed_grids } from "./held";
-import { LocalGrids } from "./local";
+import { HeldSource, type ListedGrid, held_text, listed_grids } from "./held";
+import { type Checked, LocalGrids } from "./local";
 import type { Place, Source } from "./sources";
 
 export const can_read_files = has_module;
@@ -24,33 +24,37 @@ function own_grids(): readonly ListedGrid[] | null {
 const held = new Map<number, Source>();
 
 function place_of(grid: ListedGrid, number: number): Place {
-  if (!("bytes" in grid)) {
-    if (!URL.canParse(grid.address, location.href)) throw new Error(`“${grid.address}” is no address: expected that of a .tcell file, such as https://host/g.tcell`);
-    return { kind: "address", address: new URL(grid.address, location.href).href, found: null };
+  if ("bytes" in grid) {
+    held.set(number, new HeldSource(number, grid.name, grid.bytes));
+    return { kind: "page", grid: number, name: grid.name, size: grid.bytes };
   }
-  held.set(number, new HeldSource(number, grid.name, grid.bytes));
-  return { kind: "page", grid: number, name: grid.name, size: grid.bytes };
+  const url = URL.canParse(grid.address, location.href) ? new URL(grid.address, location.href) : null;
+  if (!url || !/^https?:$/.test(url.protocol)) throw new Error(`expected the address of a .tcell file, such as https://host/g.tcell, found “${grid.address}”`);
+  if (url.username || url.password) throw new Error(`“${grid.address}” has a name or a password in it, and browsers refuse that`);
+  return { kind: "address", address: url.href, found: null };
+}
+
+function checked_of(grid: ListedGrid, number: number): Checked | null {
+  if (grid.checked === undefined) return null;
+  const text = async () => ("bytes" in grid ? held_text(`findings-${number}`) : (await fetch(grid.address.replace(/\.[^./]*$/, ".check.json"))).text());
+  return { hash: grid.checked, text };
 }
 
 let local: LocalGrids | null = null;
-// `added`: is to be done before anything is answered.
-function local_grids(added: (grids: LocalGrids) => Promise<unknown> = () => Promise.resolve()): LocalGrids {
+function local_grids(): LocalGrids {
   if (local) return local;
   const grids = new LocalGrids(held);
-  let adding: Promise<unknown> | null = added(grids).finally(() => (adding = null));
-  answer_by((before) => async (path, options) => {
-    if (adding) await adding; // otherwise the worker is asked at once, and not after the frame that is being drawn
-    return grids.answer(path, options, before);
-  });
+  answer_by((before) => (path, options) => grids.answer(path, options, before));
   return (local = grids);
 }
 
-// Finds out whether there is a server. If not, the page opens its own grids, and all that it asks for waits for them.
+// Finds out whether there is a server. If not, the page opens its own grids, and what it asks for waits for them.
 export function open_own_grids(): void {
   const own = own_grids();
   if (own === null) return;
   be_alone();
-  local_grids((grids) => Promise.all(own.map((grid, number) => grids.add(() => place_of(grid, number), grid.name, grid.findings))));
+  const grids = local_grids();
+  for (const [number, grid] of own.entries()) void grids.add(() => place_of(grid, number), grid.name, checked_of(grid, number));
 }
 
 // Opens the last one of those that can be read. Nothing is uploaded.

@@ -3,7 +3,7 @@
 export interface Source {
   readonly name: string; // that of the file
   readonly size: number;
-  read(offset: number, size: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>>;
+  read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>>;
 }
 
 // Where a source is, to be passed to a worker. `found`: what the host has said of the file, once it was asked.
@@ -20,6 +20,7 @@ export interface Found {
 
 // Bytes can't be had. `code` is that of an answer of the server in the same case.
 export class SourceError extends Error {
+  grid: string | null = null; // whose bytes they are, by its id
   constructor(
     readonly code: "unreachable" | "replaced" | "unreadable",
     message: string,
@@ -81,9 +82,9 @@ export class HttpSource implements Source {
     return new HttpSource(url, { size, version: version_of(head) });
   }
 
-  async read(offset: number, size: number, signal?: AbortSignal): Promise<Uint8Array<ArrayBuffer>> {
+  async read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>> {
     const range = `bytes=${offset}-${offset + size - 1}`;
-    const response = await asked(this.url, { headers: { range }, ...(signal && { signal }) });
+    const response = await asked(this.url, { headers: { range } });
     const version = version_of(response);
     if (response.status === 416 || (version !== null && this.found.version !== null && version !== this.found.version))
       throw new SourceError("replaced", `${this.name}: ${shown(this.url)} has another file under this address now: load the page again`);
@@ -108,12 +109,18 @@ function version_of(response: Response): string | null {
   return etag === null || etag.startsWith("W/") ? null : etag;
 }
 
+const LONGEST = 15_000; // milliseconds until a host begins to answer
+
 async function asked(url: URL, options: RequestInit): Promise<Response> {
+  const stalled = new AbortController();
+  const timer = setTimeout(() => stalled.abort(), LONGEST);
   try {
-    return await fetch(url, options);
-  } catch (error) {
-    if (options.signal?.aborted) throw error;
-    throw new SourceError("unreachable", `${last_part(url)}: ${shown(url)} can't be reached, or does not let this page read it: ${ALLOWANCE}`);
+    return await fetch(url, { ...options, signal: stalled.signal });
+  } catch {
+    const why = stalled.signal.aborted ? `has not answered within ${LONGEST / 1000} s` : `can't be reached, or does not let this page read it: ${ALLOWANCE}`;
+    throw new SourceError("unreachable", `${last_part(url)}: ${shown(url)} ${why}`);
+  } finally {
+    clearTimeout(timer);
   }
 }
 

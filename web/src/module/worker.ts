@@ -6,7 +6,7 @@ import { type HeldPlace, HttpSource, type Place, type Source, SourceError, sourc
 
 export type ToWorker =
   | { kind: "module"; code: string | Uint8Array<ArrayBuffer> } // compressed, or its address; no worker of a page from a disk gets one that is compiled
-  | { kind: "open"; id: number; place: Place }
+  | { kind: "open"; id: number; place: Place; as: string } // the file's name, whose stem becomes the grid's id if no other has it
   | { kind: "ask"; id: number; target: string }
   | { kind: "bytes"; id: number; bytes: Uint8Array<ArrayBuffer> | string } // what was wanted, or what is wrong with it
   | { kind: "forget"; id: number }; // nobody waits for the answer any more
@@ -15,7 +15,8 @@ export type FromWorker =
   | { kind: "opened"; id: number; wrong: boolean; text: string; place: Place } // the grid's id, or what is wrong; where it is in full
   | { kind: "answer"; id: number; answer: Answer }
   | { kind: "wanted"; id: number; grid: number; offset: number; size: number } // of a grid that is in the page; `id` is the worker's
-  | { kind: "failed"; id: number; code: SourceError["code"] | null; message: string }; // null: the module broke down
+  // `code`: null if the module broke down. `grid`: whose bytes can't be had.
+  | { kind: "failed"; id: number; code: SourceError["code"] | null; message: string; grid: string | null };
 
 const send = (message: FromWorker, transfer: Transferable[] = []) => (self as unknown as Worker).postMessage(message, transfer);
 
@@ -62,6 +63,7 @@ async function fetched(address: string): Promise<Response> {
 }
 const message_of = (error: unknown) => (error instanceof Error ? error.message : String(error));
 const kept = new KeptBytes();
+const files: { readonly kept_as: number; grid: string | null }[] = []; // by the module's numbers
 const waiting = new Set<number>(); // answers that are being made
 
 // Calls make() until all bytes that it needs are there; null when nobody waits for it any more.
@@ -69,21 +71,32 @@ async function until_there<T extends object>(instance: Instance, id: number, mak
   for (;;) {
     const outcome = make();
     if (!is_missing(outcome)) return outcome;
-    const fetched = outcome.map(async ({ file, offset, size }) => ({ file, offset, bytes: await kept.read(file, offset, size) }));
+    const fetched = outcome.map(async ({ file, offset, size }) => {
+      const { kept_as, grid } = files[file]!;
+      try {
+        return { file, offset, bytes: await kept.read(kept_as, offset, size) };
+      } catch (error) {
+        if (error instanceof SourceError) error.grid = grid;
+        throw error;
+      }
+    });
     const parts = await Promise.all(fetched);
     if (!waiting.has(id)) return null;
     for (const { file, offset, bytes } of parts) instance.give(file, offset, bytes);
   }
 }
 
-async function open(id: number, place: Place): Promise<void> {
+async function open(id: number, place: Place, as: string): Promise<void> {
   const source = await source_at(place, (held) => new PageSource(held));
-  const file = kept.add(source); // which begins to read, while the module is still on its way
+  const kept_as = kept.add(source); // which begins to read, while the module is still on its way
   const instance = await ready;
-  if (instance.add(source.name, source.size) !== file) throw new Error("the module numbers files in another way");
+  const file = instance.add(as, source.size);
+  files[file] = { kept_as, grid: null };
   const opened = await until_there(instance, id, () => instance.open(file));
+  if (!opened) return;
+  if (!opened.wrong) files[file].grid = opened.text;
   const full = source instanceof HttpSource && place.kind === "address" ? { ...place, found: source.found } : place;
-  if (opened) send({ kind: "opened", id, place: full, ...opened });
+  send({ kind: "opened", id, place: full, ...opened });
 }
 
 async function ask(instance: Instance, id: number, target: string): Promise<void> {
@@ -102,9 +115,10 @@ self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
   if (data.kind === "forget") return void waiting.delete(id);
   waiting.add(id);
   try {
-    await (data.kind === "open" ? open(id, data.place) : ask(await ready, id, data.target));
+    await (data.kind === "open" ? open(id, data.place, data.as) : ask(await ready, id, data.target));
   } catch (error) {
-    send({ kind: "failed", id, code: error instanceof SourceError ? error.code : null, message: message_of(error) });
+    const { code, grid } = error instanceof SourceError ? error : { code: null, grid: null };
+    send({ kind: "failed", id, code, message: message_of(error), grid });
   }
   waiting.delete(id);
   if (waiting.size === 0) await ready.then((instance) => instance.rest(), () => {}); // it was said above

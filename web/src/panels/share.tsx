@@ -72,9 +72,11 @@ function SavePage({ info }: { info: GridInfo }) {
     try {
       const grid = await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/file.tcell`)).blob();
       const { grids } = await list_grids();
-      const checked = grids.find(({ id, hash }) => id === info.id && hash === info.file.hash)?.checked;
-      const findings = checked ? await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/check`)).text() : null;
-      save_blob(await page_with(await whole_page!(), `${info.id}.tcell`, grid, findings), `${info.id}.html`);
+      const { hash } = info.file;
+      const checked = grids.find((listed) => listed.id === info.id && listed.hash === hash)?.checked
+        ? { hash, findings: await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/check`)).text() }
+        : null;
+      save_blob(await page_with(await whole_page!(), `${info.id}.tcell`, grid, checked), `${info.id}.html`);
     } catch (error) {
       say(`The page can't be saved: ${words_of(error)}.`);
     }

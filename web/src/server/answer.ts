@@ -19,7 +19,7 @@ export function use_answer<T>(path: string | null): Answer<T> {
     const abort = new AbortController();
     set_answer((before) => (before.error === null ? before : { ...before, error: null }));
     get_json<T>(path, abort.signal).then(
-      (value) => set_answer({ value, path, error: null }),
+      (value) => abort.signal.aborted || set_answer({ value, path, error: null }),
       (error: unknown) => {
         if (!abort.signal.aborted && !is_version_gone(error, path)) set_answer((before) => ({ ...before, error: words_of(error) }));
       },
