@@ -86,7 +86,13 @@ function CareLine({ grid, info, wanted }: { grid: GridSummary; info: GridInfo | 
   if (!info || (grid.checked && !findings)) return <p class="card-care">&nbsp;</p>;
   const care: Care = findings ? verdict(findings) : care_of(info);
   if (!findings && care.level === "fine")
-    return <p class="card-care faint">Not checked yet: the command “teracell check” looks for thin walls, islands and more.</p>;
+    return (
+      <p class="card-care faint">
+        {is_read_here(grid.id)
+          ? "Not checked, or what the command “teracell check” found is not with this page."
+          : "Not checked yet: the command “teracell check” looks for thin walls, islands and more."}
+      </p>
+    );
   return (
     <p class={`card-care ${care.level}`}>
       <Icon name={care.level === "fine" ? "done" : "warning"} />
