@@ -24,9 +24,9 @@ struct PageGrid {
 // Throws Error unless `page` has the module that reads grids.
 void expect_module(std::span<const EmbeddedFile> page);
 
-// Writes the page, the text of NOTICE and the grids into `folder`, which is made if need be; index.html comes last. Each file appears under
-// its name when it is complete. A file that is there already, with the same name, is replaced; others stay. Throws IoError, UsageError if the
-// folder has an index.html of something else or if two grids have one name. progress(share of the bytes) may throw to stop.
+// Writes the page, the text of NOTICE, the grids and their findings ("g.check.json") into `folder`, which is made if need be; index.html comes last.
+// Each file appears under its name when it is complete. A file that is there already, with the same name, is replaced; others stay. Throws IoError,
+// UsageError if the folder has an index.html of something else or if two grids have one name. progress(share of the bytes) may throw to stop.
 void write_site(std::span<const EmbeddedFile> page, std::string_view notice, const std::vector<PageGrid>& grids, const std::filesystem::path& folder,
                 const std::function<void(double)>& progress);
 

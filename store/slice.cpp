@@ -170,6 +170,7 @@ struct Picture {
     });
   }
 
+  // The loops over rays and runs are functions of their own, as in chunk_decoder.cpp.
   void across() const {
     if (!reader.stored(view.level)) return across_derived();
     const auto segment = static_cast<uint32_t>(view.index / shape.chunk_cells), cell = static_cast<uint32_t>(view.index % shape.chunk_cells);

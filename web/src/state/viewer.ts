@@ -77,9 +77,9 @@ export class Viewer {
   readonly centre: Signal<[number, number, number]>;
   readonly zoom: Signal<number>;
 
-  // Whether the slices have been sharp, or were waited for long enough. What is asked for beside them comes after that: the first picture
-  // has the machine for itself.
-  readonly settled = signal(false);
+  // Whether the slices have been sharp once, or were waited for long enough. All else is asked for after that: the first picture has the
+  // machine for itself.
+  readonly slices_shown = signal(false);
 
   // The sizes of the slice views that were in sight last.
   views: readonly ViewSize[] = [];
@@ -174,7 +174,7 @@ export class Viewer {
 
   // An address that is asked for once the slices have been shown.
   after_slices<T>(address: T): T | null {
-    return this.settled.value ? address : null;
+    return this.slices_shown.value ? address : null;
   }
 
   middle(): [number, number, number] {

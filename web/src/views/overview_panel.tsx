@@ -16,9 +16,9 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
   const shown = layout === "four" || layout === "3d";
   const wanted = useSignal(shown);
   if (shown) wanted.value = true; // once loaded it stays, even while it is hidden
-  const time = wanted.value && viewer.settled.value;
+  const due = wanted.value && viewer.slices_shown.value;
   useEffect(() => {
-    if (!time) return;
+    if (!due) return;
     let gone = false;
     let unmount = () => {};
     const load = async () => {
@@ -37,7 +37,7 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
       gone = true;
       unmount();
     };
-  }, [viewer, time, attempt.value]);
+  }, [viewer, due, attempt.value]);
   const again = () => {
     trouble.value = null;
     loading.value = true;

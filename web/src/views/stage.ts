@@ -72,7 +72,7 @@ export class Stage {
     this.stops.push(
       effect(() => {
         for (const s of [
-          v.settled, v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.cut, v.box, v.measure, v.pinned,
+          v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.cut, v.box, v.measure, v.pinned,
           v.markers,
         ])
           s.value;
@@ -80,7 +80,7 @@ export class Stage {
         this.invalidate();
       }),
     );
-    const timer = window.setTimeout(() => (v.settled.value = true), LONGEST_WAIT);
+    const timer = window.setTimeout(() => (v.slices_shown.value = true), LONGEST_WAIT);
     this.stops.push(() => clearTimeout(timer));
     this.stops.push(effect(() => this.store.show_shares(v.show_shares.value && v.has_shares)));
     // Keys act on a view that is shown alone, even before the pointer is over it.
@@ -216,7 +216,7 @@ export class Stage {
     if (this.dirty) {
       this.dirty = false;
       this.drew = this.draw();
-      if (!this.dirty && this.laid_out() && this.views.every((view) => view.sharp)) this.viewer.settled.value = true;
+      if (!this.dirty && this.laid_out() && this.views.every((view) => view.sharp)) this.viewer.slices_shown.value = true;
     }
     this.last_start = start;
     // One more frame tells how long this one took.
@@ -233,7 +233,7 @@ export class Stage {
     if (viewer.zoom.value === 0) return false; // it is drawn when the sizes are known
     for (const view of views) view.look(scene, began);
     const wants = wants_of(views.map((view) => view.needs(viewer, view.axis === this.active)), viewer.info.levels.length, viewer.cells);
-    store.want(viewer.settled.peek() ? wants : wants.filter(({ ahead }) => !ahead));
+    store.want(viewer.slices_shown.peek() ? wants : wants.filter(({ ahead }) => !ahead));
     palette.update(viewer.label_looks.value, scene.ink.ground, scene.ink.outside);
     let painted = false;
     for (const view of views) {
