@@ -5,19 +5,19 @@
 
 #include <fmt/format.h>
 
-#include "mesher/casting.hpp"
-#include "mesher/checkpoint.hpp"
 #include "mesher/closing/trust.hpp"
 #include "mesher/engines/engines.hpp"
-#include "mesher/make_report.hpp"
-#include "mesher/part_found.hpp"
-#include "mesher/prepared_run.hpp"
-#include "mesher/report_json.hpp"
-#include "mesher/tiled_facets.hpp"
-#include "store/part.hpp"
-#include "store/writer.hpp"
+#include "mesher/parts/part_found.hpp"
+#include "mesher/report/make_report.hpp"
+#include "mesher/report/report_json.hpp"
+#include "mesher/run/casting.hpp"
+#include "mesher/run/checkpoint.hpp"
+#include "mesher/run/prepared_run.hpp"
+#include "mesher/run/tiled_facets.hpp"
+#include "store/write/part.hpp"
+#include "store/write/writer.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // When a long run makes durable what it has: so rarely that this takes no more than a twentieth of the time, and with 0 seconds
@@ -222,4 +222,4 @@ MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const M
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

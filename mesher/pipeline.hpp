@@ -8,11 +8,12 @@
 #pragma once
 #include <atomic>
 
-#include "mesher/mesh_options.hpp"
-#include "mesher/report.hpp"
+#include "mesher/report/report.hpp"
+#include "mesher/run/mesh_options.hpp"
+#include "mesher/run/run_report.hpp"
 #include "mesher/scene/scene.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 struct MeshReport {
   Report report;            // what the file holds
@@ -33,4 +34,4 @@ std::filesystem::path part_path(const std::filesystem::path& output, const Shard
 MeshReport mesh(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, const Progress& progress,
                 const std::atomic<bool>& stop);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

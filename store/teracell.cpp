@@ -13,16 +13,16 @@
 
 #include <fmt/format.h>
 
-#include "store/color.hpp"
-#include "store/fraction_reader.hpp"
-#include "store/info.hpp"
-#include "store/kept_chunks.hpp"
-#include "store/link_reader.hpp"
-#include "store/partition.hpp"
-#include "store/query.hpp"
-#include "store/sources.hpp"
-#include "store/stats.hpp"
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
+#include "store/channels/fraction_reader.hpp"
+#include "store/channels/link_reader.hpp"
+#include "store/read/kept_chunks.hpp"
+#include "store/read/query.hpp"
+#include "store/read/stats.hpp"
+#include "store/remote/sources.hpp"
+#include "store/text/color.hpp"
+#include "store/whole/info.hpp"
+#include "store/whole/partition.hpp"
 
 using namespace teracell;
 

@@ -25,7 +25,7 @@ const text = JSON.stringify;
 writeFileSync(
   join(folder, "page.cpp"),
   `// Made by web/embed.mjs.
-#include "server/web.hpp"
+#include "server/page/web.hpp"
 
 ${files
   .map(
@@ -39,7 +39,7 @@ extern "C" const char ${symbol}_end[] asm(${text(`${symbol}_end`)});
 `,
   )
   .join("")}
-namespace teracell {
+namespace teracell::server {
 
 std::span<const EmbeddedFile> embedded_page() {
   static const EmbeddedFile files[] = {
@@ -47,6 +47,6 @@ ${files.map(({ name, symbol }) => `    {${text(name)}, {${symbol}, ${symbol}_end
   return files;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server
 `,
 );

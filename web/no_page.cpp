@@ -1,8 +1,8 @@
 // The program without its page (TERACELL_WEB=OFF).
-#include "server/web.hpp"
+#include "server/page/web.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
-std::span<const EmbeddedFile> embedded_page() { return {}; }
+std::span<const server::EmbeddedFile> embedded_page() { return {}; }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -7,7 +7,7 @@
 
 #include "mesher/boundary/sub_axis.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // A block has one ray, or up to so many sub-rays along u and along v: one of 256 x 256 no longer fits into the caches, and took 5 % longer.
@@ -235,4 +235,4 @@ void FractionCounter::count_ray(const Box& cells, std::span<const uint32_t> ends
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -3,9 +3,9 @@
 #pragma once
 #include "mesher/compose/compose.hpp"
 #include "mesher/scene/labels.hpp"
-#include "store/mixed_cells.hpp"
+#include "store/channels/mixed_cells.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Not thread-safe.
 class FractionCounter {
@@ -64,4 +64,4 @@ class FractionCounter {
   std::vector<uint32_t> plain_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -4,7 +4,7 @@
 #include <tuple>
 #include <unordered_map>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // The lines of a block across the rays: so few that what is counted for them stays in a core's cache.
@@ -34,7 +34,7 @@ LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, con
       labels_(labels),
       grid_(meta.grid),
       rays_(meta.frame()),
-      has_marks_(teracell::has_marks(scene)),
+      has_marks_(mesher::has_marks(scene)),
       only_patch_(scene.bodies.size(), kNoPatch),
       lines_{FacetLines{meta.grid, 0, meta.grid.axis[0]}, FacetLines{meta.grid, 1, meta.grid.axis[1]}, FacetLines{meta.grid, 2, meta.grid.axis[2]}},
       marker_(scene, meta, labels, false),
@@ -333,4 +333,4 @@ uint32_t LinkFinder::owner_at(int axis, const Place& place) {
   return owner;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -14,9 +14,9 @@
 #include "mesher/thin/lines.hpp"
 #include "mesher/thin/marker.hpp"
 #include "mesher/tiles/facet_store.hpp"
-#include "store/links.hpp"
+#include "store/channels/links.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Not thread-safe.
 class LinkFinder {
@@ -110,4 +110,4 @@ class LinkFinder {
   LayerSums point_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

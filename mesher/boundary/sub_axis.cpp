@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 Axis sub_axis(const Axis& axis, uint32_t samples, int64_t from, int64_t to) {
   if (!axis.is_graded()) return Axis::uniform(axis.origin(), axis.step() / samples, (axis.first() + from) * samples, (to - from) * samples, 0.5);
@@ -36,4 +36,4 @@ void check_sub_samples(const Grid& grid, const std::array<uint32_t, 3>& samples)
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // Calls f(hash, forward, i) for the edge from vertex i to the next one. An edge and its reverse have the same hash; `forward`
@@ -127,4 +127,4 @@ std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memor
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

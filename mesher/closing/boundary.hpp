@@ -13,7 +13,7 @@
 #include "mesher/closing/vertex_hash.hpp"
 #include "mesher/surface/facet.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 class BoundaryProof {
  public:
@@ -62,4 +62,4 @@ using FacetPass = std::function<void(const std::function<void(const Facet&)>&)>;
 // Takes two passes, and more when the edges to examine exceed `memory` bytes. Throws InputError when the boundary does.
 std::vector<BoundaryEdge> boundary_edges(const FacetPass& facets, uint64_t memory, const std::string& name);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -5,7 +5,7 @@
 
 #include "mesher/closing/lengths.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // The boundary as a graph over its vertices in lexicographic order.
@@ -176,4 +176,4 @@ void cap_loop(const Loop& loop, bool float32, const Matrix& matrix, Caps& out) {
   out.holes.push_back(measure_hole(moved, transform(matrix, apex)));
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

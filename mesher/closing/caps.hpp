@@ -6,7 +6,7 @@
 #include "mesher/closing/boundary.hpp"
 #include "mesher/scene/scene.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // A loop of the boundary, as the grid sees it.
 struct Hole {
@@ -40,4 +40,4 @@ void cap_loop(const Loop& loop, bool float32, const Matrix& matrix, Caps& out);
 // Measures the hole that a loop surrounds. REQUIRES: both are as the grid sees them.
 Hole measure_hole(const Loop& loop, const Vec3& apex);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

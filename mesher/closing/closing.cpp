@@ -10,10 +10,10 @@
 #include "mesher/closing/extrude.hpp"
 #include "mesher/scene/placement.hpp"
 #include "mesher/surface/read_facets.hpp"
-#include "store/error.hpp"
-#include "store/text.hpp"
+#include "store/base/error.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // The memory that closing a surface may take, however small the budget.
@@ -255,4 +255,4 @@ ClosedBody close_body(const SceneBody& body, const Surface& surface, const Closi
   return BodyCloser(body, surface, grid, budget).run();
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

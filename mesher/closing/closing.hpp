@@ -13,7 +13,7 @@
 #include "mesher/closing/stitch.hpp"
 #include "mesher/engines/engine.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // The layer of a body's facets (compose.hpp): one for facets that count for the winding number, one for the parity.
 inline uint32_t layer_of(size_t body, bool parity) { return static_cast<uint32_t>(2 * body + parity); }
@@ -91,4 +91,4 @@ struct ClosingGrid {
 // stitch length is too long.
 ClosedBody close_body(const SceneBody& body, const Surface& surface, const ClosingGrid& grid, const Budget& budget);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 double signed_area(const Loop& loop, const RayFrame& f) {
@@ -85,4 +85,4 @@ void extrude_loop(const Loop& loop, int axis, double to, std::vector<Facet>& wal
   holes.push_back(hole);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

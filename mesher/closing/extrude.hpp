@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "mesher/closing/caps.hpp"
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Which loops of a shell are extruded. By winding number: those whose signed area, seen along the axis, has the sign of the
 // largest loop's (of equal loops, the one with the smallest vertex). By parity loops have no sign: all loops that lie inside
@@ -19,4 +19,4 @@ std::array<double, 2> beyond(int axis, const Grid& grid, const Vec3& lo, const V
 // Adds walls from the loop to its image at coordinate `to` along the axis, two facets per edge, and a fan of facets in that plane.
 void extrude_loop(const Loop& loop, int axis, double to, std::vector<Facet>& walls, std::vector<Hole>& holes);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -3,12 +3,12 @@
 #pragma once
 #include <cmath>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 inline double length(const Vec3& d) { return std::sqrt((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2]); }
 inline Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 inline double distance(const Vec3& a, const Vec3& b) { return length(minus(a, b)); }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-namespace teracell {
+namespace teracell::mesher {
 
 PointTree::PointTree(std::span<const Vec3> points) : order_(points.size()) {
   std::iota(order_.begin(), order_.end(), 0);
@@ -54,4 +54,4 @@ bool PointTree::may_be_near(const Node& node, const Vec3& a, const Vec3& b, doub
   return std::sqrt(away) <= (std::sqrt(radius) + reach) * 1.0001 + 0x1p-48 * size;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Immutable; threads may share it.
 class PointTree {
@@ -48,4 +48,4 @@ class PointTree {
   std::vector<uint32_t> order_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

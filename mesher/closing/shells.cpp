@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // The memory that a facet of a batch takes at worst: when it shares none of its three vertices.
@@ -172,4 +172,4 @@ uint32_t Shells::of_facet(uint64_t facet) const {
   return group_shell_[block_[facet - block_first_]];
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

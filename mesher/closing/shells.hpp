@@ -12,7 +12,7 @@
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/surface/buckets.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Memory: a third of the budget, 24 bytes per group (there are few unless facets are loose), and one bit per facet.
 // Not thread-safe.
@@ -79,4 +79,4 @@ class Shells {
   std::optional<Buckets<FacetRecord>> by_vertices_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

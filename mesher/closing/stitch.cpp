@@ -9,9 +9,9 @@
 
 #include "mesher/closing/lengths.hpp"
 #include "mesher/closing/point_tree.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 double dot(const Vec3& a, const Vec3& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
@@ -314,4 +314,4 @@ Stitched stitch_boundary(const std::vector<OpenEdge>& edges, std::vector<ShellRu
   return Stitcher(edges, std::move(rules), stitch, name).run();
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

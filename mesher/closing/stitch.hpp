@@ -12,7 +12,7 @@
 #include "mesher/closing/boundary.hpp"
 #include "mesher/scene/scene.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // How the inside of a shell is decided. kEvenodd and kDistinct count crossings (kDistinct only those of distinct facets),
 // kNonzero adds up windings, and kAuto is not decided yet.
@@ -49,4 +49,4 @@ struct Stitched {
 // (ARCHITECTURE.md). Throws InputError, which begins with `name`, when more than 64 facets per open edge would be needed.
 Stitched stitch_boundary(const std::vector<OpenEdge>& edges, std::vector<ShellRule> rules, double stitch, const std::string& name);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

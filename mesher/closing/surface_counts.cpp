@@ -5,7 +5,7 @@
 
 #include "mesher/engines/predicates.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 bool has_no_area(const Facet& f) { return normal_sign(f, 2) == 0 && normal_sign(f, 1) == 0 && normal_sign(f, 0) == 0; }
@@ -126,4 +126,4 @@ uint64_t SurfaceCounter::shells() const {
   return roots;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

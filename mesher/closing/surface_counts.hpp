@@ -9,7 +9,7 @@
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/populate.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Numbers vertices in the order of first appearance. Vertices are equal when their coordinates are, which a 128-bit hash
 // decides. A hash table with open addressing and without erasure. It grows as it fills: a table for the worst case would be
@@ -90,4 +90,4 @@ class SurfaceCounter {
   uint64_t facets_ = 0, degenerate_ = 0;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

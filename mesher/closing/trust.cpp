@@ -18,10 +18,10 @@
 #include <fmt/format.h>
 
 #include "mesher/engines/ray.hpp"
-#include "store/in_order.hpp"
-#include "store/number_text.hpp"
+#include "store/base/in_order.hpp"
+#include "store/grid/number_text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 constexpr RayFrame kFrame = RayFrame::along(2);  // of the rays that decide whether a point is inside; every axis gives the same answer
@@ -212,4 +212,4 @@ std::string trust_warning(const Trust& t, const std::string& body) {
       place_text(t.hi));
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

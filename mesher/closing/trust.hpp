@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "mesher/surface/facet.hpp"
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // A point that was tried.
 struct TrustPoint {
@@ -85,4 +85,4 @@ Trust try_points(std::span<const Vec3> points, const Vec3& lo, const Vec3& hi, i
 // The warning for the user; empty when worth_a_warning() is false.
 std::string trust_warning(const Trust& trust, const std::string& body);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -10,7 +10,7 @@
 
 #include "mesher/surface/facet.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // The 128-bit product folded to 64 bits. It mixes well if one argument is well mixed: a hash, or a value combined with a key.
 inline uint64_t fold(uint64_t a, uint64_t b) {
@@ -49,4 +49,4 @@ inline std::array<VertexHash, 3> vertex_hashes(const Facet& facet) {
 }
 inline bool three_different(const std::array<VertexHash, 3>& v) { return v[0] != v[1] && v[1] != v[2] && v[0] != v[2]; }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

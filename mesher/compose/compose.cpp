@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 constexpr uint32_t kNowhere = ~uint32_t{0};  // no cell, no rank
@@ -230,4 +230,4 @@ size_t Composer::compose_any(std::span<const uint64_t> all, uint32_t length, uin
   return open_;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,9 +7,9 @@
 #pragma once
 #include "mesher/engines/engine.hpp"
 #include "mesher/overlaps/tile_overlaps.hpp"
-#include "store/run.hpp"
+#include "store/runs/run.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 struct Layer {
   uint32_t body;
@@ -90,4 +90,4 @@ class Composer {
   std::vector<std::vector<Alternating>> alternating_;  // [begins inside][number of changes]
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

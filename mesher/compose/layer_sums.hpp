@@ -7,7 +7,7 @@
 
 #include "mesher/closing/closing.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 inline constexpr uint32_t kNoBody = ~uint32_t{0};
 
@@ -51,4 +51,4 @@ class LayerSums {
   std::vector<Sum> sums_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

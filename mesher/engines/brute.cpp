@@ -8,7 +8,7 @@
 #include "mesher/engines/engines.hpp"
 #include "mesher/engines/ray.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 void BruteEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Crossings& out) {
   out.begin.assign(1, 0);
@@ -32,4 +32,4 @@ EngineMaker brute_maker(const RayFrame&, const AllFacets& all_facets) {
 
 const EngineKind kBruteEngine = {"brute", true, brute_maker};
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -4,7 +4,7 @@
 
 #include "mesher/engines/engine.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 class BruteEngine : public Engine {
  public:
@@ -17,4 +17,4 @@ class BruteEngine : public Engine {
   std::shared_ptr<const std::vector<const SceneFacet*>> scene_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

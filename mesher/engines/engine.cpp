@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 void check_crossings(const Tile& tile, uint64_t crossings) {
   constexpr uint64_t kMost = uint64_t{1} << 28;  // 2 GiB
@@ -14,4 +14,4 @@ void check_crossings(const Tile& tile, uint64_t crossings) {
         tile.u.size(), tile.v.size(), crossings, kMost));
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "mesher/surface/facet.hpp"
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // A facet of the scene: its vertices in the coordinates of the grid, the layer that it belongs to (compose.hpp), and where it is wanted the
 // number of its patch (patches.hpp).
@@ -86,4 +86,4 @@ struct EngineKind {
   EngineMaker (*maker)(const RayFrame& frame, const AllFacets& all_facets);
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 #define LISTED(name) &name,
@@ -38,4 +38,4 @@ EngineMaker engine_maker(const std::string& name, const RayFrame& frame, const A
   return kind_named(name).maker(frame, all_facets);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

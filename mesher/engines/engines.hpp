@@ -14,7 +14,7 @@
   engine(kBruteEngine)
 // clang-format on
 
-namespace teracell {
+namespace teracell::mesher {
 
 #define DECLARED(name) extern const EngineKind name;
 TERACELL_ENGINES(DECLARED)
@@ -30,4 +30,4 @@ bool searches_scene(const std::string& name);
 // the facets that it returns must outlive the engines. Throws UsageError unless `name` is one of engine_names().
 EngineMaker engine_maker(const std::string& name, const RayFrame& frame, const AllFacets& all_facets);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -8,7 +8,7 @@
 #pragma once
 #include <initializer_list>
 
-namespace teracell {
+namespace teracell::mesher {
 
 template <int N>
 struct Expansion {
@@ -100,4 +100,4 @@ Expansion<2 * N * M> operator*(const Expansion<N>& e, const Expansion<M>& f) {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -6,7 +6,7 @@
 #include "mesher/engines/predicates.hpp"
 #include "mesher/engines/sub_position.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 FacetHeight::FacetHeight(const Facet& facet, const RayFrame& frame, const Axis& axis) : facet_(facet), frame_(frame), axis_(axis) {
   const auto& [a, b, c] = facet.vertex;
@@ -149,4 +149,4 @@ uint32_t FacetHeight::first_sub_position(double u, double v, uint32_t cell, uint
   return static_cast<uint32_t>(from);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

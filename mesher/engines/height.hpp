@@ -5,7 +5,7 @@
 
 #include "mesher/engines/engine.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // The plane of the facet as w(u, v) = w0 + gu * (u - u0) + gv * (v - v0), with a bound on its rounding error. Where a sample
 // point is closer than the bound, the exact predicate decides, so the answers are those of exact arithmetic. Keeps references
@@ -39,4 +39,4 @@ class FacetHeight {
   double per_cell_ = 0, offset_ = 0, cell_slack_ = 1;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -4,7 +4,7 @@
 
 #include "mesher/engines/expansion.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // Shewchuk's bounds for the first stage of orient2d and orient3d.
@@ -79,4 +79,4 @@ bool is_above(const Facet& facet, int axis, const Vec3& p) {
   return side == normal_sign(facet, axis);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

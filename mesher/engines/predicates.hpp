@@ -6,7 +6,7 @@
 #pragma once
 #include "mesher/surface/facet.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // The unit roundoff of doubles.
 inline constexpr double kRoundoff = 0x1p-53;
@@ -30,4 +30,4 @@ inline bool right_of_edge(double lo_u, double lo_v, double hi_u, double hi_v, do
 // REQUIRES: normal_sign(facet, axis) != 0.
 bool is_above(const Facet& facet, int axis, const Vec3& p);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -4,7 +4,7 @@
 #include "mesher/engines/height.hpp"
 #include "mesher/engines/predicates.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // How the projected facet turns around the ray through (u, v): +1 to the left, -1 to the right, 0 when they don't cross. There is
 // no division. An edge counts when the row v meets it, its lower end included, and the edge passes on the right of the ray.
@@ -31,4 +31,4 @@ inline void cross_ray(const SceneFacet& facet, const Tile& tile, double u, doubl
   out.push_back(Crossing::pack(cell, facet.layer, turn > 0));
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

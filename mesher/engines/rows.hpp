@@ -11,7 +11,7 @@
 #include "mesher/engines/engine.hpp"
 #include "mesher/engines/predicates.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Finds a place among ascending coordinates: a guess, which is right for even spacing, and a walk from there.
 class RayFinder {
@@ -106,4 +106,4 @@ class FacetRows {
   FacetEdge longest_, lower_, upper_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -15,7 +15,7 @@
 #include "mesher/engines/height.hpp"
 #include "mesher/engines/rows.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
   const uint32_t nu = static_cast<uint32_t>(tile.u.size());
@@ -92,4 +92,4 @@ EngineMaker scan_maker(const RayFrame&, const AllFacets&) {
 
 const EngineKind kScanEngine = {"scan", false, scan_maker};
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -2,7 +2,7 @@
 #pragma once
 #include "mesher/engines/engine.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 class ScanEngine : public Engine {
  public:
@@ -21,4 +21,4 @@ class ScanEngine : public Engine {
   std::vector<uint32_t> next_, cells_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -13,7 +13,7 @@
 
 #include "mesher/engines/engines.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 void SliceEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
   sort_cuts(tile, facets);
@@ -92,4 +92,4 @@ EngineMaker slice_maker(const RayFrame&, const AllFacets&) {
 
 const EngineKind kSliceEngine = {"slice", false, slice_maker};
 
-}  // namespace teracell
+}  // namespace teracell::mesher

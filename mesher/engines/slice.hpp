@@ -6,7 +6,7 @@
 #include "mesher/engines/height.hpp"
 #include "mesher/engines/rows.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 class SliceEngine : public Engine {
  public:
@@ -34,4 +34,4 @@ class SliceEngine : public Engine {
   std::vector<uint32_t> next_, cells_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -17,7 +17,7 @@
 #include "mesher/engines/engines.hpp"
 #include "mesher/engines/ray.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 FacetTree::FacetTree(std::span<const SceneFacet* const> facets, const RayFrame& frame) {
   std::vector<Point> points;
@@ -82,4 +82,4 @@ EngineMaker tree_maker(const RayFrame& frame, const AllFacets& all_facets) {
 
 const EngineKind kTreeEngine = {"tree", true, tree_maker};
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -5,7 +5,7 @@
 
 #include "mesher/engines/engine.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Finds the facets whose projected boxes contain a ray. Immutable; threads may share it.
 class FacetTree {
@@ -54,4 +54,4 @@ class TreeEngine : public Engine {
   std::shared_ptr<const FacetTree> tree_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

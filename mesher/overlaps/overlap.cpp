@@ -4,7 +4,7 @@
 #include <tuple>
 #include <utility>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 auto order(const Index3& c) { return std::tuple(c[2], c[1], c[0]); }
@@ -52,4 +52,4 @@ std::optional<Overlap> OverlapUnpacker::next() {
   return o;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -6,10 +6,10 @@
 #include <array>
 #include <optional>
 
-#include "store/bytes.hpp"
-#include "store/grid.hpp"
+#include "store/base/bytes.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 struct Overlap {
   std::array<uint32_t, 2> bodies{};  // the lower number first
@@ -45,4 +45,4 @@ class OverlapUnpacker {
   uint64_t last_ = 0;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

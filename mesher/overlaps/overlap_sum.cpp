@@ -4,7 +4,7 @@
 #include <queue>
 #include <utility>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 constexpr size_t kBlock = size_t{1} << 16;
@@ -150,4 +150,4 @@ OverlapSum OverlapSum::restored(ByteReader& in) {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "mesher/overlaps/overlap.hpp"
-#include "store/spill.hpp"
+#include "store/base/spill.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // A copy shares the disk space of what it was copied from. Not thread-safe, neither are copies of one another.
 class OverlapSum {
@@ -53,4 +53,4 @@ class OverlapSum {
   std::shared_ptr<Disk> disk_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

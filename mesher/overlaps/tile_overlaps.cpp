@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 constexpr uint32_t kNobody = ~uint32_t{0};
@@ -116,4 +116,4 @@ Bytes TileOverlaps::take(const Box& cells) {
   return packer.take();
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -9,7 +9,7 @@
 
 #include "mesher/overlaps/overlap.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // A body that a ray is inside of, from cell `from` on.
 struct Inside {
@@ -66,4 +66,4 @@ class TileOverlaps {
   uint32_t nu_ = 1;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

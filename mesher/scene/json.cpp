@@ -13,14 +13,14 @@
 #include "mesher/scene/names.hpp"
 #include "mesher/scene/node.hpp"
 #include "mesher/scene/scene.hpp"
-#include "store/color.hpp"
-#include "store/error.hpp"
-#include "store/json_text.hpp"
-#include "store/json_writer.hpp"
-#include "store/metadata.hpp"
-#include "store/text.hpp"
+#include "store/base/error.hpp"
+#include "store/grid/metadata.hpp"
+#include "store/text/color.hpp"
+#include "store/text/json_text.hpp"
+#include "store/text/json_writer.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 namespace fs = std::filesystem;
@@ -413,4 +413,4 @@ std::string normalised(const Scene& scene, size_t most) {
   return text += '}';
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

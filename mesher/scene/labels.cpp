@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 std::vector<uint32_t> ranks_of_bodies(const Scene& scene) {
@@ -52,4 +52,4 @@ Labels make_labels(const Scene& scene) {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -1,10 +1,10 @@
 // Which body wins where bodies overlap, and which label its cells get.
 #pragma once
 #include "mesher/scene/scene.hpp"
-#include "store/label.hpp"
-#include "store/metadata.hpp"
+#include "store/grid/label.hpp"
+#include "store/grid/metadata.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 struct Labels {
   std::vector<uint32_t> rank;           // of each body; rank 0 wins over all others
@@ -19,4 +19,4 @@ Labels make_labels(const Scene& scene);
 // Whether body a ranks before body b.
 bool is_stronger(const Scene& scene, uint32_t a, uint32_t b);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

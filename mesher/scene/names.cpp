@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "store/metadata.hpp"
-#include "store/text.hpp"
+#include "store/grid/metadata.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 size_t edit_distance(std::string_view a, std::string_view b) {
@@ -55,4 +55,4 @@ std::string NameBook::numbered(const std::string& stem) {
   return name;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

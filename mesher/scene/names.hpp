@@ -7,9 +7,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 inline constexpr size_t kMaxMaterials = 65535;  // besides the background: a label names its material in 16 bits
 inline constexpr int64_t kMaxPad = Axis::kMaxCells / 2;
@@ -33,4 +33,4 @@ class NameBook {
   std::unordered_map<std::string, uint64_t> last_;  // of each name that is taken, the last number given to it as a stem
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -9,10 +9,10 @@
 #include <fmt/ranges.h>
 
 #include "mesher/scene/names.hpp"
-#include "store/error.hpp"
-#include "store/text.hpp"
+#include "store/base/error.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using Json = nlohmann::json;
@@ -221,4 +221,4 @@ Vec3 Node::vec3() const {
   return {xyz[0].number(), xyz[1].number(), xyz[2].number()};
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -10,9 +10,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // A JSON document, and the order of its materials, which the document tree does not keep.
 struct SceneText {
@@ -69,4 +69,4 @@ class Node {
   size_t index_ = 0;                  // in an array
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

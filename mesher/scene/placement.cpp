@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace teracell {
+namespace teracell::mesher {
 
 Vec3 moved(const Vec3& p, const SceneBody& body) {
   Vec3 q = transform(body.matrix, p);
@@ -18,4 +18,4 @@ Facet moved(const Facet& facet, const SceneBody& body) {
   return {{moved(facet.vertex[0], body), moved(facet.vertex[1], body), moved(facet.vertex[2], body)}};
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "mesher/scene/names.hpp"
-#include "store/color.hpp"
-#include "store/error.hpp"
-#include "store/text.hpp"
+#include "store/base/error.hpp"
+#include "store/text/color.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // {sine, cosine} by Taylor series on [-45, 45] degrees, where the first omitted term is below 1e-19.
@@ -213,4 +213,4 @@ Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi) {
   return grid;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

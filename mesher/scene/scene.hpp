@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 enum class Fill { kAuto, kNonzero, kEvenodd, kDistinct };
 inline constexpr std::array<std::string_view, 4> kFillNames = {"auto", "nonzero", "evenodd", "distinct"};  // in the order of Fill
@@ -132,4 +132,4 @@ std::string normalised(const Scene& scene, size_t most = ~size_t{0});
 // for which neither cells nor step is given is a UsageError.
 Grid resolve_grid(const Scene& scene, const Vec3& lo, const Vec3& hi);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -3,7 +3,7 @@
 
 #include "mesher/surface/facet.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Half of the length of the facet's normal, with one rounding per operation, so that it is the same everywhere.
 inline double area(const std::array<Vec3, 3>& p) {
@@ -14,4 +14,4 @@ inline double area(const std::array<Vec3, 3>& p) {
 }
 inline double area(const Facet& facet) { return area(facet.vertex); }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

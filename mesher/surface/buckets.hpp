@@ -6,9 +6,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "store/spill.hpp"
+#include "store/base/spill.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Not thread-safe.
 template <class Record>
@@ -67,4 +67,4 @@ class Buckets {
   std::unique_ptr<SpillFile> file_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 double checked_coordinate(double v, const std::string& where) {
   if (is_coordinate(v)) return v + 0.0;
@@ -12,4 +12,4 @@ double checked_coordinate(double v, const std::string& where) {
                                      : fmt::format("{}: expected a coordinate that is 0 or has a magnitude from 1e-75 to 1e75, found {}", where, v));
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

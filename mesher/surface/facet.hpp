@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 struct Facet {
   std::array<Vec3, 3> vertex;
@@ -42,4 +42,4 @@ inline bool is_coordinate(double v) {
 // Returns v, with -0 as +0. Throws InputError, which begins with `where`, unless v is a coordinate.
 double checked_coordinate(double v, const std::string& where);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

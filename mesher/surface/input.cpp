@@ -13,9 +13,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 void Input::Release::operator()(XXH3_state_s* state) const { XXH3_freeState(state); }
 
@@ -183,4 +183,4 @@ std::string Input::hash() const {
   return hex;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

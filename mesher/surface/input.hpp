@@ -16,7 +16,7 @@
 struct XXH3_state_s;
 struct z_stream_s;
 
-namespace teracell {
+namespace teracell::mesher {
 
 class Input {
  public:
@@ -100,4 +100,4 @@ class Input {
   char newline_ = '\n';
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -9,11 +9,11 @@
 
 #include "mesher/surface/readers.hpp"
 #include "mesher/surface/vertex_table.hpp"
-#include "store/background.hpp"
-#include "store/error.hpp"
-#include "store/text.hpp"
+#include "store/base/background.hpp"
+#include "store/base/error.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // Appends the vertices of the leading lines of `text` that are exactly "v x y z"; returns how many bytes these lines take.
@@ -229,4 +229,4 @@ void read_obj(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptio
 
 const SurfaceReader kObjReader = {"OBJ", recognises_obj, read_obj};
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,7 +7,7 @@
 
 #include "mesher/surface/reader.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace std::string_view_literals;
@@ -172,4 +172,4 @@ std::optional<OtherKind> other_kind(const Head& head) {
   return head.text ? text_kind(head, start) : std::optional<OtherKind>();
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -12,9 +12,9 @@
 
 #include "mesher/surface/readers.hpp"
 #include "mesher/surface/vertex_table.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 enum class Type { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
@@ -407,4 +407,4 @@ void read_ply(Input& input, FacetStream& out, SurfaceFile& file, const ReadOptio
 
 const SurfaceReader kPlyReader = {"PLY", recognises_ply, read_ply};
 
-}  // namespace teracell
+}  // namespace teracell::mesher

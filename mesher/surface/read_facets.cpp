@@ -7,9 +7,9 @@
 #include <fmt/ranges.h>
 
 #include "mesher/surface/readers.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 constexpr size_t kPeek = size_t{1} << 16;
@@ -88,4 +88,4 @@ SurfaceFile read_facets(const std::filesystem::path& path, const std::string& pa
   return read_facets(input, part, sink, options);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

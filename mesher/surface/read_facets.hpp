@@ -11,7 +11,7 @@
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/read_options.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 class Input;
 
@@ -32,4 +32,4 @@ SurfaceFile read_facets(const std::filesystem::path& path, const std::string& pa
 // The same for a file that is already open, or for bytes in memory.
 SurfaceFile read_facets(Input& input, const std::string& part, const FacetSink& sink, const ReadOptions& options = {});
 
-}  // namespace teracell
+}  // namespace teracell::mesher

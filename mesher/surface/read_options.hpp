@@ -4,11 +4,13 @@
 #include <cstdint>
 #include <functional>
 
-#include "store/spill.hpp"
+#include "store/base/spill.hpp"
 
-namespace teracell {
-
+namespace teracell::inline store {
 class Background;
+}
+
+namespace teracell::mesher {
 
 struct ReadOptions {
   Budget budget;                 // vertices that must be kept stay within it; others are kept on disk
@@ -19,4 +21,4 @@ struct ReadOptions {
   std::function<void(uint32_t)> enter_patch = [](uint32_t) {};
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "store/error.hpp"
-#include "store/text.hpp"
+#include "store/base/error.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // The C locale, in which the decimal point is a point, whatever the program has set.
@@ -144,4 +144,4 @@ void refuse_coordinate(std::string_view word, double v, const Input& input) {
   throw std::logic_error("refuse_coordinate: the number is a coordinate");
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

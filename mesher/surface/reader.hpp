@@ -14,7 +14,7 @@
 #include "mesher/surface/input.hpp"
 #include "mesher/surface/read_options.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Collects what a reader finds: facets for the sink, in batches, and the names of parts.
 class FacetStream {
@@ -203,4 +203,4 @@ struct OtherKind {
 };
 std::optional<OtherKind> other_kind(const Head& head);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -12,7 +12,7 @@
   reader(kPlyReader)
 // clang-format on
 
-namespace teracell {
+namespace teracell::mesher {
 
 #define DECLARED(name) extern const SurfaceReader name;
 #define LISTED(name) &name,
@@ -23,4 +23,4 @@ inline constexpr const SurfaceReader* kReaders[] = {TERACELL_SURFACE_READERS(LIS
 #undef DECLARED
 #undef LISTED
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -13,10 +13,10 @@
 #include <fmt/format.h>
 
 #include "mesher/surface/readers.hpp"
-#include "store/error.hpp"
-#include "store/text.hpp"
+#include "store/base/error.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace std::string_view_literals;
@@ -246,4 +246,4 @@ void read_ascii(Input& input, FacetStream& out, SurfaceFile& file, const ReadOpt
 const SurfaceReader kBinaryStlReader = {"STL", recognises_binary, read_binary};
 const SurfaceReader kAsciiStlReader = {"STL", recognises_ascii, read_ascii};
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
-#include "store/format.hpp"
+#include "store/base/error.hpp"
+#include "store/format/format.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 template <class T>
@@ -45,4 +45,4 @@ void VertexTable::make_room(Piece& place) {
   file_->write(place.number * sizeof(Piece), bytes_of(place));
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

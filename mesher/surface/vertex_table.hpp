@@ -11,10 +11,10 @@
 #include <optional>
 #include <vector>
 
-#include "store/grid.hpp"
-#include "store/spill.hpp"
+#include "store/base/spill.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 class VertexTable {
  public:
@@ -58,4 +58,4 @@ class VertexTable {
   uint64_t size_ = 0;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -2,7 +2,7 @@
 #pragma once
 #include "mesher/tiles/rays.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Not thread-safe: it keeps scratch memory.
 class BlocksAlongRays {
@@ -50,4 +50,4 @@ class BlocksAlongRays {
   std::vector<const SceneFacet*> facets_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -1,6 +1,6 @@
 #include "mesher/thin/lines.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 Axis plane_axis(const Axis& axis) {
   if (!axis.is_graded()) return Axis::uniform(axis.origin(), axis.step(), axis.first(), axis.cells() + 1, 0);
@@ -11,4 +11,4 @@ Axis plane_axis(const Axis& axis) {
   return Axis::graded(std::move(planes), 0);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

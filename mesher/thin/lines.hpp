@@ -7,7 +7,7 @@
 #include "mesher/engines/rows.hpp"
 #include "mesher/tiles/rays.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Not thread-safe.
 class FacetLines {
@@ -87,4 +87,4 @@ class FacetLines {
 // An axis whose sample points are exactly the planes of another axis.
 Axis plane_axis(const Axis& axis);
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -4,7 +4,7 @@
 
 #include "mesher/closing/closing.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 bool has_marks(const Scene& scene) {
   return std::ranges::any_of(scene.bodies, [](const SceneBody& body) { return body.kind == Kind::kSheet || body.thin == Thin::kKeep; });
@@ -39,4 +39,4 @@ void Marker::mark(const Tile& tile, const Box& cells, Crossings& crossings) {
   marks_.join(tile, crossings);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

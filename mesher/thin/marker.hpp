@@ -6,7 +6,7 @@
 #include "mesher/thin/sheets.hpp"
 #include "mesher/thin/thin.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Whether some cells may belong to bodies that their sample points are not inside of.
 bool has_marks(const Scene& scene);
@@ -37,4 +37,4 @@ class Marker {
   Tallies tallies_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

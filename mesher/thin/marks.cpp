@@ -1,6 +1,6 @@
 #include "mesher/thin/marks.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 void Marks::reset(uint32_t rays) {
   all_.clear();
@@ -28,4 +28,4 @@ void Marks::join(const Tile& tile, Crossings& crossings) {
   crossings.all.swap(joined_);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -5,7 +5,7 @@
 
 #include "mesher/engines/engine.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Not thread-safe.
 class Marks {
@@ -39,4 +39,4 @@ class Marks {
   std::vector<uint32_t> next_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -3,7 +3,7 @@
 #include "mesher/closing/closing.hpp"
 #include "mesher/engines/predicates.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 Sheets::Sheets(const Grid& grid, int ray_axis)
     : grid_(grid),
@@ -51,4 +51,4 @@ void Sheets::tally_lower_side(int axis, const Index3& cell, const SceneFacet& fa
   if (orient3d(facet.facet, p) == 0) tallies.add({TallyKey::What::kLowerSide, body_of_layer(facet.layer), static_cast<uint8_t>(axis)}, {1, 0, 0, at});
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

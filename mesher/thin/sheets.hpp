@@ -9,7 +9,7 @@
 #include "mesher/thin/marks.hpp"
 #include "mesher/thin/tally.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Not thread-safe.
 class Sheets {
@@ -33,4 +33,4 @@ class Sheets {
   uint64_t exact_decisions_ = 0;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -2,7 +2,7 @@
 
 #include <tuple>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 auto order(const Index3& c) { return std::tuple(c[2], c[1], c[0]); }
@@ -68,4 +68,4 @@ Tallies Tallies::restored(ByteReader& in) {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -6,9 +6,9 @@
 #include <map>
 
 #include "mesher/engines/sub_position.hpp"
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 struct TallyKey {
   enum class What : uint8_t {
@@ -51,4 +51,4 @@ class Tallies {
   std::map<TallyKey, Tally> all_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

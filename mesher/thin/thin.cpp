@@ -4,7 +4,7 @@
 
 #include "mesher/closing/closing.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // The most intervals of a block: so few that their bits stay in a core's cache.
@@ -157,4 +157,4 @@ void ThinParts::keep(int axis, const Index3& lower, uint32_t k, uint32_t body) {
   marks_->add(ray_of(cell), layer_of(body, false), w, w + 1);
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

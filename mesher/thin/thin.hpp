@@ -15,7 +15,7 @@
 #include "mesher/thin/marks.hpp"
 #include "mesher/thin/tally.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Not thread-safe.
 class ThinParts {
@@ -80,4 +80,4 @@ class ThinParts {
   std::vector<uint32_t> bodies_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

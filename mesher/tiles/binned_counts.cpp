@@ -2,7 +2,7 @@
 
 #include "mesher/closing/closing.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 uint32_t root(std::vector<uint32_t>& parent, uint32_t v) {
@@ -53,4 +53,4 @@ std::vector<SurfaceCounts> BinnedCounter::totals() const {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,7 +7,7 @@
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/tiles/bins.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Memory: proportional to the number of facets that lie in several bins, and of shells. Threads may share it, each with its own
 // Bin objects.
@@ -41,4 +41,4 @@ class BinnedCounter {
   std::vector<Body> bodies_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
-#include "store/format.hpp"
+#include "store/base/error.hpp"
+#include "store/format/format.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // The mean number of bins that a facet lies in, when facets are small compared with a bin.
@@ -219,4 +219,4 @@ Facet FacetBins::decode(std::span<const uint8_t> record, uint32_t& tag) const {
   return facet;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

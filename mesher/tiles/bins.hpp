@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "mesher/tiles/rays.hpp"
-#include "store/background.hpp"
-#include "store/spill.hpp"
+#include "store/base/background.hpp"
+#include "store/base/spill.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // A facet of a bin.
 struct BinnedFacet {
@@ -95,4 +95,4 @@ class FacetBins {
   Background writer_;  // the last member, since its thread uses the file
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

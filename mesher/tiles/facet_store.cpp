@@ -4,7 +4,7 @@
 
 #include "mesher/surface/populate.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 std::span<SceneFacet> FacetStore::append(std::span<const Facet> facets, uint32_t layer, uint32_t patch) {
   const uint64_t used = size_ % kPiece;
@@ -19,4 +19,4 @@ std::span<SceneFacet> FacetStore::append(std::span<const Facet> facets, uint32_t
   return {first, count};
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -10,7 +10,7 @@
 
 #include "mesher/engines/engine.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 class FacetStore {
  public:
@@ -69,4 +69,4 @@ class GridFacets : public FacetStore {
   }
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

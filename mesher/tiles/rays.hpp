@@ -6,10 +6,10 @@
 
 #include "mesher/closing/closing.hpp"
 #include "mesher/engines/engine.hpp"
-#include "store/metadata.hpp"
-#include "store/pyramid.hpp"
+#include "store/grid/metadata.hpp"
+#include "store/runs/pyramid.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Finds rays by coordinate with a multiplication and a margin for its rounding error: never too few, seldom one too many.
 class RayBounds {
@@ -99,4 +99,4 @@ struct GridRays {
   }
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -2,7 +2,7 @@
 
 #include <numeric>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 // Calls f(child) for the children of a place that a facet with chunks `r` may meet. A child has 2^shift x 2^shift chunks.
@@ -186,4 +186,4 @@ std::array<std::vector<const SceneFacet*>, kFanOut> Tiling::split(const TileGrou
   return lists;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

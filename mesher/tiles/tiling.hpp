@@ -21,7 +21,7 @@
 #include "mesher/tiles/facet_store.hpp"
 #include "mesher/tiles/rays.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 
 // Facets in memory, and where each may have rays.
 struct FacetBlock {
@@ -87,4 +87,4 @@ class Tiling {
   std::deque<std::future<Node>> next_bins_;  // the next ones on the path; the last member, since their threads use the others
 };
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include "store/json_text.hpp"
+#include "store/text/json_text.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using namespace std::chrono_literals;
@@ -159,4 +159,4 @@ bool AccessLog::takes_some() {
   return true;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

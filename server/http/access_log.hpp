@@ -12,7 +12,7 @@
 #include <string_view>
 #include <thread>
 
-namespace teracell {
+namespace teracell::server {
 
 enum class LogFormat { kNone, kText, kJson };  // kNone leaves out requests; notes are always written
 
@@ -66,4 +66,4 @@ class AccessLog {
   std::thread thread_;  // last: it uses the others
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

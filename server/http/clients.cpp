@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace teracell {
+namespace teracell::server {
 
 std::shared_ptr<Client> Clients::at(const std::string& address) {
   const std::string name = client_name(address);
@@ -41,4 +41,4 @@ std::string last_forwarded(std::string_view field) {
   return error ? "" : address_name(address);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -11,7 +11,7 @@
 
 #include <boost/asio/ip/address.hpp>
 
-namespace teracell {
+namespace teracell::server {
 
 struct Client {
   std::atomic<uint64_t> connections{0};  // open
@@ -39,4 +39,4 @@ std::string client_name(const std::string& address);
 // The address in the last entry of an X-Forwarded-For field, which the nearest proxy has added; empty when it is none.
 std::string last_forwarded(std::string_view field);
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -9,9 +9,9 @@
 
 #include "server/http/host.hpp"
 #include "server/service/target.hpp"
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr auto kLinger = std::chrono::seconds(2);  // time for a client to read why it was refused
@@ -294,4 +294,4 @@ void Connection::enter(State state) {
   entered_ = Clock::now();
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

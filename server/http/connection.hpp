@@ -9,9 +9,9 @@
 
 #include "server/http/head_parser.hpp"
 #include "server/http/loop.hpp"
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // Whose connection it is, and what counts it while it lives.
 struct Peer {
@@ -92,4 +92,4 @@ class Connection final : public LoopMember {
   bool keep_ = true;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -7,9 +7,9 @@
 
 #include "server/http/connection.hpp"
 #include "server/http/host.hpp"
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // Returns false when the answer is not complete: the client went away or took too long, or a part could not be made.
 Awaitable<bool> Connection::send() {
@@ -101,4 +101,4 @@ Awaitable<bool> Connection::write() {
   co_return !error;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -7,7 +7,7 @@
 #include "server/http/host.hpp"
 #include "server/service/target.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 namespace http = boost::beast::http;
 
@@ -96,4 +96,4 @@ void HeadParser::on_field_impl(http::field name, View name_text, View value, Cod
   else if (boost::beast::iequals(name_text, "x-forwarded-prefix")) set(head_.forwarded_prefix);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

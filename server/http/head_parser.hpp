@@ -5,7 +5,7 @@
 
 #include "server/http/wire.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 class HeadParser : private boost::beast::http::basic_parser<true> {
  public:
@@ -46,4 +46,4 @@ class HeadParser : private boost::beast::http::basic_parser<true> {
   Response refusal_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <optional>
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; }
@@ -100,4 +100,4 @@ std::string_view allowed_origin(const std::vector<std::string>& allowed, std::st
   return loopback || std::ranges::any_of(allowed, [&](const auto& a) { return same_word(a, origin); }) ? origin : "";
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace teracell {
+namespace teracell::server {
 
 bool same_word(std::string_view a, std::string_view b);  // capitals don't matter
 
@@ -22,4 +22,4 @@ bool allows_host(const std::vector<std::string>& allowed, std::string_view autho
 // What Access-Control-Allow-Origin has to say: "*", or the origin; "" when pages from there may not read answers.
 std::string_view allowed_origin(const std::vector<std::string>& allowed, std::string_view origin);
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -8,7 +8,7 @@
 
 #include "server/http/connection.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using Acceptor = asio::basic_socket_acceptor<tcp, Executor>;
@@ -167,4 +167,4 @@ void Listener::State::stop() {
   });
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

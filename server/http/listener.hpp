@@ -5,12 +5,12 @@
 #include <memory>
 #include <string>
 
-#include "server/handler.hpp"
 #include "server/http/access_log.hpp"
 #include "server/http/options.hpp"
-#include "server/metrics.hpp"
+#include "server/operations/metrics.hpp"
+#include "server/service/handler.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 class Listener {
  public:
@@ -34,4 +34,4 @@ class Listener {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

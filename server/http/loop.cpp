@@ -4,7 +4,7 @@
 
 #include "server/http/wire.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr auto kTick = std::chrono::milliseconds(250);  // between two looks at the deadlines
@@ -63,4 +63,4 @@ std::string_view Loop::date() {
   return date_text;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -13,14 +13,14 @@
 
 #include <boost/asio.hpp>
 
-#include "server/handler.hpp"
 #include "server/http/access_log.hpp"
 #include "server/http/clients.hpp"
 #include "server/http/options.hpp"
 #include "server/http/pool.hpp"
-#include "server/metrics.hpp"
+#include "server/operations/metrics.hpp"
+#include "server/service/handler.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
@@ -87,4 +87,4 @@ struct Loop {
   Timer timer;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace teracell {
+namespace teracell::server {
 
 struct ListenerOptions {
   using Milliseconds = std::chrono::milliseconds;
@@ -40,4 +40,4 @@ struct ListenerOptions {
   static constexpr size_t kSlowest = size_t{32} << 10;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr int kMostInARow = 8;  // cheap pieces of work before a dear one, on a single thread
@@ -108,4 +108,4 @@ void Pool::work() {
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -12,9 +12,9 @@
 #include <unordered_map>
 #include <vector>
 
-#include "server/handler.hpp"
+#include "server/service/handler.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 class Pool {
  public:
@@ -49,4 +49,4 @@ class Pool {
   std::vector<std::jthread> threads_;  // last: they use the others
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "store/file.hpp"
+#include "store/base/file.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 std::string read_token(const std::filesystem::path& file) {
   constexpr size_t kLongest = 4096, kMost = 65536;  // the second: with white space at its end
@@ -32,4 +32,4 @@ bool others_can_read(const std::filesystem::path& file) {
   return allowed != perms::unknown && (allowed & (perms::group_read | perms::others_read)) != perms::none;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

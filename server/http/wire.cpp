@@ -8,7 +8,7 @@
 
 #include "server/http/host.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 bool is_alnum(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
@@ -213,4 +213,4 @@ std::string http_date(int64_t unix_seconds) {
                      m.tm_sec);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -6,7 +6,7 @@
 
 #include "server/service/message.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // The head of a request as it was sent. A connection reuses it from one request to the next: its strings keep their memory.
 struct Head {
@@ -50,4 +50,4 @@ struct Sending {
 void append_head(std::string& out, const Response& response, const Sending& sending);
 std::string http_date(int64_t unix_seconds);
 
-}  // namespace teracell
+}  // namespace teracell::server

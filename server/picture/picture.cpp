@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr size_t kMaxSetColors = 65536;
@@ -110,4 +110,4 @@ void PngWriter::finish() {
   else rows_->finish();
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -9,9 +9,9 @@
 
 #include "server/picture/png_long_rows.hpp"
 #include "server/picture/png_rows.hpp"
-#include "store/slice.hpp"
+#include "store/read/slice.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // The mean of colours with equal weights. The channels are multiplied by alpha / 255 (rounded half up to 8 bits), channels and
 // alpha are averaged (half up), and for the PNG the channels are divided by the mean alpha (half up).
@@ -76,4 +76,4 @@ class PngWriter {
   std::vector<uint32_t> changed_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -2,9 +2,9 @@
 
 #include <zlib.h>
 
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 void put_be32(Bytes& out, uint32_t v) {
@@ -49,4 +49,4 @@ void PngFile::chunk(const char* type, std::span<const uint8_t> data) {
   sink_(bytes);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

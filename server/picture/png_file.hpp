@@ -5,9 +5,9 @@
 #include <functional>
 #include <span>
 
-#include "store/color.hpp"
+#include "store/text/color.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // A pixel takes as few bits as the size of `palette` allows: 1, 2, 4 or 8. With an empty palette the picture is RGBA.
 class PngFile {
@@ -42,4 +42,4 @@ class PngFile {
   const uint32_t bits_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

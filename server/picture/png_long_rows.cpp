@@ -5,9 +5,9 @@
 
 #include <zlib.h>
 
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 struct PngLongRows::Stream {
   z_stream z{};
@@ -71,4 +71,4 @@ void PngLongRows::put(std::span<const uint8_t> bytes, bool last) {
   } while (z.avail_out == 0);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

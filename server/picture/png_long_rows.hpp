@@ -7,7 +7,7 @@
 
 #include "server/picture/png_file.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // Memory: a few hundred kB, whatever the picture's size.
 class PngLongRows {
@@ -29,4 +29,4 @@ class PngLongRows {
   std::unique_ptr<Stream> stream_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

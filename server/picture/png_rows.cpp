@@ -4,7 +4,7 @@
 #include <array>
 #include <cstring>
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr int64_t kAdlerBase = 65521;
@@ -143,4 +143,4 @@ void PngRows::finish() {
   file_.finish();
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -11,7 +11,7 @@
 #include "server/picture/png_file.hpp"
 #include "server/picture/run_deflate.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // Appends the groups of 8 numbers in which a row differs from the one above; all groups when `above` is empty.
 void append_changes(std::span<const uint16_t> above, std::span<const uint16_t> row, std::vector<uint32_t>& groups);
@@ -51,4 +51,4 @@ class PngRows {
   int64_t adler_a_ = 1, adler_b_ = 0;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

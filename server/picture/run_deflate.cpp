@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <bit>
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr size_t kPiece = 1 << 16;
@@ -213,4 +213,4 @@ void RunDeflate::finish(uint32_t adler) {
   sink_(out_);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

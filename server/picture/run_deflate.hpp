@@ -8,9 +8,9 @@
 #include <memory>
 #include <span>
 
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 class RunDeflate {
  public:
@@ -51,4 +51,4 @@ class RunDeflate {
   uint32_t pending_ = 0;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -5,7 +5,7 @@
 
 #include "server/picture/png_rows.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t> numbers, std::span<const Rgba> colors) {
   const auto row = [&](uint32_t r) { return numbers.subspan(size_t{r} * width, width); };
@@ -49,4 +49,4 @@ std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t
   return png;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

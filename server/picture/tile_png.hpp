@@ -1,7 +1,7 @@
 // Encodes a whole picture of labels in memory as PNG: the server's tiles.
 //
 // Why not a library: a compressor searches for repeats that are known from the rows already (png_rows.hpp). The table has time and
-// size of other encoders as multiples of ours, measured on a busy machine with tools/peers/png_peer. Tiles are 512 x 512. "statue"
+// size of other encoders as multiples of ours, measured on a busy machine with tools/bench/peers/png_peer. Tiles are 512 x 512. "statue"
 // is the mean of 12 tiles with its surface (2 materials; ours takes 0.04 ms and 0.6 kB), "stadium" that of 10 tiles (4; 0.05 ms,
 // 0.9 kB), then a tile of one material (0.02 ms, 0.2 kB). The last two are bad for us: rings with 34 boundaries in a row (2;
 // 0.36 ms, 14 kB), and noise (7; 1.2 ms, 94 kB).
@@ -24,12 +24,12 @@
 #include <span>
 #include <string>
 
-#include "store/color.hpp"
+#include "store/text/color.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // `numbers` are the pixels row by row from the top, each below colors.size(). The colours that occur are the palette; when there
 // are more than 256, the picture is RGBA. REQUIRES: width, height >= 1; width * height numbers. Threads may call it at once.
 std::string encode_png(uint32_t width, uint32_t height, std::span<const uint16_t> numbers, std::span<const Rgba> colors);
 
-}  // namespace teracell
+}  // namespace teracell::server

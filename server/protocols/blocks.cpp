@@ -1,6 +1,6 @@
 #include "server/protocols/blocks.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 std::string labels_in(const GridReader& reader, int level, const Box& box) {
   const int64_t nx = box.hi[0] - box.lo[0], ny = box.hi[1] - box.lo[1], nz = box.hi[2] - box.lo[2];
@@ -38,4 +38,4 @@ Service::Recipe cube_recipe(const ServedGrid& grid, int level, const Box& cube, 
           .make = [&grid, level, cube, wrapping] { return deflated(labels_in(grid.reader(), level, cube), wrapping); }};
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -7,9 +7,9 @@
 
 #include "server/service/deflate.hpp"
 #include "server/service/service.hpp"
-#include "store/query.hpp"
+#include "store/read/query.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // The ids in `box`, x fastest, z slowest, written by put_labels(). Cells outside the level are 0.
 std::string labels_in(const GridReader& reader, int level, const Box& box);
@@ -22,4 +22,4 @@ std::optional<Box> zarr_cube(const Metadata& meta, int level, std::span<const st
 
 Service::Recipe cube_recipe(const ServedGrid& grid, int level, const Box& cube, Wrapping wrapping);
 
-}  // namespace teracell
+}  // namespace teracell::server

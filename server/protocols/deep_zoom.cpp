@@ -6,7 +6,7 @@
 #include "server/protocols/protocols.hpp"
 #include "server/protocols/scaled_slice.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr std::string_view kDocument = ".dzi", kFolder = "_files", kTile = ".png";
@@ -59,4 +59,4 @@ Protocol deep_zoom() {
           .dear = true};
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

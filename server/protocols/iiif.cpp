@@ -8,7 +8,7 @@
 #include "server/protocols/protocols.hpp"
 #include "server/protocols/scaled_slice.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using nlohmann::ordered_json;
@@ -139,4 +139,4 @@ Protocol iiif() {
           .dear = true};
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -9,10 +9,10 @@
 
 #include "server/protocols/blocks.hpp"
 #include "server/protocols/protocols.hpp"
-#include "store/space.hpp"
-#include "store/stats.hpp"
+#include "store/grid/space.hpp"
+#include "store/read/stats.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using nlohmann::ordered_json;
@@ -110,4 +110,4 @@ Protocol precomputed() {
           .serve = serve_by_id(find_in_precomputed)};
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

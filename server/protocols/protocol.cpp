@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "store/json_text.hpp"
+#include "store/text/json_text.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 Response missing(const char* route) {
   Response r;
@@ -54,4 +54,4 @@ std::optional<int> find_level(const Metadata& meta, std::string_view text) {
   return level && *level < meta.grid.levels() ? std::optional(static_cast<int>(*level)) : std::nullopt;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

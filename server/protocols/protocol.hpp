@@ -12,7 +12,7 @@
 
 #include "server/service/service.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // What a protocol is asked. It is valid during the call.
 struct ProtocolRequest {
@@ -68,4 +68,4 @@ std::string joined(std::span<const std::string> path);  // with '/'
 // The level that `text` names, if the grid has it.
 std::optional<int> find_level(const Metadata& meta, std::string_view text);
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -15,7 +15,7 @@
   protocol(iiif)
 // clang-format on
 
-namespace teracell {
+namespace teracell::server {
 
 #define DECLARED(name) Protocol name();
 #define LISTED(name) name(),
@@ -30,4 +30,4 @@ inline const std::vector<Protocol>& protocols() {
 #undef DECLARED
 #undef LISTED
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace teracell {
+namespace teracell::server {
 
 int64_t ScaledSlice::width(int scale) const { return ceil_shift(reader->meta().grid.cells()[RayFrame::along(axis).u], scale); }
 int64_t ScaledSlice::height(int scale) const { return ceil_shift(reader->meta().grid.cells()[RayFrame::along(axis).v], scale); }
@@ -23,4 +23,4 @@ std::optional<ScaledSlice> slice_at(const GridReader& reader, std::string_view a
   return a && i && *i < reader.meta().grid.cells()[*a] ? std::optional(ScaledSlice{&reader, *a, *i}) : std::nullopt;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "server/service/picture_parts.hpp"
+#include "server/parts/picture_parts.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 struct ScaledSlice {
   const GridReader* reader;
@@ -29,4 +29,4 @@ struct ScaledSlice {
 // The slice with this index across the axis "x", "y" or "z", if the grid has it.
 std::optional<ScaledSlice> slice_at(const GridReader& reader, std::string_view axis, std::string_view index);
 
-}  // namespace teracell
+}  // namespace teracell::server

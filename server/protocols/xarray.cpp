@@ -11,9 +11,9 @@
 #include "server/protocols/protocols.hpp"
 #include "server/protocols/zarr2_nodes.hpp"
 #include "server/service/deflate.hpp"
-#include "store/space.hpp"
+#include "store/grid/space.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using nlohmann::ordered_json;
@@ -80,4 +80,4 @@ Protocol xarray() {
           .serve = serve_by_id(find_in_xarray)};
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

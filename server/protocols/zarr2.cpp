@@ -4,10 +4,10 @@
 
 #include "server/protocols/protocols.hpp"
 #include "server/protocols/zarr2_nodes.hpp"
-#include "store/ome.hpp"
-#include "store/space.hpp"
+#include "store/grid/ome.hpp"
+#include "store/grid/space.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using nlohmann::ordered_json;
@@ -44,4 +44,4 @@ Protocol zarr2() {
           .serve = serve_by_id(find_in_zarr2)};
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

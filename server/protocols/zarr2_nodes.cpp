@@ -4,7 +4,7 @@
 
 #include "server/protocols/blocks.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 using nlohmann::ordered_json;
 
@@ -51,4 +51,4 @@ std::optional<Service::Recipe> find_zarr2_cube(const ServedGrid& grid, int level
   return cube_recipe(grid, level, *cube, Wrapping::kZlib);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -4,7 +4,7 @@
 
 #include "server/protocols/protocol.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 nlohmann::ordered_json zarr2_group();
 nlohmann::ordered_json zarr2_array(const nlohmann::ordered_json& shape, const nlohmann::ordered_json& chunks, const char* type,
@@ -22,4 +22,4 @@ std::optional<Service::Recipe> find_zarr2_document(const Documents& documents, s
 // The cube of labels with the key "z", "y", "x".
 std::optional<Service::Recipe> find_zarr2_cube(const ServedGrid& grid, int level, std::span<const std::string> key);
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -10,10 +10,10 @@
 
 #include "server/protocols/blocks.hpp"
 #include "server/protocols/protocols.hpp"
-#include "store/ome.hpp"
-#include "store/space.hpp"
+#include "store/grid/ome.hpp"
+#include "store/grid/space.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using nlohmann::ordered_json;
@@ -152,4 +152,4 @@ Protocol zarr3() {
           .serve = serve_by_id(find_in_zarr3)};
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 void begin_deflate(z_stream& z, Wrapping wrapping) {
@@ -82,4 +82,4 @@ std::string deflated(std::string_view bytes, Wrapping wrapping) {
 
 std::unique_ptr<Parts> gzip_parts(std::unique_ptr<Parts> parts) { return std::make_unique<GzipParts>(std::move(parts)); }
 
-}  // namespace teracell
+}  // namespace teracell::server

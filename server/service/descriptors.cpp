@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr uint64_t kFewFiles = 64;     // even if fewer are served at the start: others may be added
@@ -34,4 +34,4 @@ DescriptorShares allowed_descriptors(const DescriptorShares& wanted, uint64_t al
   return {std::min(wanted.connections, rest - files), files, wanted.others};
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -2,7 +2,7 @@
 #pragma once
 #include <cstdint>
 
-namespace teracell {
+namespace teracell::server {
 
 struct DescriptorShares {
   uint64_t connections;
@@ -17,4 +17,4 @@ DescriptorShares wanted_descriptors(uint64_t connections, uint64_t grids, uint64
 // As much of it as is allowed. Files give way before connections, but keep a quarter. Throws IoError when that is too little to serve.
 DescriptorShares allowed_descriptors(const DescriptorShares& wanted, uint64_t allowed);
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "server/service/message.hpp"
-#include "store/json_text.hpp"
-#include "store/text.hpp"
+#include "store/text/json_text.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 // UTF-8 without control characters, and neither "." nor "..", which clients resolve, and not too long: what is not UTF-8 takes up to three
@@ -82,4 +82,4 @@ std::vector<GridList::Unreadable> GridList::unreadable() const {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

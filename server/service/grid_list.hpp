@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "store/fraction_reader.hpp"
+#include "store/channels/fraction_reader.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // One file as it was when it was opened. Immutable; threads share it.
 struct ServedGrid {
@@ -83,4 +83,4 @@ class GridList {
   std::atomic<uint64_t> epoch_ = 0;  // of snapshot_
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

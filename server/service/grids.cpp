@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 
 #include "server/service/message.hpp"
-#include "store/sources.hpp"
-#include "store/text.hpp"
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
+#include "store/remote/sources.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 namespace fs = std::filesystem;
@@ -228,4 +228,4 @@ void Grids::forget_gone() {
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -19,7 +19,7 @@
 
 #include "server/service/grid_list.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // How many files are served to begin with; those that can't be found count as none.
 size_t count_grids(const std::vector<std::filesystem::path>& named);
@@ -81,4 +81,4 @@ class Grids : public GridList {
   uint64_t rechecked_ = 0;              // rechecks_ when the last one of them began
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

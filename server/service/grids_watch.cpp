@@ -3,9 +3,9 @@
 #include <chrono>
 #include <utility>
 
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr auto kEvery = std::chrono::milliseconds(500);
@@ -59,4 +59,4 @@ void GridsWatch::watch_addresses(const std::stop_token& stop) {
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

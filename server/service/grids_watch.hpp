@@ -7,7 +7,7 @@
 
 #include "server/service/grids.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 class GridsWatch {
  public:
@@ -28,4 +28,4 @@ class GridsWatch {
   std::jthread files_, addresses_;  // last: they use the others
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

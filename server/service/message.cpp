@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "store/json_text.hpp"
-#include "store/text.hpp"
+#include "store/text/json_text.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // Not from a JSON object: even its destructor allocates, and there may be no memory left.
 Response error_response(int status, const std::string& code, const std::string& message) {
@@ -35,4 +35,4 @@ bool has_etag(std::string_view list, std::string_view etag) {
   return list == "*";
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 struct Request {
   std::string method = "GET";  // "GET", "HEAD" or "OPTIONS": the listener refuses others
@@ -66,4 +66,4 @@ struct HttpError : Error {
 HttpError bad_request(const std::string& message);  // status 400
 HttpError not_found(const std::string& message);    // status 404
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace teracell {
+namespace teracell::server {
 
 ReopenedFile::ReopenedFile(std::filesystem::path path, std::shared_ptr<OpenFiles> open)
     : path_(std::move(path)), name_(path_.string()), open_(std::move(open)), number_(open_->new_file()) {
@@ -32,4 +32,4 @@ std::shared_ptr<const InputFile> ReopenedFile::reopened() const try {
   throw Replaced(e.what());
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -3,10 +3,10 @@
 #pragma once
 #include <atomic>
 
-#include "store/file.hpp"
-#include "store/lru_cache.hpp"
+#include "store/base/file.hpp"
+#include "store/base/lru_cache.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // The files that are kept open. What is being read stays open on top of their number: a file for each thread. Threads may share it.
 class OpenFiles : public LruCache<uint64_t, InputFile> {
@@ -39,4 +39,4 @@ class ReopenedFile : public ByteSource {
   FileState state_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

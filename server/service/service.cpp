@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "server/service/deflate.hpp"
-#include "store/text.hpp"
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 // Part of every ETag. Raise it when the server makes other bytes from the same grid.
@@ -207,4 +207,4 @@ void Service::complain(const std::string& message) {
   if (const auto [said, fresh] = complaints_.insert(shortened(message)); fresh && options_.complain) options_.complain(*said);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

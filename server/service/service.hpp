@@ -6,14 +6,14 @@
 #include <optional>
 #include <set>
 
-#include "render/prepared.hpp"
+#include "server/render/prepared.hpp"
 #include "server/service/grid_list.hpp"
 #include "server/service/message.hpp"
 #include "server/service/target.hpp"
-#include "store/shared_cache.hpp"
-#include "store/sources.hpp"
+#include "store/base/shared_cache.hpp"
+#include "store/remote/sources.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // The key of a chunk in the cache that all grids share.
 struct ChunkPlace {
@@ -103,4 +103,4 @@ class Service {
   std::unique_ptr<GridList> grids_;  // last: it complains when it looks at files, which others may make it do
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

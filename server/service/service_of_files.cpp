@@ -2,9 +2,9 @@
 #include "server/service/grids.hpp"
 #include "server/service/open_files.hpp"
 #include "server/service/service.hpp"
-#include "store/sources.hpp"
+#include "store/remote/sources.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 Service::Service(ServiceOptions options) : Service(std::move(options), nullptr) {
   const auto open = [this, files = std::make_shared<OpenFiles>(options_.open_files)](const std::filesystem::path& path, uint64_t number) {
@@ -17,4 +17,4 @@ Service::Service(ServiceOptions options) : Service(std::move(options), nullptr) 
       options_.named, open, [this](const std::string& message) { complain(message); }, fractions_);
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

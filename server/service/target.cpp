@@ -8,7 +8,7 @@
 
 #include "server/service/message.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 int hex_digit(char c) {
@@ -135,4 +135,4 @@ std::optional<int64_t> plain_integer(std::string_view text) {
   return value;
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

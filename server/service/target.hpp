@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace teracell {
+namespace teracell::server {
 
 struct Target {
   std::vector<std::string> path;  // "/a/b%20c" has "a", "b c"; a slash at the end adds an empty segment
@@ -42,4 +42,4 @@ std::vector<double> reals(std::string_view text, size_t count, std::string_view 
 // A number inside a name ("0-64_0-64_0-1"): nothing but digits, without superfluous zeros in front, at most 18 digits.
 std::optional<int64_t> plain_integer(std::string_view text);
 
-}  // namespace teracell
+}  // namespace teracell::server

@@ -13,10 +13,10 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
-#include "store/format.hpp"
+#include "store/base/error.hpp"
+#include "store/format/format.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 namespace {
 
 namespace fs = std::filesystem;
@@ -121,4 +121,4 @@ void BlockFolder::make_room() const {
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::inline store

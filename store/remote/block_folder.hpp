@@ -10,9 +10,9 @@
 #include <optional>
 #include <string>
 
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 
 // The blocks of one version of an object. Threads may share it.
 class BlockFolder {
@@ -39,4 +39,4 @@ class BlockFolder {
   mutable uint64_t written_;  // since the last look; at first as if a look were due
 };
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <chrono>
 
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 
 CachedSource::CachedSource(std::unique_ptr<ByteSource> far, std::unique_ptr<BlockFolder> disk, Kept kept, std::shared_ptr<BlockCache> cache)
     : far_(std::move(far)),
@@ -163,4 +163,4 @@ std::vector<CachedSource::Block> CachedSource::fetch(const std::vector<uint64_t>
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -9,11 +9,11 @@
 #include <set>
 #include <vector>
 
-#include "store/file.hpp"
-#include "store/lru_cache.hpp"
+#include "store/base/file.hpp"
+#include "store/base/lru_cache.hpp"
 #include "store/remote/block_folder.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 
 struct SourceBlock {
   uint64_t source, block;
@@ -83,4 +83,4 @@ class CachedSource : public ByteSource {
   mutable uint64_t next_ = 0, window_ = 0;  // the block after the last one that a read fetched; how far reads in a row look ahead
 };
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
+#include "store/base/wanted.hpp"
 #include "store/remote/libcurl.hpp"
-#include "store/wanted.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 namespace {
 
 constexpr size_t kMostOfError = 4096;  // bytes of the body of an answer that is neither 200 nor 206
@@ -250,4 +250,4 @@ void HttpClient::perform(std::span<Exchange> exchanges) {
   idle_->sessions.push_back(std::move(session));
 }
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "store/sources.hpp"
+#include "store/remote/sources.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 
 // How requests are signed: by AWS's signature, version 4. Without a key they are not.
 struct Signing {
@@ -63,4 +63,4 @@ class HttpClient {
   const std::shared_ptr<Idle> idle_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 namespace {
 
 LibCurl load() {
@@ -29,4 +29,4 @@ const LibCurl& libcurl() {
   return loaded;
 }
 
-}  // namespace teracell
+}  // namespace teracell::inline store

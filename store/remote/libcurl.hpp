@@ -12,7 +12,7 @@
   f(url) f(url_cleanup) f(url_set) f(url_get) f(url_strerror)
 // clang-format on
 
-namespace teracell {
+namespace teracell::inline store {
 
 struct LibCurl {
 #define DECLARED(name) decltype(&::curl_##name) name;
@@ -23,4 +23,4 @@ struct LibCurl {
 // Throws IoError when libcurl is not installed. Threads may call it.
 const LibCurl& libcurl();
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "store/text.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 namespace {
 
 constexpr int kMostRedirects = 5;
@@ -320,4 +320,4 @@ void RemoteObject::perform(std::span<Exchange> exchanges, const std::string& url
     if (e.status == 0) fail(e);
 }
 
-}  // namespace teracell
+}  // namespace teracell::inline store

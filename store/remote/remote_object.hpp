@@ -7,11 +7,11 @@
 #include <mutex>
 #include <optional>
 
-#include "store/file.hpp"
+#include "store/base/file.hpp"
 #include "store/remote/http_client.hpp"
 #include "store/remote/url.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 
 // Where an object is.
 struct RemotePlace {
@@ -78,4 +78,4 @@ class RemoteObject : public ByteSource {
   mutable std::string redirected_;  // where the address led; empty: nowhere else
 };
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -6,10 +6,10 @@
 
 #include "store/remote/cached_source.hpp"
 #include "store/remote/remote_object.hpp"
-#include "store/sources.hpp"
-#include "store/text.hpp"
+#include "store/remote/sources.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 namespace {
 
 std::string variable(const char* name) {
@@ -76,4 +76,4 @@ extern const SourceScheme kHttps{"https", open_http};
 extern const SourceScheme kHttp{"http", open_http};
 extern const SourceScheme kS3{"s3", open_s3};
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "store/remote/libcurl.hpp"
-#include "store/text.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::inline store {
 namespace {
 
 // For messages about what is not an address: without a query, and without what may be a name and a password.
@@ -69,4 +69,4 @@ std::string encoded_path(std::string_view path) {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::inline store

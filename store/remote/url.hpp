@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-namespace teracell {
+namespace teracell::inline store {
 
 struct Url {
   std::string scheme, host, port, path, query;  // the scheme in lower case; the port is that of the scheme if the address has none
@@ -20,4 +20,4 @@ bool is_loopback(const std::string& host);
 // Every byte of a path but letters, digits and - . _ ~ / as %XX, as signatures of S3 want it.
 std::string encoded_path(std::string_view path);
 
-}  // namespace teracell
+}  // namespace teracell::inline store

@@ -10,8 +10,8 @@ from program import PROGRAM, Case, teracell
 
 BOX = solids.box_facets((0.0, 0.0, 0.0), (4.0, 3.0, 2.0))
 LARGE, SMALL = ((-3.0, -3.0, -3.0), (3.0, 3.0, 3.0)), ((-1.0, -1.0, -2.0), (1.0, 1.0, 2.0))
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../tools"))
-from bench_common import MESHES  # noqa: E402
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../tools/bench"))
+from common import MESHES  # noqa: E402
 
 
 def pipe(n, radius):

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "store/cell_frames.hpp"
+#include "store/format/cell_frames.hpp"
 #include "tests/fuzz/read_file.hpp"
 #include "tests/support/forged.hpp"
 

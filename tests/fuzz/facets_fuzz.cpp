@@ -4,17 +4,17 @@
 
 #include "mesher/surface/read_facets.hpp"
 #include "mesher/surface/reader.hpp"
-#include "store/error.hpp"
-#include "store/text.hpp"
+#include "store/base/error.hpp"
+#include "store/text/text.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace teracell;
   uint64_t seen = 0;
   try {
-    Input input("fuzz", {reinterpret_cast<const char*>(data), size});
-    const SurfaceFile file = read_facets(input, size % 4 == 3 ? "*a?" : "", [&](std::span<const Facet> facets) {
+    mesher::Input input("fuzz", {reinterpret_cast<const char*>(data), size});
+    const mesher::SurfaceFile file = read_facets(input, size % 4 == 3 ? "*a?" : "", [&](std::span<const mesher::Facet> facets) {
       seen += facets.size();
-      for (const Facet& facet : facets)
+      for (const mesher::Facet& facet : facets)
         for (const Vec3& v : facet.vertex)
           for (const double x : v)
             if (!is_coordinate(x) || (x == 0 && std::signbit(x))) std::abort();

@@ -5,13 +5,13 @@
 
 #include <nlohmann/json.hpp>
 
-#include "store/fraction_reader.hpp"
-#include "store/info.hpp"
-#include "store/link_reader.hpp"
-#include "store/query.hpp"
-#include "store/slice.hpp"
-#include "store/stats.hpp"
-#include "store/verify.hpp"
+#include "store/channels/fraction_reader.hpp"
+#include "store/channels/link_reader.hpp"
+#include "store/read/query.hpp"
+#include "store/read/slice.hpp"
+#include "store/read/stats.hpp"
+#include "store/whole/info.hpp"
+#include "store/whole/verify.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell::testing {

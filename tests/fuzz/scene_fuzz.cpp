@@ -5,13 +5,13 @@
 #include <nlohmann/json.hpp>
 
 #include "mesher/scene/scene.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace teracell;
   const std::string text(reinterpret_cast<const char*>(data), size);
   if (text.find("planes") != std::string::npos && text.find("file") != std::string::npos) return 0;  // reads no files
-  Scene scene;
+  mesher::Scene scene;
   try {
     scene = parse_scene(text, "/nonexistent");
   } catch (const Error&) {

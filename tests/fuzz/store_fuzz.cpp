@@ -7,8 +7,8 @@
 
 #include <unistd.h>
 
-#include "store/chunk_codec.hpp"
-#include "store/metadata_json.hpp"
+#include "store/format/metadata_json.hpp"
+#include "store/runs/chunk_codec.hpp"
 #include "tests/fuzz/read_file.hpp"
 #include "tests/support/forged.hpp"
 #include "tests/support/stored.hpp"

@@ -1,4 +1,4 @@
-"""What `teracell partition` writes, read back through C++, Fortran and Python (C: tests/store/partition_test.cpp)."""
+"""What `teracell partition` writes, read back through C++, Fortran and Python (C: tests/store/whole/partition_test.cpp)."""
 import json
 import pickle
 import subprocess

@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "store/stats.hpp"
+#include "store/read/stats.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/ties.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -235,4 +235,4 @@ TEST_CASE("A body under a stronger one owns no cell and is named in a warning") 
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

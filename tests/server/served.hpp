@@ -4,11 +4,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "server/routes.hpp"
+#include "server/api/routes.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
+
+using namespace testing;
 
 using nlohmann::json;
 
@@ -24,14 +26,14 @@ struct Served {
   TempFolder folder;
   std::vector<Label> cells;
   std::filesystem::path path = folder / "g.tcell";
-  std::unique_ptr<Service> service;
+  std::unique_ptr<server::Service> service;
 
   explicit Served(int ray_axis = 2, ServiceOptions options = {}) {
     std::mt19937_64 random(7);
     cells = random_cells(random, kCells, kMaterials);
     store_cells(path, metadata_of(grid(), ray_axis, kMaterials), cells);
     options.named = {folder.path()};
-    service = std::make_unique<Service>(options);
+    service = std::make_unique<server::Service>(options);
   }
   Label at(int64_t x, int64_t y, int64_t z) const { return cells[static_cast<size_t>((z * kCells[1] + y) * kCells[0] + x)]; }
   Response get(const std::string& target) {
@@ -54,4 +56,4 @@ struct Served {
   }
 };
 
-}  // namespace teracell::testing
+}  // namespace teracell::server

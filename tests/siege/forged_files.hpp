@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
 namespace teracell::testing {
 

@@ -23,8 +23,8 @@
 
 #include <fmt/format.h>
 
-#include "server/routes.hpp"
-#include "store/wanted.hpp"
+#include "server/api/routes.hpp"
+#include "store/base/wanted.hpp"
 #include "tests/siege/forged_files.hpp"
 #include "tests/siege/targets.hpp"
 
@@ -74,16 +74,16 @@ struct Cost {
 };
 
 template <class F>
-Cost cost_of(std::string what, int64_t cached, F&& f) {
+server::Cost cost_of(std::string what, int64_t cached, F&& f) {
   const int64_t before = held - cached;
   most_held = held.load();
   const double start = processor_seconds();
-  Cost c{0, 0, 0, std::move(what)};
+  server::Cost c{0, 0, 0, std::move(what)};
   try {
     const Wanted wanted([&] {
-      if (processor_seconds() - start > kGiveUpSeconds) throw HttpError(503, "too_dear", "too dear");
+      if (processor_seconds() - start > kGiveUpSeconds) throw server::HttpError(503, "too_dear", "too dear");
     });
-    const Response r = f();
+    const server::Response r = f();
     c.status = r.status;
     if (r.status >= 400 && r.body) c.message = r.body->substr(0, 300);
   } catch (const Error& e) {
@@ -105,20 +105,20 @@ class Siege {
   void serve(const ForgedFile& file) {
     std::ofstream(folder_ / "g.tcell", std::ios::binary)
         .write(reinterpret_cast<const char*>(file.bytes.data()), static_cast<std::streamsize>(file.bytes.size()));
-    std::unique_ptr<Service> service;
-    ServiceOptions options;
+    std::unique_ptr<server::Service> service;
+    server::ServiceOptions options;
     options.named = {folder_};
     options.cache_bytes = cache_;
     worst_ = {};
     beyond_here_ = 0;
-    Cost opened = cost_of("open", 0, [&] {
-      service = std::make_unique<Service>(options);
+    server::Cost opened = cost_of("open", 0, [&] {
+      service = std::make_unique<server::Service>(options);
       try {
         service->grids().find("g");
-      } catch (const HttpError& e) {
+      } catch (const server::HttpError& e) {
         return error_response(e.status, e.code, e.what());
       }
-      return Response{};
+      return server::Response{};
     });
     const bool open = opened.status == 200;
     tell(file, opened);
@@ -129,7 +129,7 @@ class Siege {
         targets = targets_of(grid->meta(), grid->reader().levels());
       }
       for (const std::string& target : targets) {
-        Request request;
+        server::Request request;
         request.target = target;
         request.origin = "http://localhost";
         for (const bool gzip : {false, true}) {
@@ -149,7 +149,7 @@ class Siege {
   int sum_up(size_t files) const {
     fmt::print("{} files, {} requests; statuses:", files, requests_);
     for (const auto& [status, count] : statuses_) fmt::print(" {} x {}", count, status);
-    for (const Cost& c : {slowest_, largest_})
+    for (const server::Cost& c : {slowest_, largest_})
       fmt::print("\n{}: {:.2f} s, {:.1f} MB, status {} {}", &c == &slowest_ ? "" : "", c.seconds, static_cast<double>(c.bytes) / 1e6, c.status,
                  c.what);
     fmt::print("\nbeyond the bar: {}\n", beyond_);
@@ -157,7 +157,7 @@ class Siege {
   }
 
  private:
-  void tell(const ForgedFile& file, const Cost& c) {
+  void tell(const ForgedFile& file, const server::Cost& c) {
     ++requests_;
     ++statuses_[c.status];
     const int64_t allowed = kMostBytes;  // what is kept in the cache was subtracted; what the request adds to it is bounded by it
@@ -166,7 +166,7 @@ class Siege {
     if (tell_all_ || (beyond && (c.seconds > worst_.seconds * 1.2 || c.bytes > worst_.bytes / 10 * 12)))
       fmt::print("  {} {:.2f} s {:.1f} MB status {} {} {}\n", beyond ? "BEYOND" : "", c.seconds, static_cast<double>(c.bytes) / 1e6, c.status, c.what,
                  c.message);
-    const auto keep = [&](Cost& worst, bool more) {
+    const auto keep = [&](server::Cost& worst, bool more) {
       if (more) worst = c, worst.what = fmt::format("{} [{}]", c.what, file.name);
     };
     keep(slowest_, c.seconds > slowest_.seconds);
@@ -181,7 +181,7 @@ class Siege {
   size_t requests_ = 0, beyond_ = 0;
   int beyond_here_ = 0;
   std::map<int, size_t> statuses_;
-  Cost slowest_, largest_, worst_;
+  server::Cost slowest_, largest_, worst_;
 };
 
 void write_files(const std::filesystem::path& folder, size_t each) {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "store/metadata.hpp"
+#include "store/grid/metadata.hpp"
 
 namespace teracell::testing {
 

@@ -1,4 +1,4 @@
-"""tools/BATCH.md: its scripts and lines as they stand there, run by Slurm on two nodes that are both this machine, and by GNU parallel."""
+"""tools/cli/BATCH.md: its scripts and lines as they stand there, run by Slurm on two nodes that are both this machine, and by GNU parallel."""
 import contextlib
 import os
 import pathlib
@@ -14,7 +14,7 @@ import time
 import unittest
 
 PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
-TEXT = (pathlib.Path(__file__).resolve().parents[2] / "tools/BATCH.md").read_text()
+TEXT = (pathlib.Path(__file__).resolve().parents[2] / "tools/cli/BATCH.md").read_text()
 PARTS = 16
 MESH = ["mesh", "scene.json", "--step", "0.05", "-o"]
 DEADLINE = 60  # for what would otherwise never end

@@ -1,4 +1,4 @@
-"""The blast of tools/blast on few cells: Sedov's point blast, and the first milliseconds in the stadium, with pictures.
+"""The blast of tools/examples/blast/run on few cells: Sedov's point blast, and the first milliseconds in the stadium, with pictures.
 
 Usage: blast_test.py PATH_TO_TERACELL
 """
@@ -11,7 +11,7 @@ import unittest
 
 import numpy
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/shock"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/examples/blast"))
 import gas  # noqa: E402
 import open_air  # noqa: E402
 import pictures  # noqa: E402

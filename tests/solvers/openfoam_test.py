@@ -90,7 +90,7 @@ class OpenFoam(unittest.TestCase):
         return self.run_ok("bash", "-c", f'{environment}; {mpi} "$@"', "foam", *command, "-case", case, *parallel)
 
     def test_what_the_page_of_formats_writes_for_check_mesh_is_enough(self):
-        page = (pathlib.Path(__file__).resolve().parents[2] / "tools/EXPORTS.md").read_text()
+        page = (pathlib.Path(__file__).resolve().parents[2] / "tools/export/EXPORTS.md").read_text()
         lines = re.search(r"^mkdir -p case/system\n(.*?)^```", page, re.S | re.M)[0].rstrip("`")
         self.teracell("export", "g.tcell", "--format", "openfoam", "-o", "case", "--drop-unreachable")
         self.run_ok("bash", "-ec", lines)

@@ -9,7 +9,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "store/info.hpp"
+#include "store/whole/info.hpp"
 #include "tests/support/checked.hpp"
 
 using namespace teracell;

@@ -5,8 +5,8 @@
 #include <xxhash.h>
 #include <zstd.h>
 
-#include "store/metadata_json.hpp"
-#include "store/zstd_frame.hpp"
+#include "store/base/zstd_frame.hpp"
+#include "store/format/metadata_json.hpp"
 
 namespace teracell::testing {
 namespace {

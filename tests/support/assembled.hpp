@@ -4,8 +4,8 @@
 #include <functional>
 #include <map>
 
-#include "store/format.hpp"
-#include "store/metadata.hpp"
+#include "store/format/format.hpp"
+#include "store/grid/metadata.hpp"
 
 namespace teracell::testing {
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "store/run.hpp"
+#include "store/runs/run.hpp"
 #include "tests/support/random.hpp"
 
 namespace teracell::testing {

@@ -2,9 +2,9 @@
 #pragma once
 #include <catch2/catch.hpp>
 
-#include "store/query.hpp"
-#include "store/slice.hpp"
-#include "store/stats.hpp"
+#include "store/read/query.hpp"
+#include "store/read/slice.hpp"
+#include "store/read/stats.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"

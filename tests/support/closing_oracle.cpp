@@ -28,9 +28,9 @@ Chain left_of(Chain chain, By by) {
 }
 
 // One use either way changes the count by 1, so its parity is that of the uses.
-Chain boundary_of(const std::vector<Facet>& facets, By by) {
+Chain boundary_of(const std::vector<mesher::Facet>& facets, By by) {
   Chain chain;
-  for (const Facet& f : facets)
+  for (const mesher::Facet& f : facets)
     for (int i = 0; i < 3; ++i) count(chain, f.vertex[i], f.vertex[(i + 1) % 3]);
   return left_of(chain, by);
 }
@@ -71,7 +71,7 @@ std::vector<Vec3> path_between(const Vec3& a, const Vec3& b, const std::set<Vec3
 }
 
 struct Stitched {
-  std::vector<Facet> facets;
+  std::vector<mesher::Facet> facets;
   Chain before;  // between representatives: what does not cancel
   Chain left;    // of that, once it is subdivided
 };
@@ -165,26 +165,26 @@ Vec3 apex_of(std::vector<Vec3> loop, bool float32) {
 }
 
 using Vertices = std::array<Vec3, 3>;
-Vertices sorted_vertices(const Facet& f) {
+Vertices sorted_vertices(const mesher::Facet& f) {
   Vertices v = f.vertex;
   std::sort(v.begin(), v.end());
   return v;
 }
 
 // Of those with the same three vertices the first.
-std::vector<Facet> distinct(const std::vector<Facet>& facets) {
+std::vector<mesher::Facet> distinct(const std::vector<mesher::Facet>& facets) {
   std::set<Vertices> seen;
-  std::vector<Facet> out;
-  for (const Facet& f : facets)
+  std::vector<mesher::Facet> out;
+  for (const mesher::Facet& f : facets)
     if (seen.insert(sorted_vertices(f)).second) out.push_back(f);
   return out;
 }
 
 // Whether facets that cancel are at least half of all. One with two equal vertices is its own opposite: it takes no part.
-bool mostly_cancels(const std::vector<Facet>& facets) {
+bool mostly_cancels(const std::vector<mesher::Facet>& facets) {
   std::map<Vertices, int64_t> net;
   int64_t all = 0, stays = 0;
-  for (const Facet& f : facets) {
+  for (const mesher::Facet& f : facets) {
     const Vertices v = sorted_vertices(f);
     if (v[0] == v[1] || v[1] == v[2]) continue;
     const bool even = f.vertex == Vertices{v[0], v[1], v[2]} || f.vertex == Vertices{v[1], v[2], v[0]} || f.vertex == Vertices{v[2], v[0], v[1]};
@@ -196,12 +196,12 @@ bool mostly_cancels(const std::vector<Facet>& facets) {
 }
 
 // The facets of each shell, in the order of its first one.
-std::vector<std::vector<Facet>> shells_of(const std::vector<Facet>& facets) {
+std::vector<std::vector<mesher::Facet>> shells_of(const std::vector<mesher::Facet>& facets) {
   std::map<Vec3, std::set<size_t>> at;  // facets by vertex
   for (size_t i = 0; i < facets.size(); ++i)
     for (const Vec3& v : facets[i].vertex) at[v].insert(i);
   std::vector<bool> seen(facets.size());
-  std::vector<std::vector<Facet>> shells;
+  std::vector<std::vector<mesher::Facet>> shells;
   for (size_t first = 0; first < facets.size(); ++first) {
     if (seen[first]) continue;
     std::set<size_t> shell, next = {first};
@@ -219,13 +219,13 @@ std::vector<std::vector<Facet>> shells_of(const std::vector<Facet>& facets) {
 }
 
 struct Shell {
-  std::vector<Facet> facets;  // that count
+  std::vector<mesher::Facet> facets;  // that count
   bool distinct;
   Chain winding, parity;      // its boundary by either rule
   bool closed() const { return parity.empty() || (winding.empty() && !distinct); }
 };
 
-Shell shell_of(const std::vector<Facet>& facets, bool is_distinct) {
+Shell shell_of(const std::vector<mesher::Facet>& facets, bool is_distinct) {
   Shell s{is_distinct ? distinct(facets) : facets, is_distinct, {}, {}};
   s.winding = boundary_of(s.facets, By::kWinding);
   s.parity = boundary_of(s.facets, By::kParity);
@@ -240,7 +240,7 @@ bool share_an_edge(const Chain& a, const Chain& b) {
 void add_closed(ClosedSurface& out, const std::vector<const Shell*>& members, By by, const Needle& needle, bool float32) {
   JoinedShell joined;
   Chain boundary;
-  std::vector<Facet>& facets = by == By::kParity ? out.evenodd : out.nonzero;
+  std::vector<mesher::Facet>& facets = by == By::kParity ? out.evenodd : out.nonzero;
   joined.shells = members.size();
   joined.evenodd = by == By::kParity;
   for (const Shell* s : members) {
@@ -268,13 +268,13 @@ void add_ends(std::set<Vec3>& ends, const Chain& boundary) {
   for (const auto& [edge, k] : boundary) ends.insert({edge.first, edge.second});
 }
 
-ClosedSurface closed_by_shell(const std::vector<Facet>& facets, Fill fill, double tau, bool float32) {
-  const bool automatic = fill == Fill::kAuto, by_parity = fill == Fill::kEvenodd || fill == Fill::kDistinct;
+ClosedSurface closed_by_shell(const std::vector<mesher::Facet>& facets, mesher::Fill fill, double tau, bool float32) {
+  const bool automatic = fill == mesher::Fill::kAuto, by_parity = fill == mesher::Fill::kEvenodd || fill == mesher::Fill::kDistinct;
   std::vector<Shell> open;
   std::set<Vec3> ends;
   ClosedSurface out;
-  for (const std::vector<Facet>& one : shells_of(facets)) {
-    Shell shell = shell_of(one, fill == Fill::kDistinct || (automatic && mostly_cancels(one)));
+  for (const std::vector<mesher::Facet>& one : shells_of(facets)) {
+    Shell shell = shell_of(one, fill == mesher::Fill::kDistinct || (automatic && mostly_cancels(one)));
     if (automatic ? shell.closed() : by_parity ? shell.parity.empty() : shell.winding.empty()) {
       const bool parity = automatic ? shell.distinct || !shell.winding.empty() : by_parity;
       add_closed(out, {&shell}, parity ? By::kParity : By::kWinding, Needle({}, 0), float32);
@@ -316,7 +316,7 @@ ClosedSurface closed_by_shell(const std::vector<Facet>& facets, Fill fill, doubl
 
 }  // namespace
 
-ClosedSurface closed(const std::vector<Facet>& facets, Fill fill, double tau, bool float32) {
+ClosedSurface closed(const std::vector<mesher::Facet>& facets, mesher::Fill fill, double tau, bool float32) {
   ClosedSurface out = closed_by_shell(facets, fill, tau, float32);
   size_t boundary = 0;
   for (const JoinedShell& s : out.shells) boundary += s.boundary;
@@ -324,7 +324,7 @@ ClosedSurface closed(const std::vector<Facet>& facets, Fill fill, double tau, bo
   return out;
 }
 
-double stitch_in_file(double stitch, const Matrix& m) {
+double stitch_in_file(double stitch, const mesher::Matrix& m) {
   double longest = 0;
   for (int column = 0; column < 3; ++column) longest = std::max(longest, length(m[column], m[4 + column], m[8 + column]));
   return stitch / longest;

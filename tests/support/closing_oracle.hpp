@@ -20,16 +20,16 @@ struct JoinedShell {
 };
 
 struct ClosedSurface {
-  std::vector<Facet> nonzero, evenodd;  // the facets that count, the stitches and the caps, by rule
+  std::vector<mesher::Facet> nonzero, evenodd;  // the facets that count, the stitches and the caps, by rule
   std::vector<JoinedShell> shells;
   size_t stitches = 0;                  // facets
 };
 
 // Closes the facets of a body, in the coordinates of its file. `tau` is the stitch length there: 0 for no stitches.
 // Throws std::length_error where the rules forbid so many stitches.
-ClosedSurface closed(const std::vector<Facet>& facets, Fill fill, double tau, bool float32);
+ClosedSurface closed(const std::vector<mesher::Facet>& facets, mesher::Fill fill, double tau, bool float32);
 
 // The stitch length in the file's coordinates, for one in the grid's.
-double stitch_in_file(double stitch, const Matrix& matrix);
+double stitch_in_file(double stitch, const mesher::Matrix& matrix);
 
 }  // namespace teracell::oracle

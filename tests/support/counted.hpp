@@ -16,7 +16,7 @@ struct Counted {
   friend bool operator==(const Counted&, const Counted&) = default;
 };
 
-inline bool is_without_area(const Facet& f) {
+inline bool is_without_area(const mesher::Facet& f) {
   std::array<std::array<cpp_int, 3>, 3> p;
   for (int i = 0; i < 3; ++i)
     for (int d = 0; d < 3; ++d) p[i][d] = in_units(f.vertex[i][d], kCoordinateBits);
@@ -28,12 +28,12 @@ inline bool is_without_area(const Facet& f) {
 }
 
 // Whether the vertices in this order are an odd permutation of the sorted ones. Of two equal ones it says nothing.
-inline bool is_odd(const Facet& f) {
+inline bool is_odd(const mesher::Facet& f) {
   const auto& [a, b, c] = f.vertex;
   return ((b < a) ^ (c < b) ^ (c < a)) != 0;
 }
 
-inline Counted counted(const std::vector<Facet>& facets) {
+inline Counted counted(const std::vector<mesher::Facet>& facets) {
   Counted out;
   std::map<std::array<Vec3, 3>, bool> first;  // by sorted vertices: whether the first facet is odd
   std::map<Vec3, size_t> facet_at;
@@ -59,13 +59,13 @@ inline Counted counted(const std::vector<Facet>& facets) {
 
 // Facets between points of a coarse lattice in [0, size): many share vertices, repeat one another or have no area. Some have
 // corners that are no multiple of the lattice and are on a line but for a rounding.
-inline std::vector<Facet> tangle(std::mt19937_64& random, size_t count, int size) {
-  std::vector<Facet> out;
+inline std::vector<mesher::Facet> tangle(std::mt19937_64& random, size_t count, int size) {
+  std::vector<mesher::Facet> out;
   const auto point = [&] {
     return Vec3{double(random_int(random, 0, size - 1)), double(random_int(random, 0, 3)), double(random_int(random, 0, 3))};
   };
   while (out.size() < count) {
-    Facet f{{point(), point(), point()}};
+    mesher::Facet f{{point(), point(), point()}};
     const int kind = random_int(random, 0, 9);
     if (kind < 3 && !out.empty()) {
       f = out[random_int(random, 0, static_cast<int>(out.size()) - 1)];

@@ -1,6 +1,6 @@
 // Grids of cubic cells over a cube.
 #pragma once
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
 namespace teracell {
 

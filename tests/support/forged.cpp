@@ -4,8 +4,8 @@
 
 #include <xxhash.h>
 
-#include "store/metadata_json.hpp"
-#include "store/zstd_frame.hpp"
+#include "store/base/zstd_frame.hpp"
+#include "store/format/metadata_json.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell::testing {

@@ -3,8 +3,8 @@
 #pragma once
 #include <functional>
 
-#include "store/format.hpp"
-#include "store/metadata.hpp"
+#include "store/format/format.hpp"
+#include "store/grid/metadata.hpp"
 
 namespace teracell::testing {
 

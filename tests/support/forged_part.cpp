@@ -1,6 +1,6 @@
 #include "tests/support/forged_part.hpp"
 
-#include "store/format.hpp"
+#include "store/format/format.hpp"
 
 namespace teracell::testing {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 #include <string>
 
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
 namespace teracell::testing {
 

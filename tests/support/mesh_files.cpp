@@ -38,7 +38,7 @@ struct Indexed {
 
   explicit Indexed(const Facets& all) {
     std::map<Vec3, uint32_t> index;
-    for (const Facet& f : all) {
+    for (const mesher::Facet& f : all) {
       std::array<uint32_t, 3> corners;
       for (int i = 0; i < 3; ++i) {
         const auto [it, is_new] = index.try_emplace(f.vertex[i], static_cast<uint32_t>(vertices.size()));
@@ -56,7 +56,7 @@ void write_stl(const std::filesystem::path& path, const Facets& facets, Encoding
   std::string out;
   if (encoding == Encoding::kAscii) {
     out += fmt::format("solid {}\n", name);
-    for (const Facet& f : facets) {
+    for (const mesher::Facet& f : facets) {
       out += "facet normal 0 0 0\n  outer loop\n";
       for (const Vec3& v : f.vertex) {
         out += fmt::format("    vertex {} {} {}\n", static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2]));
@@ -68,7 +68,7 @@ void write_stl(const std::filesystem::path& path, const Facets& facets, Encoding
     out = name;
     out.resize(80, ' ');
     append(out, static_cast<uint32_t>(facets.size()), Encoding::kLittleEndian);
-    for (const Facet& f : facets) {
+    for (const mesher::Facet& f : facets) {
       for (int i = 0; i < 3; ++i) append(out, 0.0f, Encoding::kLittleEndian);
       for (const Vec3& v : f.vertex) {
         for (const double x : v) append(out, static_cast<float>(x), Encoding::kLittleEndian);

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "mesher/report_json.hpp"
+#include "mesher/report/report_json.hpp"
 
 namespace teracell::testing {
 
@@ -21,8 +21,8 @@ TempFolder::~TempFolder() {
   std::filesystem::remove_all(path_, ignored);
 }
 
-Scene scene_of(const TempFolder& folder, const std::vector<oracle::Body>& bodies, const Grid& grid) {
-  Scene scene;
+mesher::Scene scene_of(const TempFolder& folder, const std::vector<oracle::Body>& bodies, const Grid& grid) {
+  mesher::Scene scene;
   for (int d = 0; d < 3; ++d) {
     const Axis& a = grid.axis[d];
     scene.sample[d] = a.sample();
@@ -39,22 +39,22 @@ Scene scene_of(const TempFolder& folder, const std::vector<oracle::Body>& bodies
   for (size_t i = 0; i < bodies.size(); ++i) {
     const std::string name = fmt::format("body{}", i);
     shapes::write_obj(folder / (name + ".obj"), bodies[i].facets);
-    SceneBody body;
+    mesher::SceneBody body;
     body.name = name;
     body.mesh = folder / (name + ".obj");
     body.mesh_text = name + ".obj";
     body.material = bodies[i].material;
     body.priority = bodies[i].priority;
-    body.fill = bodies[i].rule == oracle::Rule::kEvenodd ? Fill::kEvenodd : Fill::kNonzero;
-    if (bodies[i].sheet) body.kind = Kind::kSheet, body.fill = Fill::kAuto;
+    body.fill = bodies[i].rule == oracle::Rule::kEvenodd ? mesher::Fill::kEvenodd : mesher::Fill::kNonzero;
+    if (bodies[i].sheet) body.kind = mesher::Kind::kSheet, body.fill = mesher::Fill::kAuto;
     scene.bodies.push_back(body);
   }
   return scene;
 }
 
-nlohmann::ordered_json mesh_quietly(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options) {
+nlohmann::ordered_json mesh_quietly(const mesher::Scene& scene, const std::filesystem::path& output, const mesher::MeshOptions& options) {
   const std::atomic<bool> stop{false};
-  const MeshReport found = mesh(
+  const mesher::MeshReport found = mesh(
       scene, output, options, [](const char*, double, double) {}, stop);
   return nlohmann::ordered_json::parse(report_json(found.report, scene, found.run, found.warnings()));
 }

@@ -109,7 +109,7 @@ std::pair<int64_t, int64_t> centres_within(const Axis& axis, double lo, double h
 }
 
 template <class Int>
-std::vector<int> windings(const std::vector<Facet>& facets, const Grid& grid, const Vec3& apex, const Scale& scale) {
+std::vector<int> windings(const std::vector<mesher::Facet>& facets, const Grid& grid, const Vec3& apex, const Scale& scale) {
   const auto point = [&](const Vec3& v) { return Point<Int>{scaled<Int>(v[0], scale), scaled<Int>(v[1], scale), scaled<Int>(v[2], scale)}; };
   const Index3 n = grid.cells();
   std::array<std::vector<Int>, 3> centre;
@@ -119,7 +119,7 @@ std::vector<int> windings(const std::vector<Facet>& facets, const Grid& grid, co
 
   std::vector<int> winding(n[0] * n[1] * n[2], 0);
   const Point<Int> o = point(apex);
-  for (const Facet& facet : facets) {
+  for (const mesher::Facet& facet : facets) {
     const Point<Int> a = point(facet.vertex[0]), b = point(facet.vertex[1]), c = point(facet.vertex[2]);
     // Each plane with the tetrahedron's fourth corner: its side is the inner one.
     const std::array<Plane<Int>, 4> plane = {Plane<Int>(a, b, c), Plane<Int>(o, a, b), Plane<Int>(o, b, c), Plane<Int>(o, c, a)};
@@ -157,7 +157,7 @@ Point<Int> exact_point(const Vec3& v, const Scale& scale) {
 template <class Int>
 class LinesAndFacet {
  public:
-  LinesAndFacet(const Facet& facet, int axis, const Scale& scale)
+  LinesAndFacet(const mesher::Facet& facet, int axis, const Scale& scale)
       : a_(exact_point<Int>(facet.vertex[0], scale)),
         b_(exact_point<Int>(facet.vertex[1], scale)),
         c_(exact_point<Int>(facet.vertex[2], scale)),
@@ -186,8 +186,8 @@ class LinesAndFacet {
   std::vector<Plane<Int>> edges_;
 };
 
-void add_vertices(Scale& scale, const std::vector<Facet>& facets) {
-  for (const Facet& f : facets)
+void add_vertices(Scale& scale, const std::vector<mesher::Facet>& facets) {
+  for (const mesher::Facet& f : facets)
     for (const Vec3& vertex : f.vertex)
       for (const double v : vertex) scale.add(v);
 }
@@ -198,7 +198,7 @@ void add_centres(Scale& scale, const Grid& grid) {
 }
 
 // Of the lines along d that may meet the facet: all cells along d, else those between its ends.
-std::array<std::pair<int64_t, int64_t>, 3> lines_within(const Facet& facet, const Grid& grid, int d) {
+std::array<std::pair<int64_t, int64_t>, 3> lines_within(const mesher::Facet& facet, const Grid& grid, int d) {
   std::array<std::pair<int64_t, int64_t>, 3> range;
   for (int k = 0; k < 3; ++k) {
     const auto [lo, hi] = std::minmax({facet.vertex[0][k], facet.vertex[1][k], facet.vertex[2][k]});
@@ -208,10 +208,10 @@ std::array<std::pair<int64_t, int64_t>, 3> lines_within(const Facet& facet, cons
 }
 
 template <class Int>
-std::vector<bool> sheet(const std::vector<Facet>& facets, const Grid& grid, const Scale& scale) {
+std::vector<bool> sheet(const std::vector<mesher::Facet>& facets, const Grid& grid, const Scale& scale) {
   const Index3 n = grid.cells();
   std::vector<bool> out(n[0] * n[1] * n[2], false);
-  for (const Facet& facet : facets) {
+  for (const mesher::Facet& facet : facets) {
     for (int d = 0; d < 3; ++d) {
       const LinesAndFacet<Int> lines(facet, d, scale);
       if (lines.turn() == 0) continue;
@@ -233,9 +233,9 @@ std::vector<bool> sheet(const std::vector<Facet>& facets, const Grid& grid, cons
 }
 
 template <class Int>
-std::vector<Interval> crossed_intervals(const std::vector<Facet>& facets, const Grid& grid, const Scale& scale) {
+std::vector<Interval> crossed_intervals(const std::vector<mesher::Facet>& facets, const Grid& grid, const Scale& scale) {
   std::map<std::pair<int, Index3>, Interval> found;
-  for (const Facet& facet : facets) {
+  for (const mesher::Facet& facet : facets) {
     for (int d = 0; d < 3; ++d) {
       const LinesAndFacet<Int> lines(facet, d, scale);
       if (lines.turn() == 0) continue;
@@ -273,7 +273,7 @@ std::vector<Interval> crossed_intervals(const std::vector<Facet>& facets, const 
 
 }  // namespace
 
-std::vector<Interval> intervals(const std::vector<Facet>& facets, const Grid& grid) {
+std::vector<Interval> intervals(const std::vector<mesher::Facet>& facets, const Grid& grid) {
   Scale scale;
   add_vertices(scale, facets);
   add_centres(scale, grid);
@@ -281,7 +281,7 @@ std::vector<Interval> intervals(const std::vector<Facet>& facets, const Grid& gr
   return scale.bits() <= 40 ? crossed_intervals<Int128>(facets, grid, scale) : crossed_intervals<cpp_int>(facets, grid, scale);
 }
 
-std::vector<bool> sheet_cells(const std::vector<Facet>& facets, const Grid& grid) {
+std::vector<bool> sheet_cells(const std::vector<mesher::Facet>& facets, const Grid& grid) {
   Scale scale;
   add_vertices(scale, facets);
   add_centres(scale, grid);
@@ -290,9 +290,9 @@ std::vector<bool> sheet_cells(const std::vector<Facet>& facets, const Grid& grid
   return scale.bits() <= 40 ? sheet<Int128>(facets, grid, scale) : sheet<cpp_int>(facets, grid, scale);
 }
 
-bool is_closed(const std::vector<Facet>& facets, Rule rule) {
+bool is_closed(const std::vector<mesher::Facet>& facets, Rule rule) {
   std::map<std::pair<Vec3, Vec3>, int64_t> uses;  // of the edge from its smaller vertex to its larger one
-  for (const Facet& f : facets) {
+  for (const mesher::Facet& f : facets) {
     for (int i = 0; i < 3; ++i) {
       const Vec3 &a = f.vertex[i], &b = f.vertex[(i + 1) % 3];
       if (a == b) continue;
@@ -304,7 +304,7 @@ bool is_closed(const std::vector<Facet>& facets, Rule rule) {
   return std::all_of(uses.begin(), uses.end(), [&](const auto& edge) { return rule == Rule::kNonzero ? edge.second == 0 : edge.second % 2 == 0; });
 }
 
-std::vector<int> winding_numbers(const std::vector<Facet>& facets, const Grid& grid, const Vec3& apex) {
+std::vector<int> winding_numbers(const std::vector<mesher::Facet>& facets, const Grid& grid, const Vec3& apex) {
   Scale scale;
   for (const double v : apex) scale.add(v);
   add_vertices(scale, facets);

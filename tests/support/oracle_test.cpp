@@ -70,7 +70,7 @@ int lexicographic_sign(const std::vector<Rational>& coefficients) {
 int winding_along_x(const Facets& facets, const Vec3& p) {
   int winding = 0;
   const Rational px(p[0]), py(p[1]), pz(p[2]);
-  for (const Facet& f : facets) {
+  for (const mesher::Facet& f : facets) {
     std::array<std::array<Rational, 3>, 3> v;  // relative to the point
     for (int i = 0; i < 3; ++i) {
       v[i] = {Rational(f.vertex[i][0]) - px, Rational(f.vertex[i][1]) - py, Rational(f.vertex[i][2]) - pz};
@@ -106,7 +106,7 @@ TEST_CASE("the diagonals of a box's faces decide no cell", "[oracle]") {
   const Facets box = shapes::box({1, 1, 1}, {4, 4, 4});
   for (int first = 0; first < 3; ++first) {
     Facets turned = box;  // the same facets from another vertex, in another order
-    for (Facet& f : turned) std::rotate(f.vertex.begin(), f.vertex.begin() + first, f.vertex.end());
+    for (mesher::Facet& f : turned) std::rotate(f.vertex.begin(), f.vertex.begin() + first, f.vertex.end());
     std::reverse(turned.begin(), turned.end());
     CHECK(cells(turned, grid) == index_box(grid, {1, 1, 1}, {4, 4, 4}));
   }

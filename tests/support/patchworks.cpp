@@ -24,7 +24,7 @@ double distance_from_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
   return distance(p, along(a, b, std::clamp(dot(d, e) / dot(e, e), 0.0, 1.0)));
 }
 
-Vec3 middle(const Facet& f) { return along(f.vertex[0], along(f.vertex[1], f.vertex[2], 0.5), 2.0 / 3); }
+Vec3 middle(const mesher::Facet& f) { return along(f.vertex[0], along(f.vertex[1], f.vertex[2], 0.5), 2.0 / 3); }
 
 Vec3 in_ball(std::mt19937_64& random, double radius) {
   for (;;) {
@@ -35,7 +35,7 @@ Vec3 in_ball(std::mt19937_64& random, double radius) {
 
 std::set<Edge> seam_of(const Facets& patch) {
   std::set<Edge> edges;
-  for (const Facet& f : patch)
+  for (const mesher::Facet& f : patch)
     for (int i = 0; i < 3; ++i) edges.insert({f.vertex[i], f.vertex[(i + 1) % 3]});
   std::set<Edge> seam;
   for (const auto& [a, b] : edges)
@@ -75,7 +75,7 @@ Patches cube_sphere(const Vec3& centre, double radius, int n) {
 Facets refined(Facets facets, int levels) {
   for (; levels > 0; --levels) {
     Facets finer;
-    for (const Facet& f : facets) {
+    for (const mesher::Facet& f : facets) {
       const auto& [a, b, c] = f.vertex;
       const auto halfway = [](const Vec3& p, const Vec3& q) { return along(std::min(p, q), std::max(p, q), 0.5); };  // the same for the neighbour
       const Vec3 ab = halfway(a, b), bc = halfway(b, c), ca = halfway(c, a);
@@ -90,7 +90,7 @@ Patches cut_by_seeds(const Facets& facets, std::mt19937_64& random, size_t patch
   std::vector<Vec3> seeds;
   for (size_t i = 0; i < patches; ++i) seeds.push_back(middle(facets[std::uniform_int_distribution<size_t>(0, facets.size() - 1)(random)]));
   Patches out(patches);
-  for (const Facet& f : facets) {
+  for (const mesher::Facet& f : facets) {
     const Vec3 m = middle(f);
     out[std::ranges::min_element(seeds, {}, [&](const Vec3& s) { return distance(s, m); }) - seeds.begin()].push_back(f);
   }
@@ -100,13 +100,13 @@ Patches cut_by_seeds(const Facets& facets, std::mt19937_64& random, size_t patch
 
 Patches cut_by_planes(const Facets& facets, std::mt19937_64& random, int planes) {
   Vec3 lo = facets[0].vertex[0], hi = lo;
-  for (const Facet& f : facets)
+  for (const mesher::Facet& f : facets)
     for (const Vec3& v : f.vertex)
       for (int d = 0; d < 3; ++d) lo[d] = std::min(lo[d], v[d]), hi[d] = std::max(hi[d], v[d]);
   std::map<uint32_t, Facets> by_side;
   std::vector<std::pair<Vec3, Vec3>> cuts;  // a point, the normal
   for (int i = 0; i < planes; ++i) cuts.push_back({plus(along(lo, hi, 0.5), in_ball(random, distance(lo, hi) / 8)), in_ball(random, 1)});
-  for (const Facet& f : facets) {
+  for (const mesher::Facet& f : facets) {
     uint32_t side = 0;
     for (const auto& [p, n] : cuts) side = 2 * side + (dot(n, middle(f)) > dot(n, p));
     by_side[side].push_back(f);
@@ -119,7 +119,7 @@ Patches cut_by_planes(const Facets& facets, std::mt19937_64& random, int planes)
 Facets moved(Facets patch, std::mt19937_64& random, double by) {
   std::map<Vec3, Vec3> to;
   for (const auto& [a, b] : seam_of(patch)) to.try_emplace(a, plus(a, in_ball(random, by)));
-  for (Facet& f : patch)
+  for (mesher::Facet& f : patch)
     for (Vec3& v : f.vertex)
       if (const auto it = to.find(v); it != to.end()) v = it->second;
   return patch;
@@ -128,7 +128,7 @@ Facets moved(Facets patch, std::mt19937_64& random, double by) {
 Facets split(const Facets& patch, std::mt19937_64& random, double share, double off, int points) {
   const std::set<Edge> seam = seam_of(patch);
   Facets out;
-  for (const Facet& f : patch) {
+  for (const mesher::Facet& f : patch) {
     std::vector<Vec3> polygon;
     for (int i = 0; i < 3; ++i) {
       const Vec3 &a = f.vertex[i], &b = f.vertex[(i + 1) % 3];

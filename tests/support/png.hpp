@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "store/color.hpp"
+#include "store/text/color.hpp"
 
 namespace teracell::testing {
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
+#include "server/api/routes.hpp"
 #include "server/picture/picture.hpp"
-#include "server/routes.hpp"
 
 namespace teracell::testing {
 
@@ -25,21 +25,21 @@ ServedCells::ServedCells(const Grid& grid, int ray_axis, uint32_t labels, uint32
   std::mt19937_64 random(labels + shift + static_cast<uint32_t>(ray_axis));
   cells_ = random_cells(random, grid.cells(), labels);
   store_cells(path_, meta_, cells_);
-  service_ = std::make_unique<Service>(ServiceOptions{.named = {path_}, .max_pixels = 1 << 19});
+  service_ = std::make_unique<server::Service>(server::ServiceOptions{.named = {path_}, .max_pixels = 1 << 19});
 }
 
-Response ServedCells::get(const std::string& target) {
-  Request request;
+server::Response ServedCells::get(const std::string& target) {
+  server::Request request;
   request.target = target;
   request.origin = "http://host:8080";
   return get(request);
 }
 
-Response ServedCells::get(const Request& request) { return handle(*service_, request); }
+server::Response ServedCells::get(const server::Request& request) { return handle(*service_, request); }
 
 nlohmann::ordered_json ServedCells::json(const std::string& target) {
   INFO(target);
-  const Response r = get(target);
+  const server::Response r = get(target);
   REQUIRE(r.status == 200);
   REQUIRE(r.content_type.find("json") != std::string::npos);
   return nlohmann::ordered_json::parse(*r.body);
@@ -58,7 +58,7 @@ std::vector<Rgba> ServedCells::colors(int level) const {
     std::vector<Rgba> of_set;
     for (size_t label = 0; label < meta_.labels.size(); ++label)
       if (mask >> label & 1) of_set.push_back(*parse_color(meta_.materials[meta_.labels[label].material].color));
-    out.push_back(blend(of_set));
+    out.push_back(server::blend(of_set));
   }
   return out;
 }
@@ -98,7 +98,7 @@ std::vector<uint32_t> ids_of(const std::string& bytes, size_t width) {
   return out;
 }
 
-void require_missing(const Response& response) {
+void require_missing(const server::Response& response) {
   REQUIRE(response.status == 404);
   REQUIRE(response.body);
   REQUIRE(response.body->empty());

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/service/service.hpp"
-#include "store/color.hpp"
+#include "store/text/color.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
@@ -15,8 +15,8 @@ class ServedCells {
   ServedCells(const Grid& grid, int ray_axis, uint32_t labels, uint32_t shift = 0, const std::string& id = "g");
 
   // What handle() answers.
-  Response get(const std::string& target);
-  Response get(const Request& request);
+  server::Response get(const std::string& target);
+  server::Response get(const server::Request& request);
   nlohmann::ordered_json json(const std::string& target);  // REQUIREs 200 and JSON
   // For every cell of a level in C order, computed from the cells of level 0: its strongest material, and the blend of its
   // materials.
@@ -31,7 +31,7 @@ class ServedCells {
   std::filesystem::path path_;
   Metadata meta_;
   std::vector<Label> cells_;
-  std::unique_ptr<Service> service_;
+  std::unique_ptr<server::Service> service_;
 };
 
 // 70 x 130 x 67 cells of width 0.1 with the origin (-3, 1, 2.5). Along x the first cell is number 5 from the origin.
@@ -45,6 +45,6 @@ std::string inflated(const std::string& bytes, size_t expected);
 std::vector<uint32_t> ids_of(const std::string& bytes, size_t width);
 
 // REQUIREs status 404 and an empty body.
-void require_missing(const Response& response);
+void require_missing(const server::Response& response);
 
 }  // namespace teracell::testing

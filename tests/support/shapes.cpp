@@ -73,21 +73,21 @@ Facets sphere(const Vec3& centre, double radius, int levels, double lattice) {
   for (const double x : {1.0, -1.0}) {
     for (const double y : {1.0, -1.0}) {
       for (const double z : {1.0, -1.0}) {
-        const Facet octant = {{Vec3{x, 0, 0}, Vec3{0, y, 0}, Vec3{0, 0, z}}};
+        const mesher::Facet octant = {{Vec3{x, 0, 0}, Vec3{0, y, 0}, Vec3{0, 0, z}}};
         facets.push_back(x * y * z > 0 ? octant : flip({octant})[0]);
       }
     }
   }
   for (int level = 0; level < levels; ++level) {
     Facets finer;
-    for (const Facet& f : facets) {
+    for (const mesher::Facet& f : facets) {
       const auto& [a, b, c] = f.vertex;
       const Vec3 ab = midpoint_on_unit_sphere(a, b), bc = midpoint_on_unit_sphere(b, c), ca = midpoint_on_unit_sphere(c, a);
       finer.insert(finer.end(), {{{a, ab, ca}}, {{ab, b, bc}}, {{ca, bc, c}}, {{ab, bc, ca}}});
     }
     facets = std::move(finer);
   }
-  for (Facet& f : facets) {
+  for (mesher::Facet& f : facets) {
     for (Vec3& v : f.vertex) v = snapped(add(centre, {v[0] * radius, v[1] * radius, v[2] * radius}), lattice);
   }
   return facets;
@@ -141,12 +141,12 @@ Facets l_shape(const Vec3& corner, double length, double thickness, double heigh
 }
 
 Facets flip(Facets facets) {
-  for (Facet& f : facets) std::swap(f.vertex[1], f.vertex[2]);
+  for (mesher::Facet& f : facets) std::swap(f.vertex[1], f.vertex[2]);
   return facets;
 }
 
 Facets translate(Facets facets, const Vec3& by) {
-  for (Facet& f : facets) {
+  for (mesher::Facet& f : facets) {
     for (Vec3& v : f.vertex) v = add(v, by);
   }
   return facets;
@@ -160,7 +160,7 @@ Facets join(const std::vector<Facets>& shells) {
 
 double volume(const Facets& facets) {
   double six_volumes = 0;
-  for (const Facet& f : facets) six_volumes += triple(f.vertex[0], f.vertex[1], f.vertex[2]);
+  for (const mesher::Facet& f : facets) six_volumes += triple(f.vertex[0], f.vertex[1], f.vertex[2]);
   return six_volumes / 6;
 }
 

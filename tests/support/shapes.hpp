@@ -12,7 +12,7 @@
 
 namespace teracell::shapes {
 
-using Facets = std::vector<Facet>;
+using Facets = std::vector<mesher::Facet>;
 
 Facets box(const Vec3& lo, const Vec3& hi);
 // The box cut into six tetrahedra around its main diagonal (Kuhn's): they fill it without overlap.

@@ -2,9 +2,9 @@
 #pragma once
 #include <catch2/catch.hpp>
 
-#include "store/slice.hpp"
-#include "store/stats.hpp"
-#include "store/verify.hpp"
+#include "store/read/slice.hpp"
+#include "store/read/stats.hpp"
+#include "store/whole/verify.hpp"
 #include "tests/support/forged.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
@@ -21,7 +21,7 @@ inline Grid cubic(int64_t nx, int64_t ny, int64_t nz) {
 // As a user would make one: one chunk per level, three materials, a report.
 inline Bytes meshed_file() {
   const TempFolder folder;
-  MeshOptions options;
+  mesher::MeshOptions options;
   options.axis = 2;
   options.threads = 1;
   mesh_quietly(

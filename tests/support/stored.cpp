@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "store/pyramid_writer.hpp"
-#include "store/query.hpp"
+#include "store/read/query.hpp"
+#include "store/write/pyramid_writer.hpp"
 
 namespace teracell::testing {
 

@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <functional>
 
-#include "store/reader.hpp"
-#include "store/writer.hpp"
+#include "store/read/reader.hpp"
+#include "store/write/writer.hpp"
 #include "tests/support/blocks.hpp"
 #include "tests/support/descriptors.hpp"
 

@@ -15,7 +15,7 @@
 
 #include "mesher/surface/read_facets.hpp"
 #include "mesher/surface/reader.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/descriptors.hpp"
 #include "tests/support/gzip.hpp"
 
@@ -81,17 +81,17 @@ inline std::string binary_ply(std::endian order) {
 }
 
 struct Result {
-  SurfaceFile file;
+  mesher::SurfaceFile file;
   Facets facets;
   std::optional<uint64_t> expected;  // facets that the reader announced
 };
 
 inline Result read(const std::string& bytes, const std::string& part = "", const Budget& budget = {}, Background* helper = nullptr) {
   Result r;
-  Input input("mesh", bytes);
+  mesher::Input input("mesh", bytes);
   r.file = read_facets(input, part,
-                       [&](std::span<const Facet> some) {
-                         for (const Facet& f : some) r.facets.push_back(f.vertex);
+                       [&](std::span<const mesher::Facet> some) {
+                         for (const mesher::Facet& f : some) r.facets.push_back(f.vertex);
                        },
                        {budget, helper, [&](uint64_t facets) {
                           if (r.expected || !r.facets.empty()) throw std::logic_error("announced late");

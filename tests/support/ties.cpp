@@ -56,7 +56,7 @@ Axis axis_of_ties(std::mt19937_64& random, int n) {
 std::vector<Facets> decimal_tetrahedra(std::mt19937_64& random, int count) {
   std::vector<Facets> all = random_tetrahedra(random, count, 0, 10, 1);
   for (Facets& facets : all)
-    for (Facet& f : facets)
+    for (mesher::Facet& f : facets)
       for (Vec3& p : f.vertex)
         for (double& x : p) x = x / 10 + 0.05;
   return all;

@@ -1,7 +1,7 @@
 // Surfaces and axes that are hard to decide: sample points exactly on facets, a rounding beside them, and facets whose
 // slope doubles lose. For grids of cells about 1 wide that begin about 0.
 #pragma once
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace teracell::shapes {

@@ -14,7 +14,7 @@ Vec3 minus(const Vec3& a, const Vec3& b) { return {a[0] - b[0], a[1] - b[1], a[2
 
 double winding_number(const shapes::Facets& facets, const Vec3& point) {
   double angle = 0;
-  for (const Facet& f : facets) {
+  for (const mesher::Facet& f : facets) {
     // A. Van Oosterom, J. Strackee, "The Solid Angle of a Plane Triangle" (1983).
     const Vec3 a = minus(f.vertex[0], point), b = minus(f.vertex[1], point), c = minus(f.vertex[2], point);
     const double la = std::sqrt(dot(a, a)), lb = std::sqrt(dot(b, b)), lc = std::sqrt(dot(c, c));

@@ -16,7 +16,7 @@ inline std::string zarr2_chunk(ServedCells& served, const std::string& array, co
   REQUIRE(j["dimension_separator"] == "/");
   size_t bytes = width;
   for (const auto& n : j["chunks"]) bytes *= n.get<size_t>();
-  const Response r = served.get(array + "/" + key);
+  const server::Response r = served.get(array + "/" + key);
   REQUIRE(r.status == 200);
   return inflated(*r.body, bytes);
 }

@@ -9,10 +9,10 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
-#include "store/text.hpp"
+#include "store/base/error.hpp"
+#include "store/text/text.hpp"
 
-namespace teracell {
+namespace teracell::cli {
 namespace {
 
 std::atomic<bool> interrupted{false};  // global because a signal handler can reach nothing else
@@ -165,4 +165,4 @@ void add_progress(CLI::App& app, std::string& mode) {
   app.add_option("--progress", mode, "progress on stderr: auto (if stderr is a terminal), plain or none")->check(one_of({"auto", "plain", "none"}));
 }
 
-}  // namespace teracell
+}  // namespace teracell::cli

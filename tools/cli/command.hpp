@@ -11,10 +11,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include "store/reader.hpp"
-#include "store/sources.hpp"
+#include "store/read/reader.hpp"
+#include "store/remote/sources.hpp"
 
-namespace teracell {
+namespace teracell::cli {
 
 using Run = std::function<void()>;
 
@@ -50,4 +50,4 @@ void refuse_overwriting(const std::vector<std::string>& inputs, const std::strin
 const std::atomic<bool>& watch_interrupts();
 void stop_if(const std::atomic<bool>& stop, const std::string& output);  // throws Interrupted
 
-}  // namespace teracell
+}  // namespace teracell::cli

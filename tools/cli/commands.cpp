@@ -21,7 +21,7 @@
   command(serve, "grids over HTTP: pictures, numbers, the formats of other viewers")
 // clang-format on
 
-namespace teracell {
+namespace teracell::cli {
 
 #define DECLARED(name, summary) Run setup_##name(CLI::App&);
 #define LISTED(name, summary) {#name, summary, setup_##name},
@@ -36,4 +36,4 @@ const std::vector<Command>& commands() {
 #undef DECLARED
 #undef LISTED
 
-}  // namespace teracell
+}  // namespace teracell::cli

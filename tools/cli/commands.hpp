@@ -4,7 +4,7 @@
 
 #include "tools/cli/command.hpp"
 
-namespace teracell {
+namespace teracell::cli {
 
 struct Command {
   std::string name, summary;
@@ -14,4 +14,4 @@ struct Command {
 // In the order of the help.
 const std::vector<Command>& commands();
 
-}  // namespace teracell
+}  // namespace teracell::cli

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace teracell {
+namespace teracell::cli {
 namespace {
 
 const char* hint(Remedy remedy) {
@@ -30,4 +30,4 @@ std::string with_hint(const Error& e) {
   return text + hint(e.remedy);
 }
 
-}  // namespace teracell
+}  // namespace teracell::cli

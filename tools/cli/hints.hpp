@@ -2,11 +2,11 @@
 #pragma once
 #include <string>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::cli {
 
 // The message, with the option in place of the field, and with what to type.
 std::string with_hint(const Error& e);
 
-}  // namespace teracell
+}  // namespace teracell::cli

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "store/file.hpp"
+#include "store/base/file.hpp"
 
-namespace teracell {
+namespace teracell::cli {
 namespace {
 
 namespace fs = std::filesystem;
@@ -217,4 +217,4 @@ void write_manual(const CLI::App& app, const fs::path& folder) {
   write(folder / "fish/teracell.fish", fish(app));
 }
 
-}  // namespace teracell
+}  // namespace teracell::cli

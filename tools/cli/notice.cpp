@@ -11,8 +11,8 @@ asm(".pushsection .rodata\n"
 extern "C" const char teracell_notice[] asm("teracell_notice");
 extern "C" const char teracell_notice_end[] asm("teracell_notice_end");
 
-namespace teracell {
+namespace teracell::cli {
 
 std::string_view notice() { return {teracell_notice, teracell_notice_end}; }
 
-}  // namespace teracell
+}  // namespace teracell::cli

@@ -2,8 +2,8 @@
 #pragma once
 #include <string_view>
 
-namespace teracell {
+namespace teracell::cli {
 
 std::string_view notice();
 
-}  // namespace teracell
+}  // namespace teracell::cli

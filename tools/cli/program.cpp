@@ -12,7 +12,7 @@
 #include "mesher/scene/names.hpp"
 #include "tools/cli/hints.hpp"
 
-namespace teracell {
+namespace teracell::cli {
 namespace {
 
 constexpr const char* kNoRoom = "out of memory, or of threads: free some, or take fewer --threads, a smaller --region, or surfaces with fewer facets";
@@ -33,8 +33,8 @@ void begin_program() {
 }
 
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
-  const std::string_view near = nearest(word, {names.begin(), names.end()});
-  return resembles(word, near) ? fmt::format("; did you mean {}?", near) : ".";
+  const std::string_view near = mesher::nearest(word, {names.begin(), names.end()});
+  return mesher::resembles(word, near) ? fmt::format("; did you mean {}?", near) : ".";
 }
 
 void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>& words) {
@@ -96,4 +96,4 @@ Failure current_failure() {
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::cli

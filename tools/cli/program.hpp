@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-namespace teracell {
+namespace teracell::cli {
 
 void begin_program();  // first of all in main()
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& names);
@@ -19,4 +19,4 @@ struct Failure {
 };
 Failure current_failure();  // the exception that is being handled
 
-}  // namespace teracell
+}  // namespace teracell::cli

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace teracell {
+namespace teracell::cli {
 
 class ProgressLine {
  public:
@@ -24,4 +24,4 @@ class ProgressLine {
   bool shown_ = false;
 };
 
-}  // namespace teracell
+}  // namespace teracell::cli

@@ -13,6 +13,7 @@
 namespace {
 
 using namespace teracell;
+using namespace teracell::cli;
 
 int fail(int status, const std::string& message) {
   std::cout.flush();

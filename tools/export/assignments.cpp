@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
-#include "store/stats.hpp"
+#include "store/base/error.hpp"
+#include "store/read/stats.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 double parse_number(const std::string& text, const std::string& option) {
   double value = 0;
@@ -51,4 +51,4 @@ void expect_named(const GridReader& reader, int level, const Box& box, const std
       throw UsageError(fmt::format("{}: expected a number for each material, found none for '{}'", option, reader.meta().materials[id].name));
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

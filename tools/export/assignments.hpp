@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "store/reader.hpp"
+#include "store/read/reader.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 double parse_number(const std::string& text, const std::string& option);  // finite
 // The id of a material. Throws UsageError naming `option`.
@@ -17,4 +17,4 @@ std::vector<std::pair<std::string, std::string>> parse_assignments(const std::st
 // Throws UsageError naming `option` unless all materials with cells in `box` of the level are `named`.
 void expect_named(const GridReader& reader, int level, const Box& box, const std::vector<bool>& named, const std::string& option);
 
-}  // namespace teracell
+}  // namespace teracell::exports

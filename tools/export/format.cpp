@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/export/assignments.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 SetValue Export::number() const {
   if (map.empty()) return strongest_material(reader.meta());
@@ -46,4 +46,4 @@ std::string quoted_names(const std::vector<MaterialInfo>& materials, const std::
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

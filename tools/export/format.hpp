@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "store/reader.hpp"
-#include "store/set_value.hpp"
+#include "store/grid/set_value.hpp"
+#include "store/read/reader.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 // What is exported, and where to. REQUIRES: the reader has the level, and the box is not empty and lies within it.
 struct Export {
@@ -54,4 +54,4 @@ struct ExportFormat {
   bool coarser = false;  // whether the levels above the chosen one are written, too: their cells may reach beyond the box
 };
 
-}  // namespace teracell
+}  // namespace teracell::exports

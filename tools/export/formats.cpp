@@ -22,7 +22,7 @@
   format(zarr)
 // clang-format on
 
-namespace teracell {
+namespace teracell::exports {
 
 #define DECLARED(name) ExportFormat name##_format();
 #define LISTED(name) name##_format(),
@@ -49,4 +49,4 @@ const ExportFormat* export_format_of(const std::filesystem::path& output) {
   return nullptr;
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "store/query.hpp"
+#include "store/read/query.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 constexpr int64_t kCellsAtOnce = 16 << 20;
@@ -71,4 +71,4 @@ void LayerReader::append_row(const uint16_t* cells, int64_t x, int64_t count, La
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

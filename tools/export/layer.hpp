@@ -4,7 +4,7 @@
 
 #include "tools/export/place.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 // Beside a material, what a run can be: the outside of the box beyond its side xmin, xmax, ymin, ymax, zmin or zmax.
 inline constexpr uint32_t kSides = 65536;
@@ -51,4 +51,4 @@ class LayerReader {
   std::vector<uint16_t> slab_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::exports

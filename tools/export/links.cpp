@@ -1,14 +1,14 @@
 // Links as a list of records, for lattice Boltzmann codes and others that place walls between cells: an array of NumPy with named fields, which
 // any program can read behind its header. A record says which materials lie on both sides, so that no other file is needed.
-#include "store/link_reader.hpp"
+#include "store/channels/link_reader.hpp"
 
 #include <algorithm>
 
-#include "store/file.hpp"
-#include "store/npy_header.hpp"
+#include "store/base/file.hpp"
+#include "store/text/npy_header.hpp"
 #include "tools/export/format.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 constexpr char kFields[] =
@@ -82,4 +82,4 @@ ExportFormat links_format() {
           .numbers = false};
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -5,10 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/export/assignments.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 // Calls take(material id, value) for each assignment of an option that may be missing.
@@ -59,4 +59,4 @@ std::vector<Medium> media_of(const Export& e, bool all) {
   return media;
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

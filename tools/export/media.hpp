@@ -2,7 +2,7 @@
 #pragma once
 #include "tools/export/format.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 struct Medium {
   bool given = false;  // by --epsilon; else it is the background, or occurs nowhere
@@ -17,4 +17,4 @@ std::vector<ExportOption> media_options();
 // unless `all` are wanted.
 std::vector<Medium> media_of(const Export& e, bool all);
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 // The unit of a grid in metres. Throws UsageError, naming the solver, when it is a name of which no length is known.
 inline double metres(const std::string& unit, const std::string& solver) {
@@ -19,4 +19,4 @@ inline double metres(const std::string& unit, const std::string& solver) {
   return it->second;
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 std::vector<double> planes_of(const Export& e, int axis) {
   std::vector<double> planes;
@@ -36,4 +36,4 @@ std::string one_line(const std::string& name) {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

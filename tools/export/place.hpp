@@ -2,7 +2,7 @@
 #pragma once
 #include "tools/export/format.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 inline Index3 size_of(const Box& box) { return {box.hi[0] - box.lo[0], box.hi[1] - box.lo[1], box.hi[2] - box.lo[2]}; }
 
@@ -22,4 +22,4 @@ EqualCells equal_cells(const Export& e, const char* format);
 // A name for a text whose values end with the line.
 std::string one_line(const std::string& name);
 
-}  // namespace teracell
+}  // namespace teracell::exports

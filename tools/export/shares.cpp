@@ -1,8 +1,8 @@
 #include "tools/export/shares.hpp"
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 std::optional<FractionReader> shares_of(const Export& e) {
   if (!e.has("--fractions")) return {};
@@ -16,4 +16,4 @@ Export step_of(const Export& e, size_t step, size_t steps) {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -2,10 +2,10 @@
 #pragma once
 #include <optional>
 
-#include "store/fraction_reader.hpp"
+#include "store/channels/fraction_reader.hpp"
 #include "tools/export/format.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 inline ExportOption shares_option() {
   return {"--fractions", "",
@@ -18,4 +18,4 @@ std::optional<FractionReader> shares_of(const Export& e);
 // The export with the share of the work that is done counted as that of one of `steps` equal steps.
 Export step_of(const Export& e, size_t step, size_t steps);
 
-}  // namespace teracell
+}  // namespace teracell::exports

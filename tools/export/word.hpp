@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-namespace teracell {
+namespace teracell::exports {
 
 // The name with '_' for what is neither an ASCII letter, a digit, '-' nor '.': blanks, quotes, slashes, semicolons and braces end words
 // in most files of solvers. It begins with a letter or '_', and is not one that is `taken`.
@@ -18,4 +18,4 @@ inline std::string word(const std::string& name, std::set<std::string>& taken) {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

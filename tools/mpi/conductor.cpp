@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
-#include "mesher/part_found.hpp"
-#include "store/error.hpp"
-#include "tools/cli/mesh_summary.hpp"
+#include "mesher/parts/part_found.hpp"
+#include "store/base/error.hpp"
+#include "tools/cli/commands/mesh_summary.hpp"
 
-namespace teracell {
+namespace teracell::mpi {
 
-Conductor::Conductor(Ranks& ranks, Caster& caster, const Member& self, const MeshArguments& arguments)
+Conductor::Conductor(Ranks& ranks, server::Caster& caster, const Member& self, const cli::MeshArguments& arguments)
     : ranks_(ranks), caster_(caster), self_(self), arguments_(arguments), line_(arguments.progress, "mesh") {
   if (!arguments.report.empty()) report_file_.emplace(arguments.report);
   const std::string text = fmt::format("{:016x}", std::random_device()() * 0x100000001b3u);
@@ -69,7 +69,7 @@ void Conductor::take_prepared(const Message& message) {
 }
 
 void Conductor::begin() {
-  const Pieces& pieces = caster_.pieces();
+  const mesher::Pieces& pieces = caster_.pieces();
   if (arguments_.resume) pieces.expect_own_files();
   assembly_.emplace(arguments_.output, pieces.meta());
   pieces.remove_files([&](uint32_t piece) { return owner_[piece] >= 0; });
@@ -128,8 +128,8 @@ bool Conductor::place() {
   const auto part = caster_.pieces().open(placed_);
   Bytes body;
   put_varint(body, placed_);
-  for (const Placed& place : assembly_->add(*part)) put_varint(body, place.to), put_varint(body, place.bytes);
-  const PartFound found = decode_found(part->found(), part->name());
+  for (const mesher::Placed& place : assembly_->add(*part)) put_varint(body, place.to), put_varint(body, place.bytes);
+  const mesher::PartFound found = decode_found(part->found(), part->name());
   if (totals_.cells.empty()) totals_ = found.totals;
   else totals_.add(found.totals);
   ranks_.send(owner_[placed_++], Tag::kCopy, std::move(body));
@@ -138,12 +138,12 @@ bool Conductor::place() {
 
 void Conductor::finish() {
   const auto began = std::chrono::steady_clock::now();
-  Pieces& pieces = caster_.pieces();
+  mesher::Pieces& pieces = caster_.pieces();
   report_ = pieces.report(totals_);
   assembly_->finish(report_.json, totals_.crossings);
   complete_ = true;
   pieces.commit_caps();
-  RunReport& run = report_.run;
+  mesher::RunReport& run = report_.run;
   run.phases.push_back({"finish", std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count()});
   run.threads = threads_;
   run.peak_memory_bytes = memory_;
@@ -176,4 +176,4 @@ uint32_t Conductor::clean_up() {
   return complete_ ? 0 : made_;
 }
 
-}  // namespace teracell
+}  // namespace teracell::mpi

@@ -2,11 +2,11 @@
 #pragma once
 #include <chrono>
 
-#include "mesher/assembly.hpp"
+#include "mesher/bodies/assembly.hpp"
 #include "tools/mpi/caster.hpp"
 #include "tools/mpi/ranks.hpp"
 
-namespace teracell {
+namespace teracell::mpi {
 
 // How long another machine may take to see a new file: network file systems remember for some seconds that there was none.
 inline constexpr std::chrono::seconds kPatience{30};
@@ -14,7 +14,7 @@ inline constexpr std::chrono::seconds kPatience{30};
 class Member {
  public:
   // Keeps references. `attend` is called while copying takes long.
-  Member(Ranks& ranks, Caster& caster, const std::filesystem::path& output, int threads, std::function<void()> attend);
+  Member(Ranks& ranks, server::Caster& caster, const std::filesystem::path& output, int threads, std::function<void()> attend);
   void take(const Message& message);
   bool step();  // whether there was anything to do
   bool ended() const { return ended_; }
@@ -23,14 +23,14 @@ class Member {
  private:
   struct Copy {
     uint32_t piece;
-    std::vector<Placed> places;
+    std::vector<mesher::Placed> places;
   };
   bool look_for_file();
   void tell_prepared();
   void copy();
 
   Ranks& ranks_;
-  Caster& caster_;
+  server::Caster& caster_;
   const std::filesystem::path& output_;
   const int threads_;
   const std::function<void()> attend_;
@@ -42,4 +42,4 @@ class Member {
   std::optional<FileRoom> file_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::mpi

@@ -8,9 +8,9 @@
 #include <span>
 #include <string>
 
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
-namespace teracell {
+namespace teracell::mpi {
 
 // What a message says. To rank 0, unless it says otherwise.
 enum class Tag : int {
@@ -65,10 +65,10 @@ class Ranks {
   const pid_t parent_;
   MPI_Comm here_;  // the ranks on this machine
   int rank_ = 0, size_ = 1, on_this_machine_ = 1;
-  std::list<Sending> sending_;
+  std::list<server::Sending> sending_;
 };
 
 void put_text(Bytes& out, const std::string& text);
 std::string take_text(ByteReader& in);
 
-}  // namespace teracell
+}  // namespace teracell::mpi

@@ -4,15 +4,16 @@
 #include <fmt/format.h>
 #include <thread>
 
-#include "store/error.hpp"
-#include "tools/cli/mesh_options.hpp"
-#include "tools/cli/mesh_summary.hpp"
+#include "store/base/error.hpp"
+#include "tools/cli/commands/mesh_options.hpp"
+#include "tools/cli/commands/mesh_summary.hpp"
 #include "tools/cli/program.hpp"
 #include "tools/mpi/conductor.hpp"
 
 namespace {
 
 using namespace teracell;
+using namespace teracell::mpi;
 using std::chrono::milliseconds;
 
 // Of the cores that this rank may use, its share when other ranks may use the same ones.
@@ -23,8 +24,8 @@ int default_threads(const Ranks& ranks) {
 }
 
 // Ranks would each take some of what can be read only once.
-void expect_files(const Scene& scene) {
-  for (const SceneBody& body : scene.bodies)
+void expect_files(const mesher::Scene& scene) {
+  for (const mesher::SceneBody& body : scene.bodies)
     if (std::error_code ignored; std::filesystem::exists(body.mesh, ignored) && !std::filesystem::is_regular_file(body.mesh, ignored))
       throw InputError(fmt::format("{}: expected a file, which every rank can read, found something else", body.mesh.string()));
 }
@@ -37,7 +38,7 @@ void expect_launcher(const Ranks& ranks) {
 }
 
 // Rank 0 tells the user, and ends the job. On another rank it returns if rank 0 has the grid in place already.
-void end_job(Ranks& ranks, const Failure& failure) {
+void end_job(Ranks& ranks, const cli::Failure& failure) {
   if (ranks.rank() != 0) {
     Bytes body;
     put_varint(body, static_cast<uint64_t>(failure.status));
@@ -53,28 +54,28 @@ void end_job(Ranks& ranks, const Failure& failure) {
   ranks.abort(failure.status);
 }
 
-Failure failure_of(const Ranks& ranks) {
+cli::Failure failure_of(const Ranks& ranks) {
   try {
     throw;
   } catch (const RankFailed& e) {
     return {e.status, e.what()};
   } catch (...) {
-    const Failure failure = current_failure();
+    const cli::Failure failure = current_failure();
     return {failure.status, fmt::format("{}: {}", ranks.name(), failure.message)};
   }
 }
 
-void mesh_together(Ranks& ranks, const MeshArguments& arguments, int threads) {
+void mesh_together(Ranks& ranks, const cli::MeshArguments& arguments, int threads) {
   const std::atomic<bool>& interrupted = watch_interrupts();
   const bool first = ranks.rank() == 0;
-  const Scene scene = scene_from(arguments);
+  const mesher::Scene scene = scene_from(arguments);
   if (first) check_outputs(arguments, scene);
   if (ranks.size() > 1) expect_files(scene);
-  MeshOptions options = mesh_options(arguments, ranks.on_this_machine());
+  mesher::MeshOptions options = mesh_options(arguments, ranks.on_this_machine());
   if (options.threads == 0) options.threads = threads;
   const std::filesystem::path output = arguments.output;
 
-  Caster caster(scene, output, options, static_cast<uint32_t>(ranks.rank()), static_cast<uint32_t>(ranks.size()));
+  server::Caster caster(scene, output, options, static_cast<uint32_t>(ranks.rank()), static_cast<uint32_t>(ranks.size()));
   std::optional<Conductor> conductor;
   std::function<void()> attend;
   Member member(ranks, caster, output, options.threads, [&] { attend(); });
@@ -97,7 +98,7 @@ void mesh_together(Ranks& ranks, const MeshArguments& arguments, int threads) {
       if (!busy) std::this_thread::sleep_for(pause);
     }
   } catch (...) {
-    Failure failure = failure_of(ranks);
+    cli::Failure failure = failure_of(ranks);
     if (first && conductor) {
       if (const uint32_t pieces = conductor->clean_up(); pieces > 0)
         failure.message += fmt::format(" ({} of the grid {} kept: go on with --resume, or remove {}.piece-*)",
@@ -108,7 +109,7 @@ void mesh_together(Ranks& ranks, const MeshArguments& arguments, int threads) {
     end_job(ranks, failure);  // before the caster is waited for
     member.take({0, Tag::kEnd, {}});
   }
-  const MeshReport report = first ? conductor->report() : MeshReport();
+  const mesher::MeshReport report = first ? conductor->report() : mesher::MeshReport();
   conductor.reset();  // clears the line of progress
   if (!first) return;
   warn_of_caps(arguments, report);
@@ -125,7 +126,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", TERACELL_VERSION);
   app.require_subcommand(1);
   CLI::App& mesh = *app.add_subcommand("mesh", "mesh a scene or bare surfaces into a .tcell file: the same bytes as those of `teracell mesh`");
-  MeshArguments arguments;
+  cli::MeshArguments arguments;
   add_mesh_options(mesh, arguments, true);
   mesh.footer(
       "Example:\n  mpirun -n 64 teracell_mpi mesh scene.json --step 0.05 -o scene.tcell\n"

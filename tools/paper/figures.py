@@ -16,8 +16,8 @@ import sys
 import tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, ".."), os.path.join(HERE, "../peers")]
-from bench_common import TERACELL, build, parser, peer  # noqa: E402
+sys.path[:0] = [os.path.join(HERE, "../bench"), os.path.join(HERE, "../bench/peers")]
+from common import TERACELL, build, parser, peer  # noqa: E402
 from cubic_scene import cubic_scene  # noqa: E402
 
 COLUMNS = ["input", "engine", "facets", "n", "cells", "rays", "crossings", "cast_seconds", "run_seconds", "peak_bytes"]
@@ -159,7 +159,7 @@ def print_table(points):
 
 
 def main(arguments):
-    options_of = parser("tools/bench paper", __doc__, runs=3)
+    options_of = parser("tools/bench/run paper", __doc__, runs=3)
     options_of.add_argument("-o", "--output", default="paper-out", metavar="FOLDER", help="for the pictures (default paper-out)")
     options = options_of.parse_args(arguments)
     build("gnuplot-nox", "teracell", "subdivide")

@@ -12,8 +12,8 @@
 
 #include "mesher/engines/engines.hpp"
 #include "mesher/pipeline.hpp"
-#include "mesher/report_json.hpp"
-#include "store/error.hpp"
+#include "mesher/report/report_json.hpp"
+#include "store/base/error.hpp"
 #include "store/teracell.h"
 
 namespace py = pybind11;
@@ -324,8 +324,8 @@ std::string join(const std::vector<std::string>& words) {
 std::string mesh(const std::string& scene_text, const std::string& folder, const std::vector<std::string>& surfaces, const std::string& output,
                  const py::dict& options, const py::object& progress) {
   using namespace teracell;
-  MeshOptions o;
-  GridOptions grid;
+  mesher::MeshOptions o;
+  mesher::GridOptions grid;
   const auto given = [&](const char* name) { return options.contains(name) && !options[name].is_none(); };
   if (given("cells")) {
     if (py::isinstance<py::int_>(options["cells"])) grid.longest_cells = options["cells"].cast<int64_t>();
@@ -347,7 +347,7 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   }
   if (given("resume")) o.resume = options["resume"].cast<bool>();
 
-  const std::vector<std::string> engines = engine_names();
+  const std::vector<std::string> engines = mesher::engine_names();
   if (std::ranges::count(engines, o.engine) == 0) throw UsageError("engine: expected one of " + join(engines) + ", found '" + o.engine + "'");
   if (o.threads < 0 || o.threads > 1024) throw UsageError("threads: expected 0 (one per core) to 1024, found " + std::to_string(o.threads));
   if (o.memory == 0) throw UsageError("memory: expected a number of bytes, found 0");
@@ -357,9 +357,9 @@ std::string mesh(const std::string& scene_text, const std::string& folder, const
   const bool silent = progress.is_none();
   Unlocked unlocked;
   try {
-    Scene scene = surfaces.empty() ? parse_scene(scene_text, folder) : bare_scene({surfaces.begin(), surfaces.end()});
+    mesher::Scene scene = surfaces.empty() ? mesher::parse_scene(scene_text, folder) : mesher::bare_scene({surfaces.begin(), surfaces.end()});
     override_grid(scene, grid);
-    const MeshReport report = mesh(
+    const mesher::MeshReport report = mesh(
         scene, output, o,
         [&](const char* phase, double share, double) {
           if (stop) return;

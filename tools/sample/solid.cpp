@@ -6,15 +6,15 @@
 #include <string>
 
 #include "mesher/scene/scene.hpp"
-#include "store/file.hpp"
+#include "store/base/file.hpp"
 
-namespace teracell {
+namespace teracell::sample {
 namespace {
 
 // A regular polygon of 2 * `rungs` sides about `centre`, counter-clockwise from u towards v.
 Section polygon(const Vec3& centre, const Vec3& u, const Vec3& v, double radius, int rungs) {
   const auto corner = [&](int i) {
-    const Matrix turn = rotation({0, 0, 1}, (i + 0.5) * 180 / rungs);
+    const mesher::Matrix turn = mesher::rotation({0, 0, 1}, (i + 0.5) * 180 / rungs);
     const double c = turn[0] * radius, s = turn[4] * radius;
     return Vec3{centre[0] + c * u[0] + s * v[0], centre[1] + c * u[1] + s * v[1], centre[2] + c * u[2] + s * v[2]};
   };
@@ -72,7 +72,7 @@ void Solid::capsule(const Vec3& centre, double half, double radius) {
   std::vector<Section> sections;
   for (int i = -kCircles; i <= kCircles; ++i) {
     if (i == 0) continue;
-    const Matrix turn = rotation({0, 0, 1}, (std::abs(i) - 1) * 80.0 / (kCircles - 1));
+    const mesher::Matrix turn = mesher::rotation({0, 0, 1}, (std::abs(i) - 1) * 80.0 / (kCircles - 1));
     const double x = half + radius * turn[4];
     sections.push_back(polygon({centre[0] + (i < 0 ? -x : x), centre[1], centre[2]}, {0, 1, 0}, {0, 0, 1}, radius * turn[0], kRungs));
   }
@@ -109,4 +109,4 @@ void write_whole(const std::filesystem::path& path, const std::string& bytes) {
   file.commit();
 }
 
-}  // namespace teracell
+}  // namespace teracell::sample

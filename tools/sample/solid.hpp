@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <vector>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell {
+namespace teracell::sample {
 
 // A plane outline as a ladder of two chains with as many points each: along `low`, then back along `high`. Rung by rung
 // it splits into quads, so that even a stepped, far from convex outline has caps without a triangulator.
@@ -41,4 +41,4 @@ class Solid {
 // All of `bytes` under its name, or nothing and an IoError.
 void write_whole(const std::filesystem::path& path, const std::string& bytes);
 
-}  // namespace teracell
+}  // namespace teracell::sample

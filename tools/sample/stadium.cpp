@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "mesher/scene/scene.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/sample/solid.hpp"
 
-namespace teracell {
+namespace teracell::sample {
 namespace {
 
 // Metres throughout. x runs along the pitch, z = 0 is the ground. Everything is placed by station (around the oval),
@@ -63,7 +63,7 @@ class Oval {
     double x, y, nx, ny;
   };
   static std::pair<double, double> direction(double degrees) {
-    const Matrix turn = rotation({0, 0, 1}, degrees);
+    const mesher::Matrix turn = mesher::rotation({0, 0, 1}, degrees);
     return {turn[0], turn[4]};
   }
   static Station on_arc(double x, double y, double radius, double degrees) {
@@ -350,4 +350,4 @@ void write_stadium(const std::filesystem::path& folder) {
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::sample

@@ -2,7 +2,7 @@
 #pragma once
 #include <filesystem>
 
-namespace teracell {
+namespace teracell::sample {
 
 // A stadium with an explosive charge, after the example of T. Ma, T. Ma, L. Hao: "Large-Scale Finite Difference Grid
 // Generation and Visualization Method Based on Ray Casting Algorithm", MSAM 2020. Closed binary STL surfaces in metres,
@@ -10,4 +10,4 @@ namespace teracell {
 // with an IoError, nothing.
 void write_stadium(const std::filesystem::path& folder);
 
-}  // namespace teracell
+}  // namespace teracell::sample

@@ -2,20 +2,24 @@
 // cannot look, it compresses no chunks and no answers, and it verifies no files.
 #include <zstd.h>
 
-#include "check/kept.hpp"
 #include "server/service/deflate.hpp"
-#include "store/channel_kinds.hpp"
-#include "store/chunk_codec.hpp"
-#include "store/fractions.hpp"
-#include "store/links.hpp"
+#include "store/channels/fractions.hpp"
+#include "store/channels/links.hpp"
+#include "store/check/kept.hpp"
+#include "store/format/channel_kinds.hpp"
+#include "store/runs/chunk_codec.hpp"
 
-namespace teracell {
-
-std::string read_kept_findings(const std::filesystem::path&, const std::string&) { return ""; }
-bool has_kept_findings(const std::filesystem::path&, const std::string&) { return false; }
+namespace teracell::server {
 
 std::string deflated(std::string_view, Wrapping) { return ""; }
 std::unique_ptr<Parts> gzip_parts(std::unique_ptr<Parts> parts) { return parts; }
+
+}  // namespace teracell::server
+
+namespace teracell::inline store {
+
+std::string read_kept_findings(const std::filesystem::path&, const std::string&) { return ""; }
+bool has_kept_findings(const std::filesystem::path&, const std::string&) { return false; }
 
 struct ChunkEncoder::Scratch {};
 ChunkEncoder::ChunkEncoder() = default;
@@ -27,7 +31,7 @@ const ChannelKind kLabelsKind = {kLabels, kRuns, nullptr};
 const ChannelKind kFractionsKind = {kFractions, kShares, nullptr, [](const Channel& channel) { subdivision_of(channel); }};
 const ChannelKind kLinksKind = {kLinks, kDistances, nullptr};
 
-}  // namespace teracell
+}  // namespace teracell::inline store
 
 // Made by those that could write chunks, too, and never used.
 ZSTD_CCtx* ZSTD_createCCtx() {

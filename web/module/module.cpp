@@ -5,12 +5,12 @@
 #include <optional>
 #include <set>
 
-#include "server/api.hpp"
+#include "server/api/api.hpp"
 #include "web/module/page_file.hpp"
 
 #define EXPORTED extern "C" __attribute__((visibility("default"), used))
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr size_t kCacheBytes = size_t{48} << 20;
@@ -136,4 +136,4 @@ EXPORTED void give(uint32_t file, double offset) {
   files.give(file, static_cast<uint64_t>(offset), {reinterpret_cast<const uint8_t*>(room_.data()), room_.size()});
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

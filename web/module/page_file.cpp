@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 constexpr uint64_t kGap = 8;        // blocks that are fetched though nobody wants them, to save a request
@@ -92,4 +92,4 @@ void PageFiles::rest() {
   }
 }
 
-}  // namespace teracell
+}  // namespace teracell::server

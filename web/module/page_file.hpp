@@ -8,10 +8,10 @@
 #include <set>
 #include <unordered_map>
 
-#include "store/file.hpp"
-#include "store/wanted.hpp"
+#include "store/base/file.hpp"
+#include "store/base/wanted.hpp"
 
-namespace teracell {
+namespace teracell::server {
 
 // The files, and the blocks of them that the page has given. Blocks leave in rest(), never while an answer waits for bytes: else it could begin
 // anew for ever.
@@ -72,4 +72,4 @@ class PageFile : public ByteSource {
   const uint32_t number_;
 };
 
-}  // namespace teracell
+}  // namespace teracell::server

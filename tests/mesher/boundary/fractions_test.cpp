@@ -7,15 +7,15 @@
 #include <csignal>
 
 #include "mesher/engines/engines.hpp"
-#include "mesher/merge.hpp"
-#include "store/fraction_reader.hpp"
-#include "store/verify.hpp"
+#include "mesher/parts/merge.hpp"
+#include "store/channels/fraction_reader.hpp"
+#include "store/whole/verify.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/ties.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -332,4 +332,4 @@ TEST_CASE("Sub-samples that doubles can't tell apart are refused") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

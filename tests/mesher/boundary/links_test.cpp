@@ -7,15 +7,15 @@
 #include <fmt/format.h>
 
 #include "mesher/engines/engines.hpp"
-#include "mesher/merge.hpp"
-#include "store/link_reader.hpp"
-#include "store/verify.hpp"
+#include "mesher/parts/merge.hpp"
+#include "store/channels/link_reader.hpp"
+#include "store/whole/verify.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/ties.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -270,4 +270,4 @@ TEST_CASE("Links at sheets and at kept cells") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -5,12 +5,12 @@
 
 #include <map>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -198,4 +198,4 @@ TEST_CASE("A sample that has answered is empty") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -5,13 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "mesher/bodies.hpp"
+#include "mesher/bodies/bodies.hpp"
 #include "mesher/surface/read_facets.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -289,4 +289,4 @@ TEST_CASE("How far the edge of a hole is off a plane", "[closing]") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,7 +7,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -141,4 +141,4 @@ TEST_CASE("Of a shell's loops those go whose signed area has the sign of the lar
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -12,7 +12,7 @@
 #include "tests/support/sanitized.hpp"
 #include "tests/support/winding.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -136,4 +136,4 @@ TEST_CASE("Random patchworks have the cells that their winding number is above o
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

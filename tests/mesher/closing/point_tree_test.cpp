@@ -6,7 +6,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -102,4 +102,4 @@ TEST_CASE("A tree of no points gives none, one of few gives them by number") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

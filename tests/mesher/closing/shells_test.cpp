@@ -8,7 +8,7 @@
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using shapes::Facets;
@@ -145,4 +145,4 @@ TEST_CASE("A sample of the facets tells whether opposite ones are among them, in
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -9,7 +9,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -137,4 +137,4 @@ TEST_CASE("Torn surfaces have the cells that another reading of the rules gives 
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,7 +7,7 @@
 #include "tests/support/sanitized.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -119,4 +119,4 @@ TEST_CASE("Vertices are numbered in the order of first appearance, and keep thei
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -11,7 +11,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/winding.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using shapes::Facets;
@@ -157,4 +157,4 @@ TEST_CASE("Two points in a thousand may disagree without a warning") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -7,11 +7,11 @@
 #include <map>
 #include <optional>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -279,4 +279,4 @@ TEST_CASE("Cells are counted anew after they were taken") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

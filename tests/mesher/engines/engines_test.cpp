@@ -8,13 +8,13 @@
 
 #include "mesher/engines/engines.hpp"
 #include "mesher/engines/tree.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/oracle.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/ties.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using shapes::Facets;
@@ -249,4 +249,4 @@ TEST_CASE("More crossings than a tile may hold are refused by their number", "[e
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -6,7 +6,7 @@
 #include "tests/support/exact.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -116,4 +116,4 @@ TEST_CASE("A part smaller than the rounding of all others decides the sign when 
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

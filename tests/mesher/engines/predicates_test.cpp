@@ -4,11 +4,11 @@
 #include <catch2/catch.hpp>
 
 #include "mesher/engines/ray.hpp"
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 #include "tests/support/exact.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -199,4 +199,4 @@ TEST_CASE("No answer changes when all is moved or scaled by a power of two that 
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -9,7 +9,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -150,4 +150,4 @@ TEST_CASE("Bytes that no sum has saved are a format error, or say something else
   CHECK_THROWS_WITH(all_of(OverlapSum::restored(in)), Catch::Contains("ascend"));
 }
 
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 Scene scene_of(const std::vector<std::string>& materials, const std::vector<std::pair<uint32_t, int64_t>>& bodies, bool by_body = false) {
@@ -81,4 +81,4 @@ TEST_CASE("Materials keep name, color and number; a scene without bodies has lab
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

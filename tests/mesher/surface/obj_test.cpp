@@ -1,9 +1,10 @@
 // OBJ.
-#include "store/background.hpp"
+#include "store/base/background.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/surfaces.hpp"
 
 using namespace teracell;
+using namespace teracell::mesher;
 using namespace teracell::surfaces;
 using Catch::Matchers::Contains;
 

@@ -1,5 +1,5 @@
 // Temporary files, and records that wait in them by bucket.
-#include "store/spill.hpp"
+#include "store/base/spill.hpp"
 
 #include <catch2/catch.hpp>
 
@@ -9,10 +9,10 @@
 #include <unistd.h>
 
 #include "mesher/surface/buckets.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/descriptors.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 namespace fs = std::filesystem;
@@ -117,4 +117,4 @@ TEST_CASE("Buckets that fit into memory need no folder") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

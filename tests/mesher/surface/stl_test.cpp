@@ -2,6 +2,7 @@
 #include "tests/support/surfaces.hpp"
 
 using namespace teracell;
+using namespace teracell::mesher;
 using namespace teracell::surfaces;
 using Catch::Matchers::Contains;
 

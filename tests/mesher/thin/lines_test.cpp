@@ -9,7 +9,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -104,4 +104,4 @@ TEST_CASE("The sample points of an axis of planes are the planes of the axis, bi
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

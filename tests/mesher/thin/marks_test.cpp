@@ -8,7 +8,7 @@
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -111,4 +111,4 @@ TEST_CASE("Marks join the crossings of their rays behind them, and crossings sta
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

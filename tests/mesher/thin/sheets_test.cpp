@@ -12,7 +12,7 @@
 #include "tests/support/sanitized.hpp"
 #include "tests/support/ties.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -215,4 +215,4 @@ TEST_CASE("A sheet is neither closed nor filled: an open surface is no fault of 
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 bool same(const Tally& a, const Tally& b) { return a.number == b.number && a.widest == b.widest && a.from == b.from && a.cell == b.cell; }
@@ -105,4 +105,4 @@ TEST_CASE("A tally's place is the middle of the widest, on its axis, and its wid
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -13,7 +13,7 @@
 #include "tests/support/sanitized.hpp"
 #include "tests/support/ties.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -350,4 +350,4 @@ TEST_CASE("A body with few cells or none says why", "[thin]") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

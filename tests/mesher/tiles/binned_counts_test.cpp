@@ -8,7 +8,7 @@
 #include "tests/support/counted.hpp"
 #include "tests/support/meshed.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -128,4 +128,4 @@ TEST_CASE("Counts by the bins of a grid, of which many facets see no ray, are th
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

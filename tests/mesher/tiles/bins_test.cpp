@@ -7,12 +7,12 @@
 
 #include <unistd.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/mesher/tiles/tile_grids.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -255,4 +255,4 @@ TEST_CASE("No facets are a bin without facets, and need no room") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -3,7 +3,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 Facet facet(uint64_t i) {
@@ -63,4 +63,4 @@ TEST_CASE("A stretch of facets is walked in order, from anywhere to anywhere, an
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <fstream>
 
-#include "store/error.hpp"
-#include "store/verify.hpp"
+#include "store/base/error.hpp"
+#include "store/whole/verify.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -116,4 +116,4 @@ TEST_CASE("Without a folder for temporary files a large surface is an error that
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

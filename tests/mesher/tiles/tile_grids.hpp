@@ -3,7 +3,7 @@
 #include "mesher/tiles/rays.hpp"
 #include "tests/support/random.hpp"
 
-namespace teracell::testing {
+namespace teracell::mesher {
 
 // The axes along which the rays run and lie, by the frame: u, v, w.
 inline Metadata tile_grid(int ray_axis, const Axis& u, const Axis& v, const Axis& w, uint32_t chunk_rays) {
@@ -53,9 +53,9 @@ inline RayRange exact_range(const Metadata& meta, const Facet& facet) {
 }
 
 // Facets from a tenth of a cell to all of the grid and beyond, often with vertices on sample points and planes.
-inline std::vector<Facet> facets_over(std::mt19937_64& random, const Metadata& meta, size_t count) {
-  std::vector<Facet> out(count);
-  for (Facet& f : out) {
+inline std::vector<mesher::Facet> facets_over(std::mt19937_64& random, const Metadata& meta, size_t count) {
+  std::vector<mesher::Facet> out(count);
+  for (mesher::Facet& f : out) {
     const int kind = random_int(random, 0, 9);
     for (int d = 0; d < 3; ++d) {
       const Axis& axis = meta.grid.axis[d];
@@ -74,4 +74,4 @@ inline std::vector<Facet> facets_over(std::mt19937_64& random, const Metadata& m
   return out;
 }
 
-}  // namespace teracell::testing
+}  // namespace teracell::mesher

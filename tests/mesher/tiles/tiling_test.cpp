@@ -9,7 +9,7 @@
 #include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -196,4 +196,4 @@ TEST_CASE("Facets that lie in bins are handed to the tiles that facets in memory
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 using namespace teracell;
+using namespace teracell::server;
 
 namespace {
 

@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 TEST_CASE("A client is one as long as somebody holds it", "[clients]") {
@@ -35,4 +35,4 @@ TEST_CASE("The nearest proxy's entry of X-Forwarded-For names the client", "[cli
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 using namespace teracell;
+using namespace teracell::server;
 
 namespace {
 

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 using namespace teracell;
+using namespace teracell::server;
 
 TEST_CASE("what a Host field may hold", "[server][wire]") {
   for (const char* good : {"h", "example.org", "example.org:8080", "example.org:", "127.0.0.1", "127.0.0.1:1", "[::1]", "[::1]:65535",

@@ -8,6 +8,7 @@
 #include "tests/support/stored.hpp"
 
 using namespace teracell;
+using namespace teracell::server;
 using namespace teracell::testing;
 
 TEST_CASE("health is answered while every thread of the pool is busy, and further requests get 503", "[server][listener][threads]") {

@@ -5,6 +5,7 @@
 #include "tests/server/http/listening.hpp"
 
 using namespace teracell;
+using namespace teracell::server;
 using namespace teracell::testing;
 
 TEST_CASE("an answer in parts is sent in chunks, and the connection goes on", "[server][listener][threads]") {

@@ -11,6 +11,7 @@
 #include "tests/support/stored.hpp"
 
 using namespace teracell;
+using namespace teracell::server;
 using namespace teracell::testing;
 
 TEST_CASE("a connection serves one request after the other, also when they arrive together or in pieces", "[server][listener]") {

@@ -15,9 +15,9 @@
 #include <fmt/format.h>
 
 #include "server/http/listener.hpp"
-#include "store/wanted.hpp"
+#include "store/base/wanted.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
 
 using namespace std::chrono_literals;
 
@@ -250,4 +250,4 @@ inline bool soon(const std::function<bool()>& holds) {
   return false;
 }
 
-}  // namespace teracell::testing
+}  // namespace teracell::server

@@ -28,7 +28,7 @@ void operator delete(void* p) noexcept { std::free(p); }
 void operator delete(void* p, size_t) noexcept { std::free(p); }
 #endif
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 // Work that waits until it is let go, and a list of what was done.
@@ -182,4 +182,4 @@ TEST_CASE("Work that could not be posted for want of memory is not done, and tha
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

@@ -7,10 +7,10 @@
 
 #include <catch2/catch.hpp>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using namespace testing;
@@ -67,4 +67,4 @@ TEST_CASE("It is known whether others may read the token", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

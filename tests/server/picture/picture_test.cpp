@@ -8,7 +8,7 @@
 
 #include "tests/support/png.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using Rows = std::vector<std::vector<uint16_t>>;
@@ -234,4 +234,4 @@ TEST_CASE("a blend is the mean of premultiplied colours, half up", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

@@ -9,7 +9,7 @@
 #include "tests/support/png.hpp"
 #include "tests/support/sanitized.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using Numbers = std::vector<uint16_t>;
@@ -180,4 +180,4 @@ TEST_CASE("a tile whose rows repeat takes almost no bytes", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

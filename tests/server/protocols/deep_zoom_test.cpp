@@ -4,7 +4,9 @@
 
 #include "tests/support/pixels.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
+
+using namespace testing;
 namespace {
 
 void check_slice(ServedCells& served, int axis, int64_t index) {
@@ -85,4 +87,4 @@ TEST_CASE("Deep Zoom: what is not there is a 404 without a body", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell::testing
+}  // namespace teracell::server

@@ -4,7 +4,9 @@
 
 #include "tests/support/pixels.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
+
+using namespace testing;
 namespace {
 
 using nlohmann::ordered_json;
@@ -80,7 +82,7 @@ TEST_CASE("IIIF: several tiles; the whole picture is there at scales within the 
 
 TEST_CASE("IIIF: the address of a slice leads to its info.json, whose id is absolute, behind a proxy as well", "[server]") {
   ServedCells served(odd_grid(), 1, 6, 0, "\xC3\xA4 b");
-  Request request;
+  server::Request request;
   request.target = "/iiif/%C3%A4%20b-z-3";
   request.origin = "https://example.org";
   request.prefix = "/grids";
@@ -125,4 +127,4 @@ TEST_CASE("IIIF: what is not offered is a 404 without a body", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell::testing
+}  // namespace teracell::server

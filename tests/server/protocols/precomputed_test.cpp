@@ -4,10 +4,12 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "store/slice.hpp"
+#include "store/read/slice.hpp"
 #include "tests/support/served_cells.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
+
+using namespace testing;
 namespace {
 
 using nlohmann::ordered_json;
@@ -117,4 +119,4 @@ TEST_CASE("Precomputed: what is not there is a 404 without a body", "[server]") 
 }
 
 }  // namespace
-}  // namespace teracell::testing
+}  // namespace teracell::server

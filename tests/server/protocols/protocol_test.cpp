@@ -6,11 +6,13 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "server/api/routes.hpp"
 #include "server/protocols/protocols.hpp"
-#include "server/routes.hpp"
 #include "tests/support/served_cells.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
+
+using namespace testing;
 namespace {
 
 const std::vector<std::string> kAddresses = {"/zarr/g/zarr.json",
@@ -36,7 +38,7 @@ TEST_CASE("Protocols: an answer has a strong ETag and is not sent twice; with a 
   const std::string hash = GridReader(served.file()).hash();
   for (const std::string& address : kAddresses) {
     INFO(address);
-    Request request;
+    server::Request request;
     request.target = address;
     request.origin = "http://host:8080";
     const Response first = served.get(request);
@@ -57,7 +59,7 @@ TEST_CASE("Protocols: an answer has a strong ETag and is not sent twice; with a 
 
 TEST_CASE("Protocols: what does not exist stays missing when a client claims to have it", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
-  Request request;
+  server::Request request;
   request.if_none_match = "*";
   for (const char* address : {"/zarr/g/0/c/9/9/9", "/zarr2/g/0/9/9/9", "/xarray/g/0/x/9", "/precomputed/g/s0/0-1_0-1_0-1",
                               "/dzi/g/z/0_files/99/0_0.png", "/iiif/g-y-3/1,1,1,1/1,1/0/default.png"}) {
@@ -68,7 +70,7 @@ TEST_CASE("Protocols: what does not exist stays missing when a client claims to 
 
 TEST_CASE("Protocols: HTTP compresses what the protocol does not", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
-  Request request;
+  server::Request request;
   request.accepts_gzip = true;
   request.target = "/precomputed/g/s0/0-70_0-130_5-6";
   const Response r = served.get(request);
@@ -102,10 +104,10 @@ TEST_CASE("Protocols: where a damaged chunk is needed the answer is an error, ne
                        expected(fmt::format("/precomputed/g/s0/0-70_0-130_{}-{}", z, z + 1)));
   sound.emplace_back("/dzi/g/z/3_files/8/0_0.png", expected("/dzi/g/z/3_files/8/0_0.png"));
   damage(served.file(), 32 + 100);  // in the first frame after the header: a chunk at the origin
-  Service service({.named = {served.file()}});
+  server::Service service({.named = {served.file()}});
   std::set<std::string> broken;
   for (const auto& [address, bytes] : sound) {
-    Request request;
+    server::Request request;
     request.target = address;
     const Response r = handle(service, request);
     if (r.status != 200) {
@@ -120,9 +122,9 @@ TEST_CASE("Protocols: where a damaged chunk is needed the answer is an error, ne
   REQUIRE(broken.count("/zarr2/g/0/0/0/0") == 1);
   REQUIRE(broken.count("/xarray/g/0/label/0/0/0") == 1);
   REQUIRE(broken.size() < sound.size() / 2);
-  Request request;
+  server::Request request;
   request.target = "/zarr/g/zarr.json";
-  REQUIRE(handle(service, request).status == 200);
+  REQUIRE(server::handle(service, request).status == 200);
 }
 
 TEST_CASE("Protocols: whatever the address, the answer is 200, 303, 400 or 404, and a 404 below their prefixes is empty", "[server]") {
@@ -160,7 +162,7 @@ TEST_CASE("Protocols: whatever the address, the answer is 200, 303, 400 or 404, 
 TEST_CASE("Protocols: each has a prefix of its own, and the list of grids gives an address of each that exists", "[server]") {
   ServedCells served(odd_grid(), 2, 4);
   const auto listed = nlohmann::json::parse(*served.get("/api/v1/grids").body)["grids"][0]["protocols"];
-  REQUIRE(listed.size() == protocols().size());
+  REQUIRE(listed.size() == server::protocols().size());
   std::set<std::string> prefixes;
   for (const Protocol& p : protocols()) {
     INFO(p.prefix);
@@ -178,4 +180,4 @@ TEST_CASE("Protocols: each has a prefix of its own, and the list of grids gives 
 }
 
 }  // namespace
-}  // namespace teracell::testing
+}  // namespace teracell::server

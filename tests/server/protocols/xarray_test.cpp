@@ -4,7 +4,9 @@
 
 #include "tests/support/zarr2_arrays.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
+
+using namespace testing;
 namespace {
 
 using nlohmann::ordered_json;
@@ -85,4 +87,4 @@ TEST_CASE("xarray: what is not there is a 404 without a body", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell::testing
+}  // namespace teracell::server

@@ -1,7 +1,9 @@
 // Zarr v2 as OME-Zarr: every cell of every level.
 #include "tests/support/zarr2_arrays.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
+
+using namespace testing;
 namespace {
 
 using nlohmann::ordered_json;
@@ -37,4 +39,4 @@ TEST_CASE("Zarr v2: what is not there is a 404 without a body", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell::testing
+}  // namespace teracell::server

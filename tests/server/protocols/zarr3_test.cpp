@@ -6,7 +6,9 @@
 
 #include "tests/support/served_cells.hpp"
 
-namespace teracell::testing {
+namespace teracell::server {
+
+using namespace testing;
 namespace {
 
 using nlohmann::ordered_json;
@@ -171,4 +173,4 @@ TEST_CASE("Zarr v3: what is not there is a 404 without a body", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell::testing
+}  // namespace teracell::server

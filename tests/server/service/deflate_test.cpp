@@ -7,7 +7,7 @@
 
 #include "tests/support/served_cells.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 TEST_CASE("zlib reads back what was compressed, from nothing to noise, in both formats", "[server]") {
@@ -24,4 +24,4 @@ TEST_CASE("zlib reads back what was compressed, from nothing to noise, in both f
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

@@ -3,9 +3,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 TEST_CASE("The number of grids counts, within limits", "[server]") {
@@ -51,4 +51,4 @@ TEST_CASE("Too few descriptors: how many are needed, how many are allowed, what 
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

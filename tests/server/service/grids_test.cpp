@@ -13,7 +13,7 @@
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using namespace testing;
@@ -306,4 +306,4 @@ TEST_CASE("A file that comes back has its id again; files that have been gone fo
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

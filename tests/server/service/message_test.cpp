@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 using namespace teracell;
+using namespace teracell::server;
 
 TEST_CASE("an error is JSON, whatever its message", "[server]") {
   const Response r = error_response(400, "bad_request", "a \"b\" \n \xff \xc3\xbc");

@@ -13,7 +13,7 @@
 #include "tests/support/descriptors.hpp"
 #include "tests/support/meshed.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using namespace testing;
@@ -114,4 +114,4 @@ TEST_CASE("Threads read more files than are kept open", "[server][threads]") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

@@ -7,7 +7,7 @@
 
 #include "server/service/message.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using Segments = std::vector<std::string>;
@@ -77,4 +77,4 @@ TEST_CASE("Whatever the bytes, a target is parsed or refused", "[server]") {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server

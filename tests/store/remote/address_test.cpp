@@ -2,8 +2,8 @@
 #include <catch2/catch.hpp>
 
 #include "store/remote/remote_object.hpp"
+#include "store/remote/sources.hpp"
 #include "store/remote/url.hpp"
-#include "store/sources.hpp"
 
 namespace teracell {
 namespace {

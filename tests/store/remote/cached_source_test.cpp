@@ -4,7 +4,7 @@
 #include <fstream>
 #include <thread>
 
-#include "store/checked_read.hpp"
+#include "store/format/checked_read.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {

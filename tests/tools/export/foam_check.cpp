@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "store/link_reader.hpp"
+#include "store/channels/link_reader.hpp"
 #include "tests/support/meshed.hpp"
 
 namespace fs = std::filesystem;

@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "store/reader.hpp"
+#include "store/read/reader.hpp"
 #include "tests/tools/export/foam_files.hpp"
 
 namespace teracell::testing::foam {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 
 namespace teracell::testing::foam {
 

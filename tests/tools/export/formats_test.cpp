@@ -5,12 +5,13 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "store/error.hpp"
-#include "store/npy_header.hpp"
+#include "store/base/error.hpp"
+#include "store/text/npy_header.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 
 using namespace teracell;
+using namespace teracell::exports;
 using namespace teracell::testing;
 
 namespace {
@@ -99,11 +100,12 @@ TEST_CASE("A coarse level is exported as the reader gives it", "[export]") {
 TEST_CASE("Steps of an export ascend from 0 to 1, and one that throws leaves nothing", "[export]") {
   const TempFolder folder;
   const Index3 n{13, 9, 11};
-  MeshOptions mesh;
+  mesher::MeshOptions mesh;
   mesh.links = true;
   mesh.fractions = Subdivision{2, 2, 4};
-  const Scene scene = scene_of(folder, {{shapes::sphere({6, 5, 5}, 4.2, 1)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}},
-                               {{Axis::uniform(0, 1, 0, n[0], 0.5), Axis::uniform(0, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 0, n[2], 0.5)}});
+  const mesher::Scene scene =
+      scene_of(folder, {{shapes::sphere({6, 5, 5}, 4.2, 1)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}},
+               {{Axis::uniform(0, 1, 0, n[0], 0.5), Axis::uniform(0, 1, 0, n[1], 0.5), Axis::uniform(0, 1, 0, n[2], 0.5)}});
   mesh_quietly(scene, folder / "g.tcell", mesh);
   const GridReader reader(folder / "g.tcell");
   const std::string inner = reader.meta().materials[1].name, outer = reader.meta().materials[2].name;

@@ -10,13 +10,14 @@
 #include <sys/resource.h>
 #include <catch2/catch.hpp>
 
-#include "store/error.hpp"
-#include "store/fraction_reader.hpp"
+#include "store/base/error.hpp"
+#include "store/channels/fraction_reader.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 #include "tools/export/formats.hpp"
 
 using namespace teracell;
+using namespace teracell::exports;
 using namespace teracell::testing;
 namespace fs = std::filesystem;
 
@@ -217,7 +218,7 @@ TEST_CASE("The profile meep has permittivities, x slowest", "[export]") {
 
 TEST_CASE("Shares of materials stand beside the cells, and Meep has the mean of the permittivities", "[export]") {
   const TempFolder folder;
-  MeshOptions options;
+  mesher::MeshOptions options;
   options.fractions = Subdivision{2, 4, 8};
   options.chunk_rays = 8;
   Grid grid;
@@ -290,15 +291,15 @@ TEST_CASE("Shares of materials stand beside the cells, and Meep has the mean of 
 
 TEST_CASE("In every format cells of sheets and kept cells have the shares that solids have in them", "[export]") {
   const TempFolder folder;
-  MeshOptions options;
+  mesher::MeshOptions options;
   options.fractions = Subdivision{2, 2, 2};
   const Axis axis = Axis::uniform(0, 1, 0, 10, 0.5);
   std::vector<oracle::Body> bodies = {{shapes::box({2.2, 2.2, 0.6}, {7.7, 7.7, 4.3})},
                                       {shapes::sphere({5, 5, 5}, 3.1, 2), oracle::Rule::kNonzero, 2},
                                       {shapes::box({1.6, 1, 1}, {1.9, 9, 9}), oracle::Rule::kNonzero, 3}};
   bodies[1].sheet = true;
-  Scene scene = scene_of(folder, bodies, {{axis, axis, axis}});
-  scene.bodies[2].thin = Thin::kKeep;
+  mesher::Scene scene = scene_of(folder, bodies, {{axis, axis, axis}});
+  scene.bodies[2].thin = mesher::Thin::kKeep;
   mesh_quietly(scene, folder / "g.tcell", options);
   const GridReader reader(folder / "g.tcell");
   const Box box = reader.meta().grid.box(0);

@@ -1,12 +1,12 @@
 // Links as records of a NumPy array.
 #include <catch2/catch.hpp>
 
-#include "store/link_reader.hpp"
+#include "store/channels/link_reader.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 #include "tools/export/formats.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 using namespace testing;
@@ -14,7 +14,7 @@ using namespace testing;
 TEST_CASE("Records of links have both materials, cells and places", "[export]") {
   const TempFolder folder;
   const Axis axis = Axis::uniform(0, 1, 0, 21, 0.5);
-  MeshOptions options;
+  mesher::MeshOptions options;
   options.links = true;
   options.chunk_rays = 4;
   mesh_quietly(scene_of(folder, {{shapes::sphere({9, 9, 8}, 6.2, 2)}, {shapes::box({3, 3, 3}, {8.2, 8.3, 8.4}), oracle::Rule::kNonzero, 2}},
@@ -55,4 +55,4 @@ TEST_CASE("Records of links have both materials, cells and places", "[export]") 
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::exports

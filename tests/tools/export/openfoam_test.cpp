@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/sanitized.hpp"
@@ -12,6 +12,7 @@
 #include "tools/export/formats.hpp"
 
 using namespace teracell;
+using namespace teracell::exports;
 using namespace teracell::testing;
 using namespace teracell::testing::foam;
 namespace fs = std::filesystem;
@@ -106,9 +107,9 @@ TEST_CASE("Walls are told apart by the patches of the surface, in parts or as a 
     for (int i = 0; i < 6; ++i) out << fmt::format("g {}{}\nf {}\n", name, i, faces[i]);
   }
   for (int trial = 0; trial < 12; ++trial) {
-    Scene scene = bare_scene({folder / "a.obj", folder / "b.obj"});
-    for (SceneAxis& axis : scene.axis) axis.min = 0, axis.max = 14, axis.cells = 14;
-    MeshOptions options;
+    mesher::Scene scene = mesher::bare_scene({folder / "a.obj", folder / "b.obj"});
+    for (mesher::SceneAxis& axis : scene.axis) axis.min = 0, axis.max = 14, axis.cells = 14;
+    mesher::MeshOptions options;
     options.links = true;
     options.axis = trial % 3;
     options.chunk_rays = 4;

@@ -7,13 +7,14 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/stored.hpp"
 #include "tools/export/formats.hpp"
 
 using namespace teracell;
+using namespace teracell::exports;
 using namespace teracell::testing;
 namespace fs = std::filesystem;
 

@@ -10,7 +10,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 #include "tools/export/formats.hpp"
@@ -19,6 +19,7 @@
 
 namespace fs = std::filesystem;
 using namespace teracell;
+using namespace teracell::exports;
 using namespace teracell::testing;
 using nlohmann::ordered_json;
 

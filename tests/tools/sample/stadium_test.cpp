@@ -12,10 +12,11 @@
 #include <catch2/catch.hpp>
 
 #include "mesher/scene/scene.hpp"
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/sample/solid.hpp"
 
 using namespace teracell;
+using namespace teracell::sample;
 
 namespace {
 
@@ -88,7 +89,7 @@ bool is_closed(const std::vector<Triangle>& triangles) {
 
 TEST_CASE("the stadium is a scene of closed, outward oriented surfaces inside its domain", "[sample]") {
   const StadiumFolder folder;
-  const Scene scene = read_scene(folder.path() / "scene.json");
+  const mesher::Scene scene = mesher::read_scene(folder.path() / "scene.json");
   const Grid grid = resolve_grid(scene, {}, {});
   CHECK(grid.cells() == Index3{300, 240, 60});
   CHECK(grid.axis[2].step() == 1);
@@ -99,7 +100,7 @@ TEST_CASE("the stadium is a scene of closed, outward oriented surfaces inside it
   CHECK(scene.materials[3].name == "structure");
 
   size_t facets = 0;
-  for (const SceneBody& body : scene.bodies) {
+  for (const mesher::SceneBody& body : scene.bodies) {
     INFO(body.name);
     const std::vector<Triangle> triangles = read_stl(body.mesh);
     facets += triangles.size();

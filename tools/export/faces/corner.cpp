@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 namespace {
 
 constexpr bool in(unsigned cells, unsigned cell) { return (cells >> cell & 1) != 0; }
@@ -62,4 +62,4 @@ constinit const std::array<Corner, 256> kCorners = [] {
   return table;
 }();
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

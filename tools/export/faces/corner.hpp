@@ -7,7 +7,7 @@
 #include <array>
 #include <cstdint>
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 
 // Eight cells meet at a corner: cell dx + 2 dy + 4 dz, where d is 1 for the upper one. Directions are those of the edges that leave the
 // corner: x, y and z upwards are 0, 1 and 2, downwards 3, 4 and 5.
@@ -28,4 +28,4 @@ extern const std::array<Corner, 256> kCorners;
 // Bit c of `cells` says whether cell c belongs to the body.
 inline const Corner& corner_of(uint8_t cells) { return kCorners[cells]; }
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

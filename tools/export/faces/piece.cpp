@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstring>
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 namespace {
 
 // The corners of a cell's faces, as dx + 2 dy + 4 dz, by direction. Seen from outside of the cell they turn counterclockwise.
@@ -116,4 +116,4 @@ unsigned Piece::exposed(size_t cell) const {
   return static_cast<unsigned>((in[x] ^ 1) | (in[y] ^ 1) << 1 | (in[z] ^ 1) << 2 | (in[-x] ^ 1) << 3 | (in[-y] ^ 1) << 4 | (in[-z] ^ 1) << 5);
 }
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

@@ -5,10 +5,10 @@
 #pragma once
 #include <vector>
 
-#include "store/grid.hpp"
+#include "store/grid/grid.hpp"
 #include "tools/export/faces/corner.hpp"
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 
 // Whether cells of a box belong to the body, x fastest.
 struct Cells {
@@ -102,4 +102,4 @@ void Piece::for_each_facet(const Box& box, F&& f) const {
     }
 }
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

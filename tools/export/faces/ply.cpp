@@ -4,11 +4,11 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/export/faces/put_raw.hpp"
 #include "tools/export/faces/surface.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace faces {
 namespace {
 
@@ -72,4 +72,4 @@ ExportFormat ply_format() {
           .options = faces::surface_options()};
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

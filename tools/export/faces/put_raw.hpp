@@ -2,9 +2,9 @@
 #pragma once
 #include <type_traits>
 
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 
 template <class T>
 void put_raw(Bytes& out, const T& value) {
@@ -13,4 +13,4 @@ void put_raw(Bytes& out, const T& value) {
   out.insert(out.end(), bytes, bytes + sizeof value);
 }
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

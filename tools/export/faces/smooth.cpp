@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 namespace {
 
 // The edges of a piece. Vertices without edges stay where they are.
@@ -70,4 +70,4 @@ void place_vertices(const Piece& piece, const Planes& planes, int rounds, std::v
     for (int d = 0; d < 3; ++d) out[m.vertex][d] = (out[m.from][d] + out[m.to][d]) / 2;
 }
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

@@ -2,7 +2,7 @@
 #pragma once
 #include "tools/export/faces/piece.hpp"
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 
 // Planes of the box that is exported, for the corners of a piece: of plane i, along each axis, planes[i - first]. Beyond the sides of the
 // exported box, the side is repeated.
@@ -23,4 +23,4 @@ inline constexpr double kReach = 15.0 / 16;
 // loses volume.
 void place_vertices(const Piece& piece, const Planes& planes, int rounds, std::vector<Vec3>& out);
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

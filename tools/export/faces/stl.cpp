@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/export/faces/put_raw.hpp"
 #include "tools/export/faces/surface.hpp"
 #include "tools/export/place.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace faces {
 namespace {
 
@@ -80,4 +80,4 @@ ExportFormat stl_format() {
           .options = faces::surface_options()};
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

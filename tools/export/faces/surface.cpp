@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
-#include "store/query.hpp"
+#include "store/base/error.hpp"
+#include "store/read/query.hpp"
 #include "tools/export/place.hpp"
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 namespace {
 
 constexpr int kBlockBits = 7;  // smaller blocks have relatively more margin, larger ones more memory: 5 bytes per cell, and 50 per vertex
@@ -235,4 +235,4 @@ std::vector<ExportOption> surface_options() {
           {"--smooth", "N", fmt::format("rounds of smoothing, 1 to {}; the surface still encloses the same cell centres", kMostRounds)}};
 }
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

@@ -8,7 +8,7 @@
 #include "tools/export/faces/smooth.hpp"
 #include "tools/export/format.hpp"
 
-namespace teracell::faces {
+namespace teracell::exports::faces {
 
 // A block of cells with vertices or facets. Vertices on its lower sides are its own, those on its upper sides belong to the next blocks.
 struct Block {
@@ -64,4 +64,4 @@ class Surface {
 // The options of formats that hold a surface.
 std::vector<ExportOption> surface_options();
 
-}  // namespace teracell::faces
+}  // namespace teracell::exports::faces

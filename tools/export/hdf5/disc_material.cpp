@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/media.hpp"
 #include "tools/export/place.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 void write_disc_material(const Export& e) {
   const std::vector<Medium> media = media_of(e, false);
@@ -43,4 +43,4 @@ void write_disc_material(const Export& e) {
   file.commit();
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

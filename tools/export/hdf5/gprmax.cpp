@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/media.hpp"
 #include "tools/export/metres.hpp"
 #include "tools/export/word.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 void write_gprmax(const Export& e) {
   expect_uniform(e, "gprmax");
@@ -50,4 +50,4 @@ void write_gprmax(const Export& e) {
   file.commit();
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

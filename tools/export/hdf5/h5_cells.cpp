@@ -6,9 +6,9 @@
 
 #include <zlib.h>
 
-#include "store/query.hpp"
+#include "store/read/query.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 constexpr int64_t kReadAtOnce = 64 << 20, kChunkBytes = 256 << 10;
@@ -194,4 +194,4 @@ template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrd
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<int16_t>&);
 template H5Handle write_cells(H5File&, const Export&, const char*, const AxisOrder&, const std::vector<double>&);
 
-}  // namespace teracell
+}  // namespace teracell::exports

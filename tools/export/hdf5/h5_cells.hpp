@@ -1,10 +1,10 @@
 // Cells as a dataset of HDF5: in chunks of up to 256 KiB, each compressed by shuffle and deflate.
 #pragma once
-#include "store/fraction_reader.hpp"
-#include "tools/export/dense.hpp"
+#include "store/channels/fraction_reader.hpp"
+#include "tools/export/arrays/dense.hpp"
 #include "tools/export/hdf5/h5_file.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 // Writes values[id] for the cells of each material, and calls e.progress with the share that is done, from 0 to 1. T is a type of h5_type().
 template <class T>
@@ -17,4 +17,4 @@ H5Handle write_shares(H5File& file, const Export& e, const char* name, const Axi
 H5Handle write_means(H5File& file, const Export& e, const char* name, const AxisOrder& order, const std::vector<double>& values,
                      const FractionReader& shares);
 
-}  // namespace teracell
+}  // namespace teracell::exports

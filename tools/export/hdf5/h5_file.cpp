@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 // A file that HDF5 has open. HDF5 takes the address of `base` for that of the file.
 struct H5Driver {
@@ -212,4 +212,4 @@ void H5File::finish() {
   file_.sync();
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -13,9 +13,9 @@
 
 #include <hdf5.h>
 
-#include "store/file.hpp"
+#include "store/base/file.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 // An identifier that HDF5 gave out, which is given back.
 class H5Handle {
@@ -88,4 +88,4 @@ class H5File {
   friend struct H5Driver;
 };
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -1,13 +1,13 @@
 // HDF5 files. What lies in them, and by what name, depends on the program that reads them: a profile.
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
+#include "tools/export/arrays/two_files.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/media.hpp"
 #include "tools/export/shares.hpp"
-#include "tools/export/two_files.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 struct Profile {
@@ -63,4 +63,4 @@ ExportFormat hdf5_format() {
   return out;
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -2,13 +2,13 @@
 // mean of what its materials have, which takes most of the stairs out of the field.
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/media.hpp"
 #include "tools/export/shares.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 void write_meep(const Export& e) {
   expect_uniform(e, "meep");
@@ -24,4 +24,4 @@ void write_meep(const Export& e) {
   file.commit();
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

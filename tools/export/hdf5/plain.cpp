@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
-#include "tools/export/dense.hpp"
+#include "tools/export/arrays/dense.hpp"
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/place.hpp"
 #include "tools/export/shares.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 template <class T>
@@ -62,4 +62,4 @@ void write_plain(const Export& e) {
   file.commit();
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

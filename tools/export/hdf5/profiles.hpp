@@ -3,9 +3,9 @@
 #include "tools/export/format.hpp"
 #include "tools/export/hdf5/h5_file.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
-// Cells, planes and materials as teracell has them: tools/EXPORTS.md describes the layout.
+// Cells, planes and materials as teracell has them: tools/export/EXPORTS.md describes the layout.
 void put_plain(H5File& file, const Export& e);
 
 void write_plain(const Export& e);
@@ -18,4 +18,4 @@ std::filesystem::path beside(const Export& e, const std::filesystem::path& name)
 // Throws UsageError unless all axes are uniform.
 void expect_uniform(const Export& e, const char* profile);
 
-}  // namespace teracell
+}  // namespace teracell::exports

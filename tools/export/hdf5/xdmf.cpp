@@ -2,14 +2,14 @@
 // graded ones are right, and so are the last cells of a coarse level.
 #include <fmt/format.h>
 
-#include "store/error.hpp"
-#include "store/xml.hpp"
-#include "tools/export/dense.hpp"
+#include "store/base/error.hpp"
+#include "store/text/xml.hpp"
+#include "tools/export/arrays/dense.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/place.hpp"
 #include "tools/export/shares.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 // The name is absolute: ParaView's reader of XDMF 3 aborts at a relative one when the XML itself is opened without its folder.
@@ -71,4 +71,4 @@ ExportFormat xdmf_format() {
           .options = {shares_option()}};
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

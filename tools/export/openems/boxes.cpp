@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 // The place of a box among those that are joined along y or z.
@@ -60,4 +60,4 @@ std::vector<MaterialBox> BoxMerger::finish() {
   return std::move(done_);
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/export/layer.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 
 // Coordinates count from the corner of the box that is exported.
 struct MaterialBox {
@@ -25,4 +25,4 @@ class BoxMerger {
   std::vector<MaterialBox> done_, growing_;  // those that end before the last layer, and those that reach its end
 };
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "store/color.hpp"
-#include "store/xml.hpp"
+#include "store/text/color.hpp"
+#include "store/text/xml.hpp"
 #include "tools/export/media.hpp"
 #include "tools/export/metres.hpp"
 #include "tools/export/openems/boxes.hpp"
 #include "tools/export/place.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace {
 
 constexpr size_t kMostBoxes = 100'000;
@@ -97,4 +97,4 @@ void write_openems(const Export& asked) {
 
 ExportFormat openems_format() { return {"openems", {}, "boxes of materials in an XML file of openEMS", write_openems, false, media_options()}; }
 
-}  // namespace teracell
+}  // namespace teracell::exports

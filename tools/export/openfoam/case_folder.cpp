@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
 namespace fs = std::filesystem;
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 namespace {
 
 constexpr char kAside[] = "polyMesh-export";
@@ -81,4 +81,4 @@ void CaseFolder::commit() {
   fs::remove_all(path_ / kAside, ignored);
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

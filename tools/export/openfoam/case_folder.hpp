@@ -2,9 +2,9 @@
 #pragma once
 #include <optional>
 
-#include "store/file.hpp"
+#include "store/base/file.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 class CaseFolder {
  public:
@@ -29,4 +29,4 @@ class CaseFolder {
   std::optional<OutputFolder> aside_;
 };
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

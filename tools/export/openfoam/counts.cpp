@@ -1,6 +1,6 @@
 #include "tools/export/openfoam/counts.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 namespace {
 
 class Counter : public MeshVisitor {
@@ -65,4 +65,4 @@ MeshCounts count(const Division& division, const std::function<void(int64_t laye
   return counter.take();
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

@@ -4,7 +4,7 @@
 
 #include "tools/export/openfoam/sweep.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 // Faces of a part that lie together in its list, in this order: those between two of its cells; those of a patch, by what lies beyond;
 // those shared with another part. Both parts list shared faces in the order of the lower part's cells.
@@ -29,4 +29,4 @@ struct MeshCounts {
 
 MeshCounts count(const Division& division, const std::function<void(int64_t layers)>& progress);
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 namespace {
 
 // A chunk of links is decoded once for each read, so a read takes as many layers as there is room for in the worst case, noise.
@@ -46,4 +46,4 @@ std::span<const PatchRun> FacePatches::row(int axis, int64_t y, int64_t z) const
   return {found.begin(), found.end()};
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

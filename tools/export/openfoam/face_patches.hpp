@@ -3,10 +3,10 @@
 #pragma once
 #include <limits>
 
-#include "store/link_reader.hpp"
+#include "store/channels/link_reader.hpp"
 #include "tools/export/place.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 // The faces across an axis between neighbouring cells of a row and their upper neighbours.
 struct PatchRun {
@@ -52,4 +52,4 @@ class AlongPatches {
   std::span<const PatchRun> row_;
 };
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 namespace {
 
 // A file whose lists are filled later.
@@ -130,4 +130,4 @@ void MeshFiles::close() {
   for (auto& [material, zone] : zones_) zone.close();
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

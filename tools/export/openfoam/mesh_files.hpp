@@ -5,7 +5,7 @@
 #include "tools/export/openfoam/counts.hpp"
 #include "tools/export/openfoam/streams.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 // What 32-bit labels of OpenFOAM can hold: the largest number and longest list, and the faces of a mesh, whose lists of points are four times as
 // long.
@@ -45,4 +45,4 @@ class MeshFiles {
   std::map<uint32_t, Stream> zones_;
 };
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

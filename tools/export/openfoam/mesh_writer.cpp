@@ -2,7 +2,7 @@
 
 #include "tools/export/place.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 namespace {
 
 // A corner of a cell: `row` is 0 to 3 for (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1).
@@ -151,4 +151,4 @@ void write_mesh(const Division& division, const MeshCounts& counts, const MeshNa
   sweep(division, writer, progress);
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

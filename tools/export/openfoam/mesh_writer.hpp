@@ -2,7 +2,7 @@
 #pragma once
 #include "tools/export/openfoam/mesh_files.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 struct MeshOutput {
   std::function<std::filesystem::path(uint32_t part)> folder;  // of the part's polyMesh
@@ -12,4 +12,4 @@ struct MeshOutput {
 void write_mesh(const Division& division, const MeshCounts& counts, const MeshNames& names, const MeshOutput& output,
                 const std::function<void(int64_t layers)>& progress);
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

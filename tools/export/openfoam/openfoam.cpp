@@ -8,14 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
-#include "store/stats.hpp"
+#include "store/base/error.hpp"
+#include "store/read/stats.hpp"
 #include "tools/export/metres.hpp"
 #include "tools/export/openfoam/case_folder.hpp"
 #include "tools/export/openfoam/mesh_writer.hpp"
 #include "tools/export/word.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace foam {
 namespace {
 
@@ -145,4 +145,4 @@ ExportFormat openfoam_format() {
                       {"--ranks", "N", "parts of equally many cells, in processor0/ to processorN-1/"}}};
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

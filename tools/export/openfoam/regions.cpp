@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 uint32_t Regions::root(uint32_t label) {
   while (tree_[label] >= 0) {
@@ -70,4 +70,4 @@ void Regions::keep(Layer& layer) {
     if (run.in_mesh() && root(here_.all[i++].label) != kept_) run.first = -1;
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

@@ -6,7 +6,7 @@
 #pragma once
 #include "tools/export/layer.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 class Regions {
  public:
@@ -40,4 +40,4 @@ class Regions {
   uint32_t labels_ = 0, kept_ = kNone;
 };
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

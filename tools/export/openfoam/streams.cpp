@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "store/error.hpp"
+#include "store/base/error.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 namespace {
 
 constexpr size_t kLeast = 1 << 10, kMost = 1 << 18, kAllStreams = 48 << 20;
@@ -68,4 +68,4 @@ void Stream::make_room() {
   capacity_ = larger;
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 class Stream;
 
@@ -53,4 +53,4 @@ class Stream {
 // Writes bytes at a place of a file, which is made if it is not there. Throws IoError.
 void write_at(const std::filesystem::path& file, uint64_t at, std::span<const uint8_t> bytes);
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

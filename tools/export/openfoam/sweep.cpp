@@ -6,7 +6,7 @@
 
 #include "tools/export/openfoam/face_patches.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 namespace {
 
 // Layers whose cells are numbered and divided into parts.
@@ -196,4 +196,4 @@ void sweep(const Division& division, MeshVisitor& visitor, const std::function<v
   }
 }
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

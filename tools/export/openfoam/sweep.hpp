@@ -1,11 +1,11 @@
 // A pass over the cells of the mesh in their order, x fastest: the points of each layer and the cells between them, with what lies
 // beyond their six faces. Two layers of points and three of cells are in memory, as runs.
 #pragma once
-#include "store/link_reader.hpp"
+#include "store/channels/link_reader.hpp"
 #include "tools/export/layer.hpp"
 #include "tools/export/openfoam/regions.hpp"
 
-namespace teracell::foam {
+namespace teracell::exports::foam {
 
 // How the cells of the mesh are found and divided.
 struct Division {
@@ -56,4 +56,4 @@ class MeshVisitor {
 // A sweep calls points() for a plane before segment() for the cells above and below it. `progress` is told the layers that are done.
 void sweep(const Division& division, MeshVisitor& visitor, const std::function<void(int64_t layers)>& progress);
 
-}  // namespace teracell::foam
+}  // namespace teracell::exports::foam

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "store/query.hpp"
+#include "store/read/query.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 namespace {
 
 template <class T>
@@ -97,4 +97,4 @@ std::unique_ptr<ChunkMaker> chunk_maker(const Hierarchy& h) {
   return std::make_unique<Maker<uint32_t>>(h);
 }
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

@@ -3,10 +3,10 @@
 #pragma once
 #include <optional>
 
-#include "store/zstd_frame.hpp"
+#include "store/base/zstd_frame.hpp"
 #include "tools/export/zarr/documents.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 
 // A piece of a shard of an array.
 struct Column {
@@ -42,4 +42,4 @@ class ChunkMaker {
 };
 std::unique_ptr<ChunkMaker> chunk_maker(const Hierarchy& h);
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

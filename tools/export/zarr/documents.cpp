@@ -2,11 +2,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "store/ome.hpp"
-#include "store/space.hpp"
+#include "store/grid/ome.hpp"
+#include "store/grid/space.hpp"
 #include "tools/export/place.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 namespace {
 
 using nlohmann::ordered_json;
@@ -105,4 +105,4 @@ Documents documents2(const Hierarchy& h) {
   return out;
 }
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

@@ -4,7 +4,7 @@
 
 #include "tools/export/zarr/layout.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 
 inline constexpr int kZstdLevel = 1;
 
@@ -21,4 +21,4 @@ using Documents = std::vector<std::pair<std::string, nlohmann::ordered_json>>;
 Documents documents3(const Hierarchy& h);
 Documents documents2(const Hierarchy& h);
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

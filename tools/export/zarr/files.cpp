@@ -4,7 +4,7 @@
 
 #include "tools/export/zarr/zip.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 namespace {
 
 class ZippedFiles : public Files {
@@ -45,4 +45,4 @@ std::unique_ptr<Files> files_at(const std::filesystem::path& output, const std::
   return std::make_unique<FolderFiles>(output);
 }
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

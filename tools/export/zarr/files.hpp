@@ -2,9 +2,9 @@
 #pragma once
 #include <memory>
 
-#include "store/file.hpp"
+#include "store/base/file.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 
 // Destroyed without commit(), it leaves nothing. Not thread-safe.
 class Files {
@@ -18,4 +18,4 @@ class Files {
 // A zip if the name ends in .zip or .ozx, which then has this comment. Throws UsageError if there is a folder that is not empty.
 std::unique_ptr<Files> files_at(const std::filesystem::path& output, const std::string& comment);
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

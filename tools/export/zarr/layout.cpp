@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "store/ome.hpp"
+#include "store/grid/ome.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 namespace {
 
 // How many blocks cover the size.
@@ -57,4 +57,4 @@ std::vector<Layout> layouts_of(const Export& e, int64_t most_cells_of_chunk, int
   return out;
 }
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

@@ -2,7 +2,7 @@
 #pragma once
 #include "tools/export/place.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 
 struct Layout {
   int level;
@@ -28,4 +28,4 @@ inline int64_t volume(const Index3& n) { return n[0] * n[1] * n[2]; }
 inline int64_t in_c_order(const Index3& i, const Index3& size) { return (i[2] * size[1] + i[1]) * size[0] + i[0]; }
 inline Index3 from_c_order(int64_t number, const Index3& size) { return {number % size[0], number / size[0] % size[1], number / size[0] / size[1]}; }
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

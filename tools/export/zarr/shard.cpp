@@ -2,7 +2,7 @@
 
 #include <boost/crc.hpp>
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 uint32_t crc32c(std::span<const uint8_t> bytes) {
   boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true> crc;
   crc.process_bytes(bytes.data(), bytes.size());
@@ -20,4 +20,4 @@ Bytes ShardIndex::encode() const {
   return out;
 }
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

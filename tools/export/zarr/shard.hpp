@@ -1,8 +1,8 @@
 // The index at the end of a shard of Zarr 3 ("sharding_indexed"): where each chunk lies, and a checksum.
 #pragma once
-#include "store/bytes.hpp"
+#include "store/base/bytes.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 
 // CRC-32C (Castagnoli), as in iSCSI: RFC 3720, B.4.
 uint32_t crc32c(std::span<const uint8_t> bytes);
@@ -20,4 +20,4 @@ class ShardIndex {
   std::vector<Place> places_;
 };
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

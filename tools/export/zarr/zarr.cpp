@@ -5,15 +5,15 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "store/error.hpp"
-#include "store/in_order.hpp"
-#include "store/json_text.hpp"
-#include "tools/export/dense.hpp"
+#include "store/base/error.hpp"
+#include "store/base/in_order.hpp"
+#include "store/text/json_text.hpp"
+#include "tools/export/arrays/dense.hpp"
 #include "tools/export/zarr/chunks.hpp"
 #include "tools/export/zarr/files.hpp"
 #include "tools/export/zarr/shard.hpp"
 
-namespace teracell {
+namespace teracell::exports {
 namespace zarr {
 namespace {
 
@@ -124,4 +124,4 @@ ExportFormat zarr_format() {
           .coarser = true};
 }
 
-}  // namespace teracell
+}  // namespace teracell::exports

@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/export/format.hpp"
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 
 // How the cells are divided. Tests of small grids want small pieces.
 struct Pieces {
@@ -18,4 +18,4 @@ inline constexpr Pieces kPieces3{1 << 18, 1 << 9}, kPieces2{1 << 21, 1 << 9};
 // `version` is 2 or 3.
 void write_zarr(const Export& e, int version, const Pieces& pieces, int threads);
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

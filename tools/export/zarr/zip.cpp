@@ -2,7 +2,7 @@
 
 #include <zlib.h>
 
-namespace teracell::zarr {
+namespace teracell::exports::zarr {
 namespace {
 
 constexpr uint16_t kVersion = 45, kUnix = 3 << 8;  // 4.5 has 64-bit sizes
@@ -75,4 +75,4 @@ void Zip::commit(const std::string& comment) {
   file_.commit();
 }
 
-}  // namespace teracell::zarr
+}  // namespace teracell::exports::zarr

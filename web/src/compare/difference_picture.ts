@@ -2,8 +2,8 @@
 import type { Signal } from "@preact/signals";
 import { slices_meet } from "../state/comparison";
 import type { Comparison } from "../state/viewer";
-import { sample_cells } from "../views/camera";
-import { SetComparison, compare_pictures } from "../views/differences";
+import { sample_cells } from "../views/drawing/camera";
+import { SetComparison, compare_pictures } from "../views/drawing/differences";
 import { samples_for } from "../views/view";
 import type { Pair } from "./pair";
 

@@ -9,8 +9,8 @@ import { type Extent, TILE, extent_of, tile_size } from "../tiles/place";
 import type { Region } from "../tiles/regions";
 import { type Palette, type Rgb, SetTable } from "../tiles/sets";
 import { decode_tile } from "../tiles/tile";
-import { Camera, type SampleCells } from "../views/camera";
-import { paint } from "../views/paint";
+import { Camera, type SampleCells } from "../views/drawing/camera";
+import { paint } from "../views/drawing/paint";
 import { samples_of } from "../views/view";
 
 // Coordinates.

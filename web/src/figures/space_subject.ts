@@ -3,13 +3,13 @@ import { ranges } from "../base/ranges";
 import { get_patiently } from "../server/api";
 import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
-import { reach } from "../overview/camera";
+import { reach } from "../overview/space/camera";
 import { type Colored, compose } from "../overview/compose";
 import { layers_of, palette_of } from "../overview/layers";
 import { type Part, camera_query, cut_of, parts_of } from "../overview/sight_query";
 import { decode_sights } from "../overview/sights";
-import { space_of } from "../overview/space";
-import { Viewpoint } from "../overview/viewpoint";
+import { space_of } from "../overview/space/space";
+import { Viewpoint } from "../overview/space/viewpoint";
 import type { FigureOptions } from "./options";
 import type { Picture, Subject } from "./subject";
 

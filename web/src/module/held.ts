@@ -1,5 +1,5 @@
 // What an HTML file holds in elements that show nothing: which grids the page has, and in a page that is one file the grids themselves.
-// `teracell page` writes the same (server/static_page.cpp).
+// `teracell page` writes the same (server/page/static_page.cpp).
 //
 //   <script id="grids" type="application/json">[{"name": "bust.tcell", "bytes": 98304, "checked": "... its hash ..."}]</script>
 //   <script id="findings-0" type="application/json">{... what "teracell check" has found in it ...}</script>

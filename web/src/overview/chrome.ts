@@ -1,6 +1,6 @@
 // The elements of the overview: its canvas, its buttons, and messages about what is missing.
 import { BODY_MODES, type BodyMode } from "../state/viewer";
-import type { Sky } from "./camera";
+import type { Sky } from "./space/camera";
 import { element } from "./dom";
 
 const MODES: Record<BodyMode, { text: string; title: string }> = {

@@ -1,10 +1,10 @@
 // The lines and dots of the overview: the domain, the frames of the planes, the crosshair, the selected box, markers,
 // and the measured distance. What is in front hides the lines `under`. The lines `over` show through everything; where
 // a line is drawn both ways, the one over is faint. Pure.
-import type { Projection } from "./camera";
-import { edge_depths } from "./edges";
-import { type Axes, type Space, type Vec3, point_to_space, to_space } from "./space";
-import { type Rgba, type Segment, box_edges } from "./lines";
+import type { Projection } from "./space/camera";
+import { edge_depths } from "./space/edges";
+import { type Axes, type Space, type Vec3, point_to_space, to_space } from "./space/space";
+import { type Rgba, type Segment, box_edges } from "./space/lines";
 import type { Theme } from "./theme";
 
 export interface Scenery {

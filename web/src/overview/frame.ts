@@ -4,8 +4,8 @@ import {
   Vector2, Vector3,
 } from "three";
 import type { Colored } from "./compose";
-import { type Orbit, add, basis, dot, eye_of, reach } from "./camera";
-import type { Vec3 } from "./space";
+import { type Orbit, add, basis, dot, eye_of, reach } from "./space/camera";
+import type { Vec3 } from "./space/space";
 
 // Pixels that have not come yet are NOT_YET far away.
 export const NOT_YET = -1;

@@ -1,7 +1,7 @@
 // Pointer, wheel and keys on the overview's canvas. A left drag orbits. A right or middle drag, or one with shift,
 // pans. The wheel and pinching move towards what is under the pointer, a click selects it, and a double click goes
 // there. The arrow keys orbit, + and - move, and Home shows everything.
-import { type Orbit, panned, turned } from "./camera";
+import { type Orbit, panned, turned } from "./space/camera";
 
 export interface GestureTarget {
   orbit(): Orbit;

@@ -3,10 +3,10 @@
 import { significant } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import type { Viewer } from "../state/viewer";
-import { type Projection, along_axis, project } from "./camera";
+import { type Projection, along_axis, project } from "./space/camera";
 import { element } from "./dom";
-import { labelled_edges } from "./edges";
-import { type Space, from_space } from "./space";
+import { labelled_edges } from "./space/edges";
+import { type Space, from_space } from "./space/space";
 import { type Point, type Rect, type Wish, end_text, place_numbers } from "./numbers";
 
 export interface Rulers {

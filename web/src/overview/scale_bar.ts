@@ -1,6 +1,6 @@
 // A bar whose length is a round number, at the distance that the camera looks at.
 import { length_text, round_length } from "../base/lengths";
-import type { Projection } from "./camera";
+import type { Projection } from "./space/camera";
 import { element } from "./dom";
 
 const LONGEST = 110; // pixels

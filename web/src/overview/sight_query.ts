@@ -1,7 +1,7 @@
 // What the server is asked to look at, as parts of an address.
 import type { Viewer } from "../state/viewer";
-import { type Orbit, dot, eye_of, reach } from "./camera";
-import { type Space, type Vec3, from_space } from "./space";
+import { type Orbit, dot, eye_of, reach } from "./space/camera";
+import { type Space, type Vec3, from_space } from "./space/space";
 
 // The camera.
 export function camera_query(space: Space, orbit: Orbit, width: number, height: number): string {

@@ -4,13 +4,13 @@
 import type { Viewer } from "../state/viewer";
 import { ranges } from "../base/ranges";
 import { get } from "../server/api";
-import type { Orbit } from "./camera";
+import type { Orbit } from "./space/camera";
 import { type Palette, compose } from "./compose";
 import { type Frame, empty_frame, put_part } from "./frame";
 import { layers_of, palette_of } from "./layers";
 import { type Sights, decode_sights } from "./sights";
 import { type Part, camera_query, parts_of } from "./sight_query";
-import type { Space } from "./space";
+import type { Space } from "./space/space";
 
 const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
 const FEWEST_QUICK = 40_000; // pixels

@@ -2,11 +2,11 @@
 // space, but no signals, no requests, and of the document only its canvas. A frame is drawn when draw() is called, and
 // at no other time.
 import { PerspectiveCamera, Scene, Vector2, Vector3, WebGLRenderer } from "three";
-import { type Orbit, type Projection, basis, eye_of, projection_of } from "./camera";
+import { type Orbit, type Projection, basis, eye_of, projection_of } from "./space/camera";
 import { Cloud, type Frame, Still } from "./frame";
-import { type Segment, make_lines } from "./lines";
+import { type Segment, make_lines } from "./space/lines";
 import type { Quality } from "./quality";
-import type { Vec3 } from "./space";
+import type { Vec3 } from "./space/space";
 
 export class Stage {
   private readonly renderer: WebGLRenderer;

@@ -1,5 +1,5 @@
 // The overview's colours, from custom properties of the page: the style sheet alone decides about light and dark.
-import type { Rgba } from "./lines";
+import type { Rgba } from "./space/lines";
 
 export interface Theme {
   readonly ground: readonly [Rgba, Rgba, Rgba]; // from its middle to its corners

@@ -1,7 +1,7 @@
 // The triad in the corner: the axes as the camera sees them. Its ends are buttons that look along the axis from there.
 // Where two of them meet, the one with a name stays, or else the nearer one.
 import { AXIS_NAMES } from "../base/grid";
-import type { Projection } from "./camera";
+import type { Projection } from "./space/camera";
 import { element } from "./dom";
 
 const ARM = 40; // pixels

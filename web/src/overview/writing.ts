@@ -1,6 +1,6 @@
 // The overview as part of a saved picture: its ground, what WebGL has drawn, and the numbers, knobs and triad, which
 // are elements of the page.
-import type { Rgba } from "./lines";
+import type { Rgba } from "./space/lines";
 
 const css = ([r, g, b, a]: Rgba) => `rgb(${255 * r} ${255 * g} ${255 * b} / ${a})`;
 

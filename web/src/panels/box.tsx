@@ -5,7 +5,7 @@ import { AXES, AXIS_NAMES, type AxisIndex, type Stats } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
 import type { Box, Viewer } from "../state/viewer";
 import { CopyButton } from "../widgets/copy";
-import { nearest_plane } from "../views/box_handles";
+import { nearest_plane } from "../views/drawing/box_handles";
 import { Icon } from "../widgets/icons";
 import { Swatch } from "../widgets/swatch";
 import { stats_csv, with_end } from "./box_cells";

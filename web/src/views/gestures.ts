@@ -3,7 +3,7 @@ import { batch } from "@preact/signals";
 import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex, type Index3 } from "../base/grid";
 import { measure_thickness, toggle_layout } from "./actions";
-import { cursor_of } from "./box_handles";
+import { cursor_of } from "./drawing/box_handles";
 import type { Stage } from "./stage";
 import { type Drag, handle_under, start_handle, start_tool } from "./tools";
 import type { View } from "./view";

@@ -3,7 +3,7 @@
 import type { Box } from "../state/viewer";
 import { draw_border, draw_cell_lines, draw_crosshair, draw_rulers, draw_scale_bar } from "./overlay_axes";
 import { draw_box, draw_cut, draw_markers, draw_measure, draw_pin } from "./overlay_marks";
-import { Pen } from "./pen";
+import { Pen } from "./drawing/pen";
 import type { Scene, View } from "./view";
 
 // Everything that an overlay depends on. It is compared by identity.

@@ -4,7 +4,7 @@ import type { Axis } from "../base/axis";
 import { coordinate } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { length_text, round_length } from "../base/lengths";
-import type { Pen } from "./pen";
+import type { Pen } from "./drawing/pen";
 
 const LINES_FROM = 7; // CSS pixels: smaller cells get no lines
 const LINES_FULL = 20; // CSS pixels: lines of cells this large have their full strength

@@ -2,9 +2,9 @@
 import type { Box, Measure } from "../state/viewer";
 import { grouped } from "../base/format";
 import type { AxisIndex } from "../base/grid";
-import { cells_between, handles_of } from "./box_handles";
+import { cells_between, handles_of } from "./drawing/box_handles";
 import { length_text } from "../base/lengths";
-import type { Pen } from "./pen";
+import type { Pen } from "./drawing/pen";
 
 // Lines that lie in another slice are dashed.
 const ELSEWHERE = [5, 4];

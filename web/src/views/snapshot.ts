@@ -4,7 +4,7 @@ import { coordinate } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import type { Viewer } from "../state/viewer";
 import { draw_marks } from "./overlay";
-import { FONT, Pen } from "./pen";
+import { FONT, Pen } from "./drawing/pen";
 import { stage_of } from "./stage";
 import { type Scene, View } from "./view";
 

@@ -11,8 +11,8 @@ import { clamped_zoom, fitting_zoom } from "../state/zoom";
 import { Palette, SetTable } from "../tiles/sets";
 import { TileStore } from "../tiles/store";
 import { wants_of } from "../tiles/wants";
-import { zoomed_about } from "./camera";
-import { type Ink, read_ink } from "./ink";
+import { zoomed_about } from "./drawing/camera";
+import { type Ink, read_ink } from "./drawing/ink";
 import { draw_overlay } from "./overlay";
 import { type Scene, View } from "./view";
 

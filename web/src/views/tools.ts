@@ -2,7 +2,7 @@
 import { FRAMES } from "../base/axis";
 import type { AxisIndex, Index3 } from "../base/grid";
 import type { Box } from "../state/viewer";
-import { type Handle, dragged, handle_at, handles_of } from "./box_handles";
+import { type Handle, dragged, handle_at, handles_of } from "./drawing/box_handles";
 import { snapped } from "./snap";
 import type { Stage } from "./stage";
 

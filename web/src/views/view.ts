@@ -10,9 +10,9 @@ import { type Palette, UNKNOWN } from "../tiles/sets";
 import type { TileStore } from "../tiles/store";
 import { set_at } from "../tiles/tile";
 import type { ViewNeeds } from "../tiles/wants";
-import { Camera, type SampleCells, sample_cells } from "./camera";
-import type { Ink } from "./ink";
-import { number_at, paint, paint_damaged, paint_outline } from "./paint";
+import { Camera, type SampleCells, sample_cells } from "./drawing/camera";
+import type { Ink } from "./drawing/ink";
+import { number_at, paint, paint_damaged, paint_outline } from "./drawing/paint";
 
 // Milliseconds for which an earlier slice may stay although a coarse tile of the right slice is there.
 const PATIENCE = 150;

@@ -1,0 +1,307 @@
+#include "mesher/bodies/bodies.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "mesher/closing/extrude.hpp"
+#include "mesher/scene/placement.hpp"
+#include "mesher/surface/area.hpp"
+#include "mesher/surface/read_facets.hpp"
+#include "store/base/error.hpp"
+
+namespace teracell::mesher {
+namespace {
+
+// What a facet in memory takes: the facet, its place among the rays, its numbers in the lists of the tiling, and its part of the
+// tables that count what its surface is made of.
+constexpr uint64_t kBytesPerFacet = 160;
+// More facets than these are put into bins in any case, even if the bins stay in memory: a bin is read from end to end, and has a quarter
+// of the bytes. With 6.4 million facets both ways took the same processor time; with 25.6 million, bins took three quarters.
+constexpr uint64_t kMostTogether = uint64_t{8} << 20;
+
+// The one pass over all facets. Of each body it finds whether its surface is closed and whether it has opposite facets; of all of
+// them, where their matrices put them, the box and the areas of their projections.
+class Study {
+ public:
+  Study() { begin(); }
+  void take(const Facet& facet, const SceneBody& body, bool moves, uint32_t patch) {
+    const std::array<VertexHash, 3> hashes = vertex_hashes(facet);
+    boundary_.add(hashes);
+    opposites_.add(hashes);
+    std::array<Vec3, 3> p = facet.vertex;
+    for (Vec3& q : p) {
+      if (moves) q = moved(q, body);
+      for (int d = 0; d < 3; ++d) {
+        lo_[d] = std::min(lo_[d], q[d]);
+        hi_[d] = std::max(hi_[d], q[d]);
+      }
+    }
+    if (patch >= areas_.size()) areas_.resize(patch + 1);
+    areas_[patch] += area(p);
+    for (int w = 0; w < 3; ++w) {
+      const int u = (w + 1) % 3, v = (w + 2) % 3;
+      area_[w] += std::abs((p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u])) / 2;
+    }
+  }
+  // REQUIRES: all facets of the body were taken.
+  void end_body() {
+    bodies_.push_back({lo_, hi_, boundary_, opposites_.take_answer(), std::exchange(areas_, {})});
+    begin();
+  }
+  void hand_over(Bodies& out) {
+    out.lo.fill(HUGE_VAL), out.hi.fill(-HUGE_VAL);
+    out.area = area_;
+    for (size_t b = 0; b < bodies_.size(); ++b) {
+      BodyFacets& body = out.bodies[b];
+      body.lo = bodies_[b].lo, body.hi = bodies_[b].hi;
+      body.boundary = bodies_[b].boundary;
+      body.opposites = bodies_[b].opposites;
+      body.areas = std::move(bodies_[b].areas);
+      for (int d = 0; d < 3; ++d) {
+        out.lo[d] = std::min(out.lo[d], body.lo[d]);
+        out.hi[d] = std::max(out.hi[d], body.hi[d]);
+      }
+    }
+  }
+
+ private:
+  struct Found {
+    Vec3 lo, hi;
+    BoundaryProof boundary;
+    bool opposites;
+    std::vector<double> areas;
+  };
+  void begin() {
+    lo_.fill(HUGE_VAL), hi_.fill(-HUGE_VAL);
+    boundary_ = {};
+  }
+  Vec3 lo_, hi_, area_{};
+  std::vector<double> areas_;  // of patches
+  BoundaryProof boundary_;
+  OppositeSample opposites_;
+  std::vector<Found> bodies_;
+};
+
+// A pipe can't be read a second time, so its facets must stay.
+bool together(const Scene& scene, const Budget& budget) {
+  return budget.together || std::ranges::any_of(scene.bodies, [](const SceneBody& b) {
+           std::error_code ignored;
+           return std::filesystem::is_other(b.mesh, ignored);
+         });
+}
+
+// Reads the bodies one after another and hands what it reads to the helper, some thousand facets or bodies at a time. (With one
+// job per body, a scene of 100,000 bodies spent more time on handing over than on the work.)
+class BodyReader {
+ public:
+  BodyReader(const Scene& scene, const Budget& budget, bool count, Bodies& out)
+      : scene_(scene),
+        budget_(budget),
+        most_(std::min(budget.bytes / 8 * 5 / kBytesPerFacet, together(scene, budget) ? ~uint64_t{0} : kMostTogether)),
+        count_(count),
+        out_(out),
+        counts_(out.counts) {}
+
+  void read(const std::function<void(double)>& progress) {
+    out_.bodies.reserve(scene_.bodies.size());
+    for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+      const SceneBody& body = scene_.bodies[b];
+      const uint32_t layer = layer_of(b, body.fill == Fill::kEvenodd);  // close_bodies() may change the layer
+      BodyFacets& found = out_.bodies.emplace_back();
+      found.first = out_.in_memory ? out_.facets->size() : 0;
+      found.file = read_facets(body.mesh, body.part,
+                               [&](std::span<const Facet> facets) {
+                                 take(b, layer, facets);
+                                 progress(static_cast<double>(b) / static_cast<double>(scene_.bodies.size()));
+                               },
+                               {budget_, out_.helper.get(), [&](uint64_t facets) { make_room(facets); }, [&](uint32_t patch) { patch_ = patch; }});
+      if (!found.file.regular) once_.push_back(b);
+      if (!out_.in_memory) expect_files();
+      batch_.pieces.push_back({b, {}, 0, true, 0});
+      if (batch_.pieces.size() >= kPieces) hand_on();
+    }
+    hand_on();
+    out_.helper->finish();
+    study_->hand_over(out_);
+  }
+
+ private:
+  static constexpr size_t kFacets = 4096, kPieces = 1024;
+  // Facets of a body that arrived together: they lie in the store, or are the next ones of Batch::copies. Or the end of the body.
+  struct Piece {
+    size_t body;
+    std::span<const SceneFacet> stored;
+    size_t copied;
+    bool ends;
+    uint32_t patch;  // of those copied
+  };
+  struct Batch {
+    std::vector<Piece> pieces;
+    std::vector<Facet> copies;
+    size_t facets = 0;
+  };
+
+  void take(size_t b, uint32_t layer, std::span<const Facet> facets) {
+    make_room(facets.size());
+    batch_.facets += facets.size();
+    if (!out_.in_memory) {
+      batch_.pieces.push_back({b, {}, facets.size(), false, patch_});
+      batch_.copies.insert(batch_.copies.end(), facets.begin(), facets.end());
+    }
+    while (out_.in_memory && !facets.empty()) {
+      const std::span<const SceneFacet> stored = out_.facets->append(facets, layer, patch_);
+      batch_.pieces.push_back({b, stored, 0, false, patch_});
+      facets = facets.subspan(stored.size());
+    }
+    if (batch_.facets >= kFacets) hand_on();
+  }
+
+  void make_room(uint64_t facets) {
+    if (out_.in_memory && out_.facets->size() + facets > most_) spill();
+  }
+
+  // Drops the facets that were kept, and no longer counts them.
+  void spill() {
+    expect_files();
+    hand_on();
+    out_.helper->finish();
+    out_.helper->drop_later();
+    out_.in_memory = false;
+    out_.facets.reset();
+  }
+
+  // Surfaces that are spilled are read again, so none of them may be a pipe.
+  void expect_files() const {
+    for (const size_t b : once_)
+      if (std::filesystem::is_other(scene_.bodies[b].mesh))
+        throw InputError(
+            fmt::format("{}: expected a file, as the surfaces don't fit into the memory given and must be read twice; found a pipe or a device",
+                        scene_.bodies[b].mesh.string()),
+            Remedy::kMoreMemory);
+  }
+
+  void hand_on() {
+    const auto batch = std::make_shared<const Batch>(std::exchange(batch_, {}));
+    if (batch->pieces.empty()) return;
+    out_.helper->run([&scene = scene_, study = study_, batch] {
+      const Facet* copy = batch->copies.data();
+      for (const Piece& p : batch->pieces) {
+        const SceneBody& body = scene.bodies[p.body];
+        const bool moves = body.matrix != kIdentity;
+        for (const SceneFacet& f : p.stored) study->take(f.facet, body, moves, f.patch);
+        for (size_t i = 0; i < p.copied; ++i) study->take(*copy++, body, moves, p.patch);
+        if (p.ends) study->end_body();
+      }
+    });
+    if (!out_.in_memory || !count_) return;
+    out_.helper->run_later([counter = counter_, counts = counts_, batch] {
+      for (const Piece& p : batch->pieces) {
+        for (const SceneFacet& f : p.stored) counter->add(f.facet);
+        if (!p.ends) continue;
+        counts->push_back(counter->totals());
+        *counter = {};
+      }
+    });
+  }
+
+  const Scene& scene_;
+  const Budget& budget_;
+  const uint64_t most_;
+  const bool count_;
+  uint32_t patch_ = 0;        // of the facets that are being read
+  std::vector<size_t> once_;  // bodies whose mesh was no regular file
+  Bodies& out_;
+  // Shared, because jobs may outlive the reading when it throws.
+  const std::shared_ptr<Study> study_ = std::make_shared<Study>();
+  const std::shared_ptr<SurfaceCounter> counter_ = std::make_shared<SurfaceCounter>();
+  const std::shared_ptr<std::vector<SurfaceCounts>> counts_;
+  Batch batch_;
+};
+
+}  // namespace
+
+uint64_t Bodies::facet_count() const {
+  uint64_t count = 0;
+  for (const BodyFacets& b : bodies) count += b.file.facets;
+  return count;
+}
+
+bool Bodies::float32() const {
+  return std::ranges::all_of(bodies, [](const BodyFacets& b) { return b.file.float32; });
+}
+
+std::vector<SurfaceCounts> Bodies::wait_for_counts() {
+  helper->finish_all();
+  return *counts;
+}
+
+Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, bool count, const std::function<void(double)>& progress) {
+  Bodies out;
+  out.helper = std::make_unique<Background>(threads > 1);
+  BodyReader(scene, budget, count, out).read(progress);
+  return out;
+}
+
+void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress) {
+  ClosingGrid closing_grid{HUGE_VAL, {}};
+  for (const Axis& axis : grid.axis) closing_grid.shortest_edge = std::min(closing_grid.shortest_edge, axis.shortest_cell());
+  for (size_t b = 0; b < scene.bodies.size(); ++b) {
+    const SceneBody& body = scene.bodies[b];
+    BodyFacets& found = bodies.bodies[b];
+    if (body.kind == Kind::kSheet) continue;
+    progress(static_cast<double>(b) / static_cast<double>(scene.bodies.size()));
+    if (body.closing.way == Closing::Way::kExtrude) closing_grid.beyond = beyond(body.closing.axis, grid, bodies.lo, bodies.hi);
+    const Surface surface = {[&](const auto& f) { for_each_facet(body, found, bodies, budget, f); },
+                             found.file.facets,
+                             found.file.float32,
+                             bodies.in_memory,
+                             found.boundary,
+                             found.opposites};
+    found.closed = close_body(body, surface, closing_grid, budget);
+    if (!bodies.in_memory) continue;
+    const ClosedBody& closed = found.closed;
+    const uint64_t last = found.first + found.file.facets;
+    if (uint64_t i = 0; closed.rules) bodies.facets->for_each(found.first, last, [&](SceneFacet& f) { f.layer = closed.rules->layer(b, i++); });
+    else if (closed.layer(b) != layer_of(b, body.fill == Fill::kEvenodd))
+      bodies.facets->for_each(found.first, last, [&](SceneFacet& f) { f.layer = closed.layer(b); });
+    for (const bool parity : {false, true}) bodies.facets->append_all(closed.added[parity], layer_of(b, parity), kCapPatch);
+  }
+}
+
+void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
+                    const std::function<void(const Facet&)>& f) {
+  if (bodies.in_memory && !bodies.facets) throw std::logic_error("for_each_facet: the facets were handed on");
+  if (bodies.in_memory) return bodies.facets->for_each(found.first, found.first + found.file.facets, [&](const SceneFacet& s) { f(s.facet); });
+  read_again(body, found, budget, [&](std::span<const Facet> facets) {
+    for (const Facet& facet : facets) f(facet);
+  });
+}
+
+void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&, uint32_t layer)>& f) {
+  for (size_t b = 0; b < scene.bodies.size(); ++b) {
+    const SceneBody& body = scene.bodies[b];
+    const ClosedBody& closed = bodies.bodies[b].closed;
+    const bool moves = body.matrix != kIdentity;
+    uint64_t number = 0;
+    for_each_facet(body, bodies.bodies[b], bodies, budget, [&](const Facet& facet) {
+      f(moves ? moved(facet, body) : facet, closed.rules ? closed.rules->layer(b, number++) : closed.layer(b));
+    });
+    for (const bool parity : {false, true}) {
+      for (const Facet& facet : closed.added[parity]) f(moved(facet, body), layer_of(b, parity));
+      for (const Facet& facet : closed.walls[parity]) f(facet, layer_of(b, parity));
+    }
+  }
+}
+
+void read_again(const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink,
+                const std::function<void(uint32_t)>& enter_patch) {
+  const SurfaceFile file = read_facets(body.mesh, body.part, sink, {.budget = budget, .enter_patch = enter_patch});
+  if (file.hash != found.file.hash)
+    throw InputError(
+        fmt::format("{}: the file changed while it was meshed: its hash was {} and is {} now", body.mesh.string(), found.file.hash, file.hash));
+}
+
+}  // namespace teracell::mesher

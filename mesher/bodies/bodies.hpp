@@ -1,0 +1,62 @@
+// The bodies of a scene: their surfaces are read, then closed, and each shell is given its fill rule.
+#pragma once
+#include <functional>
+#include <memory>
+
+#include "mesher/closing/closing.hpp"
+#include "mesher/closing/surface_counts.hpp"
+#include "mesher/compose/compose.hpp"
+#include "mesher/tiles/facet_store.hpp"
+#include "store/base/background.hpp"
+#include "store/base/spill.hpp"
+
+namespace teracell::mesher {
+
+// Until patches are numbered (patches.hpp), a facet has the number of its patch in its file, and what closes a body has one of these.
+inline constexpr uint32_t kCapPatch = kAddedFacet, kSidePatch = kAddedFacet | 1;
+
+struct BodyFacets {
+  SurfaceFile file;
+  std::vector<double> areas;  // of file.patches, as the grid sees them
+  uint64_t first = 0;  // when in memory: its facets are [first, first + file.facets) of Bodies::facets
+  Vec3 lo, hi;         // the box of its vertices, as the grid sees them
+  BoundaryProof boundary;
+  bool opposites = false;  // two facets of a sample have the same vertices and opposite orientations
+  ClosedBody closed;       // by close_bodies()
+};
+
+struct Bodies {
+  bool in_memory = true;
+  std::unique_ptr<FileFacets> facets = std::make_unique<FileFacets>();  // null once they were handed on to be tiled
+  std::vector<BodyFacets> bodies;
+  Vec3 lo, hi;  // the box of all vertices, as the grid sees them
+  Vec3 area{};  // of the facets' projections along x, y, z
+
+  // What the surfaces in memory are made of decides no cell: it is counted beside the work, from the files' coordinates.
+  std::shared_ptr<std::vector<SurfaceCounts>> counts = std::make_shared<std::vector<SurfaceCounts>>();
+  std::unique_ptr<Background> helper;  // last: its jobs use the others
+  std::vector<SurfaceCounts> wait_for_counts();  // one per body. REQUIRES: in_memory, and they were to be counted
+
+  uint64_t facet_count() const;  // without the facets that close holes
+  bool float32() const;          // every vertex was declared as float32
+};
+
+// Reads every mesh, on one thread or two. Facets are kept in memory as long as they fit into `budget`; if they don't, they must be
+// read again later. `count`: whether to count what the surfaces in memory are made of. `progress` is called every few thousand facets with
+// the bodies read so far, as a share of 1.
+Bodies read_bodies(const Scene& scene, int threads, const Budget& budget, bool count, const std::function<void(double)>& progress);
+
+// Closes every solid (closing.hpp). The facets that this adds are appended to those in memory, except for walls.
+void close_bodies(const Scene& scene, const Grid& grid, const Budget& budget, Bodies& bodies, const std::function<void(double)>& progress);
+
+// Calls f with the facets of a body as its file has them: from memory, or from the file. REQUIRES: they were not handed on.
+void for_each_facet(const SceneBody& body, const BodyFacets& found, const Bodies& bodies, const Budget& budget,
+                    const std::function<void(const Facet&)>& f);
+// Calls f with all facets, those that close surfaces included, as the grid sees them. REQUIRES: they were not handed on.
+void for_each_placed(const Scene& scene, const Bodies& bodies, const Budget& budget, const std::function<void(const Facet&, uint32_t layer)>& f);
+// Reads a body's file once more. Throws InputError when the file has changed.
+void read_again(
+    const SceneBody& body, const BodyFacets& found, const Budget& budget, const FacetSink& sink,
+    const std::function<void(uint32_t)>& enter_patch = [](uint32_t) {});
+
+}  // namespace teracell::mesher

@@ -1,0 +1,49 @@
+#include "mesher/run/cast_totals.hpp"
+
+namespace teracell::mesher {
+
+void CastTotals::add(const RowTotals& row) {
+  crossings += row.crossings;
+  exact_decisions += row.exact_decisions;
+  for (const BodyCells& b : row.cells) cells[b.body] += b.owned, covered[b.body] += b.covered;
+  tallies.add(row.tallies);
+  overlaps.add(row.overlaps);
+}
+
+void CastTotals::add(const CastTotals& other) {
+  crossings += other.crossings;
+  exact_decisions += other.exact_decisions;
+  for (size_t b = 0; b < cells.size(); ++b) cells[b] += other.cells[b], covered[b] += other.covered[b];
+  tallies.add(other.tallies);
+  overlaps.add(other.overlaps);
+}
+
+void CastTotals::save(Bytes& out) const {
+  for (const uint64_t n : {crossings, exact_decisions, uint64_t{cells.size()}}) put_varint(out, n);
+  for (const auto* counts : {&cells, &covered})
+    for (const unsigned __int128 n : *counts) {
+      put_fixed(out, static_cast<uint64_t>(n));
+      put_fixed(out, static_cast<uint64_t>(n >> 64));
+    }
+  tallies.save(out);
+  overlaps.save(out);
+}
+
+CastTotals CastTotals::restored(ByteReader& in) {
+  CastTotals out;
+  out.crossings = in.varint();
+  out.exact_decisions = in.varint();
+  const uint64_t bodies = in.varint(0, in.remaining() / 32, "bodies");
+  for (auto* counts : {&out.cells, &out.covered}) {
+    counts->resize(bodies);
+    for (unsigned __int128& n : *counts) {
+      n = in.fixed<uint64_t>();
+      n |= static_cast<unsigned __int128>(in.fixed<uint64_t>()) << 64;
+    }
+  }
+  out.tallies = Tallies::restored(in);
+  out.overlaps = OverlapSum::restored(in);
+  return out;
+}
+
+}  // namespace teracell::mesher

@@ -1,0 +1,124 @@
+#include "mesher/run/tiled_facets.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "mesher/scene/placement.hpp"
+
+namespace teracell::mesher {
+namespace {
+
+std::vector<bool> which_move(const Scene& scene) {
+  std::vector<bool> out;
+  for (const SceneBody& body : scene.bodies) out.push_back(body.matrix != kIdentity);
+  return out;
+}
+
+}  // namespace
+
+TiledFacets::TiledFacets(const Scene& scene, Bodies& bodies, const Metadata& meta, const std::vector<uint8_t>& widened, const Budget& budget,
+                         int threads, const Patches* patches, std::function<void(double)> progress)
+    : scene_(scene),
+      bodies_(bodies),
+      meta_(meta),
+      widened_(widened),
+      budget_(budget),
+      threads_(threads),
+      patches_(patches),
+      progress_(std::move(progress)),
+      binned_(scene.bodies.size()) {}
+
+Tiling& TiledFacets::tile(const TreeRange& range, bool count, bool again) {
+  tiling_.reset();
+  if (bodies_.in_memory) {
+    if (!facets_) take_from_memory(count);
+    return tiling_.emplace(facets_, meta_, widened_, range);
+  }
+  // What counts facets needs all of them.
+  auto bins = fill_bins(count ? TreeRange() : range, again);
+  if (bins->in_memory()) held_ = std::max(held_, bins->bytes());
+  else spilled_ += bins->bytes();
+  return tiling_.emplace(std::move(bins), count ? &binned_ : nullptr, threads_ > 1 ? threads_ : 0, meta_, range);
+}
+
+void TiledFacets::take_from_memory(bool count) {
+  const std::vector<bool> moves = which_move(scene_);
+  const bool any_moves = std::ranges::count(moves, true) > 0;
+  if (any_moves && count) bodies_.helper->finish_all();  // what counts facets takes the files' coordinates
+  const std::unique_ptr<FileFacets> facets = std::move(bodies_.facets);
+  const auto move = [&](SceneFacet& f) {
+    const uint32_t b = body_of_layer(f.layer);
+    if (moves[b]) f.facet = moved(f.facet, scene_.bodies[b]);
+    f.patch = patch_of(b, f.patch);
+  };
+  facets_ = any_moves || patches_ ? std::make_shared<GridFacets>(std::move(*facets), move) : std::make_shared<GridFacets>(std::move(*facets));
+  for (size_t b = 0; b < scene_.bodies.size(); ++b)
+    for (const bool parity : {false, true}) facets_->append_all(bodies_.bodies[b].closed.walls[parity], layer_of(b, parity), patch_of(b, kSidePatch));
+  for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
+}
+
+std::vector<SurfaceCounts> TiledFacets::counts() { return bodies_.in_memory ? bodies_.wait_for_counts() : binned_.totals(); }
+
+// They are read once more, from their files.
+std::unique_ptr<FacetBins> TiledFacets::fill_bins(const TreeRange& range, bool again) {
+  const auto move = [&scene = scene_, moves = which_move(scene_)](const Facet& f, uint32_t layer) {
+    const uint32_t body = body_of_layer(layer);
+    return moves[body] ? moved(f, scene.bodies[body]) : f;
+  };
+  const bool walls =
+      std::ranges::any_of(bodies_.bodies, [](const BodyFacets& b) { return !b.closed.walls[0].empty() || !b.closed.walls[1].empty(); });
+  auto bins = std::make_unique<FacetBins>(meta_, bodies_.facet_count(), bodies_.float32() && !walls, budget_, threads_ > 1, move, widened_, range,
+                                          patches_ != nullptr);
+  struct Stretch {  // of facets that are alike
+    size_t facets;
+    uint32_t layer;
+    FacetBins::Origin origin;
+    uint32_t patch;
+  };
+  struct Batch {
+    std::vector<Facet> facets;
+    std::vector<Stretch> stretches;
+  };
+  constexpr size_t kBatch = 4096;
+  Batch batch;
+  Background background(threads_ > 1);
+  const auto hand_on = [&] {
+    background.run([&bins, batch = std::exchange(batch, {})] {
+      const Facet* f = batch.facets.data();
+      for (const Stretch& s : batch.stretches)
+        for (size_t i = 0; i < s.facets; ++i) bins->add(*f++, s.layer, s.origin, s.patch);
+    });
+    batch.facets.reserve(kBatch);
+  };
+  const auto add = [&](std::span<const Facet> facets, uint32_t layer, FacetBins::Origin origin, uint32_t patch) {
+    if (!batch.facets.empty() && batch.facets.size() + facets.size() > kBatch) hand_on();
+    batch.facets.insert(batch.facets.end(), facets.begin(), facets.end());
+    batch.stretches.push_back({facets.size(), layer, origin, patch});
+  };
+  const double all = static_cast<double>(bodies_.facet_count());
+  uint64_t done = 0;
+  for (size_t b = 0; b < scene_.bodies.size(); ++b) {
+    const BodyFacets& found = bodies_.bodies[b];
+    const ClosedBody& closed = found.closed;
+    uint64_t number = 0;
+    uint32_t patch = 0;
+    const auto take = [&](std::span<const Facet> facets) {
+      if (!closed.rules) add(facets, closed.layer(b), FacetBins::kOfFile, patch);
+      else
+        for (const Facet& f : facets) add({&f, 1}, closed.rules->layer(b, number++), FacetBins::kOfFile, patch);
+      done += facets.size();
+      progress_(static_cast<double>(done) / all);
+    };
+    read_again(scene_.bodies[b], found, budget_, take, [&](uint32_t of_file) { patch = patch_of(b, of_file); });
+    for (const bool parity : {false, true}) add(closed.added[parity], layer_of(b, parity), FacetBins::kAdded, patch_of(b, kCapPatch));
+    for (const bool parity : {false, true}) add(closed.walls[parity], layer_of(b, parity), FacetBins::kPlaced, patch_of(b, kSidePatch));
+  }
+  hand_on();
+  background.finish();
+  if (!again)
+    for (BodyFacets& body : bodies_.bodies) body.closed.drop_facets();
+  bins->finish();
+  return bins;
+}
+
+}  // namespace teracell::mesher

@@ -1,0 +1,48 @@
+#include "server/api/diff.hpp"
+
+#include "store/base/wanted.hpp"
+#include "store/compare/difference_counts.hpp"
+#include "store/compare/equal_cells.hpp"
+#include "store/whole/info.hpp"
+
+namespace teracell::server {
+namespace {
+
+// Several clients may ask at the same time.
+constexpr size_t kMemory = size_t{64} << 20;  // for runs of the second grid
+constexpr size_t kMostChanges = size_t{1} << 16;
+
+// Throws bad_request for what f() throws of grids that can't be compared.
+template <class F>
+auto refused_in_words(F&& f) try {
+  return f();
+} catch (const InputError& e) {
+  throw bad_request(e.what());
+}
+
+}  // namespace
+
+Service::Recipe diff_recipe(Service& service, const ServedGrid& grid, const Target& target) {
+  target.allow({"with"});
+  const std::string* with = target.find("with");
+  if (!with) throw bad_request("missing with: expected the id of the grid to compare with, as /api/v1/grids lists it");
+  const std::shared_ptr<const ServedGrid> other = service.grids().find(*with);
+  refused_in_words([&] { expect_equal_cells(grid.reader(), other->reader()); });
+  // The address names neither version, so a client asks each time, and the ETag tells both.
+  return {.route = "diff",
+          .content_type = "application/json",
+          .compress = true,
+          .make =
+              [&service, &grid, other] {
+                // The answer is kept for the grids of this moment.
+                if (service.grids().find(other->id)->number != other->number) throw Replaced("grid '" + other->id + "' was replaced");
+                DifferenceOptions options;
+                options.memory = kMemory;
+                options.most_changes = kMostChanges;
+                const auto go_on = [](double) { Wanted::stop_if_not(); };
+                return difference_json(refused_in_words([&] { return count_difference(grid.reader(), other->reader(), options, go_on); }));
+              },
+          .address = other->hash};
+}
+
+}  // namespace teracell::server

@@ -1,0 +1,228 @@
+#include "server/render/first_hit.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace teracell::server {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr size_t kKept = 256;         // chunks that a thread finds without asking others
+constexpr double kParallel = 1e-290;  // what is less counts as 0, so that the inverse is finite
+
+double widest_cell(const Axis& axis) {
+  if (!axis.is_graded()) return axis.step();
+  double widest = 0;
+  for (size_t i = 0; i + 1 < axis.planes().size(); ++i) widest = std::max(widest, axis.planes()[i + 1] - axis.planes()[i]);
+  return widest;
+}
+
+}  // namespace
+
+FirstHits::FirstHits(const Subject& subject, const Camera& camera)
+    : subject_(subject),
+      camera_(camera),
+      grid_(subject.reader.meta().grid),
+      cells_(grid_.cells()),
+      frame_(subject.reader.meta().frame()),
+      kept_(kKept) {
+  const GridReader& reader = subject.reader;
+  const int drawn = subject.level.value_or(0);
+  double widest = 0;
+  for (const Axis& axis : grid_.axis) widest = std::max(widest, widest_cell(axis));
+  // A level that is not stored is only worth its price when it is what is drawn.
+  for (int level = reader.levels() - 1; level >= 0; --level)
+    if (level == drawn || level >= subject.occupancy.level() || reader.stored(level)) {
+      if (level == drawn) drawn_ = rungs_.size();
+      rungs_.push_back(reader.shape(level));
+      widest_.push_back(std::ldexp(widest, level));
+    }
+  last_.resize(rungs_.size());
+}
+
+double FirstHits::time(int axis, int64_t plane) const {
+  const double p = grid_.axis[axis].plane(plane), from = line_.sight.from[axis];
+  // The domain's max belongs to the last cell.
+  if (line_.sight.along[axis] == 0) return p < from || (p == from && plane < cells_[axis]) ? -kInfinity : kInfinity;
+  return (p - from) * line_.inverse[axis];
+}
+
+// To the domain, and to what is not cut away.
+void FirstHits::clip() {
+  Stretch all{0, kInfinity, -1};
+  for (int d = 0; d < 3; ++d) {
+    double enter = time(d, 0), leave = time(d, cells_[d]);
+    if (line_.sight.along[d] < 0) std::swap(enter, leave);
+    if (enter > all.begin) all.begin = enter, all.face = d;
+    all.end = std::min(all.end, leave);
+  }
+  stretches_.clear();
+  if (all.begin < all.end) stretches_.push_back(all);
+  int plane = 0;
+  for (const Cut& cut : subject_.cuts) {
+    remove(cut, plane);
+    plane += static_cast<int>(cut.size());
+  }
+}
+
+// `plane`: the number of the cut's first plane.
+void FirstHits::remove(const Cut& cut, int plane) {
+  double from = -kInfinity, to = kInfinity;  // of the line, what is cut away
+  int face = -1;                             // where it ends
+  for (size_t i = 0; i < cut.size(); ++i) {
+    const double along = dot(cut[i].normal, line_.sight.along), off = cut[i].offset - dot(cut[i].normal, line_.sight.from);
+    if (std::abs(along) < kParallel) {
+      if (off > 0) return;
+      continue;
+    }
+    const double t = off * (1 / along);
+    if (along > 0) from = std::max(from, t);
+    else if (t < to) to = t, face = 3 + plane + static_cast<int>(i);
+  }
+  if (from >= to) return;
+  shorter_.clear();
+  for (const Stretch& s : stretches_) {
+    if (s.begin < std::min(s.end, from)) shorter_.push_back({s.begin, std::min(s.end, from), s.face});
+    if (std::max(s.begin, to) < s.end) shorter_.push_back({std::max(s.begin, to), s.end, s.begin < to ? face : s.face});
+  }
+  std::swap(stretches_, shorter_);
+}
+
+std::optional<Hit> FirstHits::first(const Sight& sight) {
+  line_.sight = sight;
+  for (int d = 0; d < 3; ++d) {
+    if (std::abs(sight.along[d]) < kParallel) line_.sight.along[d] = 0;
+    line_.inverse[d] = 1 / line_.sight.along[d];
+  }
+  hit_.reset();
+  to_the_end_ = false;  // an error may have left it
+  clip();
+  for (const Stretch& s : stretches_) {
+    line_.begin = s.begin, line_.face = s.face;
+    if (occupied(0, {0, 0, 0}) && descend(0, {0, 0, 0}, s.begin, s.end)) break;
+  }
+  return hit_;
+}
+
+bool FirstHits::is_drawn(size_t rung, double t) const {
+  if (rung + 1 == rungs_.size()) return true;
+  if (to_the_end_) return false;
+  return subject_.level ? rung == drawn_ : widest_[rung] <= camera_.finest_at(t);
+}
+
+// Looks for the first visible cell in an occupied one, through which the line goes from t0 to t1.
+bool FirstHits::descend(size_t rung, const Index3& cell, double t0, double t1) {
+  if (is_drawn(rung, t0)) return take(rung, cell, t0, t1);
+  const int level = rungs_[rung + 1].level, shift = rungs_[rung].level - level;
+  Index3 at, last, step;
+  Vec3 leave;
+  const auto time_to_leave = [&](int d) { return time(d, std::min((at[d] + (step[d] > 0)) << level, cells_[d])); };
+  for (int d = 0; d < 3; ++d) {
+    const int64_t lo = cell[d] << shift, hi = std::min((cell[d] + 1) << shift, ceil_shift(cells_[d], level)) - 1;
+    const bool forward = line_.sight.along[d] >= 0;
+    step[d] = forward ? 1 : -1, at[d] = forward ? lo : hi, last[d] = forward ? hi : lo;
+    for (leave[d] = time_to_leave(d); leave[d] <= t0 && at[d] != last[d]; leave[d] = time_to_leave(d)) at[d] += step[d];
+  }
+  for (;;) {
+    const double next = std::min({leave[0], leave[1], leave[2], t1});
+    if (t0 < next && occupied(rung + 1, at) && descend(rung + 1, at, t0, next)) return true;
+    if (next >= t1) return false;
+    for (int d = 0; d < 3; ++d) {
+      if (leave[d] > next) continue;
+      if (at[d] == last[d]) return false;
+      at[d] += step[d];
+      leave[d] = time_to_leave(d);
+    }
+    t0 = std::max(t0, next);
+  }
+}
+
+// A cell that is drawn. If several of its labels are visible, that which is seen of them; where the line meets none of them, the strongest.
+bool FirstHits::take(size_t rung, const Index3& cell, double t0, double t1) {
+  const uint32_t of = seen(rung, cell);
+  if (of == 0) return false;
+  if (of == Visible::kSeveral && rung + 1 < rungs_.size()) {
+    to_the_end_ = true;
+    const bool found = descend(rung, cell, t0, t1);
+    to_the_end_ = false;
+    if (found) return true;
+  }
+  hit_ = Hit{t0, of == Visible::kSeveral ? strongest(rung, cell) : of - 1, face_of(rung, cell, t0), cell, rungs_[rung].level};
+  return true;
+}
+
+int FirstHits::face_of(size_t rung, const Index3& cell, double t0) const {
+  if (t0 == line_.begin) return line_.face;
+  int face = 0;
+  double latest = -kInfinity;
+  for (int d = 0; d < 3; ++d) {
+    const bool forward = line_.sight.along[d] >= 0;
+    const double enter = time(d, std::min((cell[d] + !forward) << rungs_[rung].level, cells_[d]));
+    if (enter > latest) latest = enter, face = d;
+  }
+  return face;
+}
+
+bool FirstHits::occupied(size_t rung, const Index3& cell) {
+  if (const int level = rungs_[rung].level; level >= subject_.occupancy.level())
+    return subject_.occupancy.at(level, static_cast<uint32_t>(cell[frame_.u]), static_cast<uint32_t>(cell[frame_.v]),
+                                 static_cast<uint32_t>(cell[frame_.w]));
+  return seen(rung, cell) != 0;
+}
+
+FirstHits::Place FirstHits::place(size_t rung, const Index3& cell) {
+  const LevelShape& shape = rungs_[rung];
+  const auto u = static_cast<uint32_t>(cell[frame_.u]), v = static_cast<uint32_t>(cell[frame_.v]), w = static_cast<uint32_t>(cell[frame_.w]);
+  const uint32_t cu = u / shape.chunk_rays, cv = v / shape.chunk_rays, segment = w / shape.chunk_cells;
+  const Known& chunk = known(rung, {shape.level, cu, cv, segment});
+  return {chunk, (v - cv * shape.chunk_rays) * shape.rays_u(cu) + (u - cu * shape.chunk_rays), w - segment * shape.chunk_cells};
+}
+
+SetId FirstHits::set_at(const Place& p) {
+  const RayBlock& rays = p.known.chunk->rays;
+  const std::span<const uint32_t> changes = rays.changes(p.ray);
+  size_t run = 0;
+  if (changes.size() > 32) run = static_cast<size_t>(std::ranges::upper_bound(changes, p.at) - changes.begin());
+  else
+    for (const uint32_t change : changes) run += change <= p.at;
+  return rays.sets(p.ray)[run];
+}
+
+// Visible::of() the set of a cell.
+uint32_t FirstHits::seen(size_t rung, const Index3& cell) {
+  const Place p = place(rung, cell);
+  if (!p.known.chunk) return p.known.all;
+  const SetId set = set_at(p);
+  const uint32_t labels = p.known.chunk->sets.labels();
+  return set < labels ? subject_.visible.of(Label{set}) : p.known.of_sets[set - labels];
+}
+
+const FirstHits::Known& FirstHits::known(size_t rung, const ChunkKey& key) {
+  if (const Known& last = kept_[last_[rung]]; last.key == key) return last;
+  const size_t place = ChunkKeyHash()(key) % kept_.size();
+  last_[rung] = place;
+  Known& out = kept_[place];
+  if (out.key == key) return out;
+  out = Known{};
+  if (const auto set = subject_.reader.uniform(key)) {
+    out.all = subject_.visible.of(*set);
+    out.set = *set;
+  } else {
+    out.chunk = subject_.reader.chunk(key, scratch_);
+    scratch_.reset();  // without a keeper it would be overwritten
+    const SetTable& sets = out.chunk->sets;
+    for (uint32_t id = sets.labels(); id < sets.ids(); ++id) out.of_sets.push_back(subject_.visible.of(sets.members(id)));
+  }
+  out.key = key;  // last, so that an error leaves nothing
+  return out;
+}
+
+Label FirstHits::strongest(size_t rung, const Index3& cell) {
+  const Place p = place(rung, cell);
+  std::vector<Label> set = p.known.chunk ? p.known.chunk->sets.members(set_at(p)) : p.known.set;
+  std::erase_if(set, [&](Label label) { return !subject_.visible(label); });
+  const Metadata& meta = subject_.reader.meta();
+  return *std::ranges::min_element(set, {}, [&](Label label) { return meta.materials[meta.labels[label].material].rank; });
+}
+
+}  // namespace teracell::server

@@ -1,0 +1,108 @@
+#include "server/render/occupancy.hpp"
+
+#include "store/base/error.hpp"
+#include "store/base/in_order.hpp"
+#include "store/grid/set_memo.hpp"
+
+namespace teracell::server {
+namespace {
+
+size_t words_per_ray(uint32_t cells) { return (size_t{cells} + 63) / 64; }
+
+// Sets the bits [lo, hi).
+void fill(uint64_t* words, uint32_t lo, uint32_t hi) {
+  const uint64_t first = ~uint64_t{0} << (lo % 64), last = ~uint64_t{0} >> (63 - (hi - 1) % 64);
+  const uint32_t from = lo / 64, to = (hi - 1) / 64;
+  if (from == to) {
+    words[from] |= first & last;
+    return;
+  }
+  words[from] |= first;
+  for (uint32_t i = from + 1; i < to; ++i) words[i] = ~uint64_t{0};
+  words[to] |= last;
+}
+
+// Bit i of the result is bit 2 i or bit 2 i + 1 of `x`.
+uint32_t pairs(uint64_t x) {
+  x = (x | x >> 1) & 0x5555555555555555;
+  x = (x | x >> 1) & 0x3333333333333333;
+  x = (x | x >> 2) & 0x0F0F0F0F0F0F0F0F;
+  x = (x | x >> 4) & 0x00FF00FF00FF00FF;
+  x = (x | x >> 8) & 0x0000FFFF0000FFFF;
+  return static_cast<uint32_t>(x | x >> 16);
+}
+
+}  // namespace
+
+Occupancy::Bits::Bits(const LevelShape& shape)
+    : nu(shape.nu), nv(shape.nv), nw(shape.nw), per_ray(words_per_ray(nw)), words(size_t{nu} * nv * per_ray) {}
+
+Occupancy::Occupancy(const GridReader& reader, const Visible& visible, int level, int threads, const std::atomic<bool>& stop) : first_(level) {
+  const auto too_many = [&] {
+    const LevelShape shape = reader.shape(first_);
+    return double{1} * shape.nu * shape.nv * static_cast<double>(words_per_ray(shape.nw)) > kMostWords;
+  };
+  while (too_many()) ++first_;
+  for (int l = first_; l < reader.levels(); ++l) levels_.emplace_back(reader.shape(l));
+  read(reader, visible, threads, stop);
+  for (size_t i = 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
+}
+
+void Occupancy::read(const GridReader& reader, const Visible& visible, int threads, const std::atomic<bool>& stop) {
+  const LevelShape shape = reader.shape(first_);
+  reader.prefetch(first_, reader.meta().grid.box(first_));
+  Bits& bits = levels_.front();
+  std::vector<std::shared_ptr<Chunk>> scratch(threads);
+  uint64_t next = 0;
+  const uint64_t columns = uint64_t{shape.chunks_u} * shape.chunks_v;
+  // Segments of a column share words, so one thread takes all of them.
+  in_order(
+      threads,
+      [&]() -> std::optional<uint64_t> {
+        if (stop) throw Interrupted(reader.name() + ": interrupted");
+        return next < columns ? std::optional(next++) : std::nullopt;
+      },
+      [&](uint64_t column, int worker) {
+        const auto cu = static_cast<uint32_t>(column % shape.chunks_u), cv = static_cast<uint32_t>(column / shape.chunks_u);
+        for (uint32_t segment = 0; segment < shape.segments; ++segment) {
+          const ChunkKey key{first_, cu, cv, segment};
+          const uint32_t w0 = segment * shape.chunk_cells;
+          const auto ray_words = [&](uint32_t u, uint32_t v) {
+            return &bits.words[(size_t{cv * shape.chunk_rays + v} * bits.nu + cu * shape.chunk_rays + u) * bits.per_ray];
+          };
+          if (const auto set = reader.uniform(key)) {
+            if (visible.of(*set) == 0) continue;
+            for (uint32_t v = 0; v < shape.rays_v(cv); ++v)
+              for (uint32_t u = 0; u < shape.rays_u(cu); ++u) fill(ray_words(u, v), w0, w0 + shape.length(segment));
+            continue;
+          }
+          const auto chunk = reader.chunk(key, scratch[worker]);
+          const RayBlock& rays = chunk->rays;
+          SetMemo<bool> known;
+          for (uint32_t ray = 0; ray < rays.rays(); ++ray)
+            rays.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId set) {
+              if (known.get(set, [&] { return visible.of(chunk->sets.members(set)) != 0; }))
+                fill(ray_words(ray % rays.nu, ray / rays.nu), w0 + from, w0 + to);
+            });
+        }
+        return 0;
+      },
+      [](int) {});
+}
+
+size_t Occupancy::memory() const {
+  size_t words = 0;
+  for (const Bits& bits : levels_) words += bits.words.size();
+  return words * sizeof(uint64_t);
+}
+
+void Occupancy::halve(const Bits& fine, Bits& coarse) const {
+  for (uint32_t v = 0; v < fine.nv; ++v)
+    for (uint32_t u = 0; u < fine.nu; ++u) {
+      const uint64_t* const from = &fine.words[(size_t{v} * fine.nu + u) * fine.per_ray];
+      uint64_t* const to = &coarse.words[(size_t{v / 2} * coarse.nu + u / 2) * coarse.per_ray];
+      for (size_t i = 0; i < fine.per_ray; ++i) to[i / 2] |= uint64_t{pairs(from[i])} << (32 * (i % 2));
+    }
+}
+
+}  // namespace teracell::server

@@ -1,0 +1,45 @@
+// Where anything visible is: a bit for each cell of a level, and of all coarser ones. It takes 20 MB at most, whatever the grid.
+#pragma once
+#include <atomic>
+#include <bit>
+
+#include "server/render/visible.hpp"
+#include "store/read/reader.hpp"
+
+namespace teracell::server {
+
+class Occupancy {
+ public:
+  // Reads one level: the finest, from `level` on, whose bits are not too many.
+  Occupancy(const GridReader& reader, const Visible& visible, int level, int threads, const std::atomic<bool>& stop);
+
+  int level() const { return first_; }  // the finest that there are bits of
+  // REQUIRES: level() <= level < reader.levels(), and the cell, by (u, v, w) of the grid's rays, lies in it.
+  bool at(int level, uint32_t u, uint32_t v, uint32_t w) const {
+    const Bits& b = levels_[level - first_];
+    return b.words[(size_t{v} * b.nu + u) * b.per_ray + w / 64] >> (w % 64) & 1;
+  }
+  // How many of the cells from `w` to `w + count` have something visible. REQUIRES: `count` is 1, 2, 4 ... 64 and divides `w`.
+  int count(int level, uint32_t u, uint32_t v, uint32_t w, uint32_t count) const {
+    const Bits& b = levels_[level - first_];
+    return std::popcount(b.words[(size_t{v} * b.nu + u) * b.per_ray + w / 64] >> (w % 64) & ~uint64_t{0} >> (64 - count));
+  }
+  size_t memory() const;  // bytes on the heap
+
+ private:
+  // The bits of a ray begin with a word of their own.
+  struct Bits {
+    uint32_t nu, nv, nw;
+    size_t per_ray;  // words
+    std::vector<uint64_t> words;
+    explicit Bits(const LevelShape& shape);
+  };
+  static constexpr size_t kMostWords = size_t{1} << 21;
+  void read(const GridReader& reader, const Visible& visible, int threads, const std::atomic<bool>& stop);
+  void halve(const Bits& fine, Bits& coarse) const;
+
+  int first_;
+  std::vector<Bits> levels_;
+};
+
+}  // namespace teracell::server

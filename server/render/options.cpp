@@ -1,0 +1,250 @@
+#include "server/render/options.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "store/base/error.hpp"
+
+namespace teracell::server {
+namespace {
+
+constexpr RenderOption kOptions[] = {
+    {"from", "X,Y,Z", "where the eye is; default: from (1, -1.4, 0.9) times the grid's diagonal, seen from its middle"},
+    {"at", "X,Y,Z", "what it looks at; default: the middle of the grid"},
+    {"up", "AXIS", "x, y or z; default: z"},
+    {"fov", "DEGREES", "the field of view from bottom to top; default: 30"},
+    {"view", "DIRECTION", "x, y, z, -x, -y or -z: look along it, without perspective"},
+    {"size", "W,H", "pixels; default: 1280,960"},
+    {"level", "L", "draw the cells of this level; default: those that take at most a quarter of a pixel"},
+    {"cut", "x=X,y=Y,z=Z", "keep what is below these coordinates; one or more of them"},
+    {"open", "X,Y,Z", "cut away the corner in front of this point, as the eye sees it"},
+    {"plane", "NX,NY,NZ,D", "cut away the points p with (NX, NY, NZ) . p >= D"},
+    {"materials", "NAME,...", "show these alone; default: all but the background"},
+    {"bodies", "NAME,...", "show these bodies alone, where the file keeps bodies apart"},
+    {"labels", "RANGES", "show the labels with these numbers alone, as in 1-4,7: materials, or bodies where the file keeps them apart"},
+    {"background", "#rrggbbaa", "the colour where nothing is; default: #ffffff"},
+    {"flat", "", "the materials' colours alone: no shading, no smoothing"},
+};
+
+std::vector<std::string_view> split(std::string_view text) {
+  std::vector<std::string_view> out;
+  for (size_t from = 0;;) {
+    const size_t comma = text.find(',', from);
+    out.push_back(text.substr(from, comma - from));
+    if (comma == std::string_view::npos) return out;
+    from = comma + 1;
+  }
+}
+
+class Options {
+ public:
+  Options(const OptionText& text, const Metadata& meta, std::string_view dashes) : text_(text), meta_(meta), dashes_(dashes) {}
+
+  RenderOptions parse() const {
+    RenderOptions out;
+    const PictureSize size = picture_size();
+    out.aim.camera = camera(size);
+    if (const std::string* text = text_("level")) out.aim.level = level(*text);
+    if (const std::string* text = text_("cut")) out.aim.cuts = cut(*text);
+    if (const std::string* text = text_("open")) out.aim.cuts.push_back(corner(out.aim.camera, point("open", *text)));
+    if (const std::string* text = text_("plane")) out.aim.cuts.push_back({plane(*text)});
+    out.shown = shown();
+    if (const std::string* text = text_("background")) out.ground = color(*text);
+    if (const std::string* text = text_("flat")) out.flat = flag("flat", *text);
+    return out;
+  }
+
+ private:
+  [[noreturn]] void refuse(std::string_view name, std::string_view expected, std::string_view found) const {
+    throw UsageError(fmt::format("{}{}: expected {}, found '{}'", dashes_, name, expected, found));
+  }
+
+  template <class T>
+  static bool is_whole(std::string_view text, T& value) {
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size();
+  }
+
+  double number(std::string_view name, std::string_view text, const char* expected) const {
+    double value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    // No grid has larger coordinates.
+    if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value) <= 1e75)) refuse(name, expected, text);
+    return value;
+  }
+
+  Vec3 point(std::string_view name, const std::string& text) const {
+    const auto words = split(text);
+    constexpr const char* kExpected = "three numbers up to 1e75, as in 1,2,3";
+    if (words.size() != 3) refuse(name, kExpected, text);
+    Vec3 out;
+    for (size_t d = 0; d < 3; ++d) out[d] = number(name, words[d], kExpected);
+    return out;
+  }
+
+  PictureSize picture_size() const {
+    const std::string* const text = text_("size");
+    if (!text) return {};
+    const std::string expected =
+        fmt::format("width and height from 1 to {} pixels, at most {} in all, as in 1280,960", kLongestPictureSide, kMostPicturePixels);
+    const auto words = split(*text);
+    uint64_t n[2] = {};
+    for (size_t i = 0; i < 2; ++i) {
+      if (words.size() != 2 || !is_whole(words[i], n[i]) || n[i] < 1 || n[i] > kLongestPictureSide) refuse("size", expected, *text);
+    }
+    if (n[0] * n[1] > kMostPicturePixels) refuse("size", expected, *text);
+    return {static_cast<uint32_t>(n[0]), static_cast<uint32_t>(n[1])};
+  }
+
+  Camera camera(PictureSize size) const {
+    if (const std::string* view = text_("view")) {
+      for (const char* other : {"from", "at", "up", "fov"})
+        if (text_(other)) throw UsageError(fmt::format("{0}view: expected alone, found with {0}{1}", dashes_, other));
+      const bool positive = !view->starts_with('-');
+      const auto axis = axis_named(std::string_view(*view).substr(positive ? 0 : 1));
+      if (!axis) refuse("view", "x, y, z, -x, -y or -z", *view);
+      return axis_camera(meta_.grid, *axis, positive, size);
+    }
+    int up = 2;
+    if (const std::string* text = text_("up")) {
+      const auto axis = axis_named(*text);
+      if (!axis) refuse("up", "x, y or z", *text);
+      up = *axis;
+    }
+    double fov = 30;
+    if (const std::string* text = text_("fov")) {
+      fov = number("fov", *text, "degrees");
+      if (!(fov >= 1e-6 && fov <= 179)) refuse("fov", "0.000001 to 179 degrees", *text);
+    }
+    const DefaultView usual = default_view(meta_.grid);
+    const std::string *from = text_("from"), *at = text_("at");
+    const Vec3 eye = from ? point("from", *from) : usual.from, target = at ? point("at", *at) : usual.at;
+    if (eye == target)
+      throw UsageError(fmt::format("{0}from, {0}at: expected two points, found ({1}, {2}, {3}) twice", dashes_, eye[0], eye[1], eye[2]));
+    return perspective_camera(eye, target, up, fov, size);
+  }
+
+  int level(const std::string& text) const {
+    int out = 0;
+    if (!is_whole(text, out) || out < 0 || out >= meta_.grid.levels()) refuse("level", fmt::format("0 to {}", meta_.grid.levels() - 1), text);
+    return out;
+  }
+
+  Cuts cut(const std::string& text) const {
+    constexpr const char* kExpected = "one coordinate per axis at most, as in x=1.5,z=20";
+    Cuts out;
+    std::array<bool, 3> given{};
+    for (const std::string_view word : split(text)) {
+      const auto axis = word.size() > 2 && word[1] == '=' ? axis_named(word.substr(0, 1)) : std::nullopt;
+      if (!axis || std::exchange(given[static_cast<size_t>(*axis)], true)) refuse("cut", kExpected, text);
+      HalfSpace half{{}, number("cut", word.substr(2), kExpected)};
+      half.normal[static_cast<size_t>(*axis)] = 1;
+      out.push_back({half});
+    }
+    return out;
+  }
+
+  static Cut corner(const Camera& camera, const Vec3& at) {
+    Cut out;
+    for (size_t d = 0; d < 3; ++d) {
+      const bool above = camera.perspective ? camera.from[d] >= at[d] : camera.forward[d] <= 0;
+      HalfSpace half{{}, above ? at[d] : -at[d]};
+      half.normal[d] = above ? 1 : -1;
+      out.push_back(half);
+    }
+    return out;
+  }
+
+  HalfSpace plane(const std::string& text) const {
+    constexpr const char* kExpected = "four numbers up to 1e75, the first three not all 0, as in 1,1,0,25";
+    const auto words = split(text);
+    if (words.size() != 4) refuse("plane", kExpected, text);
+    HalfSpace out{};
+    for (size_t d = 0; d < 3; ++d) out.normal[d] = number("plane", words[d], kExpected);
+    out.offset = number("plane", words[3], kExpected);
+    const double longest = std::max({std::abs(out.normal[0]), std::abs(out.normal[1]), std::abs(out.normal[2])});
+    if (longest == 0) refuse("plane", kExpected, text);
+    return {out.normal * (1 / longest), out.offset / longest};
+  }
+
+  // Of each label; empty when nothing is chosen.
+  std::vector<bool> shown() const {
+    const char* const chosen[] = {"materials", "bodies", "labels"};
+    std::vector<const char*> given;
+    for (const char* name : chosen)
+      if (text_(name)) given.push_back(name);
+    if (given.size() > 1) throw UsageError(fmt::format("{0}{1}: expected alone, found with {0}{2}", dashes_, given[0], given[1]));
+    if (const std::string* text = text_("materials"))
+      return of_names("materials", *text, "materials of this grid",
+                      [](const Metadata& meta, const LabelInfo& label) -> const std::string& { return meta.materials[label.material].name; });
+    if (const std::string* text = text_("bodies"))
+      return of_names("bodies", *text, "bodies that this grid keeps apart",
+                      [](const Metadata&, const LabelInfo& label) -> const std::string& { return label.body; });
+    if (const std::string* text = text_("labels")) return ranges(*text);
+    return {};
+  }
+
+  template <class NameOf>
+  std::vector<bool> of_names(std::string_view option, const std::string& text, const char* what, NameOf name_of) const {
+    std::vector<bool> out(meta_.labels.size());
+    // A name may hold commas, so the longest name that fits is taken.
+    for (std::string_view rest = text;;) {
+      std::string_view best;
+      for (const LabelInfo& label : meta_.labels)
+        if (const std::string& name = name_of(meta_, label);
+            rest.starts_with(name) && (rest.size() == name.size() || rest[name.size()] == ',') && name.size() > best.size())
+          best = name;
+      if (best.empty()) refuse(option, fmt::format("names of {}, separated by commas", what), rest.substr(0, rest.find(',')));
+      for (size_t i = 0; i < out.size(); ++i)
+        if (name_of(meta_, meta_.labels[i]) == best) out[i] = true;
+      if (rest.size() == best.size()) return out;
+      rest.remove_prefix(best.size() + 1);
+    }
+  }
+
+  std::vector<bool> ranges(const std::string& text) const {
+    const std::string expected = fmt::format("numbers from 0 to {} and ranges of them, as in 1-4,7", meta_.labels.size() - 1);
+    std::vector<bool> out(meta_.labels.size());
+    if (text.empty()) return out;  // nothing is shown
+    for (const std::string_view word : split(text)) {
+      size_t ends[2] = {};
+      const size_t dash = word.find('-');
+      const std::string_view parts[2] = {word.substr(0, dash), dash == std::string_view::npos ? word : word.substr(dash + 1)};
+      for (size_t i = 0; i < 2; ++i)
+        if (!is_whole(parts[i], ends[i]) || ends[i] >= out.size()) refuse("labels", expected, text);
+      if (ends[0] > ends[1]) refuse("labels", expected, text);
+      for (size_t label = ends[0]; label <= ends[1]; ++label) out[label] = true;
+    }
+    return out;
+  }
+
+  Rgba color(const std::string& text) const {
+    const auto out = parse_color(text);
+    if (!out) refuse("background", "#rrggbb or #rrggbbaa", text);
+    return *out;
+  }
+
+  bool flag(std::string_view name, const std::string& text) const {
+    if (text.empty() || text == "1" || text == "true") return true;
+    if (text != "0" && text != "false") refuse(name, "0 or 1", text);
+    return false;
+  }
+
+  const OptionText& text_;
+  const Metadata& meta_;
+  const std::string_view dashes_;
+};
+
+}  // namespace
+
+std::span<const RenderOption> render_options() { return kOptions; }
+
+RenderOptions parse_render_options(const OptionText& text, const Metadata& meta, std::string_view dashes) {
+  return Options(text, meta, dashes).parse();
+}
+
+}  // namespace teracell::server

@@ -1,0 +1,112 @@
+// Work that is handed to one other thread and done there in order: reading goes on while what was read is studied.
+#pragma once
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+namespace teracell::inline store {
+
+// One thread may call it. When a job throws, the next call throws the same and the jobs after it are dropped. The destructor
+// drops the jobs that have not begun.
+class Background {
+ public:
+  using Job = std::function<void()>;
+
+  // Without a thread of its own, the calling thread does each job at once.
+  explicit Background(bool own_thread) {
+    if (own_thread) thread_ = std::thread([this] { work(); });
+  }
+  ~Background() {
+    if (!thread_.joinable()) return;
+    {
+      std::lock_guard lock(mutex_);
+      jobs_.clear();
+      later_.clear();
+      closed_ = true;
+    }
+    changed_.notify_all();
+    thread_.join();
+  }
+
+  // Hands over a job. Waits while kMostWaiting such jobs have not begun.
+  void run(Job job) {
+    if (!thread_.joinable()) return job();
+    wait([&] { return jobs_.size() < kMostWaiting; }, [&] { jobs_.push_back(std::move(job)); });
+    changed_.notify_all();
+  }
+  // Hands over a job that nothing waits for yet: it begins when no job of run() is left. (On a thread of its own, such
+  // work slowed reading down where there are only two cores.)
+  void run_later(Job job) {
+    if (!thread_.joinable()) return job();
+    wait([] { return true; }, [&] { later_.push_back(std::move(job)); });
+    changed_.notify_all();
+  }
+  // Waits until every job of run() is done.
+  void finish() {
+    wait([&] { return jobs_.empty() && busy_ != kRun; }, [] {});
+  }
+  // Waits until every job is done.
+  void finish_all() {
+    wait([&] { return jobs_.empty() && later_.empty() && busy_ == kIdle; }, [] {});
+  }
+  // Drops the jobs of run_later() that have not begun and waits for the one that has.
+  void drop_later() {
+    wait([] { return true; }, [&] { later_.clear(); });
+    wait([&] { return busy_ != kLater; }, [] {});
+  }
+
+ private:
+  enum Busy { kIdle, kRun, kLater };
+  static constexpr size_t kMostWaiting = 16;
+
+  template <class Ready, class Then>
+  void wait(Ready&& ready, Then&& then) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return error_ || ready(); });
+    if (error_) std::rethrow_exception(error_);
+    then();
+  }
+
+  void work() {
+    std::unique_lock lock(mutex_);
+    for (;;) {
+      changed_.wait(lock, [&] { return closed_ || !jobs_.empty() || !later_.empty(); });
+      if (jobs_.empty() && later_.empty()) return;
+      busy_ = jobs_.empty() ? kLater : kRun;
+      std::deque<Job>& queue = busy_ == kRun ? jobs_ : later_;
+      Job job = std::move(queue.front());
+      queue.pop_front();
+      lock.unlock();
+      std::exception_ptr error;
+      try {
+        job();
+      } catch (...) {
+        error = std::current_exception();
+      }
+      job = nullptr;  // frees what the job holds now, not when the next one comes
+      lock.lock();
+      const bool was_full = busy_ == kRun && jobs_.size() + 1 == kMostWaiting;
+      busy_ = kIdle;
+      if (error) {
+        error_ = error;
+        jobs_.clear();
+        later_.clear();
+        return changed_.notify_all();
+      }
+      if (jobs_.empty() || was_full) changed_.notify_all();
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<Job> jobs_, later_;
+  std::exception_ptr error_;
+  Busy busy_ = kIdle;
+  bool closed_ = false;
+  std::thread thread_;  // last: it uses the others
+};
+
+}  // namespace teracell::inline store

@@ -1,0 +1,46 @@
+// What the cells alone tell: walls, components, and the sides of the domain.
+#pragma once
+#include <functional>
+
+#include "store/check/components.hpp"
+#include "store/check/finding.hpp"
+#include "store/check/walls.hpp"
+
+namespace teracell::inline store {
+
+// Of a label.
+struct LabelFacts {
+  CellCount cells = 0;
+  std::array<CellCount, kThickest> thin{};      // cells of thickness 1 to kThickest
+  uint32_t thinnest = ~uint32_t{0};
+  std::array<uint32_t, 3> thinnest_at{~0u, ~0u, ~0u};  // a cell of that thickness: by z, y, x
+  Component at_sides;                           // its cells at the sides of the domain
+  Component largest;                            // of its components
+};
+
+// The components with the most cells, and how many there are in all.
+class LargestComponents {
+ public:
+  explicit LargestComponents(size_t most) : most_(most) {}
+  void add(const Component& c);
+  std::vector<Component> sorted() const;  // the largest first, equal ones by their first cells
+  uint64_t number() const { return number_; }
+  CellCount cells() const { return cells_; }
+
+ private:
+  const size_t most_;
+  std::vector<Component> heap_;
+  uint64_t number_ = 0;
+  CellCount cells_ = 0;
+};
+
+struct CellFacts {
+  std::vector<LabelFacts> labels;
+  LargestComponents islands{kMostFindings};   // components of a label but its largest
+  LargestComponents enclosed{kMostFindings};  // of the background, those that touch no side of the domain
+  LargestComponents thin{kMostFindings};      // of cells of thickness 1 and 2 of a label; `thinnest` is set
+};
+
+CellFacts look_at_cells(const GridReader& reader, int threads, const std::function<void(double share)>& progress);
+
+}  // namespace teracell::inline store

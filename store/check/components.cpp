@@ -1,0 +1,211 @@
+#include "store/check/components.hpp"
+
+#include <algorithm>
+
+namespace teracell::inline store {
+namespace {
+
+// Calls f(i, j) for the runs i and j that have a cell in common.
+template <class F>
+void for_common_runs(std::span<const uint32_t> ends_a, std::span<const uint32_t> ends_b, F&& f) {
+  for (size_t i = 0, j = 0; i < ends_a.size() && j < ends_b.size();) {
+    f(i, j);
+    const uint32_t end_a = ends_a[i], end_b = ends_b[j];
+    i += end_a <= end_b;
+    j += end_b <= end_a;
+  }
+}
+
+uint32_t root_of(std::vector<uint32_t>& parents, uint32_t node) {
+  while (parents[node] != node) node = parents[node] = parents[parents[node]];
+  return node;
+}
+
+std::span<const uint32_t> ends_of(const Border& border, uint32_t ray) {
+  return std::span(border.ends).subspan(border.begin[ray], border.begin[ray + 1] - border.begin[ray]);
+}
+
+}  // namespace
+
+void Component::add(const Component& other) {
+  if (other.cells == 0) return;
+  thinnest = cells == 0 ? other.thinnest : std::min(thinnest, other.thinnest);
+  cells += other.cells;
+  for (size_t d = 0; d < 3; ++d) lo[d] = std::min(lo[d], other.lo[d]), hi[d] = std::max(hi[d], other.hi[d]);
+  first = std::min(first, other.first);
+}
+
+// Whether each run of the one ray has a cell in common with the same run of the other. Then it has none in common with another run of the same
+// label: that run would have to pass the ones between.
+bool BlockLabeller::follows(const RayBlock& rays, uint32_t a, uint32_t b) {
+  if (rays.pattern[a] != rays.pattern[b]) return false;
+  const uint32_t* const at_a = rays.at.data() + rays.begin[a];
+  const uint32_t* const at_b = rays.at.data() + rays.begin[b];
+  const size_t changes = rays.begin[a + 1] - rays.begin[a];
+  for (size_t i = 0; i + 1 < changes; ++i)
+    if (std::max(at_a[i], at_b[i]) >= std::min(at_a[i + 1], at_b[i + 1])) return false;
+  return true;
+}
+
+uint32_t BlockLabeller::root(uint32_t node) { return root_of(parents_, node); }
+
+void BlockLabeller::join(uint32_t a, uint32_t b) {
+  a = root(a), b = root(b);
+  if (a != b) parents_[std::max(a, b)] = std::min(a, b);
+}
+
+void BlockLabeller::join_rays(const RayBlock& rays, uint32_t a, uint32_t first_a, uint32_t b, uint32_t first_b) {
+  const bool same = follows(rays, a, b);
+  if (same && joined_ == std::pair(first_a, first_b)) return;
+  const std::span<const SetId> sets_a = rays.sets(a), sets_b = rays.sets(b);
+  const std::span<const uint32_t> changes_a = rays.changes(a), changes_b = rays.changes(b);
+  const auto end = [&](std::span<const uint32_t> changes, size_t i) { return i < changes.size() ? changes[i] : rays.length; };
+  for (size_t i = 0, j = 0; i < sets_a.size() && j < sets_b.size();) {
+    if (const Label label = meanings_[sets_a[i]].label; label != Meaning::kNothing && label == meanings_[sets_b[j]].label)
+      join(first_a + static_cast<uint32_t>(i), first_b + static_cast<uint32_t>(j));
+    const uint32_t end_a = end(changes_a, i), end_b = end(changes_b, j);
+    i += end_a <= end_b;
+    j += end_b <= end_a;
+  }
+  if (same) joined_ = {first_a, first_b};
+}
+
+void BlockLabeller::count(const RayBlock& rays, uint32_t ray, uint32_t first, uint32_t u, uint32_t v, const RayFrame& frame) {
+  Component* node = &nodes_[first];
+  std::array<uint32_t, 3> at;
+  at[2 - frame.u] = u, at[2 - frame.v] = v;
+  rays.for_each_run(ray, [&](uint32_t from, uint32_t to, SetId) {
+    node->cells += to - from;
+    node->lo = {std::min(node->lo[0], u), std::min(node->lo[1], v), std::min(node->lo[2], from)};
+    node->hi = {std::max(node->hi[0], u + 1), std::max(node->hi[1], v + 1), std::max(node->hi[2], to)};
+    at[2 - frame.w] = from;
+    if (at < node->first) node->first = at;
+    ++node;
+  });
+}
+
+BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow& window, uint32_t u0, uint32_t v0, const RayFrame& frame,
+                                          const std::function<Meaning(SetId)>& meaning) {
+  meanings_.clear(), parents_.clear(), nodes_.clear();
+  first_.assign(rays.rays(), 0);
+  joined_ = {0, 0};
+  SetId sets = 0;
+  for (uint32_t p = 0; p < rays.patterns.size(); ++p)
+    for (const SetId set : rays.patterns.sets(p)) sets = std::max(sets, set + 1);
+  for (SetId set = 0; set < sets; ++set) meanings_.push_back(meaning(set));
+  for (uint32_t v = window.v0; v < window.v1; ++v)
+    for (uint32_t u = window.u0; u < window.u1; ++u) {
+      const uint32_t ray = v * rays.nu + u, before = ray - 1, above = ray - rays.nu;
+      const bool has_before = u > window.u0, has_above = v > window.v0;
+      uint32_t& first = first_[ray];
+      if (has_before && follows(rays, ray, before)) first = first_[before];
+      else if (has_above && follows(rays, ray, above)) first = first_[above];
+      else {
+        first = static_cast<uint32_t>(nodes_.size());
+        const std::span<const SetId> ray_sets = rays.sets(ray);
+        for (size_t i = 0; i < ray_sets.size(); ++i) {
+          const Meaning m = meanings_[ray_sets[i]];
+          parents_.push_back(first + static_cast<uint32_t>(i));
+          nodes_.push_back({.label = m.label, .thinnest = m.number});
+          // Runs of one label that touch along the ray: they differ in their numbers.
+          if (i > 0 && m.label != Meaning::kNothing && m.label == meanings_[ray_sets[i - 1]].label)
+            join(first + static_cast<uint32_t>(i) - 1, first + static_cast<uint32_t>(i));
+        }
+      }
+      if (has_before && first_[before] != first) join_rays(rays, ray, first, before, first_[before]);
+      if (has_above && first_[above] != first) join_rays(rays, ray, first, above, first_[above]);
+      count(rays, ray, first, u0 + u - window.u0, v0 + v - window.v0, frame);
+    }
+
+  BlockComponents out;
+  std::vector<uint32_t> numbers(nodes_.size(), Border::kNone);
+  for (uint32_t node = 0; node < nodes_.size(); ++node) {
+    if (nodes_[node].label == Meaning::kNothing) continue;
+    const uint32_t r = root(node);  // it comes first
+    if (r == node) {
+      numbers[node] = static_cast<uint32_t>(out.all.size());
+      out.all.push_back(nodes_[node]);
+    } else {
+      numbers[node] = numbers[r];
+      out.all[numbers[r]].add(nodes_[node]);
+    }
+  }
+  const auto border = [&](uint32_t bu0, uint32_t bv0, uint32_t bu1, uint32_t bv1) {
+    Border b;
+    for (uint32_t v = bv0; v < bv1; ++v)
+      for (uint32_t u = bu0; u < bu1; ++u) {
+        const uint32_t ray = v * rays.nu + u;
+        uint32_t node = first_[ray];
+        rays.for_each_run(ray, [&](uint32_t, uint32_t to, SetId) {
+          b.ends.push_back(to);
+          b.components.push_back(numbers[node++]);
+        });
+        b.begin.push_back(static_cast<uint32_t>(b.ends.size()));
+      }
+    return b;
+  };
+  out.borders = {border(window.u0, window.v0, window.u0 + 1, window.v1), border(window.u1 - 1, window.v0, window.u1, window.v1),
+                 border(window.u0, window.v0, window.u1, window.v0 + 1), border(window.u0, window.v1 - 1, window.u1, window.v1)};
+  return out;
+}
+
+uint32_t ComponentJoiner::root(uint32_t node) { return root_of(parents_, node); }
+
+// A block without components has no borders.
+void ComponentJoiner::join(const Border& a, const Border& b) {
+  if (a.rays() == 0 || b.rays() == 0) return;
+  for (uint32_t ray = 0; ray < a.rays(); ++ray)
+    for_common_runs(ends_of(a, ray), ends_of(b, ray), [&](size_t i, size_t j) {
+      const uint32_t x = a.components[a.begin[ray] + i], y = b.components[b.begin[ray] + j];
+      if (x == Border::kNone || y == Border::kNone || nodes_[x].label != nodes_[y].label) return;
+      const uint32_t rx = root(x), ry = root(y);
+      if (rx == ry) return;
+      parents_[ry] = rx;
+      nodes_[rx].add(nodes_[ry]);
+    });
+}
+
+void ComponentJoiner::add(uint32_t cu, BlockComponents&& block) {
+  const auto base = static_cast<uint32_t>(nodes_.size());
+  for (const Component& c : block.all) {
+    parents_.push_back(static_cast<uint32_t>(nodes_.size()));
+    nodes_.push_back(c);
+  }
+  for (Border& border : block.borders)
+    for (uint32_t& component : border.components)
+      if (component != Border::kNone) component += base;
+  auto& [lowest_u, highest_u, lowest_v, highest_v] = block.borders;
+  if (cu > 0) join(before_, lowest_u);
+  join(above_[cu], lowest_v);
+  before_ = std::move(highest_u);
+  above_[cu] = std::move(highest_v);
+  if (cu + 1 == chunks_u_) retire();
+}
+
+// What the last row of blocks does not reach is finished. The rest is numbered anew.
+void ComponentJoiner::retire() {
+  std::vector<uint32_t> numbers(nodes_.size(), Border::kNone);
+  std::vector<Component> left;
+  for (Border& border : above_)
+    for (uint32_t& component : border.components) {
+      if (component == Border::kNone) continue;
+      const uint32_t r = root(component);
+      if (numbers[r] == Border::kNone) {
+        numbers[r] = static_cast<uint32_t>(left.size());
+        left.push_back(nodes_[r]);
+      }
+      component = numbers[r];
+    }
+  for (uint32_t node = 0; node < nodes_.size(); ++node)
+    if (parents_[node] == node && numbers[node] == Border::kNone) finished_(nodes_[node]);
+  nodes_ = std::move(left);
+  parents_.resize(nodes_.size());
+  for (uint32_t node = 0; node < nodes_.size(); ++node) parents_[node] = node;
+}
+
+void ComponentJoiner::finish() {
+  for (const Component& c : nodes_) finished_(c);
+  nodes_.clear(), parents_.clear();
+}
+
+}  // namespace teracell::inline store

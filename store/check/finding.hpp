@@ -1,0 +1,67 @@
+// What is found wrong, or worth knowing, about a grid.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "store/grid/grid.hpp"
+
+namespace teracell::inline store {
+
+using CellCount = unsigned __int128;
+
+// The kinds, in the order in which they are listed, and their names.
+#define TERACELL_FINDING_KINDS(X) X(empty) X(winding) X(cap) X(seam) X(overlap) X(lost_stretch) X(lost_gap) X(thin) X(island) X(enclosed) X(cut)
+enum class FindingKind {
+#define X(name) name,
+  TERACELL_FINDING_KINDS(X)
+#undef X
+};
+inline constexpr const char* kFindingKinds[] = {
+#define X(name) #name,
+    TERACELL_FINDING_KINDS(X)
+#undef X
+};
+inline constexpr size_t kFindingKindCount = std::size(kFindingKinds);
+
+enum class FindingLevel { error, warning, note };
+inline constexpr const char* kFindingLevels[] = {"error", "warning", "note"};
+
+struct Finding {
+  FindingKind kind{};
+  FindingLevel level{};
+  std::vector<std::string> bodies;  // or materials, where the file does not keep bodies apart
+  CellCount cells = 0;
+  std::optional<Vec3> at;   // a coordinate
+  std::optional<Box> box;   // of cells
+  std::string text;         // a sentence
+};
+
+// The most findings of a kind that are listed.
+inline constexpr size_t kMostFindings = 1000;
+
+struct KindTotal {
+  uint64_t findings = 0;
+  CellCount cells = 0;
+};
+
+// How thick the walls of a body are.
+struct WallReport {
+  std::string body;
+  std::optional<uint32_t> thinnest;      // cells; nothing where all are thicker than kThickest
+  std::optional<Vec3> at;                // a cell of that thickness
+  std::array<CellCount, 9> histogram{};  // cells of thickness 1 to 8, and more
+};
+
+struct Findings {
+  std::string hash;  // of the grid
+  std::vector<Finding> list;
+  std::array<KindTotal, kFindingKindCount> totals{};
+  std::vector<WallReport> walls;
+  std::vector<std::string> not_looked_at;  // sentences: what was not, and why
+};
+
+// 1,234,567
+std::string grouped(CellCount count);
+
+}  // namespace teracell::inline store

@@ -1,0 +1,107 @@
+#include "store/runs/run.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+namespace teracell::inline store {
+
+void RayBlock::reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length) {
+  nu = new_nu;
+  nv = new_nv;
+  length = new_length;
+  patterns.clear();
+  pattern.clear();
+  begin.assign(1, 0);
+  at.clear();
+}
+
+void RayBlock::fill(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, SetId set) {
+  reset(new_nu, new_nv, new_length);
+  patterns.intern({&set, 1});
+  pattern.assign(rays(), 0);
+  begin.assign(rays() + 1, 0);
+}
+
+RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to) {
+  RayBlock out;
+  out.reset(block.nu, block.nv, to - from);
+  std::vector<uint32_t> changes;
+  for (uint32_t ray = 0; ray < block.rays(); ++ray) {
+    const auto all = block.changes(ray);
+    const auto lo = std::ranges::upper_bound(all, from), hi = std::ranges::lower_bound(all, to);
+    changes.clear();
+    for (auto it = lo; it < hi; ++it) changes.push_back(*it - from);
+    out.append(block.sets(ray).subspan(lo - all.begin(), changes.size() + 1), changes);
+  }
+  return out;
+}
+
+Chunk join(std::span<const Piece> pieces, uint32_t labels) {
+  Chunk out;
+  uint32_t nu = 0, nv = 0, length = 0;
+  for (const Piece& p : pieces) {
+    nu = std::max(nu, p.u + p.chunk->rays.nu);
+    nv = std::max(nv, p.v + p.chunk->rays.nv);
+    length = std::max(length, p.w + p.chunk->rays.length);
+  }
+  out.rays.reset(nu, nv, length);
+  out.sets = SetTable(labels);
+  // Sorted by place: row by row, and within a row by piles, which are the pieces along the same rays.
+  std::vector<Piece> order(pieces.begin(), pieces.end());
+  std::ranges::sort(order, [](const Piece& a, const Piece& b) { return std::tie(a.v, a.u, a.w) < std::tie(b.v, b.u, b.w); });
+  struct Source {
+    Piece piece;
+    std::vector<std::vector<SetId>> patterns;  // of the piece, in the ids of `out`
+  };
+  std::vector<Source> sources;
+  for (const Piece& p : order) {
+    Source s{p, {}};
+    const PatternTable& from = p.chunk->rays.patterns;
+    for (uint32_t i = 0; i < from.size(); ++i) {
+      std::vector<SetId> sets;
+      for (const SetId id : from.sets(i)) sets.push_back(out.sets.intern(p.chunk->sets.members(id)));
+      s.patterns.push_back(std::move(sets));
+    }
+    sources.push_back(std::move(s));
+  }
+  // Appends a ray that runs through a pile of pieces.
+  std::vector<SetId> sets;
+  std::vector<uint32_t> changes;
+  const auto append = [&](std::span<const Source> pile, uint32_t ray) {
+    sets.clear();
+    changes.clear();
+    for (const Source& s : pile) {
+      const RayBlock& rays = s.piece.chunk->rays;
+      const std::vector<SetId>& pattern = s.patterns[rays.pattern[ray]];
+      const auto at = rays.changes(ray);
+      for (size_t k = 0; k < pattern.size(); ++k) {
+        if (!sets.empty() && sets.back() == pattern[k]) continue;
+        if (!sets.empty()) changes.push_back(s.piece.w + (k == 0 ? 0 : at[k - 1]));
+        sets.push_back(pattern[k]);
+      }
+    }
+    out.rays.append(sets, changes);
+  };
+  // The end of the sources that are like the one at `first`.
+  const auto group = [&](size_t first, size_t last, auto same) {
+    size_t end = first;
+    while (end < last && same(sources[end].piece, sources[first].piece)) ++end;
+    return end;
+  };
+  for (size_t row = 0; row < sources.size();) {
+    const size_t row_end = group(row, sources.size(), [](const Piece& a, const Piece& b) { return a.v == b.v; });
+    const uint32_t height = sources[row].piece.chunk->rays.nv;
+    for (uint32_t y = 0; y < height; ++y) {
+      for (size_t pile = row; pile < row_end;) {
+        const size_t pile_end = group(pile, row_end, [](const Piece& a, const Piece& b) { return a.u == b.u; });
+        const uint32_t width = sources[pile].piece.chunk->rays.nu;
+        for (uint32_t x = 0; x < width; ++x) append({&sources[pile], pile_end - pile}, y * width + x);
+        pile = pile_end;
+      }
+    }
+    row = row_end;
+  }
+  return out;
+}
+
+}  // namespace teracell::inline store

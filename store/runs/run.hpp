@@ -1,0 +1,96 @@
+// Runs of a block of rays: the one form of cells in memory, from casting to slices.
+//
+// A ray has two parts. Its *pattern* is the sequence of sets along it (air, steel, air). Its *changes* are the cells where
+// the next set begins. Neighbouring rays nearly always have the same pattern, and then their changes correspond: the codec
+// predicts, and the pyramid merges, whole stretches of rays without looking at labels.
+#pragma once
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "store/grid/label.hpp"
+
+namespace teracell::inline store {
+
+// The distinct patterns of a block. Consecutive sets of a pattern differ. Not thread-safe.
+class PatternTable : public SequenceTable {
+ public:
+  std::span<const SetId> sets(uint32_t pattern) const { return (*this)[pattern]; }
+  uint32_t changes(uint32_t pattern) const { return static_cast<uint32_t>((*this)[pattern].size()) - 1; }
+};
+
+// The rays of a block, u fastest: ray = v * nu + u. All have `length` cells.
+struct RayBlock {
+  uint32_t nu = 0, nv = 0, length = 0;
+  PatternTable patterns;
+  std::vector<uint32_t> pattern;    // of each ray
+  std::vector<uint32_t> begin{0};   // rays + 1: where a ray's changes start in `at`
+  std::vector<uint32_t> at;         // ascending within a ray, in (0, length)
+
+  uint32_t rays() const { return nu * nv; }
+  std::span<const uint32_t> changes(uint32_t ray) const { return {at.data() + begin[ray], begin[ray + 1] - begin[ray]}; }
+  std::span<const SetId> sets(uint32_t ray) const { return patterns.sets(pattern[ray]); }
+  // Whether all cells have one set.
+  bool uniform() const { return patterns.size() == 1 && at.empty(); }
+
+  // Empties the block for rays of a new shape; rays are then appended in order.
+  void reset(uint32_t new_nu, uint32_t new_nv, uint32_t new_length);
+  // Makes it rays of one set.
+  void fill(uint32_t new_nu, uint32_t new_nv, uint32_t new_length, SetId set);
+  // Appends a ray. REQUIRES: sets.size() == changes.size() + 1, neighbouring sets differ.
+  void append(std::span<const SetId> sets, std::span<const uint32_t> changes) {
+    const bool again = !pattern.empty() && same(patterns.sets(pattern.back()), sets);
+    pattern.push_back(again ? pattern.back() : patterns.intern(sets));
+    at.insert(at.end(), changes.begin(), changes.end());
+    begin.push_back(static_cast<uint32_t>(at.size()));
+  }
+
+  // Calls f(from, to, set) for the runs of `ray`, in order.
+  template <class F>
+  void for_each_run(uint32_t ray, F&& f) const {
+    const std::span<const SetId> s = sets(ray);
+    uint32_t from = 0;
+    const uint32_t* end = at.data() + begin[ray];
+    for (size_t i = 0; i + 1 < s.size(); ++i) {
+      f(from, end[i], s[i]);
+      from = end[i];
+    }
+    f(from, length, s.back());
+  }
+  // The same for the parts of the runs that lie in the cells [lo, hi). REQUIRES: lo < hi <= length.
+  template <class F>
+  void for_each_run(uint32_t ray, uint32_t lo, uint32_t hi, F&& f) const {
+    const std::span<const uint32_t> ends = changes(ray);
+    const std::span<const SetId> s = sets(ray);
+    size_t i = lo == 0 ? 0 : static_cast<size_t>(std::ranges::upper_bound(ends, lo) - ends.begin());
+    for (uint32_t from = lo; from < hi; ++i) {
+      const uint32_t to = i < ends.size() ? std::min(ends[i], hi) : hi;
+      f(from, to, s[i]);
+      from = to;
+    }
+  }
+};
+
+// A block with the table of its ids of sets: it depends on nothing else.
+struct Chunk {
+  RayBlock rays;
+  SetTable sets{1};
+  // In bytes, with all that it points to.
+  size_t memory() const {
+    return sizeof *this + rays.patterns.memory() + (rays.pattern.capacity() + rays.begin.capacity() + rays.at.capacity()) * 4 + sets.memory();
+  }
+};
+
+// The cells [from, to) of every ray, renumbered from 0.
+RayBlock cut(const RayBlock& block, uint32_t from, uint32_t to);
+
+// A chunk as a part of a larger one, in which its first ray and cell are (u, v) and w.
+struct Piece {
+  uint32_t u, v, w;
+  const Chunk* chunk;
+};
+// Joins pieces that tile a block without gap or overlap. The result has ids of its own.
+Chunk join(std::span<const Piece> pieces, uint32_t labels);
+
+}  // namespace teracell::inline store

@@ -1,0 +1,26 @@
+// Parts of messages.
+#pragma once
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace teracell::inline store {
+
+// The text with '?' for control characters and U+FFFD for what is not UTF-8. Names of files, and files from elsewhere, may
+// hold anything, but terminals obey control characters and JSON can't hold what is not UTF-8.
+std::string printable(std::string_view text);
+
+// The text, of at most kLongestMessage bytes: the middle of a longer one is left out. A damaged file may bring any text into a message.
+inline constexpr size_t kLongestMessage = 1024;
+std::string shortened(std::string_view text);
+
+// As many characters of a UTF-8 text as fit into `most` bytes.
+std::string_view first_bytes(std::string_view utf8, size_t most);
+
+// All digits of it.
+std::string whole_text(unsigned __int128 number);
+
+// "1 chunk", "2 chunks".
+std::string plural(uint64_t n, std::string_view thing);
+
+}  // namespace teracell::inline store

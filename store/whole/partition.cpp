@@ -1,0 +1,345 @@
+// The index knows how many cells of each material a chunk has. So where a cut lies is found among chunks first, without decoding any
+// that lie in the box as a whole; only the layer of chunks that the cut goes through is decoded and counted layer by layer. A chunk has
+// whole rays, so cuts across the rays come first: then cuts along them share what was decoded.
+#include "store/whole/partition.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "store/read/kept_chunks.hpp"
+#include "store/runs/chunk_parts.hpp"
+
+namespace teracell::inline store {
+namespace {
+
+// With these the JSON of a partition has less than the 1 GiB that the library reads.
+constexpr int64_t kMostRanks = int64_t{1} << 21, kMostNeighbours = int64_t{1} << 26;  // the neighbours of all parts together
+
+int64_t cells_in(const Box& b, int axis) { return b.hi[axis] - b.lo[axis]; }
+
+// The weight in each layer of cells of a box along an axis.
+struct Layers {
+  int64_t first;
+  std::vector<double> weight;
+};
+
+class Cutter {
+ public:
+  Cutter(const GridReader& reader, const PartitionOptions& o, const std::function<void(double)>& progress)
+      : reader_(reader), o_(o), progress_(progress), shape_(reader.shape(0)), frame_(reader.meta().frame()) {
+    for (const LabelInfo& label : reader.meta().labels) weight_.push_back(o.weights[label.material]);
+  }
+
+  double weight_of(const Box& box) {
+    const std::vector<double> blocks = by_chunks(box, frame_.u);
+    return std::accumulate(blocks.begin(), blocks.end(), 0.0);
+  }
+
+  // Cuts a box among `ranks`, the lower ranks below. `along` has the layers of cells along the rays, if they are known already.
+  void bisect(const Box& box, double weight, int64_t ranks, std::shared_ptr<const Layers> along = nullptr) {
+    progress_(static_cast<double>(parts.size()) / static_cast<double>(o_.ranks));
+    if (ranks == 1) {
+      parts.push_back({box, std::max(0.0, weight), {}, {}});  // a difference, which rounding may leave below 0
+      return;
+    }
+    const int64_t below = ranks / 2;
+    const double target = weight * static_cast<double>(below) / static_cast<double>(ranks);
+    const std::array<int, 3> axes = axes_to_cut(box, ranks);
+    // All further cuts are along the rays, too: one pass is enough for them.
+    if (axes[0] == frame_.w && !along) along = std::make_shared<const Layers>(Layers{box.lo[frame_.w], by_layers(box, frame_.w)});
+    std::optional<Cut> best;
+    for (const int axis : axes) {
+      if (axis == frame_.w && !along && best) continue;  // a pass through the whole box would cost more than it gains
+      const std::optional<Cut> cut = cut_near(box, axis, weight, target, below, ranks, along.get());
+      if (!cut || (best && cut->error >= best->error)) continue;
+      best = cut;
+      if (best->error <= kGoodEnough * weight / static_cast<double>(ranks)) break;
+    }
+    if (!best) return cut_by_places(box, weight, ranks);
+    Box lower = box, upper = box;
+    lower.hi[best->axis] = upper.lo[best->axis] = best->at;
+    if (best->axis != frame_.w) along = nullptr;
+    bisect(lower, best->below, below, along);
+    bisect(upper, weight - best->below, ranks - below, along);
+  }
+
+  // Where there are hardly more places to cut at than ranks: in the middle, with ranks on both sides by the places that there are.
+  void cut_by_places(const Box& box, double weight, int64_t ranks) {
+    for (const int axis : axes_to_cut(box, ranks)) {
+      const int64_t a = o_.align, at = (box.lo[axis] + box.hi[axis] + a) / 2 / a * a;
+      if (at <= box.lo[axis] || at >= box.hi[axis]) continue;
+      Box lower = box, upper = box;
+      lower.hi[axis] = upper.lo[axis] = at;
+      const double places_below = places(lower), places_above = places(upper);
+      if (static_cast<double>(ranks) > places_below + places_above) break;
+      const double share = static_cast<double>(ranks) * places_below / (places_below + places_above);
+      const auto below = static_cast<int64_t>(std::clamp(std::round(share), std::max(1.0, static_cast<double>(ranks) - places_above),
+                                                         std::min(static_cast<double>(ranks) - 1, places_below)));
+      const double weight_below = weight_of(lower);
+      bisect(lower, weight_below, below);
+      return bisect(upper, weight - weight_below, ranks - below);
+    }
+    throw OptionError(fmt::format("ranks: expected at most as many as there are boxes, cut at multiples of {} cells, found {}", o_.align, o_.ranks));
+  }
+
+  void slabs(const Box& box, int axis) {
+    const std::vector<double> layers = by_layers(box, axis);
+    const double total = std::accumulate(layers.begin(), layers.end(), 0.0);
+    const int64_t n = cells_in(box, axis), most_slabs = places(box.lo[axis], box.hi[axis]);
+    if (o_.ranks > most_slabs)
+      throw OptionError(fmt::format("ranks: expected at most {}, the slabs along {} that cuts at multiples of {} cells give, found {}", most_slabs,
+                                    axis_name(axis), o_.align, o_.ranks));
+    Box rest = box;
+    double before = 0, sum = 0;
+    int64_t at = 0;
+    for (int64_t rank = 0; rank < o_.ranks; ++rank) {
+      const int64_t left = o_.ranks - rank - 1, most = (most_slabs - left) * o_.align;  // each slab that follows needs a place
+      const double target = total > 0 ? total * static_cast<double>(rank + 1) / static_cast<double>(o_.ranks) : 0;
+      const double even = static_cast<double>(n) * static_cast<double>(rank + 1) / static_cast<double>(o_.ranks);
+      int64_t end = left == 0 ? n : at;
+      double end_sum = sum;
+      for (int64_t next = at + o_.align - at % o_.align; left > 0 && next <= most; next += o_.align) {
+        double next_sum = end_sum;
+        for (int64_t i = end; i < next; ++i) next_sum += layers[static_cast<size_t>(i)];
+        const bool closer = total > 0 ? std::abs(next_sum - target) < std::abs(end_sum - target)
+                                      : std::abs(static_cast<double>(next) - even) < std::abs(static_cast<double>(end) - even);
+        if (end > at && !closer) break;
+        end = next, end_sum = next_sum;
+      }
+      if (left == 0) end_sum = total;
+      sum = end_sum;
+      rest.lo[axis] = box.lo[axis] + at, rest.hi[axis] = box.lo[axis] + end;
+      parts.push_back({rest, std::max(0.0, sum - before), {}, {}});
+      before = sum, at = end;
+    }
+    progress_(1);
+  }
+
+  std::vector<Part> parts;
+
+ private:
+  static constexpr double kGoodEnough = 0.01;  // of a rank's share
+  struct Cut {
+    int axis;
+    int64_t at;
+    double below, error;
+  };
+
+  // The axes of a box in the order in which they are tried. A box is cut along its longest axis, again and again. Of the cuts that
+  // this takes, those across the rays come first.
+  std::array<int, 3> axes_to_cut(const Box& box, int64_t ranks) const {
+    std::array<double, 3> size;
+    for (int d = 0; d < 3; ++d) size[d] = static_cast<double>(cells_in(box, d));
+    const auto longest = [&] { return static_cast<int>(std::ranges::max_element(size) - size.begin()); };
+    bool across = false;
+    auto halves = size;
+    for (int64_t r = ranks; r > 1; r = (r + 1) / 2) {
+      const auto d = static_cast<int>(std::ranges::max_element(halves) - halves.begin());
+      across = across || d != frame_.w;
+      halves[d] /= 2;
+    }
+    std::array<int, 3> axes = {frame_.u, frame_.v, frame_.w};
+    std::ranges::sort(axes, [&](int a, int b) { return size[a] > size[b]; });
+    if (across && longest() == frame_.w) std::swap(axes[0], axes[1]);
+    return axes;
+  }
+
+  // The cut that leaves `target` of the weight below it, or as nearly as can be, and enough cells for the ranks on both sides.
+  std::optional<Cut> cut_near(const Box& box, int axis, double weight, double target, int64_t below, int64_t ranks, const Layers* along) {
+    const int64_t lo = box.lo[axis], hi = box.hi[axis], a = o_.align;
+    int64_t others = 1;  // places to cut at along the other axes
+    for (int d = 0; d < 3; ++d)
+      if (d != axis) others = std::min<int64_t>(others * places(box.lo[d], box.hi[d]), ranks);
+    const auto ceil_div = [](int64_t n, int64_t by) { return (n + by - 1) / by; };
+    const int64_t first = (lo / a + ceil_div(below, others)) * a, last = (ceil_div(hi, a) - ceil_div(ranks - below, others)) * a;
+    if (first > last || first <= lo || last >= hi) return std::nullopt;
+    if (!(weight > 0)) {  // nothing to balance: by cells
+      const int64_t middle = std::clamp((lo + (hi - lo) * below / ranks) / a * a, first, last);
+      return Cut{axis, middle, 0, 0};
+    }
+    Box part = box;  // where the cut is searched, and the weight below it
+    double sum = 0;
+    if (axis != frame_.w || !along) sum = narrow(part, axis, target, first, last);
+    const auto layer = [&, layers = axis == frame_.w && along ? std::vector<double>() : by_layers(part, axis)](int64_t at) {
+      return layers.empty() ? along->weight[static_cast<size_t>(at - along->first)] : layers[static_cast<size_t>(at - part.lo[axis])];
+    };
+    const double even = static_cast<double>(lo) + static_cast<double>(hi - lo) * static_cast<double>(below) / static_cast<double>(ranks);
+    std::optional<Cut> best;
+    for (int64_t at = part.lo[axis];; ++at) {
+      if (at >= first && at <= last && at % a == 0) {
+        const double error = std::abs(sum - target);
+        const bool nearer = best && error == best->error && std::abs(static_cast<double>(at) - even) < std::abs(static_cast<double>(best->at) - even);
+        if (!best || error < best->error || nearer) best = Cut{axis, at, sum, error};
+      }
+      if (at == part.hi[axis]) break;
+      sum += layer(at);
+    }
+    return best;
+  }
+
+  // Narrows a box to the chunk in which the weight passes the target, and on to the next places to cut at. Returns the weight below it.
+  double narrow(Box& box, int axis, double target, int64_t first, int64_t last) {
+    const int64_t lo = box.lo[axis], hi = box.hi[axis], a = o_.align, side = axis == frame_.w ? shape_.chunk_cells : shape_.chunk_rays;
+    const std::vector<double> chunks = by_chunks(box, axis);
+    double sum = 0;
+    int64_t chunk = 0;
+    for (; chunk + 1 < static_cast<int64_t>(chunks.size()) && sum + chunks[static_cast<size_t>(chunk)] <= target; ++chunk)
+      sum += chunks[static_cast<size_t>(chunk)];
+    const int64_t from = std::max(lo, (lo / side + chunk) * side), to = std::min(hi, (lo / side + chunk + 1) * side);
+    box.lo[axis] = std::clamp(std::min(from / a * a, last), lo, hi);
+    box.hi[axis] = std::clamp(std::max((to + a - 1) / a * a, first), lo, hi);
+    if (box.lo[axis] == from) return sum;
+    Box before = box;
+    before.hi[axis] = from;
+    return sum - weight_of(before);
+  }
+  double places(const Box& box) const {
+    double all = 1;
+    for (int d = 0; d < 3; ++d) all *= static_cast<double>(places(box.lo[d], box.hi[d]));
+    return all;
+  }
+  int64_t places(int64_t lo, int64_t hi) const { return std::max<int64_t>(1, (hi + o_.align - 1) / o_.align - lo / o_.align); }
+
+  // The work of a cell of the chunk, if it is the same for all.
+  std::optional<double> one_weight(const ChunkEntry& entry) const {
+    if (entry.size == 0) return weight_[entry.uniform[0]];
+    for (const LabelStats& l : entry.stats)
+      if (weight_[l.label] != weight_[entry.stats[0].label]) return std::nullopt;
+    return weight_[entry.stats[0].label];
+  }
+
+  std::shared_ptr<const Chunk> chunk(const ChunkKey& key) {
+    return kept_.get(key, [&] {
+      auto made = std::make_shared<Chunk>();
+      reader_.read(key, *made);
+      return made;
+    });
+  }
+
+  // The weight in each chunk of a box along an axis.
+  std::vector<double> by_chunks(const Box& box, int axis) {
+    const int64_t side = axis == frame_.w ? shape_.chunk_cells : shape_.chunk_rays, first = box.lo[axis] / side;
+    std::vector<double> out(static_cast<size_t>((box.hi[axis] - 1) / side - first + 1));
+    for_each_part(shape_, RayBox(box, frame_), [&](const ChunkPart& p) {
+      const uint32_t place = axis == frame_.u ? p.key.cu : axis == frame_.v ? p.key.cv : p.key.segment;
+      double& sum = out[static_cast<size_t>(place - first)];
+      const auto entry = reader_.entry(p.key);
+      if (const auto weight = one_weight(*entry)) sum += *weight * static_cast<double>(uint64_t{p.u1 - p.u0} * (p.v1 - p.v0) * (p.w1 - p.w0));
+      else if (p.whole)
+        for (const LabelStats& l : entry->stats) sum += weight_[l.label] * static_cast<double>(l.cells);
+      else
+        for_each_part_run(chunk(p.key)->rays, p,
+                          [&](uint32_t, uint32_t, uint32_t from, uint32_t to, SetId label) { sum += weight_[label] * (to - from); });
+    });
+    return out;
+  }
+
+  // The weight in each layer of cells of a box along an axis.
+  std::vector<double> by_layers(const Box& box, int axis) {
+    std::vector<double> out(static_cast<size_t>(cells_in(box, axis)) + 1);
+    // Along the rays, each run adds where it begins and takes off where it ends.
+    for_each_part(shape_, RayBox(box, frame_), [&](const ChunkPart& p) {
+      const auto add = [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, double weight) {
+        if (axis == frame_.w) {
+          out[static_cast<size_t>(p.first_w + from - box.lo[axis])] += weight;
+          out[static_cast<size_t>(p.first_w + to - box.lo[axis])] -= weight;
+        } else {
+          out[static_cast<size_t>((axis == frame_.u ? p.first_u + u : p.first_v + v) - box.lo[axis])] += weight * (to - from);
+        }
+      };
+      const auto entry = reader_.entry(p.key);
+      if (const auto weight = one_weight(*entry)) {
+        if (axis == frame_.w) add(0, 0, p.w0, p.w1, *weight * (p.u1 - p.u0) * (p.v1 - p.v0));
+        else for_each_ray(p, [&](uint32_t u, uint32_t v) { add(u, v, p.w0, p.w1, *weight); });
+      } else {
+        for_each_part_run(chunk(p.key)->rays, p,
+                          [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, SetId label) { add(u, v, from, to, weight_[label]); });
+      }
+    });
+    if (axis == frame_.w) std::partial_sum(out.begin(), out.end(), out.begin());
+    out.pop_back();
+    return out;
+  }
+
+  const GridReader& reader_;
+  const PartitionOptions& o_;
+  const std::function<void(double)>& progress_;
+  const LevelShape shape_;
+  const RayFrame frame_;
+  std::vector<double> weight_;  // by label
+  KeptChunks kept_{size_t{64} << 20};
+};
+
+Box grown(const Box& box, int64_t by, int axis) {
+  Box out = box;
+  out.lo[axis] -= by, out.hi[axis] += by;
+  return out;
+}
+
+// Sweeps along x: only boxes whose ranges of x are near each other are compared.
+void find_neighbours(std::vector<Part>& parts, int64_t halo, const std::function<void(double)>& progress) {
+  const auto touch = [&](const Box& a, const Box& b) {
+    if (halo == 0) return std::ranges::any_of(std::array{0, 1, 2}, [&](int d) { return overlap(grown(a, 1, d), b); });
+    return overlap(grown(grown(grown(a, halo, 0), halo, 1), halo, 2), b);
+  };
+  std::vector<size_t> order(parts.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::sort(order, {}, [&](size_t i) { return parts[i].box.lo[0]; });
+  const int64_t reach = std::max<int64_t>(halo, 1);
+  int64_t found = 0;
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (i % 1024 == 0) progress(1);
+    for (size_t j = i + 1; j < order.size() && parts[order[j]].box.lo[0] < parts[order[i]].box.hi[0] + reach; ++j)
+      if (touch(parts[order[i]].box, parts[order[j]].box)) {
+        parts[order[i]].neighbours.push_back(static_cast<int64_t>(order[j]));
+        parts[order[j]].neighbours.push_back(static_cast<int64_t>(order[i]));
+        found += 2;
+      }
+    if (found > kMostNeighbours)
+      throw OptionError(fmt::format("halo: expected one with which {} parts have at most {} neighbours together, found {}, with which they have more",
+                                    parts.size(), kMostNeighbours, halo));
+  }
+  for (Part& p : parts) std::ranges::sort(p.neighbours);
+}
+
+}  // namespace
+
+Box with_halo(const Box& box, int64_t halo, const Index3& cells) {
+  Box out;
+  for (int d = 0; d < 3; ++d) {
+    out.lo[d] = std::max<int64_t>(0, box.lo[d] - halo);
+    out.hi[d] = std::min(cells[d], box.hi[d] + halo);
+  }
+  return out;
+}
+
+Partition make_partition(const GridReader& reader, const PartitionOptions& options, const std::function<void(double)>& progress) {
+  const Metadata& meta = reader.meta();
+  const auto expect = [](const char* name, int64_t value, int64_t least, int64_t most) {
+    if (value < least || value > most) throw OptionError(fmt::format("{}: expected {} to {}, found {}", name, least, most, value));
+  };
+  expect("ranks", options.ranks, 1, kMostRanks);
+  expect("align", options.align, 1, Axis::kMaxCells);
+  expect("halo", options.halo, 0, Axis::kMaxCells);
+  if (options.weights.size() != meta.materials.size())
+    throw OptionError(fmt::format("weight: expected one for each of {} materials, found {}", meta.materials.size(), options.weights.size()));
+  for (const double w : options.weights)
+    if (!(w >= 0 && w < 1e30)) throw OptionError(fmt::format("weight: expected numbers from 0 to below 1e30, found {}", w));
+  Partition out{options, {}, meta.grid.cells(), reader.hash(), 0, {}};
+  for (const MaterialInfo& m : meta.materials) out.materials.push_back(m.name);
+  const Box all = meta.grid.box(0);
+  Cutter cutter(reader, options, progress);
+  progress(0);
+  out.total = cutter.weight_of(all);
+  if (options.method == PartitionMethod::kBlocks) cutter.bisect(all, out.total, options.ranks);
+  else cutter.slabs(all, static_cast<int>(std::ranges::max_element(out.cells) - out.cells.begin()));
+  out.parts = std::move(cutter.parts);
+  for (Part& part : out.parts) part.halo_box = with_halo(part.box, options.halo, out.cells);
+  find_neighbours(out.parts, options.halo, progress);
+  return out;
+}
+
+}  // namespace teracell::inline store

@@ -1,0 +1,204 @@
+// Work by several threads, taken in order.
+#include "store/base/in_order.hpp"
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include <catch2/catch.hpp>
+
+namespace teracell {
+namespace {
+
+// Sleeps for up to `most` microseconds, differently each time, so that threads overtake each other.
+void dawdle(int most) {
+  thread_local std::mt19937 random(std::random_device{}());
+  std::this_thread::sleep_for(std::chrono::microseconds(std::uniform_int_distribution<>(0, most)(random)));
+}
+
+auto counting_to(int n) {
+  return [n, next = 0]() mutable -> std::optional<int> { return next < n ? std::optional(next++) : std::nullopt; };
+}
+
+TEST_CASE("Results are taken in the order of the jobs, whoever made them", "[threads]") {
+  for (int threads = 0; threads <= 8; ++threads) {
+    std::vector<int> taken;
+    in_order(
+        threads, counting_to(200),
+        [](int job, int) {
+          dawdle(200);
+          return job * 3;
+        },
+        [&](int result) { taken.push_back(result); });
+    REQUIRE(taken.size() == 200);
+    for (int i = 0; i < 200; ++i) REQUIRE(taken[static_cast<size_t>(i)] == 3 * i);
+  }
+}
+
+TEST_CASE("No job at all, and fewer jobs than threads, end the loop", "[threads]") {
+  for (int threads = 1; threads <= 8; ++threads)
+    for (int jobs = 0; jobs <= 3; ++jobs) {
+      int taken = 0;
+      in_order(
+          threads, counting_to(jobs), [](int job, int) { return job; }, [&](int) { ++taken; });
+      REQUIRE(taken == jobs);
+    }
+}
+
+TEST_CASE("A worker's number is its own: two makes never share one at a time", "[threads]") {
+  for (int threads = 1; threads <= 8; ++threads) {
+    std::vector<std::atomic<int>> busy(static_cast<size_t>(threads));
+    std::atomic<int> wrong = 0;
+    in_order(
+        threads, counting_to(200),
+        [&](int job, int worker) {
+          if (worker < 0 || worker >= threads || busy[static_cast<size_t>(worker)]++ != 0) ++wrong;
+          dawdle(50);
+          --busy[static_cast<size_t>(worker)];
+          return job;
+        },
+        [](int) {});
+    REQUIRE(wrong == 0);
+  }
+}
+
+TEST_CASE("Jobs run at once on as many threads as asked for", "[threads]") {
+  // Each of four jobs waits for the other three: with fewer threads this would never end.
+  std::atomic<int> arrived = 0;
+  int taken = 0;
+  in_order(
+      4, counting_to(4),
+      [&](int job, int) {
+        ++arrived;
+        while (arrived < 4) std::this_thread::yield();
+        return job;
+      },
+      [&](int) { ++taken; });
+  REQUIRE(taken == 4);
+}
+
+TEST_CASE("Threads run ahead of what is taken by twice their number at most", "[threads]") {
+  for (int threads = 1; threads <= 8; ++threads) {
+    std::atomic<int> started = 0, taken = 0, furthest = 0;
+    in_order(
+        threads, counting_to(100),
+        [&](int job, int) {
+          const int ahead = ++started - taken;
+          for (int seen = furthest; ahead > seen && !furthest.compare_exchange_weak(seen, ahead);) {
+          }
+          return job;
+        },
+        [&](int) {
+          dawdle(300);
+          ++taken;
+        });
+    REQUIRE(furthest <= 2 * threads + 1);  // a job may start between the end of take() and our count of it
+    REQUIRE(taken == 100);
+  }
+}
+
+TEST_CASE("Jobs and results that can only be moved are moved", "[threads]") {
+  int sum = 0, next = 0;
+  in_order(
+      3, [&]() -> std::optional<std::unique_ptr<int>> { return next < 50 ? std::optional(std::make_unique<int>(next++)) : std::nullopt; },
+      [](std::unique_ptr<int> job, int) { return std::make_unique<int>(*job + 1); }, [&](std::unique_ptr<int> result) { sum += *result; });
+  REQUIRE(sum == 50 * 51 / 2);
+}
+
+TEST_CASE("An exception of make ends the loop after the results before it were taken; the earliest job's wins", "[threads]") {
+  for (int threads = 1; threads <= 8; ++threads)
+    for (const int first : {0, 1, 7, 99}) {
+      int taken = 0;
+      const auto run = [&] {
+        in_order(
+            threads, counting_to(100),
+            [&](int job, int) {
+              if (job == first) dawdle(2000);  // later jobs fail first
+              if (job >= first) throw std::runtime_error("job " + std::to_string(job));
+              return job;
+            },
+            [&](int) { ++taken; });
+      };
+      REQUIRE_THROWS_WITH(run(), "job " + std::to_string(first));
+      REQUIRE(taken == first);
+    }
+}
+
+TEST_CASE("An exception of next ends the loop after the jobs before it were taken", "[threads]") {
+  for (int threads = 1; threads <= 8; ++threads)
+    for (const int last : {0, 1, 20}) {
+      int taken = 0, next = 0, asked = 0;
+      const auto run = [&] {
+        in_order(
+            threads,
+            [&]() -> std::optional<int> {
+              ++asked;
+              if (next == last) throw std::runtime_error("no job " + std::to_string(next));
+              return next++;
+            },
+            [](int job, int) {
+              dawdle(300);
+              return job;
+            },
+            [&](int) { ++taken; });
+      };
+      REQUIRE_THROWS_WITH(run(), "no job " + std::to_string(last));
+      REQUIRE(taken == last);
+      REQUIRE(asked == last + 1);  // not once more after it failed
+    }
+}
+
+TEST_CASE("An exception of make of an earlier job wins over one of next", "[threads]") {
+  for (int threads = 2; threads <= 8; ++threads) {
+    int next = 0;
+    const auto run = [&] {
+      in_order(
+          threads,
+          [&]() -> std::optional<int> {
+            if (next == 3) throw std::runtime_error("next");
+            return next++;
+          },
+          [](int job, int) {
+            if (job == 2) {
+              dawdle(3000);
+              throw std::runtime_error("make");
+            }
+            return job;
+          },
+          [](int) {});
+    };
+    REQUIRE_THROWS_WITH(run(), "make");
+  }
+}
+
+TEST_CASE("An exception of take ends the loop, though all threads wait for room", "[threads]") {
+  for (int threads = 1; threads <= 8; ++threads)
+    for (const int last : {0, 5}) {
+      const auto run = [&] {
+        in_order(
+            threads, counting_to(1'000'000), [](int job, int) { return job; },
+            [&](int result) {
+              dawdle(1000);
+              if (result == last) throw std::runtime_error("take " + std::to_string(result));
+            });
+      };
+      REQUIRE_THROWS_WITH(run(), "take " + std::to_string(last));
+    }
+}
+
+TEST_CASE("A thousand short loops end: no wake-up is lost", "[threads]") {
+  for (int round = 0; round < 1000; ++round) {
+    const int threads = 1 + round % 8, jobs = round % 23;
+    int sum = 0;
+    in_order(
+        threads, counting_to(jobs), [](int job, int) { return job; }, [&](int result) { sum += result; });
+    REQUIRE(sum == jobs * (jobs - 1) / 2);
+  }
+}
+
+}  // namespace
+}  // namespace teracell

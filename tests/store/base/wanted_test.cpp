@@ -1,0 +1,62 @@
+// Work that is stopped because nobody waits for it.
+#include "store/base/wanted.hpp"
+
+#include <atomic>
+#include <thread>
+
+#include <catch2/catch.hpp>
+
+#include "store/base/shared_cache.hpp"
+#include "store/read/stats.hpp"
+#include "tests/support/stored.hpp"
+
+namespace teracell {
+namespace {
+
+void give_up() { throw Unwanted("gone"); }
+
+TEST_CASE("Only the thread that says so is asked, the innermost first", "[wanted]") {
+  Wanted::stop_if_not();
+  int outer = 0;
+  const Wanted a([&] { ++outer; });
+  {
+    const Wanted b(give_up);
+    CHECK_THROWS_AS(Wanted::stop_if_not(), Unwanted);
+    std::thread([] { Wanted::stop_if_not(); }).join();
+  }
+  Wanted::stop_if_not();
+  CHECK(outer == 1);
+}
+
+TEST_CASE("When the thread that makes a value gives up, another one that waits for it makes it", "[wanted][shared_cache][threads]") {
+  SharedCache<int, int> cache(10000);
+  std::atomic<bool> making = false, go = false;
+  std::thread first([&] {
+    CHECK_THROWS_AS(cache.get(1,
+                              [&]() -> std::pair<std::shared_ptr<const int>, size_t> {
+                                making = true;
+                                while (!go) std::this_thread::yield();
+                                throw Unwanted("gone");
+                              }),
+                    Unwanted);
+  });
+  while (!making) std::this_thread::yield();
+  std::atomic<int> made = 0, right = 0;
+  std::vector<std::thread> others;
+  for (int i = 0; i < 3; ++i)
+    others.emplace_back([&] {
+      right += *cache.get(1, [&] {
+        ++made;
+        return std::pair(std::make_shared<const int>(7), size_t{1});
+      }) == 7;
+    });
+  while (cache.counts().misses < 4) std::this_thread::yield();
+  go = true;
+  first.join();
+  for (auto& t : others) t.join();
+  CHECK(made == 1);
+  CHECK(right == 3);
+}
+
+}  // namespace
+}  // namespace teracell

@@ -1,0 +1,55 @@
+#!/usr/bin/python3
+"""The page without a server, in Chromium without a graphics card: from nginx on this machine, from nginx over a line of 20 Mbit/s with a round
+trip of 80 ms, and as one HTML file; beside the page of `teracell serve` in the same minutes.
+
+Usage: tools/bench/page.py PATH_TO_TERACELL G.tcell. The program must have been built with -DTERACELL_WASM=ON. For the hosts the grid is packed; one
+that is too large for one HTML file is measured as a folder alone. page.mjs measures.
+"""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+from common import ROOT
+from far import NGINX, Delay, free_port, wait_for
+
+ROUND_TRIP, RATE = 0.08, 20e6
+MOST_HELD = 256 << 20
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    program, grid = map(os.path.abspath, sys.argv[1:])
+    with tempfile.TemporaryDirectory() as folder:
+        def teracell(*arguments):
+            subprocess.run([program, *arguments], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        teracell("pack", grid, "-o", "g.tcell")
+        teracell("page", "-o", ".", "--grids", "g.tcell")
+        size = os.path.getsize(grid)
+        whole = "file://" + os.path.join(folder, "g.html") if size <= MOST_HELD else ""
+        if whole:
+            teracell("page", grid, "-o", "g.html")
+        port = free_port()
+        with open(os.path.join(folder, "nginx.conf"), "w") as file:
+            text = NGINX % {"user": "user root;" if os.geteuid() == 0 else "", "folder": folder, "port": port}
+            file.write(text.replace("log_format", "types { text/html html; text/javascript js; text/css css; } log_format"))
+        nginx = subprocess.Popen(["/usr/sbin/nginx", "-e", f"{folder}/nginx.log", "-c", f"{folder}/nginx.conf"])
+        server = subprocess.Popen([program, "serve", f"{folder}/g.tcell", "--port", "0", "--log", "none"], stdout=subprocess.PIPE, text=True)
+        try:
+            wait_for(port)
+            served = re.search(r"http://\S+", server.stdout.readline()).group(0)
+            packed = os.path.getsize(os.path.join(folder, "g.tcell"))
+            print(f"the grid: {size / 1e6:.1f} MB, packed {packed / 1e6:.1f} MB" + (f", in an HTML file {os.path.getsize(whole[7:]) / 1e6:.1f} MB" if whole else ""), flush=True)
+            addresses = [f"http://127.0.0.1:{port}/", served]
+            far = [f"http://127.0.0.1:{Delay(int(re.search(r':([0-9]+)/', a).group(1)), ROUND_TRIP, RATE).port}/" for a in addresses]
+            subprocess.run(["node", os.path.join(ROOT, "tools/bench/page.mjs"), *addresses, *far, whole], check=True)
+        finally:
+            for process in (server, nginx):
+                process.terminate()
+                process.wait()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,215 @@
+// teracell info: what a file holds.
+#include <algorithm>
+#include <iostream>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "mesher/report/report_json.hpp"
+#include "store/base/error.hpp"
+#include "store/channels/fractions.hpp"
+#include "store/grid/number_text.hpp"
+#include "store/text/text.hpp"
+#include "store/whole/info.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/commands/mesh_summary.hpp"
+
+namespace teracell::cli {
+namespace {
+
+struct InfoArguments {
+  GridArgument grid;
+  bool json = false;
+};
+
+void row(const std::string& name, const std::string& text) { say(fmt::format("{:<12}{}", name, text)); }
+
+// Prints a line below a body.
+void detail(const std::string& name, const std::string& text) { row("", fmt::format("  {:<12}{}", name, text)); }
+
+// The largest holes of a body.
+void print_holes(const std::vector<mesher::HoleReport>& holes, const std::string& units) {
+  constexpr size_t kShown = 5;
+  std::vector<mesher::HoleReport> sorted = holes;
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, &mesher::HoleReport::diameter);
+  std::string title = "holes";
+  for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
+    const mesher::HoleReport& h = sorted[i];
+    const auto gap = h.width > 0 ? fmt::format("gap {} {} ({} cells), ", number_text(h.width, 4), units, number_text(h.width_cells, 3)) : "";
+    detail(std::exchange(title, ""),
+           fmt::format("{} {} across ({} cells), {}at {}, {}, {} {} {}²", number_text(h.diameter, 4), units, number_text(h.diameter_cells, 3), gap,
+                       place_text(h.at), plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", number_text(h.cap_area, 4), units));
+  }
+  if (sorted.size() > kShown)
+    detail("", fmt::format("and {} more, none wider than {} {}", sorted.size() - kShown, number_text(sorted[kShown].diameter, 4), units));
+}
+
+void print_seams(const mesher::BodyReport& body, const std::string& units) {
+  const mesher::Seams& seams = body.seams;
+  if (seams.number == 0 && seams.collapsed == 0) return;
+  detail("seams", fmt::format("{} stitched, {} {} in all{}, over gaps of up to {} {} (stitch length {} {})", plural(seams.number, "seam"),
+                              number_text(seams.length, 4), units,
+                              seams.collapsed > 0 ? fmt::format(", and {} closed to a point", plural(seams.collapsed, "open edge")) : "",
+                              number_text(seams.widest_gap, 3), units, number_text(body.stitch, 3), units));
+}
+
+void print_flips(const std::vector<mesher::Flip>& flips) {
+  constexpr size_t kShown = 3;
+  std::string title = "flips";
+  for (size_t i = 0; i < std::min(flips.size(), kShown); ++i)
+    detail(std::exchange(title, ""),
+           fmt::format("neighbours face opposite ways along {} at {}", plural(flips[i].edges, "edge"), place_text(flips[i].at)));
+  if (flips.size() > kShown) detail("", fmt::format("and along {}", plural(flips.size() - kShown, "more curve")));
+}
+
+void print_rules(const std::vector<mesher::FillChoice>& fill) {
+  std::string title = "inside";
+  for (const mesher::FillChoice& f : fill) {
+    const char* where = f.rule == mesher::Fill::kEvenodd ? "a ray out passes the surface an odd number of times"
+                        : f.rule == mesher::Fill::kDistinct
+                            ? "a ray out passes an odd number of places, each counted once however many facets lie there"
+                            : "the surface winds around";
+    detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", plural(f.shells.value_or(0), "shell"), where, fill_name(f.rule), f.why));
+  }
+}
+
+// "12, the widest 0.0312 mm at (...)"
+std::string lost_text(const mesher::LostReport& lost, const std::string& units) {
+  return fmt::format("{}, the widest {} {} at {}", lost.number, number_text(lost.widest, 4), units, place_text(lost.at.value_or(Vec3{})));
+}
+
+// Prints which parts of a body lie between sample points. Files of version 1.0 may say nothing about that.
+void print_lost(const mesher::BodyReport& b, const std::string& units) {
+  std::string title = "thin parts";
+  if (b.lost_pairs > 0)
+    detail(std::exchange(title, ""),
+           fmt::format("rays along {} cross it twice between two sample points in {}, the first at {}", axis_name(b.lost_axis),
+                       plural(b.lost_pairs, "place"), place_text(b.first_lost_pair.value_or(Vec3{}))));
+  if (!b.lost) return;
+  for (int axis = 0; axis < 3; ++axis)
+    if (const mesher::LostReport& lost = (*b.lost)[axis]; lost.number > 0)
+      detail(std::exchange(title, ""), fmt::format("stretches between two sample points along {}: {}", axis_name(axis), lost_text(lost, units)));
+}
+
+// Prints a body in one line, and below it whatever is not as it should be.
+void print_body(const std::string& title, const mesher::BodyReport& b, const std::string& units) {
+  std::vector<std::string_view> rules;
+  for (const mesher::FillChoice& f : b.fill) rules.push_back(fill_name(f.rule));
+  const bool parity = std::ranges::any_of(b.fill, [](const mesher::FillChoice& f) { return f.rule != mesher::Fill::kNonzero; });
+  row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.name, plural(b.facets, "facet"), plural(b.counts.shells, "shell"),
+                         b.sheet ? "sheet" : fmt::format("{}", fmt::join(rules, " and ")), b.cells, b.cells == 1 ? "" : "s"));
+  if (parity || !b.holes.empty() || !b.flips.empty()) print_rules(b.fill);
+  print_seams(b, units);
+  print_holes(b.holes, units);
+  print_flips(b.flips);
+  print_lost(b, units);
+  if (b.covered > 0) detail("overlap", fmt::format("{} cell{}, owned by stronger bodies", b.covered, b.covered == 1 ? "" : "s"));
+  if (const uint64_t n = b.counts.duplicates; n > 0)
+    detail("duplicates", fmt::format("{} with the vertices of an earlier one: {} the same way round, {} the other way", plural(n, "facet"),
+                                     n - b.counts.opposite, b.counts.opposite));
+  if (b.counts.degenerate > 0)
+    detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", plural(b.counts.degenerate, "facet")));
+}
+
+void print_report(const mesher::Report& report, const std::string& units) {
+  std::string title = "bodies";
+  for (const mesher::BodyReport& b : report.bodies) print_body(std::exchange(title, ""), b, units);
+  if (const std::string overlaps = overlaps_text(report); !overlaps.empty()) row("overlaps", overlaps);
+  title = "gaps";
+  if (report.lost_gaps)
+    for (const mesher::GapReport& gap : *report.lost_gaps)
+      row(std::exchange(title, ""),
+          fmt::format("of {} between two sample points along {}: {}", gap.material, axis_name(gap.axis), lost_text(gap.lost, units)));
+  if (report.bodies_left_out > 0) row("", fmt::format("and {} more bodies, too many for the report", report.bodies_left_out));
+  title = "warnings";
+  for (const std::string& w : report.warnings) row(std::exchange(title, ""), w);
+}
+
+// The largest patches of the surfaces; the sides of the domain say nothing new.
+void print_patches(const Metadata& meta) {
+  constexpr size_t kShown = 12;
+  std::vector<const PatchInfo*> patches;
+  size_t width = 0;
+  for (const PatchInfo& p : meta.patches)
+    if (!p.body.empty()) patches.push_back(&p);
+  std::ranges::stable_sort(patches, std::ranges::greater{}, &PatchInfo::area);
+  const size_t shown = std::min(patches.size(), kShown);
+  for (size_t i = 0; i < shown; ++i) width = std::max(width, patches[i]->name.size());
+  std::string title = "patches";
+  for (size_t i = 0; i < shown; ++i)
+    row(std::exchange(title, ""), fmt::format("{:<{}}  {} {}²", patches[i]->name, width, number_text(patches[i]->area, 4), meta.units));
+  if (patches.size() > shown)
+    row("", fmt::format("and {} more, none larger than {} {}²", patches.size() - shown, number_text(patches[shown]->area, 4), meta.units));
+}
+
+// What the file holds beside the cells.
+void print_channels(const Metadata& meta) {
+  std::string title = "channels";
+  for (const Channel& c : meta.others()) {
+    std::string about;
+    if (const Channel* fractions = find_fractions(meta); fractions == &c) {
+      const Subdivision s = subdivision_of(c);
+      about = fmt::format(", {} x {} x {} sub-samples of each mixed cell", s[0], s[1], s[2]);
+    }
+    row(std::exchange(title, ""), fmt::format("{}  {}{}", c.name, c.bytes > 0 ? bytes_text(static_cast<double>(c.bytes)) : "of unknown size", about));
+  }
+}
+
+void print(const GridReader& reader) {
+  const Metadata& meta = reader.meta();
+  const Index3 n = meta.grid.cells();
+  const double cells = static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]);
+  const auto size = static_cast<double>(reader.file_bytes());
+  row("file", fmt::format("{}, {}, content {}", reader.name(), bytes_text(size), reader.hash()));
+  row("cells",
+      fmt::format("{} x {} x {} = {}{}", n[0], n[1], n[2], cell_count_text(n), cells < 1e9 ? "" : fmt::format(" ({})", number_text(cells, 3))));
+  for (int d = 0; d < 3; ++d) {
+    const Axis& a = meta.grid.axis[d];
+    row(d == 0 ? "domain" : "", fmt::format("{}  {:.8g} to {:.8g} {}, {}", axis_name(d), a.min(), a.max(), meta.units,
+                                            a.is_graded() ? "graded" : fmt::format("cells of {:.6g} {}", a.step(), meta.units)));
+  }
+  row("rays", fmt::format("along {}, {} facet crossings, {:.2f} bits per crossing on level 0", axis_name(meta.ray_axis), meta.crossings,
+                          bits_per_crossing(meta)));
+  row("dense",
+      fmt::format("one byte per cell would take {}{}", bytes_text(cells), cells < size ? "" : fmt::format(", {:.0f} times as much", cells / size)));
+  size_t width = 0;
+  for (const MaterialInfo& m : meta.materials) width = std::max(width, m.name.size());
+  for (size_t i = 0; i < meta.materials.size(); ++i)
+    row(i == 0 ? "materials" : "", fmt::format("{:>3}  {:<{}}  {}", i, meta.materials[i].name, width, meta.materials[i].color));
+  print_patches(meta);
+  for (int level = 0; level < reader.levels(); ++level) {
+    const Index3 c = meta.grid.cells(level);
+    std::string how = "derived when read";
+    for (const LevelInfo& l : meta.levels())
+      if (l.level == level) how = fmt::format("{:>9} {:<6} {:>10}", l.chunks, l.chunks == 1 ? "chunk" : "chunks", bytes_text(l.bytes));
+    row(level == 0 ? "levels" : "", fmt::format("{:>3}  {:<24} {}", level, fmt::format("{} x {} x {}", c[0], c[1], c[2]), how));
+  }
+  print_channels(meta);
+  const std::string report = reader.report();
+  try {
+    print_report(mesher::parse_report(report), meta.units);
+  } catch (const FormatError&) {
+    row("report", "is not laid out as this program lays it out");
+  }
+}
+
+void run(const InfoArguments& o) {
+  const GridReader reader = open_grid(o.grid);
+  if (!o.json) return print(reader);
+  std::cout << info_json(reader) << "\n";
+}
+
+}  // namespace
+
+Run setup_info(CLI::App& app) {
+  const auto o = std::make_shared<InfoArguments>();
+  add_grid(app, o->grid);
+  app.add_flag("--json", o->json, "as JSON");
+  app.footer("Example:\n  teracell info g.tcell");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell::cli

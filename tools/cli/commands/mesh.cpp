@@ -1,0 +1,55 @@
+// teracell mesh: a scene or bare surfaces in, a .tcell file out.
+#include <fmt/format.h>
+
+#include "mesher/pipeline.hpp"
+#include "store/base/error.hpp"
+#include "store/base/file.hpp"
+#include "store/check/kept.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/commands/check_grid.hpp"
+#include "tools/cli/commands/mesh_options.hpp"
+#include "tools/cli/commands/mesh_summary.hpp"
+#include "tools/cli/progress.hpp"
+
+namespace teracell::cli {
+namespace {
+
+void run(const MeshArguments& o) {
+  const mesher::Scene scene = scene_from(o);
+  check_outputs(o, scene);
+  const mesher::MeshOptions options = mesh_options(o);
+  if (options.shard && !o.report.empty()) throw UsageError("--report: expected a whole grid, found --shard: give it to `teracell merge`");
+  if (options.shard && o.check) throw UsageError("--check: expected a whole grid, found --shard: run `teracell check` after `teracell merge`");
+  const std::atomic<bool>& interrupted = watch_interrupts();
+  std::optional<OutputFile> report_file;
+  if (!o.report.empty()) report_file.emplace(o.report);
+  mesher::MeshReport report;
+  {
+    ProgressLine line(o.progress, "mesh");
+    report = mesh(
+        scene, o.output, options,
+        [&](const char* phase, double share, double cells) {
+          line.set_cells(cells);
+          line(phase, share);
+        },
+        interrupted);
+  }
+  if (!options.shard || options.shard->number == 0) warn_of_caps(o, report);
+  if (options.shard) return say_part(part_path(o.output, *options.shard).string(), report);
+  if (report_file) write_report(report, *report_file, o.output);
+  say_grid(o.output, report);
+  if (o.check) say_findings(o.output, check_grid({o.output, {}}, kept_findings(o.output), threads_or_all(o.threads), o.progress));
+}
+
+}  // namespace
+
+Run setup_mesh(CLI::App& app) {
+  const auto o = std::make_shared<MeshArguments>();
+  add_mesh_options(app, *o);
+  app.footer(
+      "Examples:\n  teracell mesh bust.obj --cells 10000 -o bust.tcell\n"
+      "  teracell mesh scene.json --step 0.05 -o scene.tcell --report report.json");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell::cli

@@ -1,0 +1,193 @@
+#include "tools/cli/commands/mesh_options.hpp"
+
+#include <strings.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "mesher/bodies/caps_file.hpp"
+#include "mesher/engines/engines.hpp"
+#include "store/base/error.hpp"
+#include "store/base/file.hpp"
+
+namespace teracell::cli {
+namespace {
+
+const std::vector<std::string> kFills(mesher::kFillNames.begin(), mesher::kFillNames.end());
+
+// What this process may take: the machine's, or less where a batch system or a container limits its control group or one above it.
+uint64_t machine_memory() {
+  uint64_t out = static_cast<uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(::sysconf(_SC_PAGESIZE));
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::/")) continue;  // version 2
+    for (std::filesystem::path group = line.substr(4);; group = group.parent_path()) {
+      uint64_t limit = 0;  // stays 0 for "max"
+      if (std::ifstream("/sys/fs/cgroup" / group / "memory.max") >> limit && limit > 0) out = std::min(out, limit);
+      if (group.empty()) break;
+    }
+  }
+  return out;
+}
+
+// --shard I/N.
+std::optional<mesher::Shard> parse_shard(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  const size_t slash = text.find('/');
+  if (slash == std::string::npos) throw UsageError(fmt::format("--shard: expected I/N, such as 0/8, found '{}'", text));
+  constexpr int64_t kMost = 1'000'000;
+  const int64_t of = parse_integer(text.substr(slash + 1), 1, kMost, "--shard, the number of parts");
+  const int64_t number = parse_integer(text.substr(0, slash), 0, of - 1, "--shard, the number of the part");
+  return mesher::Shard{static_cast<uint32_t>(number), static_cast<uint32_t>(of)};
+}
+
+}  // namespace
+
+void add_mesh_options(CLI::App& app, MeshArguments& o, bool of_many) {
+  app.add_option("inputs", o.inputs,
+                 "a scene (.json), or surfaces: STL, OBJ, PLY, plain or compressed by gzip; each is a body, and later ones win where they overlap")
+      ->required();
+  app.add_option("-o,--output", o.output, "the .tcell file to write")->required();
+  app.add_option("--cells", o.cells,
+                 "N: cubic cells, N along the longest axis with its pad, so fewer along the others; NX,NY,NZ: this many cells along each axis");
+  app.add_option("--step", o.step, "the edge of a cell, in the units of the mesh");
+  app.add_option("--pad", o.pad, "cells around the bodies' box (default 1)");
+  app.add_option("--axis", o.axis, "the axis along which rays run: auto (the cheapest), x, y or z; the cells are the same")
+      ->check(one_of({"auto", "x", "y", "z"}));
+  app.add_option("--fill", o.fill, "the rule that says what is inside, for all solids: auto, nonzero, evenodd or distinct")->check(one_of(kFills));
+  app.add_option(
+      "--closing", o.closing,
+      "what happens to solids whose surface is open after stitching: cap closes it, strict refuses it, extrude:-z (or +z, -x ...) extends it beyond the domain");
+  app.add_option(
+      "--stitch", o.stitch,
+      "open edges of solids that are closer than this are joined; in the units of the grid (default: a quarter of the shortest cell edge; 0 joins none)");
+  app.add_flag(
+      "--thin", o.thin,
+      "count, along x, y and z, the parts of every solid and of the gaps between solids that lie between sample points and are lost; the cells are the same");
+  app.add_option(
+         "--fractions", o.fractions,
+         "SX,SY,SZ: keep in the file the shares of materials in cells that a boundary cuts, counted over this many sub-samples per cell along "
+         "x, y and z: powers of two from 1 to 256, at most 65536 in all")
+      ->check([](const std::string& text) { return text.empty() ? "expected SX,SY,SZ, found nothing" : ""; });
+  app.add_flag("--links", o.links,
+               "keep in the file where, between neighbouring cells with different labels, the one label ends and the other begins");
+  app.add_option("--engine", o.engine, "how crossings are found: scan (the fastest), tree, slice or brute; the file is the same")
+      ->check(one_of(mesher::engine_names()));
+  add_threads(app, o.threads);
+  if (of_many) app.get_option("--threads")->description("how many threads a rank has, 1 to 1024 (default: its share of the cores that it may use)");
+  app.add_option("--memory", o.memory,
+                 fmt::format("how much memory {}, such as 512M or 8G (default: {}a quarter of the machine's); surfaces that don't fit are spilled "
+                             "to a temporary file",
+                             of_many ? "a rank may take" : "the run may take", of_many ? "its share of " : ""));
+  app.add_option("--tmp", o.tmp, "the folder for temporary files (default: the folder of the output)");
+  app.add_flag("--resume", o.resume,
+               "go on with what a killed run with the same inputs and options has left; if there is nothing, start from the beginning");
+  if (!of_many)
+    app.add_option("--shard", o.shard,
+                   "I/N: make part I of 0 to N-1 alone, as OUTPUT.shard-I-of-N; `teracell merge` puts the parts together to the same bytes");
+  app.add_option("--write-caps", o.caps,
+                 "write the facets that close open surfaces: .stl, or .ply in double precision; one file per body when there are several");
+  if (!of_many) app.add_flag("--check", o.check, "look through the grid when it is done, as `teracell check` does");
+  app.add_option("--report", o.report, "write the report, with times and memory, as JSON");
+  add_progress(app, o.progress);
+}
+
+mesher::Scene scene_from(const MeshArguments& o) {
+  bool json = false;
+  for (const std::string& input : o.inputs) {
+    const std::filesystem::path extension = std::filesystem::path(input).extension();
+    if (extension == ".tcell") throw UsageError(fmt::format("{}: expected a scene or a surface, found a grid that is meshed already", input));
+    json |= extension == ".json";
+  }
+  if (json && o.inputs.size() != 1)
+    throw UsageError(fmt::format("expected one scene or bare meshes, found {} files with a scene among them", o.inputs.size()));
+  mesher::Scene scene = json ? mesher::read_scene(o.inputs[0]) : mesher::bare_scene({o.inputs.begin(), o.inputs.end()});
+  if (!o.cells.empty() && o.step) throw UsageError("--cells and --step exclude each other: give one of them");
+  mesher::GridOptions grid;
+  if (!o.cells.empty()) {
+    if (o.cells.find(',') == std::string::npos) grid.longest_cells = parse_integers(o.cells, 1, "--cells")[0];
+    else {
+      const auto n = parse_integers(o.cells, 3, "--cells");
+      grid.cells = {n[0], n[1], n[2]};
+    }
+  }
+  grid.step = o.step;
+  grid.pad = o.pad;
+  override_grid(scene, grid);
+  const std::optional<mesher::Closing> closing = mesher::parse_closing(o.closing.empty() ? "cap" : o.closing);
+  if (!closing) throw UsageError(fmt::format("--closing: expected cap, strict, or extrude: and a direction such as -z, found '{}'", o.closing));
+  if (o.stitch && !(*o.stitch >= 0 && *o.stitch <= 1e75))
+    throw UsageError(fmt::format("--stitch: expected a length from 0 to 1e75, found {}", *o.stitch));
+  const char* const for_solids = !o.fill.empty() ? "--fill" : !o.closing.empty() ? "--closing" : o.stitch ? "--stitch" : nullptr;
+  if (for_solids && !scene.bodies.empty() &&
+      std::ranges::all_of(scene.bodies, [](const mesher::SceneBody& body) { return body.kind == mesher::Kind::kSheet; }))
+    throw UsageError(
+        fmt::format("{}: expected a scene with solids, found sheets only, which are not filled, closed or stitched: leave it out", for_solids));
+  for (mesher::SceneBody& body : scene.bodies) {
+    if (body.kind == mesher::Kind::kSheet) continue;
+    if (!o.fill.empty()) body.fill = static_cast<mesher::Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
+    if (!o.closing.empty()) body.closing = *closing;
+    if (o.stitch) body.stitch = o.stitch;
+  }
+  return scene;
+}
+
+void check_outputs(const MeshArguments& o, const mesher::Scene& scene) {
+  if (o.output.empty()) throw UsageError("--output: expected a name, found none");
+  for (const char* other : {".json", ".stl", ".obj", ".ply", ".gz", ".png", ".npy"})  // surely a slip
+    if (strcasecmp(std::filesystem::path(o.output).extension().c_str(), other) == 0)
+      throw UsageError(fmt::format("--output: expected a name for a .tcell file, found '{}'", o.output));
+  expect_file_name(o.output);
+  std::error_code none;
+  if (!o.report.empty() && (o.report == o.output || o.report == o.output + ".partial" || std::filesystem::equivalent(o.report, o.output, none)))
+    throw UsageError(fmt::format("--report and --output name the same file, {}", o.output));
+  std::vector<std::string> outputs = {o.output, o.report};
+  if (!o.caps.empty())
+    for (const auto& name : caps_names(scene, o.caps)) outputs.push_back(name.string());
+  for (size_t i = 2; i < outputs.size(); ++i)
+    if (outputs[i] == o.output || outputs[i] == o.report)
+      throw UsageError(fmt::format("--write-caps: expected a name of its own, found {}", outputs[i]));
+  std::vector<std::string> inputs = o.inputs;
+  for (const mesher::SceneBody& body : scene.bodies) inputs.push_back(body.mesh.string());
+  for (const mesher::SceneAxis& axis : scene.axis) inputs.push_back(axis.planes_file.string());
+  for (const std::string& output : outputs) refuse_overwriting(inputs, output);
+}
+
+mesher::MeshOptions mesh_options(const MeshArguments& o, int share) {
+  mesher::MeshOptions options;
+  if (o.axis != "auto") options.axis = parse_axis(o.axis);
+  options.engine = o.engine;
+  options.threads = o.threads;
+  options.memory = o.memory.empty() ? machine_memory() / 4 / static_cast<uint64_t>(share) : parse_size(o.memory, "--memory");
+  if (!o.tmp.empty() && !std::filesystem::is_directory(o.tmp))
+    throw IoError(
+        fmt::format("{}: no folder for temporary files: {}", o.tmp, std::filesystem::exists(o.tmp) ? "Not a directory" : "No such file or directory"),
+        Remedy::kOtherFolder);
+  if (options.memory == 0) throw UsageError("--memory: expected a size like 512M or 8G, found 0");
+  options.tmp = o.tmp;
+  options.write_caps = o.caps;
+  options.resume = o.resume;
+  options.thin = o.thin;
+  options.links = o.links;
+  options.shard = parse_shard(o.shard);
+  if (!o.fractions.empty()) {
+    const auto n = parse_integers(o.fractions, 3, "--fractions");
+    Subdivision samples;
+    for (size_t d = 0; d < 3; ++d) {
+      if (n[d] < 1 || n[d] > 256) throw UsageError(fmt::format("--fractions: expected powers of two from 1 to 256, found {}", n[d]));
+      samples[d] = static_cast<uint32_t>(n[d]);
+    }
+    if (const std::string beyond = beyond_bounds(samples); !beyond.empty()) throw UsageError("--fractions: " + beyond);
+    options.fractions = samples;
+  }
+  return options;
+}
+
+void warn_of_caps(const MeshArguments& o, const mesher::MeshReport& report) {
+  if (!o.caps.empty() && report.caps_written == 0) warn(fmt::format("warning: --write-caps: no surface was open, so {} was not written", o.caps));
+}
+
+}  // namespace teracell::cli

@@ -1,0 +1,15 @@
+// What mesh and merge say when they are done.
+#pragma once
+#include "mesher/pipeline.hpp"
+#include "store/base/file.hpp"
+
+namespace teracell::cli {
+
+// In one line, without a line feed; empty when there are none.
+std::string overlaps_text(const mesher::Report& report);
+void say_grid(const std::string& output, const mesher::MeshReport& report);  // in short, with warnings
+void say_part(const std::string& part, const mesher::MeshReport& report);
+// Writes the whole report. Throws IoError that says that `output` is complete.
+void write_report(const mesher::MeshReport& report, OutputFile& file, const std::string& output);
+
+}  // namespace teracell::cli

@@ -1,0 +1,45 @@
+// teracell pack: the same cells laid out for reading from far away.
+#include <fmt/format.h>
+
+#include "store/base/error.hpp"
+#include "store/whole/pack.hpp"
+#include "tools/cli/command.hpp"
+#include "tools/cli/progress.hpp"
+
+namespace teracell::cli {
+namespace {
+
+struct PackArguments {
+  GridArgument grid;
+  std::string output, progress = "auto";
+  bool smaller = false;
+  int threads = 0;
+};
+
+void run(const PackArguments& o) {
+  refuse_overwriting({o.grid.name}, o.output);
+  const GridReader reader = open_grid(o.grid);
+  const std::atomic<bool>& stop = watch_interrupts();
+  ProgressLine line(o.progress, "");
+  pack(reader, o.output, {!o.smaller, threads_or_all(o.threads)}, [&](double share) {
+    stop_if(stop, o.output);
+    line("pack", share);
+  });
+}
+
+}  // namespace
+
+Run setup_pack(CLI::App& app) {
+  const auto o = std::make_shared<PackArguments>();
+  add_grid(app, o->grid);
+  app.add_option("-o,--output", o->output, "the .tcell file to write")->required();
+  app.add_flag("--smaller", o->smaller, "leave out level 1, which a viewer then makes of four times the bytes that other levels take");
+  add_threads(app, o->threads);
+  add_progress(app, o->progress);
+  app.footer(
+      "The cells stay the same. What leads to them lies at the end of the file, and neighbours lie together, so a viewer far away needs few\n"
+      "requests. Offsets change, and so does the content's hash. Example:\n  teracell pack g.tcell -o packed.tcell");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell::cli

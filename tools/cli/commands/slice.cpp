@@ -1,0 +1,101 @@
+// teracell slice: one slice as a picture or an array.
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "server/picture/picture.hpp"
+#include "store/base/error.hpp"
+#include "store/text/npy_header.hpp"
+#include "tools/cli/command.hpp"
+
+namespace teracell::cli {
+namespace {
+
+struct SliceArguments {
+  GridArgument grid;
+  std::string output, axis, region;
+  std::optional<int64_t> index;
+  std::optional<double> at;
+  int level = 0, threads = 0;
+};
+
+SliceView view_of(const SliceArguments& o, const Metadata& meta) {
+  const int axis = parse_axis(o.axis);
+  if (o.index.has_value() == o.at.has_value())
+    throw UsageError(fmt::format("--index, --at: expected one of them, found {}", o.at ? "both" : "neither"));
+  check_level(meta.grid, o.level);
+  int64_t index = o.index.value_or(0);
+  if (o.at) {
+    const Axis& a = meta.grid.axis[axis];
+    if (!(*o.at >= a.min() && *o.at <= a.max()))
+      throw UsageError(fmt::format("--at: expected {} to {} {} along {}, found {}", a.min(), a.max(), meta.units, o.axis, *o.at));
+    index = a.cell_at(*o.at) >> o.level;
+  }
+  if (const int64_t cells = meta.grid.cells(o.level)[axis]; index < 0 || index >= cells)
+    throw UsageError(fmt::format("--index: expected 0 to {} along {} on level {}, found {}", cells - 1, o.axis, o.level, index));
+  SliceView view = whole_slice(meta, axis, index, o.level);
+  if (!o.region.empty()) {
+    const auto n = parse_integers(o.region, 4, "--region");
+    view.u0 = n[0], view.v0 = n[1], view.u1 = n[2], view.v1 = n[3];
+    check_region(meta.grid, o.level, RayFrame::along(axis).u, view.u0, view.u1);
+    check_region(meta.grid, o.level, RayFrame::along(axis).v, view.v0, view.v1);
+  }
+  return view;
+}
+
+void write_png(const GridReader& reader, const SliceView& view, const SliceArguments& o, const std::atomic<bool>& stop, OutputFile& file) {
+  const int64_t width = view.u1 - view.u0, height = view.v1 - view.v0;
+  server::SetColors colors(reader.meta(), view.level);
+  server::PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors,
+                        [&](std::span<const uint8_t> bytes) { file.append(bytes); });
+  for_each_row(reader, view, colors.value(), true, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
+    stop_if(stop, o.output);
+    png.append(row);
+  });
+  png.finish();
+}
+
+// Row 0 is v = v0, in the order of the indices. A picture has its highest v on top.
+void write_npy(const GridReader& reader, const SliceView& view, const SliceArguments& o, const std::atomic<bool>& stop, OutputFile& file) {
+  const bool wide = wide_labels(reader.meta());
+  file.append(npy_header(wide ? "<u2" : "|u1", {view.v1 - view.v0, view.u1 - view.u0}));
+  Bytes bytes;
+  for_each_row(reader, view, strongest_material(reader.meta()), false, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
+    stop_if(stop, o.output);
+    bytes.clear();
+    put_labels(bytes, row, wide);
+    file.append(bytes);
+  });
+}
+
+void run(const SliceArguments& o) {
+  const std::string extension = std::filesystem::path(o.output).extension();
+  if (extension != ".png" && extension != ".npy")
+    throw UsageError(fmt::format("--output: expected a name that ends in .png or .npy, found '{}'", o.output));
+  refuse_overwriting({o.grid.name}, o.output);
+  const GridReader reader = open_grid(o.grid);
+  const SliceView view = view_of(o, reader.meta());
+  const std::atomic<bool>& stop = watch_interrupts();
+  OutputFile file(o.output);
+  if (extension == ".png") write_png(reader, view, o, stop, file);
+  else write_npy(reader, view, o, stop, file);
+  file.commit();
+}
+
+}  // namespace
+
+Run setup_slice(CLI::App& app) {
+  const auto o = std::make_shared<SliceArguments>();
+  add_grid(app, o->grid);
+  app.add_option("--axis", o->axis, "the axis that the slice is across: x, y or z")->required();
+  app.add_option("--index", o->index, "which slice, counted in cells of the level");
+  app.add_option("--at", o->at, "the coordinate that the slice holds, instead of --index");
+  app.add_option("-o,--output", o->output, "a .png (v points up) or an .npy (material ids, shape [v][u], row 0 is v = 0)")->required();
+  app.add_option("--level", o->level, "the level of the pyramid: its cells are 2^level times as wide (default 0)");
+  app.add_option("--region", o->region, "U0,V0,U1,V1: half open, in cells of the level; z-slices have u = x, v = y; y-slices x, z; x-slices y, z");
+  add_threads(app, o->threads);
+  app.footer("Examples:\n  teracell slice g.tcell --axis z --index 500 -o z.png\n  teracell slice g.tcell --axis x --at 12.5 --level 2 -o x.npy");
+  return [o] { run(*o); };
+}
+
+}  // namespace teracell::cli

@@ -1,0 +1,33 @@
+// The overview's space. Its origin is the middle of the domain, and the domain's longest side is 2, so that single
+// precision suffices for any coordinates. Graded axes are true to scale.
+import type { Axis } from "../../base/axis";
+
+export type Axes = readonly [Axis, Axis, Axis];
+export type Vec3 = [number, number, number];
+
+export interface Space {
+  readonly middle: Readonly<Vec3>;
+  readonly scale: number;
+  readonly half: Readonly<Vec3>; // the domain is -half to half
+}
+
+export function space_of(axes: Axes): Space {
+  const extent = axes.map((a) => a.max - a.min);
+  const scale = 2 / Math.max(...extent, Number.MIN_VALUE);
+  return {
+    middle: axes.map((a) => (a.min + a.max) / 2) as Vec3,
+    scale,
+    half: extent.map((e) => (e * scale) / 2) as Vec3,
+  };
+}
+
+export const to_space = (space: Space, d: number, coordinate: number): number => (coordinate - space.middle[d]!) * space.scale;
+export const from_space = (space: Space, d: number, x: number): number => x / space.scale + space.middle[d]!;
+export const point_to_space = (space: Space, p: readonly number[]): Vec3 => [
+  to_space(space, 0, p[0]!),
+  to_space(space, 1, p[1]!),
+  to_space(space, 2, p[2]!),
+];
+
+// The shortest side of a cell, in the overview's space.
+export const shortest_side = (space: Space, axes: Axes): number => space.scale * Math.min(...axes.map((axis) => axis.finest));
