@@ -7,11 +7,11 @@
 
 #include "mesher/closing/trust.hpp"
 #include "mesher/engines/engines.hpp"
-#include "mesher/parts/part_found.hpp"
 #include "mesher/report/make_report.hpp"
 #include "mesher/report/report_json.hpp"
 #include "mesher/run/casting.hpp"
 #include "mesher/run/checkpoint.hpp"
+#include "mesher/run/part_found.hpp"
 #include "mesher/run/prepared_run.hpp"
 #include "mesher/run/tiled_facets.hpp"
 #include "store/write/part.hpp"

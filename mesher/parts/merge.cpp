@@ -6,10 +6,10 @@
 #include <fmt/ranges.h>
 
 #include "mesher/bodies/joining.hpp"
-#include "mesher/parts/part_found.hpp"
 #include "mesher/report/make_report.hpp"
 #include "mesher/report/report_json.hpp"
 #include "mesher/run/checkpoint.hpp"
+#include "mesher/run/part_found.hpp"
 
 namespace teracell::mesher {
 namespace {

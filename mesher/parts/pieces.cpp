@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "mesher/engines/engines.hpp"
-#include "mesher/parts/part_found.hpp"
 #include "mesher/report/make_report.hpp"
 #include "mesher/report/report_json.hpp"
+#include "mesher/run/part_found.hpp"
 #include "store/base/error.hpp"
 #include "store/base/zstd_frame.hpp"
 

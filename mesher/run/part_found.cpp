@@ -1,4 +1,4 @@
-#include "mesher/parts/part_found.hpp"
+#include "mesher/run/part_found.hpp"
 
 #include <bit>
 

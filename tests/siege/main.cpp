@@ -116,7 +116,7 @@ class Siege {
       try {
         service->grids().find("g");
       } catch (const server::HttpError& e) {
-        return error_response(e.status, e.code, e.what());
+        return server::error_response(e.status, e.code, e.what());
       }
       return server::Response{};
     });

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "mesher/parts/part_found.hpp"
+#include "mesher/run/part_found.hpp"
 #include "store/base/error.hpp"
 #include "tools/cli/commands/mesh_summary.hpp"
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "mesher/parts/merge.hpp"
-#include "mesher/parts/part_found.hpp"
 #include "mesher/run/checkpoint.hpp"
+#include "mesher/run/part_found.hpp"
 #include "store/base/error.hpp"
 #include "store/format/metadata_json.hpp"
 #include "store/whole/verify.hpp"

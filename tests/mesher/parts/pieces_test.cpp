@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "mesher/bodies/assembly.hpp"
-#include "mesher/parts/part_found.hpp"
 #include "mesher/parts/pieces.hpp"
+#include "mesher/run/part_found.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/sanitized.hpp"

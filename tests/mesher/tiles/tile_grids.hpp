@@ -56,16 +56,16 @@ inline RayRange exact_range(const Metadata& meta, const Facet& facet) {
 inline std::vector<mesher::Facet> facets_over(std::mt19937_64& random, const Metadata& meta, size_t count) {
   std::vector<mesher::Facet> out(count);
   for (mesher::Facet& f : out) {
-    const int kind = random_int(random, 0, 9);
+    const int kind = testing::random_int(random, 0, 9);
     for (int d = 0; d < 3; ++d) {
       const Axis& axis = meta.grid.axis[d];
       const double cell = axis.shortest_cell(), width = axis.max() - axis.min();
-      const double at = random_in(random, axis.min() - 2 * cell, axis.max() + 2 * cell), size = kind < 7   ? 1.5 * cell
+      const double at = testing::random_in(random, axis.min() - 2 * cell, axis.max() + 2 * cell), size = kind < 7   ? 1.5 * cell
                                                                                                 : kind < 9 ? width / 8
                                                                                                            : 2 * width;
       for (Vec3& v : f.vertex) {
-        v[d] = at + random_in(random, -size, size);
-        const int64_t i = random_int(random, 0, static_cast<int>(axis.cells()) - 1);
+        v[d] = at + testing::random_in(random, -size, size);
+        const int64_t i = testing::random_int(random, 0, static_cast<int>(axis.cells()) - 1);
         if (kind == 0) v[d] = axis.centre(i);
         if (kind == 1) v[d] = axis.plane(std::clamp<int64_t>(static_cast<int64_t>((v[d] - axis.min()) / cell), 0, axis.cells()));
       }

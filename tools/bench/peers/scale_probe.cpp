@@ -15,8 +15,8 @@
 #include <thread>
 
 #include "mesher/bodies/assembly.hpp"
-#include "mesher/parts/part_found.hpp"
 #include "mesher/parts/pieces.hpp"
+#include "mesher/run/part_found.hpp"
 
 namespace {
 
