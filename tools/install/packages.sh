@@ -1,5 +1,7 @@
 # Sourced by the other scripts. need PACKAGE...: installs the Debian packages that are missing, as root or with sudo.
-need() {
+# Two that need something at once do so one after the other.
+need() (
+  mkdir -p build && exec 9>build/.packages.lock && flock 9
   local missing=()
   for package in "$@"; do
     dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'ok installed' || missing+=("$package")
@@ -13,11 +15,12 @@ need() {
   fi
   "${root[@]}" apt-get update -qq
   "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
-}
+)
 
 build_packages=(g++ cmake ninja-build pkg-config libzstd-dev libfmt-dev libxxhash-dev nlohmann-json3-dev libcli11-dev zlib1g-dev libboost-dev libhdf5-dev libcurl4-openssl-dev libstb-dev ccache)
 library_packages=(gfortran pybind11-dev python3-dev python3-numpy)
-test_packages=(catch2 groff-base python3 zstd nginx-light curl openssl)
+test_packages=(catch2 lld groff-base python3 zstd nginx-light curl openssl)
+tidy_packages=(clang-tidy-16)
 sanitizer_packages=(clang-16 libclang-rt-16-dev)
 # A Node.js from elsewhere has an npm of its own, and Debian's npm would not fit it.
 command -v npm >/dev/null || build_packages+=(nodejs npm)

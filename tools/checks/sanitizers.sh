@@ -1,0 +1,21 @@
+# tools/test sanitizers sources this: builds everything for address and undefined behaviour and what uses threads for races, then runs the
+# tests and the fuzzers.
+step "building for the sanitizers of addresses and undefined behaviour"
+cmake --preset asan -DTERACELL_UNITY=ON >/dev/null
+cmake --build --preset asan --target teracell_tests fuzzers
+step "building for the sanitizer of races"
+cmake --preset tsan -DTERACELL_UNITY=ON >/dev/null
+cmake --build --preset tsan --target thread_tests
+
+fuzz() (
+  name=$(basename "$1" _fuzz)
+  corpus=$(mktemp -d)
+  trap 'rm -rf "$corpus"' EXIT
+  "$1" -max_total_time="$FUZZ_SECONDS" -timeout=20 -rss_limit_mb=2048 -print_funcs=0 -print_final_stats=0 -verbosity=0 "$corpus" "tests/fuzz/corpus/$name"
+)
+export -f fuzz
+export FUZZ_SECONDS=${FUZZ_SECONDS:-15}
+step "sanitizers and fuzzers ($FUZZ_SECONDS s each), two at a time"
+fuzzers=(build/asan/tests/fuzz/*_fuzz)
+two_at_a_time 'build/asan/tests/teracell_tests "~[server]~[export]"' 'build/asan/tests/teracell_tests "[server],[export]"' 'build/tsan/tests/thread_tests "[threads]"' \
+  "${fuzzers[@]/#/fuzz }"
