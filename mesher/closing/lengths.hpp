@@ -1,4 +1,4 @@
-// Lengths, in one order of floating-point operations (ARCHITECTURE.md): nothing else that closes surfaces may compute distances.
+// Lengths, in one order of floating-point operations (README.md): nothing else that closes surfaces may compute distances.
 // Unlike std::hypot, they are the same on every machine.
 #pragma once
 #include <cmath>

@@ -46,7 +46,7 @@ struct Stitched {
 
 // `edges` are the open edges, `rules` the rules of all shells. REQUIRES: edges of a shell that counts crossings are odd().
 // `stitch` is the stitch length in the file's units; with 0 only groups and rules are found. Distances are compared in doubles
-// (ARCHITECTURE.md). Throws InputError, which begins with `name`, when more than 64 facets per open edge would be needed.
+// (README.md). Throws InputError, which begins with `name`, when more than 64 facets per open edge would be needed.
 Stitched stitch_boundary(const std::vector<OpenEdge>& edges, std::vector<ShellRule> rules, double stitch, const std::string& name);
 
 }  // namespace teracell::mesher
