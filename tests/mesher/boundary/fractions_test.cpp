@@ -256,7 +256,7 @@ TEST_CASE("A file with fractions and links is the same for any threads, from par
   options.checkpoint_seconds = 0;
   options.resume = true;
   options.threads = 1;
-  for (int call = 4; call < 33; call += 7) run_and_kill(scene, folder / "resumed.tcell", options, call);
+  for (const int call : {4, 5, 7, 10}) run_and_kill(scene, folder / "resumed.tcell", options, call);
   mesh_quietly(scene, folder / "resumed.tcell", options);
   CHECK(bytes_of(folder / "resumed.tcell") == expected);
 }
