@@ -157,11 +157,14 @@ void InputFile::read(uint64_t offset, std::span<uint8_t> out) const {
   }
 }
 
-// The rename would replace a device by a file: root must not lose /dev/null.
+// The rename would replace a device by a file: root must not lose /dev/null. /dev/stdout is a link to what a process has open, which may be
+// a file: the rename would replace the link.
 void expect_file_name(const std::filesystem::path& target) {
   std::error_code ignored;  // open() will tell what else is wrong with the target
   if (const auto found = std::filesystem::status(target, ignored); std::filesystem::exists(found) && !std::filesystem::is_regular_file(found))
     throw IoError(fmt::format("{}: expected the name of a file, found {}", target.string(), kind_of(found)));
+  if (std::filesystem::read_symlink(target, ignored).string().starts_with("/proc/"))
+    throw IoError(fmt::format("{}: expected the name of a file, found a link to what a process has open", target.string()));
 }
 
 OutputFile::OutputFile(const std::filesystem::path& target, uint64_t keep, bool reads) : target_(target), partial_(target.string() + ".partial") {

@@ -3,7 +3,6 @@ import os
 import shutil
 import socket
 import subprocess
-import time
 
 from serving import ServeCase
 
@@ -27,12 +26,8 @@ class Nginx(ServeCase):
         self.write("nginx.conf", text)
         nginx = subprocess.Popen([shutil.which("nginx", path=PATH), "-e", self.path("nginx.log"), "-c", self.path("nginx.conf"), "-g", "daemon off;"])
         self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
-        for _ in range(100):
-            with socket.socket() as s:
-                if s.connect_ex(("127.0.0.1", port)) == 0:
-                    return port
-            time.sleep(0.1)
-        self.fail(self.bytes("nginx.log").decode())
+        self.wait_for_port(port)
+        return port
 
     def curl(self, port, path, *args):
         """Returns (HTTP version, status, headers, body)."""
@@ -66,7 +61,7 @@ class Nginx(ServeCase):
         tile = f"/grids/api/v1/grids/g/tile/z/5/0/0_0.png?v={server.get('/api/v1/grids/g').json()['file']['hash']}"
         plain = f"http://localhost:{self.plain}{tile}"
         for expected in ["MISS", "HIT"]:  # "http" + "s.example"
-            done = subprocess.run(["curl", "-sS", "-D-", "-o/dev/null", "-HHost: s.example", plain], stdout=subprocess.PIPE, check=True, text=True)
+            done = subprocess.run(["curl", "-sS", "-D-", "-o", self.path("body"), "-HHost: s.example", plain], stdout=subprocess.PIPE, check=True, text=True)
             self.assertIn(f"X-Cache: {expected}", done.stdout)
         self.assertEqual(self.curl(port, tile, "-HHost: .example")[2]["x-cache"], "MISS")  # "https" + ".example"
         self.stop(server)

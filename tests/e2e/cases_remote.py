@@ -210,17 +210,15 @@ class HostileHosts(RemoteCase):
     def test_an_interrupt_ends_a_stall(self):
         origin = self.origin("stall")
         p = subprocess.Popen([PROGRAM, "export", origin.url + "/g.tcell", "--level", "1", "-o", "out.npy"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
-        while len(origin.requests) < 2:
-            time.sleep(0.05)
+        self.wait_until(lambda: len(origin.requests) >= 2, "a second request")
         began = time.monotonic()
         p.send_signal(signal.SIGINT)
         self.assertEqual(p.wait(timeout=60), -signal.SIGINT)  # nothing watches for it while the grid is opened
         p.stderr.close()
         origin.mode, origin.after = "stall_later", 3
-        p = subprocess.Popen([PROGRAM, "export", origin.url + "/g.tcell", "--level", "1", "-o", "out.npy"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
         origin.requests.clear()
-        while len(origin.requests) < 3:
-            time.sleep(0.05)
+        p = subprocess.Popen([PROGRAM, "export", origin.url + "/g.tcell", "--level", "1", "-o", "out.npy"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
+        self.wait_until(lambda: len(origin.requests) >= 3, "a third request")
         p.send_signal(signal.SIGINT)
         self.assertIn("interrupted", p.communicate(timeout=60)[1])
         self.assertEqual(p.returncode, 130)
@@ -420,11 +418,7 @@ class NginxHost(RemoteCase):
                         "subjectAltName=DNS:localhost", "-keyout", self.path("key.pem"), "-out", self.path("cert.pem")], check=True, stderr=subprocess.DEVNULL)
         nginx = subprocess.Popen([shutil.which("nginx", path=PATH), "-e", self.path("nginx.log"), "-c", self.path("nginx.conf")])
         self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
-        for _ in range(100):
-            with socket.socket() as s:
-                if s.connect_ex(("127.0.0.1", port)) == 0:
-                    break
-            time.sleep(0.1)
+        self.wait_for_port(port)
         self.same_cells(f"http://127.0.0.1:{port}/g.tcell")
         trusting = dict(NO_KEYS, CURL_CA_BUNDLE=self.path("cert.pem"))
         self.same_cells(f"https://localhost:{tls}/g.tcell", env=trusting)

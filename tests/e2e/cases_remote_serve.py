@@ -4,7 +4,6 @@ import shutil
 import socket
 import subprocess
 import threading
-import time
 
 from cases_remote import RemoteCase
 from serving import ServeCase
@@ -41,11 +40,7 @@ class RemoteServing(ServeCase, RemoteCase):
         quick = self.serve(origin.url + "/g.tcell", "--recheck", "1")
         self.assertEqual(quick.get(path.format("g")).body, local.get(path.format("h")).body)
         origin.objects["/g.tcell"] = self.file
-        for _ in range(100):
-            if quick.get(path.format("g")).body == before.body:
-                break
-            time.sleep(0.1)
-        self.assertEqual(quick.get(path.format("g")).body, before.body)
+        self.wait_until(lambda: quick.get(path.format("g")).body == before.body, "the former cells")
         self.stop(quick)
         self.stop(local)
 
@@ -57,11 +52,7 @@ class RemoteServing(ServeCase, RemoteCase):
         server, local = self.serve(here.url + "/g.tcell", "--recheck", "1"), self.serve("h.tcell")
         here.target = there.url + "/new"
         path, expected = "/api/v1/grids/{}/column/z/10_10", local.get("/api/v1/grids/h/column/z/10_10").body
-        for _ in range(100):
-            if server.get(path.format("g")).body == expected:
-                break
-            time.sleep(0.1)
-        self.assertEqual(server.get(path.format("g")).body, expected)
+        self.wait_until(lambda: server.get(path.format("g")).body == expected, "the cells of the newer object")
         self.stop(server)
         self.stop(local)
 
@@ -71,7 +62,12 @@ class RemoteServing(ServeCase, RemoteCase):
         path = "/api/v1/grids/g/column/z/10_10"
         before = server.get(path)
         origin.mode = "forbidden"
-        time.sleep(1.5)
+        seen = len(origin.requests)
+
+        def asked_anew():
+            self.assertEqual(server.get(path).body, before.body)
+            return len(origin.requests) > seen
+        self.wait_until(asked_anew, "a question whether the file is still the same")
         self.assertEqual(server.get(path).body, before.body)
         failed = server.get("/api/v1/grids/g/slice/z/300.png")
         self.assertEqual(failed.status, 500)
@@ -97,11 +93,7 @@ class RemoteServing(ServeCase, RemoteCase):
         self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
         front = servers[0].__class__.__new__(servers[0].__class__)
         front.port = port
-        for _ in range(100):
-            with socket.socket() as s:
-                if s.connect_ex(("127.0.0.1", port)) == 0:
-                    break
-            time.sleep(0.1)
+        self.wait_for_port(port)
         expected = {}
         for path in PATHS:
             answers = [s.get("/api/v1/grids/g/" + path) for s in servers]

@@ -2,7 +2,6 @@
 import gzip
 import json
 import re
-import time
 
 from program import read_png
 from serving import ServeCase
@@ -176,13 +175,11 @@ class Serving(ServeCase):
         self.grid("g.tcell", hi=(600, 30, 5))
         self.grid("new.tcell")
         self.write("broken.tcell", "nothing of a grid")
-        time.sleep(1.2)
-        after = server.get(TILE + ".bin")
-        self.assertNotEqual((before.body, before.headers["ETag"]), (after.body, after.headers["ETag"]))
+        self.wait_until(lambda: server.get(TILE + ".bin").headers["ETag"] != before.headers["ETag"], "the tile of the new file")
         self.assertEqual(server.get(f"{TILE}.bin?v={version}").status, 404)
+        ids = lambda kind: [g["id"] for g in server.get("/api/v1/grids").json()[kind]]
+        self.wait_until(lambda: (ids("grids"), ids("unreadable")) == (["g", "new"], ["broken"]), "the other new files")
         served = server.get("/api/v1/grids").json()
-        self.assertEqual([g["id"] for g in served["grids"]], ["g", "new"])
-        self.assertEqual([g["id"] for g in served["unreadable"]], ["broken"])
         self.assertRegex(served["unreadable"][0]["error"], r"^broken\.tcell: .*expected")
         self.assertRegex(server.problem(), r"^teracell: \./broken\.tcell: .*expected")
         self.stop(server, problems=1)

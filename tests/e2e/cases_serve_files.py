@@ -69,11 +69,8 @@ class Hangups(ServeCase):
         self.assertEqual((status("first"), status("second")), (200, 401))
         self.token("second")
         server.signal(signal.SIGHUP)
-        for _ in range(100):
-            if status("second") == 200:
-                break
-            time.sleep(0.05)
-        self.assertEqual((status("first"), status("second")), (401, 200))
+        self.wait_until(lambda: status("second") == 200, "the new token")
+        self.assertEqual(status("first"), 401)
         self.token("no token")
         server.signal(signal.SIGHUP)
         self.assertIn("warning: --token-file token: expected a first line", server.problem())
@@ -89,11 +86,7 @@ class Hangups(ServeCase):
             self.assertEqual(server.get(CELL.format("g")).status, 200)
         self.grid("new.tcell")
         server.signal(signal.SIGHUP)
-        for _ in range(100):
-            if server.get(CELL.format("new")).status == 200:
-                break
-            time.sleep(0.05)
-        self.assertEqual(server.get(CELL.format("new")).status, 200)
+        self.wait_until(lambda: server.get(CELL.format("new")).status == 200, "the new grid")
         self.stop(server)
 
     def test_it_ends_with_its_terminal_unless_hangups_were_ignored(self):

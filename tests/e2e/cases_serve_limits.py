@@ -1,5 +1,6 @@
 """How `teracell serve` treats clients that are slow, malformed, gone or too many, and how it stops."""
 import signal
+import socket
 import time
 
 from serving import ServeCase, read_all
@@ -42,17 +43,13 @@ class Limits(ServeCase):
         began = time.monotonic()
         self.assertEqual(server.get("/healthz").status, 200)
         self.assertEqual(server.get(TILE + ".png").status, 200)
-        self.assertLess(time.monotonic() - began, 1)
+        self.assertLess(time.monotonic() - began, 3)  # while all of them are there
         self.assertLess(server.memory() - memory, 32 << 20)
         for s in sockets:
             self.assertEqual(read_all(s), b"")
             s.close()
         self.assertLess(time.monotonic() - began, 10)
-        for _ in range(50):
-            if server.descriptors() <= descriptors + 1:
-                break
-            time.sleep(0.1)
-        self.assertLessEqual(server.descriptors(), descriptors + 1)
+        self.wait_until(lambda: server.descriptors() <= descriptors + 1, "the ends of all connections")
         metrics = server.get("/metrics").body.decode()
         self.assertIn('reason="idle"} 400\n', metrics)
         self.assertIn('reason="slow_request"} 400\n', metrics)
@@ -81,10 +78,10 @@ class Limits(ServeCase):
 
 class Ending(ServeCase):
     def slow_download(self, server, count=200):
-        """A client that has asked for 52 MB and has read nothing yet."""
+        """A client that has asked for 52 MB, of which the first have come, and has read nothing yet."""
         s = server.socket(receive=4096)
         s.sendall(f"GET {TILE}.bin HTTP/1.1\r\nHost: localhost\r\n\r\n".encode() * count)
-        time.sleep(0.5)
+        s.recv(1, socket.MSG_PEEK)
         return s
 
     def test_requests_under_way_are_answered(self):
@@ -96,9 +93,7 @@ class Ending(ServeCase):
             server.signal(signal.SIGTERM)
             self.assertEqual(read_all(idle), b"")  # at once
             with self.assertRaises(ConnectionRefusedError):
-                for _ in range(50):
-                    server.socket().close()
-                    time.sleep(0.1)
+                self.wait_until(lambda: server.socket().close(), "a refusal")
             data = read_all(slow)
         self.assertEqual(server.wait(), 0)
         answers = data.split(b"HTTP/1.1 200 OK\r\n")[1:]

@@ -3,10 +3,12 @@ import importlib
 import json
 import os
 import shutil
+import socket
 import struct
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import zlib
 
@@ -83,6 +85,19 @@ class Case(unittest.TestCase):
             self.assertIn(phrase, r.err, said)
         self.no_debris()
         return r.err
+
+    def wait_until(self, condition, what, seconds=30):
+        """Asks until `condition` answers with something true."""
+        end = time.monotonic() + seconds
+        while not condition():
+            self.assertLess(time.monotonic(), end, f"{seconds} s went by without {what}")
+            time.sleep(0.05)
+
+    def wait_for_port(self, port):
+        def answers():
+            with socket.socket() as s:
+                return s.connect_ex(("127.0.0.1", port)) == 0
+        self.wait_until(answers, f"anybody who listens at port {port}")
 
     def assert_paragraph(self, err, said=""):
         self.assertTrue(err.startswith("teracell: "), said or err)

@@ -6,9 +6,7 @@
 #include <fmt/format.h>
 
 #include "store/read/stats.hpp"
-#include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
 
 namespace teracell::mesher {
@@ -70,27 +68,23 @@ nlohmann::ordered_json overlaps_of(const std::vector<Body>& bodies, const std::v
 // Meshes along x, y and z; each must give exactly what rational arithmetic gives.
 void expect_exact(const std::vector<Body>& bodies, const Grid& grid) {
   const TempFolder folder;
-  const Scene scene = scene_of(folder, bodies, grid);
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
   const std::vector<std::vector<uint32_t>> in_body = held(bodies, grid);
   const auto overlaps = overlaps_of(bodies, in_body, grid);
-  for (int axis = 0; axis < 3; ++axis) {
-    MeshOptions options;
-    options.axis = axis;
-    options.threads = 1;
-    const auto report = mesh_quietly(scene, folder / "g.tcell", options);
+  MeshOptions options;
+  options.threads = 1;
+  for_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const nlohmann::ordered_json& report) {
     for (size_t b = 0; b < bodies.size(); ++b)
       REQUIRE(report["bodies"][b]["cells"].get<int64_t>() + report["bodies"][b].value("covered_cells", int64_t{0}) ==
               std::ranges::count(in_body[b], 1u));
     REQUIRE(report["overlaps"] == overlaps);
-    const GridReader reader(folder / "g.tcell");
     REQUIRE(reader.meta().grid == grid);
     const std::vector<uint32_t> found = all_cells(reader);
     size_t differ = 0;
     for (size_t i = 0; i < found.size(); ++i) differ += found[i] != expected[i];
-    INFO("rays along " << axis_name(axis) << ", " << found.size() << " cells");
+    INFO(found.size() << " cells");
     REQUIRE(differ == 0);
-  }
+  });
 }
 
 TEST_CASE("A box owns its lower faces and not its upper ones, whatever the ray axis") {
@@ -111,46 +105,26 @@ TEST_CASE("Six tetrahedra around a diagonal fill their box: every ray meets edge
 }
 
 TEST_CASE("Random scenes full of exact ties equal rational arithmetic along every axis") {
-  for (uint64_t seed = 0; seed < rounds(40); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(0, rounds(40), [](auto& random) {
     const int n = random_int(random, 5, 11);
-    std::vector<Body> bodies;
-    for (int b = random_int(random, 1, 5); b > 0; --b) {
-      Body body{shapes::shell_of_ties(random, n)};
-      if (random_int(random, 0, 2) == 0) body.rule = Rule::kEvenodd;
-      body.material = static_cast<uint32_t>(random_int(random, 1, 3));
-      body.priority = random_int(random, 0, 2);
-      bodies.push_back(std::move(body));
-    }
-    Grid grid;
-    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
-    expect_exact(bodies, grid);
-  }
+    const std::vector<Body> bodies = shapes::bodies_of_ties(random, n, 5);
+    expect_exact(bodies, shapes::grid_of_ties(random, n));
+  });
 }
 
 TEST_CASE("Decimal lattices, whose ties miss by a rounding, equal rational arithmetic") {
-  for (uint64_t seed = 100; seed < 112; ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
-    std::vector<Body> bodies;
-    for (uint32_t material = 1; material <= 3; ++material)
-      bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
-    expect_exact(bodies, uniform_grid(0, 1.1 / 11, 11, 11, 11));
-  }
+  for_seeds(100, 12, [](auto& random) { expect_exact(shapes::decimal_bodies(random, 3), uniform_grid(0, 1.1 / 11, 11, 11, 11)); });
 }
 
 TEST_CASE("Needles and near-vertical facets, where doubles lose the slope, equal rational arithmetic") {
-  for (uint64_t seed = 200; seed < 212; ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(200, 12, [](auto& random) {
     std::vector<Body> bodies;
     for (uint32_t material = 1; material <= 4; ++material) {
       bodies.push_back({shapes::needle(random), Rule::kNonzero, material});
       bodies.push_back({shapes::sheet(random), Rule::kNonzero, 5});
     }
     expect_exact(bodies, uniform_grid(0, 1, 10, 10, 10));
-  }
+  });
 }
 
 TEST_CASE("A grid that cuts through a body, or lies wholly inside it, is the window of the larger grid") {

@@ -1,4 +1,5 @@
-"""The blast of tools/examples/blast/run on few cells: Sedov's point blast, and the first milliseconds in the stadium, with pictures.
+"""The blast of tools/examples/blast/run on few cells: the charge in open air beside the computation along its radius, and the first milliseconds in the
+stadium, with a picture.
 
 Usage: blast_test.py PATH_TO_TERACELL
 """
@@ -15,23 +16,12 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "tools/exam
 import gas  # noqa: E402
 import open_air  # noqa: E402
 import pictures  # noqa: E402
-import plots  # noqa: E402
 import stadium  # noqa: E402
 
 PROGRAM = None
 
 
 class Gas(unittest.TestCase):
-    def test_the_point_blast_is_sedovs(self):
-        r, p, density, alpha = gas.sedov_profile()
-        self.assertAlmostEqual(alpha, 0.851072, places=6)  # J. R. Kamm, F. X. Timmes, LA-UR-07-2849
-        self.assertAlmostEqual(p[0], 0.36546, places=4)
-        self.assertAlmostEqual(density[-1], 6, places=9)
-        swept = 4 * numpy.pi * numpy.trapz(density * r * r, r)
-        self.assertAlmostEqual(swept / (4 / 3 * numpy.pi), 1, places=5)  # the mass that the shock has met
-        radius = gas.sedov_radius(1e9, 1e-3)
-        self.assertAlmostEqual(gas.sedov_time(1e9, radius), 1e-3, places=12)
-
     def test_a_charge_holds_its_energy_and_its_mass(self):
         charge = gas.Charge(116.0, 4e10, 1e4)
         thermal = charge.pressure / (gas.GAMMA - 1) * 116.0
@@ -49,15 +39,17 @@ class Blast(unittest.TestCase):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="teracell-blast-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
 
-    def test_the_point_blast_comes_closer_on_a_finer_grid_and_nothing_is_lost(self):
-        coarse, fine = (open_air.sedov(PROGRAM, self.folder / str(n), n) for n in (12, 24))
-        self.assertLess(abs(fine["radius_error"]), 0.02)
-        self.assertLess(fine["profile_error"], 0.25)
-        self.assertLess(fine["profile_error"], 0.9 * coarse["profile_error"])
-        for result in (coarse, fine):
-            self.assertLess(abs(result["mass_error"]), 1e-6)
-            self.assertLess(abs(result["energy_error"]), 1e-6)
-        self.assertEqual(open_air.sedov(PROGRAM, self.folder / "again", 12)["pressures"], coarse["pressures"])
+    def test_the_charge_in_open_air_comes_closer_to_the_computation_along_the_radius_on_a_finer_grid(self):
+        model = open_air.tnt_along_radius()
+        errors = []
+        for n in (24, 36):
+            pairs = list(zip(open_air.tnt(PROGRAM, self.folder / str(n), n)["gauges"], model))
+            errors.append([numpy.mean([abs(g[key] / m[key] - 1) for g, m in pairs]) for key in ("peak", "arrival")])
+        (coarse_peaks, coarse_arrival), (fine_peaks, fine_arrival) = errors
+        self.assertLess(fine_peaks, 0.28)
+        self.assertLess(fine_arrival, 0.06)
+        self.assertLess(fine_peaks, 0.9 * coarse_peaks)
+        self.assertLess(fine_arrival, coarse_arrival)
 
     def test_the_charge_bursts_on_the_stand(self):
         blast = stadium.Blast(PROGRAM, self.folder, 150, fine=200)
@@ -69,9 +61,6 @@ class Blast(unittest.TestCase):
         self.assertGreater(over["lower tier"], 1e5)
         for quiet in ("pitch", "upper tier", "behind the stadium"):  # the shock is not yet there
             self.assertLess(abs(over[quiet]), 1e3, quiet)
-        plots.gauges(self.folder / "gauges.svg", list(stadium.GAUGES), times, pressures, {"above the seats, 15 m": (0.005, 3e6)})
-        self.assertGreater((self.folder / "gauges.svg").stat().st_size, 10000)
-
         view = pictures.View(blast, wide=240, high=120)
         first, last = (view.draw(blast.array("p", time)).astype(int) for time in blast.case.times())
         rest = view.draw(numpy.full(blast.materials.shape, gas.P0, numpy.float32)).astype(int)
@@ -80,8 +69,6 @@ class Blast(unittest.TestCase):
         self.assertGreater(changed[0], 0.005)
         self.assertGreater(changed[1], 1.3 * changed[0], "the blast grows")
         self.assertLess(changed[1], 0.5, "and is not everywhere")
-        pictures.draw_frame(self.folder / "frame.png", blast, view, blast.case.times()[-1])
-        self.assertGreater((self.folder / "frame.png").stat().st_size, 50000)
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@
 #include <map>
 #include <stdexcept>
 
+#include "mesher/surface/read_facets.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace teracell::shapes {
@@ -118,6 +119,12 @@ void write_ply(const std::filesystem::path& path, const Facets& facets, Encoding
     }
   }
   write_file(path, out);
+}
+
+Facets facets_in(const std::filesystem::path& path) {
+  Facets all;
+  mesher::read_facets(path, "", [&](std::span<const mesher::Facet> facets) { all.insert(all.end(), facets.begin(), facets.end()); });
+  return all;
 }
 
 }  // namespace teracell::shapes

@@ -45,5 +45,7 @@ void write_stl(const std::filesystem::path& path, const Facets& facets, Encoding
                const std::string& name = "shape");  // kAscii or kLittleEndian
 void write_obj(const std::filesystem::path& path, const Facets& facets);
 void write_ply(const std::filesystem::path& path, const Facets& facets, Encoding encoding, bool doubles);
+// As the mesher reads them.
+Facets facets_in(const std::filesystem::path& path);
 
 }  // namespace teracell::shapes

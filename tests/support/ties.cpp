@@ -53,6 +53,24 @@ Axis axis_of_ties(std::mt19937_64& random, int n) {
   return Axis::uniform(-0.5, step, 0, static_cast<int64_t>((n + 1) / step), sample);
 }
 
+Grid grid_of_ties(std::mt19937_64& random, int n) {
+  Grid grid;
+  for (Axis& axis : grid.axis) axis = axis_of_ties(random, n);
+  return grid;
+}
+
+std::vector<oracle::Body> bodies_of_ties(std::mt19937_64& random, int n, int most) {
+  std::vector<oracle::Body> bodies;
+  for (int b = random_int(random, 1, most); b > 0; --b) {
+    oracle::Body body{shell_of_ties(random, n)};
+    if (random_int(random, 0, 2) == 0) body.rule = oracle::Rule::kEvenodd;
+    body.material = static_cast<uint32_t>(random_int(random, 1, 3));
+    body.priority = random_int(random, 0, 2);
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
 std::vector<Facets> decimal_tetrahedra(std::mt19937_64& random, int count) {
   std::vector<Facets> all = random_tetrahedra(random, count, 0, 10, 1);
   for (Facets& facets : all)
@@ -60,6 +78,13 @@ std::vector<Facets> decimal_tetrahedra(std::mt19937_64& random, int count) {
       for (Vec3& p : f.vertex)
         for (double& x : p) x = x / 10 + 0.05;
   return all;
+}
+
+std::vector<oracle::Body> decimal_bodies(std::mt19937_64& random, uint32_t materials) {
+  std::vector<oracle::Body> bodies;
+  for (uint32_t material = 1; material <= materials; ++material)
+    bodies.push_back({join(decimal_tetrahedra(random, 2)), oracle::Rule::kNonzero, material});
+  return bodies;
 }
 
 Facets needle(std::mt19937_64& random) {
@@ -76,6 +101,12 @@ Facets needle(std::mt19937_64& random) {
 Facets sheet(std::mt19937_64& random) {
   const double thickness = tiny(random);
   return tetrahedron({0.5, 0.5, 0.5}, {9.5, 9.5, 0.5 + thickness}, {9.5, 9.5, 9.5}, {9.5 + thickness, 9.5, 0.5});
+}
+
+Grid uneven_grid(int64_t nx, int64_t ny, size_t planes_of_z) {
+  std::vector<double> planes = {-0.5};
+  while (planes.size() < planes_of_z) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
+  return {{Axis::uniform(0, 0.5, 0, nx, 0.5), Axis::uniform(-1, 1, 0, ny, 0.25), Axis::graded(planes, 0.5)}};
 }
 
 }  // namespace teracell::shapes

@@ -55,7 +55,7 @@ const STATES = {
   "box panel without a box": [`${server.url}#g=graded&panel=box`, settled],
   "box panel": [`${server.url}#g=graded&panel=box&box=1,2,3,40,50,12`, settled, (page) => page.locator("table.stats tbody tr").first().waitFor()],
   "share panel": [`${server.url}#g=graded&panel=share`, settled, opened(".panel-content details")],
-  "status panel": [`${server.url}#g=graded&panel=status`, settled, (page) => page.waitForTimeout(500)],
+  "status panel": [`${server.url}#g=graded&panel=status`, settled, (page) => page.locator(".cache").first().waitFor()],
   "no panel": [`${server.url}#g=graded&panel=none`, settled],
   "help": [`${server.url}#g=graded`, settled, key("h"), (page) => page.getByRole("dialog").waitFor()],
   "figure dialog": [`${server.url}#g=graded`, settled, key("f"), (page) => page.getByRole("img", { name: "Preview of the figure" }).waitFor()],

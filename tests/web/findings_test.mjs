@@ -32,10 +32,8 @@ test("the verdict counts what was found; each kind has its findings, each findin
   await page.waitForFunction(() => teracell.viewer.visited.value !== null);
   const cell = await page.evaluate((at) => at.map((x, d) => teracell.viewer.axes[d].cell_at(x)), thin[0].at);
   assert.deepEqual(await state(page, "cell"), cell);
-  await page.waitForTimeout(1200);
+  await page.waitForFunction((at) => teracell.viewer.orbit.value?.target.every((x, d) => Math.abs(x - at[d]) < 1e-6), thin[0].at);
   await page.waitForSelector('.overview[data-state="sharp"]');
-  const orbit = await state(page, "orbit");
-  assert.ok(orbit.target.every((x, d) => Math.abs(x - thin[0].at[d]) < 1e-6), "the overview is somewhere else");
   const markers = await state(page, "markers");
   assert.ok(markers.length > 0 && markers.length <= 24);
   await screenshot(page, "findings");

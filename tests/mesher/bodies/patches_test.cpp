@@ -11,7 +11,7 @@
 #include "mesher/parts/merge.hpp"
 #include "store/channels/link_reader.hpp"
 #include "store/format/metadata_json.hpp"
-#include "tests/support/meshed.hpp"
+#include "tests/support/parts.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -119,16 +119,8 @@ TEST_CASE("Groups that a file has no room for belong to the patch of their body"
   CHECK(meta.patches[6] == PatchInfo{"cube", "cube", 216});
   CHECK(GridReader(folder / "g.tcell").report().find("groups and solids beyond that belong to the patches of their bodies") != std::string::npos);
   // Parts tell it to whoever merges them.
-  MeshOptions options;
-  std::vector<std::filesystem::path> parts;
-  for (uint32_t i = 0; i < 2; ++i) {
-    options.shard = Shard{i, 2};
-    mesh(
-        cube_scene({folder / "cube.obj"}), folder / "merged.tcell", options, [](const char*, double, double) {}, std::atomic<bool>{false});
-    parts.push_back(part_path(folder / "merged.tcell", *options.shard));
-  }
-  merge(
-      parts, folder / "merged.tcell", [](const char*, double, double) {}, std::atomic<bool>{false});
+  const auto parts = make_parts(cube_scene({folder / "cube.obj"}), folder / "merged.tcell", {}, 2);
+  merge(parts, folder / "merged.tcell", kSilent, kGoOn);
   CHECK(bytes_of(folder / "merged.tcell") == bytes_of(folder / "g.tcell"));
 }
 

@@ -2,17 +2,12 @@
 // chunks and interruptions.
 #include <catch2/catch.hpp>
 
-#include <sys/wait.h>
-#include <unistd.h>
-#include <csignal>
-
-#include "mesher/engines/engines.hpp"
 #include "mesher/parts/merge.hpp"
 #include "store/channels/fraction_reader.hpp"
 #include "store/whole/verify.hpp"
-#include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/cube_grid.hpp"
+#include "tests/support/every_way.hpp"
+#include "tests/support/parts.hpp"
 #include "tests/support/ties.hpp"
 
 namespace teracell::mesher {
@@ -95,24 +90,16 @@ uint32_t materials_in(const std::vector<Body>& bodies) {
 // Along x, y and z, by each engine.
 void expect_exact_shares(const std::vector<Body>& bodies, const Grid& grid, const Subdivision& samples) {
   const TempFolder folder;
-  const Scene scene = scene_of(folder, bodies, grid);
   const uint32_t materials = materials_in(bodies);
   const Shares expected = expected_shares(bodies, grid, samples, materials);
-  for (int axis = 0; axis < 3; ++axis)
-    for (const std::string& engine : engine_names()) {
-      INFO("rays along " << axis_name(axis) << ", engine " << engine);
-      MeshOptions options;
-      options.axis = axis;
-      options.engine = engine;
-      options.threads = 1;
-      options.chunk_rays = 4;  // several chunks and tile groups
-      options.fractions = samples;
-      mesh_quietly(scene, folder / "g.tcell", options);
-      const GridReader reader(folder / "g.tcell");
-      REQUIRE(subdivision_of(*find_fractions(reader.meta())) == samples);
-      REQUIRE(shares_of(reader, materials) == expected);
-      verify(reader, 1, [](double) {});
-    }
+  MeshOptions options;
+  options.chunk_rays = 4;  // several chunks and tile groups
+  options.fractions = samples;
+  for_engines_and_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const auto&) {
+    REQUIRE(subdivision_of(*find_fractions(reader.meta())) == samples);
+    REQUIRE(shares_of(reader, materials) == expected);
+    verify(reader, 1, [](double) {});
+  });
 }
 
 Subdivision some_subdivision(std::mt19937_64& random) {
@@ -120,25 +107,12 @@ Subdivision some_subdivision(std::mt19937_64& random) {
   return {power(), power(), power()};
 }
 
-std::vector<Body> some_bodies(std::mt19937_64& random, int n) {
-  std::vector<Body> bodies;
-  for (int b = random_int(random, 1, 4); b > 0; --b) {
-    Body body{shapes::shell_of_ties(random, n)};
-    if (random_int(random, 0, 2) == 0) body.rule = Rule::kEvenodd;
-    body.material = static_cast<uint32_t>(random_int(random, 1, 3));
-    body.priority = random_int(random, 0, 2);
-    bodies.push_back(std::move(body));
-  }
-  return bodies;
-}
-
 TEST_CASE("Half a cell is half of its sub-samples") {
-  const Axis axis = Axis::uniform(0, 1, 0, 4, 0.5);
   const TempFolder folder;
   const std::vector<Body> bodies = {{shapes::box({0.5, 1, 1}, {2.25, 3, 3})}};
   MeshOptions options;
   options.fractions = Subdivision{4, 1, 1};
-  mesh_quietly(scene_of(folder, bodies, {{axis, axis, axis}}), folder / "g.tcell", options);
+  mesh_quietly(scene_of(folder, bodies, cube_grid_of(0, 1, 4)), folder / "g.tcell", options);
   const Shares shares = shares_of(GridReader(folder / "g.tcell"), 2);
   const auto row = [&](size_t x) { return shares[(1 * 4 + 1) * 4 + x]; };
   CHECK(row(0) == std::vector<uint32_t>{2, 2});
@@ -148,33 +122,30 @@ TEST_CASE("Half a cell is half of its sub-samples") {
 }
 
 TEST_CASE("Shares of random scenes full of ties equal the cells of the finer grid, along every axis and by every engine") {
-  for (uint64_t seed = 0; seed < rounds(12); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(0, rounds(12), [](auto& random) {
     const int n = random_int(random, 3, 6);
-    Grid grid;
-    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
-    expect_exact_shares(some_bodies(random, n), grid, some_subdivision(random));
-  }
+    const Grid grid = shapes::grid_of_ties(random, n);
+    expect_exact_shares(shapes::bodies_of_ties(random, n, 4), grid, some_subdivision(random));
+  });
 }
 
 TEST_CASE("Shares of decimal lattices, slopes and needles equal the cells of the finer grid") {
-  for (uint64_t seed = 100; seed < 100 + rounds(6); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
-    const Axis axis = Axis::uniform(0, 1.1 / 5, 0, 5, 0.5);
-    std::vector<Body> bodies;
-    for (uint32_t material = 1; material <= 2; ++material)
-      bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
-    expect_exact_shares(bodies, {{axis, axis, axis}}, some_subdivision(random));
-    const Axis wide = Axis::uniform(-7, 5, 0, 5, 0.5);
-    expect_exact_shares({{shapes::needle(random)}, {shapes::sphere({4, 5, 3}, 6.3, 2), Rule::kNonzero, 2}}, {{wide, wide, wide}}, {8, 4, 2});
-  }
+  for_seeds(100, rounds(6), [](auto& random) {
+    expect_exact_shares(shapes::decimal_bodies(random, 2), cube_grid_of(0, 1.1 / 5, 5), some_subdivision(random));
+    expect_exact_shares({{shapes::needle(random)}, {shapes::sphere({4, 5, 3}, 6.3, 2), Rule::kNonzero, 2}}, cube_grid_of(-7, 5, 5), {8, 4, 2});
+  });
 }
 
 // The part of the cell at `lo`, of size 1, inside a sphere about the origin: exact along lines, midpoints across.
 double part_in_sphere(const Vec3& lo, double radius) {
   constexpr int kLines = 64;
+  double near = 0, far = 0;  // of its points from the centre, squared
+  for (const double at : lo) {
+    const double a = std::abs(at), b = std::abs(at + 1);
+    near += at < 0 && at > -1 ? 0 : std::min(a * a, b * b), far += std::max(a * a, b * b);
+  }
+  if (near >= radius * radius) return 0;
+  if (far <= radius * radius) return 1;
   double sum = 0;
   for (int i = 0; i < kLines; ++i)
     for (int j = 0; j < kLines; ++j) {
@@ -189,8 +160,7 @@ double part_in_sphere(const Vec3& lo, double radius) {
 TEST_CASE("Shares of a sphere of 20.3 cells, 4 x 4 x 64 sub-samples, are as near to the truth as the issue asks for") {
   constexpr double kRadius = 20.3;
   const shapes::Facets facets = shapes::sphere({0, 0, 0}, kRadius, 7);
-  Grid grid;
-  for (Axis& axis : grid.axis) axis = Axis::uniform(-22, 1, 0, 44, 0.5);
+  const Grid grid = cube_grid_of(-22, 1, 44);
   const TempFolder folder;
   MeshOptions options;
   options.axis = 2;
@@ -217,44 +187,37 @@ TEST_CASE("Shares of a sphere of 20.3 cells, 4 x 4 x 64 sub-samples, are as near
 }
 
 TEST_CASE("Sheets and kept thin parts own cells, but take no share") {
-  std::mt19937_64 random(5);
-  const Axis axis = Axis::uniform(0, 1, 0, 6, 0.5);
+  const Grid grid = cube_grid_of(0, 1, 6);
   const std::vector<Body> bodies = {{shapes::box({1.2, 1.2, 1.2}, {4.7, 4.7, 4.7}), Rule::kNonzero, 1},
                                     {shapes::sphere({3, 3, 3}, 2.2, 2), Rule::kNonzero, 2, 1, true}};
-  expect_exact_shares(bodies, {{axis, axis, axis}}, {4, 4, 4});
+  expect_exact_shares(bodies, grid, {4, 4, 4});
 
   const TempFolder folder;
   const std::vector<Body> plate = {{shapes::box({2.6, 1, 1}, {2.9, 5, 5})}};
-  Scene scene = scene_of(folder, plate, {{axis, axis, axis}});
+  Scene scene = scene_of(folder, plate, grid);
   scene.bodies[0].thin = Thin::kKeep;
   MeshOptions options;
   options.fractions = Subdivision{8, 2, 2};
   mesh_quietly(scene, folder / "g.tcell", options);
-  CHECK(shares_of(GridReader(folder / "g.tcell"), 2) == expected_shares(plate, {{axis, axis, axis}}, *options.fractions, 2));
+  CHECK(shares_of(GridReader(folder / "g.tcell"), 2) == expected_shares(plate, grid, *options.fractions, 2));
 }
 
 TEST_CASE("Many sub-samples per cell are counted in blocks of a ray, and give the same counts") {
-  const Axis axis = Axis::uniform(0, 1, 0, 3, 0.5);
+  const Grid grid = cube_grid_of(0, 1, 3);
   const std::vector<Body> bodies = {{shapes::sphere({1.5, 1.4, 1.6}, 1.2, 2)}};
   const TempFolder folder;
-  const Scene scene = scene_of(folder, bodies, {{axis, axis, axis}});
   for (const Subdivision& samples : {Subdivision{256, 16, 1}, Subdivision{1, 256, 8}}) {
-    const Shares expected = expected_shares(bodies, {{axis, axis, axis}}, samples, 2);
-    for (int along = 0; along < 3; ++along) {
-      MeshOptions options;
-      options.axis = along;
-      options.fractions = samples;
-      mesh_quietly(scene, folder / "g.tcell", options);
-      CHECK(shares_of(GridReader(folder / "g.tcell"), 2) == expected);
-    }
+    const Shares expected = expected_shares(bodies, grid, samples, 2);
+    MeshOptions options;
+    options.fractions = samples;
+    for_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const auto&) { CHECK(shares_of(reader, 2) == expected); });
   }
 }
 
 TEST_CASE("The cells are the same with and without fractions and links") {
   std::mt19937_64 random(9);
-  const Axis axis = Axis::uniform(0, 0.5, 0, 18, 0.5);
   const TempFolder folder;
-  const Scene scene = scene_of(folder, some_bodies(random, 8), {{axis, axis, axis}});
+  const Scene scene = scene_of(folder, shapes::bodies_of_ties(random, 8, 4), cube_grid_of(0, 0.5, 18));
   MeshOptions options;
   options.axis = 1;
   mesh_quietly(scene, folder / "plain.tcell", options);
@@ -269,10 +232,9 @@ TEST_CASE("The cells are the same with and without fractions and links") {
 
 TEST_CASE("A file with fractions and links is the same for any threads, from parts, and after an interruption") {
   std::mt19937_64 random(12);
-  const Axis axis = Axis::uniform(0, 0.25, 0, 40, 0.5);
   const TempFolder folder;
   const Scene scene =
-      scene_of(folder, {{shapes::sphere({5, 5, 5}, 4.1, 3)}, {shapes::shell_of_ties(random, 9), Rule::kEvenodd, 2}}, {{axis, axis, axis}});
+      scene_of(folder, {{shapes::sphere({5, 5, 5}, 4.1, 3)}, {shapes::shell_of_ties(random, 9), Rule::kEvenodd, 2}}, cube_grid_of(0, 0.25, 40));
   MeshOptions options;
   options.axis = 2;
   options.chunk_rays = 4;
@@ -286,38 +248,15 @@ TEST_CASE("A file with fractions and links is the same for any threads, from par
   mesh_quietly(scene, folder / "threads.tcell", options);
   CHECK(bytes_of(folder / "threads.tcell") == expected);
 
-  const std::atomic<bool> stop{false};
   for (const uint32_t parts : {2u, 5u}) {
-    std::vector<std::filesystem::path> paths;
-    for (uint32_t i = 0; i < parts; ++i) {
-      options.shard = Shard{i, parts};
-      mesh_quietly(scene, folder / "p.tcell", options);
-      paths.push_back(part_path(folder / "p.tcell", *options.shard));
-    }
-    options.shard.reset();
-    merge(
-        paths, folder / "merged.tcell", [](const char*, double, double) {}, stop);
+    merge(make_parts(scene, folder / "p.tcell", options, parts), folder / "merged.tcell", kSilent, kGoOn);
     CHECK(bytes_of(folder / "merged.tcell") == expected);
   }
 
   options.checkpoint_seconds = 0;
   options.resume = true;
   options.threads = 1;
-  for (int killed = 1; killed < 30; killed += 7) {
-    const pid_t child = fork();
-    if (child == 0) {
-      int groups = 0;
-      mesh(
-          scene, folder / "resumed.tcell", options,
-          [&](const char* phase, double, double) {
-            if (std::string_view(phase) == "mesh" && ++groups == killed) kill(getpid(), SIGKILL);
-          },
-          stop);
-      _exit(0);
-    }
-    int status = 0;
-    REQUIRE(waitpid(child, &status, 0) == child);
-  }
+  for (const int call : {4, 5, 7, 10}) run_and_kill(scene, folder / "resumed.tcell", options, call);
   mesh_quietly(scene, folder / "resumed.tcell", options);
   CHECK(bytes_of(folder / "resumed.tcell") == expected);
 }

@@ -6,13 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "mesher/engines/engines.hpp"
-#include "mesher/parts/merge.hpp"
 #include "store/channels/link_reader.hpp"
 #include "store/whole/verify.hpp"
-#include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/cube_grid.hpp"
+#include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
 
 namespace teracell::mesher {
@@ -21,6 +18,7 @@ namespace {
 using namespace testing;
 using oracle::Body;
 using oracle::Rule;
+using shapes::Facets;
 
 // By axis and lower cell: end and begin.
 using Changes = std::map<std::pair<int, Index3>, std::pair<uint32_t, uint32_t>>;
@@ -119,42 +117,22 @@ void expect_exact_links(const std::vector<Body>& bodies, const Grid& grid, const
   const TempFolder folder;
   Scene scene = scene_of(folder, bodies, grid);
   for (const size_t b : kept) scene.bodies[b].thin = Thin::kKeep;
+  MeshOptions options;
+  options.chunk_rays = 4;  // several chunks and tile groups
+  options.links = true;
   std::optional<Changes> expected;
-  for (int axis = 0; axis < 3; ++axis)
-    for (const std::string& engine : engine_names()) {
-      INFO("rays along " << axis_name(axis) << ", engine " << engine);
-      MeshOptions options;
-      options.axis = axis;
-      options.engine = engine;
-      options.threads = 1;
-      options.chunk_rays = 4;  // several chunks and tile groups
-      options.links = true;
-      mesh_quietly(scene, folder / "g.tcell", options);
-      const GridReader reader(folder / "g.tcell");
-      if (!expected) expected = expected_links(bodies, grid, all_cells(reader));
-      expect_same(links_of(reader), *expected);
-      verify(reader, 1, [](double) {});
-    }
-}
-
-std::vector<Body> some_bodies_of_links(std::mt19937_64& random, int n) {
-  std::vector<Body> bodies;
-  for (int b = random_int(random, 1, 4); b > 0; --b) {
-    Body body{shapes::shell_of_ties(random, n)};
-    if (random_int(random, 0, 2) == 0) body.rule = Rule::kEvenodd;
-    body.material = static_cast<uint32_t>(random_int(random, 1, 3));
-    body.priority = random_int(random, 0, 2);
-    bodies.push_back(std::move(body));
-  }
-  return bodies;
+  for_engines_and_axes(scene, options, [&](const GridReader& reader, const auto&) {
+    if (!expected) expected = expected_links(bodies, grid, all_cells(reader));
+    expect_same(links_of(reader), *expected);
+    verify(reader, 1, [](double) {});
+  });
 }
 
 TEST_CASE("A wall between two sample points is at its place") {
-  const Axis axis = Axis::uniform(0, 1, 0, 4, 0.5);
   const TempFolder folder;
   MeshOptions options;
   options.links = true;
-  mesh_quietly(scene_of(folder, {{shapes::box({0.75, 1, 1}, {2.5, 3, 3})}}, {{axis, axis, axis}}), folder / "g.tcell", options);
+  mesh_quietly(scene_of(folder, {{shapes::box({0.75, 1, 1}, {2.5, 3, 3})}}, cube_grid_of(0, 1, 4)), folder / "g.tcell", options);
   const Changes links = links_of(GridReader(folder / "g.tcell"));
   CHECK(links.at({0, {0, 1, 1}}) == std::pair(16384u, 16384u));
   CHECK(links.at({0, {1, 1, 1}}) == std::pair(65536u, 65536u));  // the sample point on the face counts as outside
@@ -163,18 +141,18 @@ TEST_CASE("A wall between two sample points is at its place") {
 }
 
 TEST_CASE("Of two sheets side by side the one tells the place that is crossed between their cells") {
-  const Axis axis = Axis::uniform(0, 1, 0, 6, 0.5);
+  const Grid grid = cube_grid_of(0, 1, 6);
   for (const int priority : {1, -1}) {
     std::vector<Body> bodies;
     for (const double x : {2.2, 3.3})
       bodies.push_back({{Facet{{Vec3{x, 0, 0}, Vec3{x, 9, 0}, Vec3{x, 0, 9}}}}, Rule::kNonzero, static_cast<uint32_t>(x) - 1});
     bodies[0].priority = priority;
     for (Body& body : bodies) body.sheet = true;
-    expect_exact_links(bodies, {{axis, axis, axis}});
+    expect_exact_links(bodies, grid);
     const TempFolder folder;
     MeshOptions options;
     options.links = true;
-    mesh_quietly(scene_of(folder, bodies, {{axis, axis, axis}}), folder / "g.tcell", options);
+    mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
     CHECK(links_of(GridReader(folder / "g.tcell")).at({0, {2, 1, 1}}) == std::pair(52429u, 52429u));  // 0.8 from the sample point
   }
 }
@@ -189,22 +167,21 @@ TEST_CASE("Links of long rays are those of rays along another axis") {
     grid.axis[axis] = Axis::uniform(0, 1, 0, n, 0.5);
     const double segment = Metadata{}.chunk_cells;
     Vec3 lo{1.25, 1.25, 1.25}, hi{3.4, 3.4, 3.4}, middle{2.3, 2.3, 2.3};
-    lo[axis] = segment - 0.25, hi[axis] = static_cast<double>(n) - 3;  // its end lies between the last cell of a segment and the next one
+    lo[axis] = segment - 0.25, hi[axis] = segment + 500;  // its end lies between the last cell of a segment and the next one
     middle[axis] = 2 * segment;
-    const std::vector<Body> bodies = {{shapes::box(lo, hi)}, {shapes::sphere(middle, 1.9, 2), Rule::kNonzero, 2, 1}};
+    const Facets begin = shapes::box(lo, hi);
+    lo[axis] = static_cast<double>(n) - 500, hi[axis] = static_cast<double>(n) - 3;
+    const std::vector<Body> bodies = {{begin}, {shapes::sphere(middle, 1.9, 2), Rule::kNonzero, 2, 1}, {shapes::box(lo, hi), Rule::kNonzero, 3}};
+    MeshOptions options;
+    options.links = true;
     std::optional<Changes> expected;
-    for (int rays = 0; rays < 3; ++rays) {
-      MeshOptions options;
-      options.axis = rays;
-      options.links = true;
-      mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
-      const GridReader reader(folder / "g.tcell");
-      REQUIRE((reader.shape(0).segments > 2) == (rays == axis));
+    for_axes(scene_of(folder, bodies, grid), options, [&](const GridReader& reader, const auto&) {
+      REQUIRE((reader.shape(0).segments > 2) == (reader.meta().ray_axis == axis));
       const Changes found = links_of(reader);
       if (!expected) expected = found;
       expect_same(found, *expected);
-    }
-    CHECK(expected->size() > 4 * static_cast<size_t>(n) / 2);
+    });
+    CHECK(expected->size() > 8 * 900);
     Index3 before = {2, 2, 2};
     before[axis] = static_cast<int64_t>(segment) - 1;
     CHECK(expected->at({axis, before}) == std::pair(16384u, 16384u));
@@ -214,9 +191,9 @@ TEST_CASE("Links of long rays are those of rays along another axis") {
 TEST_CASE("Chunks are shorter where walls along the rays have links of every cell") {
   const TempFolder folder;
   std::vector<Body> bodies;
-  for (int i = 0; i < 8; ++i) bodies.push_back({shapes::box({8. * i + 2.2, 1.3, 1.3}, {8. * i + 5.1, 62.2, 65500.4})});
+  for (int i = 0; i < 8; ++i) bodies.push_back({shapes::box({8. * i + 2.2, 1.3, 1.3}, {8. * i + 5.1, 62.2, 16300.4})});
   const Axis across = Axis::uniform(0, 1, 0, 64, 0.5);
-  const Scene scene = scene_of(folder, bodies, {{across, across, Axis::uniform(0, 1, 0, 65536, 0.5)}});
+  const Scene scene = scene_of(folder, bodies, {{across, across, Axis::uniform(0, 1, 0, 16384, 0.5)}});
   MeshOptions options;
   options.axis = 2;
   mesh_quietly(scene, folder / "g.tcell", options);
@@ -224,49 +201,36 @@ TEST_CASE("Chunks are shorter where walls along the rays have links of every cel
   options.links = true;
   mesh_quietly(scene, folder / "g.tcell", options);
   const GridReader reader(folder / "g.tcell");
-  CHECK(reader.shape(0).segments > 30);
+  CHECK(reader.shape(0).segments > 7);
   uint64_t links = 0;
-  LinkReader(reader).for_each(0, {{0, 0, 30000}, {64, 64, 30001}}, [&](std::span<const CellLink> found) { links += found.size(); });
+  LinkReader(reader).for_each(0, {{0, 0, 8000}, {64, 64, 8001}}, [&](std::span<const CellLink> found) { links += found.size(); });
   CHECK(links == 2 * 8 * 61);
 }
 
 TEST_CASE("Links of random scenes full of ties are where rational arithmetic finds them, along every axis and by every engine") {
-  for (uint64_t seed = 0; seed < rounds(20); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(0, rounds(20), [](auto& random) {
     const int n = random_int(random, 3, 9);
-    Grid grid;
-    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
-    expect_exact_links(some_bodies_of_links(random, n), grid);
-  }
+    const Grid grid = shapes::grid_of_ties(random, n);
+    expect_exact_links(shapes::bodies_of_ties(random, n, 4), grid);
+  });
 }
 
 TEST_CASE("Links of decimal lattices, slopes and needles are where rational arithmetic finds them") {
-  for (uint64_t seed = 100; seed < 100 + rounds(10); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
-    const Axis axis = Axis::uniform(0, 1.1 / 5, 0, 5, 0.5);
-    std::vector<Body> bodies;
-    for (uint32_t material = 1; material <= 2; ++material)
-      bodies.push_back({shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kNonzero, material});
-    expect_exact_links(bodies, {{axis, axis, axis}});
-    const Axis wide = Axis::uniform(-7, 5, 0, 5, 0.5);
-    expect_exact_links({{shapes::needle(random)}, {shapes::sphere({4, 5, 3}, 6.3, 2), Rule::kNonzero, 2}}, {{wide, wide, wide}});
-  }
+  for_seeds(100, rounds(10), [](auto& random) {
+    expect_exact_links(shapes::decimal_bodies(random, 2), cube_grid_of(0, 1.1 / 5, 5));
+    expect_exact_links({{shapes::needle(random)}, {shapes::sphere({4, 5, 3}, 6.3, 2), Rule::kNonzero, 2}}, cube_grid_of(-7, 5, 5));
+  });
 }
 
 TEST_CASE("Links at sheets and at kept cells") {
-  const Axis axis = Axis::uniform(0, 1, 0, 9, 0.5);
-  for (uint64_t seed = 0; seed < rounds(8); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(0, rounds(8), [](auto& random) {
     const auto at = [&] { return random_int(random, 20, 60) / 10.0; };
     std::vector<Body> bodies = {{shapes::box({1.2, 1.2, 1.2}, {4.7, 4.7, 6.7}), Rule::kNonzero, 1, random_int(random, 0, 2)},
                                 {shapes::sphere({at(), at(), at()}, 2.2, 2), Rule::kNonzero, 2, random_int(random, 0, 2), true},
                                 {shapes::box({2.6, at() / 10, 1}, {2.9, 7, 8}), Rule::kNonzero, 3, random_int(random, 0, 2)},
                                 {shapes::sphere({at(), at(), at()}, 3.1, 1), Rule::kNonzero, 4, random_int(random, 0, 2), true}};
-    expect_exact_links(bodies, {{axis, axis, axis}}, {2});
-  }
+    expect_exact_links(bodies, cube_grid_of(0, 1, 9), {2});
+  });
 }
 
 }  // namespace

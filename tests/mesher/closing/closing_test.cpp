@@ -6,10 +6,9 @@
 #include <fmt/format.h>
 
 #include "mesher/bodies/bodies.hpp"
-#include "mesher/surface/read_facets.hpp"
 #include "store/base/error.hpp"
-#include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/cube_grid.hpp"
+#include "tests/support/every_way.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -18,10 +17,6 @@ using namespace testing;
 using oracle::Body;
 using oracle::Rule;
 using shapes::Facets;
-
-Grid uniform_grid(double min, double step, int64_t n) {
-  return {{Axis::uniform(min, step, 0, n, 0.5), Axis::uniform(min, step, 0, n, 0.5), Axis::uniform(min, step, 0, n, 0.5)}};
-}
 
 FacetPass pass_over(const Facets& facets) {
   return [&facets](const auto& f) {
@@ -169,7 +164,7 @@ TEST_CASE("The apex is float32 when all vertices are") {
 
 TEST_CASE("A box with a missing facet has the cells of the box") {
   const TempFolder folder;
-  const Grid grid = uniform_grid(-1, 0.5, 10);
+  const Grid grid = cube_grid_of(-1, 0.5, 10);
   const Facets box = shapes::box({0.25, 0.25, 0.25}, {2.75, 2.75, 2.75});
   const auto expected = oracle::materials({{box}}, grid);
   for (const Facets& open : {without(box, {4}), without(box, {0, 1}), without(box, {2, 7})}) {
@@ -185,30 +180,24 @@ TEST_CASE("A box with a missing facet has the cells of the box") {
 }
 
 TEST_CASE("Torn surfaces have the cells of surface and caps together, by rational arithmetic") {
-  const Grid grid = uniform_grid(-0.5, 0.5, 18);
-  for (uint64_t seed = 0; seed < rounds(12); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  const Grid grid = cube_grid_of(-0.5, 0.5, 18);
+  for_seeds(0, rounds(12), [&](auto& random) {
     const TempFolder folder;
     const Facets facets = soup(random, 25, 10);
     for (const Fill fill : {Fill::kNonzero, Fill::kEvenodd}) {
       const bool evenodd = fill == Fill::kEvenodd;
       const Body closed{shapes::join({facets, caps_of(facets, evenodd).facets}), evenodd ? Rule::kEvenodd : Rule::kNonzero};
-      for (int axis = 0; axis < 3; ++axis) {
-        Scene scene = scene_of(folder, {{facets}}, grid);
-        scene.bodies[0].fill = fill;
-        MeshOptions options;
-        options.axis = axis;
-        mesh_quietly(scene, folder / "g.tcell", options);
-        REQUIRE(all_cells(GridReader(folder / "g.tcell")) == oracle::materials({closed}, grid));
-      }
+      Scene scene = scene_of(folder, {{facets}}, grid);
+      scene.bodies[0].fill = fill;
+      const auto expected = oracle::materials({closed}, grid);
+      for_axes(scene, {}, [&](const GridReader& reader, const auto&) { REQUIRE(all_cells(reader) == expected); });
     }
-  }
+  });
 }
 
 TEST_CASE("Two overlapping boxes in one file, one facet of one flipped, are their union") {
   const TempFolder folder;
-  const Grid grid = uniform_grid(-1, 0.5, 14);
+  const Grid grid = cube_grid_of(-1, 0.5, 14);
   const Facets a = shapes::box({0, 0, 0}, {3, 3, 3}), b = shapes::box({1, 1, 1}, {5, 5, 5});
   const auto expected = oracle::materials({{a}, {b}}, grid);
   for (size_t flipped = 0; flipped < 24; ++flipped) {
@@ -227,7 +216,7 @@ TEST_CASE("A surface whose only shell has a flipped facet is meshed by parity") 
   const TempFolder folder;
   Facets box = shapes::box({0, 0, 0}, {2, 2, 2});
   box[3] = shapes::flip({box[3]})[0];
-  const auto report = meshed(folder, box, Fill::kAuto, uniform_grid(-1, 0.5, 8));
+  const auto report = meshed(folder, box, Fill::kAuto, cube_grid_of(-1, 0.5, 8));
   REQUIRE(report["bodies"][0]["fill"].size() == 1);
   CHECK(report["bodies"][0]["fill"][0]["rule"] == "evenodd");
   CHECK(report["bodies"][0]["cells"] == 64);
@@ -235,7 +224,7 @@ TEST_CASE("A surface whose only shell has a flipped facet is meshed by parity") 
 
 TEST_CASE("Closing strict refuses an open surface and describes its boundary") {
   const TempFolder folder;
-  Scene scene = scene_of(folder, {{without(shapes::box({0, 0, 0}, {1, 1, 1}), {11})}}, uniform_grid(-1, 0.5, 6));
+  Scene scene = scene_of(folder, {{without(shapes::box({0, 0, 0}, {1, 1, 1}), {11})}}, cube_grid_of(-1, 0.5, 6));
   scene.bodies[0].closing.way = Closing::Way::kStrict;
   REQUIRE_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell"), Catch::Contains("not closed") && Catch::Contains("3 edges"));
   REQUIRE_FALSE(std::filesystem::exists(folder / "g.tcell"));
@@ -244,7 +233,7 @@ TEST_CASE("Closing strict refuses an open surface and describes its boundary") {
 
 TEST_CASE("Written caps close the surface: surface and caps as one file have the same cells") {
   const TempFolder folder;
-  const Grid grid = uniform_grid(-5, 0.25, 40);
+  const Grid grid = cube_grid_of(-5, 0.25, 40);
   const Facets open = without(shapes::sphere({0, 0, 0}, 4, 3), {3, 4, 77, 78, 79, 200});
   for (const char* name : {"caps.ply", "caps.stl"}) {
     const bool doubles = std::string(name) == "caps.ply";
@@ -257,8 +246,7 @@ TEST_CASE("Written caps close the surface: surface and caps as one file have the
     options.write_caps = folder / name;
     mesh_quietly(scene, folder / "open.tcell", options);
     Facets whole;
-    for (const auto& path : {scene.bodies[0].mesh, options.write_caps})
-      read_facets(path, "", [&](std::span<const Facet> facets) { whole.insert(whole.end(), facets.begin(), facets.end()); });
+    for (const auto& path : {scene.bodies[0].mesh, options.write_caps}) whole = shapes::join({whole, shapes::facets_in(path)});
     REQUIRE(oracle::is_closed(whole, Rule::kNonzero));
     const auto report = meshed(folder, whole, Fill::kAuto, grid, "whole.tcell");
     CHECK(report["bodies"][0]["holes"].empty());
@@ -268,7 +256,7 @@ TEST_CASE("Written caps close the surface: surface and caps as one file have the
 
 TEST_CASE("Caps of doubles don't fit into STL, and nothing is written") {
   const TempFolder folder;
-  const Scene scene = scene_of(folder, {{without(shapes::sphere({0, 0, 0}, 4, 1), {3})}}, uniform_grid(-5, 1, 10));
+  const Scene scene = scene_of(folder, {{without(shapes::sphere({0, 0, 0}, 4, 1), {3})}}, cube_grid_of(-5, 1, 10));
   MeshOptions options;
   options.write_caps = folder / "caps.stl";
   REQUIRE_THROWS_WITH(mesh_quietly(scene, folder / "g.tcell", options), Catch::Contains(".ply"));

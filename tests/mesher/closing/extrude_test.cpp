@@ -2,10 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "mesher/closing/extrude.hpp"
-#include "mesher/surface/read_facets.hpp"
-#include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/every_way.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -123,8 +120,7 @@ TEST_CASE("An extruded relief that is moved by a matrix is drawn out along the g
     const auto cells = all_cells(GridReader(folder / "g.tcell"));
     REQUIRE((cells == oracle::materials({{filled(moved, 2, -1000)}}, grid_of(false))));
     // What is written is the body as the grid sees it, closed.
-    Facets whole;
-    read_facets(folder / "whole.ply", "", [&](std::span<const Facet> facets) { whole.insert(whole.end(), facets.begin(), facets.end()); });
+    const Facets whole = shapes::facets_in(folder / "whole.ply");
     REQUIRE(oracle::is_closed(whole, Rule::kNonzero));
     REQUIRE((cells == oracle::materials({{whole}}, grid_of(false))));
   }

@@ -5,8 +5,8 @@
 
 #include "mesher/closing/boundary.hpp"
 #include "mesher/closing/shells.hpp"
-#include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/cube_grid.hpp"
+#include "tests/support/every_way.hpp"
 
 namespace teracell::mesher {
 namespace {
@@ -107,24 +107,23 @@ TEST_CASE("A facet given twice the same way round cancels nothing, three times w
 
 TEST_CASE("A closed surface that is given twice with opposite facets has the cells of the surface, whatever the memory") {
   const testing::TempFolder folder;
-  const Grid grid = {{Axis::uniform(-5, 0.5, 0, 20, 0.5), Axis::uniform(-5, 0.5, 0, 20, 0.5), Axis::uniform(-5, 0.5, 0, 20, 0.5)}};
+  const Grid grid = cube_grid_of(-5, 0.5, 20);
   const Facets sphere = shapes::sphere({0, 0, 0}, 4, 3), far = shapes::box({-4.9, -4.9, -4.9}, {-3.1, -3.1, -3.1});
   const auto expected = oracle::materials({{sphere}, {far}}, grid);
   Scene scene = testing::scene_of(folder, {{shapes::join({sphere, far, shapes::flip(sphere)})}}, grid);
   scene.bodies[0].fill = Fill::kAuto;
-  for (const uint64_t memory : {~uint64_t{0}, uint64_t{1}})
-    for (int axis = 0; axis < 3; ++axis) {
-      MeshOptions options;
-      options.memory = memory;
-      options.axis = axis;
-      const auto report = testing::mesh_quietly(scene, folder / "g.tcell", options);
-      REQUIRE((testing::all_cells(GridReader(folder / "g.tcell")) == expected));
+  MeshOptions options;
+  for (const uint64_t memory : {~uint64_t{0}, uint64_t{1}}) {
+    options.memory = memory;
+    testing::for_axes(scene, options, [&](const GridReader& reader, const auto& report) {
+      REQUIRE((testing::all_cells(reader) == expected));
       const auto& body = report["bodies"][0];
       CHECK(body["fill"][0]["rule"] == "nonzero");
       CHECK(body["fill"][1]["rule"] == "distinct");
       CHECK(body["duplicates"] == sphere.size());
       CHECK(body["opposite"] == sphere.size());
-    }
+    });
+  }
 }
 
 TEST_CASE("A sample of the facets tells whether opposite ones are among them, in any order") {

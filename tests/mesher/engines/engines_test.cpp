@@ -10,14 +10,14 @@
 #include "mesher/engines/tree.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/cube_grid.hpp"
-#include "tests/support/oracle.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
 
 namespace teracell::mesher {
 namespace {
 
 using shapes::Facets;
+using testing::for_seeds;
 using testing::random_in;
 using testing::random_int;
 
@@ -134,30 +134,22 @@ Facets with_slivers(Facets facets, std::mt19937_64& random, int count) {
 }
 
 TEST_CASE("All engines find the same crossings, those of rational arithmetic, in scenes full of exact ties", "[engines]") {
-  for (uint64_t seed = 0; seed < 200; ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(0, rounds(200), [](auto& random) {
     const int n = random_int(random, 4, 9);
     std::vector<Facets> shells;
     for (int b = random_int(random, 1, 4); b > 0; --b) shells.push_back(shapes::shell_of_ties(random, n));
-    Grid grid;
-    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
+    const Grid grid = shapes::grid_of_ties(random, n);
     expect_exact(with_slivers(shapes::join(shells), random, 10), grid, random);
-  }
+  });
 }
 
 TEST_CASE("All engines agree with rational arithmetic on ties that miss by a rounding", "[engines]") {
-  for (uint64_t seed = 100; seed < 120; ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
-    expect_exact(shapes::join(shapes::decimal_tetrahedra(random, 6)), cube_grid_of(0, 1.1 / 11, 11), random);
-  }
+  for_seeds(100, rounds(20),
+            [](auto& random) { expect_exact(shapes::join(shapes::decimal_tetrahedra(random, 6)), cube_grid_of(0, 1.1 / 11, 11), random); });
 }
 
 TEST_CASE("All engines agree with rational arithmetic on needles, near-vertical facets and far from the origin", "[engines]") {
-  for (uint64_t seed = 200; seed < 220; ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(200, rounds(20), [](auto& random) {
     std::vector<Facets> shells;
     for (int b = 0; b < 3; ++b) {
       shells.push_back(shapes::needle(random));
@@ -167,7 +159,7 @@ TEST_CASE("All engines agree with rational arithmetic on needles, near-vertical 
     expect_exact(facets, cube_grid_of(0, 1, 10), random);
     const double far = std::array{1e6, -3e9, 1e12}[random_int(random, 0, 2)];
     expect_exact(shapes::translate(facets, {far, far, far}), cube_grid_of(far, 0.75, 13), random);
-  }
+  });
 }
 
 TEST_CASE("Without facets every engine finds no crossing", "[engines]") {

@@ -13,7 +13,7 @@
 #include "store/whole/verify.hpp"
 #include "store/write/part.hpp"
 #include "tests/support/forged_part.hpp"
-#include "tests/support/meshed.hpp"
+#include "tests/support/parts.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell::mesher {
@@ -77,12 +77,8 @@ class ThreeParts {
     options.axis = 2;
     options.chunk_rays = 4;
     options.thin = true;
-    for (uint32_t i = 0; i < 3; ++i) {
-      options.shard = Shard{i, 3};
-      mesh(scene, output(), options, kSilent, kGoOn);
-      paths.push_back(part_path(output(), *options.shard));
-      sections.push_back(take_apart(file_bytes(paths.back())));
-    }
+    paths = make_parts(scene, output(), options, 3);
+    for (const auto& path : paths) sections.push_back(take_apart(file_bytes(path)));
   }
   std::filesystem::path output() const { return folder / "g.tcell"; }
   // Merges the parts, of which this one is forged.
@@ -107,8 +103,6 @@ class ThreeParts {
   const TempFolder folder;
   std::vector<std::filesystem::path> paths;
   std::vector<PartSections> sections;
-  static constexpr auto kSilent = [](const char*, double, double) {};
-  inline static const std::atomic<bool> kGoOn{false};
 };
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
@@ -164,8 +158,7 @@ TEST_CASE("Parts whose number of parts or of index pages is forged take no memor
   const Bytes bytes = put_together(lie);
   std::ofstream(parts.folder / "one", std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  CHECK_THROWS_WITH(merge({parts.folder / "one"}, parts.output(), ThreeParts::kSilent, ThreeParts::kGoOn),
-                    Catch::Contains("and 4294967274 more are missing"));
+  CHECK_THROWS_WITH(merge({parts.folder / "one"}, parts.output(), kSilent, kGoOn), Catch::Contains("and 4294967274 more are missing"));
 
   lie = parts.sections[0];
   lie.head = replaced(lie.head, R"("parts":3)", R"("parts":1)");
@@ -176,7 +169,7 @@ TEST_CASE("Parts whose number of parts or of index pages is forged take no memor
   lie.metadata = decode_text(encode_metadata(meta), "metadata");
   const Bytes huge = put_together(lie);
   std::ofstream(parts.folder / "huge", std::ios::binary).write(reinterpret_cast<const char*>(huge.data()), static_cast<std::streamsize>(huge.size()));
-  CHECK_THROWS_WITH(merge({parts.folder / "huge"}, parts.output(), ThreeParts::kSilent, ThreeParts::kGoOn), Catch::Contains("index pages"));
+  CHECK_THROWS_WITH(merge({parts.folder / "huge"}, parts.output(), kSilent, kGoOn), Catch::Contains("index pages"));
 }
 
 TEST_CASE("Forged records of a part are refused", "[parts]") {

@@ -1,9 +1,6 @@
 // A grid that is made in parts, and put together: the bytes of one run.
 #include <catch2/catch.hpp>
 
-#include <sys/wait.h>
-#include <unistd.h>
-#include <csignal>
 #include <fstream>
 
 #include <fmt/format.h>
@@ -12,49 +9,13 @@
 #include "mesher/run/checkpoint.hpp"
 #include "store/base/error.hpp"
 #include "store/whole/verify.hpp"
-#include "tests/support/meshed.hpp"
+#include "tests/support/parts.hpp"
 #include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {
 
 using namespace testing;
-using oracle::Rule;
-
-constexpr auto kSilent = [](const char*, double, double) {};
-const std::atomic<bool> kGoOn{false};
-
-// Solids that overlap, one of them open and one with parts thinner than a cell, on rays that meet vertices and edges.
-Scene scene_in_parts(const TempFolder& folder, int cells = 300) {
-  const Grid grid{
-      {Axis::uniform(-5, 10. / cells, 0, cells, 0.5), Axis::uniform(-5, 10. / cells, 0, cells + 7, 0.5), Axis::uniform(-5, 0.1, 0, 100, 0.5)}};
-  auto open = shapes::torus({0, 0, 1}, 3, 1.5, 40, 30);
-  open.pop_back();
-  Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 4, 3)}, {open, Rule::kNonzero, 2}}, grid);
-  scene.bodies[0].fill = Fill::kAuto;
-  return scene;
-}
-
-MeshOptions options_of_parts(int axis) {
-  MeshOptions options;
-  options.axis = axis;
-  options.chunk_rays = 8;
-  options.thin = true;
-  return options;
-}
-
-std::filesystem::path make_part(const Scene& scene, const std::filesystem::path& output, MeshOptions options, const Shard& shard) {
-  options.shard = shard;
-  mesh(scene, output, options, kSilent, kGoOn);
-  return part_path(output, shard);
-}
-
-std::vector<std::filesystem::path> make_parts(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, uint32_t of) {
-  std::vector<std::filesystem::path> parts;
-  for (uint32_t i = 0; i < of; ++i) parts.push_back(make_part(scene, output, options, {i, of}));
-  return parts;
-}
-
 void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
@@ -63,13 +24,13 @@ void put_bytes(const std::filesystem::path& path, const std::string& bytes) {
 
 TEST_CASE("Any number of parts, made with any memory and threads, merge to the bytes of one run", "[parts]") {
   const TempFolder folder;
-  const Scene scene = scene_in_parts(folder);
+  const Scene scene = scene_in_parts(folder, 150);
   for (int axis = 0; axis < 3; ++axis) {
     MeshOptions options = options_of_parts(axis);
     REQUIRE(mesh_quietly(scene, folder / "whole.tcell", options)["overlaps"]["pairs"] == 1);
     const std::string expected = bytes_of(folder / "whole.tcell");
     for (const uint32_t of : {1u, 2u, 5u, 16u, 300u}) {
-      if (kSanitized && of != 5) continue;
+      if ((kSanitized && of != 5) || (of == 300 && axis != 2)) continue;
       INFO(of << " parts, rays along " << axis_name(axis));
       std::vector<std::filesystem::path> parts;
       for (uint32_t i = of; i-- > 0;) {  // in another order than theirs
@@ -107,26 +68,12 @@ TEST_CASE("A part that was killed goes on to the same bytes", "[parts]") {
   const std::filesystem::path part = part_path(folder / "g.tcell", shard);
   for (const int call : {3, 5, 6, 8, 11, 15, 20, 25, 30}) {
     INFO("call " << call);
-    const pid_t child = fork();
-    REQUIRE(child >= 0);
-    if (child == 0) {
-      options.shard = shard;
-      int calls = 0;
-      mesh(
-          scene, folder / "g.tcell", options,
-          [&](const char*, double, double) {
-            if (++calls == call) kill(getpid(), SIGKILL);
-          },
-          kGoOn);
-      _exit(0);
-    }
-    int status = 0;
-    REQUIRE(waitpid(child, &status, 0) == child);
-    REQUIRE(WIFSIGNALED(status));
+    options.shard = shard;
+    options.resume = false;
+    run_and_kill(scene, folder / "g.tcell", options, call);
     REQUIRE_FALSE(std::filesystem::exists(part));
-    MeshOptions resumed = options;
-    resumed.resume = true;
-    make_part(scene, folder / "g.tcell", resumed, shard);
+    options.resume = true;
+    make_part(scene, folder / "g.tcell", options, shard);
     REQUIRE(bytes_of(part) == expected);
     REQUIRE_FALSE(std::filesystem::exists(checkpoint_path(part)));
     std::filesystem::remove(part);

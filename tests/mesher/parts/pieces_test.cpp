@@ -9,36 +9,13 @@
 #include "mesher/parts/pieces.hpp"
 #include "mesher/run/part_found.hpp"
 #include "store/base/error.hpp"
-#include "tests/support/meshed.hpp"
+#include "tests/support/parts.hpp"
 #include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {
 
 using namespace testing;
-using oracle::Rule;
-
-const Progress kNoProgress = [](const char*, double, double) {};
-const std::atomic<bool> kNever{false};
-
-Scene scene_in_pieces(const TempFolder& folder, int cells = 300) {
-  const Grid grid{
-      {Axis::uniform(-5, 10. / cells, 0, cells, 0.5), Axis::uniform(-5, 10. / cells, 0, cells + 7, 0.5), Axis::uniform(-5, 0.1, 0, 100, 0.5)}};
-  auto open = shapes::torus({0, 0, 1}, 3, 1.5, 40, 30);
-  open.pop_back();
-  Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 4, 3)}, {open, Rule::kNonzero, 2}}, grid);
-  scene.bodies[0].fill = Fill::kAuto;
-  scene.bodies[1].matrix[3] = 0.25;  // moved
-  return scene;
-}
-
-MeshOptions options_of_pieces(int axis) {
-  MeshOptions options;
-  options.axis = axis;
-  options.chunk_rays = 8;
-  options.thin = true;
-  return options;
-}
 
 using Processes = std::vector<std::unique_ptr<Pieces>>;
 
@@ -47,7 +24,7 @@ Processes prepare(const Scene& scene, const std::filesystem::path& output, const
   for (uint32_t i = 0; i < processes; ++i) {
     MeshOptions own = options;
     own.threads = 1 + static_cast<int>(i % 3);
-    out.push_back(std::make_unique<Pieces>(scene, output, own, i == 0, kNoProgress, kNever));
+    out.push_back(std::make_unique<Pieces>(scene, output, own, i == 0, kSilent, kGoOn));
   }
   return out;
 }
@@ -100,9 +77,9 @@ size_t files_in(const TempFolder& folder) {
 
 TEST_CASE("Any number of processes, with any memory and threads, make the bytes of one run", "[parts]") {
   const TempFolder folder;
-  const Scene scene = scene_in_pieces(folder);
+  const Scene scene = scene_in_parts(folder, 150);
   for (int axis = 0; axis < 3; ++axis) {
-    MeshOptions options = options_of_pieces(axis);
+    MeshOptions options = options_of_parts(axis);
     mesh_quietly(scene, folder / "whole.tcell", options);
     const std::string expected = bytes_of(folder / "whole.tcell");
     const size_t files = files_in(folder);
@@ -124,8 +101,8 @@ TEST_CASE("Any number of processes, with any memory and threads, make the bytes 
 
 TEST_CASE("Others go on with the pieces that are whole", "[parts]") {
   const TempFolder folder;
-  const Scene scene = scene_in_pieces(folder);
-  const MeshOptions options = options_of_pieces(2);
+  const Scene scene = scene_in_parts(folder);
+  const MeshOptions options = options_of_parts(2);
   mesh_quietly(scene, folder / "whole.tcell", options);
   for (const size_t made : {size_t{0}, size_t{1}, size_t{20}, ~size_t{0}}) {
     Processes before = prepare(scene, folder / "g.tcell", options, 3);
@@ -143,8 +120,8 @@ TEST_CASE("Others go on with the pieces that are whole", "[parts]") {
 
 TEST_CASE("A piece with another byte, another length or of another run is not a piece of this run", "[parts]") {
   const TempFolder folder;
-  const Scene scene = scene_in_pieces(folder, 100);
-  Processes all = prepare(scene, folder / "g.tcell", options_of_pieces(2), 1);
+  const Scene scene = scene_in_parts(folder, 100);
+  Processes all = prepare(scene, folder / "g.tcell", options_of_parts(2), 1);
   make_pieces(all, missing_pieces(*all[0]));
   const Pieces& pieces = *all[0];
   const uint32_t piece = pieces.size() / 2;
@@ -166,15 +143,15 @@ TEST_CASE("A piece with another byte, another length or of another run is not a 
   CHECK(pieces.is_made(piece));
   Scene other = scene;
   other.bodies[0].name = "another";
-  Processes others = prepare(other, folder / "g.tcell", options_of_pieces(2), 1);
+  Processes others = prepare(other, folder / "g.tcell", options_of_parts(2), 1);
   REQUIRE(others[0]->size() == pieces.size());
   CHECK(missing_pieces(*others[0]).size() == pieces.size());
 }
 
 TEST_CASE("A copy whose bytes changed on the way is refused, and files of others are left alone", "[parts]") {
   const TempFolder folder;
-  const Scene scene = scene_in_pieces(folder, 100);
-  Processes all = prepare(scene, folder / "g.tcell", options_of_pieces(2), 1);
+  const Scene scene = scene_in_parts(folder, 100);
+  Processes all = prepare(scene, folder / "g.tcell", options_of_parts(2), 1);
   make_pieces(all, missing_pieces(*all[0]));
   Pieces& first = *all[0];
   {

@@ -3,16 +3,13 @@
 
 #include <fcntl.h>
 #include <sys/syscall.h>
-#include <sys/wait.h>
-#include <unistd.h>
-#include <csignal>
 #include <fstream>
 
 #include <fmt/format.h>
 
 #include "mesher/run/checkpoint.hpp"
 #include "store/base/error.hpp"
-#include "tests/support/meshed.hpp"
+#include "tests/support/parts.hpp"
 #include "tests/support/sanitized.hpp"
 
 // In a child that is to die there, the rename that gives the finished file its name kills it.
@@ -45,24 +42,7 @@ MeshOptions options_to_kill() {
 
 // Runs in a child that dies at the given call of progress, or while it renames the finished file when there is none such.
 void run_and_die(const Scene& scene, const std::filesystem::path& output, const MeshOptions& options, int call) {
-  const pid_t child = fork();
-  REQUIRE(child >= 0);
-  if (child == 0) {
-    die_at_rename = true;
-    const std::atomic<bool> stop{false};
-    int calls = 0;
-    mesh(
-        scene, output, options,
-        [&](const char*, double, double) {
-          if (++calls == call) kill(getpid(), SIGKILL);
-        },
-        stop);
-    _exit(0);
-  }
-  int status = 0;
-  REQUIRE(waitpid(child, &status, 0) == child);
-  REQUIRE(WIFSIGNALED(status));
-  REQUIRE_FALSE(std::filesystem::exists(output));
+  run_and_kill(scene, output, options, call, [] { die_at_rename = true; });
 }
 
 TEST_CASE("A run killed anywhere resumes to the bytes of an undisturbed one") {

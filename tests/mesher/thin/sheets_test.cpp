@@ -5,11 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "mesher/engines/engines.hpp"
 #include "tests/support/cube_grid.hpp"
-#include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
 
 namespace teracell::mesher {
@@ -37,25 +34,16 @@ Facets soup(std::mt19937_64& random, int count, int n) {
   return facets;
 }
 
-std::vector<uint32_t> meshed(const TempFolder& folder, const Scene& scene, const MeshOptions& options) {
-  mesh_quietly(scene, folder / "g.tcell", options);
+std::vector<uint32_t> meshed(const TempFolder& folder, const std::vector<Body>& bodies, const Grid& grid) {
+  mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell");
   return all_cells(GridReader(folder / "g.tcell"));
 }
 
 // Along each axis, by each engine.
 void expect_exact_sheets(const std::vector<Body>& bodies, const Grid& grid) {
   const TempFolder folder;
-  const Scene scene = scene_of(folder, bodies, grid);
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
-  for (int axis = 0; axis < 3; ++axis)
-    for (const std::string& engine : engine_names()) {
-      INFO("rays along " << axis_name(axis) << ", engine " << engine);
-      MeshOptions options;
-      options.axis = axis;
-      options.engine = engine;
-      options.threads = 1;
-      REQUIRE(meshed(folder, scene, options) == expected);
-    }
+  for_engines_and_axes(scene_of(folder, bodies, grid), {}, [&](const GridReader& reader, const auto&) { REQUIRE(all_cells(reader) == expected); });
 }
 
 TEST_CASE("A sheet owns the cells whose planes its crossing lies between; a surface on a plane belongs to the cell below", "[sheet]") {
@@ -65,7 +53,7 @@ TEST_CASE("A sheet owns the cells whose planes its crossing lies between; a surf
     const Facets square = {{{Vec3{0, 0, z}, Vec3{6, 0, z}, Vec3{6, 6, z}}}, {{Vec3{0, 0, z}, Vec3{6, 6, z}, Vec3{0, 6, z}}}};
     expect_exact_sheets({sheet(square)}, grid);
     std::vector<size_t> layers(6);
-    const auto cells = meshed(folder, scene_of(folder, {sheet(square)}, grid), {});
+    const auto cells = meshed(folder, {sheet(square)}, grid);
     for (size_t i = 0; i < cells.size(); ++i) layers[i / 36] += cells[i];
     return layers;
   };
@@ -79,34 +67,26 @@ TEST_CASE("A sheet owns the cells whose planes its crossing lies between; a surf
 TEST_CASE("A sheet on the domain's lower side owns no cell there, which a warning says", "[sheet]") {
   const TempFolder folder;
   const Grid grid = cube_grid_of(0, 1, 6);
-  for (const int axis : {0, 1, 2}) {
-    MeshOptions options;
-    options.axis = axis;
-    const auto touching = mesh_quietly(scene_of(folder, {sheet(shapes::box({0, 0, 0}, {6, 6, 6}))}, grid), folder / "g.tcell", options);
+  for_axes(scene_of(folder, {sheet(shapes::box({0, 0, 0}, {6, 6, 6}))}, grid), {}, [](const GridReader&, const auto& touching) {
     REQUIRE(touching["bodies"][0]["cells"] == 216 - 125);  // the upper sides are cells
     REQUIRE(touching["warnings"].size() == 3);
     for (const auto& warning : touching["warnings"])
-      REQUIRE_THAT(warning.get<std::string>(), Catch::Contains("body0") && Catch::Contains("lower side") && Catch::Contains("36 lines"));
-    const auto inside = mesh_quietly(scene_of(folder, {sheet(shapes::box({0.5, 0.5, 0.5}, {6, 6, 6}))}, grid), folder / "g.tcell", options);
-    REQUIRE(inside["warnings"].empty());
-  }
+      REQUIRE_THAT(warning.template get<std::string>(), Catch::Contains("body0") && Catch::Contains("lower side") && Catch::Contains("36 lines"));
+  });
+  for_axes(scene_of(folder, {sheet(shapes::box({0.5, 0.5, 0.5}, {6, 6, 6}))}, grid), {},
+           [](const GridReader&, const auto& inside) { REQUIRE(inside["warnings"].empty()); });
 }
 
 TEST_CASE("Soups of facets full of ties are the sheets that rational arithmetic says, by every engine along every axis", "[sheet]") {
-  for (uint64_t seed = 0; seed < rounds(30); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(0, rounds(30), [](auto& random) {
     const int n = random_int(random, 3, 8);
-    Grid grid;
-    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
+    const Grid grid = shapes::grid_of_ties(random, n);
     expect_exact_sheets({sheet(soup(random, random_int(random, 1, 12), n))}, grid);
-  }
+  });
 }
 
 TEST_CASE("Sheets and solids take precedence over one another like any bodies", "[sheet]") {
-  for (uint64_t seed = 100; seed < 100 + rounds(10); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(100, rounds(10), [](auto& random) {
     const int n = random_int(random, 4, 8);
     std::vector<Body> bodies;
     for (uint32_t b = 0; b < 5; ++b) {
@@ -114,53 +94,26 @@ TEST_CASE("Sheets and solids take precedence over one another like any bodies", 
       if (b % 2 == 0) bodies.push_back(sheet(soup(random, 5, n), 1 + b % 3, priority));
       else bodies.push_back({shapes::shell_of_ties(random, n), b == 1 ? Rule::kNonzero : Rule::kEvenodd, 1 + b % 3, priority});
     }
-    Grid grid;
-    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
-    expect_exact_sheets(bodies, grid);
-  }
+    expect_exact_sheets(bodies, shapes::grid_of_ties(random, n));
+  });
 }
 
 TEST_CASE("Sheets whose crossings miss planes by a rounding, and needles, equal rational arithmetic", "[sheet]") {
-  for (uint64_t seed = 200; seed < 206; ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(200, 6, [](auto& random) {
     expect_exact_sheets({sheet(shapes::join(shapes::decimal_tetrahedra(random, 3)))}, cube_grid_of(0, 1.1 / 11, 11));
     expect_exact_sheets({sheet(shapes::join({shapes::needle(random), shapes::sheet(random), shapes::needle(random)}))}, cube_grid_of(0, 1, 10));
-  }
+  });
 }
 
 TEST_CASE("The file of sheets does not depend on threads, memory or borders of tiles", "[sheet]") {
   std::mt19937_64 random(300);
   const TempFolder folder;
-  const Grid grid{{Axis::uniform(0, 0.5, 0, 41, 0.5), Axis::uniform(-1, 1, 0, 22, 0.25),
-                   Axis::graded(
-                       [] {
-                         std::vector<double> planes = {-0.5};
-                         while (planes.size() < 40) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
-                         return planes;
-                       }(),
-                       0.5)}};
+  const Grid grid = shapes::uneven_grid(41, 22, 40);
   const std::vector<Body> bodies = {
       sheet(soup(random, 25, 20)), {shapes::shell_of_ties(random, 20), Rule::kNonzero, 2}, sheet(shapes::sphere({10, 9, 8}, 7, 3, 0.25), 3)};
-  const Scene scene = scene_of(folder, bodies, grid);
   const std::vector<uint32_t> expected = oracle::materials(bodies, grid);
-  for (int axis = 0; axis < 3; ++axis)
-    for (const uint32_t chunk_rays : {4u, 16u, 64u}) {
-      MeshOptions options;
-      options.axis = axis;
-      options.chunk_rays = chunk_rays;
-      options.threads = 1;
-      const auto report = mesh_quietly(scene, folder / "a.tcell", options);
-      REQUIRE(all_cells(GridReader(folder / "a.tcell")) == expected);
-      for (const uint64_t memory : {uint64_t{1}, ~uint64_t{0}}) {
-        options.threads = 3;
-        options.memory = memory;
-        const auto again = mesh_quietly(scene, folder / "b.tcell", options);
-        REQUIRE((again["spilled_bytes"] > 0) == (memory == 1));
-        REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
-        REQUIRE(again["bodies"] == report["bodies"]);
-      }
-    }
+  for_chunks_threads_and_memory(scene_of(folder, bodies, grid), {},
+                                [&](const GridReader& reader, const auto&) { REQUIRE(all_cells(reader) == expected); });
 }
 
 // Of the background, from cell 0, through faces.
@@ -188,7 +141,7 @@ TEST_CASE("A closed sheet lets no flood through", "[sheet]") {
   const Grid grid = cube_grid_of(-5, 0.25, 40);
   for (const Facets& surface : {shapes::sphere({0, 0, 0}, 4, 4, 0x1p-20), shapes::sphere({0.25, 0.125, 0}, 3.7, 0, 0x1p-20),
                                 shapes::torus({0, 0, 0}, 3, 1, 30, 20, 0x1p-20), shapes::box({-3, -3, -3}, {3, 3, 3})}) {
-    const auto cells = meshed(folder, scene_of(folder, {sheet(surface)}, grid), {});
+    const auto cells = meshed(folder, {sheet(surface)}, grid);
     const auto inside = oracle::winding_numbers(surface, grid, surface[0].vertex[0]);
     const auto wet = flooded(cells, grid.cells());
     size_t dry = 0, owned = 0, leaks = 0;

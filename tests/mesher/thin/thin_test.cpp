@@ -6,11 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "mesher/engines/engines.hpp"
 #include "tests/support/cube_grid.hpp"
-#include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"
 
 namespace teracell::mesher {
@@ -149,7 +146,9 @@ void expect_lost(const nlohmann::ordered_json& found, const Lost& expected) {
   else REQUIRE(found["at"].is_null());
 }
 
-void expect_report(const nlohmann::ordered_json& report, const Expected& expected, int ray_axis) {
+void expect_thin(const GridReader& reader, const nlohmann::ordered_json& report, const Expected& expected) {
+  REQUIRE(all_cells(reader) == expected.cells);
+  const int ray_axis = reader.meta().ray_axis;
   for (size_t b = 0; b < expected.lost.size(); ++b) {
     const auto& body = report["bodies"][b];
     for (int axis = 0; axis < 3; ++axis) expect_lost(body["lost"][axis_name(axis)], expected.lost[b][axis]);
@@ -170,19 +169,10 @@ void expect_report(const nlohmann::ordered_json& report, const Expected& expecte
 void expect_exact_thin(const std::vector<Body>& bodies, const Grid& grid) {
   const TempFolder folder;
   const Expected expected = expected_of(bodies, grid);
-  const Scene scene = keeping(folder, bodies, grid);
-  for (int axis = 0; axis < 3; ++axis)
-    for (const std::string& engine : engine_names()) {
-      INFO("rays along " << axis_name(axis) << ", engine " << engine);
-      MeshOptions options;
-      options.axis = axis;
-      options.engine = engine;
-      options.threads = 1;
-      options.thin = true;
-      const auto report = mesh_quietly(scene, folder / "g.tcell", options);
-      REQUIRE(all_cells(GridReader(folder / "g.tcell")) == expected.cells);
-      expect_report(report, expected, axis);
-    }
+  MeshOptions options;
+  options.thin = true;
+  for_engines_and_axes(keeping(folder, bodies, grid), options,
+                       [&](const GridReader& reader, const auto& report) { expect_thin(reader, report, expected); });
 }
 
 // Bodies of a few cells, of less than one, and shells full of ties.
@@ -209,25 +199,20 @@ std::vector<Body> thin_scene(std::mt19937_64& random, int n) {
 }
 
 TEST_CASE("Lost stretches and gaps are those of rational arithmetic, and kept cells hold them, by every engine along every axis", "[thin]") {
-  for (uint64_t seed = 0; seed < rounds(25); ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(0, rounds(25), [](auto& random) {
     const int n = random_int(random, 3, 7);
-    Grid grid;
-    for (Axis& axis : grid.axis) axis = shapes::axis_of_ties(random, n);
+    const Grid grid = shapes::grid_of_ties(random, n);
     expect_exact_thin(thin_scene(random, n), grid);
-  }
+  });
 }
 
 TEST_CASE("Needles, and plates that miss sub-positions by a rounding, are kept as rational arithmetic says", "[thin]") {
-  for (uint64_t seed = 100; seed < 104; ++seed) {
-    INFO("seed " << seed);
-    std::mt19937_64 random(seed);
+  for_seeds(100, 4, [](auto& random) {
     expect_exact_thin(
         {{shapes::join(shapes::decimal_tetrahedra(random, 4))}, {shapes::join(shapes::decimal_tetrahedra(random, 2)), Rule::kEvenodd, 2}},
         cube_grid_of(0, 1.1 / 5, 5));
     expect_exact_thin({{shapes::join({shapes::needle(random), shapes::sheet(random)})}}, cube_grid_of(0, 1, 10));
-  }
+  });
 }
 
 TEST_CASE("A plate a tenth of a cell thick is kept without a hole, however it lies", "[thin]") {
@@ -251,11 +236,9 @@ TEST_CASE("A gap narrower than a cell is counted by its material with --thin", "
   const TempFolder folder;
   const Grid grid = cube_grid_of(0, 1, 10);
   const Facets halves = shapes::join({shapes::box({1, 1, 1}, {9, 9, 4.75}), shapes::box({1, 1, 5}, {9, 9, 9})});
-  for (int axis = 0; axis < 3; ++axis) {
-    MeshOptions options;
-    options.axis = axis;
-    options.thin = true;
-    const auto report = mesh_quietly(scene_of(folder, {{halves}}, grid), folder / "g.tcell", options);
+  MeshOptions options;
+  options.thin = true;
+  for_axes(scene_of(folder, {{halves}}, grid), options, [](const GridReader&, const auto& report) {
     REQUIRE(report["lost_gaps"].size() == 1);
     const auto& gap = report["lost_gaps"][0];
     CHECK(gap["material"] == "m1");
@@ -265,44 +248,22 @@ TEST_CASE("A gap narrower than a cell is counted by its material with --thin", "
     CHECK(gap["widest"] == 0.25);
     CHECK(gap["at"] == nlohmann::json({1.5, 1.5, 4.875}));
     for (const char* name : {"x", "y", "z"}) CHECK(report["bodies"][0]["lost"][name]["number"] == 0);
-    CHECK_FALSE(mesh_quietly(scene_of(folder, {{halves}}, grid), folder / "g.tcell").contains("lost_gaps"));
-  }
+  });
+  CHECK_FALSE(mesh_quietly(scene_of(folder, {{halves}}, grid), folder / "g.tcell").contains("lost_gaps"));
 }
 
 TEST_CASE("What is lost and kept does not depend on threads, memory or borders of tiles", "[thin]") {
   std::mt19937_64 random(300);
   const TempFolder folder;
-  const Grid grid{{Axis::uniform(0, 0.5, 0, 37, 0.5), Axis::uniform(-1, 1, 0, 20, 0.25),
-                   Axis::graded(
-                       [] {
-                         std::vector<double> planes = {-0.5};
-                         while (planes.size() < 34) planes.push_back(planes.back() + 0.25 * static_cast<double>(1 + planes.size() % 3));
-                         return planes;
-                       }(),
-                       0.5)}};
+  const Grid grid = shapes::uneven_grid(37, 20, 34);
   const std::vector<Body> bodies = {{shapes::join(shapes::random_tetrahedra(random, 40, 0, 18, 0.125))},
                                     {shapes::shell_of_ties(random, 16), Rule::kEvenodd, 2},
                                     {shapes::box({0.1, 0.2, 3.3}, {17, 18, 3.4}), Rule::kNonzero, 1}};
-  const Scene scene = keeping(folder, bodies, grid);
   const Expected expected = expected_of(bodies, grid);
-  for (int axis = 0; axis < 3; ++axis)
-    for (const uint32_t chunk_rays : {4u, 16u, 64u}) {
-      if (kSanitized && (chunk_rays == 16 || axis == 0)) continue;
-      MeshOptions options;
-      options.axis = axis;
-      options.chunk_rays = chunk_rays;
-      options.threads = 1;
-      options.thin = true;
-      const auto report = mesh_quietly(scene, folder / "a.tcell", options);
-      REQUIRE(all_cells(GridReader(folder / "a.tcell")) == expected.cells);
-      expect_report(report, expected, axis);
-      for (const uint64_t memory : {uint64_t{1}, ~uint64_t{0}}) {
-        options.threads = 3;
-        options.memory = memory;
-        mesh_quietly(scene, folder / "b.tcell", options);
-        REQUIRE(bytes_of(folder / "a.tcell") == bytes_of(folder / "b.tcell"));
-      }
-    }
+  MeshOptions options;
+  options.thin = true;
+  for_chunks_threads_and_memory(keeping(folder, bodies, grid), options,
+                                [&](const GridReader& reader, const auto& report) { expect_thin(reader, report, expected); });
 }
 
 TEST_CASE("Without thin keep no cell changes, and only pairs along the rays are counted", "[thin]") {
@@ -311,16 +272,13 @@ TEST_CASE("Without thin keep no cell changes, and only pairs along the rays are 
   const Grid grid = cube_grid_of(0, 1, 8);
   const std::vector<Body> bodies = thin_scene(random, 8);
   const Expected expected = expected_of(bodies, grid);
-  for (int axis = 0; axis < 3; ++axis) {
-    MeshOptions options;
-    options.axis = axis;
-    const auto report = mesh_quietly(scene_of(folder, bodies, grid), folder / "g.tcell", options);
-    REQUIRE(all_cells(GridReader(folder / "g.tcell")) == oracle::materials(bodies, grid));
+  for_axes(scene_of(folder, bodies, grid), {}, [&](const GridReader& reader, const auto& report) {
+    REQUIRE(all_cells(reader) == oracle::materials(bodies, grid));
     for (size_t b = 0; b < bodies.size(); ++b) {
-      CHECK(report["bodies"][b]["lost_stretches"]["number"] == expected.pairs[b][axis].first);
+      CHECK(report["bodies"][b]["lost_stretches"]["number"] == expected.pairs[b][reader.meta().ray_axis].first);
       CHECK_FALSE(report["bodies"][b].contains("lost"));
     }
-  }
+  });
 }
 
 TEST_CASE("A body with few cells or none says why", "[thin]") {

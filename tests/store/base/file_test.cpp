@@ -344,6 +344,29 @@ TEST_CASE("What a killed writer of a folder left is removed by the next one") {
   REQUIRE_FALSE(fs::exists(folder / "g.zarr.partial"));
 }
 
+// With stand-ins: nothing that a test does may reach the machine's own.
+TEST_CASE("A pipe, or a link to one or to what a process has open, as /dev/stdout is, is no place for a file and stays what it is") {
+  const TempFolder folder;
+  std::ofstream(folder / "redirected") << "x";
+  const InputFile open(folder / "redirected");
+  std::string opened;
+  for (const auto& fd : fs::directory_iterator("/proc/self/fd"))
+    if (std::error_code gone; fs::read_symlink(fd, gone) == fs::canonical(folder / "redirected")) opened = fd.path();
+  REQUIRE_FALSE(opened.empty());
+  REQUIRE(mkfifo((folder / "null").c_str(), 0600) == 0);
+  fs::create_symlink("null", folder / "link");
+  fs::create_symlink(opened, folder / "stdout");
+  for (const char* name : {"null", "link"}) {
+    CHECK_THROWS_WITH(OutputFile(folder / name), Catch::Contains(name) && Catch::Contains("expected the name of a file, found a device or a pipe"));
+    CHECK_THROWS_WITH(OutputFolder(folder / name, kMark), Catch::Contains("expected the name of a folder, found a device or a pipe"));
+  }
+  CHECK_THROWS_WITH(OutputFile(folder / "stdout"), Catch::Contains("stdout") && Catch::Contains("found a link to what a process has open"));
+  CHECK(fs::is_fifo(folder / "null"));
+  CHECK(fs::is_symlink(folder / "link"));
+  CHECK(fs::is_symlink(folder / "stdout"));
+  CHECK(bytes_of(folder / "redirected") == "x");
+}
+
 TEST_CASE("A place where no folder can be written is an IoError that names it") {
   const TempFolder folder;
   const size_t descriptors = open_descriptors();
@@ -351,7 +374,6 @@ TEST_CASE("A place where no folder can be written is an IoError that names it") 
   std::ofstream(folder / "taken.partial") << "x";
   REQUIRE_THROWS_WITH(OutputFolder(folder / "missing" / "g.zarr", kMark), Catch::Contains("there is no folder") && Catch::Contains("missing"));
   REQUIRE_THROWS_WITH(OutputFolder(folder / "file", kMark), Catch::Contains("found a file"));
-  REQUIRE_THROWS_WITH(OutputFolder("/dev/null", kMark), Catch::Contains("found a device or a pipe"));
   REQUIRE_THROWS_WITH(OutputFolder(folder / "taken", kMark), Catch::Contains("taken.partial") && Catch::Contains("remove it"));
   for (const fs::path& path : {folder / "file" / "g.zarr", fs::path("/proc/nowhere/g.zarr"), folder / std::string(300, 'n')}) {
     INFO(path);

@@ -1,4 +1,4 @@
-"""Computes charges in open air and the burst in the stadium, and draws them. Called by tools/examples/blast/run: run.py TERACELL FOLDER CELLS"""
+"""Computes the charge in open air and the burst in the stadium, and draws them. Called by tools/examples/blast/run: run.py TERACELL FOLDER CELLS"""
 import concurrent.futures
 import json
 import math
@@ -15,10 +15,9 @@ import open_air
 import pictures
 import plots
 import stadium
-import tables
 
 SHEET = (5, 15, 30, 50, 75, 110)  # ms
-SEDOV_CELLS, TNT_CELLS = (12, 24, 48), (24, 36, 54)  # along an edge of the octant
+TNT_CELLS = (24, 36, 54)  # along an edge of the octant
 
 
 def say(text):
@@ -26,17 +25,13 @@ def say(text):
 
 
 def check_in_open_air(teracell, folder):
-    """The point blast and the burst on three grids each, and the burst along its radius alone."""
-    blasts, bursts, model = [], [], open_air.tnt_along_radius()
-    for n in SEDOV_CELLS:
-        blasts.append(row := open_air.sedov(teracell, folder / f"sedov-{n}", n))
-        say(f"  point blast, {row['cells']} cells: shock {100 * row['radius_error']:+.1f} %, pressure {100 * row['profile_error']:.0f} % in the mean")
+    """The charge on three grids, and along its radius alone."""
+    bursts, model = [], open_air.tnt_along_radius()
     for n in TNT_CELLS:
         bursts.append(row := open_air.tnt(teracell, folder / f"tnt-{n}", n))
         errors = (f"{100 * (g['peak'] / m['peak'] - 1):+.0f} % at {g['radius']:g} m" for g, m in zip(row["gauges"], model))
         say(f"  10 t of TNT, cells of {row['cell']:.2f} m: peaks " + ", ".join(errors))
-    plots.open_air_plots(folder / "open-air.svg", blasts, bursts, model)
-    return blasts, bursts, model
+    return bursts, model
 
 
 def open_air_reference(place):
@@ -70,8 +65,8 @@ def draw_one(name):
 def main(teracell, folder, cells):
     folder = pathlib.Path(folder)
     began = time.monotonic()
-    say("charges in open air, on three grids each ...")
-    blasts, bursts, model = check_in_open_air(teracell, folder)
+    say("the charge in open air, on three grids ...")
+    bursts, model = check_in_open_air(teracell, folder)
     checked = time.monotonic()
     blast = stadium.Blast(teracell, folder, int(cells))
     say(f"the stadium in cells of {blast.width:g} m: computing {1e3 * stadium.END:g} ms ...")
@@ -92,15 +87,14 @@ def main(teracell, folder, cells):
             rows[name]["arrival_reference"], rows[name]["peak_reference"] = references[name]
     report = {"cells": len(blast.index[0]), "cell": blast.width, "steps": steps, "solver_seconds": seconds, "frames": frames, "gauges": rows,
               "open_air_seconds": checked - began, "stadium_seconds": computed - checked, "picture_seconds": time.monotonic() - computed,
-              "point_blast": blasts, "burst": bursts, "burst_along_radius": model}
+              "burst": bursts, "burst_along_radius": model}
     (folder / "report.json").write_text(json.dumps(report, indent=1) + "\n")
-    (folder / "tables.md").write_text("\n".join([tables.point_blast(blasts), tables.burst(bursts, model), tables.gauges(rows)]))
     print(f"""
   cells       {report["cells"]} of {blast.width:g} m, {steps} steps
-  time        {checked - began:.0f} s for charges in open air, {computed - checked:.0f} s for the stadium, {report["picture_seconds"]:.0f} s for pictures
+  time        {checked - began:.0f} s for the charge in open air, {computed - checked:.0f} s for the stadium, {report["picture_seconds"]:.0f} s for pictures
   pictures    {folder}/frames, {frames} of them; {folder}/sheet.png
-  plots       {folder}/gauges.svg  {folder}/open-air.svg
-  figures     {folder}/report.json  {folder}/tables.md""")
+  gauges      {folder}/gauges.svg  {folder}/gauges.csv
+  figures     {folder}/report.json""")
 
 
 if __name__ == "__main__":
