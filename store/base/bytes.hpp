@@ -25,12 +25,16 @@ inline void put_varint(Bytes& out, uint64_t value) {
 
 class ByteReader {
  public:
-  // `what` names the structure in messages.
-  ByteReader(std::span<const uint8_t> bytes, std::string what) : bytes_(bytes), what_(std::move(what)) {}
+  // `what` names the structure in messages. Where FORMAT.md has it, `clause` is the one that messages cite.
+  ByteReader(std::span<const uint8_t> bytes, std::string what, const char* clause = nullptr)
+      : bytes_(bytes), what_(std::move(what)), clause_(clause) {}
 
   size_t remaining() const { return bytes_.size() - at_; }
+  // What follows is in this clause.
+  void clause(const char* number) { clause_ = number; }
   [[noreturn]] void fail(const std::string& message, Remedy remedy = Remedy::kNone) const {
-    throw FormatError(what_ + ": byte " + std::to_string(at_) + ": " + message, remedy);
+    const std::string cited = clause_ == nullptr ? "" : std::string(" (FORMAT.md ") + clause_ + ")";
+    throw FormatError(what_ + ": byte " + std::to_string(at_) + ": " + message + cited, remedy);
   }
   std::span<const uint8_t> take(uint64_t count) {
     if (count > remaining()) fail("expected " + std::to_string(count) + " more bytes, found " + std::to_string(remaining()));
@@ -69,6 +73,7 @@ class ByteReader {
   std::span<const uint8_t> bytes_;
   size_t at_ = 0;
   std::string what_;
+  const char* clause_;
 };
 
 }  // namespace teracell::inline store

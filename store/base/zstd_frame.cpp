@@ -20,9 +20,10 @@ T* made(T* context) {
 size_t body_size(std::span<const uint8_t> frame, const BodyBound& bound, const std::string& what) {
   const unsigned long long size = ZSTD_getFrameContentSize(frame.data(), frame.size());
   if (size == ZSTD_CONTENTSIZE_ERROR || size == ZSTD_CONTENTSIZE_UNKNOWN || ZSTD_findFrameCompressedSize(frame.data(), frame.size()) != frame.size())
-    throw FormatError(what + ": expected one zstd frame with its content size, found something else");
+    throw FormatError(what + ": expected one zstd frame with its content size, found something else (FORMAT.md 1.3)");
   if (const uint64_t most = bound.of(frame.size()); size > most)
-    throw FormatError(fmt::format("{}: expected a zstd frame of at most {} bytes, as its own size is {}, found {}", what, most, frame.size(), size));
+    throw FormatError(fmt::format("{}: expected a zstd frame of at most {} bytes, as its own size is {}, found {} (FORMAT.md 3.1)", what, most,
+                                  frame.size(), size));
   return size;
 }
 
@@ -66,7 +67,7 @@ void ZstdDecoder::append(std::span<const uint8_t> frame, const BodyBound& bound,
 void ZstdDecoder::decode_into(std::span<const uint8_t> frame, const std::string& what, std::span<uint8_t> body) {
   const size_t found = ZSTD_decompressDCtx(zstd_, body.data(), body.size(), frame.data(), frame.size());
   if (ZSTD_isError(found) || found != body.size())
-    throw FormatError(fmt::format("{}: zstd says {}", what, ZSTD_isError(found) ? ZSTD_getErrorName(found) : "too short"));
+    throw FormatError(fmt::format("{}: zstd says {} (FORMAT.md 1.3)", what, ZSTD_isError(found) ? ZSTD_getErrorName(found) : "too short"));
 }
 
 }  // namespace teracell::inline store

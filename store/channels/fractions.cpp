@@ -24,9 +24,9 @@ Subdivision subdivision_of(const Channel& channel) {
     valid = n.is_number_unsigned() && n.get<uint64_t>() <= 65536;
     if (valid) out[d] = n.get<uint32_t>();
   }
-  if (!valid) throw FormatError(fmt::format("metadata: channel '{}' does not say how many sub-samples a cell has", channel.name));
+  if (!valid) throw FormatError(fmt::format("metadata: channel '{}' does not say how many sub-samples a cell has (FORMAT.md 13.1)", channel.name));
   if (const std::string beyond = beyond_bounds(out); !beyond.empty())
-    throw FormatError(fmt::format("metadata: channel '{}': {}", channel.name, beyond));
+    throw FormatError(fmt::format("metadata: channel '{}': {} (FORMAT.md 13.1)", channel.name, beyond));
   return out;
 }
 

@@ -15,7 +15,7 @@ void expect_mixed(const RayBlock& rays, const MixedCells& cells) {
     for (const MixedCells::Run& run : cells.of_ray(ray))
       if (cells.labels(run).size() == 1)
         rays.for_each_run(ray, run.from, run.to, [&](uint32_t, uint32_t, SetId own) {
-          if (own == cells.labels(run)[0]) throw FormatError("a cell is listed as mixed that has its own label alone");
+          if (own == cells.labels(run)[0]) throw FormatError("a cell is listed as mixed that has its own label alone (FORMAT.md 13.1)");
         });
 }
 

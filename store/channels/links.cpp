@@ -123,7 +123,7 @@ void decode_along(int axis, uint32_t cells, size_t patches, ByteReader& in, Chun
   all.clear();
   all.reserve(number);
   if (number > 0 && cells == 0) in.fail("cells at the end of the grid have links");
-  const auto part = [&](const char* name) { return ByteReader(in.take(in.varint(0, in.remaining(), name)), "links"); };
+  const auto part = [&](const char* name) { return ByteReader(in.take(in.varint(0, in.remaining(), name)), "links", "14.4"); };
   ByteReader lines = part("bytes of lines");
   for (uint64_t next = 0; all.size() < number;) {
     const uint64_t first = next + lines.varint(0, out.lines(axis) - next, "lines without links");
@@ -142,6 +142,7 @@ void decode_along(int axis, uint32_t cells, size_t patches, ByteReader& in, Chun
   const auto next_of = [&](ByteReader& exceptions, uint64_t from) {
     return exceptions.remaining() == 0 ? number : from + exceptions.varint(0, number - 1 - from, "links without an exception");
   };
+  in.clause("14.5");
   Forecast forecast(out.row(axis));
   uint64_t gap = number == 0 ? 0 : next_of(gaps, 0), patch = number == 0 ? 0 : next_of(changes, 0);
   const int64_t most = (int64_t{cells} << kFractionBits) - 1;
@@ -167,6 +168,7 @@ void decode_along(int axis, uint32_t cells, size_t patches, ByteReader& in, Chun
     }
     forecast.set(static_cast<int64_t>(height), link.patch);
   }
+  in.clause("14.4");
   gaps.expect_end(), changes.expect_end();
 }
 
@@ -178,7 +180,7 @@ void decode_links(const Metadata& meta, const ChunkKey& key, std::span<const uin
   thread_local ZstdDecoder zstd;
   thread_local Bytes body;
   zstd.decode(frame, kLinksBound, "links", body);
-  ByteReader in(body, "links");
+  ByteReader in(body, "links", "14.4");
   // The last cell of the grid has no upper neighbour.
   const bool ends[] = {(key.cu + 1) * uint64_t{s.chunk_rays} >= s.nu, (key.cv + 1) * uint64_t{s.chunk_rays} >= s.nv, key.segment + 1 == s.segments};
   for (int axis = 0; axis < 3; ++axis) decode_along(axis, out.cells(axis) - ends[axis], meta.patches.size(), in, out);

@@ -33,15 +33,15 @@ class LinkCheck {
       const auto d = static_cast<size_t>(axis);
       const uint64_t expected = differences(axis, *own, next[d].get());
       if (expected != links.along[d].size())
-        throw FormatError(fmt::format("along {} the labels of neighbours change {} times, but there are {} links", axis_name(axes_[d]), expected,
-                                      links.along[d].size()));
+        throw FormatError(fmt::format("along {} the labels of neighbours change {} times, but there are {} links (FORMAT.md 14.1)",
+                                      axis_name(axes_[d]), expected, links.along[d].size()));
       for (const Link& link : links.along[d]) {
         Cell cell = cell_of(axis, links, link);
         const Label lower = label_of(*own, cell);
         const bool beyond = ++cell[d] == links.cells(axis);
         if (beyond) cell[d] = 0;
         if (lower == label_of(beyond ? *next[d] : *own, cell))
-          throw FormatError(fmt::format("a link along {} lies between cells with the same label", axis_name(axes_[d])));
+          throw FormatError(fmt::format("a link along {} lies between cells with the same label (FORMAT.md 14.1)", axis_name(axes_[d])));
       }
     }
   }

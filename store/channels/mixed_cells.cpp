@@ -108,11 +108,12 @@ Bytes MixedCellsEncoder::encode(const MixedCells& cells) {
 // ---- decoding
 
 void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, uint32_t total, MixedCells& out) {
-  if (uint64_t{nu} * nv > kMaxChunkRays) throw FormatError(fmt::format("a chunk of {} x {} rays is larger than FORMAT.md allows", nu, nv));
+  if (uint64_t{nu} * nv > kMaxChunkRays)
+    throw FormatError(fmt::format("a chunk of {} x {} rays is larger than a file may have (FORMAT.md 7.6)", nu, nv));
   thread_local ZstdDecoder zstd;
   thread_local Bytes body;
   zstd.decode(frame, kCellsBound, "mixed cells", body);
-  ByteReader in(body, "mixed cells");
+  ByteReader in(body, "mixed cells", "13.2");
   out.reset(nu, nv, length, total);
   const uint64_t sets = in.varint(1, in.remaining(), "sets");
   for (uint64_t i = 0; i < sets; ++i)
@@ -140,6 +141,7 @@ void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv
   const auto low = in.take(coded), high = has_high_bytes(total) ? in.take(coded) : std::span<const uint8_t>();
   in.expect_end();
 
+  in.clause("13.3");
   uint32_t first = 0;
   for (uint32_t ray = 0; ray < nu * nv; ++ray) {
     uint64_t end = 0;
@@ -153,6 +155,7 @@ void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv
       if (leads) first = run.from;
     }
   }
+  in.clause("13.4");
   out.counts.resize(counts);
   size_t next = 0;
   for (const MixedCells::Run& run : out.runs) {

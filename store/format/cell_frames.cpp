@@ -31,7 +31,7 @@ Bytes encode_cell_page(const CellPage& page, uint64_t number) {
 
 CellPage decode_cell_page(std::span<const uint8_t> frame, size_t chunks, uint64_t number) {
   const Bytes body = decompressed(frame, "page of a channel");
-  ByteReader in(body, "page of a channel");
+  ByteReader in(body, "page of a channel", "12.2");
   CellPage page(chunks);
   for (uint64_t& chunk : page) {
     const uint64_t back = in.varint(0, number, "distance of a frame");
@@ -49,7 +49,7 @@ Bytes encode_cell_list(std::span<const uint64_t> pages) {
 
 std::vector<uint64_t> decode_cell_list(std::span<const uint8_t> frame, size_t pages, uint64_t frames) {
   const Bytes body = decompressed(frame, "list of pages of a channel");
-  ByteReader in(body, "list of pages of a channel");
+  ByteReader in(body, "list of pages of a channel", "12.3");
   std::vector<uint64_t> list(pages);
   for (uint64_t& page : list) {
     const uint64_t number = in.varint(0, frames, "number of a page's frame");
@@ -63,11 +63,11 @@ void check_cell_frames(const Metadata& meta, const Channel& channel, const std::
                        const std::function<void(const ChunkKey&, const Bytes*)>& check) {
   const LevelShape s(meta, 0);
   const uint64_t lists = cell_lists(s.pages());
-  if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages", channel.name));
+  if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages (FORMAT.md 12.3)", channel.name));
   std::vector<bool> named(channel.frames);
   const auto name_once = [&](uint64_t number) {
     if (number >= named.size() || named[number])
-      throw FormatError(fmt::format("channel '{}' frame {}: it is named twice, or is not there", channel.name, number));
+      throw FormatError(fmt::format("channel '{}' frame {}: it is named twice, or is not there (FORMAT.md 12.4)", channel.name, number));
     named[number] = true;
   };
   for (uint64_t i = 0; i < lists; ++i) name_once(channel.frames - lists + i);
@@ -93,7 +93,7 @@ void check_cell_frames(const Metadata& meta, const Channel& channel, const std::
     }
   }
   if (const auto found = static_cast<uint64_t>(std::ranges::count(named, true)); found != channel.frames)
-    throw FormatError(fmt::format("channel '{}' has {} frames, but its pages name {}", channel.name, channel.frames, found));
+    throw FormatError(fmt::format("channel '{}' has {} frames, but its pages name {} (FORMAT.md 12.4)", channel.name, channel.frames, found));
 }
 
 std::optional<Bytes> CellFrames::put(const ChunkKey& key, uint64_t number, uint64_t next) {
@@ -102,7 +102,7 @@ std::optional<Bytes> CellFrames::put(const ChunkKey& key, uint64_t number, uint6
   Open& open = it->second;
   if (fresh) open = {CellPage(shape_.page_size(page), kNotPut), shape_.page_size(page)};
   uint64_t& frame = open.chunks[shape_.slot_of(key, page)];
-  if (frame != kNotPut || pages_[page] != kNotPut) throw FormatError(fmt::format("{}: a channel has it twice", chunk_name(key)));
+  if (frame != kNotPut || pages_[page] != kNotPut) throw FormatError(fmt::format("{}: a channel has it twice (FORMAT.md 12.1)", chunk_name(key)));
   frame = number;
   if (--open.missing > 0) return std::nullopt;
   const CellPage chunks = std::move(open.chunks);
@@ -115,13 +115,14 @@ std::optional<Bytes> CellFrames::put(const ChunkKey& key, uint64_t number, uint6
 }
 
 void CellFrames::put_page(uint64_t page, uint64_t number) {
-  if (pages_[page] != kNotPut || open_.contains(page)) throw FormatError(fmt::format("page {} of a channel: it is there twice", page));
+  if (pages_[page] != kNotPut || open_.contains(page))
+    throw FormatError(fmt::format("page {} of a channel: it is there twice (FORMAT.md 12.2)", page));
   pages_[page] = number;
   ++complete_;
 }
 
 std::vector<Bytes> CellFrames::lists() const {
-  if (complete_ != pages_.size()) throw FormatError(fmt::format("a channel lacks chunks in {} pages", pages_.size() - complete_));
+  if (complete_ != pages_.size()) throw FormatError(fmt::format("a channel lacks chunks in {} pages (FORMAT.md 12.2)", pages_.size() - complete_));
   std::vector<Bytes> out;
   for (size_t first = 0; first < pages_.size(); first += kPagesPerList)
     out.push_back(encode_cell_list(std::span(pages_).subspan(first, std::min<size_t>(kPagesPerList, pages_.size() - first))));

@@ -109,7 +109,7 @@ Bytes encode_page(const std::vector<ChunkEntry>& entries, bool with_stats, uint6
 std::vector<ChunkEntry> decode_page(std::span<const uint8_t> frame, size_t chunks, bool with_stats, uint32_t labels, uint64_t place) {
   Bytes body;
   ZstdDecoder().decode(frame, kPageBound, "index page", body);
-  ByteReader in(body, "index page");
+  ByteReader in(body, "index page", "10.1");
   std::vector<ChunkEntry> entries(chunks);
   const uint64_t first = place - in.fixed<uint64_t>();
   for (ChunkEntry& e : entries) e.size = static_cast<uint32_t>(in.varint(0, ~0u, "chunk size"));
@@ -168,19 +168,19 @@ uint64_t directory_bytes(uint64_t entries) {
 }
 
 std::vector<DirectoryEntry> decode_directory_block(std::span<const uint8_t> block) {
-  ByteReader in(block, "directory block");
+  ByteReader in(block, "directory block", "9.1");
   if (block.size() < 8 || (block.size() - 8) % kDirectoryEntry != 0)
     in.fail(fmt::format("expected whole entries and a checksum, found {} bytes", block.size()));
   std::vector<DirectoryEntry> entries((block.size() - 8) / kDirectoryEntry);
   for (DirectoryEntry& e : entries) e = {in.fixed<uint64_t>(), in.fixed<uint64_t>(), in.fixed<uint64_t>()};
   const auto expected = in.fixed<uint64_t>(), found = checksum(block.first(block.size() - 8));
   if (found != expected)
-    throw FormatError(fmt::format("directory block: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
+    throw FormatError(fmt::format("directory block: expected checksum {:016x}, found {:016x}: the file is damaged (FORMAT.md 9.1)", expected, found));
   return entries;
 }
 
 void check_directory_frame(std::span<const uint8_t> eight_bytes, uint64_t entries) {
-  ByteReader in(eight_bytes, "directory");
+  ByteReader in(eight_bytes, "directory", "9.1");
   check_skippable(in, directory_bytes(entries) - 8);
 }
 
@@ -198,21 +198,22 @@ Bytes encode_header() {
 }
 
 uint16_t check_header(std::span<const uint8_t> bytes) {
-  ByteReader in(bytes, "header");
+  ByteReader in(bytes, "header", "5.1");
   if (bytes.size() < kHeaderBytes || !std::equal(kHeaderMagic, kHeaderMagic + 8, bytes.begin() + 8))
     throw FormatError(bytes.size() >= kPartMagic.size() && std::equal(kPartMagic.begin(), kPartMagic.end(), bytes.begin())
-                          ? "expected a grid, found a part of one: merged with the other parts it becomes a grid"
-                          : "not a teracell file: it does not start with a teracell header");
+                          ? "expected a grid, found a part of one: merged with the other parts it becomes a grid (FORMAT.md 16.1)"
+                          : "not a teracell file: it does not start with a teracell header (FORMAT.md 5.1)");
   check_skippable(in, kHeaderBytes - 8);
   in.take(8);
   const auto major = in.fixed<uint16_t>(), minor = in.fixed<uint16_t>();
   const auto reserved = in.fixed<uint32_t>();
   const auto expected = in.fixed<uint64_t>(), found = checksum(bytes.first(kHeaderBytes - 8));
-  if (found != expected) throw FormatError(fmt::format("header: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
+  if (found != expected)
+    throw FormatError(fmt::format("header: expected checksum {:016x}, found {:016x}: the file is damaged (FORMAT.md 5.1)", expected, found));
   if (major != kFormatMajor)
-    throw FormatError(fmt::format("the file has format version {}.{}, this program reads {}.x: {}", major, minor, kFormatMajor,
+    throw FormatError(fmt::format("the file has format version {}.{}, this program reads {}.x: {} (FORMAT.md 5.2)", major, minor, kFormatMajor,
                                   major > kFormatMajor ? "use a newer teracell" : "mesh the surfaces again, or use an older teracell"));
-  if (reserved != 0) throw FormatError("header: reserved bits are set");
+  if (reserved != 0) throw FormatError("header: reserved bits are set (FORMAT.md 5.1)");
   return minor;
 }
 
@@ -230,10 +231,11 @@ Bytes encode_footer(const Footer& footer) {
 
 Footer decode_footer(std::span<const uint8_t> bytes) {
   if (bytes.size() != kFooterBytes || !std::equal(kFooterMagic, kFooterMagic + 8, bytes.end() - 8))
-    throw FormatError("the file does not end with a teracell footer: it is cut short or not a teracell file");
+    throw FormatError("the file does not end with a teracell footer: it is cut short or not a teracell file (FORMAT.md 6.1)");
   const auto expected = ByteReader(bytes.subspan(kFooterBytes - 16, 8), "footer").fixed<uint64_t>(), found = checksum(bytes.first(kFooterBytes - 16));
-  if (found != expected) throw FormatError(fmt::format("footer: expected checksum {:016x}, found {:016x}: the file is damaged", expected, found));
-  ByteReader in(bytes, "footer");
+  if (found != expected)
+    throw FormatError(fmt::format("footer: expected checksum {:016x}, found {:016x}: the file is damaged (FORMAT.md 6.1)", expected, found));
+  ByteReader in(bytes, "footer", "6.1");
   check_skippable(in, kFooterBytes - 8);
   Footer footer;
   footer.file_bytes = in.fixed<uint64_t>();

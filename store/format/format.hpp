@@ -85,7 +85,7 @@ uint16_t check_header(std::span<const uint8_t> bytes);  // returns the minor ver
 struct Footer {
   uint64_t file_bytes = 0;
   DirectoryEntry metadata, report;  // where they are
-  std::array<uint8_t, 16> hash{};   // of the content: FORMAT.md, "Content hash"
+  std::array<uint8_t, 16> hash{};   // of the content: FORMAT.md 6.2
 };
 Bytes encode_footer(const Footer& footer);
 Footer decode_footer(std::span<const uint8_t> bytes);

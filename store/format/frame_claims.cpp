@@ -11,10 +11,10 @@ void FrameClaims::expect_own(const Owner& owner, const DirectoryEntry& frame) {
   if (after != claims_.begin()) {
     const auto& [first, claim] = *std::prev(after);
     if (first == frame.offset && claim.end == end && claim.owner == owner) return;
-    if (claim.end > frame.offset) throw FormatError(fmt::format("byte {} belongs to two things that the index names", frame.offset));
+    if (claim.end > frame.offset) throw FormatError(fmt::format("byte {} belongs to two things that the index names (FORMAT.md 3.4)", frame.offset));
   }
   if (after != claims_.end() && after->first < end)
-    throw FormatError(fmt::format("byte {} belongs to two things that the index names", after->first));
+    throw FormatError(fmt::format("byte {} belongs to two things that the index names (FORMAT.md 3.4)", after->first));
   if (claims_.size() == kMost) claims_.clear(), after = claims_.end();
   claims_.emplace_hint(after, frame.offset, Claim{end, owner});
 }

@@ -1,4 +1,4 @@
-// Which bytes of a file belong to which chunk or page, as far as they were read. No two may share a byte (FORMAT.md, "Layout"). A hostile
+// Which bytes of a file belong to which chunk or page, as far as they were read. No two may share a byte (FORMAT.md 3.4). A hostile
 // file of a few kilobytes could name one frame as millions of chunks.
 #pragma once
 #include <cstdint>

@@ -18,7 +18,8 @@ std::optional<OpenPages::Page> OpenPages::put(const ChunkKey& key, ChunkEntry en
   if (--open.missing > 0) return std::nullopt;
   for (const ChunkEntry& e : open.entries)
     if (e.size == 0 && e.uniform.empty())
-      throw FormatError(fmt::format("level {} index page {}: a chunk is there twice, and another one is missing", shape_.level, page));
+      throw FormatError(
+          fmt::format("level {} index page {}: a chunk is there twice, and another one is missing (FORMAT.md 16.2)", shape_.level, page));
   Page complete{page, std::move(open.entries)};
   open_.erase(it);
   return complete;

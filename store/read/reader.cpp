@@ -48,7 +48,8 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
   try {
     const uint64_t size = source_->size();
     if (size < kHeaderBytes + kFooterBytes)
-      throw FormatError(fmt::format("expected at least {} bytes, found {}: not a teracell file, or cut short", kHeaderBytes + kFooterBytes, size));
+      throw FormatError(
+          fmt::format("expected at least {} bytes, found {}: not a teracell file, or cut short (FORMAT.md 2.1)", kHeaderBytes + kFooterBytes, size));
     Bytes bytes(kHeaderBytes);
     source_->read(0, bytes);
     minor_ = check_header(bytes);
@@ -56,7 +57,7 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
     source_->read(size - kFooterBytes, bytes);
     footer_ = decode_footer(bytes);
     if (footer_.file_bytes != size)
-      throw FormatError(fmt::format("expected {} bytes, found {}: bytes are missing or were added", footer_.file_bytes, size));
+      throw FormatError(fmt::format("expected {} bytes, found {}: bytes are missing or were added (FORMAT.md 6.1)", footer_.file_bytes, size));
     read_checked(*source_, footer_.metadata, "metadata", bytes);
     meta_ = decode_metadata(bytes);
     std::vector<ByteRange> directories;
@@ -104,14 +105,14 @@ bool GridReader::stored(int level) const { return std::ranges::find(meta_.levels
 void GridReader::check_directory(const std::string& whose, uint64_t offset, uint64_t entries) const {
   const uint64_t size = source_->size();
   if (entries > size / kDirectoryEntry || directory_bytes(entries) > size || offset > size - directory_bytes(entries))
-    throw FormatError(fmt::format("{}: its directory of {} entries at byte {} does not fit into the file", whose, entries, offset));
+    throw FormatError(fmt::format("{}: its directory of {} entries at byte {} does not fit into the file (FORMAT.md 9.1)", whose, entries, offset));
   Bytes bytes(8);
   source_->read(offset, bytes);
   check_directory_frame(bytes, entries);
 }
 
 DirectoryEntry GridReader::directory_entry(uint64_t directory, uint64_t entries, uint64_t i) const {
-  if (i >= entries) throw FormatError(fmt::format("its index names frame {} of a directory of {}", i, entries));
+  if (i >= entries) throw FormatError(fmt::format("its index names frame {} of a directory of {} (FORMAT.md 9.2)", i, entries));
   const BlockPlace block = directory_block(i / kBlockEntries, entries);
   const uint64_t offset = directory + block.offset;
   const IndexPlace place{number_, false, offset};
@@ -153,7 +154,7 @@ std::shared_ptr<const IndexPart> GridReader::cells_part(const Channel& channel, 
 // The frame of a page, or kNoFrame.
 uint64_t GridReader::cells_page(const Channel& channel, uint64_t page) const {
   const uint64_t pages = shape(0).pages(), lists = cell_lists(pages), first = page / kPagesPerList * kPagesPerList;
-  if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages", channel.name));
+  if (channel.frames < lists) throw FormatError(fmt::format("channel '{}' lacks the lists of its pages (FORMAT.md 12.3)", channel.name));
   const size_t listed = std::min(kPagesPerList, pages - first);
   const auto decode = [&](const Bytes& bytes) { return decode_cell_list(bytes, listed, channel.frames); };
   const uint64_t list = page / kPagesPerList;
@@ -338,7 +339,7 @@ void GridReader::read_stored(const ChunkKey& key, const ChunkEntry& e, Chunk& ou
     const uint64_t page = s.page_of(key);
     claims_.expect_own({key.level, false, page << 12 | s.slot_of(key, page)}, place);
     decoder.decode(frame, nu, nv, length, labels, out);
-    if (key.level == 0 && out.sets.ids() != labels) throw FormatError("a cell of level 0 has one label, found a set of several");
+    if (key.level == 0 && out.sets.ids() != labels) throw FormatError("a cell of level 0 has one label, found a set of several (FORMAT.md 4.1)");
   } catch (const FormatError& error) {
     throw FormatError(fmt::format("{}: {}: {}", name(), chunk_name(key), error.what()));
   }

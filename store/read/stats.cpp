@@ -95,7 +95,7 @@ std::vector<CellStats> read_label_stats(const GridReader& reader, const Box& box
     std::vector<Label> scattered;  // labels whose cells don't fill their boxes: on a graded axis their volumes are summed run by run
     for (const LabelStats& l : entry->size != 0 && p.whole ? entry->stats : counted) {
       if (l.hi[0] > p.u1 || l.hi[1] > p.v1 || l.hi[2] > p.w1)
-        throw FormatError(fmt::format("{}: {}: its statistics reach outside of it", reader.name(), chunk_name(p.key)));
+        throw FormatError(fmt::format("{}: {}: its statistics reach outside of it (FORMAT.md 10.3)", reader.name(), chunk_name(p.key)));
       Box b;
       b.lo[f.u] = p.first_u + l.lo[0], b.lo[f.v] = p.first_v + l.lo[1], b.lo[f.w] = p.first_w + l.lo[2];
       b.hi[f.u] = p.first_u + l.hi[0], b.hi[f.v] = p.first_v + l.hi[1], b.hi[f.w] = p.first_w + l.hi[2];

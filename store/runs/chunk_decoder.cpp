@@ -100,22 +100,24 @@ void decode_patterns(ByteReader& in, RayBlock& b, const std::vector<SetId>& pale
     }
     valid &= least < b.length;
   }
-  if (!valid) in.fail("the changes of a ray must ascend within it");
+  if (!valid) in.clause("11.4"), in.fail("the changes of a ray must ascend within it");
 }
 
 }  // namespace
 
 void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, Chunk& out) {
-  if (uint64_t{nu} * nv > kMaxChunkRays) throw FormatError(fmt::format("a chunk of {} x {} rays is larger than FORMAT.md allows", nu, nv));
+  if (uint64_t{nu} * nv > kMaxChunkRays)
+    throw FormatError(fmt::format("a chunk of {} x {} rays is larger than a file may have (FORMAT.md 7.6)", nu, nv));
   Scratch& s = *s_;
   s.zstd.decode(frame, kChunkBound, "chunk", s.body);
 
-  ByteReader in(s.body, "chunk");
+  ByteReader in(s.body, "chunk", "11.1");
   out.rays.reset(nu, nv, length);
   out.sets = SetTable(labels);
   decode_palette(in, out.sets, s.palette);
   decode_patterns(in, out.rays, s.palette, s.sets);
   decode_pattern_of_rays(in, out.rays);
+  in.clause("11.3");
   decode_changes(in, out.rays);
   in.expect_end();
 }
