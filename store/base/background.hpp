@@ -109,4 +109,4 @@ class Background {
   std::thread thread_;  // last: it uses the others
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

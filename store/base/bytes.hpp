@@ -76,4 +76,4 @@ class ByteReader {
   const char* clause_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -10,4 +10,4 @@ struct CacheCounts {
   size_t bytes, entries, limit;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -52,4 +52,4 @@ auto naming(const std::string& file, F&& f) try {
   throw FormatError(file + ": " + message, e.remedy);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -368,4 +368,4 @@ void OutputFolder::commit() {
                               partial_.string(), error.message()));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -148,4 +148,4 @@ class OutputFolder {
   int fd_ = -1;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

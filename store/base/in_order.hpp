@@ -131,4 +131,4 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

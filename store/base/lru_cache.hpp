@@ -67,4 +67,4 @@ class LruCache {
   std::unordered_map<Key, typename std::list<Entry>::iterator, Hash> places_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -49,4 +49,4 @@ void SequenceTable::clear() {
   table_.assign(16, 0);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

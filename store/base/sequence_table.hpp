@@ -32,4 +32,4 @@ class SequenceTable {
   std::vector<uint32_t> table_;  // open addressing; number of the sequence + 1, 0 is free
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

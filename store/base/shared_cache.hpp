@@ -124,4 +124,4 @@ class SharedCache {
   size_t bytes_ = 0;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

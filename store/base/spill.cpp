@@ -59,4 +59,4 @@ void SpillFile::read(uint64_t offset, std::span<uint8_t> out) const {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -34,4 +34,4 @@ class SpillFile {
   bool in_memory_ = false;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -39,4 +39,4 @@ class Wanted {
   Wanted* const outer_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -70,4 +70,4 @@ void ZstdDecoder::decode_into(std::span<const uint8_t> frame, const std::string&
     throw FormatError(fmt::format("{}: zstd says {} (FORMAT.md 1.3)", what, ZSTD_isError(found) ? ZSTD_getErrorName(found) : "too short"));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -48,4 +48,4 @@ class ZstdDecoder {
   ZSTD_DCtx_s* zstd_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -92,4 +92,4 @@ std::optional<CutPlane> cut_plane(const FractionReader& fractions, const Grid& g
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

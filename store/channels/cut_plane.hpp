@@ -23,4 +23,4 @@ std::optional<CutPlane> cut_plane(const FractionReader& fractions, const Grid& g
 // REQUIRES: no component of m is negative, not all are 0, and 0 < share < 1. The volume is off by at most 1e-6.
 double plane_constant(const Vec3& m, double share);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -122,4 +122,4 @@ void FractionReader::read(const Box& box, std::span<const double> values, Strang
 template void FractionReader::read_box(const Box&, uint32_t, float, float*, const Index3&, int) const;
 template void FractionReader::read_box(const Box&, uint32_t, double, double*, const Index3&, int) const;
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -51,4 +51,4 @@ class FractionReader {
   const Subdivision samples_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

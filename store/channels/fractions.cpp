@@ -41,4 +41,4 @@ void decode_fractions(const Metadata& meta, const ChunkKey& key, const Subdivisi
                      sub_samples(samples), out);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

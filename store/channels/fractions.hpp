@@ -12,4 +12,4 @@ const Channel* find_fractions(const Metadata& meta);
 // Decodes the frame of a chunk.
 void decode_fractions(const Metadata& meta, const ChunkKey& key, const Subdivision& samples, std::span<const uint8_t> frame, MixedCells& out);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

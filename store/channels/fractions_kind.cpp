@@ -35,4 +35,4 @@ void check_fractions(const GridReader& reader, const Channel& channel, const std
 
 const ChannelKind kFractionsKind = {kFractions, kShares, check_fractions, [](const Channel& channel) { subdivision_of(channel); }};
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

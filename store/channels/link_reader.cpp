@@ -44,4 +44,4 @@ void LinkReader::for_each(int axis, const Box& box, const std::function<void(std
   });
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -32,4 +32,4 @@ class LinkReader {
   const CellChunks<ChunkLinks> chunks_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

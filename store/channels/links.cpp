@@ -195,4 +195,4 @@ const Channel* find_links(const Metadata& meta) {
   return found == meta.others().end() ? nullptr : &*found;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -56,4 +56,4 @@ const Channel* find_links(const Metadata& meta);
 // Decodes the frame of a chunk. Throws FormatError unless it is a valid one.
 void decode_links(const Metadata& meta, const ChunkKey& key, std::span<const uint8_t> frame, ChunkLinks& out);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -117,4 +117,4 @@ void check_links(const GridReader& reader, const Channel& channel, const std::fu
 
 const ChannelKind kLinksKind = {kLinks, kDistances, check_links};
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -171,4 +171,4 @@ void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

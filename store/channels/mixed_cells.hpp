@@ -60,4 +60,4 @@ class MixedCellsEncoder {
 // Throws FormatError unless `frame` is a valid one of nu x nv rays of `length` cells with labels below `labels` and `total` sub-samples.
 void decode_mixed_cells(std::span<const uint8_t> frame, uint32_t nu, uint32_t nv, uint32_t length, uint32_t labels, uint32_t total, MixedCells& out);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -195,4 +195,4 @@ CellFacts look_at_cells(const GridReader& reader, int threads, const std::functi
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -43,4 +43,4 @@ struct CellFacts {
 
 CellFacts look_at_cells(const GridReader& reader, int threads, const std::function<void(double share)>& progress);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -90,4 +90,4 @@ Findings check(const GridReader& reader, int threads, const std::function<void(d
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -14,4 +14,4 @@ inline constexpr size_t kCheckKeeps = size_t{160} << 20;
 // `progress` is called with the share of the rays that are done; what it throws ends the work.
 Findings check(const GridReader& reader, int threads, const std::function<void(double share)>& progress);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

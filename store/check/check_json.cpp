@@ -153,4 +153,4 @@ std::string findings_text(const Findings& findings, size_t most) {
   return fmt::format("{}", fmt::join(lines, "\n"));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

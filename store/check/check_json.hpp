@@ -16,4 +16,4 @@ bool ends_as_whole(std::string_view json);
 // Lines, without the last line break. At most `most` findings of a kind.
 std::string findings_text(const Findings& findings, size_t most);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -208,4 +208,4 @@ void ComponentJoiner::finish() {
   nodes_.clear(), parents_.clear();
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -83,4 +83,4 @@ class ComponentJoiner {
   std::vector<Border> above_;  // of the last row of blocks, at their highest v; the row that comes replaces them
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -76,4 +76,4 @@ void read_field(const GridReader& reader, uint32_t cu, uint32_t cv, std::shared_
     for (uint32_t u = out.u; u < end_u; ++u) columns.append(u, v, out.rays);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

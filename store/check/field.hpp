@@ -19,4 +19,4 @@ struct Field {
 // Reads through the reader's keeper. `scratch` is for the reader alone.
 void read_field(const GridReader& reader, uint32_t cu, uint32_t cv, std::shared_ptr<Chunk>& scratch, Field& out);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

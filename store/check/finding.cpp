@@ -10,4 +10,4 @@ std::string grouped(CellCount count) {
   return text;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

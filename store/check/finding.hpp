@@ -64,4 +64,4 @@ struct Findings {
 // 1,234,567
 std::string grouped(CellCount count);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

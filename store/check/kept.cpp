@@ -45,4 +45,4 @@ std::string read_kept_findings(const std::filesystem::path& grid, const std::str
   return hash_in(text) == hash && is_whole(text) ? text : "";
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

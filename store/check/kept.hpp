@@ -13,4 +13,4 @@ bool has_kept_findings(const std::filesystem::path& grid, const std::string& has
 // grid's, was changed, or is too large to be one.
 std::string read_kept_findings(const std::filesystem::path& grid, const std::string& hash);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -199,4 +199,4 @@ void add_reported(Findings& findings, const std::string& report, const Metadata&
   throw FormatError(fmt::format("report: expected what the mesher writes, found something else: {}", e.what()));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

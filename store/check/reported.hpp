@@ -12,4 +12,4 @@ void add_reported(Findings& findings, const std::string& report, const Metadata&
 // Adds a finding; those beyond kMostFindings of a kind are only counted.
 void add_finding(Findings& findings, Finding finding);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -110,4 +110,4 @@ void Walls::combine() {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

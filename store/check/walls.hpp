@@ -44,4 +44,4 @@ class Walls {
   Kept before_, after_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

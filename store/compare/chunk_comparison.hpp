@@ -97,4 +97,4 @@ class ChunkComparison {
   ChunkEncoder encoder_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -214,4 +214,4 @@ class CompareAcross {
 
 void compare_across(const GridComparison& c) { CompareAcross(c).run(); }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -262,4 +262,4 @@ class CompareAlong {
 
 void compare_along(const GridComparison& c) { CompareAlong(c).run(); }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -79,4 +79,4 @@ Difference find_difference(const GridReader& a, const GridReader& b, const Diffe
   return std::move(counted.difference);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -12,4 +12,4 @@ namespace teracell::inline store {
 Difference find_difference(const GridReader& a, const GridReader& b, const DifferenceOptions& options,
                            const std::function<void(const char*, double)>& progress);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -85,4 +85,4 @@ Difference count_difference(const GridReader& a, const GridReader& b, const Diff
       .difference;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

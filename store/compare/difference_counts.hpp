@@ -40,4 +40,4 @@ struct CountedChanges {
 CountedChanges count_changes(const GridReader& a, const GridReader& b, const DifferenceOptions& options, bool with_cells,
                              const std::function<void(const FoundChanges&)>& found, const std::function<void(double)>& progress);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -140,4 +140,4 @@ void write_changes(const std::filesystem::path& path, const Metadata& meta, cons
   writer.finish(report, all_changes);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -35,4 +35,4 @@ class SpilledChanges {
 void write_changes(const std::filesystem::path& path, const Metadata& meta, const SpilledChanges& changes, const std::vector<Label>& label_of,
                    const std::string& report, int threads, const std::function<void(double)>& progress);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

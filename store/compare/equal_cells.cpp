@@ -30,4 +30,4 @@ void expect_equal_cells(const GridReader& a, const GridReader& b) {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

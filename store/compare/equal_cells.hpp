@@ -7,4 +7,4 @@ namespace teracell::inline store {
 // Throws InputError that names the first difference: the unit, or the axis and the line.
 void expect_equal_cells(const GridReader& a, const GridReader& b);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

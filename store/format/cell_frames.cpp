@@ -152,4 +152,4 @@ void CellFrames::restore(ByteReader& state) {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

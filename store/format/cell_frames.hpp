@@ -63,4 +63,4 @@ class CellFrames {
   uint64_t complete_ = 0;  // pages
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

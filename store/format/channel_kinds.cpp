@@ -16,4 +16,4 @@ const ChannelKind* find_kind(std::span<const ChannelKind> kinds, std::string_vie
   return it == kinds.end() ? nullptr : &*it;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -38,4 +38,4 @@ std::span<const ChannelKind> channel_kinds();
 // Null if `kinds` has none of this name and coding.
 const ChannelKind* find_kind(std::span<const ChannelKind> kinds, std::string_view name, std::string_view coding);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -37,4 +37,4 @@ void read_in_pieces(const ByteSource& source, uint64_t offset, uint64_t size, co
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -15,4 +15,4 @@ void read_checked(const ByteSource& source, const DirectoryEntry& place, const s
 // Calls f with the bytes from `offset` on, a mebibyte at a time: for parts of any size.
 void read_in_pieces(const ByteSource& source, uint64_t offset, uint64_t size, const std::function<void(std::span<const uint8_t>)>& f);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -47,4 +47,4 @@ std::vector<LabelStats> stats_of(const RayBlock& b) {
   return all;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

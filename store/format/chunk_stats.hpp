@@ -8,4 +8,4 @@ namespace teracell::inline store {
 // The cells and the box of every label of a block of level 0, labels ascending.
 std::vector<LabelStats> stats_of(const RayBlock& rays);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -280,4 +280,4 @@ std::string hex(const std::array<uint8_t, 16>& hash) {
   return text;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

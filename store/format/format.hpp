@@ -120,4 +120,4 @@ class ContentHash {
 };
 std::string hex(const std::array<uint8_t, 16>& hash);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -19,4 +19,4 @@ void FrameClaims::expect_own(const Owner& owner, const DirectoryEntry& frame) {
   claims_.emplace_hint(after, frame.offset, Claim{end, owner});
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -32,4 +32,4 @@ class FrameClaims {
   std::map<uint64_t, Claim> claims_;  // by their first byte
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

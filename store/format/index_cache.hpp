@@ -32,4 +32,4 @@ class IndexCache : public LruCache<IndexPlace, IndexPart, IndexPlaceHash> {
   std::atomic<uint64_t> readers_ = 0;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

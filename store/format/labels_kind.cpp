@@ -6,4 +6,4 @@ namespace teracell::inline store {
 
 const ChannelKind kLabelsKind = {kLabels, kRuns, nullptr};
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -194,4 +194,4 @@ Metadata decode_metadata(std::span<const uint8_t> frame, std::span<const Channel
   return meta;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

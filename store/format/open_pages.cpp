@@ -49,4 +49,4 @@ void OpenPages::restore(ByteReader& state) {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

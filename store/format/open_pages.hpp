@@ -34,4 +34,4 @@ class OpenPages {
   std::map<uint64_t, Open> open_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -119,4 +119,4 @@ void Grid::check_level(int level) const {
 
 std::string cell_count_text(const Index3& cells) { return whole_text(static_cast<unsigned __int128>(cells[0]) * cells[1] * cells[2]); }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -107,4 +107,4 @@ inline std::optional<int> axis_named(std::string_view name) {
 // The product of three counts as text: it may exceed 64 bits.
 std::string cell_count_text(const Index3& cells);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -41,4 +41,4 @@ SetId SetTable::unite_slowly(SetId a, SetId b) {
   return intern(both);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -55,4 +55,4 @@ class SetTable {
   std::array<Memo, 64> memo_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -73,4 +73,4 @@ ChunkKey LevelShape::key_of(uint64_t page, uint32_t slot) const {
           static_cast<uint32_t>(page / pages_u % pages_v) * page_chunks + slot / width, static_cast<uint32_t>(page / pages_u / pages_v)};
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

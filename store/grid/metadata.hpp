@@ -129,4 +129,4 @@ struct LevelShape {
   uint32_t length(uint32_t segment) const { return std::min(chunk_cells, nw - segment * chunk_cells); }
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

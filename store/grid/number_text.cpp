@@ -24,4 +24,4 @@ std::string number_text(double number, int digits) {
 // A negative zero becomes a zero.
 std::string place_text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0] + 0.0, p[1] + 0.0, p[2] + 0.0); }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

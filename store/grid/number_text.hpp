@@ -12,4 +12,4 @@ std::string number_text(double number, int digits);
 // "(4, 1.5, -0.25)": plain ASCII, so that it can be copied into a command.
 std::string place_text(const Vec3& place);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -61,4 +61,4 @@ ordered_json image_label_json(const Metadata& meta) {
   return {{"colors", colors}, {"properties", properties}};
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -17,4 +17,4 @@ nlohmann::ordered_json multiscale_json(const Metadata& meta, const std::string& 
 // The "colors" and "properties" of an "image-label" whose values are ids of materials.
 nlohmann::ordered_json image_label_json(const Metadata& meta);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -45,4 +45,4 @@ class SetMemo {
   std::vector<uint32_t> place_;  // by id: the place in known_ + 1, or 0; empty while there are few
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

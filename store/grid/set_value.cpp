@@ -23,4 +23,4 @@ std::vector<uint32_t> materials_of(const Metadata& meta, const std::vector<Label
   return materials;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

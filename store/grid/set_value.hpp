@@ -27,4 +27,4 @@ void put_labels(Out& out, std::span<const uint16_t> ids, bool wide) {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

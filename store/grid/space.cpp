@@ -42,4 +42,4 @@ double coordinate(const Axis& axis, int level, int64_t i) {
   return (axis.plane(lo) + axis.plane(hi)) / 2;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

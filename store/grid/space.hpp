@@ -31,4 +31,4 @@ nlohmann::ordered_json space_json(const Metadata& meta);
 // Where a cell of a level lies along an axis, graded or not: at its sample point; above level 0 halfway between its planes.
 double coordinate(const Axis& axis, int level, int64_t i);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -75,4 +75,4 @@ std::string vtk_header(const VtkGrid& grid, size_t bytes) {
   return header + vtk_count(all * bytes);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -25,4 +25,4 @@ std::string vtk_header(const VtkGrid& grid, size_t bytes);
 std::string vtk_count(uint64_t bytes);
 inline constexpr char kVtkFooter[] = "\n</AppendedData>\n</VTKFile>\n";
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -71,4 +71,4 @@ class CellChunks {
   uint64_t number_ = 0;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -21,4 +21,4 @@ class KeptChunks final : public ChunkKeeper {
   mutable SharedCache<ChunkKey, Chunk, ChunkKeyHash> chunks_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -126,4 +126,4 @@ std::vector<LineRun> read_line(const GridReader& reader, const Vec3& a, const Ve
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -14,4 +14,4 @@ struct LineRun {
 // REQUIRES: a and b are finite and differ.
 std::vector<LineRun> read_line(const GridReader& reader, const Vec3& a, const Vec3& b);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -82,4 +82,4 @@ std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a
   return joined;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -44,4 +44,4 @@ struct ColumnRun {
 // to `to` (half open), cut to the grid. Throws UsageError unless it lies in the grid.
 std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a, int64_t b, int64_t from = 0, int64_t to = Axis::kMaxCells);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -293,4 +293,4 @@ INSTANCES(uint16_t)
 INSTANCES(uint32_t)
 #undef INSTANCES
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -379,4 +379,4 @@ void GridReader::derive(const ChunkKey& key, Chunk& out) const {
   out = join(pieces, static_cast<uint32_t>(meta_.labels.size()));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -98,4 +98,4 @@ class GridReader {
   Metadata meta_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

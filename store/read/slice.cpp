@@ -408,4 +408,4 @@ void for_each_row(const GridReader& reader, const SliceView& view, const SetValu
   else picture.lying();
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -25,4 +25,4 @@ inline constexpr int64_t kHeldCells = int64_t{1} << 26;
 void for_each_row(const GridReader& reader, const SliceView& view, const SetValue& value, bool top_down, int threads, const RowSink& row,
                   int64_t held = kHeldCells);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -128,4 +128,4 @@ std::vector<CellStats> read_stats(const GridReader& reader, const Box& box) {
   return stats_by_material(reader.meta(), read_label_stats(reader, box));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -18,4 +18,4 @@ std::vector<CellStats> stats_by_material(const Metadata& meta, const std::vector
 // By material id. Throws what read_label_stats() throws.
 std::vector<CellStats> read_stats(const GridReader& reader, const Box& box);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -121,4 +121,4 @@ void BlockFolder::make_room() const {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -39,4 +39,4 @@ class BlockFolder {
   mutable uint64_t written_;  // since the last look; at first as if a look were due
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -163,4 +163,4 @@ std::vector<CachedSource::Block> CachedSource::fetch(const std::vector<uint64_t>
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

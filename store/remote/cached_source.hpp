@@ -83,4 +83,4 @@ class CachedSource : public ByteSource {
   mutable uint64_t next_ = 0, window_ = 0;  // the block after the last one that a read fetched; how far reads in a row look ahead
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

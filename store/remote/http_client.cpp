@@ -250,4 +250,4 @@ void HttpClient::perform(std::span<Exchange> exchanges) {
   idle_->sessions.push_back(std::move(session));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

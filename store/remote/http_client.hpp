@@ -63,4 +63,4 @@ class HttpClient {
   const std::shared_ptr<Idle> idle_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

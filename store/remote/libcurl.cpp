@@ -29,4 +29,4 @@ const LibCurl& libcurl() {
   return loaded;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

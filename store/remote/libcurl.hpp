@@ -23,4 +23,4 @@ struct LibCurl {
 // Throws IoError when libcurl is not installed. Threads may call it.
 const LibCurl& libcurl();
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -320,4 +320,4 @@ void RemoteObject::perform(std::span<Exchange> exchanges, const std::string& url
     if (e.status == 0) fail(e);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -78,4 +78,4 @@ class RemoteObject : public ByteSource {
   mutable std::string redirected_;  // where the address led; empty: nowhere else
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -76,4 +76,4 @@ extern const SourceScheme kHttps{"https", open_http};
 extern const SourceScheme kHttp{"http", open_http};
 extern const SourceScheme kS3{"s3", open_s3};
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

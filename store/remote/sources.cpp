@@ -41,4 +41,4 @@ std::unique_ptr<ByteSource> open_source(const std::string& name, const SourceOpt
                                printable(first_bytes(scheme, 64))));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -50,4 +50,4 @@ std::shared_ptr<BlockCache> make_block_cache(size_t bytes);
 // Opens a file or an object. Throws UsageError for an address that is no good, IoError for what can't be opened.
 std::unique_ptr<ByteSource> open_source(const std::string& name, const SourceOptions& options);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -69,4 +69,4 @@ std::string encoded_path(std::string_view path) {
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

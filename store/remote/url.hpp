@@ -20,4 +20,4 @@ bool is_loopback(const std::string& host);
 // Every byte of a path but letters, digits and - . _ ~ / as %XX, as signatures of S3 want it.
 std::string encoded_path(std::string_view path);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

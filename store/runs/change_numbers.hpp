@@ -83,4 +83,4 @@ class KnownChanges {
   uint32_t last_number_ = 0;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

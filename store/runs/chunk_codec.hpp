@@ -45,4 +45,4 @@ class ChunkDecoder {
   std::unique_ptr<Scratch> s_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -122,4 +122,4 @@ void ChunkDecoder::decode(std::span<const uint8_t> frame, uint32_t nu, uint32_t 
   in.expect_end();
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

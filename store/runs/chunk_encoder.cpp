@@ -113,4 +113,4 @@ Bytes ChunkEncoder::encode(const RayBlock& b, const SetTable& sets) {
   return s.zstd.encode(s.body, kZstdLevel, kChunkBound);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

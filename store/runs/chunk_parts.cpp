@@ -15,4 +15,4 @@ void check_box(const Metadata& meta, int level, const Box& box) {
                                    box.lo[d], box.hi[d]));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -70,4 +70,4 @@ void for_each_part_run(const RayBlock& rays, const ChunkPart& p, F&& f) {
       rays.for_each_run(v * rays.nu + u, p.w0, p.w1, [&](uint32_t from, uint32_t to, SetId set) { f(u, v, from, to, set); });
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

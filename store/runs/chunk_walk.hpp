@@ -60,4 +60,4 @@ void walk(const RayBlock& b, One&& one, Plane&& plane) {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

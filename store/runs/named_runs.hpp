@@ -108,4 +108,4 @@ class NamedChunk {
   std::vector<size_t> begin_;  // of each pattern in names_
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -234,4 +234,4 @@ Chunk coarsen(const Chunk& chunk, int shift) {
   return coarse;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -25,4 +25,4 @@ struct TreeRange {
 // REQUIRES: shift is 1 (one level) or 2 (two).
 Chunk coarsen(const Chunk& fine, int shift);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -104,4 +104,4 @@ Chunk join(std::span<const Piece> pieces, uint32_t labels) {
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -93,4 +93,4 @@ struct Piece {
 // Joins pieces that tile a block without gap or overlap. The result has ids of its own.
 Chunk join(std::span<const Piece> pieces, uint32_t labels);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -58,4 +58,4 @@ uint32_t RowSweep::turn(const Rows& rows, uint32_t b0, uint32_t b1, uint32_t w0,
   return end;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

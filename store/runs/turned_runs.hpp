@@ -60,4 +60,4 @@ class RowSweep {
   std::vector<NamedRuns> last_;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

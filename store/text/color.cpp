@@ -16,4 +16,4 @@ std::string palette_color(uint32_t id) {
   return fmt::format("#{:02x}{:02x}{:02x}", c[0] * shade / 100, c[1] * shade / 100, c[2] * shade / 100);
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

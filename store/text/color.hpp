@@ -25,4 +25,4 @@ inline std::optional<Rgba> parse_color(std::string_view text) {
 // The default colour of material `id` >= 1: seven colours that colour-blind readers can tell apart, then darker shades of them.
 std::string palette_color(uint32_t id);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -173,4 +173,4 @@ class Checker {
 
 void check_json(std::string_view text, const std::string& what) { Checker(text, what).check(); }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -12,4 +12,4 @@ inline constexpr size_t kMostJsonKeys = 65536;  // of one object: as many as the
 // levels deep, in which no object has a key twice or more than kMostJsonKeys keys, and every number is a finite double.
 void check_json(std::string_view text, const std::string& what);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -95,4 +95,4 @@ std::string ascii_json(const Json& j) { return j.dump(-1, ' ', true, Json::error
 
 std::string utf8_of(std::string_view text) { return parse_json(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace), "text"); }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -18,4 +18,4 @@ std::string ascii_json(const nlohmann::ordered_json& j);
 // The text, with U+FFFD for what is not UTF-8.
 std::string utf8_of(std::string_view text);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -62,4 +62,4 @@ JsonWriter& JsonWriter::value(std::span<const int64_t> numbers) {
   return end_array();
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

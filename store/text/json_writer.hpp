@@ -70,4 +70,4 @@ size_t write_list(std::string& text, size_t count, size_t most, F&& item) {
   return 0;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

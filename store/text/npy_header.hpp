@@ -21,4 +21,4 @@ inline Bytes npy_header(const std::string& dtype, const std::vector<int64_t>& sh
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -47,4 +47,4 @@ std::string whole_text(unsigned __int128 number) {
 
 std::string plural(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -23,4 +23,4 @@ std::string whole_text(unsigned __int128 number);
 // "1 chunk", "2 chunks".
 std::string plural(uint64_t n, std::string_view thing);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

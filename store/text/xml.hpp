@@ -12,4 +12,4 @@ inline std::string xml_text(const std::string& text) {
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -195,4 +195,4 @@ std::string column_json(const Metadata& meta, int axis, int64_t a, int64_t b, co
   return text;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -38,4 +38,4 @@ class ColumnJson {
 };
 double bits_per_crossing(const Metadata& meta);  // of level 0; 0 without crossings
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -209,4 +209,4 @@ void pack(const GridReader& reader, const std::filesystem::path& path, const Pac
   throw FormatError(message.starts_with(reader.name()) ? message : fmt::format("{}: {}", reader.name(), message));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

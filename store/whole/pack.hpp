@@ -22,4 +22,4 @@ struct PackOptions {
 // throw to stop. When it returns the file is durable. Memory: 40 bytes per page, and two pages of chunks per thread.
 void pack(const GridReader& reader, const std::filesystem::path& path, const PackOptions& options, const std::function<void(double)>& progress);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

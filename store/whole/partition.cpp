@@ -342,4 +342,4 @@ Partition make_partition(const GridReader& reader, const PartitionOptions& optio
   return out;
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

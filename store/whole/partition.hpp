@@ -50,4 +50,4 @@ std::string partition_json(const Partition& partition);
 // don't fit the halo or the places to cut at.
 Partition parse_partition(const std::string& json);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

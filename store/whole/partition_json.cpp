@@ -160,4 +160,4 @@ Partition parse_partition(const std::string& text) try {
   throw InputError(fmt::format("partition: expected what teracell partition writes: {}", e.what()));
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

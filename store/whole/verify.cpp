@@ -227,4 +227,4 @@ class PartCheck : public PartTaker {
 
 uint64_t verify(const PartReader& part) { return PartCheck(part).run(); }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -13,4 +13,4 @@ void verify(const GridReader& reader, int threads, const std::function<void(doub
 // The same of a part of a grid: each block is read, and each chunk decoded. Returns the number of chunks.
 uint64_t verify(const PartReader& part);
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -30,4 +30,4 @@ class ChunkSink {
   virtual void save(Bytes& state) = 0;
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -339,4 +339,4 @@ void PartReader::replay_unnamed(PartTaker& taker) const {
   }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

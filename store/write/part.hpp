@@ -112,4 +112,4 @@ class PartReader {
 
 bool is_part(const std::filesystem::path& path);  // whether a file begins as parts do
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

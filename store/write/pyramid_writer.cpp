@@ -129,4 +129,4 @@ void PyramidWriter::restore(ByteReader& state) {
     }
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

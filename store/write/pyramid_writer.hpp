@@ -75,4 +75,4 @@ class PyramidWriter {
   std::shared_ptr<PyramidNode> at_;                        // the node that had a child put last
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

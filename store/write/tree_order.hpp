@@ -38,4 +38,4 @@ class TreeOrder {
   std::vector<Node> waiting_;  // the last one comes first
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

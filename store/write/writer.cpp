@@ -223,4 +223,4 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   file_.commit();
 }
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

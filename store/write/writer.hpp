@@ -70,4 +70,4 @@ class GridWriter : public ChunkSink {
   std::vector<Level> levels_;  // by index_of()
 };
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store

@@ -31,7 +31,7 @@ const ChannelKind kLabelsKind = {kLabels, kRuns, nullptr};
 const ChannelKind kFractionsKind = {kFractions, kShares, nullptr, [](const Channel& channel) { subdivision_of(channel); }};
 const ChannelKind kLinksKind = {kLinks, kDistances, nullptr};
 
-}  // namespace teracell::inline store
+}  // namespace teracell::store
 
 // Made by those that could write chunks, too, and never used.
 ZSTD_CCtx* ZSTD_createCCtx() {
