@@ -104,4 +104,11 @@ void require_missing(const server::Response& response) {
   REQUIRE(response.body->empty());
 }
 
+void require_missing(ServedCells& served, const std::vector<std::string>& paths) {
+  for (const std::string& path : paths) {
+    INFO(path);
+    require_missing(served.get(path));
+  }
+}
+
 }  // namespace teracell::testing

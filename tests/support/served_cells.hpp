@@ -46,5 +46,7 @@ std::vector<uint32_t> ids_of(const std::string& bytes, size_t width);
 
 // REQUIREs status 404 and an empty body.
 void require_missing(const server::Response& response);
+// Of each path.
+void require_missing(ServedCells& served, const std::vector<std::string>& paths);
 
 }  // namespace teracell::testing

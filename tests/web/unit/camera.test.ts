@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 import { Axis, FRAMES } from "@page/base/axis";
 import { clamped_zoom, fitting_zoom } from "@page/state/zoom";
-import { Camera, sample_cells, zoomed_about } from "@page/views/camera";
+import { Camera, sample_cells, zoomed_about } from "@page/views/drawing/camera";
 import { random_of, whole } from "./random";
 
 const random = random_of(5);

@@ -8,8 +8,8 @@ import { type Place, place_name, tile_size } from "@page/tiles/place";
 import { regions_of } from "@page/tiles/regions";
 import { SetTable } from "@page/tiles/sets";
 import type { Tile } from "@page/tiles/tile";
-import { Camera, sample_cells } from "@page/views/camera";
-import { ALONE, DIFFERS, PARTLY, SAME, SetComparison, compare_pictures } from "@page/views/differences";
+import { Camera, sample_cells } from "@page/views/drawing/camera";
+import { ALONE, DIFFERS, PARTLY, SAME, SetComparison, compare_pictures } from "@page/views/drawing/differences";
 import { random_of, whole } from "./random";
 
 const random = random_of(3);

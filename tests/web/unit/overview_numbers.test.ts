@@ -2,9 +2,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Axis } from "@page/base/axis";
-import { HOME, fitted, projection_of } from "@page/overview/camera";
-import { labelled_edges } from "@page/overview/edges";
-import type { Vec3 } from "@page/overview/space";
+import { HOME, fitted, projection_of } from "@page/overview/space/camera";
+import { labelled_edges } from "@page/overview/space/edges";
+import type { Vec3 } from "@page/overview/space/space";
 import { type Rect, type Wish, end_text, place_numbers } from "@page/overview/numbers";
 import { random_of } from "./random";
 

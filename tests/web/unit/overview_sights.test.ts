@@ -5,7 +5,7 @@ import { type Palette, compose } from "@page/overview/compose";
 import { empty_frame, point_at, put_part } from "@page/overview/frame";
 import { layers_of, palette_of } from "@page/overview/layers";
 import { type Sights, decode_sights } from "@page/overview/sights";
-import { fitted, project, projection_of } from "@page/overview/camera";
+import { fitted, project, projection_of } from "@page/overview/space/camera";
 
 // As server/SERVING.md has it. `pixels`: label plus 1, the code of the distance, own, added and facing light.
 function encoded(width: number, pixels: readonly (readonly number[])[], edges: Record<number, readonly (readonly number[])[]>, wide = 1): ArrayBuffer {

@@ -4,12 +4,12 @@ import { test } from "node:test";
 import { Axis } from "@page/base/axis";
 import {
   HOME, along_axis, at_depth_of, between, direction_at, dollied, dollied_to, dot, fitted, panned, project, projection_of, straight,
-} from "@page/overview/camera";
-import { edge_depths, labelled_edges } from "@page/overview/edges";
+} from "@page/overview/space/camera";
+import { edge_depths, labelled_edges } from "@page/overview/space/edges";
 import { make_ladder } from "@page/overview/quality";
 import { round_length } from "@page/base/lengths";
 import { parts_of } from "@page/overview/sight_query";
-import { type Vec3, from_space, shortest_side, space_of, to_space } from "@page/overview/space";
+import { type Vec3, from_space, shortest_side, space_of, to_space } from "@page/overview/space/space";
 
 const graded = new Axis({ type: "graded", planes: [0, 1, 2, 4, 8, 16] }, 0.5);
 const uniform = new Axis({ type: "uniform", min: 10, step: 0.5, first: 0, cells: 5 }, 0.5);

@@ -8,8 +8,8 @@ import { type Place, coarser, place_name, tile_size } from "@page/tiles/place";
 import { regions_of } from "@page/tiles/regions";
 import { OUTSIDE, UNKNOWN } from "@page/tiles/sets";
 import type { Tile } from "@page/tiles/tile";
-import { Camera, sample_cells } from "@page/views/camera";
-import { number_at, paint, paint_outline } from "@page/views/paint";
+import { Camera, sample_cells } from "@page/views/drawing/camera";
+import { number_at, paint, paint_outline } from "@page/views/drawing/paint";
 import { random_of, whole } from "./random";
 
 const cells: Index3 = [1500, 700, 9];
