@@ -74,11 +74,11 @@ struct Cost {
 };
 
 template <class F>
-server::Cost cost_of(std::string what, int64_t cached, F&& f) {
+Cost cost_of(std::string what, int64_t cached, F&& f) {
   const int64_t before = held - cached;
   most_held = held.load();
   const double start = processor_seconds();
-  server::Cost c{0, 0, 0, std::move(what)};
+  Cost c{0, 0, 0, std::move(what)};
   try {
     const Wanted wanted([&] {
       if (processor_seconds() - start > kGiveUpSeconds) throw server::HttpError(503, "too_dear", "too dear");
@@ -111,7 +111,7 @@ class Siege {
     options.cache_bytes = cache_;
     worst_ = {};
     beyond_here_ = 0;
-    server::Cost opened = cost_of("open", 0, [&] {
+    Cost opened = cost_of("open", 0, [&] {
       service = std::make_unique<server::Service>(options);
       try {
         service->grids().find("g");
@@ -149,7 +149,7 @@ class Siege {
   int sum_up(size_t files) const {
     fmt::print("{} files, {} requests; statuses:", files, requests_);
     for (const auto& [status, count] : statuses_) fmt::print(" {} x {}", count, status);
-    for (const server::Cost& c : {slowest_, largest_})
+    for (const Cost& c : {slowest_, largest_})
       fmt::print("\n{}: {:.2f} s, {:.1f} MB, status {} {}", &c == &slowest_ ? "" : "", c.seconds, static_cast<double>(c.bytes) / 1e6, c.status,
                  c.what);
     fmt::print("\nbeyond the bar: {}\n", beyond_);
@@ -157,7 +157,7 @@ class Siege {
   }
 
  private:
-  void tell(const ForgedFile& file, const server::Cost& c) {
+  void tell(const ForgedFile& file, const Cost& c) {
     ++requests_;
     ++statuses_[c.status];
     const int64_t allowed = kMostBytes;  // what is kept in the cache was subtracted; what the request adds to it is bounded by it
@@ -166,7 +166,7 @@ class Siege {
     if (tell_all_ || (beyond && (c.seconds > worst_.seconds * 1.2 || c.bytes > worst_.bytes / 10 * 12)))
       fmt::print("  {} {:.2f} s {:.1f} MB status {} {} {}\n", beyond ? "BEYOND" : "", c.seconds, static_cast<double>(c.bytes) / 1e6, c.status, c.what,
                  c.message);
-    const auto keep = [&](server::Cost& worst, bool more) {
+    const auto keep = [&](Cost& worst, bool more) {
       if (more) worst = c, worst.what = fmt::format("{} [{}]", c.what, file.name);
     };
     keep(slowest_, c.seconds > slowest_.seconds);
@@ -181,7 +181,7 @@ class Siege {
   size_t requests_ = 0, beyond_ = 0;
   int beyond_here_ = 0;
   std::map<int, size_t> statuses_;
-  server::Cost slowest_, largest_, worst_;
+  Cost slowest_, largest_, worst_;
 };
 
 void write_files(const std::filesystem::path& folder, size_t each) {

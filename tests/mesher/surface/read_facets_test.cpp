@@ -274,11 +274,7 @@ TEST_CASE("An OBJ has no end mark: cut short it is refused or gives the facets u
 
 TEST_CASE("Real surfaces hold the facets that their makers say") {
   const char* set = std::getenv("TERACELL_SHARED");
-#ifdef TERACELL_SOURCE_DIR
-  const std::filesystem::path shared = set ? set : TERACELL_SOURCE_DIR "/../shared";
-#else
-  const std::filesystem::path shared = set ? set : "../shared";
-#endif
+  const std::filesystem::path shared = set ? set : "../shared";  // beside the checkout, from its top
   if (!std::filesystem::exists(shared / "meshes")) {
     std::cout << "no surfaces in " << shared << ": set TERACELL_SHARED to test real files\n";
     return;
