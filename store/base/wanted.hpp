@@ -8,7 +8,7 @@
 
 namespace teracell::inline store {
 
-// What is being made is not wanted any more. SharedCache lets others that wait for the same value make it themselves.
+// What is being made is not wanted any more. LruCache lets others that wait for the same value make it themselves.
 struct Unwanted : Error {
   using Error::Error;
 };

@@ -6,7 +6,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "store/base/shared_cache.hpp"
+#include "store/base/lru_cache.hpp"
 #include "store/read/stats.hpp"
 #include "tests/support/stored.hpp"
 
@@ -28,8 +28,8 @@ TEST_CASE("Only the thread that says so is asked, the innermost first", "[wanted
   CHECK(outer == 1);
 }
 
-TEST_CASE("When the thread that makes a value gives up, another one that waits for it makes it", "[wanted][shared_cache][threads]") {
-  SharedCache<int, int> cache(10000);
+TEST_CASE("When the thread that makes a value gives up, another one that waits for it makes it", "[wanted][lru_cache][threads]") {
+  LruCache<int, int> cache(10000);
   std::atomic<bool> making = false, go = false;
   std::thread first([&] {
     CHECK_THROWS_AS(cache.get(1,

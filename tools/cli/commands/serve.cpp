@@ -113,18 +113,8 @@ server::Listener listen_with(const server::ListenerOptions& options, server::Han
 }
 
 server::ServerState state_of(server::Service& service, const server::AccessLog& log) {
-  const auto cache = [](const char* name, const auto& counts) {
-    return server::CacheState{name, counts.bytes, counts.limit, counts.hits, counts.misses};
-  };
-  const server::Service::Counters& c = service.counters();
-  return {{cache("chunks", service.chunks().counts()), cache("index", service.index().counts()), cache("answers", service.answers().counts())},
-          service.grids().all().size(),
-          c.reads,
-          c.bytes,
-          c.damaged,
-          log.dropped(),
-          server::resident_bytes(),
-          TERACELL_VERSION};
+  const server::ReadCounters& c = service.counters();
+  return {service.caches(), service.grids().all().size(), c.reads, c.bytes, c.damaged, log.dropped(), server::resident_bytes(), TERACELL_VERSION};
 }
 
 void run(const ServeArguments& o) {
