@@ -7,14 +7,13 @@
 #include "server/render/encode.hpp"
 #include "server/render/options.hpp"
 #include "server/render/sights.hpp"
-#include "store/base/wanted.hpp"
 #include "store/text/json_writer.hpp"
 
 namespace teracell::server {
 namespace {
 
 constexpr uint64_t kMostPixels = uint64_t{1} << 23;  // others wait meanwhile, so there are fewer than in a slice
-const std::atomic<bool> kNever = false;
+const auto kQuietly = [](double) {};
 
 RenderOptions options_of(const ServedGrid& grid, const Target& target, std::initializer_list<std::string_view> more) {
   std::vector<std::string_view> known = {"v"};
@@ -30,7 +29,7 @@ std::shared_ptr<const Prepared> prepared_for(Service& service, const ServedGrid&
   std::string key = fmt::format("{} {} ", grid.number, level);
   for (const bool one : shown) key += one ? '1' : '0';
   return service.prepared().get(key, [&] {
-    auto prepared = std::make_shared<const Prepared>(grid.reader(), shown, level, 1, kNever);
+    auto prepared = std::make_shared<const Prepared>(grid.reader(), shown, level, 1);
     const size_t bytes = prepared->memory();
     return std::pair(std::move(prepared), bytes);
   });
@@ -41,13 +40,11 @@ void check_size(const Service& service, const char* what, uint64_t width, uint64
     throw bad_request(fmt::format("{}: expected at most {} pixels, found {} x {}", what, most, width, height));
 }
 
-void go_on(double) { Wanted::stop_if_not(); }
-
 Service::Recipe picture(Service& service, const ServedGrid& grid, const Target& target) {
   const RenderOptions options = options_of(grid, target, {});
   check_size(service, "size", options.aim.camera.size.width, options.aim.camera.size.height);
   return {.route = "view", .content_type = "image/png", .make = [&service, &grid, options] {
-            return encode_picture(render(grid.reader(), *prepared_for(service, grid, options), options, 1, kNever, go_on), "png");
+            return encode_picture(render(grid.reader(), *prepared_for(service, grid, options), options, 1, kQuietly), "png");
           }};
 }
 
@@ -66,7 +63,7 @@ Service::Recipe numbers(Service& service, const ServedGrid& grid, const Target& 
   const std::string* quick = target.find("quick");
   const bool is_quick = quick && integer_in(*quick, "quick", 0, 1) == 1;
   return {.route = "view_bin", .content_type = "application/octet-stream", .compress = true, .make = [&service, &grid, options, window, is_quick] {
-            return encode_sights(grid.reader(), *prepared_for(service, grid, options), options.aim, window, is_quick, 1, kNever, go_on);
+            return encode_sights(grid.reader(), *prepared_for(service, grid, options), options.aim, window, is_quick, 1, kQuietly);
           }};
 }
 

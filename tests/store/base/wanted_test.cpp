@@ -6,6 +6,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "store/base/in_order.hpp"
 #include "store/base/lru_cache.hpp"
 #include "store/read/stats.hpp"
 #include "tests/support/stored.hpp"
@@ -26,6 +27,25 @@ TEST_CASE("Only the thread that says so is asked, the innermost first", "[wanted
   }
   Wanted::stop_if_not();
   CHECK(outer == 1);
+}
+
+TEST_CASE("Workers ask for the thread that they work for, when it says so", "[wanted][threads]") {
+  const auto work = [] {
+    int next = 0, done = 0;
+    in_order(
+        3, [&] { return next < 20 ? std::optional(next++) : std::nullopt; }, [](int job, int) { return Wanted::stop_if_not(), job; },
+        [&](int) { ++done; });
+    return done;
+  };
+  std::atomic<int> asked = 0;
+  {
+    const Wanted workers([&] { ++asked; }, Wanted::Asked::kByWorkers);
+    const Wanted here(give_up);
+    CHECK(work() == 20);
+  }
+  CHECK(asked == 20);
+  const Wanted workers(give_up, Wanted::Asked::kByWorkers);
+  CHECK_THROWS_AS(work(), Unwanted);
 }
 
 TEST_CASE("When the thread that makes a value gives up, another one that waits for it makes it", "[wanted][lru_cache][threads]") {
