@@ -1,4 +1,4 @@
-// What is answered about the grids that are served: the addresses below /api/v1/grids (SERVING.md and openapi.cpp). Nothing here knows a
+// What is answered about the grids that are served: the addresses below /api/v1/grids (SERVING.md and openapi.json). Nothing here knows a
 // socket, a thread or a page: the page's module, which answers in the browser, stands on this, too (web/module).
 #pragma once
 #include <functional>

@@ -1,4 +1,5 @@
-#include "server/api/diff.hpp"
+// Which cells of two served grids have different materials: what `teracell diff --json` prints.
+#include "server/api/answers.hpp"
 
 #include "store/base/wanted.hpp"
 #include "store/compare/difference_counts.hpp"
@@ -20,29 +21,27 @@ auto refused_in_words(F&& f) try {
   throw bad_request(e.what());
 }
 
+Response answer_diff(const GridRequest& r) {
+  r.target.allow({"with"});
+  const std::string* with = r.target.find("with");
+  if (!with) throw bad_request("missing with: expected the id of the grid to compare with, as /api/v1/grids lists it");
+  const std::shared_ptr<const ServedGrid> other = r.service.grids().find(*with);
+  refused_in_words([&] { expect_equal_cells(r.reader(), other->reader()); });
+  const auto make = [&r, other] {
+    // The answer is kept for the grids of this moment.
+    if (r.service.grids().find(other->id)->number != other->number) throw Replaced("grid '" + other->id + "' was replaced");
+    DifferenceOptions options;
+    options.memory = kMemory;
+    options.most_changes = kMostChanges;
+    const auto go_on = [](double) { Wanted::stop_if_not(); };
+    return difference_json(refused_in_words([&] { return count_difference(r.reader(), other->reader(), options, go_on); }));
+  };
+  // The address names neither version, so a client asks each time, and the ETag tells both.
+  return r.answer({.route = "diff", .content_type = kJson, .compress = true, .make = make, .address = other->hash});
+}
+
 }  // namespace
 
-Service::Recipe diff_recipe(Service& service, const ServedGrid& grid, const Target& target) {
-  target.allow({"with"});
-  const std::string* with = target.find("with");
-  if (!with) throw bad_request("missing with: expected the id of the grid to compare with, as /api/v1/grids lists it");
-  const std::shared_ptr<const ServedGrid> other = service.grids().find(*with);
-  refused_in_words([&] { expect_equal_cells(grid.reader(), other->reader()); });
-  // The address names neither version, so a client asks each time, and the ETag tells both.
-  return {.route = "diff",
-          .content_type = "application/json",
-          .compress = true,
-          .make =
-              [&service, &grid, other] {
-                // The answer is kept for the grids of this moment.
-                if (service.grids().find(other->id)->number != other->number) throw Replaced("grid '" + other->id + "' was replaced");
-                DifferenceOptions options;
-                options.memory = kMemory;
-                options.most_changes = kMostChanges;
-                const auto go_on = [](double) { Wanted::stop_if_not(); };
-                return difference_json(refused_in_words([&] { return count_difference(grid.reader(), other->reader(), options, go_on); }));
-              },
-          .address = other->hash};
-}
+const Answer kDiffAnswer = {"diff", 1, Cost::kDear, answer_diff};
 
 }  // namespace teracell::server

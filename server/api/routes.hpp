@@ -1,4 +1,4 @@
-// From requests to responses (the addresses: SERVING.md and openapi.cpp). Nothing here knows a socket or a thread; the service
+// From requests to responses (the addresses: SERVING.md and openapi.json). Nothing here knows a socket or a thread; the service
 // reads files.
 #pragma once
 #include "server/service/handler.hpp"

@@ -1,4 +1,5 @@
-#include "server/api/view.hpp"
+// Pictures in three dimensions of a grid: view.png; what their pixels show, as numbers: view.bin; and what is seen at one point: view.json.
+#include "server/api/answers.hpp"
 
 #include <charconv>
 
@@ -7,14 +8,14 @@
 #include "server/render/encode.hpp"
 #include "server/render/options.hpp"
 #include "server/render/sights.hpp"
-#include "store/base/wanted.hpp"
 #include "store/text/json_writer.hpp"
 
 namespace teracell::server {
 namespace {
 
+constexpr double kMostSeenPixels = 524288;           // 2^19: larger pictures are dear
 constexpr uint64_t kMostPixels = uint64_t{1} << 23;  // others wait meanwhile, so there are fewer than in a slice
-const std::atomic<bool> kNever = false;
+const auto kQuietly = [](double) {};
 
 RenderOptions options_of(const ServedGrid& grid, const Target& target, std::initializer_list<std::string_view> more) {
   std::vector<std::string_view> known = {"v"};
@@ -24,13 +25,13 @@ RenderOptions options_of(const ServedGrid& grid, const Target& target, std::init
   return parse_render_options([&](std::string_view name) { return target.find(name); }, grid.meta(), "");
 }
 
-std::shared_ptr<const Prepared> prepared_for(Service& service, const ServedGrid& grid, const RenderOptions& options) {
-  const std::vector<bool> shown = shown_labels(grid.meta(), options);
+std::shared_ptr<const Prepared> prepared_for(const GridRequest& r, const RenderOptions& options) {
+  const std::vector<bool> shown = shown_labels(r.meta(), options);
   const int level = options.aim.level.value_or(0);
-  std::string key = fmt::format("{} {} ", grid.number, level);
+  std::string key = fmt::format("{} {} ", r.grid->number, level);
   for (const bool one : shown) key += one ? '1' : '0';
-  return service.prepared().get(key, [&] {
-    auto prepared = std::make_shared<const Prepared>(grid.reader(), shown, level, 1, kNever);
+  return r.service.prepared().get(key, [&] {
+    auto prepared = std::make_shared<const Prepared>(r.reader(), shown, level, 1);
     const size_t bytes = prepared->memory();
     return std::pair(std::move(prepared), bytes);
   });
@@ -41,33 +42,29 @@ void check_size(const Service& service, const char* what, uint64_t width, uint64
     throw bad_request(fmt::format("{}: expected at most {} pixels, found {} x {}", what, most, width, height));
 }
 
-void go_on(double) { Wanted::stop_if_not(); }
-
-Service::Recipe picture(Service& service, const ServedGrid& grid, const Target& target) {
-  const RenderOptions options = options_of(grid, target, {});
-  check_size(service, "size", options.aim.camera.size.width, options.aim.camera.size.height);
-  return {.route = "view", .content_type = "image/png", .make = [&service, &grid, options] {
-            return encode_picture(render(grid.reader(), *prepared_for(service, grid, options), options, 1, kNever, go_on), "png");
-          }};
+Response answer_view_png(const GridRequest& r) {
+  const RenderOptions options = options_of(*r.grid, r.target, {});
+  check_size(r.service, "size", options.aim.camera.size.width, options.aim.camera.size.height);
+  const auto make = [&r, options] { return encode_picture(render(r.reader(), *prepared_for(r, options), options, 1, kQuietly), "png"); };
+  return r.answer({.route = "view", .content_type = "image/png", .make = make});
 }
 
-Service::Recipe numbers(Service& service, const ServedGrid& grid, const Target& target) {
-  const RenderOptions options = options_of(grid, target, {"window", "quick"});
+Response answer_view_bin(const GridRequest& r) {
+  const RenderOptions options = options_of(*r.grid, r.target, {"window", "quick"});
   const PictureSize size = options.aim.camera.size;
   Window window{0, 0, size.width, size.height};
-  if (const std::string* text = target.find("window")) {
+  if (const std::string* text = r.target.find("window")) {
     const auto c = integers(*text, 4, "window");
     window = {c[0], c[1], c[2], c[3]};
     if (window.x0 < 0 || window.y0 < 0 || window.x1 > size.width || window.y1 > size.height || window.x0 >= window.x1 || window.y0 >= window.y1)
       throw bad_request(fmt::format("window: expected X0,Y0,X1,Y1, a part of 0,0,{},{} (half open, not empty), found '{}'", size.width, size.height,
                                     text->substr(0, 48)));
   }
-  check_size(service, "window", static_cast<uint64_t>(window.width()), static_cast<uint64_t>(window.height()));
-  const std::string* quick = target.find("quick");
-  const bool is_quick = quick && integer_in(*quick, "quick", 0, 1) == 1;
-  return {.route = "view_bin", .content_type = "application/octet-stream", .compress = true, .make = [&service, &grid, options, window, is_quick] {
-            return encode_sights(grid.reader(), *prepared_for(service, grid, options), options.aim, window, is_quick, 1, kNever, go_on);
-          }};
+  check_size(r.service, "window", static_cast<uint64_t>(window.width()), static_cast<uint64_t>(window.height()));
+  const auto make = [&r, options, window, is_quick = switched_on(r.target, "quick")] {
+    return encode_sights(r.reader(), *prepared_for(r, options), options.aim, window, is_quick, 1, kQuietly);
+  };
+  return r.answer({.route = "view_bin", .content_type = "application/octet-stream", .compress = true, .make = make});
 }
 
 // {"x,y"} in pixels.
@@ -107,21 +104,32 @@ std::string point_json(const ServedGrid& grid, const Prepared& prepared, const R
   return text;
 }
 
-Service::Recipe point(Service& service, const ServedGrid& grid, const Target& target) {
-  const RenderOptions options = options_of(grid, target, {"pixel"});
-  const auto [x, y] = pixel_of(target);
-  return {.route = "view_json", .content_type = "application/json", .make = [&service, &grid, options, x = x, y = y] {
-            return point_json(grid, *prepared_for(service, grid, options), options, x, y);
-          }};
+Response answer_view_json(const GridRequest& r) {
+  const RenderOptions options = options_of(*r.grid, r.target, {"pixel"});
+  const auto [x, y] = pixel_of(r.target);
+  const auto make = [&r, options, x = x, y = y] { return point_json(*r.grid, *prepared_for(r, options), options, x, y); };
+  return r.answer({.route = "view_json", .content_type = kJson, .make = make});
 }
+
+// Of the picture or the part of it that "view.bin" is asked for, as far as the target says; the answer refuses what makes no sense.
+double pixels_asked_for(const Target& target) {
+  const std::string *window = target.find("window"), *size = target.find("size");
+  if (window) {
+    const auto n = integers(*window, 4, "window");
+    // The differences of any whole numbers fit into doubles, not into integers.
+    return (static_cast<double>(n[2]) - static_cast<double>(n[0])) * (static_cast<double>(n[3]) - static_cast<double>(n[1]));
+  }
+  if (!size) return kMostSeenPixels + 1;
+  const auto n = integers(*size, 2, "size");
+  return static_cast<double>(n[0]) * static_cast<double>(n[1]);
+}
+
+Cost cost_of_numbers(const Target& target) { return pixels_asked_for(target) <= kMostSeenPixels ? Cost::kSeen : Cost::kDear; }
 
 }  // namespace
 
-std::optional<Service::Recipe> view_recipe(Service& service, const ServedGrid& grid, const Target& target, std::string_view ending) {
-  if (ending == ".png") return picture(service, grid, target);
-  if (ending == ".bin") return numbers(service, grid, target);
-  if (ending == ".json") return point(service, grid, target);
-  return std::nullopt;
-}
+const Answer kViewPngAnswer = {"view.png", 1, Cost::kDear, answer_view_png};
+const Answer kViewBinAnswer = {"view.bin", 1, Cost::kDear, answer_view_bin, cost_of_numbers};
+const Answer kViewJsonAnswer = {"view.json", 1, Cost::kSeen, answer_view_json};
 
 }  // namespace teracell::server

@@ -68,14 +68,14 @@ std::string metrics_text(const Metrics& m, const ServerState& state) {
                      static_cast<double>(r.nanoseconds.load(kRelaxed)) * 1e-9);
       fmt::format_to(end(), "teracell_request_duration_seconds_count{{route=\"{}\"}} {}\n", name, sum);
     }
-  const auto caches = [&](const char* name, const char* type, const char* help, uint64_t CacheState::*value) {
+  const auto caches = [&](const char* name, const char* type, const char* help, auto CacheCounts::*value) {
     describe(out, name, type, help);
-    for (const CacheState& c : state.caches) fmt::format_to(end(), "{}{{cache=\"{}\"}} {}\n", name, c.name, c.*value);
+    for (const CacheState& c : state.caches) fmt::format_to(end(), "{}{{cache=\"{}\"}} {}\n", name, c.name, c.counts.*value);
   };
-  caches("teracell_cache_bytes", "gauge", "Memory that the cache holds.", &CacheState::bytes);
-  caches("teracell_cache_limit_bytes", "gauge", "Memory that the cache may hold.", &CacheState::limit);
-  caches("teracell_cache_hits_total", "counter", "Entries that were asked for and in the cache.", &CacheState::hits);
-  caches("teracell_cache_misses_total", "counter", "Entries that were asked for and had to be made.", &CacheState::misses);
+  caches("teracell_cache_bytes", "gauge", "Memory that the cache holds.", &CacheCounts::bytes);
+  caches("teracell_cache_limit_bytes", "gauge", "Memory that the cache may hold.", &CacheCounts::limit);
+  caches("teracell_cache_hits_total", "counter", "Entries that were asked for and in the cache.", &CacheCounts::hits);
+  caches("teracell_cache_misses_total", "counter", "Entries that were asked for and had to be made.", &CacheCounts::misses);
   single(out, "teracell_grids", "gauge", "Grids that are served.", state.grids);
   single(out, "teracell_reads_total", "counter", "Reads of chunks and index pages from the files.", state.reads);
   single(out, "teracell_read_bytes_total", "counter", "Bytes that these reads returned.", state.read_bytes);

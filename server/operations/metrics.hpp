@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/service/handler.hpp"
+#include "server/service/service.hpp"
 
 namespace teracell::server {
 
@@ -66,10 +67,6 @@ class Metrics {
 };
 
 // What others count: asked for when the document is made.
-struct CacheState {
-  const char* name;  // "chunks", "answers"
-  uint64_t bytes, limit, hits, misses;
-};
 struct ServerState {
   std::vector<CacheState> caches;
   uint64_t grids = 0, reads = 0, read_bytes = 0, damaged = 0, log_dropped = 0;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "store/base/error.hpp"
 #include "store/base/in_order.hpp"
 #include "store/base/wanted.hpp"
 
@@ -14,11 +13,10 @@ constexpr int64_t kTile = 32;  // pixels along a side
 
 }  // namespace
 
-Caster::Caster(const GridReader& reader, const Prepared& prepared, const Aim& aim, int threads, const std::atomic<bool>& stop)
+Caster::Caster(const GridReader& reader, const Prepared& prepared, const Aim& aim, int threads)
     : reader_(reader),
       aim_(aim),
       threads_(threads),
-      stop_(stop),
       subject_{reader, prepared.visible, prepared.occupancy, aim.cuts, aim.level},
       openness_(reader.meta().grid, prepared.density, aim.cuts),
       shading_(reader.meta().grid, aim.camera, openness_, aim.cuts, aim.level) {
@@ -41,7 +39,7 @@ void Caster::each_part(const Window& window, const std::function<void(const Wind
   in_order(
       threads_,
       [&]() -> std::optional<int64_t> {
-        if (stop_) throw Interrupted(reader_.name() + ": interrupted");
+        Wanted::stop_if_not();
         return next < across * down ? std::optional(next++) : std::nullopt;
       },
       [&](int64_t tile, int worker) {

@@ -24,8 +24,8 @@ struct Seen {
 class Caster {
  public:
   using Progress = std::function<void(double share)>;
-  // Keeps references. Calls throw Interrupted after `stop`.
-  Caster(const GridReader& reader, const Prepared& prepared, const Aim& aim, int threads, const std::atomic<bool>& stop);
+  // Keeps references. Calls throw what Wanted throws.
+  Caster(const GridReader& reader, const Prepared& prepared, const Aim& aim, int threads);
 
   // One line of sight through the middle of each pixel. `progress` is called on this thread.
   Samples cast(const Window& window, const Progress& progress);
@@ -47,7 +47,6 @@ class Caster {
   const GridReader& reader_;
   const Aim& aim_;
   const int threads_;
-  const std::atomic<bool>& stop_;
   const Subject subject_;
   const Openness openness_;
   const Shading shading_;

@@ -1,7 +1,7 @@
 #include "server/render/occupancy.hpp"
 
-#include "store/base/error.hpp"
 #include "store/base/in_order.hpp"
+#include "store/base/wanted.hpp"
 #include "store/grid/set_memo.hpp"
 
 namespace teracell::server {
@@ -37,18 +37,18 @@ uint32_t pairs(uint64_t x) {
 Occupancy::Bits::Bits(const LevelShape& shape)
     : nu(shape.nu), nv(shape.nv), nw(shape.nw), per_ray(words_per_ray(nw)), words(size_t{nu} * nv * per_ray) {}
 
-Occupancy::Occupancy(const GridReader& reader, const Visible& visible, int level, int threads, const std::atomic<bool>& stop) : first_(level) {
+Occupancy::Occupancy(const GridReader& reader, const Visible& visible, int level, int threads) : first_(level) {
   const auto too_many = [&] {
     const LevelShape shape = reader.shape(first_);
     return double{1} * shape.nu * shape.nv * static_cast<double>(words_per_ray(shape.nw)) > kMostWords;
   };
   while (too_many()) ++first_;
   for (int l = first_; l < reader.levels(); ++l) levels_.emplace_back(reader.shape(l));
-  read(reader, visible, threads, stop);
+  read(reader, visible, threads);
   for (size_t i = 1; i < levels_.size(); ++i) halve(levels_[i - 1], levels_[i]);
 }
 
-void Occupancy::read(const GridReader& reader, const Visible& visible, int threads, const std::atomic<bool>& stop) {
+void Occupancy::read(const GridReader& reader, const Visible& visible, int threads) {
   const LevelShape shape = reader.shape(first_);
   reader.prefetch(first_, reader.meta().grid.box(first_));
   Bits& bits = levels_.front();
@@ -59,7 +59,7 @@ void Occupancy::read(const GridReader& reader, const Visible& visible, int threa
   in_order(
       threads,
       [&]() -> std::optional<uint64_t> {
-        if (stop) throw Interrupted(reader.name() + ": interrupted");
+        Wanted::stop_if_not();
         return next < columns ? std::optional(next++) : std::nullopt;
       },
       [&](uint64_t column, int worker) {

@@ -1,6 +1,5 @@
 // Where anything visible is: a bit for each cell of a level, and of all coarser ones. It takes 20 MB at most, whatever the grid.
 #pragma once
-#include <atomic>
 #include <bit>
 
 #include "server/render/visible.hpp"
@@ -11,7 +10,7 @@ namespace teracell::server {
 class Occupancy {
  public:
   // Reads one level: the finest, from `level` on, whose bits are not too many.
-  Occupancy(const GridReader& reader, const Visible& visible, int level, int threads, const std::atomic<bool>& stop);
+  Occupancy(const GridReader& reader, const Visible& visible, int level, int threads);
 
   int level() const { return first_; }  // the finest that there are bits of
   // REQUIRES: level() <= level < reader.levels(), and the cell, by (u, v, w) of the grid's rays, lies in it.
@@ -35,7 +34,7 @@ class Occupancy {
     explicit Bits(const LevelShape& shape);
   };
   static constexpr size_t kMostWords = size_t{1} << 21;
-  void read(const GridReader& reader, const Visible& visible, int threads, const std::atomic<bool>& stop);
+  void read(const GridReader& reader, const Visible& visible, int threads);
   void halve(const Bits& fine, Bits& coarse) const;
 
   int first_;

@@ -40,10 +40,9 @@ std::vector<bool> shown_labels(const Metadata& meta, const RenderOptions& option
   return out;
 }
 
-Picture3D render(const GridReader& reader, const Prepared& prepared, const RenderOptions& options, int threads, const std::atomic<bool>& stop,
-                 const Caster::Progress& progress) {
+Picture3D render(const GridReader& reader, const Prepared& prepared, const RenderOptions& options, int threads, const Caster::Progress& progress) {
   const std::vector<Rgba> colors = colors_of(reader.meta(), options.flat);
-  Caster caster(reader, prepared, options.aim, threads, stop);
+  Caster caster(reader, prepared, options.aim, threads);
   const auto color = [&](const Samples& samples, int64_t x, int64_t y, int worker) {
     if (options.flat) return samples.at(x, y).shown() ? colors[samples.at(x, y).label] : options.ground;
     const auto of = [&](const Seen& s) { return s.label == Sample::kNothing ? options.ground : lit(colors[s.label], s.light); };
@@ -72,11 +71,10 @@ Picture3D render(const GridReader& reader, const Prepared& prepared, const Rende
   return out;
 }
 
-Picture3D render(const GridReader& reader, const RenderOptions& options, int threads, const std::atomic<bool>& stop,
-                 const Caster::Progress& progress) {
+Picture3D render(const GridReader& reader, const RenderOptions& options, int threads, const Caster::Progress& progress) {
   if (options.aim.level) reader.meta().grid.check_level(*options.aim.level);
-  const Prepared prepared(reader, shown_labels(reader.meta(), options), options.aim.level.value_or(0), threads, stop);
-  return render(reader, prepared, options, threads, stop, progress);
+  const Prepared prepared(reader, shown_labels(reader.meta(), options), options.aim.level.value_or(0), threads);
+  return render(reader, prepared, options, threads, progress);
 }
 
 }  // namespace teracell::server

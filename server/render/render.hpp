@@ -23,9 +23,7 @@ struct Picture3D {
 std::vector<bool> shown_labels(const Metadata& meta, const RenderOptions& options);
 // Throws UsageError for a level that is not there. `progress` is called with the share of the rows that are made; what it throws ends the
 // work. `prepared` is that of shown_labels() and of the level, or 0.
-Picture3D render(const GridReader& reader, const Prepared& prepared, const RenderOptions& options, int threads, const std::atomic<bool>& stop,
-                 const Caster::Progress& progress);
-Picture3D render(const GridReader& reader, const RenderOptions& options, int threads, const std::atomic<bool>& stop,
-                 const Caster::Progress& progress);
+Picture3D render(const GridReader& reader, const Prepared& prepared, const RenderOptions& options, int threads, const Caster::Progress& progress);
+Picture3D render(const GridReader& reader, const RenderOptions& options, int threads, const Caster::Progress& progress);
 
 }  // namespace teracell::server

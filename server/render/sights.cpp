@@ -76,8 +76,8 @@ class Encoder {
 }  // namespace
 
 std::string encode_sights(const GridReader& reader, const Prepared& prepared, const Aim& aim, const Window& window, bool quick, int threads,
-                          const std::atomic<bool>& stop, const Caster::Progress& progress) {
-  Caster caster(reader, prepared, aim, threads, stop);
+                          const Caster::Progress& progress) {
+  Caster caster(reader, prepared, aim, threads);
   const Samples samples = caster.cast(caster.with_margin(window), [&](double share) { progress(0.7 * share); });
   const Distances distances(samples, window, aim.camera.perspective);
   const auto pixels = static_cast<size_t>(window.width() * window.height());

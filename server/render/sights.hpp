@@ -9,7 +9,7 @@ namespace teracell::server {
 
 // Of the pixels of a window. `quick`: with one line of sight for each pixel. A picture's windows, side by side, are the picture.
 std::string encode_sights(const GridReader& reader, const Prepared& prepared, const Aim& aim, const Window& window, bool quick, int threads,
-                          const std::atomic<bool>& stop, const Caster::Progress& progress);
+                          const Caster::Progress& progress);
 
 // What is seen at a point of a picture, in pixels from its upper left corner, and the cell that it belongs to.
 std::optional<Hit> seen_at(const GridReader& reader, const Prepared& prepared, const Aim& aim, double x, double y);

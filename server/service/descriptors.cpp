@@ -1,6 +1,9 @@
 #include "server/service/descriptors.hpp"
 
+#include <sys/resource.h>
+
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 
@@ -32,6 +35,20 @@ DescriptorShares allowed_descriptors(const DescriptorShares& wanted, uint64_t al
   const uint64_t left = rest - std::min(rest, wanted.connections);  // for files, if connections had all they want
   const uint64_t files = std::min(wanted.files, std::max({left, rest / 4, kLeast}));
   return {std::min(wanted.connections, rest - files), files, wanted.others};
+}
+
+uint64_t open_descriptors() {
+  std::error_code ignored;
+  const std::filesystem::directory_iterator all("/proc/self/fd", ignored);
+  return static_cast<uint64_t>(std::distance(begin(all), end(all)));
+}
+
+DescriptorShares share_descriptors(const DescriptorShares& wanted) {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return wanted;
+  const rlimit raised{std::min<rlim_t>(limit.rlim_max, wanted.all()), limit.rlim_max};
+  if (limit.rlim_cur < raised.rlim_cur && setrlimit(RLIMIT_NOFILE, &raised) == 0) limit = raised;
+  return allowed_descriptors(wanted, limit.rlim_cur);
 }
 
 }  // namespace teracell::server

@@ -5,7 +5,7 @@
 namespace teracell::server {
 
 ReopenedFile::ReopenedFile(std::filesystem::path path, std::shared_ptr<OpenFiles> open)
-    : path_(std::move(path)), name_(path_.string()), open_(std::move(open)), number_(open_->new_file()) {
+    : path_(std::move(path)), name_(path_.string()), open_(std::move(open)), number_(open_->new_owner()) {
   const auto file = std::make_shared<const InputFile>(path_);
   state_ = file->state();
   open_->add(number_, file, 1);

@@ -1,22 +1,13 @@
 // Files that are read now and then. Each is opened when it is read. The descriptors that were used last are kept, up to a number, so that more
 // grids can be served than the system allows descriptors.
 #pragma once
-#include <atomic>
-
 #include "store/base/file.hpp"
 #include "store/base/lru_cache.hpp"
 
 namespace teracell::server {
 
 // The files that are kept open. What is being read stays open on top of their number: a file for each thread. Threads may share it.
-class OpenFiles : public LruCache<uint64_t, InputFile> {
- public:
-  using LruCache::LruCache;
-  uint64_t new_file() { return files_++; }
-
- private:
-  std::atomic<uint64_t> files_ = 0;
-};
+using OpenFiles = LruCache<uint64_t, InputFile>;
 
 // Threads may share it.
 class ReopenedFile : public ByteSource {

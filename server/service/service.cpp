@@ -12,60 +12,6 @@ namespace {
 // Part of every ETag. Raise it when the server makes other bytes from the same grid.
 constexpr int kRevision = 2;
 
-// Counts the reads of a file. Its name has no folder and no host, since messages show it to clients.
-class CountedSource : public ByteSource {
- public:
-  CountedSource(std::unique_ptr<ByteSource> source, std::shared_ptr<Service::Counters> counters)
-      : source_(std::move(source)), name_(source_->name().substr(source_->name().rfind('/') + 1)), counters_(std::move(counters)) {}
-  uint64_t size() const override { return source_->size(); }
-  const std::string& name() const override { return name_; }
-  void read(uint64_t offset, std::span<uint8_t> out) const override {
-    counters_->reads.fetch_add(1, std::memory_order_relaxed);
-    counters_->bytes.fetch_add(out.size(), std::memory_order_relaxed);
-    without_folder([&] { source_->read(offset, out); });
-  }
-  bool is_far() const override { return source_->is_far(); }
-  void prefetch(std::span<const ByteRange> soon) const override {
-    without_folder([&] { source_->prefetch(soon); });
-  }
-  bool was_replaced() const override { return source_->was_replaced(); }
-
- private:
-  template <class F>
-  void without_folder(F&& f) const try {
-    f();
-  } catch (const Replaced& e) {
-    throw Replaced(without_folder_of(e.what()));
-  } catch (const IoError& e) {
-    throw IoError(without_folder_of(e.what()));
-  }
-  std::string without_folder_of(std::string message) const {
-    if (message.starts_with(source_->name())) message.replace(0, source_->name().size(), name_);
-    return message;
-  }
-  const std::unique_ptr<ByteSource> source_;
-  const std::string name_;
-  std::shared_ptr<Service::Counters> counters_;
-};
-
-// The chunk cache as one grid sees it.
-class Keeper : public ChunkKeeper {
- public:
-  Keeper(std::shared_ptr<Service::ChunkCache> cache, uint64_t grid) : cache_(std::move(cache)), grid_(grid) {}
-  std::shared_ptr<const Chunk> get(const ChunkKey& key, const Make& make) override {
-    return cache_->get({grid_, key}, [&] {
-      std::shared_ptr<const Chunk> chunk = make();
-      const size_t bytes = chunk->memory();
-      return std::pair(std::move(chunk), bytes);
-    });
-  }
-  bool has(const ChunkKey& key) const override { return cache_->find({grid_, key}) != nullptr; }
-
- private:
-  std::shared_ptr<Service::ChunkCache> cache_;
-  uint64_t grid_;
-};
-
 // What follows the first parts of an answer. Keeps its grid, and counts damage.
 class Rest final : public Parts {
  public:
@@ -113,40 +59,37 @@ std::string cache_key(uint64_t epoch, bool gzip, const std::string& target) {
 
 Service::Service(ServiceOptions options, std::unique_ptr<GridList> grids)
     : options_(std::move(options)),
-      counters_(std::make_shared<Counters>()),
-      chunks_(std::make_shared<ChunkCache>(options_.cache_bytes - options_.cache_bytes / 16)),
+      counters_(std::make_shared<ReadCounters>()),
+      chunks_(std::make_shared<KeptChunks::Memory>(options_.cache_bytes - options_.cache_bytes / 16)),
       index_(std::make_shared<IndexCache>(options_.cache_bytes / 16)),
       fractions_(std::make_shared<FractionCache>(options_.cache_bytes / 8)),
-      answers_(std::make_unique<AnswerCache>(options_.cache_bytes / 8)),
+      answers_(options_.cache_bytes / 8),
       prepared_(options_.cache_bytes / 4),
       grids_(std::move(grids)) {}
 
 std::unique_ptr<const GridReader> Service::open(std::unique_ptr<ByteSource> source, uint64_t number) {
-  return std::make_unique<const GridReader>(std::make_unique<CountedSource>(std::move(source), counters_), std::make_shared<Keeper>(chunks_, number),
-                                            index_);
+  return std::make_unique<const GridReader>(counted_source(std::move(source), counters_), std::make_shared<KeptChunks>(chunks_, number), index_);
 }
 
 Service::AnswerCache::Pointer Service::find_cached(const Request& request) {
   const uint64_t epoch = grids_->epoch();
   if (request.accepts_gzip)
-    if (auto gzip = answers_->find(cache_key(epoch, true, request.target))) return gzip;
-  auto plain = answers_->find(cache_key(epoch, false, request.target));
+    if (auto gzip = answers_.peek(cache_key(epoch, true, request.target))) return gzip;
+  auto plain = answers_.peek(cache_key(epoch, false, request.target));
   return plain && request.accepts_gzip && plain->compressible ? nullptr : plain;
 }
 
 std::optional<Response> Service::from_cache(const Request& request) {
   const auto answer = find_cached(request);
   if (!answer) return std::nullopt;
-  answers_->hit();
+  answers_.hit();
   Response r = *answer;
   if (has_etag(request.if_none_match, r.etag)) r.status = 304, r.body = nullptr;
   return r;
 }
 
-Response Service::answer(const Request& request, const Target& target, const std::shared_ptr<const ServedGrid>& served, const Recipe& recipe) {
-  const ServedGrid& grid = *served;
-  // Taken before the answer is made: if the grid is replaced meanwhile, the answer is kept under a key that nobody uses.
-  const std::optional<uint64_t> epoch = grids_->epoch_of(grid);
+// The answer without its body.
+Response Service::head_of(const Target& target, const ServedGrid& grid, const Recipe& recipe, bool gzip) const {
   Response r;
   r.route = recipe.route;
   r.content_type = recipe.content_type;
@@ -157,38 +100,46 @@ Response Service::answer(const Request& request, const Target& target, const std
   r.cache_control = !version || !recipe.address.empty() ? "no-cache"
                     : options_.anybody                  ? "public, max-age=31536000, immutable"
                                                         : "private, max-age=31536000, immutable";
-  const bool gzip = recipe.compress && request.accepts_gzip;
   r.etag = etag_of(grid, recipe.address, gzip);
   r.compressible = recipe.compress && !gzip;
   if (gzip) r.content_encoding = "gzip";
+  return r;
+}
+
+// `r` with its body, or with the first parts of it and the rest.
+Response Service::made(Response r, const std::shared_ptr<const ServedGrid>& grid, const Recipe& recipe, bool gzip) {
+  if (recipe.make) {
+    std::string text = recipe.make();
+    r.body = body_of(gzip ? deflated(text, Wrapping::kGzip) : std::move(text));
+    return r;
+  }
+  std::unique_ptr<Parts> parts = gzip ? gzip_parts(recipe.parts()) : recipe.parts();
+  std::string first;
+  bool more = true;
+  while (more && first.size() < kWhole) more = parts->append(first);
+  first.shrink_to_fit();
+  r.body = body_of(std::move(first));
+  if (more) r.rest = std::make_shared<Rest>(*this, grid, std::move(parts));
+  return r;
+}
+
+Response Service::answer(const Request& request, const Target& target, const std::shared_ptr<const ServedGrid>& grid, const Recipe& recipe) {
+  // Taken before the answer is made: if the grid is replaced meanwhile, the answer is kept under a key that nobody uses.
+  const std::optional<uint64_t> epoch = grids_->epoch_of(*grid);
+  const bool gzip = recipe.compress && request.accepts_gzip;
+  Response r = head_of(target, *grid, recipe, gzip);
   if (has_etag(request.if_none_match, r.etag)) {
     r.status = 304;
     return r;
   }
-  const auto make = [&] {
-    Response made = r;
-    if (recipe.make) {
-      std::string text = recipe.make();
-      made.body = body_of(gzip ? deflated(text, Wrapping::kGzip) : std::move(text));
-      return made;
-    }
-    std::unique_ptr<Parts> parts = gzip ? gzip_parts(recipe.parts()) : recipe.parts();
-    std::string first;
-    bool more = true;
-    while (more && first.size() < kWhole) more = parts->append(first);
-    first.shrink_to_fit();
-    made.body = body_of(std::move(first));
-    if (more) made.rest = std::make_shared<Rest>(*this, served, std::move(parts));
-    return made;
-  };
-  if (!recipe.cacheable || !epoch) return make();
+  if (!recipe.cacheable || !epoch) return made(std::move(r), grid, recipe, gzip);
   const std::string key = cache_key(*epoch, gzip, request.target);
   try {
-    return *answers_->get(key, [&] {
-      auto made = std::make_shared<const Response>(make());
-      if (made->rest) throw NotKept(*made);
-      const size_t bytes = sizeof(Response) + made->body->capacity() + 3 * key.size() + 256;  // 256: for the other strings
-      return std::pair(std::move(made), bytes);
+    return *answers_.get(key, [&] {
+      auto answer = std::make_shared<const Response>(made(r, grid, recipe, gzip));
+      if (answer->rest) throw NotKept(*answer);
+      const size_t bytes = sizeof(Response) + answer->body->capacity() + 3 * key.size() + 256;  // 256: for the other strings
+      return std::pair(std::move(answer), bytes);
     });
   } catch (const NotKept& e) {
     return e.response;

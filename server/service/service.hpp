@@ -7,23 +7,15 @@
 #include <set>
 
 #include "server/render/prepared.hpp"
+#include "server/service/counted_source.hpp"
 #include "server/service/grid_list.hpp"
 #include "server/service/message.hpp"
 #include "server/service/target.hpp"
-#include "store/base/shared_cache.hpp"
+#include "store/base/lru_cache.hpp"
+#include "store/read/kept_chunks.hpp"
 #include "store/remote/sources.hpp"
 
 namespace teracell::server {
-
-// The key of a chunk in the cache that all grids share.
-struct ChunkPlace {
-  uint64_t grid;  // ServedGrid::number
-  ChunkKey chunk;
-  friend bool operator==(const ChunkPlace&, const ChunkPlace&) = default;
-};
-struct ChunkPlaceHash {
-  size_t operator()(const ChunkPlace& p) const { return ChunkKeyHash{p.grid}(p.chunk); }
-};
 
 struct ServiceOptions {
   std::vector<std::filesystem::path> named;  // files, folders and addresses
@@ -34,6 +26,12 @@ struct ServiceOptions {
   bool anybody = true;  // answers are for everybody, so proxies may keep them
   std::function<void(const std::string&)> complain;  // called with each damage that is found, once, on any thread
   SourceOptions source = {};  // for addresses
+};
+
+// What a cache counts, for /metrics.
+struct CacheState {
+  const char* name;  // "chunks", "answers"
+  CacheCounts counts;
 };
 
 // Threads share it.
@@ -70,33 +68,32 @@ class Service {
   std::optional<Response> from_cache(const Request& request);
   bool is_cached(const Request& request) { return find_cached(request) != nullptr; }  // not counted as a hit
 
-  struct Counters {
-    std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
-    std::atomic<uint64_t> damaged{0};  // requests that failed on a damaged or unreadable file
-  };
-  const Counters& counters() const { return *counters_; }
+  const ReadCounters& counters() const { return *counters_; }
   // To be called when a request met bytes that can't be read or are damaged: counts it, and complains the first time.
   void damaged(const std::string& message);
   // To be called when a request met a file that the grids have complained of.
   void unreadable() { counters_->damaged.fetch_add(1, std::memory_order_relaxed); }
-  using ChunkCache = SharedCache<ChunkPlace, Chunk, ChunkPlaceHash>;
-  using AnswerCache = SharedCache<std::string, Response>;  // the key: grids().epoch(), encoding and target
-  ChunkCache& chunks() { return *chunks_; }
-  AnswerCache& answers() { return *answers_; }
+  using AnswerCache = LruCache<std::string, Response>;  // the key: grids().epoch(), encoding and target
+  using PreparedCache = LruCache<std::string, Prepared>;  // the key: ServedGrid::number, level and labels
+  KeptChunks::Memory& chunks() { return *chunks_; }
+  AnswerCache& answers() { return answers_; }
   IndexCache& index() { return *index_; }
-  using PreparedCache = SharedCache<std::string, Prepared>;  // the key: ServedGrid::number, level and labels
   PreparedCache& prepared() { return prepared_; }
+  // All of them, and what was read from addresses (service_of_files.cpp).
+  std::vector<CacheState> caches() const;
 
  private:
   void complain(const std::string& message);
   AnswerCache::Pointer find_cached(const Request& request);
+  Response head_of(const Target& target, const ServedGrid& grid, const Recipe& recipe, bool gzip) const;
+  Response made(Response r, const std::shared_ptr<const ServedGrid>& grid, const Recipe& recipe, bool gzip);
 
   const ServiceOptions options_;
-  std::shared_ptr<Counters> counters_;
-  std::shared_ptr<ChunkCache> chunks_;  // shared with the readers, as are the counters and the index
+  std::shared_ptr<ReadCounters> counters_;
+  std::shared_ptr<KeptChunks::Memory> chunks_;  // shared with the readers, as are the counters and the index
   std::shared_ptr<IndexCache> index_;
   std::shared_ptr<FractionCache> fractions_;
-  std::unique_ptr<AnswerCache> answers_;
+  AnswerCache answers_;
   PreparedCache prepared_;
   std::mutex complaints_mutex_;
   std::set<std::string> complaints_;

@@ -2,6 +2,7 @@
 #include "server/service/grids.hpp"
 #include "server/service/open_files.hpp"
 #include "server/service/service.hpp"
+#include "store/remote/cached_source.hpp"
 #include "store/remote/sources.hpp"
 
 namespace teracell::server {
@@ -15,6 +16,16 @@ Service::Service(ServiceOptions options) : Service(std::move(options), nullptr) 
   };
   grids_ = std::make_unique<Grids>(
       options_.named, open, [this](const std::string& message) { complain(message); }, fractions_);
+}
+
+std::vector<CacheState> Service::caches() const {
+  std::vector<CacheState> out = {{"chunks", chunks_->counts()},
+                                 {"index", index_->counts()},
+                                 {"answers", answers_.counts()},
+                                 {"fractions", fractions_->counts()},
+                                 {"views", prepared_.counts()}};
+  if (options_.source.blocks) out.push_back({"blocks", options_.source.blocks->counts()});
+  return out;
 }
 
 }  // namespace teracell::server

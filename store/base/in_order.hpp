@@ -12,6 +12,8 @@
 #include <pthread.h>
 #endif
 
+#include "store/base/wanted.hpp"
+
 namespace teracell::inline store {
 
 // Whether the calling thread is to do all of the work: always where no thread can be started, as in a page. Then nothing else is compiled.
@@ -55,7 +57,8 @@ void in_order(int threads, Next next, Make make, Take take, uint64_t ahead = 2) 
   const auto is_ready = [&] { return made - taken >= (is_full() ? 1 : outcomes.size() / 2) || (exhausted && made == started); };
   std::mutex next_mutex;  // of its own: results are handed over while next() takes long
 
-  const auto work = [&](int worker) {
+  const auto work = [&, wanted = Wanted::of_workers()](int worker) {
+    Wanted::work_for(wanted);
 #ifdef __linux__
     ::pthread_setname_np(::pthread_self(), "worker");  // for top -H, perf and tools/bench/run
 #endif

@@ -3,10 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "store/base/lru_cache.hpp"
 #include "store/channels/links.hpp"
 #include "store/format/cell_frames.hpp"
 #include "store/format/channel_kinds.hpp"
+#include "store/read/kept_chunks.hpp"
 #include "store/read/reader.hpp"
 
 namespace teracell::inline store {
@@ -50,11 +50,11 @@ class LinkCheck {
   using Cell = std::array<uint32_t, 3>;  // u, v, w in its chunk
 
   std::shared_ptr<const Chunk> chunk_at(const ChunkKey& key) {
-    if (auto kept = chunks_.find(key)) return kept;
-    auto chunk = std::make_shared<Chunk>();
-    reader_.read(key, *chunk);
-    chunks_.add(key, chunk, chunk->memory());
-    return chunk;
+    return chunks_.get(key, [&] {
+      auto chunk = std::make_shared<Chunk>();
+      reader_.read(key, *chunk);
+      return chunk;
+    });
   }
 
   static Cell cell_of(int axis, const ChunkLinks& links, const Link& link) {
@@ -100,7 +100,7 @@ class LinkCheck {
   const GridReader& reader_;
   const LevelShape shape_;
   const std::array<int, 3> axes_;  // of the rays' frame
-  LruCache<ChunkKey, Chunk, ChunkKeyHash> chunks_;
+  KeptChunks chunks_;
 };
 
 void check_links(const GridReader& reader, const Channel& channel, const std::function<Bytes(uint64_t)>& frame) {

@@ -1,15 +1,13 @@
 // A cache for the parts of the index, blocks of directories and pages: each leads to many chunks. Readers that share a cache
 // share its memory. Threads may share it.
 #pragma once
-#include <atomic>
-
 #include "store/base/lru_cache.hpp"
 #include "store/format/format.hpp"
 
 namespace teracell::inline store {
 
 struct IndexPlace {
-  uint64_t reader;  // IndexCache::new_reader()
+  uint64_t reader;  // IndexCache::new_owner()
   bool page;        // or else a block, or a frame of a channel
   uint64_t at;      // a page's number * 32 + level; a block's or frame's offset in the file
   friend bool operator==(const IndexPlace&, const IndexPlace&) = default;
@@ -23,13 +21,6 @@ struct IndexPart {  // a block, a page, or a page or list of a channel of cells 
   std::vector<uint64_t> cells;
 };
 
-class IndexCache : public LruCache<IndexPlace, IndexPart, IndexPlaceHash> {
- public:
-  using LruCache::LruCache;
-  uint64_t new_reader() { return readers_++; }
-
- private:
-  std::atomic<uint64_t> readers_ = 0;
-};
+using IndexCache = LruCache<IndexPlace, IndexPart, IndexPlaceHash>;
 
 }  // namespace teracell::store

@@ -1,6 +1,5 @@
 // What a channel of cells has for chunks of level 0, decoded, and kept in a cache.
 #pragma once
-#include <atomic>
 #include <functional>
 
 #include <fmt/format.h>
@@ -10,26 +9,8 @@
 
 namespace teracell::inline store {
 
-// Of a reader among those that share a cache.
-struct CellChunkPlace {
-  uint64_t reader;
-  ChunkKey chunk;
-  friend bool operator==(const CellChunkPlace&, const CellChunkPlace&) = default;
-};
-struct CellChunkPlaceHash {
-  size_t operator()(const CellChunkPlace& p) const { return ChunkKeyHash{p.reader}(p.chunk); }
-};
-
-// Threads may share it.
 template <class T>
-class CellChunkCache : public LruCache<CellChunkPlace, T, CellChunkPlaceHash> {
- public:
-  using LruCache<CellChunkPlace, T, CellChunkPlaceHash>::LruCache;
-  uint64_t new_reader() { return readers_++; }
-
- private:
-  std::atomic<uint64_t> readers_ = 0;
-};
+using CellChunkCache = LruCache<ChunkPlace, T, ChunkPlaceHash>;
 
 // Threads may share it. Throws IoError or FormatError, like its reader.
 template <class T>
@@ -45,7 +26,7 @@ class CellChunks {
     if (channel_ == nullptr && std::ranges::find(reader.meta().others(), name, &Channel::name) != reader.meta().others().end())
       throw UsageError(fmt::format("{}: its {} are in a coding that this version can't read", reader.name(), name));
     if (channel_ == nullptr) throw UsageError(fmt::format("{}: the grid has no {}: it was meshed without them", reader.name(), name));
-    number_ = cache_->new_reader();
+    number_ = cache_->new_owner();
   }
 
   std::shared_ptr<const T> get(const ChunkKey& key) const {

@@ -44,7 +44,7 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
     : source_(std::move(source)),
       keeper_(std::move(keeper)),
       index_(index ? std::move(index) : std::make_shared<IndexCache>(16 << 20)),
-      number_(index_->new_reader()) {
+      number_(index_->new_owner()) {
   try {
     const uint64_t size = source_->size();
     if (size < kHeaderBytes + kFooterBytes)

@@ -15,6 +15,16 @@
 
 namespace teracell::inline store {
 
+// A chunk where those of several readers are kept together.
+struct ChunkPlace {
+  uint64_t owner;
+  ChunkKey chunk;
+  friend bool operator==(const ChunkPlace&, const ChunkPlace&) = default;
+};
+struct ChunkPlaceHash {
+  size_t operator()(const ChunkPlace& p) const { return ChunkKeyHash{p.owner}(p.chunk); }
+};
+
 // Keeps decoded chunks for one reader; what is behind it may serve many. Threads share it.
 class ChunkKeeper {
  public:

@@ -12,7 +12,7 @@ CachedSource::CachedSource(std::unique_ptr<ByteSource> far, std::unique_ptr<Bloc
       disk_(std::move(disk)),
       kept_(std::move(kept)),
       cache_(std::move(cache)),
-      number_(cache_->new_source()),
+      number_(cache_->new_owner()),
       memory_(std::min(cache_->counts().limit, kMemory)) {}
 
 size_t CachedSource::size_of(uint64_t block) const { return static_cast<size_t>(std::min(kBlock, size() - block * kBlock)); }

@@ -2,7 +2,6 @@
 // together, and several stretches at the same time. Of threads that want the same block, one fetches it.
 #pragma once
 #include <array>
-#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -27,10 +26,6 @@ struct SourceBlockHash {
 class BlockCache : public LruCache<SourceBlock, Bytes, SourceBlockHash> {
  public:
   using LruCache::LruCache;
-  uint64_t new_source() { return sources_++; }
-
- private:
-  std::atomic<uint64_t> sources_ = 0;
 };
 
 // Threads may share it.

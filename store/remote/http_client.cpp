@@ -129,7 +129,7 @@ class HttpClient::Session {
     };
     begin_more();
     while (running > 0) {
-      client.go_on();
+      Wanted::stop_if_not();
       int ignored;
       if (const CURLMcode code = curl_.multi_perform(multi_, &ignored); code != CURLM_OK) throw IoError(curl_.multi_strerror(code));
       bool ended = false;
@@ -225,13 +225,8 @@ std::shared_ptr<HttpClient::Idle> HttpClient::shared_idle() {
   return idle;
 }
 
-HttpClient::HttpClient(double timeout, const std::atomic<bool>* stop) : timeout_(timeout), stop_(stop), idle_(shared_idle()) {}
+HttpClient::HttpClient(double timeout) : timeout_(timeout), idle_(shared_idle()) {}
 HttpClient::~HttpClient() = default;
-
-void HttpClient::go_on() const {
-  if (stop_ != nullptr && *stop_) throw Interrupted("interrupted while a host was asked");
-  Wanted::stop_if_not();
-}
 
 void HttpClient::perform(std::span<Exchange> exchanges) {
   std::unique_ptr<Session> session;

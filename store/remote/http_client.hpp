@@ -44,14 +44,12 @@ struct Exchange {
 
 class HttpClient {
  public:
-  // `timeout`: seconds until a connection stands, and without progress. `stop` may be null.
-  HttpClient(double timeout, const std::atomic<bool>* stop);
+  // `timeout`: seconds until a connection stands, and without progress.
+  explicit HttpClient(double timeout);
   ~HttpClient();
   HttpClient(const HttpClient&) = delete;
-  // Does all of them, at most kAtOnce at a time, each once. Failures are in the exchanges. Throws what go_on() throws.
+  // Does all of them, at most kAtOnce at a time, each once. Failures are in the exchanges. Throws what Wanted throws.
   void perform(std::span<Exchange> exchanges);
-  // Throws Interrupted once `stop` is true, and what Wanted throws.
-  void go_on() const;
   static constexpr size_t kAtOnce = kMostFetches;
 
  private:
@@ -59,7 +57,6 @@ class HttpClient {
   struct Idle;
   static std::shared_ptr<Idle> shared_idle();
   const double timeout_;
-  const std::atomic<bool>* const stop_;
   const std::shared_ptr<Idle> idle_;
 };
 

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/wanted.hpp"
 #include "store/text/text.hpp"
 
 namespace teracell::inline store {
@@ -30,10 +31,10 @@ double pause_before(int attempt, const Exchange& failed) {
   return std::min(std::max(own, asked), kLongestPause);
 }
 
-void wait(double seconds, const HttpClient& client) {
+void wait(double seconds) {
   using Clock = std::chrono::steady_clock;
   for (const auto until = Clock::now() + std::chrono::duration<double>(seconds); Clock::now() < until;) {
-    client.go_on();
+    Wanted::stop_if_not();
     std::this_thread::sleep_for(std::min<std::chrono::duration<double>>(until - Clock::now(), std::chrono::milliseconds(100)));
   }
 }
@@ -102,7 +103,7 @@ std::optional<ContentRange> parse_content_range(const std::string& text) {
   return r;
 }
 
-RemoteObject::RemoteObject(RemotePlace place) : place_(std::move(place)), client_(place_.timeout, place_.stop) {
+RemoteObject::RemoteObject(RemotePlace place) : place_(std::move(place)), client_(place_.timeout) {
   expect_allowed(place_.url, place_.allow_http);
   // Some hosts know ranges, but none that are counted from the end.
   if (open(fmt::format("-{}", kTail))) return;
@@ -314,7 +315,7 @@ void RemoteObject::perform(std::span<Exchange> exchanges, const std::string& url
       }
     }
     left = std::move(again);
-    if (pause > 0) wait(pause, client_);
+    if (pause > 0) wait(pause);
   }
   for (Exchange& e : exchanges)
     if (e.status == 0) fail(e);

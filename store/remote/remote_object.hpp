@@ -20,7 +20,6 @@ struct RemotePlace {
   Signing signing;
   bool allow_http = false;
   double timeout = 15;
-  const std::atomic<bool>* stop = nullptr;
 };
 
 // Throws UsageError for an address that is not to be asked: over HTTP without TLS to another machine, unless that is allowed.

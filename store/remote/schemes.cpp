@@ -20,7 +20,6 @@ std::string variable(const char* name) {
 std::unique_ptr<ByteSource> cached(RemotePlace place, const SourceOptions& options) {
   place.allow_http = options.allow_http;
   place.timeout = options.timeout;
-  place.stop = options.stop;
   const std::string key = place.url.text;
   auto object = std::make_unique<RemoteObject>(std::move(place));
   std::unique_ptr<BlockFolder> disk;

@@ -2,7 +2,6 @@
 // is a file that defines its SourceScheme, and a line here. The library teracell::remote has the function and the schemes: a program that
 // reads files alone links teracell::store, and knows no HTTP.
 #pragma once
-#include <atomic>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -29,7 +28,6 @@ struct SourceOptions {
   std::string endpoint;                            // the URL of a store that speaks S3; empty: that of Amazon
   bool allow_http = false;                         // to hosts other than this machine
   double timeout = 15;                             // seconds without a byte after which a request is tried again
-  const std::atomic<bool>* stop = nullptr;         // when it becomes true, requests end with Interrupted
 };
 
 struct SourceScheme {

@@ -28,8 +28,13 @@ const std::atomic<bool>& watch_interrupts() {
   return interrupted;
 }
 
-void stop_if(const std::atomic<bool>& stop, const std::string& output) {
-  if (stop) throw Interrupted(fmt::format("{}: interrupted: nothing was written", output));
+Wanted until_interrupted(const std::string& output, const std::string& outcome) {
+  watch_interrupts();
+  return Wanted(
+      [=] {
+        if (interrupted) throw Interrupted(fmt::format("{}: interrupted: {}", output, outcome));
+      },
+      Wanted::Asked::kByWorkers);
 }
 
 std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option) {
@@ -144,9 +149,7 @@ void add_source_options(CLI::App& app, SourceOptions& source) {
 }
 
 GridReader open_grid(const GridArgument& grid, std::shared_ptr<ChunkKeeper> keeper) {
-  SourceOptions source = grid.source;
-  source.stop = &interrupted;  // of a command that watches for it; others just end
-  return GridReader(open_source(grid.name, source), std::move(keeper));
+  return GridReader(open_source(grid.name, grid.source), std::move(keeper));
 }
 
 void add_threads(CLI::App& app, int& threads) {

@@ -11,6 +11,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "store/base/wanted.hpp"
 #include "store/read/reader.hpp"
 #include "store/remote/sources.hpp"
 
@@ -48,6 +49,7 @@ std::string bytes_text(double bytes);  // "1.2 kB"
 void refuse_overwriting(const std::vector<std::string>& inputs, const std::string& output);
 // From here on SIGINT, SIGTERM and SIGHUP set the flag instead of killing the program, so that it can remove its partial file.
 const std::atomic<bool>& watch_interrupts();
-void stop_if(const std::atomic<bool>& stop, const std::string& output);  // throws Interrupted
+// A signal ends what is done while it lives, on this thread and by workers for it, with Interrupted: `output` and what became of it.
+[[nodiscard]] Wanted until_interrupted(const std::string& output, const std::string& outcome = "nothing was written");
 
 }  // namespace teracell::cli

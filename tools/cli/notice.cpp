@@ -4,7 +4,7 @@
 
 asm(".pushsection .rodata\n"
     "teracell_notice:\n"
-    ".incbin \"" TERACELL_NOTICE
+    ".incbin \"" TERACELL_TAKEN
     "\"\n"
     "teracell_notice_end:\n"
     ".popsection");

@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include "server/operations/metrics.hpp"
+#include "store/base/wanted.hpp"
 #include "store/grid/number_text.hpp"
 #include "tools/cli/command.hpp"
 
@@ -29,6 +30,7 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::operator()(const char* phase, double share) {
+  Wanted::stop_if_not();
   if (mode_ == Mode::kNone) return;
   const Clock::time_point now = Clock::now();
   const bool begins = phase_ != phase;

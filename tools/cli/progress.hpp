@@ -12,7 +12,7 @@ class ProgressLine {
   ProgressLine(const std::string& mode, std::string counted_phase);
   ~ProgressLine();  // clears the line
   void set_cells(double total) { cells_ = total; }
-  void operator()(const char* phase, double share);
+  void operator()(const char* phase, double share);  // throws what Wanted throws
 
  private:
   enum class Mode { kLine, kPlain, kNone };

@@ -81,7 +81,8 @@ void mesh_together(Ranks& ranks, const cli::MeshArguments& arguments, int thread
   Member member(ranks, caster, output, options.threads, [&] { attend(); });
   attend = [&] {
     expect_launcher(ranks);
-    if (!conductor || !conductor->complete()) stop_if(interrupted, arguments.output);
+    if (interrupted && (!conductor || !conductor->complete()))
+      throw Interrupted(fmt::format("{}: interrupted: nothing was written", arguments.output));
     while (const auto message = ranks.receive()) {
       member.take(*message);
       if (conductor) conductor->take(*message);

@@ -1,5 +1,6 @@
 // Which bytes an answer has, how long it is kept, and what damage does to it.
 #include <fstream>
+#include <set>
 
 #include "tests/server/served.hpp"
 #include "tests/support/served_cells.hpp"
@@ -311,6 +312,9 @@ TEST_CASE("The pages of all grids share the cache", "[server]") {
   const CacheCounts index = s.service->index().counts(), chunks = s.service->chunks().counts();
   CHECK(index.limit + chunks.limit == 128000);
   CHECK(index.bytes > index.limit / 2);
+  std::set<std::string> named;
+  for (const CacheState& cache : s.service->caches()) named.insert(cache.name);
+  CHECK(named == std::set<std::string>{"chunks", "index", "answers", "fractions", "views"});  // and "blocks", where serve has addresses
   CHECK(index.bytes <= index.limit);
 }
 

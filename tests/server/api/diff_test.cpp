@@ -1,6 +1,4 @@
 // Differences of two grids over HTTP.
-#include "server/api/diff.hpp"
-
 #include <map>
 
 #include "tests/server/served.hpp"

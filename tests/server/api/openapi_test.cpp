@@ -2,7 +2,11 @@
 #include "server/api/openapi.hpp"
 
 #include <fstream>
+#include <set>
 
+#include "server/api/answers.hpp"
+#include "server/parts/slice_picture.hpp"
+#include "server/render/options.hpp"
 #include "store/check/check.hpp"
 #include "store/check/check_json.hpp"
 #include "tests/server/served.hpp"
@@ -39,6 +43,27 @@ std::string mismatch(const json& schema, const json& value, const json& all, con
       if (const auto wrong = mismatch(schema.value("items", json::object()), item, all, where + "[]"); !wrong.empty()) return wrong;
   }
   return "";
+}
+
+TEST_CASE("Every answer is described, and what the program fills in", "[server]") {
+  Served s;
+  const std::string text = *s.get("/openapi.json").body;
+  const json api = json::parse(text);
+  const auto is_described = [&](const Answer& answer) {
+    const std::string path = "/api/v1/grids/{id}" + (answer.name.empty() ? "" : "/" + std::string(answer.name));
+    bool found = false;
+    for (const auto& [described, get] : api["paths"].items()) found = found || described.starts_with(path);
+    return found;
+  };
+#define DESCRIBED(answer) CHECK(is_described(answer));
+  TERACELL_ANSWERS(DESCRIBED)
+#undef DESCRIBED
+  CHECK(text.find("/shared/") == std::string::npos);
+  CHECK(text.find("/zarr, ") != std::string::npos);
+  CHECK(text.find(std::to_string(kMostOutlined)) != std::string::npos);
+  std::multiset<std::string> named;
+  for (const json& p : api["paths"]["/api/v1/grids/{id}/view.png"]["get"]["parameters"]) named.insert(p["name"]);
+  for (const RenderOption& option : render_options()) CHECK(named.count(std::string(option.name)) == 1);
 }
 
 TEST_CASE("Every address of the description answers as the description says", "[server]") {

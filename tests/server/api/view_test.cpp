@@ -1,6 +1,4 @@
 // Pictures in three dimensions, as numbers and at single points, over HTTP.
-#include "server/api/view.hpp"
-
 #include "tests/server/served.hpp"
 #include "tests/support/png.hpp"
 

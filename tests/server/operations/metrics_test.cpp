@@ -115,7 +115,7 @@ TEST_CASE("the state of caches, files, connections and memory", "[server][metric
   m.connections = 3;
   m.refused = 4;
   m.held_bytes = 5;
-  const auto s = samples(metrics_text(m, {{{"chunks", 1, 2, 3, 4}, {"answers", 5, 6, 7, 8}}, 9, 10, 11, 12, 13, 14, "1.2.3"}));
+  const auto s = samples(metrics_text(m, {{{"chunks", {1, 2, 3, 4}}, {"answers", {5, 6, 7, 8}}}, 9, 10, 11, 12, 13, 14, "1.2.3"}));
   CHECK(s.at(R"(teracell_cache_bytes{cache="chunks"})") == 1);
   CHECK(s.at(R"(teracell_cache_limit_bytes{cache="answers"})") == 6);
   CHECK(s.at(R"(teracell_cache_hits_total{cache="chunks"})") == 3);

@@ -166,9 +166,8 @@ TEST_CASE("the first visible cell of a line of sight is that of a search through
     for (Label l = 1; l < kLabels; ++l) shown[l] = random() % 4 != 0;
     if (round % 6 == 0) shown[0] = true;
     const Visible visible(shown);
-    const std::atomic<bool> stop = false;
     const int level = static_cast<int>(random() % 3) % reader.levels();
-    const Occupancy occupancy(reader, visible, level, 1 + round % 3, stop);
+    const Occupancy occupancy(reader, visible, level, 1 + round % 3);
     const Cuts cuts = random_cuts(random, scene.grid);
     const Subject subject{reader, visible, occupancy, cuts, level};
     const Camera camera{};
@@ -220,8 +219,7 @@ TEST_CASE("cells that take at most a quarter of a pixel are drawn unless a level
   store_cells(folder / "g", metadata_of(grid, 2, 2), cells);
   const GridReader reader(folder / "g");
   const Visible visible({false, true});
-  const std::atomic<bool> stop = false;
-  const Occupancy occupancy(reader, visible, 0, 1, stop);
+  const Occupancy occupancy(reader, visible, 0, 1);
   const Subject subject{reader, visible, occupancy, {}, std::nullopt};
   for (const auto& [pixel, plane] : {std::pair{0.1, 47}, {7.9, 47}, {8.0, 46}, {16.0, 44}, {64.0, 32}}) {
     CAPTURE(pixel);

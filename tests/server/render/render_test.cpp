@@ -19,14 +19,12 @@ namespace {
 
 using namespace testing;
 
-const std::atomic<bool> kGoOn = false;
-
 Picture3D picture_of(const GridReader& reader, const std::map<std::string, std::string, std::less<>>& words, int threads = 1) {
   const auto text = [&](std::string_view name) -> const std::string* {
     const auto it = words.find(name);
     return it == words.end() ? nullptr : &it->second;
   };
-  return render(reader, parse_render_options(text, reader.meta(), "--"), threads, kGoOn, [](double) {});
+  return render(reader, parse_render_options(text, reader.meta(), "--"), threads, [](double) {});
 }
 
 Rgba pixel(const Picture3D& picture, int64_t x, int64_t y) {
@@ -226,10 +224,12 @@ TEST_CASE("options that make no sense are usage errors that say what is expected
 TEST_CASE("an interrupted picture ends at once, and a damaged chunk is an error", "[render]") {
   const TempFolder folder;
   store_cells(folder / "ball", with_tiny_chunks(metadata_of(cube_grid(-1, 1, 24), 2, 2)), ball(24));
-  const std::atomic<bool> stop = true;
-  REQUIRE_THROWS_AS(
-      render(stored_with_cache(folder / "ball"), {.aim = {.camera = axis_camera(cube_grid(-1, 1, 24), 0, true, {64, 64})}}, 2, stop, [](double) {}),
-      Interrupted);
+  {
+    const Wanted by_nobody([] { throw Interrupted("enough"); }, Wanted::Asked::kByWorkers);
+    REQUIRE_THROWS_AS(
+        render(stored_with_cache(folder / "ball"), {.aim = {.camera = axis_camera(cube_grid(-1, 1, 24), 0, true, {64, 64})}}, 2, [](double) {}),
+        Interrupted);
+  }
   Bytes bytes = file_bytes(folder / "ball");
   const GridReader sound = stored_with_cache(folder / "ball");
   const auto entry = sound.entry({0, 3, 3, 0});

@@ -19,8 +19,6 @@ namespace {
 
 using namespace testing;
 
-const std::atomic<bool> kNeverStop = false;
-
 // As server/SERVING.md has it.
 struct Decoded {
   uint32_t width, height;
@@ -110,12 +108,11 @@ TEST_CASE("the numbers have the colours of the picture", "[render]") {
                                                                                         {{"size", "50,50"}, {"plane", "1,1,0,1"}}}) {
     const Balls scene(random, static_cast<int>(random() % 3));
     const RenderOptions options = options_of(scene.reader, words);
-    const Picture3D picture = render(scene.reader, options, 1, kNeverStop, [](double) {});
-    const Prepared prepared(scene.reader, shown_labels(scene.reader.meta(), options), 0, 1, kNeverStop);
+    const Picture3D picture = render(scene.reader, options, 1, [](double) {});
+    const Prepared prepared(scene.reader, shown_labels(scene.reader.meta(), options), 0, 1);
     const PictureSize size = options.aim.camera.size;
     const Window all{0, 0, size.width, size.height};
-    const Decoded numbers =
-        decoded(encode_sights(scene.reader, prepared, options.aim, all, false, 2, kNeverStop, [](double) {}), options.aim.camera.perspective);
+    const Decoded numbers = decoded(encode_sights(scene.reader, prepared, options.aim, all, false, 2, [](double) {}), options.aim.camera.perspective);
     REQUIRE(numbers.width == size.width);
     REQUIRE(numbers.height == size.height);
     CHECK(numbers.edges.size() > 20);
@@ -151,9 +148,9 @@ TEST_CASE("the windows of a picture, side by side, are the picture; threads make
   std::mt19937_64 random(1912);
   const Balls scene(random, 1);
   const RenderOptions options = options_of(scene.reader, {{"size", "90,70"}});
-  const Prepared prepared(scene.reader, shown_labels(scene.reader.meta(), options), 0, 1, kNeverStop);
+  const Prepared prepared(scene.reader, shown_labels(scene.reader.meta(), options), 0, 1);
   const auto numbers = [&](const Window& window, int threads) {
-    return decoded(encode_sights(scene.reader, prepared, options.aim, window, false, threads, kNeverStop, [](double) {}), true);
+    return decoded(encode_sights(scene.reader, prepared, options.aim, window, false, threads, [](double) {}), true);
   };
   const Decoded all = numbers({0, 0, 90, 70}, 3);
   for (const Window& window : {Window{0, 0, 33, 70}, Window{33, 0, 90, 41}, Window{33, 41, 90, 70}, Window{89, 69, 90, 70}}) {
@@ -168,7 +165,7 @@ TEST_CASE("the windows of a picture, side by side, are the picture; threads make
         REQUIRE(part.edges.contains(j) == all.edges.contains(i));
       }
   }
-  const Decoded quick = decoded(encode_sights(scene.reader, prepared, options.aim, {0, 0, 90, 70}, true, 1, kNeverStop, [](double) {}), true);
+  const Decoded quick = decoded(encode_sights(scene.reader, prepared, options.aim, {0, 0, 90, 70}, true, 1, [](double) {}), true);
   CHECK(quick.edges.empty());
   CHECK(quick.label == all.label);
 }
@@ -180,8 +177,8 @@ TEST_CASE("nothing in sight, and an eye inside a body", "[render]") {
   for (const auto& [words, label] : std::vector<std::pair<std::map<std::string, std::string, std::less<>>, uint32_t>>{
            {{{"size", "5,4"}, {"from", "0.5,0.5,0.5"}, {"at", "0.7,0.5,0.5"}}, 2}, {{{"size", "5,4"}, {"labels", ""}}, 0}}) {
     const RenderOptions options = options_of(reader, words);
-    const Prepared prepared(reader, shown_labels(reader.meta(), options), 0, 1, kNeverStop);
-    const Decoded numbers = decoded(encode_sights(reader, prepared, options.aim, {0, 0, 5, 4}, false, 1, kNeverStop, [](double) {}), true);
+    const Prepared prepared(reader, shown_labels(reader.meta(), options), 0, 1);
+    const Decoded numbers = decoded(encode_sights(reader, prepared, options.aim, {0, 0, 5, 4}, false, 1, [](double) {}), true);
     CHECK(numbers.label == std::vector<uint32_t>(20, label));
     if (label) CHECK(numbers.distance == std::vector<double>(20, 0));
   }

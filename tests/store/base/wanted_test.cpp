@@ -6,7 +6,8 @@
 
 #include <catch2/catch.hpp>
 
-#include "store/base/shared_cache.hpp"
+#include "store/base/in_order.hpp"
+#include "store/base/lru_cache.hpp"
 #include "store/read/stats.hpp"
 #include "tests/support/stored.hpp"
 
@@ -28,8 +29,27 @@ TEST_CASE("Only the thread that says so is asked, the innermost first", "[wanted
   CHECK(outer == 1);
 }
 
-TEST_CASE("When the thread that makes a value gives up, another one that waits for it makes it", "[wanted][shared_cache][threads]") {
-  SharedCache<int, int> cache(10000);
+TEST_CASE("Workers ask for the thread that they work for, when it says so", "[wanted][threads]") {
+  const auto work = [] {
+    int next = 0, done = 0;
+    in_order(
+        3, [&] { return next < 20 ? std::optional(next++) : std::nullopt; }, [](int job, int) { return Wanted::stop_if_not(), job; },
+        [&](int) { ++done; });
+    return done;
+  };
+  std::atomic<int> asked = 0;
+  {
+    const Wanted workers([&] { ++asked; }, Wanted::Asked::kByWorkers);
+    const Wanted here(give_up);
+    CHECK(work() == 20);
+  }
+  CHECK(asked == 20);
+  const Wanted workers(give_up, Wanted::Asked::kByWorkers);
+  CHECK_THROWS_AS(work(), Unwanted);
+}
+
+TEST_CASE("When the thread that makes a value gives up, another one that waits for it makes it", "[wanted][lru_cache][threads]") {
+  LruCache<int, int> cache(10000);
   std::atomic<bool> making = false, go = false;
   std::thread first([&] {
     CHECK_THROWS_AS(cache.get(1,

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <catch2/catch.hpp>
 
-#include "store/base/shared_cache.hpp"
 #include "store/base/wanted.hpp"
+#include "store/read/kept_chunks.hpp"
 #include "store/read/query.hpp"
 #include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
@@ -54,18 +54,6 @@ class FaultySource : public ByteSource {
   std::shared_ptr<Faults> faults_;
 };
 
-// As the server keeps chunks.
-class CachingKeeper : public ChunkKeeper {
- public:
-  std::shared_ptr<const Chunk> get(const ChunkKey& key, const Make& make) override {
-    const uint64_t number = ((uint64_t{key.cu} << 10 | key.cv) << 10 | key.segment) << 5 | static_cast<uint64_t>(key.level);
-    return cache_.get(number, [&] { return std::pair(make(), size_t{1}); });
-  }
-
- private:
-  SharedCache<uint64_t, Chunk> cache_{size_t{1} << 30};
-};
-
 struct Answers {
   std::vector<uint16_t> slices;
   std::vector<CellStats> stats;
@@ -95,7 +83,8 @@ TEST_CASE("Whichever read fails, and however, the answer is right or an error, a
   const Bytes file = chunked_file(1, {5, 6, 9});
   const auto keeper = GENERATE(false, true);
   const auto open = [&](const std::shared_ptr<Faults>& faults) {
-    return std::make_unique<GridReader>(std::make_unique<FaultySource>(file, faults), keeper ? std::make_shared<CachingKeeper>() : nullptr);
+    return std::make_unique<GridReader>(std::make_unique<FaultySource>(file, faults),
+                                        keeper ? std::make_shared<KeptChunks>(size_t{1} << 30) : nullptr);
   };
   Answers right;
   size_t reads = 0;

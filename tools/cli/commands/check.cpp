@@ -44,17 +44,14 @@ void run(const CheckArguments& o) {
 }  // namespace
 
 Findings check_grid(const GridArgument& grid, const std::filesystem::path& output, int threads, const std::string& progress) {
-  const std::atomic<bool>& stop = watch_interrupts();
+  const Wanted wanted = until_interrupted(output.string());
   const GridReader reader = open_grid(grid, std::make_shared<KeptChunks>(kCheckKeeps));
   std::optional<OutputFile> file;
   if (!output.empty()) file.emplace(output);
   Findings findings;
   {
     ProgressLine line(progress, "");
-    findings = check(reader, threads, [&](double share) {
-      stop_if(stop, output.string());
-      line("check", share);
-    });
+    findings = check(reader, threads, [&](double share) { line("check", share); });
   }
   if (file) {
     const std::string json = findings_json(findings) + "\n";

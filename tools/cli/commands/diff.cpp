@@ -43,7 +43,7 @@ void print(const Difference& d) {
 
 void run(const DiffArguments& o) {
   refuse_overwriting({o.first, o.second}, o.output);
-  const std::atomic<bool>& stop = watch_interrupts();
+  const Wanted wanted = until_interrupted(o.output.empty() ? o.first : o.output);
   const GridReader first = open_grid({o.first, o.source}), second = open_grid({o.second, o.source});
   DifferenceOptions options;
   options.threads = threads_or_all(o.threads);
@@ -54,10 +54,7 @@ void run(const DiffArguments& o) {
     ProgressLine line(o.progress, "compare");
     const Index3 n = first.meta().grid.cells();
     line.set_cells(static_cast<double>(n[0]) * static_cast<double>(n[1]) * static_cast<double>(n[2]));
-    difference = find_difference(first, second, options, [&](const char* phase, double share) {
-      stop_if(stop, o.output.empty() ? o.first : o.output);
-      line(phase, share);
-    });
+    difference = find_difference(first, second, options, [&](const char* phase, double share) { line(phase, share); });
   }
   if (o.json) std::cout << difference_json(difference) << "\n";
   else print(difference);

@@ -77,16 +77,13 @@ void run(const ExportArguments& o) {
   const Grid& grid = reader.meta().grid;
   check_level(grid, o.level);
   const Box box = !o.region ? grid.box(o.level) : parse_region(*o.region, grid, o.level);
-  const std::atomic<bool>& stop = watch_interrupts();  // before there is a file to leave behind
+  const Wanted wanted = until_interrupted(o.output);  // before there is a file to leave behind
   const std::vector<uint32_t> map = !o.map ? std::vector<uint32_t>() : numbers_of(*o.map, reader, o.level, box, format);
   ProgressLine line(o.progress, "export");
   double cells = 1;
   for (int d = 0; d < 3; ++d) cells *= static_cast<double>(box.hi[d] - box.lo[d]);
   line.set_cells(cells);
-  const auto progress = [&](double share) {
-    stop_if(stop, o.output);
-    line("export", share);
-  };
+  const auto progress = [&](double share) { line("export", share); };
   format.write({reader, o.level, box, o.output, progress, map, o.of_formats});
 }
 

@@ -19,12 +19,9 @@ struct PackArguments {
 void run(const PackArguments& o) {
   refuse_overwriting({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
-  const std::atomic<bool>& stop = watch_interrupts();
+  const Wanted wanted = until_interrupted(o.output);
   ProgressLine line(o.progress, "");
-  pack(reader, o.output, {!o.smaller, threads_or_all(o.threads)}, [&](double share) {
-    stop_if(stop, o.output);
-    line("pack", share);
-  });
+  pack(reader, o.output, {!o.smaller, threads_or_all(o.threads)}, [&](double share) { line("pack", share); });
 }
 
 }  // namespace

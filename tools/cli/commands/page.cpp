@@ -47,13 +47,9 @@ void run(const PageArguments& o) {
           {file, "", &readers.back().source(), is_address(name) ? "" : read_kept_findings(name, readers.back().hash()), readers.back().hash()});
     }
   }
-  const std::atomic<bool>& stop = watch_interrupts();
+  const Wanted wanted = until_interrupted(o.output, whole ? "nothing was written" : "its index.html stays as it was, other files may be new");
   ProgressLine line(o.progress, "");
-  const auto progress = [&](double share) {
-    if (whole) stop_if(stop, o.output);
-    else if (stop) throw Interrupted(o.output + ": interrupted: its index.html stays as it was, other files may be new");
-    line("page", share);
-  };
+  const auto progress = [&](double share) { line("page", share); };
   if (whole) write_whole_page(server::embedded_page(), grids, o.output, progress);
   else write_site(server::embedded_page(), notice(), grids, o.output, progress);
 }

@@ -35,15 +35,12 @@ void run(const PartitionArguments& o) {
   const GridReader reader = open_grid(o.grid);
   PartitionOptions options{o.ranks, o.method == "slabs" ? PartitionMethod::kSlabs : PartitionMethod::kBlocks, weights_of(o.weight, reader), o.align,
                            o.halo};
-  const std::atomic<bool>& stop = watch_interrupts();
+  const Wanted wanted = until_interrupted(o.output);
   OutputFile file(o.output);
   Partition p;
   {
     ProgressLine line(o.progress, "partition");
-    p = make_partition(reader, options, [&](double share) {
-      stop_if(stop, o.output);
-      line("cut", share);
-    });
+    p = make_partition(reader, options, [&](double share) { line("cut", share); });
   }
   const std::string text = partition_json(p) + "\n";
   file.append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});

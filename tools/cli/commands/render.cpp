@@ -33,13 +33,10 @@ void run(const RenderArguments& o) {
     return it == o.words.end() ? nullptr : &it->second;
   };
   const server::RenderOptions options = server::parse_render_options(given, reader.meta(), "--");
-  const std::atomic<bool>& stop = watch_interrupts();
+  const Wanted wanted = until_interrupted(o.output);
   OutputFile file(o.output);
   ProgressLine line(o.progress, "");
-  const server::Picture3D picture = render(reader, options, threads_or_all(o.threads), stop, [&](double share) {
-    stop_if(stop, o.output);
-    line("render", share);
-  });
+  const server::Picture3D picture = render(reader, options, threads_or_all(o.threads), [&](double share) { line("render", share); });
   const std::string bytes = encode_picture(picture, format);
   file.append({reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size()});
   file.commit();

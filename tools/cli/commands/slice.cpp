@@ -43,25 +43,25 @@ SliceView view_of(const SliceArguments& o, const Metadata& meta) {
   return view;
 }
 
-void write_png(const GridReader& reader, const SliceView& view, const SliceArguments& o, const std::atomic<bool>& stop, OutputFile& file) {
+void write_png(const GridReader& reader, const SliceView& view, const SliceArguments& o, OutputFile& file) {
   const int64_t width = view.u1 - view.u0, height = view.v1 - view.v0;
   server::SetColors colors(reader.meta(), view.level);
   server::PngWriter png(static_cast<uint32_t>(width), static_cast<uint32_t>(height), colors,
                         [&](std::span<const uint8_t> bytes) { file.append(bytes); });
   for_each_row(reader, view, colors.value(), true, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
-    stop_if(stop, o.output);
+    Wanted::stop_if_not();
     png.append(row);
   });
   png.finish();
 }
 
 // Row 0 is v = v0, in the order of the indices. A picture has its highest v on top.
-void write_npy(const GridReader& reader, const SliceView& view, const SliceArguments& o, const std::atomic<bool>& stop, OutputFile& file) {
+void write_npy(const GridReader& reader, const SliceView& view, const SliceArguments& o, OutputFile& file) {
   const bool wide = wide_labels(reader.meta());
   file.append(npy_header(wide ? "<u2" : "|u1", {view.v1 - view.v0, view.u1 - view.u0}));
   Bytes bytes;
   for_each_row(reader, view, strongest_material(reader.meta()), false, threads_or_all(o.threads), [&](int64_t, std::span<const uint16_t> row) {
-    stop_if(stop, o.output);
+    Wanted::stop_if_not();
     bytes.clear();
     put_labels(bytes, row, wide);
     file.append(bytes);
@@ -75,10 +75,10 @@ void run(const SliceArguments& o) {
   refuse_overwriting({o.grid.name}, o.output);
   const GridReader reader = open_grid(o.grid);
   const SliceView view = view_of(o, reader.meta());
-  const std::atomic<bool>& stop = watch_interrupts();
+  const Wanted wanted = until_interrupted(o.output);
   OutputFile file(o.output);
-  if (extension == ".png") write_png(reader, view, o, stop, file);
-  else write_npy(reader, view, o, stop, file);
+  if (extension == ".png") write_png(reader, view, o, file);
+  else write_npy(reader, view, o, file);
   file.commit();
 }
 

@@ -1,0 +1,98 @@
+#include "server/api/answer.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "server/parts/picture_parts.hpp"
+#include "store/text/text.hpp"
+
+namespace teracell::server {
+namespace {
+
+// "?materials=1,3", "?outline=1" and "?shares=1".
+PictureStyle style_of(const Target& target, const ServedGrid& grid) {
+  const Metadata& meta = grid.meta();
+  PictureStyle style;
+  style.shares = asks_for_shares(target, grid);
+  style.outline = switched_on(target, "outline");
+  if (const std::string* list = target.find("materials")) {
+    const size_t n = meta.materials.size();
+    style.shown.assign(n, false);
+    if (!list->empty())
+      for (const std::string_view text : split(*list, ',')) {
+        const auto id = plain_integer(text);
+        if (!id || static_cast<size_t>(*id) >= n)
+          throw bad_request(fmt::format("materials: expected ids from 0 to {} separated by commas, as the grid's description lists them, found '{}'",
+                                        n - 1, text.substr(0, 48)));
+        style.shown[static_cast<size_t>(*id)] = true;
+      }
+  }
+  return style;
+}
+
+}  // namespace
+
+int axis_of(const std::string& name) {
+  if (const auto axis = axis_named(name)) return *axis;
+  throw bad_request(fmt::format("axis: expected x, y or z, found '{}'", name.substr(0, 48)));
+}
+
+std::pair<std::string, std::string> split_name(const std::string& name) {
+  const size_t dot = std::min(name.find('.'), name.size());
+  return {name.substr(0, dot), name.substr(dot)};
+}
+
+std::pair<std::string, std::string> split_pair(const std::string& text, const char* what) {
+  const size_t sign = text.find('_');
+  if (sign == std::string::npos) throw bad_request(fmt::format("{}: expected two whole numbers joined by '_', found '{}'", what, text.substr(0, 48)));
+  return {text.substr(0, sign), text.substr(sign + 1)};
+}
+
+int level_of(const std::string* text, const GridReader& reader) {
+  return text ? static_cast<int>(integer_in(*text, "level", 0, reader.levels() - 1)) : 0;
+}
+
+bool switched_on(const Target& target, const char* name) {
+  const std::string* text = target.find(name);
+  return text && integer_in(*text, name, 0, 1) == 1;
+}
+
+const FractionReader* asks_for_shares(const Target& target, const ServedGrid& grid) {
+  if (!switched_on(target, "shares")) return nullptr;
+  if (!grid.fractions) throw UsageError("shares: the grid has none: it was meshed without fractions");
+  return grid.fractions.get();
+}
+
+Box region_of(const GridRequest& r) {
+  Box box = r.meta().grid.box(0);
+  if (const std::string* region = r.target.find("region")) {
+    const auto c = integers(*region, 6, "region");
+    const Index3 n = r.meta().grid.cells();
+    for (int d = 0; d < 3; ++d) {
+      box.lo[d] = c[d], box.hi[d] = c[d + 3];
+      if (box.lo[d] < 0 || box.hi[d] > n[d] || box.lo[d] >= box.hi[d])
+        throw bad_request(
+            fmt::format("region: expected a part of 0 to {} along {} (half open, not empty), found {} to {}", n[d], axis_name(d), c[d], c[d + 3]));
+    }
+  }
+  return box;
+}
+
+bool asks_for_bodies(const GridRequest& r) {
+  const bool asks = switched_on(r.target, "bodies");
+  if (asks && !keeps_bodies(r.meta())) throw bad_request(fmt::format("bodies: grid '{}' keeps materials, not bodies", r.grid->id));
+  return asks;
+}
+
+Response json_answer(const GridRequest& r, const char* route, std::function<std::string()> make) {
+  return r.answer({.route = route, .content_type = kJson, .compress = true, .make = std::move(make)});
+}
+
+Response picture_answer(const GridRequest& r, const char* route, const SliceView& view) {
+  Service::Recipe recipe = picture_recipe(r.reader(), view, style_of(r.target, *r.grid));
+  recipe.route = route;
+  return r.answer(recipe);
+}
+
+}  // namespace teracell::server

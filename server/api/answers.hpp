@@ -1,0 +1,29 @@
+// The answers about a grid. A new one is a file that defines its Answer, and a line here; openapi.json describes it.
+#pragma once
+#include "server/api/answer.hpp"
+
+// clang-format off
+#define TERACELL_ANSWERS(answer) \
+  answer(kInfoAnswer) \
+  answer(kSliceAnswer) \
+  answer(kTileAnswer) \
+  answer(kCellAnswer) \
+  answer(kColumnAnswer) \
+  answer(kLineAnswer) \
+  answer(kBoxAnswer) \
+  answer(kFileAnswer) \
+  answer(kStatsAnswer) \
+  answer(kCheckAnswer) \
+  answer(kDiffAnswer) \
+  answer(kViewPngAnswer) \
+  answer(kViewBinAnswer) \
+  answer(kViewJsonAnswer)
+// clang-format on
+
+namespace teracell::server {
+
+#define DECLARED(name) extern const Answer name;
+TERACELL_ANSWERS(DECLARED)
+#undef DECLARED
+
+}  // namespace teracell::server
