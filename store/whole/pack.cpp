@@ -202,11 +202,8 @@ class Packer {
 
 }  // namespace
 
-void pack(const GridReader& reader, const std::filesystem::path& path, const PackOptions& options, const std::function<void(double)>& progress) try {
-  Packer(reader, path, options, progress).run();
-} catch (const FormatError& e) {
-  const std::string message = e.what();
-  throw FormatError(message.starts_with(reader.name()) ? message : fmt::format("{}: {}", reader.name(), message));
+void pack(const GridReader& reader, const std::filesystem::path& path, const PackOptions& options, const std::function<void(double)>& progress) {
+  naming(reader.name(), [&] { Packer(reader, path, options, progress).run(); });
 }
 
 }  // namespace teracell::inline store
