@@ -74,9 +74,9 @@ class Options {
     const std::string expected =
         fmt::format("width and height from 1 to {} pixels, at most {} in all, as in 1280,960", kLongestPictureSide, kMostPicturePixels);
     const auto n = numbers_in<uint64_t>(*text, 2);
-    if (!n || std::ranges::min(*n) < 1 || std::ranges::max(*n) > kLongestPictureSide || n->front() * n->back() > kMostPicturePixels)
-      refuse("size", expected, *text);
-    return {static_cast<uint32_t>(n->front()), static_cast<uint32_t>(n->back())};
+    const auto is_side = [](uint64_t side) { return side >= 1 && side <= kLongestPictureSide; };
+    if (!n || !is_side((*n)[0]) || !is_side((*n)[1]) || (*n)[0] * (*n)[1] > kMostPicturePixels) refuse("size", expected, *text);
+    return {static_cast<uint32_t>((*n)[0]), static_cast<uint32_t>((*n)[1])};
   }
 
   Camera camera(PictureSize size) const {

@@ -165,7 +165,7 @@ class Packer {
             entries[slot] = chunk.entry;
             entries[slot].offset = file_.size();
             file_.append(chunk.frame);
-            if (!chunk.frame.empty()) info.chunks += 1, info.bytes += chunk.frame.size(), info.changes += chunk.changes;
+            if (!chunk.frame.empty()) info.add(1, chunk.frame.size(), chunk.changes);
           });
           directory[made.page] = append(encode_page(entries, false, file_.size()));
           progress_(static_cast<double>(copied_) / static_cast<double>(reader_.file_bytes()));

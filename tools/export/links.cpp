@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "store/text/npy_header.hpp"
 #include "tools/export/format.hpp"
 

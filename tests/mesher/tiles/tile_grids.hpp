@@ -61,8 +61,8 @@ inline std::vector<mesher::Facet> facets_over(std::mt19937_64& random, const Met
       const Axis& axis = meta.grid.axis[d];
       const double cell = axis.shortest_cell(), width = axis.max() - axis.min();
       const double at = testing::random_in(random, axis.min() - 2 * cell, axis.max() + 2 * cell), size = kind < 7   ? 1.5 * cell
-                                                                                                : kind < 9 ? width / 8
-                                                                                                           : 2 * width;
+                                                                                                         : kind < 9 ? width / 8
+                                                                                                                    : 2 * width;
       for (Vec3& v : f.vertex) {
         v[d] = at + testing::random_in(random, -size, size);
         const int64_t i = testing::random_int(random, 0, static_cast<int>(axis.cells()) - 1);
