@@ -4,7 +4,7 @@
 #include <atomic>
 #include <functional>
 
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "store/write/part.hpp"
 #include "store/write/pyramid_writer.hpp"
 #include "store/write/writer.hpp"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "mesher/bodies/bodies.hpp"
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 
 namespace teracell::mesher {
 

@@ -17,16 +17,6 @@ uint32_t number_of_patch(const SceneFacet& facet) {
   return number == (kNoPatch & ~kAddedFacet) ? kNoPatch : number;
 }
 
-Label label_at(const RayBlock& runs, uint32_t ray, uint32_t w) {
-  const auto changes = runs.changes(ray);
-  constexpr size_t kFew = 16;
-  size_t i = 0;
-  if (changes.size() > kFew) i = static_cast<size_t>(std::ranges::upper_bound(changes, w) - changes.begin());
-  else
-    for (const uint32_t change : changes) i += change <= w;
-  return runs.sets(ray)[i];
-}
-
 }  // namespace
 
 LinkFinder::LinkFinder(const Scene& scene, const std::vector<Layer>& layers, const Labels& labels, const Metadata& meta)
@@ -182,7 +172,7 @@ bool LinkFinder::look_at(int axis, const Box& block, const Crosser& crosser, Lin
     const uint32_t row = axis == rays_.u ? runs.nv : runs.nu, other = crosser.line % row;
     const uint32_t w = static_cast<uint32_t>(block.lo[rays_.w]) + crosser.line / row;
     const uint32_t ray = axis == rays_.u ? other * runs.nu + link.cell : link.cell * runs.nu + other;
-    if (label_at(runs, ray, w) == label_at(runs, ray + (axis == rays_.u ? 1 : runs.nu), w)) return false;
+    if (runs.set_at(ray, w) == runs.set_at(ray + (axis == rays_.u ? 1 : runs.nu), w)) return false;
   }
   link.end = link.begin = crosser.k;
   link.patch = number_of_patch(*active_[crosser.facet]);
@@ -203,7 +193,7 @@ bool LinkFinder::look_closely(int axis, const Box& block, std::span<const Crosse
   const Label from = label_of(point_.owner(labels_.rank)), to = label_of(behind.owner(labels_.rank));
   if (has_marks_) {
     const Place beyond = place_of(upper);
-    const Label of_lower = label_at(*at.cells->runs, at.ray, at.w), of_upper = label_at(*beyond.cells->runs, beyond.ray, beyond.w);
+    const Label of_lower = at.cells->runs->set_at(at.ray, at.w), of_upper = beyond.cells->runs->set_at(beyond.ray, beyond.w);
     if (of_lower == of_upper) return false;
     const uint32_t lower_owner = owner_at(axis, at), upper_owner = owner_at(axis, beyond);
     const auto sheet_of = [&](uint32_t owner) { return owner != kNoBody && is_sheet(owner) ? owner : kNoBody; };

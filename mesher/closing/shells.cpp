@@ -34,33 +34,22 @@ void Shells::add(const Facet& facet) {
   std::array<uint32_t, 3> v;
   for (int i = 0; i < 3; ++i) {
     v[i] = numbers_(hashes[i]);
-    if (v[i] == parent_.size()) parent_.push_back(v[i]);
+    if (v[i] == vertex_groups_.size()) vertex_groups_.add();
   }
-  for (int i = 1; i < 3; ++i) parent_[batch_root(v[i])] = batch_root(v[0]);
+  for (int i = 1; i < 3; ++i) vertex_groups_.join(v[i], v[0]);
   const FacetKey f(hashes);
   batch_.push_back({f.key, v[0], f.odd, three_different(hashes)});
 }
 
-uint32_t Shells::batch_root(uint32_t v) {
-  while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-  return v;
-}
-
-uint32_t Shells::group_root(uint32_t g) {
-  while (group_parent_[g] != g) g = group_parent_[g] = group_parent_[group_parent_[g]];
-  return g;
-}
-
 void Shells::end_batch() {
   constexpr uint32_t kNone = ~uint32_t{0};
-  std::vector<uint32_t> group(parent_.size(), kNone);  // by root
+  std::vector<uint32_t> group(vertex_groups_.size(), kNone);  // by the vertex that stands for it
   group_of_facet_.reserve(group_of_facet_.size() + batch_.size());
   for (uint64_t i = 0; i < batch_.size(); ++i) {
     const BatchFacet& f = batch_[i];
-    uint32_t& g = group[batch_root(f.vertex)];
+    uint32_t& g = group[vertex_groups_.of(f.vertex)];
     if (g == kNone) {
-      g = static_cast<uint32_t>(group_parent_.size());
-      group_parent_.push_back(g);
+      g = groups_.add();
       facets_.push_back(0);
       cancelled_.push_back(0);
     }
@@ -75,12 +64,13 @@ void Shells::end_batch() {
   }
   facets_before_ += batch_.size();
   if (vertices_) {
-    for (uint32_t v = 0; v < parent_.size(); ++v) vertices_->add(bucket_of(*vertices_, numbers_.hash(v)), {numbers_.hash(v), group[batch_root(v)]});
+    for (uint32_t v = 0; v < vertex_groups_.size(); ++v)
+      vertices_->add(bucket_of(*vertices_, numbers_.hash(v)), {numbers_.hash(v), group[vertex_groups_.of(v)]});
     numbers_ = {};
-    parent_.clear();
+    vertex_groups_ = Groups();
   } else {
-    first_group_of_vertex_.resize(parent_.size());
-    for (uint32_t v = 0; v < parent_.size(); ++v) first_group_of_vertex_[v] = group[batch_root(v)];
+    first_group_of_vertex_.resize(vertex_groups_.size());
+    for (uint32_t v = 0; v < vertex_groups_.size(); ++v) first_group_of_vertex_[v] = group[vertex_groups_.of(v)];
   }
   batch_.clear();
 }
@@ -88,7 +78,7 @@ void Shells::end_batch() {
 void Shells::finish() {
   end_batch();
   batch_ = {};
-  parent_ = {};
+  vertex_groups_ = Groups();
   if (vertices_) join_groups();
   find_repeated();
   number_shells();
@@ -99,10 +89,7 @@ void Shells::join_groups() {
     std::vector<VertexRecord> records = vertices_->load(b);
     std::ranges::sort(records, {}, &VertexRecord::vertex);
     for (size_t i = 1; i < records.size(); ++i)
-      if (records[i].vertex == records[i - 1].vertex) {
-        const uint32_t p = group_root(records[i].group), q = group_root(records[i - 1].group);
-        group_parent_[std::max(p, q)] = std::min(p, q);
-      }
+      if (records[i].vertex == records[i - 1].vertex) groups_.join(records[i].group, records[i - 1].group);
   }
 }
 
@@ -125,9 +112,9 @@ void Shells::find_repeated() {
 
 void Shells::number_shells() {
   std::vector<uint64_t> facets, cancelled;
-  group_shell_.resize(group_parent_.size());
-  for (uint32_t g = 0; g < group_parent_.size(); ++g) {
-    const uint32_t root = group_root(g);  // the least group of the shell, so the loop meets it first
+  group_shell_.resize(groups_.size());
+  for (uint32_t g = 0; g < groups_.size(); ++g) {
+    const uint32_t root = groups_.of(g);  // the least group of the shell, so the loop meets it first
     if (root == g) {
       group_shell_[g] = static_cast<uint32_t>(facets.size());
       facets.push_back(0);
@@ -139,7 +126,7 @@ void Shells::number_shells() {
   }
   facets_ = std::move(facets);
   cancelled_ = std::move(cancelled);
-  group_parent_ = {};
+  groups_ = Groups();
 }
 
 std::vector<uint32_t> Shells::of(const std::vector<Vec3>& vertices) const {

@@ -11,6 +11,7 @@
 
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/surface/buckets.hpp"
+#include "store/base/groups.hpp"
 
 namespace teracell::mesher {
 
@@ -55,8 +56,6 @@ class Shells {
   };
   static constexpr size_t kBlock = size_t{1} << 16;  // group numbers read at once
 
-  uint32_t batch_root(uint32_t vertex);
-  uint32_t group_root(uint32_t group);
   void end_batch();
   void join_groups();
   void find_repeated();
@@ -65,10 +64,11 @@ class Shells {
   const uint64_t most_;  // facets of a batch
   const uint64_t memory_;
   VertexNumbers numbers_;  // this and the next two are of the batch; if there is only one batch they stay
-  std::vector<uint32_t> parent_;
+  Groups vertex_groups_;
   std::vector<BatchFacet> batch_;
   uint64_t facets_before_ = 0;  // in earlier batches
-  std::vector<uint32_t> group_parent_, group_shell_, first_group_of_vertex_;
+  Groups groups_;  // that are of one shell
+  std::vector<uint32_t> group_shell_, first_group_of_vertex_;
   std::vector<uint64_t> facets_, cancelled_;  // by group while adding, by shell after finish()
   std::vector<bool> repeats_;
   std::vector<uint32_t> group_of_facet_;  // of all facets, or of those not written yet

@@ -10,27 +10,12 @@
 #include "mesher/closing/lengths.hpp"
 #include "mesher/closing/point_tree.hpp"
 #include "store/base/error.hpp"
+#include "store/base/groups.hpp"
 
 namespace teracell::mesher {
 namespace {
 
 double dot(const Vec3& a, const Vec3& b) { return (a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]; }
-
-class Groups {
- public:
-  explicit Groups(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  uint32_t of(uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(uint32_t a, uint32_t b) {
-    a = of(a), b = of(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<uint32_t> parent_;
-};
 
 // How often a shell uses the edge lo - hi: `net` uses more from lo to hi than back. Vertices are numbered in ascending order.
 struct Pair {

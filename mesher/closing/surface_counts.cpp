@@ -99,18 +99,13 @@ void SurfaceCounter::expect(uint64_t facets) {
   distinct_.expect(facets);
 }
 
-uint32_t SurfaceCounter::root(uint32_t v) {
-  while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-  return v;
-}
-
 void SurfaceCounter::add(const Facet& facet, bool at_home) {
   std::array<uint32_t, 3> v;
   for (int i = 0; i < 3; ++i) {
     v[i] = numbers_(facet.vertex[i]);
-    if (v[i] == parent_.size()) parent_.push_back(v[i]);
+    if (v[i] == vertices_.size()) vertices_.add();
   }
-  for (int i = 1; i < 3; ++i) parent_[root(v[i])] = root(v[0]);
+  for (int i = 1; i < 3; ++i) vertices_.join(v[i], v[0]);
   if (!at_home) return;
   ++facets_;
   degenerate_ += has_no_area(facet);
@@ -118,12 +113,6 @@ void SurfaceCounter::add(const Facet& facet, bool at_home) {
   std::ranges::sort(v);  // so that the order of a facet's vertices does not matter
   const bool turns = odd && v[0] != v[1] && v[1] != v[2];
   distinct_.add((fold(fold(v[0] ^ kHashKeys[0], v[1] ^ kHashKeys[1]) ^ kHashKeys[2], v[2] ^ kHashKeys[3]) & ~uint64_t{1}) | turns);
-}
-
-uint64_t SurfaceCounter::shells() const {
-  uint64_t roots = 0;
-  for (uint32_t v = 0; v < parent_.size(); ++v) roots += parent_[v] == v;
-  return roots;
 }
 
 }  // namespace teracell::mesher

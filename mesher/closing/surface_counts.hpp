@@ -8,6 +8,7 @@
 #include "mesher/closing/vertex_hash.hpp"
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/populate.hpp"
+#include "store/base/groups.hpp"
 
 namespace teracell::mesher {
 
@@ -77,16 +78,15 @@ class SurfaceCounter {
   uint64_t degenerate() const { return degenerate_; }                 // facets without area, decided exactly
   uint64_t duplicates() { return facets_ - distinct_.count(); }       // facets with the three vertices of an earlier one
   uint64_t opposite() { return (distinct_.count(), distinct_.otherwise()); }  // duplicates whose orientation is opposite to the first one's
-  uint64_t shells() const;                                            // groups of facets connected by equal vertices
+  uint64_t shells() const { return vertices_.count(); }               // groups of facets connected by equal vertices
   SurfaceCounts totals() { return {degenerate(), duplicates(), opposite(), shells()}; }
   // The shell of a vertex: the same number for all vertices of a shell. REQUIRES: a facet with that vertex was added.
-  uint32_t shell_of(const Vec3& vertex) { return root(numbers_(vertex)); }
+  uint32_t shell_of(const Vec3& vertex) { return vertices_.of(numbers_(vertex)); }
 
  private:
-  uint32_t root(uint32_t vertex);
   VertexNumbers numbers_;
   DistinctCount distinct_;
-  std::vector<uint32_t> parent_;  // union-find over vertices
+  Groups vertices_;  // those of one shell
   uint64_t facets_ = 0, degenerate_ = 0;
 };
 

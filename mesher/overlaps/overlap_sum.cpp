@@ -132,10 +132,7 @@ void OverlapSum::pack(std::span<const Piece> pieces, const std::function<void(By
 void OverlapSum::for_each(const std::function<void(const Overlap&)>& f) const { merge(pieces_, f); }
 
 void OverlapSum::save(Bytes& out) const {
-  pack(pieces_, [&](Bytes&& block) {
-    put_varint(out, block.size());
-    out.insert(out.end(), block.begin(), block.end());
-  });
+  pack(pieces_, [&](Bytes&& block) { put_sized(out, block); });
   put_varint(out, 0);
 }
 

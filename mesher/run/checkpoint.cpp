@@ -5,6 +5,7 @@
 
 #include "store/base/error.hpp"
 #include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "store/format/format.hpp"
 #include "store/text/json_text.hpp"
 
@@ -33,12 +34,10 @@ std::filesystem::path checkpoint_path(const std::filesystem::path& output) { ret
 void save_checkpoint(const Checkpoint& c, const std::filesystem::path& output) {
   Bytes out;
   out.insert(out.end(), kMagic, kMagic + 8);
-  put_varint(out, c.identity.size());
-  out.insert(out.end(), c.identity.begin(), c.identity.end());
+  put_sized(out, c.identity);
   put_varint(out, c.groups);
   c.totals.save(out);
-  put_varint(out, c.writers.size());
-  out.insert(out.end(), c.writers.begin(), c.writers.end());
+  put_sized(out, c.writers);
   put_fixed(out, checksum(out));
   OutputFile file(checkpoint_path(output));
   file.append(out);
@@ -60,13 +59,13 @@ std::optional<Checkpoint> load_checkpoint(const std::filesystem::path& output, c
   const auto magic = in.take(8);
   if (!std::equal(magic.begin(), magic.end(), kMagic)) throw damaged();
   Checkpoint c;
-  const auto text = in.take(in.varint());
+  const auto text = in.take_sized();
   c.identity.assign(text.begin(), text.end());
   if (c.identity != identity)
     throw InputError(fmt::format("{}: can't resume: {}", output.string(), difference(c.identity, identity)), Remedy::kFreshStart);
   c.groups = in.varint();
   c.totals = CastTotals::restored(in);
-  const auto writers = in.take(in.varint());
+  const auto writers = in.take_sized();
   c.writers.assign(writers.begin(), writers.end());
   in.expect_end();
   const uint64_t expected = ByteReader(writers, path.string()).fixed<uint64_t>(), found = std::filesystem::file_size(output.string() + ".partial");

@@ -17,10 +17,7 @@ class Put {
     put_varint(out_, static_cast<uint64_t>(n));
   }
   void operator()(const double& d) { put_fixed(out_, std::bit_cast<uint64_t>(d)); }
-  void operator()(const std::string& text) {
-    put_varint(out_, text.size());
-    out_.insert(out_.end(), text.begin(), text.end());
-  }
+  void operator()(const std::string& text) { put_sized(out_, text); }
   template <class T>
   void operator()(const std::vector<T>& list) {
     put_varint(out_, list.size());

@@ -24,12 +24,10 @@ void TileGroupWork::make_chunk(uint32_t i, std::span<const SceneFacet* const> fa
   } else {
     const RayFrame f = meta_.frame();
     Tile tile{f, {}, {}, &meta_.grid.axis[f.w]};
-    Box cells;
-    cells.lo[f.u] = int64_t{cu} * shape_.chunk_rays, cells.hi[f.u] = cells.lo[f.u] + nu;
-    cells.lo[f.v] = int64_t{cv} * shape_.chunk_rays, cells.hi[f.v] = cells.lo[f.v] + nv;
-    cells.hi[f.w] = shape_.nw;
-    for (int64_t u = cells.lo[f.u]; u < cells.hi[f.u]; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(u));
-    for (int64_t v = cells.lo[f.v]; v < cells.hi[f.v]; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(v));
+    const int64_t first_u = int64_t{cu} * shape_.chunk_rays, first_v = int64_t{cv} * shape_.chunk_rays;
+    const Box cells = f.box({first_u, first_v, 0}, {first_u + nu, first_v + nv, shape_.nw});
+    for (uint32_t u = 0; u < nu; ++u) tile.u.push_back(meta_.grid.axis[f.u].centre(first_u + u));
+    for (uint32_t v = 0; v < nv; ++v) tile.v.push_back(meta_.grid.axis[f.v].centre(first_v + v));
     const auto solids = worker.marker.solids(facets);
     worker.engine->cast(tile, solids, worker.crossings);
     totals_[i / kFanOut].crossings += worker.crossings.all.size();
@@ -71,8 +69,7 @@ void TileGroupWork::tally_pairs(const std::vector<CrossingPairs>& all, const Box
     const TallyKey key{TallyKey::What::kPairs, all[i].body, static_cast<uint8_t>(f.w)};
     Tally sum;
     for (; i < all.size() && all[i].body == key.of; ++i) {
-      Index3 lower;
-      lower[f.u] = cells.lo[f.u] + all[i].ray % nu, lower[f.v] = cells.lo[f.v] + all[i].ray / nu, lower[f.w] = int64_t{all[i].cell} - 1;
+      const Index3 lower = f.cell(cells.lo[f.u] + all[i].ray % nu, cells.lo[f.v] + all[i].ray / nu, int64_t{all[i].cell} - 1);
       sum.add({all[i].pairs, kSubPositions, 0, lower});
     }
     tallies.add(key, sum);

@@ -111,12 +111,6 @@ void FacetStream::finish(const std::string& name, SurfaceFile& file) {
   file.warnings = std::move(warnings_);
 }
 
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
-  return text;
-}
-
 std::string shown(std::string_view text) {
   constexpr size_t kLongest = 48;
   return fmt::format("'{}{}'", printable(text.substr(0, kLongest)), text.size() > kLongest ? "..." : "");

@@ -13,6 +13,7 @@
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/input.hpp"
 #include "mesher/surface/read_options.hpp"
+#include "store/text/words.hpp"
 
 namespace teracell::mesher {
 
@@ -86,8 +87,6 @@ class Fan {
   uint64_t vertices_ = 0;
 };
 
-inline bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
-
 // The text up to the end of its first line. (find_first_of() makes one call per character.)
 inline std::string_view first_line(std::string_view text) {
   return text.substr(0, static_cast<size_t>(std::find_if(text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }) - text.begin()));
@@ -112,8 +111,6 @@ inline bool is_keyword(std::string_view word, std::string_view keyword) {
   return true;
 }
 
-// The text without blanks around it.
-std::string_view trimmed(std::string_view text);
 // Text from a file as messages show it: quoted, printable, at most a few dozen characters.
 std::string shown(std::string_view text);
 

@@ -3,14 +3,6 @@
 #include "mesher/closing/closing.hpp"
 
 namespace teracell::mesher {
-namespace {
-
-uint32_t root(std::vector<uint32_t>& parent, uint32_t v) {
-  while (parent[v] != v) v = parent[v] = parent[parent[v]];
-  return v;
-}
-
-}  // namespace
 
 BinnedCounter::Bin::Bin(BinnedCounter& all, uint64_t facets) : all_(all) {
   if (all.bodies_.size() == 1) counters_[0].expect(facets);
@@ -28,12 +20,11 @@ void BinnedCounter::Bin::finish() {
   std::map<std::pair<uint32_t, uint32_t>, uint32_t> node_of;  // by body and shell within the bin
   for (const auto& [b, vertex] : shared_) {
     Body& body = all_.bodies_[b];
-    const auto fresh = static_cast<uint32_t>(body.parent.size());
-    const auto [node, first] = body.nodes.try_emplace(vertex_hash(vertex).low, fresh);
-    if (first) body.parent.push_back(fresh);
+    const auto [node, first] = body.nodes.try_emplace(vertex_hash(vertex).low, body.shells.size());
+    if (first) body.shells.add();
     const auto [in_bin, first_of_shell] = node_of.try_emplace({b, counters_[b].shell_of(vertex)}, node->second);
     if (first_of_shell) --body.totals.shells;
-    else body.parent[root(body.parent, node->second)] = root(body.parent, in_bin->second);
+    else body.shells.join(node->second, in_bin->second);
   }
   for (auto& [b, counter] : counters_) {
     SurfaceCounts& totals = all_.bodies_[b].totals;
@@ -48,7 +39,7 @@ std::vector<SurfaceCounts> BinnedCounter::totals() const {
   std::vector<SurfaceCounts> out;
   for (const Body& body : bodies_) {
     out.push_back(body.totals);
-    for (uint32_t v = 0; v < body.parent.size(); ++v) out.back().shells += body.parent[v] == v;
+    out.back().shells += body.shells.count();
   }
   return out;
 }

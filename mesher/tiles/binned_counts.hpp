@@ -6,6 +6,7 @@
 
 #include "mesher/closing/surface_counts.hpp"
 #include "mesher/tiles/bins.hpp"
+#include "store/base/groups.hpp"
 
 namespace teracell::mesher {
 
@@ -35,7 +36,7 @@ class BinnedCounter {
   struct Body {
     SurfaceCounts totals;                           // of shells only those within one bin
     std::unordered_map<uint64_t, uint32_t> nodes;  // of shared facets, by a hash of the first vertex
-    std::vector<uint32_t> parent;                  // union-find over nodes
+    Groups shells;                                 // of nodes
   };
   std::mutex mutex_;
   std::vector<Body> bodies_;

@@ -3,8 +3,9 @@
 #include <arpa/inet.h>
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
+
+#include "store/text/words.hpp"
 
 namespace teracell::server {
 namespace {
@@ -47,9 +48,7 @@ std::optional<std::string_view> host_of(std::string_view authority) {
   const size_t bracket = authority.rfind(']');
   const size_t colon = authority.find(':', bracket == authority.npos ? 0 : bracket);
   const std::string_view host = authority.substr(0, colon), port = colon == authority.npos ? "" : authority.substr(colon + 1);
-  uint16_t number;
-  const auto [stop, error] = std::from_chars(port.data(), port.data() + port.size(), number);
-  const bool good_port = port.empty() || (stop == port.data() + port.size() && error == std::errc{});
+  const bool good_port = port.empty() || number_in<uint16_t>(port);
   return good_port && (is_registered_name(host) || ipv6(host)) ? std::optional(host) : std::nullopt;
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "server/http/host.hpp"
+#include "store/text/words.hpp"
 
 namespace teracell::server {
 namespace {
@@ -18,12 +19,6 @@ bool consists_of(std::string_view text, std::string_view others) {
 }
 
 bool fits_link(std::string_view host) { return is_authority(host) && consists_of(host, ".:[]_-"); }
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
-  while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
-  return text;
-}
 
 // The first value of a list: each proxy on the way appends its own.
 std::string_view first_of(std::string_view list) { return trimmed(list.substr(0, list.find(','))); }

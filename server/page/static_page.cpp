@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "server/service/target.hpp"
+#include "store/base/output_file.hpp"
 
 namespace teracell::server {
 namespace {

@@ -122,8 +122,7 @@ void shade(const GridReader& reader, const FractionReader& shares, const SliceVi
            std::optional<uint16_t> keep, const Place& place) {
   if (view.level > 0) return;
   const RayFrame f = RayFrame::along(view.axis);
-  Box box;
-  box.lo[f.u] = view.u0, box.hi[f.u] = view.u1, box.lo[f.v] = view.v0, box.hi[f.v] = view.v1, box.lo[f.w] = view.index, box.hi[f.w] = view.index + 1;
+  const Box box = f.box({view.u0, view.v0, view.index}, {view.u1, view.v1, view.index + 1});
   const int along = reader.meta().frame().w;
   shares.for_each_mixed(box, [&](const Index3& first, int64_t length, std::span<const Label> labels, std::span<const uint32_t> counts) {
     std::map<uint32_t, uint32_t> by_member;

@@ -178,21 +178,11 @@ FirstHits::Place FirstHits::place(size_t rung, const Index3& cell) {
   return {chunk, (v - cv * shape.chunk_rays) * shape.rays_u(cu) + (u - cu * shape.chunk_rays), w - segment * shape.chunk_cells};
 }
 
-SetId FirstHits::set_at(const Place& p) {
-  const RayBlock& rays = p.known.chunk->rays;
-  const std::span<const uint32_t> changes = rays.changes(p.ray);
-  size_t run = 0;
-  if (changes.size() > 32) run = static_cast<size_t>(std::ranges::upper_bound(changes, p.at) - changes.begin());
-  else
-    for (const uint32_t change : changes) run += change <= p.at;
-  return rays.sets(p.ray)[run];
-}
-
 // Visible::of() the set of a cell.
 uint32_t FirstHits::seen(size_t rung, const Index3& cell) {
   const Place p = place(rung, cell);
   if (!p.known.chunk) return p.known.all;
-  const SetId set = set_at(p);
+  const SetId set = p.known.chunk->rays.set_at(p.ray, p.at);
   const uint32_t labels = p.known.chunk->sets.labels();
   return set < labels ? subject_.visible.of(Label{set}) : p.known.of_sets[set - labels];
 }
@@ -219,7 +209,7 @@ const FirstHits::Known& FirstHits::known(size_t rung, const ChunkKey& key) {
 
 Label FirstHits::strongest(size_t rung, const Index3& cell) {
   const Place p = place(rung, cell);
-  std::vector<Label> set = p.known.chunk ? p.known.chunk->sets.members(set_at(p)) : p.known.set;
+  std::vector<Label> set = p.known.chunk ? p.known.chunk->sets.members(p.known.chunk->rays.set_at(p.ray, p.at)) : p.known.set;
   std::erase_if(set, [&](Label label) { return !subject_.visible(label); });
   const Metadata& meta = subject_.reader.meta();
   return *std::ranges::min_element(set, {}, [&](Label label) { return meta.materials[meta.labels[label].material].rank; });

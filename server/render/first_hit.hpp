@@ -72,7 +72,6 @@ class FirstHits {
     uint32_t ray, at;  // of the chunk
   };
   Place place(size_t rung, const Index3& cell);
-  static SetId set_at(const Place& p);
   bool is_drawn(size_t rung, double t) const;
   Label strongest(size_t rung, const Index3& cell);
   int face_of(size_t rung, const Index3& cell, double t0) const;

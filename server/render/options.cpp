@@ -1,13 +1,13 @@
 #include "server/render/options.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/text/words.hpp"
 
 namespace teracell::server {
 namespace {
@@ -29,16 +29,6 @@ constexpr RenderOption kOptions[] = {
     {"background", "#rrggbbaa", "the colour where nothing is; default: #ffffff"},
     {"flat", "", "the materials' colours alone: no shading, no smoothing"},
 };
-
-std::vector<std::string_view> split(std::string_view text) {
-  std::vector<std::string_view> out;
-  for (size_t from = 0;;) {
-    const size_t comma = text.find(',', from);
-    out.push_back(text.substr(from, comma - from));
-    if (comma == std::string_view::npos) return out;
-    from = comma + 1;
-  }
-}
 
 class Options {
  public:
@@ -63,22 +53,14 @@ class Options {
     throw UsageError(fmt::format("{}{}: expected {}, found '{}'", dashes_, name, expected, found));
   }
 
-  template <class T>
-  static bool is_whole(std::string_view text, T& value) {
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    return error == std::errc{} && end == text.data() + text.size();
-  }
-
   double number(std::string_view name, std::string_view text, const char* expected) const {
-    double value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    // No grid has larger coordinates.
-    if (error != std::errc{} || end != text.data() + text.size() || !(std::abs(value) <= 1e75)) refuse(name, expected, text);
-    return value;
+    const auto value = number_in<double>(text);
+    if (!value || std::abs(*value) > 1e75) refuse(name, expected, text);  // no grid has larger coordinates
+    return *value;
   }
 
   Vec3 point(std::string_view name, const std::string& text) const {
-    const auto words = split(text);
+    const auto words = split(text, ',');
     constexpr const char* kExpected = "three numbers up to 1e75, as in 1,2,3";
     if (words.size() != 3) refuse(name, kExpected, text);
     Vec3 out;
@@ -91,13 +73,10 @@ class Options {
     if (!text) return {};
     const std::string expected =
         fmt::format("width and height from 1 to {} pixels, at most {} in all, as in 1280,960", kLongestPictureSide, kMostPicturePixels);
-    const auto words = split(*text);
-    uint64_t n[2] = {};
-    for (size_t i = 0; i < 2; ++i) {
-      if (words.size() != 2 || !is_whole(words[i], n[i]) || n[i] < 1 || n[i] > kLongestPictureSide) refuse("size", expected, *text);
-    }
-    if (n[0] * n[1] > kMostPicturePixels) refuse("size", expected, *text);
-    return {static_cast<uint32_t>(n[0]), static_cast<uint32_t>(n[1])};
+    const auto n = numbers_in<uint64_t>(*text, 2);
+    const auto is_side = [](uint64_t side) { return side >= 1 && side <= kLongestPictureSide; };
+    if (!n || !is_side((*n)[0]) || !is_side((*n)[1]) || (*n)[0] * (*n)[1] > kMostPicturePixels) refuse("size", expected, *text);
+    return {static_cast<uint32_t>((*n)[0]), static_cast<uint32_t>((*n)[1])};
   }
 
   Camera camera(PictureSize size) const {
@@ -129,16 +108,16 @@ class Options {
   }
 
   int level(const std::string& text) const {
-    int out = 0;
-    if (!is_whole(text, out) || out < 0 || out >= meta_.grid.levels()) refuse("level", fmt::format("0 to {}", meta_.grid.levels() - 1), text);
-    return out;
+    const auto out = number_in<int>(text);
+    if (!out || *out < 0 || *out >= meta_.grid.levels()) refuse("level", fmt::format("0 to {}", meta_.grid.levels() - 1), text);
+    return *out;
   }
 
   Cuts cut(const std::string& text) const {
     constexpr const char* kExpected = "one coordinate per axis at most, as in x=1.5,z=20";
     Cuts out;
     std::array<bool, 3> given{};
-    for (const std::string_view word : split(text)) {
+    for (const std::string_view word : split(text, ',')) {
       const auto axis = word.size() > 2 && word[1] == '=' ? axis_named(word.substr(0, 1)) : std::nullopt;
       if (!axis || std::exchange(given[static_cast<size_t>(*axis)], true)) refuse("cut", kExpected, text);
       HalfSpace half{{}, number("cut", word.substr(2), kExpected)};
@@ -161,7 +140,7 @@ class Options {
 
   HalfSpace plane(const std::string& text) const {
     constexpr const char* kExpected = "four numbers up to 1e75, the first three not all 0, as in 1,1,0,25";
-    const auto words = split(text);
+    const auto words = split(text, ',');
     if (words.size() != 4) refuse("plane", kExpected, text);
     HalfSpace out{};
     for (size_t d = 0; d < 3; ++d) out.normal[d] = number("plane", words[d], kExpected);
@@ -210,14 +189,12 @@ class Options {
     const std::string expected = fmt::format("numbers from 0 to {} and ranges of them, as in 1-4,7", meta_.labels.size() - 1);
     std::vector<bool> out(meta_.labels.size());
     if (text.empty()) return out;  // nothing is shown
-    for (const std::string_view word : split(text)) {
-      size_t ends[2] = {};
+    for (const std::string_view word : split(text, ',')) {
       const size_t dash = word.find('-');
-      const std::string_view parts[2] = {word.substr(0, dash), dash == std::string_view::npos ? word : word.substr(dash + 1)};
-      for (size_t i = 0; i < 2; ++i)
-        if (!is_whole(parts[i], ends[i]) || ends[i] >= out.size()) refuse("labels", expected, text);
-      if (ends[0] > ends[1]) refuse("labels", expected, text);
-      for (size_t label = ends[0]; label <= ends[1]; ++label) out[label] = true;
+      const auto first = number_in<size_t>(word.substr(0, dash));
+      const auto last = dash == std::string_view::npos ? first : number_in<size_t>(word.substr(dash + 1));
+      if (!first || !last || *first > *last || *last >= out.size()) refuse("labels", expected, text);
+      for (size_t label = *first; label <= *last; ++label) out[label] = true;
     }
     return out;
   }

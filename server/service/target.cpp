@@ -1,8 +1,6 @@
 #include "server/service/target.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -72,16 +70,6 @@ Target parse_target(std::string_view target) {
 
 std::string_view path_of(std::string_view target) { return target.substr(0, target.find('?')); }
 
-std::vector<std::string_view> split(std::string_view text, char separator) {
-  std::vector<std::string_view> parts;
-  for (;;) {
-    const size_t stop = text.find(separator);
-    parts.push_back(text.substr(0, stop));
-    if (stop == std::string_view::npos) return parts;
-    text.remove_prefix(stop + 1);
-  }
-}
-
 std::string percent_encoded(std::string_view segment) {
   std::string out;
   for (const char c : segment) {
@@ -93,29 +81,18 @@ std::string percent_encoded(std::string_view segment) {
 }
 
 int64_t integer_in(std::string_view text, std::string_view name, int64_t lo, int64_t hi) {
-  int64_t value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || stop != text.data() + text.size() || error != std::errc{} || value < lo || value > hi)
+  const auto value = number_in<int64_t>(text);
+  if (!value || *value < lo || *value > hi)
     throw bad_request(fmt::format("{}: expected a whole number from {} to {}, found {}", name, lo, hi, clipped(text)));
-  return value;
+  return *value;
 }
 
 namespace {
 
 template <class T>
 std::vector<T> numbers(std::string_view text, size_t count, std::string_view name, const char* kind) {
-  std::vector<T> out;
-  bool good = true;
-  for (const std::string_view part : split(text, ',')) {
-    T value = 0;
-    const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    good &= !part.empty() && stop == part.data() + part.size() && error == std::errc{};
-    if constexpr (std::is_floating_point_v<T>) good &= std::isfinite(value);
-    out.push_back(value);
-  }
-  if (!good || out.size() != count)
-    throw bad_request(fmt::format("{}: expected {} {} separated by commas, found {}", name, count, kind, clipped(text)));
-  return out;
+  if (auto out = numbers_in<T>(text, count)) return *std::move(out);
+  throw bad_request(fmt::format("{}: expected {} {} separated by commas, found {}", name, count, kind, clipped(text)));
 }
 
 }  // namespace

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "store/text/words.hpp"
+
 namespace teracell::server {
 
 struct Target {
@@ -28,8 +30,6 @@ Target parse_target(std::string_view target);
 std::string clipped(std::string_view text);  // text from a client, quoted, and cut so that a message can show it
 std::string_view path_of(std::string_view target);  // without its query
 
-// The parts between separators: one more than there are separators.
-std::vector<std::string_view> split(std::string_view text, char separator);
 // As one segment of an address.
 std::string percent_encoded(std::string_view segment);
 

@@ -23,6 +23,13 @@ inline void put_varint(Bytes& out, uint64_t value) {
   out.push_back(static_cast<uint8_t>(value));
 }
 
+// Bytes, or a text, after their number.
+inline void put_sized(Bytes& out, std::span<const uint8_t> bytes) {
+  put_varint(out, bytes.size());
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
+inline void put_sized(Bytes& out, const std::string& text) { put_sized(out, {reinterpret_cast<const uint8_t*>(text.data()), text.size()}); }
+
 class ByteReader {
  public:
   // `what` names the structure in messages. Where FORMAT.md has it, `clause` is the one that messages cite.
@@ -65,6 +72,7 @@ class ByteReader {
     if (v < lo || v > hi) fail(std::string(name) + " must be " + std::to_string(lo) + " to " + std::to_string(hi) + ", found " + std::to_string(v));
     return v;
   }
+  std::span<const uint8_t> take_sized() { return take(varint()); }  // what put_sized() put
   void expect_end() const {
     if (remaining() != 0) fail("expected the end, found " + std::to_string(remaining()) + " more bytes");
   }

@@ -48,7 +48,7 @@ auto naming(const std::string& file, F&& f) try {
   return f();
 } catch (const FormatError& e) {
   const std::string message = e.what();
-  if (message.starts_with(file)) throw;
+  if (message.starts_with(file + ':')) throw;
   throw FormatError(file + ": " + message, e.remedy);
 }
 

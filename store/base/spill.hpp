@@ -5,6 +5,8 @@
 #include <span>
 #include <string>
 
+#include "store/base/descriptor.hpp"
+
 namespace teracell::inline store {
 
 // How much memory a run may use, and where it may write the rest.
@@ -21,8 +23,6 @@ class SpillFile {
  public:
   // Throws unless the folder has `expected` bytes of free space. With `in_memory` it uses no folder, if the system has files in memory.
   SpillFile(const std::filesystem::path& folder, uint64_t expected, bool in_memory = false);
-  ~SpillFile();
-  SpillFile(const SpillFile&) = delete;
 
   void write(uint64_t offset, std::span<const uint8_t> bytes);
   void read(uint64_t offset, std::span<uint8_t> out) const;
@@ -30,7 +30,7 @@ class SpillFile {
 
  private:
   std::string folder_;
-  int fd_ = -1;
+  Descriptor file_;
   bool in_memory_ = false;
 };
 

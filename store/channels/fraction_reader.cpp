@@ -39,9 +39,7 @@ void FractionReader::for_each_mixed(const Box& box, const Visit& visit) const {
       for (const MixedCells::Run& run : mixed->of_ray(v * mixed->nu + u)) {
         const uint32_t from = std::max(run.from, p.w0), to = std::min(run.to, p.w1);
         if (from >= to) continue;
-        Index3 first;
-        first[f.u] = p.first_u + u, first[f.v] = p.first_v + v, first[f.w] = p.first_w + from;
-        visit(first, to - from, mixed->labels(run), mixed->counts_of(run));
+        visit(f.cell(p.first_u + u, p.first_v + v, p.first_w + from), to - from, mixed->labels(run), mixed->counts_of(run));
       }
     });
   });
@@ -90,8 +88,7 @@ void FractionReader::read(const Box& box, std::span<const double> values, Strang
         const auto labels = reader_.chunk(p.key, scratch);
         const auto mixed = chunk(p.key);
         for_each_ray(p, [&](uint32_t u, uint32_t v) {
-          Index3 cell;
-          cell[f.u] = p.first_u + u, cell[f.v] = p.first_v + v, cell[f.w] = p.first_w;
+          const Index3 cell = f.cell(p.first_u + u, p.first_v + v, p.first_w);
           T* const ray = place(cell[0], cell[1], cell[2]);
           const auto fill = [&](uint32_t from, uint32_t to, T share) {
             for (int64_t w = std::max(from, p.w0); w < std::min(to, p.w1); ++w) ray[w * stride[f.w]] = share;

@@ -27,8 +27,7 @@ void LinkReader::for_each(int axis, const Box& box, const std::function<void(std
   chunks_.prefetch(inner);
   for_each_part(s, RayBox(inner, f), [&](const ChunkPart& p) {
     const auto links = chunk(p.key);
-    Index3 first;
-    first[f.u] = int64_t{p.key.cu} * s.chunk_rays, first[f.v] = int64_t{p.key.cv} * s.chunk_rays, first[f.w] = int64_t{p.key.segment} * s.chunk_cells;
+    const Index3 first = f.cell(p.first_u, p.first_v, p.first_w);
     const uint32_t row = links->row(along);
     const auto& all = links->along[along];
     const auto line_of = [&](int64_t cell) { return static_cast<uint64_t>(std::clamp<int64_t>(cell - first[across], 0, ~uint32_t{0})) * row; };

@@ -64,11 +64,7 @@ class LinkCheck {
     return {inside, across, link.cell};
   }
 
-  static Label label_of(const Chunk& chunk, const Cell& cell) {
-    const uint32_t ray = cell[1] * chunk.rays.nu + cell[0];
-    const auto changes = chunk.rays.changes(ray);
-    return chunk.rays.sets(ray)[static_cast<size_t>(std::ranges::upper_bound(changes, cell[2]) - changes.begin())];
-  }
+  static Label label_of(const Chunk& chunk, const Cell& cell) { return chunk.rays.set_at(cell[1] * chunk.rays.nu + cell[0], cell[2]); }
 
   static uint64_t differences(const RayBlock& a, uint32_t ray_a, const RayBlock& b, uint32_t ray_b) {
     uint64_t out = 0;

@@ -16,11 +16,6 @@ void for_common_runs(std::span<const uint32_t> ends_a, std::span<const uint32_t>
   }
 }
 
-uint32_t root_of(std::vector<uint32_t>& parents, uint32_t node) {
-  while (parents[node] != node) node = parents[node] = parents[parents[node]];
-  return node;
-}
-
 std::span<const uint32_t> ends_of(const Border& border, uint32_t ray) {
   return std::span(border.ends).subspan(border.begin[ray], border.begin[ray + 1] - border.begin[ray]);
 }
@@ -47,13 +42,6 @@ bool BlockLabeller::follows(const RayBlock& rays, uint32_t a, uint32_t b) {
   return true;
 }
 
-uint32_t BlockLabeller::root(uint32_t node) { return root_of(parents_, node); }
-
-void BlockLabeller::join(uint32_t a, uint32_t b) {
-  a = root(a), b = root(b);
-  if (a != b) parents_[std::max(a, b)] = std::min(a, b);
-}
-
 void BlockLabeller::join_rays(const RayBlock& rays, uint32_t a, uint32_t first_a, uint32_t b, uint32_t first_b) {
   const bool same = follows(rays, a, b);
   if (same && joined_ == std::pair(first_a, first_b)) return;
@@ -62,7 +50,7 @@ void BlockLabeller::join_rays(const RayBlock& rays, uint32_t a, uint32_t first_a
   const auto end = [&](std::span<const uint32_t> changes, size_t i) { return i < changes.size() ? changes[i] : rays.length; };
   for (size_t i = 0, j = 0; i < sets_a.size() && j < sets_b.size();) {
     if (const Label label = meanings_[sets_a[i]].label; label != Meaning::kNothing && label == meanings_[sets_b[j]].label)
-      join(first_a + static_cast<uint32_t>(i), first_b + static_cast<uint32_t>(j));
+      groups_.join(first_a + static_cast<uint32_t>(i), first_b + static_cast<uint32_t>(j));
     const uint32_t end_a = end(changes_a, i), end_b = end(changes_b, j);
     i += end_a <= end_b;
     j += end_b <= end_a;
@@ -86,7 +74,7 @@ void BlockLabeller::count(const RayBlock& rays, uint32_t ray, uint32_t first, ui
 
 BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow& window, uint32_t u0, uint32_t v0, const RayFrame& frame,
                                           const std::function<Meaning(SetId)>& meaning) {
-  meanings_.clear(), parents_.clear(), nodes_.clear();
+  meanings_.clear(), groups_ = Groups(), nodes_.clear();
   first_.assign(rays.rays(), 0);
   joined_ = {0, 0};
   SetId sets = 0;
@@ -105,11 +93,11 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
         const std::span<const SetId> ray_sets = rays.sets(ray);
         for (size_t i = 0; i < ray_sets.size(); ++i) {
           const Meaning m = meanings_[ray_sets[i]];
-          parents_.push_back(first + static_cast<uint32_t>(i));
+          groups_.add();
           nodes_.push_back({.label = m.label, .thinnest = m.number});
           // Runs of one label that touch along the ray: they differ in their numbers.
           if (i > 0 && m.label != Meaning::kNothing && m.label == meanings_[ray_sets[i - 1]].label)
-            join(first + static_cast<uint32_t>(i) - 1, first + static_cast<uint32_t>(i));
+            groups_.join(first + static_cast<uint32_t>(i) - 1, first + static_cast<uint32_t>(i));
         }
       }
       if (has_before && first_[before] != first) join_rays(rays, ray, first, before, first_[before]);
@@ -121,7 +109,7 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
   std::vector<uint32_t> numbers(nodes_.size(), Border::kNone);
   for (uint32_t node = 0; node < nodes_.size(); ++node) {
     if (nodes_[node].label == Meaning::kNothing) continue;
-    const uint32_t r = root(node);  // it comes first
+    const uint32_t r = groups_.of(node);  // it comes first
     if (r == node) {
       numbers[node] = static_cast<uint32_t>(out.all.size());
       out.all.push_back(nodes_[node]);
@@ -149,8 +137,6 @@ BlockComponents BlockLabeller::components(const RayBlock& rays, const RayWindow&
   return out;
 }
 
-uint32_t ComponentJoiner::root(uint32_t node) { return root_of(parents_, node); }
-
 // A block without components has no borders.
 void ComponentJoiner::join(const Border& a, const Border& b) {
   if (a.rays() == 0 || b.rays() == 0) return;
@@ -158,17 +144,17 @@ void ComponentJoiner::join(const Border& a, const Border& b) {
     for_common_runs(ends_of(a, ray), ends_of(b, ray), [&](size_t i, size_t j) {
       const uint32_t x = a.components[a.begin[ray] + i], y = b.components[b.begin[ray] + j];
       if (x == Border::kNone || y == Border::kNone || nodes_[x].label != nodes_[y].label) return;
-      const uint32_t rx = root(x), ry = root(y);
-      if (rx == ry) return;
-      parents_[ry] = rx;
-      nodes_[rx].add(nodes_[ry]);
+      const uint32_t of_x = groups_.of(x), of_y = groups_.of(y);
+      if (of_x == of_y) return;
+      groups_.join(of_x, of_y);
+      nodes_[std::min(of_x, of_y)].add(nodes_[std::max(of_x, of_y)]);
     });
 }
 
 void ComponentJoiner::add(uint32_t cu, BlockComponents&& block) {
   const auto base = static_cast<uint32_t>(nodes_.size());
   for (const Component& c : block.all) {
-    parents_.push_back(static_cast<uint32_t>(nodes_.size()));
+    groups_.add();
     nodes_.push_back(c);
   }
   for (Border& border : block.borders)
@@ -189,7 +175,7 @@ void ComponentJoiner::retire() {
   for (Border& border : above_)
     for (uint32_t& component : border.components) {
       if (component == Border::kNone) continue;
-      const uint32_t r = root(component);
+      const uint32_t r = groups_.of(component);
       if (numbers[r] == Border::kNone) {
         numbers[r] = static_cast<uint32_t>(left.size());
         left.push_back(nodes_[r]);
@@ -197,15 +183,14 @@ void ComponentJoiner::retire() {
       component = numbers[r];
     }
   for (uint32_t node = 0; node < nodes_.size(); ++node)
-    if (parents_[node] == node && numbers[node] == Border::kNone) finished_(nodes_[node]);
+    if (groups_.stands_for_one(node) && numbers[node] == Border::kNone) finished_(nodes_[node]);
   nodes_ = std::move(left);
-  parents_.resize(nodes_.size());
-  for (uint32_t node = 0; node < nodes_.size(); ++node) parents_[node] = node;
+  groups_ = Groups(nodes_.size());
 }
 
 void ComponentJoiner::finish() {
   for (const Component& c : nodes_) finished_(c);
-  nodes_.clear(), parents_.clear();
+  nodes_.clear(), groups_ = Groups();
 }
 
 }  // namespace teracell::store

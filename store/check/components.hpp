@@ -7,6 +7,7 @@
 #include <array>
 #include <functional>
 
+#include "store/base/groups.hpp"
 #include "store/check/field.hpp"
 
 namespace teracell::inline store {
@@ -48,13 +49,11 @@ class BlockLabeller {
 
  private:
   static bool follows(const RayBlock& rays, uint32_t a, uint32_t b);
-  uint32_t root(uint32_t node);
-  void join(uint32_t a, uint32_t b);
   void join_rays(const RayBlock& rays, uint32_t a, uint32_t first_a, uint32_t b, uint32_t first_b);
   void count(const RayBlock& rays, uint32_t ray, uint32_t first, uint32_t u, uint32_t v, const RayFrame& frame);
 
   std::vector<Meaning> meanings_;  // of sets
-  std::vector<uint32_t> parents_;
+  Groups groups_;                  // of nodes
   std::vector<Component> nodes_;   // of the runs of a ray that took over nothing; its first run's place is what rays take over
   std::vector<uint32_t> first_;    // node of each ray
   std::pair<uint32_t, uint32_t> joined_;  // rays of these nodes were joined run by run
@@ -71,13 +70,12 @@ class ComponentJoiner {
   void finish();
 
  private:
-  uint32_t root(uint32_t node);
   void join(const Border& a, const Border& b);
   void retire();
 
   const uint32_t chunks_u_;
   const Finished finished_;
-  std::vector<uint32_t> parents_;
+  Groups groups_;  // of nodes
   std::vector<Component> nodes_;
   Border before_;              // of the block before, at its highest u
   std::vector<Border> above_;  // of the last row of blocks, at their highest v; the row that comes replaces them

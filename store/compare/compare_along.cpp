@@ -166,11 +166,8 @@ class CompareAlong {
 
   Box box_of(const ChunkKey& key) const {
     const RayFrame f = c_.a.meta().frame();
-    Box box;
-    box.lo[f.u] = int64_t{key.cu} * shape_.chunk_rays, box.hi[f.u] = box.lo[f.u] + shape_.rays_u(key.cu);
-    box.lo[f.v] = int64_t{key.cv} * shape_.chunk_rays, box.hi[f.v] = box.lo[f.v] + shape_.rays_v(key.cv);
-    box.lo[f.w] = int64_t{key.segment} * shape_.chunk_cells, box.hi[f.w] = box.lo[f.w] + shape_.length(key.segment);
-    return box;
+    const int64_t u = int64_t{key.cu} * shape_.chunk_rays, v = int64_t{key.cv} * shape_.chunk_rays, w = int64_t{key.segment} * shape_.chunk_cells;
+    return f.box({u, v, w}, {u + shape_.rays_u(key.cu), v + shape_.rays_v(key.cv), w + shape_.length(key.segment)});
   }
 
   // What has to be read of the chunks of a block. What the index says of the others goes to `known`.

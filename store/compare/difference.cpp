@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/output_file.hpp"
 #include "store/compare/difference_file.hpp"
 #include "store/compare/equal_cells.hpp"
 #include "store/text/color.hpp"

@@ -33,9 +33,7 @@ void OpenPages::save(Bytes& state) const {
     std::vector<ChunkEntry> entries = open.entries;
     for (ChunkEntry& e : entries)
       if (e.size == 0 && e.uniform.empty()) e.uniform = {0};  // still missing, but a page is valid entries only
-    const Bytes frame = encode_page(entries, with_stats());
-    put_varint(state, frame.size());
-    state.insert(state.end(), frame.begin(), frame.end());
+    put_sized(state, encode_page(entries, with_stats()));
   }
 }
 
@@ -45,7 +43,7 @@ void OpenPages::restore(ByteReader& state) {
     Open& open = open_[page];
     const size_t chunks = shape_.page_size(page);
     open.missing = state.varint(1, chunks, "missing chunks");
-    open.entries = decode_page(state.take(state.varint()), chunks, with_stats(), labels_);
+    open.entries = decode_page(state.take_sized(), chunks, with_stats(), labels_);
   }
 }
 

@@ -96,6 +96,13 @@ inline int64_t ceil_shift(int64_t n, int bits) { return (n + (int64_t{1} << bits
 struct RayFrame {
   int u, v, w;
   static constexpr RayFrame along(int axis) { return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, axis}; }
+  // What is given by u, v, w, by x, y, z.
+  constexpr Index3 cell(int64_t at_u, int64_t at_v, int64_t at_w) const {
+    Index3 out{};
+    out[u] = at_u, out[v] = at_v, out[w] = at_w;
+    return out;
+  }
+  constexpr Box box(const Index3& lo, const Index3& hi) const { return {cell(lo[0], lo[1], lo[2]), cell(hi[0], hi[1], hi[2])}; }
 };
 
 // "x", "y" or "z".

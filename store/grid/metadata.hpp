@@ -45,8 +45,13 @@ struct LevelInfo {
   uint64_t chunks = 0;     // those stored as frames; the others are uniform
   uint64_t bytes = 0;      // of these frames
   uint64_t changes = 0;    // of set, along all rays
+  void add(uint64_t more_chunks, uint64_t more_bytes, uint64_t more_changes) { chunks += more_chunks, bytes += more_bytes, changes += more_changes; }
   friend bool operator==(const LevelInfo&, const LevelInfo&) = default;
 };
+// The levels that a file which is written now has: level 1 would take about as many bytes as level 0, so it is derived when it is read.
+// All levels above it take a tenth.
+inline int next_stored(int level) { return level == 0 ? 2 : level + 1; }
+inline size_t stored_index(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }  // among them
 
 // Data of the cells: their labels, or something else such as volume fractions. store/format/channel_kinds.hpp lists the kinds
 // that this program knows. Of any other channel only the cover is used, which is enough to verify it and to copy it.

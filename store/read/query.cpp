@@ -16,11 +16,7 @@ void for_each_run(const GridReader& reader, int level, const Box& box, const std
   std::shared_ptr<Chunk> scratch;
   for_each_part(reader.shape(level), RayBox(box, frame), [&](const ChunkPart& p) {
     const auto tell = [&](uint32_t u, uint32_t v, uint32_t from, uint32_t to, const std::vector<Label>& set) {
-      BoxRun run{{}, to - from, &set};
-      run.start[frame.u] = p.first_u + u;
-      run.start[frame.v] = p.first_v + v;
-      run.start[frame.w] = p.first_w + from;
-      f(run);
+      f({frame.cell(p.first_u + u, p.first_v + v, p.first_w + from), to - from, &set});
     };
     if (const auto set = reader.uniform(p.key)) return for_each_ray(p, [&](uint32_t u, uint32_t v) { tell(u, v, p.w0, p.w1, *set); });
     const auto held = reader.chunk(p.key, scratch);
@@ -61,10 +57,7 @@ std::vector<ColumnRun> read_column(const GridReader& reader, int axis, int64_t a
   if (a < 0 || a >= n[f.u] || b < 0 || b >= n[f.v])
     throw UsageError(fmt::format("column ({}, {}) along {} is outside the grid: {} is 0 to {}, {} is 0 to {}", a, b, axis_name(axis), axis_name(f.u),
                                  n[f.u] - 1, axis_name(f.v), n[f.v] - 1));
-  Box box{{0, 0, 0}, n};
-  box.lo[f.u] = a, box.hi[f.u] = a + 1;
-  box.lo[f.v] = b, box.hi[f.v] = b + 1;
-  box.lo[axis] = from, box.hi[axis] = std::min(to, n[axis]);
+  const Box box = f.box({a, b, from}, {a + 1, b + 1, std::min(to, n[axis])});
   std::vector<ColumnRun> runs;
   const SetValue material = strongest_material(meta);
   for_each_run(reader, 0, box, [&](const BoxRun& run) {

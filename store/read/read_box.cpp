@@ -79,7 +79,7 @@ void for_each_run_within(const RayBlock& rays, const Sampled& s, const Index3& s
     for (uint32_t u = 0; u < size[0]; ++u) {
       const auto ray = static_cast<uint32_t>((s.first[1] + v * s.step[1]) * rays.nu + s.first[0] + u * s.step[0]);
       const std::span<const uint32_t> changes = rays.changes(ray);
-      size_t run = s.first[2] == 0 ? 0 : static_cast<size_t>(std::ranges::upper_bound(changes, s.first[2]) - changes.begin());
+      size_t run = run_at(changes, s.first[2]);
       for (uint32_t from = 0; from < cells;) {
         uint32_t to = cells;
         if (run < changes.size() && changes[run] <= last) {
@@ -246,10 +246,8 @@ void read_lattice(const GridReader& reader, int level, const Lattice& lattice, c
     }
     if (lattice.step == Index3{1, 1, 1}) reader.prefetch(level, box);
     for_each_part(shape, RayBox(box, f), [&](const ChunkPart& p) {
-      Box part;
-      part.lo[f.u] = p.first_u + p.u0, part.lo[f.v] = p.first_v + p.v0, part.lo[f.w] = p.first_w + p.w0;
-      part.hi[f.u] = p.first_u + p.u1, part.hi[f.v] = p.first_v + p.v1, part.hi[f.w] = p.first_w + p.w1;
-      const Box numbers = numbers_in(lattice, part);
+      const Box numbers =
+          numbers_in(lattice, f.box({p.first_u + p.u0, p.first_v + p.v0, p.first_w + p.w0}, {p.first_u + p.u1, p.first_v + p.v1, p.first_w + p.w1}));
       if (numbers.empty()) return;
       const Cells<T> cells = cells_of(numbers, data, stride);
       const auto first = [&](int d, int64_t chunk) { return static_cast<uint32_t>(lattice.first[d] + numbers.lo[d] * lattice.step[d] - chunk); };

@@ -45,7 +45,7 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
       keeper_(std::move(keeper)),
       index_(index ? std::move(index) : std::make_shared<IndexCache>(16 << 20)),
       number_(index_->new_owner()) {
-  try {
+  naming(name(), [&] {
     const uint64_t size = source_->size();
     if (size < kHeaderBytes + kFooterBytes)
       throw FormatError(
@@ -71,9 +71,7 @@ GridReader::GridReader(std::unique_ptr<ByteSource> source, std::shared_ptr<Chunk
       check_directory(fmt::format("level {}", l.level), l.directory, countable ? s.pages() : ~uint64_t{0});
     }
     for (const Channel& c : meta_.others()) check_directory(fmt::format("channel '{}'", c.name), c.cover, c.frames);
-  } catch (const FormatError& e) {
-    throw FormatError(fmt::format("{}: {}", name(), e.what()));
-  }
+  });
 }
 
 std::string GridReader::hash() const { return hex(footer_.hash); }
@@ -85,7 +83,7 @@ std::string GridReader::report() const {
 }
 
 void GridReader::append_report(std::string& text) const {
-  try {
+  naming(name(), [&] {
     const size_t before = text.size();
     {
       Bytes frame;
@@ -93,9 +91,7 @@ void GridReader::append_report(std::string& text) const {
       append_decoded(frame, "report", text);
     }
     check_json(std::string_view(text).substr(before), "report");
-  } catch (const FormatError& e) {
-    throw FormatError(fmt::format("{}: {}", name(), e.what()));
-  }
+  });
 }
 
 const LevelInfo& GridReader::info(int level) const { return *std::ranges::find(meta_.levels(), level, &LevelInfo::level); }
@@ -174,7 +170,7 @@ uint64_t GridReader::cells_frame(const Channel& channel, const ChunkKey& key) co
 
 bool GridReader::read_cells(const Channel& channel, const ChunkKey& key, Bytes& frame) const {
   Wanted::stop_if_not();
-  try {
+  return naming(name(), [&] {
     const uint64_t number = cells_frame(channel, key);
     if (number == kNoFrame) return false;
     const DirectoryEntry place = frame_place(channel, number);
@@ -183,9 +179,7 @@ bool GridReader::read_cells(const Channel& channel, const ChunkKey& key, Bytes& 
     const uint64_t page = s.page_of(key);
     claims_.expect_own({number_of(channel), false, page << 12 | s.slot_of(key, page)}, place);
     return true;
-  } catch (const FormatError& e) {
-    throw FormatError(fmt::format("{}: {}", name(), e.what()));
-  }
+  });
 }
 
 std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint64_t page) const {
@@ -206,14 +200,12 @@ std::shared_ptr<const std::vector<ChunkEntry>> GridReader::page(int level, uint6
 }
 
 std::shared_ptr<const ChunkEntry> GridReader::entry(const ChunkKey& key) const {
-  try {
+  return naming(name(), [&] {
     const LevelShape s = shape(key.level);
     const uint64_t p = s.page_of(key);
     const auto found = page(key.level, p);
-    return {found, &(*found)[s.slot_of(key, p)]};  // keeps the page alive
-  } catch (const FormatError& e) {
-    throw FormatError(fmt::format("{}: {}", name(), e.what()));
-  }
+    return std::shared_ptr<const ChunkEntry>(found, &(*found)[s.slot_of(key, p)]);  // keeps the page alive
+  });
 }
 
 std::optional<std::vector<Label>> GridReader::uniform(const ChunkKey& key) const {
@@ -252,7 +244,7 @@ void GridReader::prefetch(int level, const Box& box, bool with_chunks) const {
     keys.push_back(p.key);
     return true;
   });
-  try {
+  naming(name(), [&] {
     std::vector<ByteRange> places;
     for (const uint64_t page : pages) {
       const BlockPlace block = directory_block(page / kBlockEntries, s.pages());
@@ -271,10 +263,7 @@ void GridReader::prefetch(int level, const Box& box, bool with_chunks) const {
     for (const ChunkKey& key : keys)
       if (const auto e = entry(key); e->size != 0) places.push_back({e->offset, e->size});
     source_->prefetch(places);
-  } catch (const FormatError& e) {
-    const std::string message = e.what();
-    throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));
-  }
+  });
 }
 
 // Their blocks of the cover, and then the frames.
@@ -310,15 +299,12 @@ void GridReader::prefetch_cells(const Channel& channel, const Box& box) const {
       if (const uint64_t frame = frame_of(key); frame != kNoFrame && (frames.empty() || frames.back() != frame)) frames.push_back(frame);
     return frames;
   };
-  try {
+  naming(name(), [&] {
     const uint64_t lists = cell_lists(s.pages());
     prefetch_frames(channel, frames_of([&](const ChunkKey& key) { return channel.frames - lists + s.page_of(key) / kPagesPerList; }));
     prefetch_frames(channel, frames_of([&](const ChunkKey& key) { return cells_page(channel, s.page_of(key)); }));
     prefetch_frames(channel, frames_of([&](const ChunkKey& key) { return cells_frame(channel, key); }));
-  } catch (const FormatError& e) {
-    const std::string message = e.what();
-    throw FormatError(message.starts_with(name()) ? message : fmt::format("{}: {}", name(), message));
-  }
+  });
 }
 
 void GridReader::read_stored(const ChunkKey& key, const ChunkEntry& e, Chunk& out) const {

@@ -36,14 +36,6 @@ class Values {
   SetMemo<uint16_t> known_;
 };
 
-// The number of the run of a ray that has the cell.
-uint32_t run_at(std::span<const uint32_t> changes, uint32_t cell) {
-  if (changes.size() > 32) return static_cast<uint32_t>(std::ranges::upper_bound(changes, cell) - changes.begin());
-  uint32_t run = 0;
-  for (const uint32_t at : changes) run += at <= cell;
-  return run;
-}
-
 struct Picture {
   const GridReader& reader;
   const SliceView& view;
@@ -75,11 +67,7 @@ struct Picture {
   // Makes ready what a band needs.
   void prefetch(const Band& band) const {
     const RayFrame f = RayFrame::along(view.axis);
-    Box box;
-    box.lo[f.u] = view.u0, box.hi[f.u] = view.u1;
-    box.lo[f.v] = band.from, box.hi[f.v] = band.to;
-    box.lo[f.w] = view.index, box.hi[f.w] = view.index + 1;
-    reader.prefetch(view.level, box);
+    reader.prefetch(view.level, f.box({view.u0, band.from, view.index}, {view.u1, band.to, view.index + 1}));
   }
   // The same for all of a small picture, in fewer round trips.
   void prefetch_if_small() const {

@@ -96,9 +96,8 @@ std::vector<CellStats> read_label_stats(const GridReader& reader, const Box& box
     for (const LabelStats& l : entry->size != 0 && p.whole ? entry->stats : counted) {
       if (l.hi[0] > p.u1 || l.hi[1] > p.v1 || l.hi[2] > p.w1)
         throw FormatError(fmt::format("{}: {}: its statistics reach outside of it (FORMAT.md 10.3)", reader.name(), chunk_name(p.key)));
-      Box b;
-      b.lo[f.u] = p.first_u + l.lo[0], b.lo[f.v] = p.first_v + l.lo[1], b.lo[f.w] = p.first_w + l.lo[2];
-      b.hi[f.u] = p.first_u + l.hi[0], b.hi[f.v] = p.first_v + l.hi[1], b.hi[f.w] = p.first_w + l.hi[2];
+      const Box b =
+          f.box({p.first_u + l.lo[0], p.first_v + l.lo[1], p.first_w + l.lo[2]}, {p.first_u + l.hi[0], p.first_v + l.hi[1], p.first_w + l.hi[2]});
       const bool fills = l.cells == uint64_t{l.hi[0] - l.lo[0]} * (l.hi[1] - l.lo[1]) * (l.hi[2] - l.lo[2]);
       const double volume = graded && fills ? length(0, b.lo[0], b.hi[0]) * length(1, b.lo[1], b.hi[1]) * length(2, b.lo[2], b.hi[2]) : 0;
       add(stats[l.label], l.cells, volume, b);

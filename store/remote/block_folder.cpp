@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/descriptor.hpp"
 #include "store/base/error.hpp"
 #include "store/format/format.hpp"
 
@@ -25,20 +26,10 @@ constexpr char kEnding[] = ".blocks";
 constexpr uint64_t kPlace = BlockFolder::kBlock + sizeof(uint64_t);  // of a block in its file
 constexpr time_t kFresh = 60;  // seconds for which a file's time of use is good enough
 
-class Descriptor {
- public:
-  // O_NONBLOCK: a pipe that lies there under a file's name would be waited for.
-  Descriptor(const fs::path& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600)) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  explicit operator bool() const { return fd_ >= 0; }
-  int get() const { return fd_; }
-
- private:
-  const int fd_;
-};
+// O_NONBLOCK: a pipe that lies there under a file's name would be waited for.
+Descriptor open_block_file(const fs::path& path, int flags) {
+  return Descriptor(::open(path.c_str(), flags | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0600));
+}
 
 std::string key_of(const std::string& what) {
   ContentHash hash;
@@ -58,8 +49,7 @@ BlockFolder::BlockFolder(fs::path folder, uint64_t most_bytes, const std::string
     : folder_(std::move(folder)), most_(most_bytes), key_(key_of(what)), written_(most_bytes) {
   std::error_code error;
   fs::create_directories(folder_.parent_path(), error);
-  if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST)
-    throw IoError(fmt::format("{}: can't create: {}", folder_.string(), std::strerror(errno)));
+  if (::mkdir(folder_.c_str(), 0700) != 0 && errno != EEXIST) fail_at(folder_, "can't create", errno);
   if (!fs::is_directory(folder_, error)) throw IoError(fmt::format("{}: expected a folder", folder_.string()));
 }
 
@@ -73,11 +63,10 @@ uint64_t BlockFolder::checksum_of(uint64_t block, const Bytes& bytes) const {
 }
 
 std::optional<Bytes> BlockFolder::find(uint64_t block, size_t size) const {
-  const Descriptor file(file_of(block), O_RDONLY);
+  const Descriptor file = open_block_file(file_of(block), O_RDONLY);
   if (!file) return std::nullopt;
   Bytes bytes(sizeof(uint64_t) + size);
-  const auto offset = static_cast<off_t>(block % kBlocksPerFile * kPlace);
-  if (::pread(file.get(), bytes.data(), bytes.size(), offset) != static_cast<ssize_t>(bytes.size())) return std::nullopt;
+  if (file.read(block % kBlocksPerFile * kPlace, bytes) < bytes.size()) return std::nullopt;
   const auto expected = ByteReader(bytes, "block").fixed<uint64_t>();
   bytes.erase(bytes.begin(), bytes.begin() + sizeof(uint64_t));
   if (checksum_of(block, bytes) != expected) return std::nullopt;
@@ -92,13 +81,13 @@ void BlockFolder::add(uint64_t block, const Bytes& bytes) const {
     if (written_ >= most_ / 16) make_room();
     written_ += bytes.size();
   }
-  const Descriptor file(file_of(block), O_WRONLY | O_CREAT);
+  const Descriptor file = open_block_file(file_of(block), O_WRONLY | O_CREAT);
   if (!file) return;
   Bytes framed;
   framed.reserve(sizeof(uint64_t) + bytes.size());
   put_fixed(framed, checksum_of(block, bytes));
   framed.insert(framed.end(), bytes.begin(), bytes.end());
-  [[maybe_unused]] const ssize_t ignored = ::pwrite(file.get(), framed.data(), framed.size(), static_cast<off_t>(block % kBlocksPerFile * kPlace));
+  file.write(block % kBlocksPerFile * kPlace, framed);  // if it fails, the block is read from its address once more
 }
 
 void BlockFolder::make_room() const {

@@ -13,6 +13,7 @@
 #include "store/base/error.hpp"
 #include "store/base/wanted.hpp"
 #include "store/remote/libcurl.hpp"
+#include "store/text/words.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -33,12 +34,6 @@ bool is_passing(CURLcode code) {
     case CURLE_SSL_CONNECT_ERROR: return true;
     default: return false;
   }
-}
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.front()))) text.remove_prefix(1);
-  while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.remove_suffix(1);
-  return text;
 }
 
 // An exchange while libcurl has it.

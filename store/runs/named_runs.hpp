@@ -20,9 +20,7 @@ struct NamedRuns {
 
   uint32_t end(uint32_t i) const { return ends[i] + first; }
   // The run that holds a cell. REQUIRES: cell >= first.
-  uint32_t run_at(uint32_t cell) const {
-    return cell == first ? 0 : static_cast<uint32_t>(std::upper_bound(ends, ends + changes, cell - first) - ends);
-  }
+  uint32_t run_at(uint32_t cell) const { return store::run_at({ends, changes}, cell - first); }
 };
 
 // There are usually so few runs that a call of memcmp would cost more.

@@ -13,6 +13,15 @@
 
 namespace teracell::inline store {
 
+// The number of the run that has a cell, among runs that begin at 0 and at each change. Counting few changes is faster than searching them.
+inline uint32_t run_at(std::span<const uint32_t> changes, uint32_t cell) {
+  if (cell == 0) return 0;
+  if (changes.size() > 32) return static_cast<uint32_t>(std::ranges::upper_bound(changes, cell) - changes.begin());
+  uint32_t run = 0;
+  for (const uint32_t change : changes) run += change <= cell;
+  return run;
+}
+
 // The distinct patterns of a block. Consecutive sets of a pattern differ. Not thread-safe.
 class PatternTable : public SequenceTable {
  public:
@@ -31,6 +40,7 @@ struct RayBlock {
   uint32_t rays() const { return nu * nv; }
   std::span<const uint32_t> changes(uint32_t ray) const { return {at.data() + begin[ray], begin[ray + 1] - begin[ray]}; }
   std::span<const SetId> sets(uint32_t ray) const { return patterns.sets(pattern[ray]); }
+  SetId set_at(uint32_t ray, uint32_t cell) const { return sets(ray)[run_at(changes(ray), cell)]; }
   // Whether all cells have one set.
   bool uniform() const { return patterns.size() == 1 && at.empty(); }
 
@@ -63,7 +73,7 @@ struct RayBlock {
   void for_each_run(uint32_t ray, uint32_t lo, uint32_t hi, F&& f) const {
     const std::span<const uint32_t> ends = changes(ray);
     const std::span<const SetId> s = sets(ray);
-    size_t i = lo == 0 ? 0 : static_cast<size_t>(std::ranges::upper_bound(ends, lo) - ends.begin());
+    size_t i = run_at(ends, lo);
     for (uint32_t from = lo; from < hi; ++i) {
       const uint32_t to = i < ends.size() ? std::min(ends[i], hi) : hi;
       f(from, to, s[i]);

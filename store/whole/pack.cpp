@@ -165,7 +165,7 @@ class Packer {
             entries[slot] = chunk.entry;
             entries[slot].offset = file_.size();
             file_.append(chunk.frame);
-            if (!chunk.frame.empty()) info.chunks += 1, info.bytes += chunk.frame.size(), info.changes += chunk.changes;
+            if (!chunk.frame.empty()) info.add(1, chunk.frame.size(), chunk.changes);
           });
           directory[made.page] = append(encode_page(entries, false, file_.size()));
           progress_(static_cast<double>(copied_) / static_cast<double>(reader_.file_bytes()));
@@ -202,11 +202,8 @@ class Packer {
 
 }  // namespace
 
-void pack(const GridReader& reader, const std::filesystem::path& path, const PackOptions& options, const std::function<void(double)>& progress) try {
-  Packer(reader, path, options, progress).run();
-} catch (const FormatError& e) {
-  const std::string message = e.what();
-  throw FormatError(message.starts_with(reader.name()) ? message : fmt::format("{}: {}", reader.name(), message));
+void pack(const GridReader& reader, const std::filesystem::path& path, const PackOptions& options, const std::function<void(double)>& progress) {
+  naming(reader.name(), [&] { Packer(reader, path, options, progress).run(); });
 }
 
 }  // namespace teracell::store

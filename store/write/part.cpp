@@ -16,27 +16,28 @@ enum Record : uint8_t { kChunk, kPage, kChild, kEnd, kCells, kFrame, kCellsPage 
 constexpr uint64_t kMostBeside = uint64_t{1} << 32;  // bytes of the head, of the records and of what was found
 constexpr size_t kMostHeadValues = 16;
 
-void put_bytes(Bytes& out, std::span<const uint8_t> bytes) {
-  put_varint(out, bytes.size());
-  out.insert(out.end(), bytes.begin(), bytes.end());
-}
-
 Bytes encode_head(const PartHead& head) {
   const nlohmann::ordered_json json = {
       {"run", head.run}, {"part", head.number}, {"parts", head.of}, {"first", head.range.first}, {"end", head.range.end}};
   Bytes out;
-  put_bytes(out, encode_text(json.dump()));
+  put_sized(out, encode_text(json.dump()));
   Metadata meta = head.meta;
   meta.levels().clear();  // they are known when the grid is complete; until then they are listed with zeros
-  for (int level = 0; level < meta.grid.levels(); level += level == 0 ? 2 : 1) meta.levels().push_back({level, 0, 0, 0, 0});
+  for (int level = 0; level < meta.grid.levels(); level = next_stored(level)) meta.levels().push_back({level, 0, 0, 0, 0});
   for (size_t i = 1; i < meta.channels.size(); ++i) meta.channels[i].frames = 1;  // none is not allowed
-  put_bytes(out, encode_metadata(meta));
+  put_sized(out, encode_metadata(meta));
   return out;
+}
+
+std::string begin_of(const InputFile& file, size_t size) {
+  std::string begin(size, ' ');
+  file.read(0, {reinterpret_cast<uint8_t*>(begin.data()), begin.size()});
+  return begin;
 }
 
 PartHead decode_head(std::span<const uint8_t> body, const std::string& name) {
   ByteReader in(body, name);
-  const auto json = parse_json(decode_text(in.take(in.varint()), name), "its head", kMostHeadValues);
+  const auto json = parse_json(decode_text(in.take_sized(), name), "its head", kMostHeadValues);
   const auto whole = [&](const char* key) {
     const auto at = json.find(key);
     if (at == json.end() || !at->is_number_unsigned()) throw FormatError(fmt::format("its head: expected a whole number '{}', found none", key));
@@ -48,7 +49,7 @@ PartHead decode_head(std::span<const uint8_t> body, const std::string& name) {
   const TreeRange range{whole("first"), whole("end")};
   if (number >= of || of > ~uint32_t{0} || range.first > range.end)
     throw FormatError(fmt::format("its head: expected a part of a grid, found part {} of {} from {} to {}", number, of, range.first, range.end));
-  PartHead head{json["run"], static_cast<uint32_t>(number), static_cast<uint32_t>(of), range, decode_metadata(in.take(in.varint()))};
+  PartHead head{json["run"], static_cast<uint32_t>(number), static_cast<uint32_t>(of), range, decode_metadata(in.take_sized())};
   in.expect_end();
   return head;
 }
@@ -69,8 +70,8 @@ bool has_page(const TreeRange& range, const LevelShape& s, const ChunkKey& chunk
 }  // namespace
 
 PartWriter::PartWriter(const std::filesystem::path& path, PartHead head, uint64_t keep)
-    : head_(std::move(head)), encoded_head_(encode_head(head_)), file_(path, keep) {
-  for (int level = 0; level < meta().grid.levels(); level += level == 0 ? 2 : 1) levels_.push_back({OpenPages(meta(), level), {}});
+    : head_(std::move(head)), encoded_head_(encode_head(head_)), bytes_(path, keep) {
+  for (int level = 0; level < meta().grid.levels(); level = next_stored(level)) levels_.push_back({OpenPages(meta(), level), {}});
   for (size_t i = 1; i < meta().channels.size(); ++i) cells_.push_back({CellFrames(meta()), 0});
 }
 
@@ -79,25 +80,16 @@ PartWriter::PartWriter(const std::filesystem::path& path, PartHead head) : PartW
   put_fixed(begin, uint64_t{encoded_head_.size()});
   put_fixed(begin, checksum(encoded_head_));
   begin.insert(begin.end(), encoded_head_.begin(), encoded_head_.end());
-  file_.append(begin);
-  recorded_ = file_.size();
+  bytes_.file().append(begin);
+  recorded_ = bytes_.size();
 }
 
 PartWriter::PartWriter(const std::filesystem::path& path, PartHead head, ByteReader& state)
     : PartWriter(path, std::move(head), state.fixed<uint64_t>()) {
-  Bytes piece(1 << 20);
-  for (uint64_t at = kMagic.size() + 16 + encoded_head_.size(); at < file_.size(); at += piece.size()) {
-    piece.resize(std::min<uint64_t>(piece.size(), file_.size() - at));
-    file_.read_kept(at, piece);
-    hash_.add(piece);
-  }
-  if (!std::ranges::equal(state.take(16), hash_.digest())) {
-    file_.abandon();
-    state.fail("the partial file has other bytes than it had: it is damaged", Remedy::kFreshStart);
-  }
+  bytes_.restore(state, kMagic.size() + 16 + encoded_head_.size());
   chunks_ = state.varint();
   recorded_ = state.varint();
-  const auto records = state.take(state.varint());
+  const auto records = state.take_sized();
   records_.assign(records.begin(), records.end());
   for (Level& l : levels_) {
     l.open.restore(state);
@@ -114,13 +106,10 @@ PartWriter::PartWriter(const std::filesystem::path& path, PartHead head, ByteRea
 
 // The state: the size of the file and the hash of the grid's bytes in it; the records; of each level, its open pages and what is in them.
 void PartWriter::save(Bytes& state) {
-  file_.sync();
-  put_fixed(state, file_.size());
-  const auto hash = hash_.digest();
-  state.insert(state.end(), hash.begin(), hash.end());
+  bytes_.save(state);
   put_varint(state, chunks_);
   put_varint(state, recorded_);
-  put_bytes(state, records_);
+  put_sized(state, records_);
   for (const Level& l : levels_) {
     l.open.save(state);
     put_varint(state, l.contents.size());
@@ -133,24 +122,19 @@ void PartWriter::save(Bytes& state) {
   }
 }
 
-void PartWriter::append(std::span<const uint8_t> bytes) {
-  hash_.add(bytes);
-  file_.append(bytes);
-}
-
 // A record begins with its kind and the number of bytes of the grid since the record before it.
 void PartWriter::begin_record(uint8_t kind) {
   records_.push_back(kind);
-  put_varint(records_, file_.size() - recorded_);
-  recorded_ = file_.size();
+  put_varint(records_, bytes_.size() - recorded_);
+  recorded_ = bytes_.size();
 }
 
 void PartWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
-  Level& l = levels_[index_of(key.level)];
+  Level& l = levels_[stored_index(key.level)];
   const bool with_stats = key.level == 0;
   ChunkEntry entry = chunk.entry;
-  entry.offset = file_.size();
-  append(chunk.frame);
+  entry.offset = bytes_.size();
+  bytes_.append(chunk.frame);
   if (entry.size != 0) ++chunks_;
   if (!has_page(head_.range, l.open.shape(), key)) {
     begin_record(kChunk);
@@ -160,20 +144,19 @@ void PartWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
     return;
   }
   LevelInfo& info = l.contents[l.open.shape().page_of(key)];
-  if (entry.size != 0) info.chunks += 1, info.bytes += entry.size, info.changes += chunk.changes;
+  if (entry.size != 0) info.add(1, entry.size, chunk.changes);
   const auto page = l.open.put(key, std::move(entry));
   if (!page) return;
-  const Bytes frame = encode_page(page->entries, with_stats, file_.size());
-  append(frame);
+  const DirectoryEntry place = bytes_.append_frame(encode_page(page->entries, with_stats, bytes_.size()));
   begin_record(kPage);
-  for (const uint64_t n : {static_cast<uint64_t>(key.level), info.chunks, info.bytes, info.changes, page->number, uint64_t{frame.size()}})
+  for (const uint64_t n : {static_cast<uint64_t>(key.level), info.chunks, info.bytes, info.changes, page->number, place.size})
     put_varint(records_, n);
-  put_fixed(records_, checksum(frame));
+  put_fixed(records_, place.checksum);
   l.contents.erase(page->number);
 }
 
 void PartWriter::put_frame_record(uint8_t kind, size_t channel, std::initializer_list<uint64_t> place, std::span<const uint8_t> frame) {
-  append(frame);
+  bytes_.append(frame);
   begin_record(kind);
   put_varint(records_, channel);
   for (const uint64_t n : place) put_varint(records_, n);
@@ -197,7 +180,7 @@ void PartWriter::put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coa
   const RayBlock& rays = coarsened.rays;
   for (const uint64_t n : {static_cast<uint64_t>(level), uint64_t{cu}, uint64_t{cv}, uint64_t{rays.nu}, uint64_t{rays.nv}, uint64_t{rays.length}})
     put_varint(records_, n);
-  put_bytes(records_, encoder_.encode(rays, coarsened.sets));
+  put_sized(records_, encoder_.encode(rays, coarsened.sets));
 }
 
 // The footer: the sizes and checksums of the records and of what was found; the size of the file; the hash of the grid's bytes; a
@@ -208,32 +191,30 @@ void PartWriter::finish(std::span<const uint8_t> found, bool durable) {
   for (const std::span<const uint8_t> tail : {std::span<const uint8_t>(records_), found}) {
     put_fixed(footer, uint64_t{tail.size()});
     put_fixed(footer, checksum(tail));
-    file_.append(tail);
+    bytes_.file().append(tail);
   }
-  put_fixed(footer, file_.size() + kPartFooter);
-  const auto hash = hash_.digest();
+  put_fixed(footer, bytes_.size() + kPartFooter);
+  const auto hash = bytes_.hash();
   footer.insert(footer.end(), hash.begin(), hash.end());
   put_fixed(footer, checksum(footer));
-  file_.append(footer);
-  file_.commit(durable);
+  bytes_.file().append(footer);
+  bytes_.file().commit(durable);
 }
 
 // ---- reading
 
 bool is_part(const std::filesystem::path& path) {
   const InputFile file(path);
-  std::string begin(std::min<uint64_t>(kMagic.size() - 1, file.size()), ' ');
-  file.read(0, {reinterpret_cast<uint8_t*>(begin.data()), begin.size()});
-  return begin == kMagic.substr(0, kMagic.size() - 1);
+  constexpr std::string_view kAnyVersion = kMagic.substr(0, kMagic.size() - 1);
+  return file.size() >= kAnyVersion.size() && begin_of(file, kAnyVersion.size()) == kAnyVersion;
 }
 
 PartReader::PartReader(const std::filesystem::path& path) : file_(path) {
   const auto fail = [&](const std::string& what) { throw FormatError(fmt::format("{}: {}", name(), what)); };
   constexpr uint64_t kBegin = kMagic.size() + 16;
   if (file_.size() < kBegin + kPartFooter) fail(fmt::format("expected a part of a grid, found {} bytes", file_.size()));
-  std::string magic(kMagic.size(), ' ');
-  file_.read(0, {reinterpret_cast<uint8_t*>(magic.data()), magic.size()});
-  if (magic != kMagic) fail("expected a part of a grid, which `mesh --shard` writes, found another kind of file or another version");
+  if (begin_of(file_, kMagic.size()) != kMagic)
+    fail("expected a part of a grid, which `mesh --shard` writes, found another kind of file or another version");
 
   Bytes footer(kPartFooter);
   file_.read(file_.size() - kPartFooter, footer);
@@ -326,7 +307,7 @@ void PartReader::replay_unnamed(PartTaker& taker) const {
       const uint32_t nu = half(shape.rays_u(cu)), nv = half(shape.rays_v(cv)), length = half(shape.nw);
       if (in.varint() != nu || in.varint() != nv || in.varint() != length) in.fail("a child has not the rays and cells of its place");
       Chunk rays;
-      decoder.decode(in.take(in.varint()), nu, nv, length, labels, rays);
+      decoder.decode(in.take_sized(), nu, nv, length, labels, rays);
       taker.child(level, cu, cv, std::move(rays));
       continue;
     }

@@ -14,6 +14,7 @@
 #include "store/format/open_pages.hpp"
 #include "store/runs/pyramid.hpp"
 #include "store/write/chunk_sink.hpp"
+#include "store/write/grid_bytes.hpp"
 
 namespace teracell::inline store {
 
@@ -37,7 +38,7 @@ class PartWriter : public ChunkSink {
   void put_cells(size_t channel, const ChunkKey& key, std::span<const uint8_t> frame) override;
   // `found` is for the one who merges. When it returns the file is durable, if it shall be.
   void finish(std::span<const uint8_t> found, bool durable = true);
-  uint64_t bytes() const override { return file_.size(); }
+  uint64_t bytes() const override { return bytes_.size(); }
   uint64_t chunks() const override { return chunks_; }
   void save(Bytes& state) override;
 
@@ -47,15 +48,12 @@ class PartWriter : public ChunkSink {
     std::map<uint64_t, LevelInfo> contents;  // of their chunks so far
   };
   PartWriter(const std::filesystem::path& path, PartHead head, uint64_t keep);
-  static size_t index_of(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }
-  void append(std::span<const uint8_t> bytes);
   void begin_record(uint8_t kind);
   void put_frame_record(uint8_t kind, size_t channel, std::initializer_list<uint64_t> place, std::span<const uint8_t> frame);
   PartHead head_;
   Bytes encoded_head_;
-  OutputFile file_;
-  ContentHash hash_;  // of the bytes of the grid so far
-  std::vector<Level> levels_;  // by index_of()
+  GridBytes bytes_;
+  std::vector<Level> levels_;  // by stored_index()
   struct Cells {
     CellFrames frames;    // of pages that lie in the part as a whole
     uint64_t number = 0;  // of frames so far

@@ -110,9 +110,7 @@ void PyramidWriter::save(Bytes& state) {
       if (child.rays.nu == 0) continue;
       put_varint(state, child.rays.nv);
       put_varint(state, child.rays.length);
-      const Bytes frame = encoder.encode(child.rays, child.sets);
-      put_varint(state, frame.size());
-      state.insert(state.end(), frame.begin(), frame.end());
+      put_sized(state, encoder.encode(child.rays, child.sets));
     }
 }
 
@@ -125,7 +123,7 @@ void PyramidWriter::restore(ByteReader& state) {
       if (nu == 0) continue;
       const auto nv = static_cast<uint32_t>(state.varint(1, meta.chunk_rays, "rays"));
       const auto length = static_cast<uint32_t>(state.varint(1, Axis::kMaxCells, "cells"));
-      decoder.decode(state.take(state.varint()), nu, nv, length, static_cast<uint32_t>(meta.labels.size()), child);
+      decoder.decode(state.take_sized(), nu, nv, length, static_cast<uint32_t>(meta.labels.size()), child);
     }
 }
 

@@ -32,13 +32,12 @@ EncodedChunk encode_chunk(ChunkEncoder& encoder, const RayBlock& rays, const Set
   return out;
 }
 
-GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : GridWriter(path, std::move(meta), 0) { append_bytes(encode_header()); }
+GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta) : GridWriter(path, std::move(meta), 0) { bytes_.append(encode_header()); }
 
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep)
-    : meta_(std::move(meta)), covers_(meta_.channels.size()), cells_(meta_.channels.size()), file_(path, keep) {
+    : meta_(std::move(meta)), covers_(meta_.channels.size()), cells_(meta_.channels.size()), bytes_(path, keep) {
   if (const std::string beyond = beyond_bounds(meta_); !beyond.empty()) throw UsageError(beyond);
-  // Level 1 would take about as many bytes as level 0, so it is derived when it is read. All levels above it take a tenth.
-  for (int level = 0; level < meta_.grid.levels(); level += level == 0 ? 2 : 1) {
+  for (int level = 0; level < meta_.grid.levels(); level = next_stored(level)) {
     Level l{{level, 0, 0, 0, 0}, OpenPages(meta_, level), {}};
     // Two factors at a time: the product of three could overflow.
     const LevelShape& s = l.open.shape();
@@ -53,10 +52,7 @@ GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, uint64_
 // The state: the size and the hash of the file; of each level, its counts, its directory so far and its open pages; of each channel
 // but the labels, its cover so far, and which frames are those of chunks.
 void GridWriter::save(Bytes& state) {
-  file_.sync();
-  put_fixed(state, file_.size());
-  const auto hash = hash_.digest();
-  state.insert(state.end(), hash.begin(), hash.end());
+  bytes_.save(state);
   for (const Level& l : levels_) {
     for (const uint64_t n : {l.info.chunks, l.info.bytes, l.info.changes}) put_varint(state, n);
     for (const DirectoryEntry& e : l.directory)
@@ -74,16 +70,7 @@ void GridWriter::save(Bytes& state) {
 
 GridWriter::GridWriter(const std::filesystem::path& path, Metadata meta, ByteReader& state)
     : GridWriter(path, std::move(meta), state.fixed<uint64_t>()) {
-  Bytes block(1 << 20);
-  for (uint64_t at = 0; at < file_.size(); at += block.size()) {
-    block.resize(std::min<uint64_t>(block.size(), file_.size() - at));
-    file_.read_kept(at, block);
-    hash_.add(block);
-  }
-  if (!std::ranges::equal(state.take(16), hash_.digest())) {
-    file_.abandon();
-    state.fail("the partial file has other bytes than it had: it is damaged", Remedy::kFreshStart);
-  }
+  bytes_.restore(state, 0);
   for (Level& l : levels_) {
     l.info.chunks = state.varint();
     l.info.bytes = state.varint();
@@ -104,40 +91,25 @@ uint64_t GridWriter::chunks() const {
   return chunks;
 }
 
-void GridWriter::append_bytes(std::span<const uint8_t> bytes) {
-  hash_.add(bytes);
-  file_.append(bytes);
-}
-
-DirectoryEntry GridWriter::append(std::span<const uint8_t> frame) {
-  const DirectoryEntry place{file_.size(), frame.size(), checksum(frame)};
-  append_bytes(frame);
-  return place;
-}
-
 void GridWriter::put(const ChunkKey& key, const EncodedChunk& chunk) {
-  append_bytes(chunk.frame);
+  bytes_.append(chunk.frame);
   put_entry(key, chunk.entry, chunk.changes);
 }
 
 void GridWriter::put_entry(const ChunkKey& key, ChunkEntry entry, uint64_t changes) {
-  Level& l = levels_[index_of(key.level)];
+  Level& l = levels_[stored_index(key.level)];
   if (entry.size != 0) {
-    entry.offset = file_.size() - entry.size;
-    l.info.chunks += 1;
-    l.info.bytes += entry.size;
-    l.info.changes += changes;
+    entry.offset = bytes_.size() - entry.size;
+    l.info.add(1, entry.size, changes);
   }
   if (const auto page = l.open.put(key, std::move(entry)))
-    put_place(l, page->number, append(encode_page(page->entries, key.level == 0, file_.size())));
+    put_place(l, page->number, bytes_.append_frame(encode_page(page->entries, key.level == 0, bytes_.size())));
 }
 
 void GridWriter::put_page(const LevelInfo& chunks, uint64_t page, uint64_t size, uint64_t checksum) {
-  Level& l = levels_[index_of(chunks.level)];
-  l.info.chunks += chunks.chunks;
-  l.info.bytes += chunks.bytes;
-  l.info.changes += chunks.changes;
-  put_place(l, page, {file_.size() - size, size, checksum});
+  Level& l = levels_[stored_index(chunks.level)];
+  l.info.add(chunks.chunks, chunks.bytes, chunks.changes);
+  put_place(l, page, {bytes_.size() - size, size, checksum});
 }
 
 void GridWriter::put_place(Level& l, uint64_t page, const DirectoryEntry& place) {
@@ -153,7 +125,7 @@ void GridWriter::add_to_cover(size_t channel, const DirectoryEntry& place) {
   cover.push_back(place);
 }
 
-void GridWriter::put_frame(size_t channel, std::span<const uint8_t> frame) { add_to_cover(channel, append(frame)); }
+void GridWriter::put_frame(size_t channel, std::span<const uint8_t> frame) { add_to_cover(channel, bytes_.append_frame(frame)); }
 
 CellFrames& GridWriter::cells(size_t channel) {
   if (!cells_[channel]) cells_[channel].emplace(meta_);
@@ -171,7 +143,7 @@ void GridWriter::put_cells(size_t channel, const ChunkKey& key, std::span<const 
   place_cells(channel, key, !frame.empty());
 }
 
-void GridWriter::put_frame_entry(size_t channel, uint64_t size, uint64_t checksum) { add_to_cover(channel, {file_.size() - size, size, checksum}); }
+void GridWriter::put_frame_entry(size_t channel, uint64_t size, uint64_t checksum) { add_to_cover(channel, {bytes_.size() - size, size, checksum}); }
 
 void GridWriter::put_cells_entry(size_t channel, const ChunkKey& key, uint64_t size, uint64_t checksum) {
   if (size != 0) put_frame_entry(channel, size, checksum);
@@ -187,7 +159,7 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   ContentHash hash;
   const auto append_hashed = [&](const Bytes& frame) {
     hash.add(frame);
-    return append(frame);
+    return bytes_.append_frame(frame);
   };
   for (const Level& l : levels_)
     if (!l.open.empty() || std::ranges::any_of(l.directory, [](const DirectoryEntry& e) { return e.size == 0; }))
@@ -218,9 +190,9 @@ void GridWriter::finish(const std::string& report, uint64_t crossings) {
   footer.metadata = append_hashed(metadata);
   footer.report = append_hashed(encode_text(report));
   footer.hash = hash.digest();
-  footer.file_bytes = file_.size() + kFooterBytes;
-  file_.append(encode_footer(footer));
-  file_.commit();
+  footer.file_bytes = bytes_.size() + kFooterBytes;
+  bytes_.file().append(encode_footer(footer));
+  bytes_.file().commit();
 }
 
 }  // namespace teracell::store

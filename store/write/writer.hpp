@@ -3,10 +3,10 @@
 #pragma once
 #include <filesystem>
 
-#include "store/base/file.hpp"
 #include "store/format/cell_frames.hpp"
 #include "store/format/open_pages.hpp"
 #include "store/write/chunk_sink.hpp"
+#include "store/write/grid_bytes.hpp"
 
 namespace teracell::inline store {
 
@@ -25,9 +25,9 @@ class GridWriter : public ChunkSink {
   void put_child(int level, uint32_t cu, uint32_t cv, const Chunk& coarsened) override;  // never: the file has all
   void put_cells(size_t channel, const ChunkKey& key, std::span<const uint8_t> frame) override;
   // ---- What was made elsewhere, for merging. The bytes come first, then what they are. REQUIRES: no save().
-  void put_bytes(std::span<const uint8_t> bytes) { file_.append(bytes); }
-  // The same where another process writes these bytes, before finish() (FileRoom in file.hpp).
-  void skip(uint64_t bytes) { file_.skip(bytes); }
+  void put_bytes(std::span<const uint8_t> bytes) { bytes_.file().append(bytes); }
+  // The same where another process writes these bytes, before finish() (FileRoom in output_file.hpp).
+  void skip(uint64_t bytes) { bytes_.file().skip(bytes); }
   // The chunk whose frame, if it has one, the last bytes are.
   void put_entry(const ChunkKey& key, ChunkEntry entry, uint64_t changes);
   // A page that is complete: its frame, of which the last bytes are, and what its chunks add up to.
@@ -43,7 +43,7 @@ class GridWriter : public ChunkSink {
   // Writes index, covers, metadata and report, and gives the file its name. When it returns the file is durable.
   // REQUIRES: every chunk of every stored level was put once.
   void finish(const std::string& report, uint64_t crossings);
-  uint64_t bytes() const override { return file_.size(); }
+  uint64_t bytes() const override { return bytes_.size(); }
   uint64_t chunks() const override;
   void save(Bytes& state) override;
 
@@ -54,9 +54,7 @@ class GridWriter : public ChunkSink {
     std::vector<DirectoryEntry> directory;
   };
   GridWriter(const std::filesystem::path& path, Metadata meta, uint64_t keep);
-  void append_bytes(std::span<const uint8_t> bytes);
   void put_place(Level& l, uint64_t page, const DirectoryEntry& place);
-  DirectoryEntry append(std::span<const uint8_t> frame);
   CellFrames& cells(size_t channel);
   void place_cells(size_t channel, const ChunkKey& key, bool has_frame);
   void add_to_cover(size_t channel, const DirectoryEntry& place);
@@ -64,10 +62,8 @@ class GridWriter : public ChunkSink {
   Metadata meta_;
   std::vector<std::vector<DirectoryEntry>> covers_;  // so far, of all channels; that of the labels stays empty
   std::vector<std::optional<CellFrames>> cells_;     // of channels that have frames for chunks
-  OutputFile file_;
-  ContentHash hash_;  // of all bytes so far
-  static size_t index_of(int level) { return level == 0 ? 0 : static_cast<size_t>(level) - 1; }
-  std::vector<Level> levels_;  // by index_of()
+  GridBytes bytes_;
+  std::vector<Level> levels_;  // by stored_index()
 };
 
 }  // namespace teracell::store

@@ -11,6 +11,7 @@
 
 #include "store/base/error.hpp"
 #include "store/text/text.hpp"
+#include "store/text/words.hpp"
 
 namespace teracell::cli {
 namespace {
@@ -38,21 +39,9 @@ Wanted until_interrupted(const std::string& output, const std::string& outcome) 
 }
 
 std::vector<int64_t> parse_integers(const std::string& text, size_t count, const std::string& option) {
-  std::vector<int64_t> out;
-  const char *at = text.data(), *end = at + text.size();
-  bool good = true;
-  while (good) {
-    int64_t value;
-    const auto [rest, error] = std::from_chars(at, end, value);
-    good = error == std::errc() && (rest == end || *rest == ',');
-    if (good) out.push_back(value);
-    if (!good || rest == end) break;
-    at = rest + 1;
-  }
-  if (!good || out.size() != count)
-    throw UsageError(fmt::format("{}: expected {}, found '{}'", option,
-                                 count == 1 ? "a whole number" : fmt::format("{} whole numbers separated by commas", count), text));
-  return out;
+  if (auto out = numbers_in<int64_t>(text, count)) return *std::move(out);
+  throw UsageError(fmt::format("{}: expected {}, found '{}'", option,
+                               count == 1 ? "a whole number" : fmt::format("{} whole numbers separated by commas", count), text));
 }
 
 int64_t parse_integer(const std::string& text, int64_t least, int64_t most, const std::string& option) {

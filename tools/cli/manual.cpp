@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 
 namespace teracell::cli {
 namespace {

@@ -1,22 +1,18 @@
 #include "tools/export/assignments.hpp"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
 
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
 #include "store/read/stats.hpp"
+#include "store/text/words.hpp"
 
 namespace teracell::exports {
 
 double parse_number(const std::string& text, const std::string& option) {
-  double value = 0;
-  const auto [rest, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || rest != text.data() + text.size() || !std::isfinite(value))
-    throw UsageError(fmt::format("{}: expected a number, found '{}'", option, text));
-  return value;
+  if (const auto value = number_in<double>(text)) return *value;
+  throw UsageError(fmt::format("{}: expected a number, found '{}'", option, text));
 }
 
 size_t material_named(const std::vector<MaterialInfo>& materials, const std::string& name, const std::string& option) {
@@ -27,17 +23,14 @@ size_t material_named(const std::vector<MaterialInfo>& materials, const std::str
 
 std::vector<std::pair<std::string, std::string>> parse_assignments(const std::string& text, const std::string& option) {
   std::vector<std::pair<std::string, std::string>> out;
-  for (size_t begin = 0; begin <= text.size();) {
-    const size_t end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
+  for (const std::string_view part : split(text, ',')) {
     const size_t equal = part.rfind('=');
-    if (equal == std::string::npos || equal == 0 || equal + 1 == part.size())
+    if (equal == part.npos || equal == 0 || equal + 1 == part.size())
       throw UsageError(fmt::format("{}: expected NAME=VALUE, NAME=VALUE ..., separated by commas, found '{}'", option, part));
-    const std::string name = part.substr(0, equal);
+    const std::string name(part.substr(0, equal));
     if (std::ranges::count(out, name, &std::pair<std::string, std::string>::first) > 0)
       throw UsageError(fmt::format("{}: '{}' occurs twice", option, name));
     out.emplace_back(name, part.substr(equal + 1));
-    begin = end + 1;
   }
   return out;
 }

@@ -1,11 +1,11 @@
 #include "tools/export/format.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/text/words.hpp"
 #include "tools/export/assignments.hpp"
 
 namespace teracell::exports {
@@ -31,11 +31,9 @@ std::vector<bool> Export::materials(const std::string& option) const {
 int64_t Export::integer(const std::string& option, int64_t least, int64_t most, int64_t otherwise) const {
   if (!has(option)) return otherwise;
   const std::string& text = options.at(option);
-  int64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < least || value > most)
-    throw UsageError(fmt::format("{}: expected {} to {}, found '{}'", option, least, most, text));
-  return value;
+  const auto value = number_in<int64_t>(text);
+  if (!value || *value < least || *value > most) throw UsageError(fmt::format("{}: expected {} to {}, found '{}'", option, least, most, text));
+  return *value;
 }
 
 std::string quoted_names(const std::vector<MaterialInfo>& materials, const std::vector<bool>& chosen) {

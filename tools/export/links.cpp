@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "store/text/npy_header.hpp"
 #include "tools/export/format.hpp"
 
@@ -24,9 +24,7 @@ class MaterialsOfCells {
     if (!chunk_ || key != key_) chunk_ = reader_.chunk(key, scratch_), key_ = key;
     const RayBlock& rays = chunk_->rays;
     const uint32_t ray = v % shape_.chunk_rays * rays.nu + u % shape_.chunk_rays;
-    const auto changes = rays.changes(ray);
-    const auto at = static_cast<size_t>(std::ranges::upper_bound(changes, w % shape_.chunk_cells) - changes.begin());
-    return reader_.meta().labels[rays.sets(ray)[at]].material;
+    return reader_.meta().labels[rays.set_at(ray, w % shape_.chunk_cells)].material;
   }
 
  private:

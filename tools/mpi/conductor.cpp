@@ -19,8 +19,8 @@ Conductor::Conductor(Ranks& ranks, server::Caster& caster, const Member& self, c
   seen_->append({reinterpret_cast<const uint8_t*>(text.data()), text.size()});
   seen_->sync();
   Bytes body;
-  put_text(body, name + ".partial");
-  put_text(body, text);
+  put_sized(body, name + ".partial");
+  put_sized(body, text);
   ranks_.send_all(Tag::kSee, body);
 }
 

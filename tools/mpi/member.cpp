@@ -79,7 +79,7 @@ bool Member::look_for_file() {
 void Member::tell_prepared() {
   told_ = true;
   Bytes body;
-  put_text(body, caster_.pieces().run());
+  put_sized(body, caster_.pieces().run());
   put_varint(body, caster_.pieces().size());
   put_varint(body, static_cast<uint64_t>(threads_));
   put_varint(body, caster_.pieces().in_memory());

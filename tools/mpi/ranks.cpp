@@ -96,13 +96,8 @@ void Ranks::abort(int status) {
   std::_Exit(status);
 }
 
-void put_text(Bytes& out, const std::string& text) {
-  put_varint(out, text.size());
-  out.insert(out.end(), text.begin(), text.end());
-}
-
 std::string take_text(ByteReader& in) {
-  const auto bytes = in.take(in.varint());
+  const auto bytes = in.take_sized();
   return {bytes.begin(), bytes.end()};
 }
 

@@ -68,7 +68,6 @@ class Ranks {
   std::list<server::Sending> sending_;
 };
 
-void put_text(Bytes& out, const std::string& text);
 std::string take_text(ByteReader& in);
 
 }  // namespace teracell::mpi

@@ -42,7 +42,7 @@ void end_job(Ranks& ranks, const cli::Failure& failure) {
   if (ranks.rank() != 0) {
     Bytes body;
     put_varint(body, static_cast<uint64_t>(failure.status));
-    put_text(body, failure.message);
+    put_sized(body, failure.message);
     ranks.send(0, Tag::kFailed, std::move(body));
     for (int i = 0; i < 1000; ++i) {
       expect_launcher(ranks);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "mesher/scene/scene.hpp"
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 
 namespace teracell::sample {
 namespace {

@@ -1,4 +1,4 @@
-// Included before every source of the module: what the libraries of Debian's Emscripten 3.1 (libc++ 13, and a C library without renameat2) do
+// Included before every source of the module: what the libraries of Debian's Emscripten 3.1 (libc++ 13) do
 // not have yet, above all the algorithms over ranges. All of it means what it means in the standard. When these libraries have it, this file
 // can go; until then nothing else needs to know which compiler it is read by.
 #pragma once
@@ -16,12 +16,6 @@
 #include <system_error>
 #include <utility>
 #include <vector>
-
-constexpr unsigned RENAME_EXCHANGE = 2;
-inline int renameat2(int, const char*, int, const char*, unsigned) {
-  errno = ENOSYS;
-  return -1;
-}
 
 #if _LIBCPP_VERSION < 15000
 namespace std {

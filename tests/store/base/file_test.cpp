@@ -1,5 +1,7 @@
 // Files and folders: a name appears only for what is complete, and nothing else is left behind.
 #include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
+#include "store/base/output_folder.hpp"
 
 #include <cerrno>
 #include <csignal>

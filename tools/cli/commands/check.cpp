@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "store/check/check.hpp"
 #include "store/check/check_json.hpp"
 #include "store/check/kept.hpp"

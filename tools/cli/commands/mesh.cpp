@@ -3,7 +3,7 @@
 
 #include "mesher/pipeline.hpp"
 #include "store/base/error.hpp"
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "store/check/kept.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/commands/check_grid.hpp"

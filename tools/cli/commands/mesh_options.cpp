@@ -11,7 +11,7 @@
 #include "mesher/bodies/caps_file.hpp"
 #include "mesher/engines/engines.hpp"
 #include "store/base/error.hpp"
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 
 namespace teracell::cli {
 namespace {

@@ -1,7 +1,7 @@
 // What mesh and merge say when they are done.
 #pragma once
 #include "mesher/pipeline.hpp"
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 
 namespace teracell::cli {
 

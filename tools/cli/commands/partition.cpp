@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/base/output_file.hpp"
 #include "store/whole/partition.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"

@@ -6,7 +6,7 @@
 #include "server/render/encode.hpp"
 #include "server/render/options.hpp"
 #include "store/base/error.hpp"
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "store/read/kept_chunks.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"

@@ -5,6 +5,7 @@
 
 #include "server/picture/picture.hpp"
 #include "store/base/error.hpp"
+#include "store/base/output_file.hpp"
 #include "store/text/npy_header.hpp"
 #include "tools/cli/command.hpp"
 

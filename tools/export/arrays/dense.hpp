@@ -2,7 +2,7 @@
 #pragma once
 #include <span>
 
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "tools/export/format.hpp"
 
 namespace teracell::exports {

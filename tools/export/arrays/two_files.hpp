@@ -1,6 +1,6 @@
 // An array and the text that describes it, in files of their own.
 #pragma once
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 #include "tools/export/format.hpp"
 
 namespace teracell::exports {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "store/base/error.hpp"
+#include "store/base/output_file.hpp"
 #include "tools/export/faces/put_raw.hpp"
 #include "tools/export/faces/surface.hpp"
 

@@ -13,7 +13,7 @@
 
 #include <hdf5.h>
 
-#include "store/base/file.hpp"
+#include "store/base/output_file.hpp"
 
 namespace teracell::exports {
 

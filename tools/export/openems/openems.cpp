@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/output_file.hpp"
 #include "store/text/color.hpp"
 #include "store/text/xml.hpp"
 #include "tools/export/media.hpp"

@@ -2,7 +2,7 @@
 #pragma once
 #include <optional>
 
-#include "store/base/file.hpp"
+#include "store/base/output_folder.hpp"
 
 namespace teracell::exports::foam {
 

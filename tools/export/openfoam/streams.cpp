@@ -1,37 +1,22 @@
 #include "tools/export/openfoam/streams.hpp"
 
 #include <fcntl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
 
-#include <fmt/format.h>
-
-#include "store/base/error.hpp"
+#include "store/base/descriptor.hpp"
 
 namespace teracell::exports::foam {
 namespace {
 
 constexpr size_t kLeast = 1 << 10, kMost = 1 << 18, kAllStreams = 48 << 20;
 
-[[noreturn]] void fail(const std::filesystem::path& file, int error) {
-  throw IoError(fmt::format("{}: can't write: {}", file.string(), std::generic_category().message(error)));
-}
-
 }  // namespace
 
 void write_at(const std::filesystem::path& file, uint64_t at, std::span<const uint8_t> bytes) {
-  const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-  if (fd < 0) fail(file, errno);
-  int error = 0;
-  while (!bytes.empty() && error == 0) {
-    const ssize_t done = ::pwrite(fd, bytes.data(), bytes.size(), static_cast<off_t>(at));
-    if (done >= 0) at += static_cast<uint64_t>(done), bytes = bytes.subspan(static_cast<size_t>(done));
-    else if (errno != EINTR) error = errno;
-  }
-  if (::close(fd) != 0 && error == 0) error = errno;
-  if (error != 0) fail(file, error);
+  const Descriptor out(::open(file.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666));
+  if (!out || out.write(at, bytes) < bytes.size()) fail_at(file, "can't write", errno);
 }
 
 void Stream::flush() {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "store/base/output_folder.hpp"
 #include "tools/export/zarr/zip.hpp"
 
 namespace teracell::exports::zarr {

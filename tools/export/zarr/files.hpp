@@ -1,8 +1,9 @@
 // The files of a hierarchy, in a folder or in a zip.
 #pragma once
+#include <filesystem>
 #include <memory>
-
-#include "store/base/file.hpp"
+#include <span>
+#include <string>
 
 namespace teracell::exports::zarr {
 
