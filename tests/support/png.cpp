@@ -10,18 +10,18 @@
 namespace teracell::testing {
 namespace {
 
-struct Chunk {
+struct PngChunk {
   std::string type;
   std::vector<uint8_t> data;
 };
 
 uint32_t be32(const uint8_t* p) { return uint32_t{p[0]} << 24 | uint32_t{p[1]} << 16 | uint32_t{p[2]} << 8 | p[3]; }
 
-std::vector<Chunk> chunks_of(std::span<const uint8_t> png) {
+std::vector<PngChunk> chunks_of(std::span<const uint8_t> png) {
   constexpr uint8_t kSignature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
   REQUIRE(png.size() > 8);
   REQUIRE(std::equal(kSignature, kSignature + 8, png.begin()));
-  std::vector<Chunk> chunks;
+  std::vector<PngChunk> chunks;
   for (size_t at = 8; at < png.size();) {
     REQUIRE(png.size() - at >= 12);
     const uint32_t size = be32(&png[at]);
@@ -50,7 +50,7 @@ std::vector<uint8_t> inflated(const std::vector<uint8_t>& data, size_t expected)
 Decoded decode(std::span<const uint8_t> png) {
   Decoded d;
   std::vector<uint8_t> data, alpha;
-  for (const Chunk& c : chunks_of(png)) {
+  for (const PngChunk& c : chunks_of(png)) {
     if (c.type == "IHDR") {
       REQUIRE(c.data.size() == 13);
       d.width = be32(&c.data[0]), d.height = be32(&c.data[4]), d.bits = c.data[8], d.kind = c.data[9];

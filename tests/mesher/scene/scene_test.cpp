@@ -52,12 +52,12 @@ Grid resolve(const std::string& grid, const GridOptions& options, const Vec3& lo
 }
 
 // A folder that goes with the test.
-class TempFolder {
+class SceneFolder {
  public:
-  TempFolder() : path_(fs::temp_directory_path() / fmt::format("teracell-scene-{}-{}", getpid(), reinterpret_cast<uintptr_t>(this))) {
+  SceneFolder() : path_(fs::temp_directory_path() / fmt::format("teracell-scene-{}-{}", getpid(), reinterpret_cast<uintptr_t>(this))) {
     fs::create_directories(path_);
   }
-  ~TempFolder() { fs::remove_all(path_); }
+  ~SceneFolder() { fs::remove_all(path_); }
   fs::path write(const std::string& name, const std::string& text) const {
     std::ofstream(path_ / name, std::ios::binary) << text;
     return path_ / name;
@@ -298,7 +298,7 @@ TEST_CASE("an axis entry overrides that axis", "[scene]") {
 }
 
 TEST_CASE("planes come from a file beside the scene", "[scene]") {
-  const TempFolder folder;
+  const SceneFolder folder;
   folder.write("x.txt", "# planes\n0, 0.1\t+0.3,\r\n1e0 # the last one");
   const fs::path scene = folder.write("scene.json", scene_text(R"("step": 1, "x": {"planes_file": "x.txt"})"));
   CHECK(read_scene(scene).axis[0].planes == std::vector<double>{0, 0.1, 0.3, 1});
@@ -327,7 +327,7 @@ TEST_CASE("planes come from a file beside the scene", "[scene]") {
 }
 
 TEST_CASE("reading a scene that is not there, is a folder, or is wrong names the file", "[scene]") {
-  const TempFolder folder;
+  const SceneFolder folder;
   CHECK_THROWS_AS(read_scene(folder.path() / "none.json"), IoError);
   CHECK_THROWS_AS(read_scene(folder.path()), IoError);
   const fs::path scene = folder.write("scene.json", "{\n}}");
