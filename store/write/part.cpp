@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "store/format/metadata_json.hpp"
-#include "store/text/json_text.hpp"
+#include "store/text/json_node.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -22,8 +22,7 @@ void put_bytes(Bytes& out, std::span<const uint8_t> bytes) {
 }
 
 Bytes encode_head(const PartHead& head) {
-  const nlohmann::ordered_json json = {
-      {"run", head.run}, {"part", head.number}, {"parts", head.of}, {"first", head.range.first}, {"end", head.range.end}};
+  const Json json = {{"run", head.run}, {"part", head.number}, {"parts", head.of}, {"first", head.range.first}, {"end", head.range.end}};
   Bytes out;
   put_bytes(out, encode_text(json.dump()));
   Metadata meta = head.meta;
@@ -36,19 +35,19 @@ Bytes encode_head(const PartHead& head) {
 
 PartHead decode_head(std::span<const uint8_t> body, const std::string& name) {
   ByteReader in(body, name);
-  const auto json = parse_json(decode_text(in.take(in.varint()), name), "its head", kMostHeadValues);
-  const auto whole = [&](const char* key) {
-    const auto at = json.find(key);
-    if (at == json.end() || !at->is_number_unsigned()) throw FormatError(fmt::format("its head: expected a whole number '{}', found none", key));
-    return at->get<uint64_t>();
-  };
-  if (!json.is_object() || !json.contains("run") || !json["run"].is_string())
-    throw FormatError("its head: expected what the grid depends on, found none");
-  const uint64_t number = whole("part"), of = whole("parts");
-  const TreeRange range{whole("first"), whole("end")};
-  if (number >= of || of > ~uint32_t{0} || range.first > range.end)
-    throw FormatError(fmt::format("its head: expected a part of a grid, found part {} of {} from {} to {}", number, of, range.first, range.end));
-  PartHead head{json["run"], static_cast<uint32_t>(number), static_cast<uint32_t>(of), range, decode_metadata(in.take(in.varint()))};
+  const std::string text = decode_text(in.take(in.varint()), name);
+  PartHead head;
+  naming("its head", [&] {
+    const Json json = parse_json(text, "", kMostHeadValues);
+    const JsonNode node(json, "its head");
+    const uint64_t number = node.require("part").whole(), of = node.require("parts").whole();
+    head.run = node.require("run").any_text();
+    head.range = {node.require("first").whole(), node.require("end").whole()};
+    if (number >= of || of > ~uint32_t{0} || head.range.first > head.range.end)
+      throw FormatError(fmt::format("expected a part of a grid, found part {} of {} from {} to {}", number, of, head.range.first, head.range.end));
+    head.number = static_cast<uint32_t>(number), head.of = static_cast<uint32_t>(of);
+  });
+  head.meta = decode_metadata(in.take(in.varint()));
   in.expect_end();
   return head;
 }
