@@ -8,7 +8,6 @@
 #pragma once
 #include <atomic>
 
-#include "mesher/report/report.hpp"
 #include "mesher/run/mesh_options.hpp"
 #include "mesher/run/run_report.hpp"
 #include "mesher/scene/scene.hpp"

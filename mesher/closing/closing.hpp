@@ -20,19 +20,6 @@ inline uint32_t layer_of(size_t body, bool parity) { return static_cast<uint32_t
 inline uint32_t body_of_layer(uint32_t layer) { return (layer & ~kIgnored) / 2; }
 inline bool is_parity_layer(uint32_t layer) { return layer % 2 != 0; }
 
-// A curve along which facets of a shell face the opposite way from their neighbours: its edges run the same way in both.
-struct Flip {
-  Vec3 at;  // the first vertex of the first of its edges, as the grid sees it
-  uint64_t edges;
-};
-
-// A fill rule and the shells of a body that have it.
-struct FillChoice {
-  Fill rule;
-  std::optional<uint64_t> shells;  // absent: all shells
-  std::string why;                 // a text for people
-};
-
 // The rule of each facet, for bodies whose facets have different rules. Not thread-safe; fast in ascending order.
 class FacetRules {
  public:

@@ -14,21 +14,11 @@
 
 namespace teracell::mesher {
 
-// How the inside of a shell is decided. kEvenodd and kDistinct count crossings (kDistinct only those of distinct facets),
-// kNonzero adds up windings, and kAuto is not decided yet.
 using ShellRule = Fill;
 
 struct OpenEdge {
   BoundaryEdge edge;
   uint32_t shell;
-};
-
-// The curves along which stitches joined boundary edges.
-struct Seams {
-  uint64_t number = 0;
-  double length = 0;      // of all, in the file's units
-  double widest_gap = 0;  // the largest distance between what was joined
-  uint64_t collapsed = 0;  // open edges whose two ends were joined to one point
 };
 
 // The shells that stitching has joined count as one: a group.
@@ -41,7 +31,7 @@ struct Stitched {
   };
   std::vector<Group> groups;
   std::vector<BoundaryEdge> flips;           // still open by winding number but closed by parity, under either rule
-  Seams seams;
+  Seams seams;  // in the file's units
 };
 
 // `edges` are the open edges, `rules` the rules of all shells. REQUIRES: edges of a shell that counts crossings are odd().

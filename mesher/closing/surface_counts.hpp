@@ -9,6 +9,7 @@
 #include "mesher/surface/facet.hpp"
 #include "mesher/surface/populate.hpp"
 #include "store/base/groups.hpp"
+#include "store/grid/report.hpp"
 
 namespace teracell::mesher {
 
@@ -60,10 +61,6 @@ class DistinctCount {
   std::vector<uint64_t, Populated<uint64_t>> table_;
   std::array<uint64_t, kWaiting> waiting_{};
   uint64_t count_ = 0, turn_ = 0, otherwise_ = 0;
-};
-
-struct SurfaceCounts {
-  uint64_t degenerate = 0, duplicates = 0, opposite = 0, shells = 0;  // as of SurfaceCounter
 };
 
 // Takes facets one by one in any order. Memory: some 35 bytes per facet. Not thread-safe.

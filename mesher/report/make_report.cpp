@@ -14,18 +14,17 @@ namespace {
 using What = TallyKey::What;
 
 HoleReport hole_report(const Hole& h, const Grid& grid) {
-  return {h.at,
-          h.edges,
-          h.diameter,
-          h.width,
-          h.cap_area,
-          in_cells(h.diameter, h.at, grid),
-          in_cells(h.width, h.at, grid),
-          h.lo,
-          h.hi,
-          h.off_plane,
-          in_cells(h.off_plane, h.at, grid),
-          h.extruded};
+  return {.at = h.at,
+          .edges = h.edges,
+          .diameter = h.diameter,
+          .cap_area = h.cap_area,
+          .diameter_cells = in_cells(h.diameter, h.at, grid),
+          .extruded = h.extruded,
+          .width = h.width,
+          .off_plane = h.off_plane,
+          .width_cells = in_cells(h.width, h.at, grid),
+          .off_plane_cells = in_cells(h.off_plane, h.at, grid),
+          .box = {{h.lo[0], h.lo[1], h.lo[2], h.hi[0], h.hi[1], h.hi[2]}}};
 }
 
 LostReport lost_report(const TallyKey& key, const Grid& grid, const Tallies& tallies) {

@@ -1,8 +1,8 @@
 // From what a run has found to its report.
 #pragma once
-#include "mesher/report/report.hpp"
 #include "mesher/run/plan.hpp"
 #include "mesher/run/tile_group.hpp"
+#include "store/grid/report.hpp"
 
 namespace teracell::mesher {
 

@@ -1,5 +1,5 @@
-// Reads and writes the scene file. Reading takes two steps: the text becomes Nodes that know their path (node.hpp), then each
-// part of the scene is taken from its Node here.
+// Reads and writes the scene file. Reading takes two steps: the text becomes JsonNodes that know their path (json_node.hpp), then each
+// part of the scene is taken from its JsonNode here.
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
@@ -11,12 +11,11 @@
 #include <fmt/format.h>
 
 #include "mesher/scene/names.hpp"
-#include "mesher/scene/node.hpp"
 #include "mesher/scene/scene.hpp"
 #include "store/base/error.hpp"
 #include "store/grid/metadata.hpp"
 #include "store/text/color.hpp"
-#include "store/text/json_text.hpp"
+#include "store/text/json_node.hpp"
 #include "store/text/json_writer.hpp"
 #include "store/text/text.hpp"
 
@@ -81,13 +80,13 @@ std::vector<double> read_planes(const fs::path& path) {
 constexpr std::pair<const char*, std::optional<double> SceneAxis::*> kAxisNumbers[] = {
     {"min", &SceneAxis::min}, {"max", &SceneAxis::max}, {"step", &SceneAxis::step}};
 
-void refuse_cells_and_step(const Node& node) {
+void refuse_cells_and_step(const JsonNode& node) {
   if (node.find("cells") && node.find("step")) throw UsageError(fmt::format("{}: cells and step exclude each other: give one of them", node.where()));
 }
 
-void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
+void parse_axis(const JsonNode& node, const fs::path& folder, SceneAxis& axis) {
   node.check_keys({"planes", "planes_file", "min", "max", "cells", "step"});
-  const std::optional<Node> planes = node.find("planes"), file = node.find("planes_file");
+  const std::optional<JsonNode> planes = node.find("planes"), file = node.find("planes_file");
   if (planes || file) {
     for (const char* key : {"min", "max", "cells", "step", planes ? "planes_file" : "planes"})
       if (node.find(key)) throw UsageError(fmt::format("{}: {} and \"{}\" exclude each other", node.where(), planes ? "planes" : "planes_file", key));
@@ -97,7 +96,7 @@ void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
       axis.planes = read_planes(axis.planes_file);
       return;
     }
-    for (const Node& plane : planes->items()) axis.planes.push_back(plane.number());
+    for (const JsonNode& plane : planes->items()) axis.planes.push_back(plane.number());
     check_planes(axis.planes, planes->where());
     return;
   }
@@ -108,7 +107,7 @@ void parse_axis(const Node& node, const fs::path& folder, SceneAxis& axis) {
   if (const auto n = node.find("step")) axis.step = n->positive(), axis.cells.reset();
 }
 
-void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
+void parse_grid(const JsonNode& grid, const fs::path& folder, Scene& scene) {
   grid.check_keys({"min", "max", "cells", "step", "pad", "x", "y", "z"});
   refuse_cells_and_step(grid);
   if (const auto pad = grid.find("pad")) scene.pad = pad->integer(0, kMaxPad);
@@ -116,7 +115,7 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
     const auto node = grid.find(key);
     if (!node) continue;
     const bool is_step = member == &SceneAxis::step, scalar = is_step && !node->is_array();  // one step for all axes
-    const std::vector<Node> items = scalar ? std::vector<Node>(3, *node) : node->items(3);
+    const std::vector<JsonNode> items = scalar ? std::vector<JsonNode>(3, *node) : node->items(3);
     for (int a = 0; a < 3; ++a) scene.axis[a].*member = is_step ? items[a].positive() : items[a].number();
   }
   if (const auto cells = grid.find("cells")) {
@@ -141,7 +140,7 @@ void parse_grid(const Node& grid, const fs::path& folder, Scene& scene) {
 
 // ---- materials and bodies
 
-std::string color_text(const Node& node) {
+std::string color_text(const JsonNode& node) {
   std::string color = node.text();
   if (!parse_color(color)) node.fail("a color \"#rrggbb\" or \"#rrggbbaa\"");
   for (char& c : color)
@@ -152,7 +151,7 @@ std::string color_text(const Node& node) {
 // Numbers of materials by name: the background is 0, the others count from 1 in the order of the scene.
 using MaterialIds = std::unordered_map<std::string, uint32_t>;
 
-uint32_t material_id(const Node& node, const MaterialIds& ids) {
+uint32_t material_id(const JsonNode& node, const MaterialIds& ids) {
   const auto it = ids.find(node.text());
   if (it != ids.end()) return it->second;
   std::vector<std::string_view> known;
@@ -162,34 +161,35 @@ uint32_t material_id(const Node& node, const MaterialIds& ids) {
                         known.empty() ? "" : fmt::format(" (the nearest is \"{}\")", nearest(node.text(), known))));
 }
 
-MaterialIds parse_materials(const Node& root, const std::vector<std::string>& order, Scene& scene) {
-  const std::optional<Node> materials = root.find("materials"), background = root.find("background");
-  if (materials && !materials->is_object()) materials->fail("an object of materials");
-  const auto color_of = [&](const std::string& name, const std::string& otherwise) {
-    const std::optional<Node> node = materials ? materials->find(name) : std::nullopt;
-    if (!node) return otherwise;
-    node->check_keys({"color"});
-    const auto color = node->find("color");
-    return color ? color_text(*color) : otherwise;
-  };
+std::string color_in(const JsonNode& material, const std::string& otherwise) {
+  material.check_keys({"color"});
+  const auto color = material.find("color");
+  return color ? color_text(*color) : otherwise;
+}
 
+MaterialIds parse_materials(const JsonNode& root, Scene& scene) {
+  const std::optional<JsonNode> materials = root.find("materials"), background = root.find("background");
+  if (materials && !materials->is_object()) materials->fail("an object of materials");
   const std::string back = background ? background->text() : "air";
+  const std::optional<JsonNode> of_back = materials ? materials->find(back) : std::nullopt;
   MaterialIds ids = {{back, 0}};
-  scene.materials.push_back({back, color_of(back, kBackgroundColor)});
-  for (const std::string& name : order) {
+  scene.materials.push_back({back, of_back ? color_in(*of_back, kBackgroundColor) : kBackgroundColor});
+  const std::vector<JsonNode> members = materials ? materials->members() : std::vector<JsonNode>{};
+  for (const JsonNode& material : members) {
+    const std::string name(material.key());
     if (name.empty() || printable(name) != name)
-      throw UsageError(fmt::format("{}: expected a name that is not empty and has no control characters", child_path(materials->where(), name)));
+      throw UsageError(fmt::format("{}: expected a name that is not empty and has no control characters", material.where()));
     if (name.size() > kMostName)
       throw UsageError(
           fmt::format("materials: expected names of at most {} bytes, found \"{}...\" of {}", kMostName, first_bytes(name, 60), name.size()));
     if (name == back) continue;
     const auto id = static_cast<uint32_t>(scene.materials.size());
     if (id > kMaxMaterials)
-      throw UsageError(fmt::format("materials: expected at most {} besides the background, found {}", kMaxMaterials, order.size()));
-    scene.materials.push_back({name, color_of(name, palette_color(id))});
+      throw UsageError(fmt::format("materials: expected at most {} besides the background, found {}", kMaxMaterials, members.size()));
+    scene.materials.push_back({name, color_in(material, palette_color(id))});
     ids.emplace(name, id);
   }
-  if (back != "air" && !(materials && materials->find(back))) {  // "air" alone needs no entry
+  if (back != "air" && !of_back) {  // "air" alone needs no entry
     ids.erase(back);
     material_id(*background, ids);
   }
@@ -209,41 +209,41 @@ bool is_singular(const Matrix& m) {
   return !(std::abs(det) > 1e-15);
 }
 
-Matrix parse_rotate(const Node& node) {
+Matrix parse_rotate(const JsonNode& node) {
   node.check_keys({"axis", "degrees"});
-  const Vec3 axis = node.require("axis").vec3();
+  const Vec3 axis = node.require("axis").numbers<3>();
   if (axis == Vec3{0, 0, 0}) node.require("axis").fail("an axis that is not zero");
   return rotation(axis, node.require("degrees").number());
 }
 
-Matrix parse_matrix(const Node& body) {
+Matrix parse_matrix(const JsonNode& body) {
   const auto matrix = body.find("matrix"), scale = body.find("scale"), rotate = body.find("rotate"), translate = body.find("translate");
   Matrix m = kIdentity;
   if (matrix) {
     if (scale || rotate || translate)
       throw UsageError(fmt::format("{}: matrix excludes scale, rotate and translate: give either the matrix or the others", body.where()));
-    const std::vector<Node> items = matrix->items(12);
+    const std::vector<JsonNode> items = matrix->items(12);
     for (size_t i = 0; i < 12; ++i) m[i] = items[i].number();
     if (is_singular(m)) matrix->fail("a matrix that is not singular");
     return m;
   }
   if (rotate) m = parse_rotate(*rotate);
   if (scale) {
-    const Vec3 s = scale->is_array() ? scale->vec3() : Vec3{scale->number(), scale->number(), scale->number()};
+    const Vec3 s = scale->is_array() ? scale->numbers<3>() : Vec3{scale->number(), scale->number(), scale->number()};
     if (s[0] == 0 || s[1] == 0 || s[2] == 0) scale->fail("a scale that is not 0");
     for (int r = 0; r < 3; ++r)
       for (int c = 0; c < 3; ++c) m[4 * r + c] = m[4 * r + c] * s[c] + 0.0;
     if (is_singular(m)) scale->fail("a scale within the range of doubles");
   }
   if (translate) {
-    const Vec3 t = translate->vec3();
+    const Vec3 t = translate->numbers<3>();
     for (int r = 0; r < 3; ++r) m[4 * r + 3] = t[r];
   }
   return m;
 }
 
 // "cap", "strict" or {"extrude": "-z"}.
-Closing closing_of(const Node& node) {
+Closing closing_of(const JsonNode& node) {
   if (!node.is_object()) {
     if (node.is_array()) node.fail("\"cap\", \"strict\" or {\"extrude\": \"-z\"}");
     if (node.text() == "cap") return {};
@@ -251,13 +251,13 @@ Closing closing_of(const Node& node) {
     node.fail("\"cap\", \"strict\" or {\"extrude\": \"-z\"}");
   }
   node.check_keys({"extrude"});
-  const Node direction = node.require("extrude");
+  const JsonNode direction = node.require("extrude");
   const auto closing = parse_closing("extrude:" + direction.text());
   if (!closing) direction.fail("a direction along the grid: \"+x\", \"-x\", \"+y\", \"-y\", \"+z\" or \"-z\"");
   return *closing;
 }
 
-SceneBody parse_body(const Node& node, const MaterialIds& ids, const fs::path& folder) {
+SceneBody parse_body(const JsonNode& node, const MaterialIds& ids, const fs::path& folder) {
   node.check_keys({"name", "mesh", "part", "material", "priority", "fill", "closing", "stitch", "kind", "thin", "patches", "matrix", "scale",
                    "rotate", "translate"});
   SceneBody body;
@@ -303,7 +303,7 @@ void name_bodies(std::vector<SceneBody>& bodies) {
 // ---- writing
 
 template <typename T, typename Member>
-void put_axes(nlohmann::ordered_json& grid, const Scene& scene, const char* key, Member member, bool may_be_array) {
+void put_axes(Json& grid, const Scene& scene, const char* key, Member member, bool may_be_array) {
   const auto& axis = scene.axis;
   if (may_be_array && axis[0].*member && axis[1].*member && axis[2].*member) {
     grid[key] = {*(axis[0].*member), *(axis[1].*member), *(axis[2].*member)};
@@ -313,8 +313,8 @@ void put_axes(nlohmann::ordered_json& grid, const Scene& scene, const char* key,
     if (axis[a].*member) grid[axis_name(a)][key] = T{*(axis[a].*member)};
 }
 
-nlohmann::ordered_json normalised_grid(const Scene& scene) {
-  nlohmann::ordered_json grid = nlohmann::ordered_json::object();
+Json normalised_grid(const Scene& scene) {
+  Json grid = Json::object();
   const bool counts_may_be_arrays = !scene.longest_cells;  // else the key "cells" holds that number
   if (scene.longest_cells) grid["cells"] = *scene.longest_cells;
   for (const auto& [key, member] : kAxisNumbers) put_axes<double>(grid, scene, key, member, member != &SceneAxis::step || counts_may_be_arrays);
@@ -325,14 +325,14 @@ nlohmann::ordered_json normalised_grid(const Scene& scene) {
   return grid;
 }
 
-nlohmann::ordered_json normalised_without_bodies(const Scene& scene) {
-  nlohmann::ordered_json json;
+Json normalised_without_bodies(const Scene& scene) {
+  Json json;
   json["units"] = scene.units;
   json["grid"] = normalised_grid(scene);
   json["sample"] = scene.sample;
   json["background"] = scene.materials.front().name;
   // operator[] searches all keys each time, which would take seconds for 65,535 materials.
-  nlohmann::ordered_json::object_t materials;
+  Json::object_t materials;
   materials.reserve(scene.materials.size());
   for (const SceneMaterial& m : scene.materials) materials.push_back({m.name, {{"color", m.color}}});
   json["materials"] = std::move(materials);
@@ -368,9 +368,9 @@ std::optional<Closing> parse_closing(std::string_view text) {
   return Closing{kExtrude, *axis, sign == '+'};
 }
 
-Scene parse_scene(const std::string& json_text, const fs::path& folder) {
-  const SceneText text = read_json(json_text);
-  const Node root(text.root);
+Scene parse_scene(const std::string& json_text, const fs::path& folder) try {
+  const Json text = parse_json(json_text, "", ~size_t{0});
+  const JsonNode root(text, "the scene");
   root.check_keys({"units", "grid", "sample", "background", "materials", "bodies", "label_by"});
 
   Scene scene;
@@ -380,18 +380,20 @@ Scene parse_scene(const std::string& json_text, const fs::path& folder) {
   }
   if (const auto grid = root.find("grid")) parse_grid(*grid, folder, scene);
   if (const auto sample = root.find("sample")) {
-    scene.sample = sample->vec3();
-    for (const Node& s : sample->items())
+    scene.sample = sample->numbers<3>();
+    for (const JsonNode& s : sample->items())
       if (!(s.number() >= 0 && s.number() < 1)) s.fail("a number from 0 to below 1");
   }
   if (const auto label = root.find("label_by")) scene.label_by_body = label->choice({"material", "body"}) == 1;
-  const MaterialIds ids = parse_materials(root, text.material_order, scene);
-  const Node bodies = root.require("bodies");
-  const std::vector<Node> items = bodies.items();
+  const MaterialIds ids = parse_materials(root, scene);
+  const JsonNode bodies = root.require("bodies");
+  const std::vector<JsonNode> items = bodies.items();
   scene.bodies.reserve(items.size());
-  for (const Node& body : items) scene.bodies.push_back(parse_body(body, ids, folder));
+  for (const JsonNode& body : items) scene.bodies.push_back(parse_body(body, ids, folder));
   name_bodies(scene.bodies);
   return scene;
+} catch (const FormatError& e) {
+  throw UsageError(e.what());
 }
 
 Scene read_scene(const fs::path& path) {

@@ -1,11 +1,9 @@
-// Names that scene files and bare meshes share: defaults for bodies and colours, and suggestions for misspelt words.
+// Names that scene files and bare meshes share: defaults for bodies and colours.
 #pragma once
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <unordered_map>
-#include <vector>
 
 #include "store/grid/grid.hpp"
 
@@ -17,11 +15,6 @@ inline constexpr const char* kBackgroundColor = "#00000000";
 
 // "hull" for "meshes/hull.stl" and "meshes/hull.stl.gz".
 std::string mesh_stem(const std::filesystem::path& mesh);
-
-// The candidate with the smallest edit distance to `word` (V. Levenshtein, 1966); empty when there are no candidates.
-std::string_view nearest(std::string_view word, const std::vector<std::string_view>& candidates);
-// Whether `word` may be a misspelling of `other`: their edit distance is at most half of the longer length.
-bool resembles(std::string_view word, std::string_view other);
 
 // Gives out distinct names: "hull", "hull-2", "hull-3".
 class NameBook {

@@ -4,19 +4,15 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "store/grid/grid.hpp"
+#include "store/grid/report.hpp"
 
 namespace teracell::mesher {
 
-enum class Fill { kAuto, kNonzero, kEvenodd, kDistinct };
-inline constexpr std::array<std::string_view, 4> kFillNames = {"auto", "nonzero", "evenodd", "distinct"};  // in the order of Fill
-constexpr std::string_view fill_name(Fill fill) { return kFillNames[static_cast<size_t>(fill)]; }
 enum class Kind { kSolid, kSheet };
 enum class Thin { kIgnore, kKeep };
 

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "server/service/message.hpp"
-#include "store/text/json_text.hpp"
 #include "store/text/text.hpp"
 
 namespace teracell::server {

@@ -4,29 +4,26 @@
 
 #include <fmt/format.h>
 
-#include "store/text/json_text.hpp"
+#include "store/text/json_node.hpp"
 
 namespace teracell::inline store {
 
 Channel fractions_channel(const Subdivision& samples) {
   Channel out{kFractions, kShares};
-  out.about = nlohmann::ordered_json{{"samples", samples}}.dump();
+  out.about = Json{{"samples", samples}}.dump();
   return out;
 }
 
 Subdivision subdivision_of(const Channel& channel) {
-  const auto about = parse_json(channel.about.empty() ? "{}" : channel.about, "metadata", 16);
-  const auto samples = about.find("samples");
-  Subdivision out{1, 1, 1};
-  bool valid = samples != about.end() && samples->is_array() && samples->size() == 3;
-  for (size_t d = 0; valid && d < 3; ++d) {
-    const auto& n = (*samples)[d];
-    valid = n.is_number_unsigned() && n.get<uint64_t>() <= 65536;
-    if (valid) out[d] = n.get<uint32_t>();
-  }
-  if (!valid) throw FormatError(fmt::format("metadata: channel '{}' does not say how many sub-samples a cell has (FORMAT.md 13.1)", channel.name));
-  if (const std::string beyond = beyond_bounds(out); !beyond.empty())
-    throw FormatError(fmt::format("metadata: channel '{}': {} (FORMAT.md 13.1)", channel.name, beyond));
+  const std::string place = fmt::format("metadata: channel '{}'", channel.name);
+  const Json about = parse_json(channel.about.empty() ? "{}" : channel.about, place, 16);
+  Subdivision out;
+  naming(place, [&] {
+    const JsonNode node(about, place), samples = node.require("samples");
+    const std::vector<JsonNode> items = samples.items(3);
+    for (size_t d = 0; d < 3; ++d) out[d] = static_cast<uint32_t>(items[d].whole(65536));
+    if (const std::string beyond = beyond_bounds(out); !beyond.empty()) throw FormatError(fmt::format("{} (FORMAT.md 13.1)", beyond));
+  });
   return out;
 }
 

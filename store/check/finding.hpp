@@ -11,17 +11,9 @@ namespace teracell::inline store {
 using CellCount = unsigned __int128;
 
 // The kinds, in the order in which they are listed, and their names.
-#define TERACELL_FINDING_KINDS(X) X(empty) X(winding) X(cap) X(seam) X(overlap) X(lost_stretch) X(lost_gap) X(thin) X(island) X(enclosed) X(cut)
-enum class FindingKind {
-#define X(name) name,
-  TERACELL_FINDING_KINDS(X)
-#undef X
-};
-inline constexpr const char* kFindingKinds[] = {
-#define X(name) #name,
-    TERACELL_FINDING_KINDS(X)
-#undef X
-};
+enum class FindingKind { empty, winding, cap, seam, overlap, lost_stretch, lost_gap, thin, island, enclosed, cut };
+inline constexpr const char* kFindingKinds[] = {"empty",    "winding", "cap",    "seam",     "overlap", "lost_stretch",
+                                                "lost_gap", "thin",    "island", "enclosed", "cut"};
 inline constexpr size_t kFindingKindCount = std::size(kFindingKinds);
 
 enum class FindingLevel { error, warning, note };

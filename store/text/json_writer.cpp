@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <nlohmann/json.hpp>
-
 #include "store/text/json_text.hpp"
 
 namespace teracell::inline store {
@@ -46,8 +44,7 @@ JsonWriter& JsonWriter::value(std::string_view text) {
 
 JsonWriter& JsonWriter::value(double number) {
   if (!std::isfinite(number)) return value(nullptr);
-  char digits[64];
-  return raw(std::string_view(digits, static_cast<size_t>(nlohmann::detail::to_chars(digits, std::end(digits), number) - digits)));
+  return raw(Json(number).dump());
 }
 
 JsonWriter& JsonWriter::value(std::span<const double> numbers) {

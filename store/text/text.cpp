@@ -1,12 +1,48 @@
 #include "store/text/text.hpp"
 
 #include <algorithm>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
-
-#include "store/text/json_text.hpp"
+#include <nlohmann/json.hpp>
 
 namespace teracell::inline store {
+namespace {
+
+size_t edit_distance(std::string_view a, std::string_view b) {
+  constexpr size_t kLongest = 64;  // bounds the work on absurdly long keys; real ones differ long before
+  a = a.substr(0, kLongest), b = b.substr(0, kLongest);
+  std::vector<size_t> row(b.size() + 1);  // distances from the prefix of a so far to every prefix of b
+  std::iota(row.begin(), row.end(), size_t{0});
+  for (size_t i = 0; i < a.size(); ++i) {
+    size_t diagonal = std::exchange(row[0], i + 1);
+    for (size_t j = 0; j < b.size(); ++j) {
+      const size_t replaced = diagonal + (a[i] != b[j]);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({replaced, diagonal + 1, row[j] + 1});
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::string utf8_of(std::string_view text) {
+  using Json = nlohmann::ordered_json;
+  const auto is_ascii = [](char c) { return (static_cast<unsigned char>(c) & 0x80) == 0; };
+  std::string out;
+  for (auto at = text.begin(); at != text.end();) {
+    auto end = std::find_if_not(at, text.end(), is_ascii);
+    out.append(at, end);
+    at = std::find_if(end, text.end(), is_ascii);
+    if (at == end) break;
+    const std::string quoted = Json(std::string(end, at)).dump(-1, ' ', false, Json::error_handler_t::replace);  // it escapes ASCII alone
+    out.append(quoted, 1, quoted.size() - 2);
+  }
+  return out;
+}
 
 std::string printable(std::string_view text) {
   if (std::ranges::all_of(text, [](char c) { return c >= ' ' && c < '\x7f'; })) return std::string(text);  // like nearly all texts
@@ -46,5 +82,13 @@ std::string whole_text(unsigned __int128 number) {
 }
 
 std::string plural(uint64_t n, std::string_view thing) { return fmt::format("{} {}{}", n, thing, n == 1 ? "" : "s"); }
+
+std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
+  const auto closer = [&](std::string_view a, std::string_view b) { return edit_distance(word, a) < edit_distance(word, b); };
+  const auto best = std::ranges::min_element(candidates, closer);
+  return best == candidates.end() ? std::string_view{} : *best;
+}
+
+bool resembles(std::string_view word, std::string_view other) { return 2 * edit_distance(word, other) <= std::max(word.size(), other.size()); }
 
 }  // namespace teracell::store

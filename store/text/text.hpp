@@ -1,10 +1,14 @@
 // Parts of messages.
 #pragma once
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
 namespace teracell::inline store {
+
+// The text, with U+FFFD for what is not UTF-8.
+std::string utf8_of(std::string_view text);
 
 // The text with '?' for control characters and U+FFFD for what is not UTF-8. Names of files, and files from elsewhere, may
 // hold anything, but terminals obey control characters and JSON can't hold what is not UTF-8.
@@ -22,5 +26,10 @@ std::string whole_text(unsigned __int128 number);
 
 // "1 chunk", "2 chunks".
 std::string plural(uint64_t n, std::string_view thing);
+
+// The candidate with the smallest edit distance to `word` (V. Levenshtein, 1966); empty when there are no candidates.
+std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
+// Whether `word` may be a misspelling of `other`: their edit distance is at most half of the longer length.
+bool resembles(std::string_view word, std::string_view other);
 
 }  // namespace teracell::store

@@ -2,18 +2,16 @@
 #include <numeric>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "store/base/error.hpp"
+#include "store/text/json_node.hpp"
 #include "store/text/json_writer.hpp"
 #include "store/whole/partition.hpp"
 
 namespace teracell::inline store {
 namespace {
 
-using nlohmann::json;
-
-constexpr const char* kMethods[] = {"blocks", "slabs"};
+constexpr std::string_view kMethods[] = {"blocks", "slabs"};
 
 void write_box(JsonWriter& out, const char* key, const Box& box) {
   out.key(key).begin_array();
@@ -22,39 +20,13 @@ void write_box(JsonWriter& out, const char* key, const Box& box) {
   out.end_array();
 }
 
-[[noreturn]] void refuse(const char* key, const char* expected, const json& found) {
-  throw InputError(fmt::format("partition: {}: expected {}, found {}", key, expected, found.is_number() ? found.dump() : found.type_name()));
+double work_of(const JsonNode& work) {
+  if (work.number() < 0) work.fail("a number of at least 0");
+  return work.number();
 }
 
-// The JSON library would cut 1.5 to 1, and take true for 1.
-int64_t whole_number(const json& value, const char* key) {
-  if (!value.is_number_integer() || (value.is_number_unsigned() && value.get<uint64_t>() > INT64_MAX)) refuse(key, "a whole number", value);
-  return value.get<int64_t>();
-}
-int64_t whole_number(const char* key, const json& of) { return whole_number(of.at(key), key); }
-
-double work_of(const json& value, const char* key) {
-  if (!value.is_number() || value.get<double>() < 0) refuse(key, "a number of at least 0", value);
-  return value.get<double>();
-}
-
-const json& list(const char* key, const json& of) {
-  const json& found = of.at(key);
-  if (!found.is_array()) refuse(key, "a list", found);
-  return found;
-}
-
-template <size_t kCount>
-std::array<int64_t, kCount> whole_numbers(const char* key, const json& of) {
-  const json& found = list(key, of);
-  if (found.size() != kCount) throw InputError(fmt::format("partition: {}: expected {} whole numbers, found {}", key, kCount, found.size()));
-  std::array<int64_t, kCount> out;
-  for (size_t i = 0; i < kCount; ++i) out[i] = whole_number(found[i], key);
-  return out;
-}
-
-Box box_of(const char* key, const json& part) {
-  const auto n = whole_numbers<6>(key, part);
+Box box_of(const JsonNode& box) {
+  const auto n = box.wholes<6>();
   return {{n[0], n[1], n[2]}, {n[3], n[4], n[5]}};
 }
 
@@ -66,11 +38,7 @@ bool within(const Box& inner, const Box& outer) {
 void check(const Partition& p) {
   const auto fail = [](const std::string& what) { throw InputError("partition: " + what); };
   if (static_cast<int64_t>(p.parts.size()) != p.options.ranks) fail(fmt::format("expected {} parts, found {}", p.options.ranks, p.parts.size()));
-  const auto expect = [&](const char* key, int64_t value, int64_t least) {
-    if (value < least || value > Axis::kMaxCells) fail(fmt::format("{}: expected {} to {}, found {}", key, least, Axis::kMaxCells, value));
-  };
-  expect("align", p.options.align, 1);
-  expect("halo", p.options.halo, 0);
+  if (p.options.align == 0) fail("align: expected at least 1, found 0");
   if (p.grid_hash.size() != 32 || p.grid_hash.find_first_not_of("0123456789abcdef") != std::string::npos)
     fail("grid_hash: expected 32 hexadecimal digits");
   const Box grid{{0, 0, 0}, p.cells};
@@ -108,7 +76,7 @@ void check(const Partition& p) {
 
 }  // namespace
 
-const char* name_of(PartitionMethod method) { return kMethods[static_cast<int>(method)]; }
+const char* name_of(PartitionMethod method) { return kMethods[static_cast<int>(method)].data(); }
 
 std::string partition_json(const Partition& p) {
   std::string text;
@@ -116,7 +84,7 @@ std::string partition_json(const Partition& p) {
   const PartitionOptions& o = p.options;
   out.begin_object().field("schema", 1).field("ranks", o.ranks).field("method", name_of(o.method));
   out.field("align", o.align).field("halo", o.halo).key("weights").begin_object();
-  for (size_t i = 0; i < p.materials.size(); ++i) out.raw(json(p.materials[i]).dump(-1, ' ', true) + ":" + json(o.weights[i]).dump());
+  for (size_t i = 0; i < p.materials.size(); ++i) out.raw(ascii_json(p.materials[i]) + ":" + Json(o.weights[i]).dump());
   out.end_object().key("cells").begin_array();
   for (const int64_t n : p.cells) out.value(n);
   out.end_array().field("grid_hash", p.grid_hash).field("total", p.total).key("parts").begin_array();
@@ -135,29 +103,30 @@ std::string partition_json(const Partition& p) {
 }
 
 Partition parse_partition(const std::string& text) try {
-  const json root = json::parse(text);
-  if (root.at("schema") != 1) throw InputError("partition: expected \"schema\": 1");
+  const Json json = parse_json(text, "", ~size_t{0});
+  const JsonNode root(json, "the file");
+  if (const JsonNode schema = root.require("schema"); schema.whole() != 1) schema.fail("1");
   Partition p;
-  p.options.ranks = whole_number("ranks", root);
-  const auto method = std::ranges::find(kMethods, root.at("method").get<std::string>(), [](const char* name) { return std::string(name); });
-  if (method == std::end(kMethods)) throw InputError("partition: method: expected blocks or slabs");
-  p.options.method = static_cast<PartitionMethod>(method - kMethods);
-  p.options.align = whole_number("align", root);
-  p.options.halo = whole_number("halo", root);
-  for (const auto& [name, weight] : root.at("weights").items()) p.materials.push_back(name), p.options.weights.push_back(work_of(weight, "weights"));
-  p.cells = whole_numbers<3>("cells", root);
-  p.grid_hash = root.at("grid_hash");
-  p.total = work_of(root.at("total"), "total");
-  for (const json& part : list("parts", root)) {
-    if (whole_number("rank", part) != static_cast<int64_t>(p.parts.size()))
-      throw InputError(fmt::format("partition: expected the parts in the order of their ranks, found another at {}", p.parts.size()));
-    Part& out = p.parts.emplace_back(Part{box_of("box", part), work_of(part.at("weight"), "weight"), box_of("halo_box", part), {}});
-    for (const json& rank : list("neighbours", part)) out.neighbours.push_back(whole_number(rank, "neighbours"));
+  p.options.ranks = static_cast<int64_t>(root.require("ranks").whole(INT64_MAX));
+  p.options.method = static_cast<PartitionMethod>(root.require("method").choice(kMethods));
+  p.options.align = static_cast<int64_t>(root.require("align").whole(Axis::kMaxCells));
+  p.options.halo = static_cast<int64_t>(root.require("halo").whole(Axis::kMaxCells));
+  const JsonNode weights = root.require("weights");
+  for (const JsonNode& weight : weights.members()) p.materials.emplace_back(weight.key()), p.options.weights.push_back(work_of(weight));
+  p.cells = root.require("cells").wholes<3>();
+  p.grid_hash = root.require("grid_hash").any_text();
+  p.total = work_of(root.require("total"));
+  const JsonNode parts = root.require("parts");
+  for (const JsonNode& part : parts.items()) {
+    if (part.require("rank").whole() != p.parts.size())
+      part.require("rank").fail(fmt::format("the parts in the order of their ranks, so {}", p.parts.size()));
+    Part& out = p.parts.emplace_back(Part{box_of(part.require("box")), work_of(part.require("weight")), box_of(part.require("halo_box")), {}});
+    part.each("neighbours", [&](const JsonNode& rank) { out.neighbours.push_back(static_cast<int64_t>(rank.whole(INT64_MAX))); });
   }
   check(p);
   return p;
-} catch (const json::exception& e) {
-  throw InputError(fmt::format("partition: expected what teracell partition writes: {}", e.what()));
+} catch (const FormatError& e) {
+  throw InputError(fmt::format("partition: {}", e.what()));
 }
 
 }  // namespace teracell::store

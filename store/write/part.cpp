@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "store/format/metadata_json.hpp"
-#include "store/text/json_text.hpp"
+#include "store/text/json_node.hpp"
 
 namespace teracell::inline store {
 namespace {
@@ -17,8 +17,7 @@ constexpr uint64_t kMostBeside = uint64_t{1} << 32;  // bytes of the head, of th
 constexpr size_t kMostHeadValues = 16;
 
 Bytes encode_head(const PartHead& head) {
-  const nlohmann::ordered_json json = {
-      {"run", head.run}, {"part", head.number}, {"parts", head.of}, {"first", head.range.first}, {"end", head.range.end}};
+  const Json json = {{"run", head.run}, {"part", head.number}, {"parts", head.of}, {"first", head.range.first}, {"end", head.range.end}};
   Bytes out;
   put_sized(out, encode_text(json.dump()));
   Metadata meta = head.meta;
@@ -37,19 +36,19 @@ std::string begin_of(const InputFile& file, size_t size) {
 
 PartHead decode_head(std::span<const uint8_t> body, const std::string& name) {
   ByteReader in(body, name);
-  const auto json = parse_json(decode_text(in.take_sized(), name), "its head", kMostHeadValues);
-  const auto whole = [&](const char* key) {
-    const auto at = json.find(key);
-    if (at == json.end() || !at->is_number_unsigned()) throw FormatError(fmt::format("its head: expected a whole number '{}', found none", key));
-    return at->get<uint64_t>();
-  };
-  if (!json.is_object() || !json.contains("run") || !json["run"].is_string())
-    throw FormatError("its head: expected what the grid depends on, found none");
-  const uint64_t number = whole("part"), of = whole("parts");
-  const TreeRange range{whole("first"), whole("end")};
-  if (number >= of || of > ~uint32_t{0} || range.first > range.end)
-    throw FormatError(fmt::format("its head: expected a part of a grid, found part {} of {} from {} to {}", number, of, range.first, range.end));
-  PartHead head{json["run"], static_cast<uint32_t>(number), static_cast<uint32_t>(of), range, decode_metadata(in.take_sized())};
+  const std::string text = decode_text(in.take_sized(), name);
+  PartHead head;
+  naming("its head", [&] {
+    const Json json = parse_json(text, "", kMostHeadValues);
+    const JsonNode node(json, "its head");
+    const uint64_t number = node.require("part").whole(), of = node.require("parts").whole();
+    head.run = node.require("run").any_text();
+    head.range = {node.require("first").whole(), node.require("end").whole()};
+    if (number >= of || of > ~uint32_t{0} || head.range.first > head.range.end)
+      throw FormatError(fmt::format("expected a part of a grid, found part {} of {} from {} to {}", number, of, head.range.first, head.range.end));
+    head.number = static_cast<uint32_t>(number), head.of = static_cast<uint32_t>(of);
+  });
+  head.meta = decode_metadata(in.take_sized());
   in.expect_end();
   return head;
 }

@@ -56,8 +56,8 @@ class Partitions(unittest.TestCase):
 
     def test_what_is_no_partition_is_refused(self):
         part = written["parts"][2]
-        for change, words in (({"halo": 3}, "halo_box"), ({"halo": 2.0}, "halo: expected a whole number, found 2.0"), ({"align": 5}, "multiples of 5"),
-                              ({"grid_hash": "x" * 32}, "grid_hash"), ({"cells": written["cells"] + [1]}, "3 whole numbers, found 4"),
+        for change, words in (({"halo": 3}, "halo_box"), ({"halo": 2.0}, "halo: expected a whole number from 0 to 2147483646, found 2.0"), ({"align": 5}, "multiples of 5"),
+                              ({"grid_hash": "x" * 32}, "grid_hash"), ({"cells": written["cells"] + [1]}, "cells: expected an array of 3, found an array of 4"),
                               ({"parts": written["parts"][:2] + [{**part, "halo_box": part["box"]}] + written["parts"][3:]}, "rank 2.*halo_box")):
             (folder / "wrong.json").write_text(json.dumps({**written, **change}))
             with self.assertRaisesRegex(teracell.FormatError, words):

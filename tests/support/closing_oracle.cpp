@@ -268,13 +268,13 @@ void add_ends(std::set<Vec3>& ends, const Chain& boundary) {
   for (const auto& [edge, k] : boundary) ends.insert({edge.first, edge.second});
 }
 
-ClosedSurface closed_by_shell(const std::vector<mesher::Facet>& facets, mesher::Fill fill, double tau, bool float32) {
-  const bool automatic = fill == mesher::Fill::kAuto, by_parity = fill == mesher::Fill::kEvenodd || fill == mesher::Fill::kDistinct;
+ClosedSurface closed_by_shell(const std::vector<mesher::Facet>& facets, Fill fill, double tau, bool float32) {
+  const bool automatic = fill == Fill::kAuto, by_parity = fill == Fill::kEvenodd || fill == Fill::kDistinct;
   std::vector<Shell> open;
   std::set<Vec3> ends;
   ClosedSurface out;
   for (const std::vector<mesher::Facet>& one : shells_of(facets)) {
-    Shell shell = shell_of(one, fill == mesher::Fill::kDistinct || (automatic && mostly_cancels(one)));
+    Shell shell = shell_of(one, fill == Fill::kDistinct || (automatic && mostly_cancels(one)));
     if (automatic ? shell.closed() : by_parity ? shell.parity.empty() : shell.winding.empty()) {
       const bool parity = automatic ? shell.distinct || !shell.winding.empty() : by_parity;
       add_closed(out, {&shell}, parity ? By::kParity : By::kWinding, Needle({}, 0), float32);
@@ -316,7 +316,7 @@ ClosedSurface closed_by_shell(const std::vector<mesher::Facet>& facets, mesher::
 
 }  // namespace
 
-ClosedSurface closed(const std::vector<mesher::Facet>& facets, mesher::Fill fill, double tau, bool float32) {
+ClosedSurface closed(const std::vector<mesher::Facet>& facets, Fill fill, double tau, bool float32) {
   ClosedSurface out = closed_by_shell(facets, fill, tau, float32);
   size_t boundary = 0;
   for (const JoinedShell& s : out.shells) boundary += s.boundary;

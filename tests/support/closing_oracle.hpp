@@ -27,7 +27,7 @@ struct ClosedSurface {
 
 // Closes the facets of a body, in the coordinates of its file. `tau` is the stitch length there: 0 for no stitches.
 // Throws std::length_error where the rules forbid so many stitches.
-ClosedSurface closed(const std::vector<mesher::Facet>& facets, mesher::Fill fill, double tau, bool float32);
+ClosedSurface closed(const std::vector<mesher::Facet>& facets, Fill fill, double tau, bool float32);
 
 // The stitch length in the file's coordinates, for one in the grid's.
 double stitch_in_file(double stitch, const mesher::Matrix& matrix);

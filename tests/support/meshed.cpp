@@ -45,8 +45,8 @@ mesher::Scene scene_of(const TempFolder& folder, const std::vector<oracle::Body>
     body.mesh_text = name + ".obj";
     body.material = bodies[i].material;
     body.priority = bodies[i].priority;
-    body.fill = bodies[i].rule == oracle::Rule::kEvenodd ? mesher::Fill::kEvenodd : mesher::Fill::kNonzero;
-    if (bodies[i].sheet) body.kind = mesher::Kind::kSheet, body.fill = mesher::Fill::kAuto;
+    body.fill = bodies[i].rule == oracle::Rule::kEvenodd ? Fill::kEvenodd : Fill::kNonzero;
+    if (bodies[i].sheet) body.kind = mesher::Kind::kSheet, body.fill = Fill::kAuto;
     scene.bodies.push_back(body);
   }
   return scene;

@@ -33,8 +33,8 @@ void begin_program() {
 }
 
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
-  const std::string_view near = mesher::nearest(word, {names.begin(), names.end()});
-  return mesher::resembles(word, near) ? fmt::format("; did you mean {}?", near) : ".";
+  const std::string_view near = nearest(word, std::vector<std::string_view>(names.begin(), names.end()));
+  return resembles(word, near) ? fmt::format("; did you mean {}?", near) : ".";
 }
 
 void refuse_unknown_options(const CLI::App& app, const std::vector<std::string>& words) {

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "store/base/error.hpp"
+#include "store/format/report_json.hpp"
 #include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
@@ -21,7 +22,7 @@ Report full_report() {
   solid.fill = {{Fill::kNonzero, 2, "facets are oriented alike"}, {Fill::kDistinct, 1, "asked for"}};
   solid.stitch = 0.25;
   solid.seams = {2, 3.5, 1e-6, 4};
-  solid.holes = {{{1, 2, 3}, 9, 1.5, 0.5, 2.25, 15, 5, true}, {{0, 0, 0.1}, 3, 1, 1, 1, 10, 10, false}};
+  solid.holes = {{{1, 2, 3}, 9, 1.5, 2.25, 15, true, 0.5, 0.25, 5, 2, {{0, 1, 2, 3, 4, 5}}}, {{0, 0, 0.1}, 3, 1, 1, 10}};
   solid.flips = {{{4, 5, 6}, 7}};
   solid.cells = (static_cast<unsigned __int128>(1) << 100) + 1;
   solid.covered = static_cast<unsigned __int128>(1) << 70;
@@ -105,7 +106,7 @@ TEST_CASE("Reports of earlier versions are read: keys that they lack keep their 
   REQUIRE(report.bodies.size() == 1);
   CHECK(report.bodies[0].cells == 8);
   CHECK(report.bodies[0].seams.number == 0);
-  CHECK(report.bodies[0].holes[0].width == 0);
+  CHECK_FALSE(report.bodies[0].holes[0].width);
   CHECK_FALSE(report.bodies[0].lost);
   CHECK_FALSE(report.lost_gaps);
   CHECK_FALSE(report.overlaps);

@@ -42,7 +42,7 @@ TEST_CASE("Brackets in strings, behind escaped quotes too, are no levels") {
 }
 
 TEST_CASE("What is no JSON is an error that says where") {
-  CHECK_THROWS_WITH(parse_json("{\"a\": nan}", "metadata"), "metadata: expected JSON, found something else at byte 8");
+  CHECK_THROWS_WITH(parse_json("{\"a\": nan}", "metadata"), Catch::StartsWith("metadata: line 1, column 8: syntax error"));
   for (const char* text : {"", "[", "]", "[}", "{} {}", "{\"a\": ", "{\"a\"}", "\"", "\"\\", "[1] 2"})
     CHECK_THROWS_AS(parse_json(text, "text"), FormatError);
 }
@@ -54,10 +54,22 @@ TEST_CASE("JSON for others is ASCII on one line, and reads back, whatever bytes 
   CHECK(parse_json(text, "text")["name"] == "\xc3\xbc\n\"\xef\xbf\xbd");
 }
 
-TEST_CASE("What is no UTF-8 in a text is replaced, the rest stays") {
-  CHECK(utf8_of("plain \xc3\xbc \x01") == "plain \xc3\xbc \x01");
-  CHECK(utf8_of("\xff\xfe!") == "\xef\xbf\xbd\xef\xbf\xbd!");
-  CHECK(utf8_of("") == "");
+TEST_CASE("A key that is given twice is refused with its place") {
+  CHECK_THROWS_WITH(parse_json(R"({"a": [1, {"b c": {"d": 1, "d": 2}}]})", "g"), "g: a[1][\"b c\"].d: this key is given twice: keep one of them");
+  CHECK_THROWS_WITH(parse_json(R"({"d": 1, "d": 2})", ""), "d: this key is given twice: keep one of them");
+}
+
+TEST_CASE("A document read part by part hands out the elements of its lists, keeps the rest, and skips what nobody wants") {
+  std::string parts;
+  const JsonParts taking{[&](const std::string& list, size_t i, const Json& element) { parts += fmt::format("{}[{}]={} ", list, i, element.dump()); },
+                         "s"};
+  const std::string text = R"({"a": [1, {"b": [2, {"s": 3}]}, []], "s": [4, {"a": [5]}], "c": {"d": [6]}, "e": [], "f": [7], "g": 8})";
+  CHECK(parse_json(text, "text", 5 + 3, taking).dump() == R"({"a":[],"c":{"d":[6]},"e":[],"f":[],"g":8})");
+  CHECK(parts == R"(a[0]=1 a[1]={"b":[2,{"s":3}]} a[2]=[] f[0]=7 )");
+  CHECK_THROWS_WITH(parse_json(R"({"a": [1, 2, {"b": 1, "b": 2}]})", "", 8, taking), Catch::StartsWith("a[2].b: "));
+  CHECK_THROWS_WITH(parse_json(R"({"a": [[1, 2, 3]]})", "", 4, taking), Catch::Contains("at most 4 values"));
+  CHECK_THROWS_WITH(parse_json(R"({"s": )" + nested(64) + "}", "", 4, taking), Catch::Contains("at most 64 levels"));
+  for (const char* other : {"[[1], [2]]", "3", R"("s")"}) CHECK(parse_json(other, "", 5, taking).dump() == Json::parse(other).dump());
 }
 
 }  // namespace teracell

@@ -6,6 +6,13 @@
 namespace teracell {
 namespace {
 
+TEST_CASE("What is no UTF-8 in a text is replaced, the rest stays") {
+  CHECK(utf8_of("plain \xc3\xbc \x01") == "plain \xc3\xbc \x01");
+  CHECK(utf8_of("\xff\xfe!") == "\xef\xbf\xbd\xef\xbf\xbd!");
+  CHECK(utf8_of("\xe2\x82|\xc3\xa4\xe2\x82") == "\xef\xbf\xbd|\xc3\xa4\xef\xbf\xbd");
+  CHECK(utf8_of("") == "");
+}
+
 TEST_CASE("Printable text stays as it is, whatever its script") {
   for (const char* text : {"", "a name.stl", "µm, déck, 鋼, 🏟", "~ !"}) REQUIRE(printable(text) == text);
 }

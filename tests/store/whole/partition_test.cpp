@@ -189,13 +189,17 @@ TEST_CASE("A file that is no partition, or whose boxes do not cover the grid, is
   CHECK_THROWS_AS(parse_partition(changed("\"rank\":1", "\"rank\":2")), InputError);
   CHECK_THROWS_AS(parse_partition(changed("\"blocks\"", "\"heaps\"")), InputError);
   // Numbers that are not whole, boxes with another halo than the file says, and cuts at other places.
-  CHECK_THROWS_WITH(parse_partition(changed("\"ranks\":5", "\"ranks\":5.5")), Catch::Contains("ranks: expected a whole number, found 5.5"));
-  CHECK_THROWS_WITH(parse_partition(changed("\"rank\":1", "\"rank\":true")), Catch::Contains("rank: expected a whole number, found boolean"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"ranks\":5", "\"ranks\":5.5")),
+                    Catch::Contains("ranks: expected a whole number from 0 to 9223372036854775807, found 5.5"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"rank\":1", "\"rank\":true")),
+                    Catch::Contains("parts[1].rank: expected a whole number") && Catch::EndsWith("found true"));
   CHECK_THROWS_WITH(parse_partition(changed("\"halo\":1", "\"halo\":18446744073709551615")), Catch::Contains("whole number"));
-  CHECK_THROWS_WITH(parse_partition(changed("\"box\":[0,", "\"box\":[0.25,")), Catch::Contains("box: expected a whole number, found 0.25"));
-  CHECK_THROWS_WITH(parse_partition(changed("\"cells\":[", "\"cells\":[1,")), Catch::Contains("cells: expected 3 whole numbers, found 4"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"box\":[0,", "\"box\":[0.25,")),
+                    Catch::Contains("parts[0].box[0]: expected a whole number") && Catch::EndsWith("found 0.25"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"cells\":[", "\"cells\":[1,")), Catch::Contains("cells: expected an array of 3, found an array of 4"));
   CHECK_THROWS_WITH(parse_partition(changed("\"halo\":1", "\"halo\":2")), Catch::Contains("halo_box"));
-  CHECK_THROWS_WITH(parse_partition(changed("\"halo\":1", "\"halo\":-1")), Catch::Contains("halo: expected 0"));
+  CHECK_THROWS_WITH(parse_partition(changed("\"halo\":1", "\"halo\":-1")),
+                    Catch::Contains("halo: expected a whole number from 0 to 2147483646, found -1"));
   CHECK_THROWS_WITH(parse_partition(changed("\"align\":1", "\"align\":7")), Catch::Contains("multiples of 7 cells"));
   CHECK_THROWS_WITH(parse_partition(changed("\"grid_hash\":\"", "\"grid_hash\":\"0")), Catch::Contains("32 hexadecimal digits"));
   CHECK_THROWS_WITH(parse_partition(changed("\"total\":", "\"total\":-")), Catch::Contains("total: expected a number of at least 0"));

@@ -8,9 +8,9 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "mesher/report/report_json.hpp"
 #include "store/base/error.hpp"
 #include "store/channels/fractions.hpp"
+#include "store/format/report_json.hpp"
 #include "store/grid/number_text.hpp"
 #include "store/text/text.hpp"
 #include "store/whole/info.hpp"
@@ -31,14 +31,14 @@ void row(const std::string& name, const std::string& text) { say(fmt::format("{:
 void detail(const std::string& name, const std::string& text) { row("", fmt::format("  {:<12}{}", name, text)); }
 
 // The largest holes of a body.
-void print_holes(const std::vector<mesher::HoleReport>& holes, const std::string& units) {
+void print_holes(const std::vector<HoleReport>& holes, const std::string& units) {
   constexpr size_t kShown = 5;
-  std::vector<mesher::HoleReport> sorted = holes;
-  std::ranges::stable_sort(sorted, std::ranges::greater{}, &mesher::HoleReport::diameter);
+  std::vector<HoleReport> sorted = holes;
+  std::ranges::stable_sort(sorted, std::ranges::greater{}, &HoleReport::diameter);
   std::string title = "holes";
   for (size_t i = 0; i < std::min(sorted.size(), kShown); ++i) {
-    const mesher::HoleReport& h = sorted[i];
-    const auto gap = h.width > 0 ? fmt::format("gap {} {} ({} cells), ", number_text(h.width, 4), units, number_text(h.width_cells, 3)) : "";
+    const HoleReport& h = sorted[i];
+    const auto gap = h.width > 0.0 ? fmt::format("gap {} {} ({} cells), ", number_text(*h.width, 4), units, number_text(h.width_cells, 3)) : "";
     detail(std::exchange(title, ""),
            fmt::format("{} {} across ({} cells), {}at {}, {}, {} {} {}²", number_text(h.diameter, 4), units, number_text(h.diameter_cells, 3), gap,
                        place_text(h.at), plural(h.edges, "edge"), h.extruded ? "extruded, floor of" : "cap of", number_text(h.cap_area, 4), units));
@@ -47,8 +47,8 @@ void print_holes(const std::vector<mesher::HoleReport>& holes, const std::string
     detail("", fmt::format("and {} more, none wider than {} {}", sorted.size() - kShown, number_text(sorted[kShown].diameter, 4), units));
 }
 
-void print_seams(const mesher::BodyReport& body, const std::string& units) {
-  const mesher::Seams& seams = body.seams;
+void print_seams(const BodyReport& body, const std::string& units) {
+  const Seams& seams = body.seams;
   if (seams.number == 0 && seams.collapsed == 0) return;
   detail("seams", fmt::format("{} stitched, {} {} in all{}, over gaps of up to {} {} (stitch length {} {})", plural(seams.number, "seam"),
                               number_text(seams.length, 4), units,
@@ -56,7 +56,7 @@ void print_seams(const mesher::BodyReport& body, const std::string& units) {
                               number_text(seams.widest_gap, 3), units, number_text(body.stitch, 3), units));
 }
 
-void print_flips(const std::vector<mesher::Flip>& flips) {
+void print_flips(const std::vector<Flip>& flips) {
   constexpr size_t kShown = 3;
   std::string title = "flips";
   for (size_t i = 0; i < std::min(flips.size(), kShown); ++i)
@@ -65,24 +65,23 @@ void print_flips(const std::vector<mesher::Flip>& flips) {
   if (flips.size() > kShown) detail("", fmt::format("and along {}", plural(flips.size() - kShown, "more curve")));
 }
 
-void print_rules(const std::vector<mesher::FillChoice>& fill) {
+void print_rules(const std::vector<FillChoice>& fill) {
   std::string title = "inside";
-  for (const mesher::FillChoice& f : fill) {
-    const char* where = f.rule == mesher::Fill::kEvenodd ? "a ray out passes the surface an odd number of times"
-                        : f.rule == mesher::Fill::kDistinct
-                            ? "a ray out passes an odd number of places, each counted once however many facets lie there"
-                            : "the surface winds around";
+  for (const FillChoice& f : fill) {
+    const char* where = f.rule == Fill::kEvenodd    ? "a ray out passes the surface an odd number of times"
+                        : f.rule == Fill::kDistinct ? "a ray out passes an odd number of places, each counted once however many facets lie there"
+                                                    : "the surface winds around";
     detail(std::exchange(title, ""), fmt::format("of {}: where {} ({}: {})", plural(f.shells.value_or(0), "shell"), where, fill_name(f.rule), f.why));
   }
 }
 
 // "12, the widest 0.0312 mm at (...)"
-std::string lost_text(const mesher::LostReport& lost, const std::string& units) {
+std::string lost_text(const LostReport& lost, const std::string& units) {
   return fmt::format("{}, the widest {} {} at {}", lost.number, number_text(lost.widest, 4), units, place_text(lost.at.value_or(Vec3{})));
 }
 
 // Prints which parts of a body lie between sample points. Files of version 1.0 may say nothing about that.
-void print_lost(const mesher::BodyReport& b, const std::string& units) {
+void print_lost(const BodyReport& b, const std::string& units) {
   std::string title = "thin parts";
   if (b.lost_pairs > 0)
     detail(std::exchange(title, ""),
@@ -90,15 +89,15 @@ void print_lost(const mesher::BodyReport& b, const std::string& units) {
                        plural(b.lost_pairs, "place"), place_text(b.first_lost_pair.value_or(Vec3{}))));
   if (!b.lost) return;
   for (int axis = 0; axis < 3; ++axis)
-    if (const mesher::LostReport& lost = (*b.lost)[axis]; lost.number > 0)
+    if (const LostReport& lost = (*b.lost)[axis]; lost.number > 0)
       detail(std::exchange(title, ""), fmt::format("stretches between two sample points along {}: {}", axis_name(axis), lost_text(lost, units)));
 }
 
 // Prints a body in one line, and below it whatever is not as it should be.
-void print_body(const std::string& title, const mesher::BodyReport& b, const std::string& units) {
+void print_body(const std::string& title, const BodyReport& b, const std::string& units) {
   std::vector<std::string_view> rules;
-  for (const mesher::FillChoice& f : b.fill) rules.push_back(fill_name(f.rule));
-  const bool parity = std::ranges::any_of(b.fill, [](const mesher::FillChoice& f) { return f.rule != mesher::Fill::kNonzero; });
+  for (const FillChoice& f : b.fill) rules.push_back(fill_name(f.rule));
+  const bool parity = std::ranges::any_of(b.fill, [](const FillChoice& f) { return f.rule != Fill::kNonzero; });
   row(title, fmt::format("{}: {} in {}, {}, {} cell{}", b.name, plural(b.facets, "facet"), plural(b.counts.shells, "shell"),
                          b.sheet ? "sheet" : fmt::format("{}", fmt::join(rules, " and ")), b.cells, b.cells == 1 ? "" : "s"));
   if (parity || !b.holes.empty() || !b.flips.empty()) print_rules(b.fill);
@@ -114,13 +113,13 @@ void print_body(const std::string& title, const mesher::BodyReport& b, const std
     detail("degenerate", fmt::format("{} without area: they change nothing, as no ray crosses them", plural(b.counts.degenerate, "facet")));
 }
 
-void print_report(const mesher::Report& report, const std::string& units) {
+void print_report(const Report& report, const std::string& units) {
   std::string title = "bodies";
-  for (const mesher::BodyReport& b : report.bodies) print_body(std::exchange(title, ""), b, units);
+  for (const BodyReport& b : report.bodies) print_body(std::exchange(title, ""), b, units);
   if (const std::string overlaps = overlaps_text(report); !overlaps.empty()) row("overlaps", overlaps);
   title = "gaps";
   if (report.lost_gaps)
-    for (const mesher::GapReport& gap : *report.lost_gaps)
+    for (const GapReport& gap : *report.lost_gaps)
       row(std::exchange(title, ""),
           fmt::format("of {} between two sample points along {}: {}", gap.material, axis_name(gap.axis), lost_text(gap.lost, units)));
   if (report.bodies_left_out > 0) row("", fmt::format("and {} more bodies, too many for the report", report.bodies_left_out));
@@ -190,7 +189,7 @@ void print(const GridReader& reader) {
   print_channels(meta);
   const std::string report = reader.report();
   try {
-    print_report(mesher::parse_report(report), meta.units);
+    print_report(parse_report(report), meta.units);
   } catch (const FormatError&) {
     row("report", "is not laid out as this program lays it out");
   }

@@ -16,7 +16,7 @@
 namespace teracell::cli {
 namespace {
 
-const std::vector<std::string> kFills(mesher::kFillNames.begin(), mesher::kFillNames.end());
+const std::vector<std::string> kFills(kFillNames.begin(), kFillNames.end());
 
 // What this process may take: the machine's, or less where a batch system or a container limits its control group or one above it.
 uint64_t machine_memory() {
@@ -128,7 +128,7 @@ mesher::Scene scene_from(const MeshArguments& o) {
         fmt::format("{}: expected a scene with solids, found sheets only, which are not filled, closed or stitched: leave it out", for_solids));
   for (mesher::SceneBody& body : scene.bodies) {
     if (body.kind == mesher::Kind::kSheet) continue;
-    if (!o.fill.empty()) body.fill = static_cast<mesher::Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
+    if (!o.fill.empty()) body.fill = static_cast<Fill>(std::ranges::find(kFills, o.fill) - kFills.begin());
     if (!o.closing.empty()) body.closing = *closing;
     if (o.stitch) body.stitch = o.stitch;
   }

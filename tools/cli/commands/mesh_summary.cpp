@@ -27,9 +27,9 @@ std::string longest_text(const mesher::Scene& scene, const Index3& n) {
 
 }  // namespace
 
-std::string overlaps_text(const mesher::Report& report) {
+std::string overlaps_text(const Report& report) {
   if (!report.overlaps || report.overlaps->list.empty()) return "";
-  const mesher::OverlapReport& most = report.overlaps->list[0];
+  const OverlapReport& most = report.overlaps->list[0];
   const uint64_t more = report.overlaps->pairs - 1;
   return fmt::format("{} and {} have {} cell{} in common, {}{}", most.bodies[0], most.bodies[1], most.cells, most.cells == 1 ? "" : "s",
                      most.owner ? "owned by " + *most.owner : "some of them owned by a third body",

@@ -6,7 +6,7 @@
 namespace teracell::cli {
 
 // In one line, without a line feed; empty when there are none.
-std::string overlaps_text(const mesher::Report& report);
+std::string overlaps_text(const Report& report);
 void say_grid(const std::string& output, const mesher::MeshReport& report);  // in short, with warnings
 void say_part(const std::string& part, const mesher::MeshReport& report);
 // Writes the whole report. Throws IoError that says that `output` is complete.

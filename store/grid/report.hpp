@@ -1,28 +1,62 @@
-// What meshing found, for people and programs. report_json writes it and reads it back; REPORT.md documents its keys.
+// What the mesher found, for people and programs: the report in a grid's file. report_json writes it and reads it back;
+// mesher/REPORT.md documents its keys.
 #pragma once
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "mesher/closing/closing.hpp"
-#include "mesher/closing/surface_counts.hpp"
+#include "store/grid/grid.hpp"
 
-namespace teracell::mesher {
+namespace teracell::inline store {
+
+// How the inside of a shell is decided. kEvenodd and kDistinct count crossings (kDistinct only those of distinct facets),
+// kNonzero adds up windings, and kAuto is not decided yet.
+enum class Fill { kAuto, kNonzero, kEvenodd, kDistinct };
+inline constexpr std::array<std::string_view, 4> kFillNames = {"auto", "nonzero", "evenodd", "distinct"};  // in the order of Fill
+constexpr std::string_view fill_name(Fill fill) { return kFillNames[static_cast<size_t>(fill)]; }
+
+// A fill rule and the shells of a body that have it.
+struct FillChoice {
+  Fill rule;
+  std::optional<uint64_t> shells;  // absent: all shells
+  std::string why;                 // a text for people
+};
+
+struct SurfaceCounts {
+  uint64_t degenerate = 0, duplicates = 0, opposite = 0, shells = 0;  // mesher/closing/surface_counts.hpp says of what
+};
+
+// The curves along which stitches joined boundary edges.
+struct Seams {
+  uint64_t number = 0;
+  double length = 0;       // of all
+  double widest_gap = 0;   // the largest distance between what was joined
+  uint64_t collapsed = 0;  // open edges whose two ends were joined to one point
+};
+
+// A curve along which facets of a shell face the opposite way from their neighbours: its edges run the same way in both.
+struct Flip {
+  Vec3 at;  // the first vertex of the first of its edges, as the grid sees it
+  uint64_t edges;
+};
 
 // An open end of a surface, as the grid sees it.
 struct HoleReport {
   Vec3 at{};
   uint64_t edges = 0;
-  double diameter = 0, width = 0, cap_area = 0;          // in the grid's units; what they measure: caps.hpp
-  double diameter_cells = 0, width_cells = 0;            // in cells, where they are narrowest near `at`
-  Vec3 lo{}, hi{};                                       // the box of its vertices
-  double off_plane = 0, off_plane_cells = 0;             // as in caps.hpp, and in cells
+  double diameter = 0, cap_area = 0;  // in the grid's units; what all of these measure: mesher/closing/caps.hpp
+  double diameter_cells = 0;          // in cells, where they are narrowest near `at`
   bool extruded = false;
+  // Reports of earlier versions lack these.
+  std::optional<double> width, off_plane;
+  double width_cells = 0, off_plane_cells = 0;
+  std::optional<std::array<double, 6>> box;  // of its vertices: the lower corner, the upper corner
 };
 
-// What lies between sample points along one axis, and so belongs to no cell (tally.hpp).
+// What lies between sample points along one axis, and so belongs to no cell (mesher/thin/tally.hpp).
 struct LostReport {
   uint64_t number = 0;
   uint32_t widest_65536ths = 0;  // of the distance between the two sample points
@@ -89,4 +123,4 @@ struct Report {
   std::optional<OverlapsReport> overlaps;           // reports of earlier versions have none
 };
 
-}  // namespace teracell::mesher
+}  // namespace teracell::inline store
