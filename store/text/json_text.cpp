@@ -147,6 +147,4 @@ std::string json_path(const std::string& parent, std::string_view key) {
 
 std::string ascii_json(const Json& j) { return j.dump(-1, ' ', true, Json::error_handler_t::replace); }
 
-std::string utf8_of(std::string_view text) { return parse_json(Json(text).dump(-1, ' ', false, Json::error_handler_t::replace), "text"); }
-
 }  // namespace teracell::store

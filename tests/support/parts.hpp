@@ -20,7 +20,7 @@ inline mesher::Scene scene_in_parts(const TempFolder& folder, int cells = 300) {
   auto open = shapes::torus({0, 0, 1}, 3, 1.5, 40, 30);
   open.pop_back();
   mesher::Scene scene = scene_of(folder, {{shapes::sphere({0, 0, 0}, 4, 3)}, {open, oracle::Rule::kNonzero, 2}}, grid);
-  scene.bodies[0].fill = mesher::Fill::kAuto;
+  scene.bodies[0].fill = Fill::kAuto;
   scene.bodies[1].matrix[3] = 0.25;
   return scene;
 }
