@@ -68,7 +68,7 @@ void Occupancy::read(const GridReader& reader, const Visible& visible, int threa
           const ChunkKey key{first_, cu, cv, segment};
           const uint32_t w0 = segment * shape.chunk_cells;
           const auto ray_words = [&](uint32_t u, uint32_t v) {
-            return &bits.words[(size_t{cv * shape.chunk_rays + v} * bits.nu + cu * shape.chunk_rays + u) * bits.per_ray];
+            return &bits.words[((size_t{cv} * shape.chunk_rays + v) * bits.nu + size_t{cu} * shape.chunk_rays + u) * bits.per_ray];
           };
           if (const auto set = reader.uniform(key)) {
             if (visible.of(*set) == 0) continue;

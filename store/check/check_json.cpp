@@ -12,24 +12,13 @@ namespace teracell::inline store {
 namespace {
 
 // Counts above 2^53 lose digits in most JSON readers, so they come as text, too.
-void write_count(JsonWriter& out, const char* key, CellCount count) {
-  if (count <= ~uint64_t{0}) out.field(key, static_cast<uint64_t>(count));
-  else out.field(key, static_cast<double>(count));
-  if (count >> 53 != 0) out.field(std::string(key) + "_text", fmt::format("{}", count));
-}
-
-void write_place(JsonWriter& out, const std::optional<Vec3>& at) {
-  if (at) out.field("at", std::span<const double>(*at));
-  else out.field("at", nullptr);
-}
-
 void write_finding(JsonWriter& out, const Finding& f) {
   out.begin_object().field("kind", kFindingKinds[static_cast<size_t>(f.kind)]).field("level", kFindingLevels[static_cast<size_t>(f.level)]);
   out.key("bodies").begin_array();
   for (const std::string& body : f.bodies) out.value(body);
   out.end_array();
-  write_count(out, "cells", f.cells);
-  write_place(out, f.at);
+  out.count("cells", f.cells);
+  out.field("at", f.at);
   if (f.box) {
     out.key("box").begin_array();
     for (const Index3& corner : {f.box->lo, f.box->hi})
@@ -43,7 +32,7 @@ void write_wall(JsonWriter& out, const WallReport& wall) {
   out.begin_object().field("body", wall.body);
   if (wall.thinnest) out.field("thinnest_cells", *wall.thinnest);
   else out.field("thinnest_cells", nullptr);
-  write_place(out, wall.at);
+  out.field("at", wall.at);
   out.key("histogram").begin_array();
   for (const CellCount count : wall.histogram)
     if (count <= ~uint64_t{0}) out.value(static_cast<uint64_t>(count));
@@ -95,7 +84,7 @@ std::string findings_json(const Findings& findings) {
   for (size_t kind = 0; kind < kFindingKindCount; ++kind) {
     if (findings.totals[kind].findings == 0) continue;
     out.key(kFindingKinds[kind]).begin_object().field("findings", findings.totals[kind].findings);
-    write_count(out, "cells", findings.totals[kind].cells);
+    out.count("cells", findings.totals[kind].cells);
     out.end_object();
   }
   out.end_object().key("walls").begin_array();

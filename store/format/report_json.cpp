@@ -19,16 +19,6 @@ constexpr size_t kBytesOfABody = 620;  // in all lists, when there is nothing sp
 
 // ---- writing
 
-void write_place(JsonWriter& out, const std::optional<Vec3>& at) {
-  if (at) out.field("at", *at);
-  else out.field("at", nullptr);
-}
-
-void write_count(JsonWriter& out, const std::string& key, unsigned __int128 n) {
-  out.key(key).raw(fmt::format("{}", n));
-  if (n >> 53 != 0) out.field(key + "_text", fmt::format("{}", n));
-}
-
 void write_hole(JsonWriter& out, const HoleReport& h) {
   out.begin_object().field("at", h.at).field("edges", h.edges);
   out.field("diameter", h.diameter).field("diameter_cells", h.diameter_cells);
@@ -42,7 +32,7 @@ void write_hole(JsonWriter& out, const HoleReport& h) {
 
 void write_lost(JsonWriter& out, const LostReport& lost) {
   out.field("number", lost.number).field("widest_65536ths", lost.widest_65536ths).field("widest", lost.widest);
-  write_place(out, lost.at);
+  out.field("at", lost.at);
 }
 
 // `room`: how many holes and flips may still be listed.
@@ -70,11 +60,11 @@ void write_body(JsonWriter& out, const BodyReport& body, size_t& room) {
   };
   list("holes", body.holes, [&](const HoleReport& h) { write_hole(out, h); });
   list("flips", body.flips, [&](const Flip& f) { out.begin_object().field("at", f.at).field("edges", f.edges).end_object(); });
-  write_count(out, "cells", body.cells);
-  if (body.covered != 0) write_count(out, "covered_cells", body.covered);
+  out.count("cells", body.cells);
+  if (body.covered != 0) out.count("covered_cells", body.covered);
   if (body.sheet) out.field("kind", "sheet");
   out.key("lost_stretches").begin_object().field("axis", axis_name(body.lost_axis)).field("number", body.lost_pairs);
-  write_place(out, body.first_lost_pair);
+  out.field("at", body.first_lost_pair);
   out.end_object();
   if (body.lost) {
     out.key("lost").begin_object();
@@ -100,7 +90,7 @@ std::string gaps_json(const std::vector<GapReport>& gaps) {
 
 void write_overlap(JsonWriter& out, const OverlapReport& o) {
   out.begin_object().key("bodies").begin_array().value(o.bodies[0]).value(o.bodies[1]).end_array();
-  write_count(out, "cells", o.cells);
+  out.count("cells", o.cells);
   if (o.owner) out.field("owner", *o.owner);
   else out.field("owner", nullptr);
   out.key("box").begin_array();

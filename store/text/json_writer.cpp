@@ -1,5 +1,7 @@
 #include "store/text/json_writer.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -57,6 +59,12 @@ JsonWriter& JsonWriter::value(std::span<const int64_t> numbers) {
   begin_array();
   for (const int64_t n : numbers) value(n);
   return end_array();
+}
+
+JsonWriter& JsonWriter::count(std::string_view name, unsigned __int128 n) {
+  const std::string digits = fmt::format("{}", n);
+  key(name).raw(digits);
+  return n >> 53 == 0 ? *this : field(std::string(name) + "_text", digits);
 }
 
 }  // namespace teracell::store

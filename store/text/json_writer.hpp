@@ -5,6 +5,7 @@
 #include <concepts>
 #include <cstdint>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -40,6 +41,12 @@ class JsonWriter {
     key(name);
     return value(what);
   }
+  template <class T>
+  JsonWriter& field(std::string_view name, const std::optional<T>& what) {
+    return what ? field(name, *what) : field(name, nullptr);
+  }
+  // All digits of a count of cells; from 2^53 on, where others read it as a double, also as the text NAME_text.
+  JsonWriter& count(std::string_view name, unsigned __int128 n);
   // Appends a value that is JSON already.
   JsonWriter& raw(std::string_view json);
 

@@ -13,12 +13,6 @@ namespace teracell::inline store {
 namespace {
 
 // Counts above 2^53 lose digits in most JSON readers, so they come as text, too.
-void write_count(JsonWriter& out, const std::string& key, unsigned __int128 count) {
-  if (count <= ~uint64_t{0}) out.field(key, static_cast<uint64_t>(count));
-  else out.field(key, static_cast<double>(count));
-  if (count >> 53 != 0) out.field(key + "_text", whole_text(count));
-}
-
 // A list with an item for each of `all`, written by item(i).
 template <class T, class F>
 void write_all(JsonWriter& out, const char* key, const T& all, F&& item) {
@@ -60,7 +54,7 @@ void write_level(JsonWriter& out, const GridReader& reader, int level) {
 
 // The end of an object: cells, volume and box.
 void write_amount(JsonWriter& out, const CellStats& s) {
-  write_count(out, "cells", s.cells);
+  out.count("cells", s.cells);
   out.field("volume", s.volume).key("box");
   if (s.cells == 0) out.value(nullptr);
   else write_box(out, s.box);
@@ -142,12 +136,12 @@ std::string difference_json(const Difference& difference) {
   std::string text;
   JsonWriter out(text);
   out.begin_object().field("schema", 1);
-  write_count(out, "cells", difference.cells);
-  write_count(out, "same", difference.same);
+  out.count("cells", difference.cells);
+  out.count("same", difference.same);
   write_all(out, "changes", difference.changes, [&](size_t i) {
     const Change& change = difference.changes[i];
     out.begin_object().field("from", change.from).field("to", change.to);
-    write_count(out, "cells", change.cells);
+    out.count("cells", change.cells);
     out.key("box");
     write_box(out, change.box);
     out.end_object();
