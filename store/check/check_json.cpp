@@ -17,23 +17,14 @@ void write_finding(JsonWriter& out, const Finding& f) {
   out.key("bodies").begin_array();
   for (const std::string& body : f.bodies) out.value(body);
   out.end_array();
-  out.count("cells", f.cells);
-  out.field("at", f.at);
-  if (f.box) {
-    out.key("box").begin_array();
-    for (const Index3& corner : {f.box->lo, f.box->hi})
-      for (const int64_t n : corner) out.value(n);
-    out.end_array();
-  } else out.field("box", nullptr);
+  out.count("cells", f.cells).field("at", f.at);
+  if (f.box) out.field("box", f.box->corners());
+  else out.field("box", nullptr);
   out.field("text", f.text).end_object();
 }
 
 void write_wall(JsonWriter& out, const WallReport& wall) {
-  out.begin_object().field("body", wall.body);
-  if (wall.thinnest) out.field("thinnest_cells", *wall.thinnest);
-  else out.field("thinnest_cells", nullptr);
-  out.field("at", wall.at);
-  out.key("histogram").begin_array();
+  out.begin_object().field("body", wall.body).field("thinnest_cells", wall.thinnest).field("at", wall.at).key("histogram").begin_array();
   for (const CellCount count : wall.histogram)
     if (count <= ~uint64_t{0}) out.value(static_cast<uint64_t>(count));
     else out.value(static_cast<double>(count));

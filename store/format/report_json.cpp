@@ -90,13 +90,7 @@ std::string gaps_json(const std::vector<GapReport>& gaps) {
 
 void write_overlap(JsonWriter& out, const OverlapReport& o) {
   out.begin_object().key("bodies").begin_array().value(o.bodies[0]).value(o.bodies[1]).end_array();
-  out.count("cells", o.cells);
-  if (o.owner) out.field("owner", *o.owner);
-  else out.field("owner", nullptr);
-  out.key("box").begin_array();
-  for (const Index3& corner : {o.box.lo, o.box.hi})
-    for (const int64_t n : corner) out.value(n);
-  out.end_array().field("at", o.at).end_object();
+  out.count("cells", o.cells).field("owner", o.owner).field("box", o.box.corners()).field("at", o.at).end_object();
 }
 
 // ---- reading

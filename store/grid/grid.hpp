@@ -24,6 +24,7 @@ struct Box {
   Index3 lo{0, 0, 0};
   Index3 hi{0, 0, 0};
   bool empty() const { return lo[0] >= hi[0] || lo[1] >= hi[1] || lo[2] >= hi[2]; }
+  std::array<int64_t, 6> corners() const { return {lo[0], lo[1], lo[2], hi[0], hi[1], hi[2]}; }  // as JSON has them
   friend bool operator==(const Box&, const Box&) = default;
 };
 

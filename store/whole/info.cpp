@@ -21,13 +21,6 @@ void write_all(JsonWriter& out, const char* key, const T& all, F&& item) {
   out.end_array();
 }
 
-void write_box(JsonWriter& out, const Box& box) {
-  out.begin_array();
-  for (const Index3& corner : {box.lo, box.hi})
-    for (const int64_t n : corner) out.value(n);
-  out.end_array();
-}
-
 void write_grid(JsonWriter& out, const Grid& grid) {
   out.begin_object();
   write_all(out, "min", grid.axis, [&](size_t d) { out.value(grid.axis[d].min()); });
@@ -54,16 +47,14 @@ void write_level(JsonWriter& out, const GridReader& reader, int level) {
 
 // The end of an object: cells, volume and box.
 void write_amount(JsonWriter& out, const CellStats& s) {
-  out.count("cells", s.cells);
-  out.field("volume", s.volume).key("box");
-  if (s.cells == 0) out.value(nullptr);
-  else write_box(out, s.box);
+  out.count("cells", s.cells).field("volume", s.volume);
+  if (s.cells == 0) out.field("box", nullptr);
+  else out.field("box", s.box.corners());
   out.end_object();
 }
 
 void begin_stats(JsonWriter& out, const Metadata& meta, const Box& region, const std::vector<CellStats>& stats) {
-  out.begin_object().field("schema", 1).key("region");
-  write_box(out, region);
+  out.begin_object().field("schema", 1).field("region", region.corners());
   write_all(out, "materials", stats, [&](size_t i) {
     out.begin_object().field("id", i).field("name", meta.materials[i].name);
     write_amount(out, stats[i]);
@@ -136,15 +127,11 @@ std::string difference_json(const Difference& difference) {
   std::string text;
   JsonWriter out(text);
   out.begin_object().field("schema", 1);
-  out.count("cells", difference.cells);
-  out.count("same", difference.same);
+  out.count("cells", difference.cells).count("same", difference.same);
   write_all(out, "changes", difference.changes, [&](size_t i) {
     const Change& change = difference.changes[i];
-    out.begin_object().field("from", change.from).field("to", change.to);
-    out.count("cells", change.cells);
-    out.key("box");
-    write_box(out, change.box);
-    out.end_object();
+    out.begin_object().field("from", change.from).field("to", change.to).count("cells", change.cells);
+    out.field("box", change.box.corners()).end_object();
   });
   out.end_object();
   return text;

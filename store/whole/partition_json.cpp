@@ -13,13 +13,6 @@ namespace {
 
 constexpr std::string_view kMethods[] = {"blocks", "slabs"};
 
-void write_box(JsonWriter& out, const char* key, const Box& box) {
-  out.key(key).begin_array();
-  for (const Index3& corner : {box.lo, box.hi})
-    for (const int64_t n : corner) out.value(n);
-  out.end_array();
-}
-
 double work_of(const JsonNode& work) {
   if (work.number() < 0) work.fail("a number of at least 0");
   return work.number();
@@ -85,18 +78,11 @@ std::string partition_json(const Partition& p) {
   out.begin_object().field("schema", 1).field("ranks", o.ranks).field("method", name_of(o.method));
   out.field("align", o.align).field("halo", o.halo).key("weights").begin_object();
   for (size_t i = 0; i < p.materials.size(); ++i) out.raw(ascii_json(p.materials[i]) + ":" + Json(o.weights[i]).dump());
-  out.end_object().key("cells").begin_array();
-  for (const int64_t n : p.cells) out.value(n);
-  out.end_array().field("grid_hash", p.grid_hash).field("total", p.total).key("parts").begin_array();
+  out.end_object().field("cells", p.cells).field("grid_hash", p.grid_hash).field("total", p.total).key("parts").begin_array();
   for (size_t rank = 0; rank < p.parts.size(); ++rank) {
     const Part& part = p.parts[rank];
-    out.begin_object().field("rank", rank);
-    write_box(out, "box", part.box);
-    out.field("weight", part.weight);
-    write_box(out, "halo_box", part.halo_box);
-    out.key("neighbours").begin_array();
-    for (const int64_t n : part.neighbours) out.value(n);
-    out.end_array().end_object();
+    out.begin_object().field("rank", rank).field("box", part.box.corners()).field("weight", part.weight);
+    out.field("halo_box", part.halo_box.corners()).field("neighbours", part.neighbours).end_object();
   }
   out.end_array().end_object();
   return text;
