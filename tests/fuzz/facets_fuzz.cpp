@@ -9,12 +9,13 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace teracell;
+  using namespace teracell::mesher;
   uint64_t seen = 0;
   try {
-    mesher::Input input("fuzz", {reinterpret_cast<const char*>(data), size});
-    const mesher::SurfaceFile file = read_facets(input, size % 4 == 3 ? "*a?" : "", [&](std::span<const mesher::Facet> facets) {
+    Input input("fuzz", {reinterpret_cast<const char*>(data), size});
+    const SurfaceFile file = read_facets(input, size % 4 == 3 ? "*a?" : "", [&](std::span<const Facet> facets) {
       seen += facets.size();
-      for (const mesher::Facet& facet : facets)
+      for (const Facet& facet : facets)
         for (const Vec3& v : facet.vertex)
           for (const double x : v)
             if (!is_coordinate(x) || (x == 0 && std::signbit(x))) std::abort();

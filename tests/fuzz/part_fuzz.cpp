@@ -13,7 +13,7 @@
 #include "tests/fuzz/read_file.hpp"
 #include "tests/support/forged_part.hpp"
 
-namespace teracell {
+namespace teracell::mesher {
 namespace {
 
 using namespace testing;
@@ -33,18 +33,18 @@ class Sound {
     std::filesystem::create_directory(folder_);
     std::ofstream(folder_ / "open.obj") << "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 5\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
     std::ofstream(folder_ / "leaf.obj") << "v 1 1 1\nv 8 1 1\nv 1 8 1.01\nv 1 1 1.01\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
-    const mesher::Scene scene = parse_scene(
+    const Scene scene = parse_scene(
         R"({"grid": {"min": [-1, -1, -1], "max": [12, 12, 7], "cells": [130, 130, 11]}, "materials": {"air": {}, "tin": {}, "wax": {}}, "background": "air",
             "bodies": [{"name": "open", "mesh": "open.obj", "material": "tin"}, {"name": "leaf", "mesh": "leaf.obj", "material": "wax", "thin": "keep"}]})",
         folder_);
-    mesher::MeshOptions options;
+    MeshOptions options;
     options.axis = 2;
     options.chunk_rays = 4;
     options.thin = options.links = true;
     options.fractions = Subdivision{2, 2, 4};
     options.threads = 1;
     for (uint32_t i = 0; i < 3; ++i) {
-      options.shard = mesher::Shard{i, 3};
+      options.shard = Shard{i, 3};
       mesh(scene, output(), options, kSilent, kGoOn);
       paths_.push_back(part_path(output(), *options.shard));
       sections_.push_back(take_apart(file_bytes(paths_.back())));
@@ -112,10 +112,11 @@ Bytes forged(uint8_t how, PartSections sections, std::span<const uint8_t> input)
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::mesher
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace teracell;
+  using namespace teracell::mesher;
   static const Sound sound;
   if (size == 0) return 0;
   const size_t number = data[0] % 4 % 3;

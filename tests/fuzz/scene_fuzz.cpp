@@ -9,9 +9,10 @@
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   using namespace teracell;
+  using namespace teracell::mesher;
   const std::string text(reinterpret_cast<const char*>(data), size);
   if (text.find("planes") != std::string::npos && text.find("file") != std::string::npos) return 0;  // reads no files
-  mesher::Scene scene;
+  Scene scene;
   try {
     scene = parse_scene(text, "/nonexistent");
   } catch (const Error&) {

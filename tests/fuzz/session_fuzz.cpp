@@ -15,7 +15,7 @@
 #include "server/http/connection.hpp"
 #include "tests/support/stored.hpp"
 
-namespace teracell {
+namespace teracell::server {
 namespace {
 
 using namespace testing;
@@ -23,7 +23,7 @@ using namespace testing;
 std::filesystem::path folder() { return std::filesystem::temp_directory_path() / ("session_fuzz." + std::to_string(getpid())); }
 
 // A grid with some of everything, and one with a column that comes in parts.
-server::ServiceOptions two_grids() {
+ServiceOptions two_grids() {
   std::filesystem::create_directories(folder());
   std::atexit([] { std::filesystem::remove_all(folder()); });
   std::mt19937_64 random(1);
@@ -35,28 +35,28 @@ server::ServiceOptions two_grids() {
   std::vector<Label> cells(900);
   for (size_t i = 0; i < cells.size(); ++i) cells[i] = i % 2;
   store_cells(folder() / "l.tcell", meta, cells);
-  server::ServiceOptions options;
+  ServiceOptions options;
   options.named = {folder()};
   options.cache_bytes = 1 << 20;
   options.max_pixels = 1000;
   return options;
 }
 
-server::ListenerOptions listener_options() {
-  server::ListenerOptions o;
+ListenerOptions listener_options() {
+  ListenerOptions o;
   o.allowed_origins = {"https://viewer.example"};
   o.base_path = "/b";
   return o;
 }
 
 struct Server {
-  server::Service service{two_grids()};
-  server::Metrics metrics;
-  server::AccessLog log{server::LogFormat::kNone, 2};
-  server::Shared shared{listener_options(), with_operations(handler_of(service), metrics, [] { return server::ServerState{}; }), metrics, log};
+  Service service{two_grids()};
+  Metrics metrics;
+  AccessLog log{LogFormat::kNone, 2};
+  Shared shared{listener_options(), with_operations(handler_of(service), metrics, [] { return ServerState{}; }), metrics, log};
   uint64_t answered() const {
     uint64_t n = 0;
-    for (const server::Metrics::Route& r : metrics.routes())
+    for (const Metrics::Route& r : metrics.routes())
       for (const auto& s : r.statuses) n += s;
     return n;
   }
@@ -159,8 +159,8 @@ std::string answers_to(std::string_view input) {
     while ((n = recv(ends[0], bytes, sizeof bytes, 0)) > 0) out.append(bytes, static_cast<size_t>(n));
   };
   {
-    mesher::Loop loop(server().shared);
-    server::Socket socket(loop.io, tcp::v4(), ends[1]);
+    Loop loop(server().shared);
+    Socket socket(loop.io, tcp::v4(), ends[1]);
     serve_connection(loop, std::move(socket), {server().shared.clients.at("client"), false, {}, {}});
     const auto settle = [&] {
       for (;;) {
@@ -190,10 +190,10 @@ std::string answers_to(std::string_view input) {
 }
 
 }  // namespace
-}  // namespace teracell
+}  // namespace teracell::server
 
 extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
-  using namespace teracell;
+  using namespace teracell::server;
   if (size > 32768) return 0;
   const uint64_t before = server().answered();
   const std::string out = answers_to({reinterpret_cast<const char*>(data), size});
