@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "store/read/line.hpp"
+#include "store/whole/info.hpp"
 
 namespace teracell::server {
 namespace {

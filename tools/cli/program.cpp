@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "mesher/scene/names.hpp"
+#include "store/text/text.hpp"
 #include "tools/cli/hints.hpp"
 
 namespace teracell::cli {

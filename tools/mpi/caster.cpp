@@ -2,8 +2,7 @@
 
 namespace teracell::mpi {
 
-server::Caster::Caster(const mesher::Scene& scene, const std::filesystem::path& output, const mesher::MeshOptions& options, uint32_t rank,
-                       uint32_t ranks)
+Caster::Caster(const mesher::Scene& scene, const std::filesystem::path& output, const mesher::MeshOptions& options, uint32_t rank, uint32_t ranks)
     : scene_(scene), output_(output), options_(options), thread_([this, rank, ranks] {
         try {
           run(rank, ranks);
@@ -16,19 +15,19 @@ server::Caster::Caster(const mesher::Scene& scene, const std::filesystem::path& 
         changed_.notify_all();
       }) {}
 
-server::Caster::~server::Caster() {
+Caster::~Caster() {
   stop(std::chrono::milliseconds(0));
   thread_.join();
 }
 
-bool server::Caster::stop(std::chrono::milliseconds patience) {
+bool Caster::stop(std::chrono::milliseconds patience) {
   stop_ = true;
   std::unique_lock lock(mutex_);
   changed_.notify_all();
   return changed_.wait_for(lock, patience, [&] { return ended_; });
 }
 
-void server::Caster::run(uint32_t rank, uint32_t ranks) {
+void Caster::run(uint32_t rank, uint32_t ranks) {
   const mesher::Progress progress = [this](const char* phase, double share, double) { phase_ = phase, share_ = share; };
   pieces_ = std::make_unique<mesher::Pieces>(scene_, output_, options_, rank == 0, progress, stop_);
   if (options_.resume)
@@ -50,12 +49,12 @@ void server::Caster::run(uint32_t rank, uint32_t ranks) {
   tell({Event::kFinished});
 }
 
-void server::Caster::tell(const Event& event) {
+void Caster::tell(const Event& event) {
   std::lock_guard lock(mutex_);
   events_.push_back(event);
 }
 
-std::optional<server::Caster::Event> server::Caster::next_event() {
+std::optional<Caster::Event> Caster::next_event() {
   std::lock_guard lock(mutex_);
   if (error_) std::rethrow_exception(error_);
   if (events_.empty()) return std::nullopt;
@@ -64,13 +63,13 @@ std::optional<server::Caster::Event> server::Caster::next_event() {
   return event;
 }
 
-void server::Caster::make(const mesher::PieceQueue::Order& order) {
+void Caster::make(const mesher::PieceQueue::Order& order) {
   std::lock_guard lock(mutex_);
   orders_.push_back(order);
   changed_.notify_all();
 }
 
-void server::Caster::make_no_more() {
+void Caster::make_no_more() {
   std::lock_guard lock(mutex_);
   no_more_ = true;
   changed_.notify_all();

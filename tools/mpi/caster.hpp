@@ -13,8 +13,8 @@ namespace teracell::mpi {
 class Caster {
  public:
   // Keeps references. With options.resume it finds those that are made already of the pieces rank, rank + ranks ...
-  server::Caster(const mesher::Scene& scene, const std::filesystem::path& output, const mesher::MeshOptions& options, uint32_t rank, uint32_t ranks);
-  ~server::Caster();  // as soon as the thread notices that it shall stop
+  Caster(const mesher::Scene& scene, const std::filesystem::path& output, const mesher::MeshOptions& options, uint32_t rank, uint32_t ranks);
+  ~Caster();  // as soon as the thread notices that it shall stop
 
   struct Event {
     enum Kind { kPrepared, kMade, kFinished } kind;

@@ -10,7 +10,7 @@
 
 namespace teracell::mpi {
 
-Conductor::Conductor(Ranks& ranks, server::Caster& caster, const Member& self, const cli::MeshArguments& arguments)
+Conductor::Conductor(Ranks& ranks, Caster& caster, const Member& self, const cli::MeshArguments& arguments)
     : ranks_(ranks), caster_(caster), self_(self), arguments_(arguments), line_(arguments.progress, "mesh") {
   if (!arguments.report.empty()) report_file_.emplace(arguments.report);
   const std::string text = fmt::format("{:016x}", std::random_device()() * 0x100000001b3u);
@@ -76,7 +76,7 @@ void Conductor::begin() {
   std::vector<uint32_t> missing;
   for (uint32_t piece = 0; piece < owner_.size(); ++piece)
     if (owner_[piece] < 0) missing.push_back(piece);
-  if (in_memory_) last_by_cost(missing, ranks_.size(), [&](uint32_t piece) { return pieces.cost(piece); });
+  if (in_memory_) mesher::last_by_cost(missing, ranks_.size(), [&](uint32_t piece) { return pieces.cost(piece); });
   queue_.emplace(std::move(missing), in_memory_ ? 1 : static_cast<uint32_t>(ranks_.size()));
   has_.resize(ranks_.size());
   for (const int rank : asking_) answer(rank);
@@ -129,7 +129,7 @@ bool Conductor::place() {
   Bytes body;
   put_varint(body, placed_);
   for (const mesher::Placed& place : assembly_->add(*part)) put_varint(body, place.to), put_varint(body, place.bytes);
-  const mesher::PartFound found = decode_found(part->found(), part->name());
+  const mesher::PartFound found = mesher::decode_found(part->found(), part->name());
   if (totals_.cells.empty()) totals_ = found.totals;
   else totals_.add(found.totals);
   ranks_.send(owner_[placed_++], Tag::kCopy, std::move(body));
@@ -148,7 +148,7 @@ void Conductor::finish() {
   run.threads = threads_;
   run.peak_memory_bytes = memory_;
   run.file_bytes = assembly_->bytes();
-  if (report_file_) write_report(report_, *report_file_, arguments_.output);
+  if (report_file_) cli::write_report(report_, *report_file_, arguments_.output);
   ranks_.send_all(Tag::kEnd);
 }
 

@@ -18,7 +18,7 @@ struct RankFailed : std::runtime_error {
 class Conductor {
  public:
   // Keeps references. Asks all ranks whether they see the folder of the output.
-  Conductor(Ranks& ranks, server::Caster& caster, const Member& self, const cli::MeshArguments& arguments);
+  Conductor(Ranks& ranks, Caster& caster, const Member& self, const cli::MeshArguments& arguments);
   void take(const Message& message);  // throws RankFailed
   bool step();                        // whether there was anything to do
   // When the work has failed: removes what can't be used any more, and says how many pieces can be.
@@ -35,7 +35,7 @@ class Conductor {
   void show_progress();
 
   Ranks& ranks_;
-  server::Caster& caster_;
+  Caster& caster_;
   const Member& self_;
   const cli::MeshArguments& arguments_;
   std::optional<OutputFile> seen_;  // by all; as long as it is there, a second job for this output is refused

@@ -8,7 +8,7 @@
 
 namespace teracell::mpi {
 
-Member::Member(Ranks& ranks, server::Caster& caster, const std::filesystem::path& output, int threads, std::function<void()> attend)
+Member::Member(Ranks& ranks, Caster& caster, const std::filesystem::path& output, int threads, std::function<void()> attend)
     : ranks_(ranks), caster_(caster), output_(output), threads_(threads), attend_(std::move(attend)) {}
 
 void Member::take(const Message& message) {
@@ -44,9 +44,9 @@ bool Member::step() {
   bool busy = false;
   if (!seen_ && !seen_path_.empty()) busy |= seen_ = look_for_file();
   for (auto event = caster_.next_event(); event; event = caster_.next_event(), busy = true) {
-    if (event->kind == server::Caster::Event::kPrepared) prepared_ = true;
-    if (event->kind == server::Caster::Event::kFinished) finished_ = true;
-    if (event->kind != server::Caster::Event::kMade) continue;
+    if (event->kind == Caster::Event::kPrepared) prepared_ = true;
+    if (event->kind == Caster::Event::kFinished) finished_ = true;
+    if (event->kind != Caster::Event::kMade) continue;
     Bytes body;
     put_varint(body, event->piece);
     ranks_.send(0, Tag::kMade, std::move(body));
@@ -61,7 +61,7 @@ bool Member::step() {
   if (file_) file_->sync();
   sync_ = false;
   Bytes body;
-  put_varint(body, peak_memory_bytes());
+  put_varint(body, mesher::peak_memory_bytes());
   ranks_.send(0, Tag::kSynced, std::move(body));
   return true;
 }

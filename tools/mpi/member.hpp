@@ -14,7 +14,7 @@ inline constexpr std::chrono::seconds kPatience{30};
 class Member {
  public:
   // Keeps references. `attend` is called while copying takes long.
-  Member(Ranks& ranks, server::Caster& caster, const std::filesystem::path& output, int threads, std::function<void()> attend);
+  Member(Ranks& ranks, Caster& caster, const std::filesystem::path& output, int threads, std::function<void()> attend);
   void take(const Message& message);
   bool step();  // whether there was anything to do
   bool ended() const { return ended_; }
@@ -30,7 +30,7 @@ class Member {
   void copy();
 
   Ranks& ranks_;
-  server::Caster& caster_;
+  Caster& caster_;
   const std::filesystem::path& output_;
   const int threads_;
   const std::function<void()> attend_;

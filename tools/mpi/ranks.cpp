@@ -61,7 +61,7 @@ int Ranks::least(int number) const {
 }
 
 void Ranks::send(int to, Tag tag, Bytes body) {
-  server::Sending& s = sending_.emplace_back(std::move(body), MPI_REQUEST_NULL);
+  Sending& s = sending_.emplace_back(std::move(body), MPI_REQUEST_NULL);
   MPI_Isend(s.body.data(), static_cast<int>(s.body.size()), MPI_BYTE, to, static_cast<int>(tag), MPI_COMM_WORLD, &s.request);
 }
 
@@ -70,7 +70,7 @@ void Ranks::send_all(Tag tag, const Bytes& body) {
 }
 
 bool Ranks::sent_all() {
-  std::erase_if(sending_, [](server::Sending& s) {
+  std::erase_if(sending_, [](Sending& s) {
     int done;
     MPI_Test(&s.request, &done, MPI_STATUS_IGNORE);
     return done != 0;

@@ -65,7 +65,7 @@ class Ranks {
   const pid_t parent_;
   MPI_Comm here_;  // the ranks on this machine
   int rank_ = 0, size_ = 1, on_this_machine_ = 1;
-  std::list<server::Sending> sending_;
+  std::list<Sending> sending_;
 };
 
 std::string take_text(ByteReader& in);

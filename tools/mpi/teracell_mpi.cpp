@@ -19,7 +19,7 @@ using std::chrono::milliseconds;
 // Of the cores that this rank may use, its share when other ranks may use the same ones.
 int default_threads(const Ranks& ranks) {
   cpu_set_t allowed;
-  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return std::max(1, threads_or_all(0) / ranks.on_this_machine());
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return std::max(1, cli::threads_or_all(0) / ranks.on_this_machine());
   return std::max(1, CPU_COUNT(&allowed) / ranks.with_same({reinterpret_cast<const uint8_t*>(&allowed), sizeof allowed}));
 }
 
@@ -33,7 +33,7 @@ void expect_files(const mesher::Scene& scene) {
 // A rank whose launcher is gone would work on beside the next job for the same output.
 void expect_launcher(const Ranks& ranks) {
   if (!ranks.is_orphan()) return;
-  warn(fmt::format("teracell_mpi: {}: what has started this process is gone, and with it the job", ranks.name()));
+  cli::warn(fmt::format("teracell_mpi: {}: what has started this process is gone, and with it the job", ranks.name()));
   std::_Exit(1);
 }
 
@@ -50,7 +50,7 @@ void end_job(Ranks& ranks, const cli::Failure& failure) {
       std::this_thread::sleep_for(milliseconds(10));
     }
   }
-  warn("teracell_mpi: " + failure.message);
+  cli::warn("teracell_mpi: " + failure.message);
   ranks.abort(failure.status);
 }
 
@@ -60,13 +60,13 @@ cli::Failure failure_of(const Ranks& ranks) {
   } catch (const RankFailed& e) {
     return {e.status, e.what()};
   } catch (...) {
-    const cli::Failure failure = current_failure();
+    const cli::Failure failure = cli::current_failure();
     return {failure.status, fmt::format("{}: {}", ranks.name(), failure.message)};
   }
 }
 
 void mesh_together(Ranks& ranks, const cli::MeshArguments& arguments, int threads) {
-  const std::atomic<bool>& interrupted = watch_interrupts();
+  const std::atomic<bool>& interrupted = cli::watch_interrupts();
   const bool first = ranks.rank() == 0;
   const mesher::Scene scene = scene_from(arguments);
   if (first) check_outputs(arguments, scene);
@@ -75,7 +75,7 @@ void mesh_together(Ranks& ranks, const cli::MeshArguments& arguments, int thread
   if (options.threads == 0) options.threads = threads;
   const std::filesystem::path output = arguments.output;
 
-  server::Caster caster(scene, output, options, static_cast<uint32_t>(ranks.rank()), static_cast<uint32_t>(ranks.size()));
+  Caster caster(scene, output, options, static_cast<uint32_t>(ranks.rank()), static_cast<uint32_t>(ranks.size()));
   std::optional<Conductor> conductor;
   std::function<void()> attend;
   Member member(ranks, caster, output, options.threads, [&] { attend(); });
@@ -114,13 +114,13 @@ void mesh_together(Ranks& ranks, const cli::MeshArguments& arguments, int thread
   conductor.reset();  // clears the line of progress
   if (!first) return;
   warn_of_caps(arguments, report);
-  say_grid(arguments.output, report);
+  cli::say_grid(arguments.output, report);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  begin_program();
+  cli::begin_program();
   Ranks ranks(argc, argv);
   const int threads = default_threads(ranks);  // before any rank may fail, because all of them are asked
   CLI::App app("Trillion-cell Cartesian grids from CAD surfaces, by the processes that mpirun starts.", "teracell_mpi");
@@ -140,18 +140,18 @@ int main(int argc, char** argv) {
   try {
     ranks.expect_own_launcher();
     const bool meshes = !words.empty() && words[0] == "mesh";
-    refuse_unknown_options(meshes ? mesh : app, words);
+    cli::refuse_unknown_options(meshes ? mesh : app, words);
     app.parse(std::vector(words.rbegin(), words.rend()));  // CLI11 takes them from the back
   } catch (const CLI::ParseError& e) {
     outcome = e.get_exit_code() == 0 ? kTold : kRefused;
-    if (outcome == kRefused) refusal = fmt::format("{}. See: teracell_mpi mesh --help", explain(e, app.get_subcommands().empty() ? app : mesh));
+    if (outcome == kRefused) refusal = fmt::format("{}. See: teracell_mpi mesh --help", cli::explain(e, app.get_subcommands().empty() ? app : mesh));
     else if (ranks.rank() == 0) app.exit(e);
   } catch (const UsageError& e) {
     outcome = kRefused;
     refusal = e.what();
   }
   const int refuser = ranks.least(outcome == kRefused ? ranks.rank() : ranks.size());
-  if (refuser == ranks.rank()) warn(fmt::format("teracell_mpi: {}{}", refuser == 0 ? "" : ranks.name() + ": ", refusal));
+  if (refuser == ranks.rank()) cli::warn(fmt::format("teracell_mpi: {}{}", refuser == 0 ? "" : ranks.name() + ": ", refusal));
   if (refuser < ranks.size()) return 2;
   if (ranks.least(outcome) == kTold) return 0;
   try {
