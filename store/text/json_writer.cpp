@@ -1,11 +1,10 @@
 #include "store/text/json_writer.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "store/text/json_text.hpp"
+#include "store/text/text.hpp"
 
 namespace teracell::inline store {
 
@@ -62,7 +61,7 @@ JsonWriter& JsonWriter::value(std::span<const int64_t> numbers) {
 }
 
 JsonWriter& JsonWriter::count(std::string_view name, unsigned __int128 n) {
-  const std::string digits = fmt::format("{}", n);
+  const std::string digits = whole_text(n);
   key(name).raw(digits);
   return n >> 53 == 0 ? *this : field(std::string(name) + "_text", digits);
 }
