@@ -124,6 +124,6 @@ test("what can't be made is said, and can't be saved; Escape closes", async () =
   assert.ok(await page.getByRole("button", { name: "Save", exact: true }).isDisabled());
   await page.keyboard.press("Escape");
   await page.getByRole("dialog").waitFor({ state: "hidden" });
-  assert.equal(await page.evaluate(() => teracell.viewer.figure.value), false);
+  await page.waitForFunction(() => !teracell.viewer.figure.value); // a closed dialog says so later
   await close(page);
 });
