@@ -112,12 +112,12 @@ struct Block {
 
 // Casts every `every`-th band of rows.
 template <int kWidth, int kPackets>
-mesher::Tally cast_bands(RTCScene scene, const CubicDomain& domain, bool shadow, int64_t every) {
+Tally cast_bands(RTCScene scene, const CubicDomain& domain, bool shadow, int64_t every) {
   using Rays = Block<kWidth, kPackets>;
   std::atomic<int64_t> next_row{0};
-  mesher::Tally tallies[kThreads];
-  const auto work = [&](mesher::Tally& result) {
-    mesher::Tally tally;
+  Tally tallies[kThreads];
+  const auto work = [&](Tally& result) {
+    Tally tally;
     Rays rays(domain);
     CollectingContext collecting{};
     rtcInitIntersectContext(&collecting.base);
@@ -139,10 +139,10 @@ mesher::Tally cast_bands(RTCScene scene, const CubicDomain& domain, bool shadow,
     result = tally;
   };
   std::vector<std::thread> threads;
-  for (mesher::Tally& t : tallies) threads.emplace_back(work, std::ref(t));
+  for (Tally& t : tallies) threads.emplace_back(work, std::ref(t));
   for (std::thread& t : threads) t.join();
-  mesher::Tally sum;
-  for (const mesher::Tally& t : tallies) {
+  Tally sum;
+  for (const Tally& t : tallies) {
     sum.hits += t.hits;
     sum.odd_rays += t.odd_rays;
   }
@@ -151,7 +151,7 @@ mesher::Tally cast_bands(RTCScene scene, const CubicDomain& domain, bool shadow,
 
 struct Way {
   const char* name;
-  mesher::Tally (*cast)(RTCScene, const CubicDomain&, bool shadow, int64_t every);
+  Tally (*cast)(RTCScene, const CubicDomain&, bool shadow, int64_t every);
   bool shadow;
 };
 constexpr Way kWays[] = {
@@ -194,7 +194,7 @@ const Way& fastest_way(RTCScene scene, const CubicDomain& domain) {
   double least = std::numeric_limits<double>::infinity();
   for (const Way& way : kWays) {
     const Stopwatch sampling;
-    const mesher::Tally tally = way.cast(scene, domain, way.shadow, kSampling);
+    const Tally tally = way.cast(scene, domain, way.shadow, kSampling);
     const double seconds = sampling.seconds();
     std::fprintf(stderr, "  %-15s sample %.3f s, %llu hits\n", way.name, seconds, static_cast<unsigned long long>(tally.hits));
     if (seconds >= least) continue;
@@ -215,7 +215,7 @@ void run(const Arguments& arguments) {
 
   const Way& way = arguments.size() > 2 ? named_way(arguments[2]) : fastest_way(scene, domain);
   const Stopwatch casting;
-  const mesher::Tally tally = way.cast(scene, domain, way.shadow, 1);
+  const Tally tally = way.cast(scene, domain, way.shadow, 1);
   const double seconds = casting.seconds();
   std::printf(
       "{\"peer\": \"embree\", \"way\": \"%s\", \"rays\": %lld, \"build_seconds\": %.4f, \"cast_seconds\": %.4f, "

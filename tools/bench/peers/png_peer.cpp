@@ -40,12 +40,12 @@ struct Tile {
   uint32_t bits = 8;  // per number, as few as PNG allows
 };
 
-mesher::Tile load(const std::string& path) {
+Tile load(const std::string& path) {
   const std::string bytes = bytes_of(path);
   if (bytes.size() < 12) throw std::runtime_error(path + ": expected a .npy file, found " + std::to_string(bytes.size()) + " bytes");
   const size_t head = 10 + static_cast<uint8_t>(bytes[8]) + 256u * static_cast<uint8_t>(bytes[9]);
   const std::string dict = bytes.substr(10, head - 10);
-  mesher::Tile tile;
+  Tile tile;
   const size_t shape = dict.find("'shape': (");
   if (dict.find("|u1") == std::string::npos || shape == std::string::npos ||
       std::sscanf(dict.c_str() + shape, "'shape': (%u, %u", &tile.height, &tile.width) != 2 ||
@@ -60,7 +60,7 @@ mesher::Tile load(const std::string& path) {
 }
 
 // The bytes of a PNG's data before compression.
-void filtered(const mesher::Tile& t, uint32_t bits, bool up, std::vector<uint8_t>& out) {
+void filtered(const Tile& t, uint32_t bits, bool up, std::vector<uint8_t>& out) {
   const size_t length = (size_t{t.width} * bits + 7) / 8;
   out.resize((length + 1) * t.height);
   std::vector<uint8_t> above(length, 0), row(length);
@@ -94,9 +94,9 @@ void filtered(const mesher::Tile& t, uint32_t bits, bool up, std::vector<uint8_t
 volatile uint32_t checksum;  // of the data; a PNG needs it
 
 // The bytes of a PNG with so many bytes of compressed data.
-size_t png_bytes(const mesher::Tile& t, size_t data) { return 8 + 25 + 12 + 3 * t.colors.size() + 12 + 1 + 12 + data + 12; }
+size_t png_bytes(const Tile& t, size_t data) { return 8 + 25 + 12 + 3 * t.colors.size() + 12 + 1 + 12 + data + 12; }
 
-size_t with_libdeflate(const mesher::Tile& t, uint32_t bits, int level, bool up) {
+size_t with_libdeflate(const Tile& t, uint32_t bits, int level, bool up) {
   static libdeflate_compressor* compressors[3] = {libdeflate_alloc_compressor(0), libdeflate_alloc_compressor(1), libdeflate_alloc_compressor(2)};
   static std::vector<uint8_t> raw;
   filtered(t, bits, up, raw);
@@ -106,7 +106,7 @@ size_t with_libdeflate(const mesher::Tile& t, uint32_t bits, int level, bool up)
   return png_bytes(t, size);
 }
 
-size_t with_zlib_runs(const mesher::Tile& t) {
+size_t with_zlib_runs(const Tile& t) {
   static std::vector<uint8_t> raw;
   filtered(t, t.bits, true, raw);
   z_stream z{};
@@ -121,7 +121,7 @@ size_t with_zlib_runs(const mesher::Tile& t) {
   return png_bytes(t, size);
 }
 
-size_t with_stb(const mesher::Tile& t, int channels) {
+size_t with_stb(const Tile& t, int channels) {
   static std::vector<uint8_t> pixels;
   pixels.resize(t.numbers.size() * static_cast<size_t>(channels));
   for (size_t i = 0; i < t.numbers.size(); ++i)
@@ -134,7 +134,7 @@ size_t with_stb(const mesher::Tile& t, int channels) {
   return size;
 }
 
-size_t with_spng(const mesher::Tile& t, int level) {
+size_t with_spng(const Tile& t, int level) {
   static std::vector<uint8_t> pixels;
   pixels.assign(t.numbers.begin(), t.numbers.end());
   spng_ctx* context = spng_ctx_new(SPNG_CTX_ENCODER);
@@ -170,8 +170,8 @@ void time(const std::string& file, const std::string& encoder, const std::functi
 }
 
 void run(const std::string& path) {
-  const mesher::Tile t = load(path);
-  time(path, "teracell", [&] { return encode_png(t.width, t.height, t.numbers, t.colors).size(); });
+  const Tile t = load(path);
+  time(path, "teracell", [&] { return server::encode_png(t.width, t.height, t.numbers, t.colors).size(); });
   for (const uint32_t bits : {t.bits, 8u})
     for (const int level : {0, 1, 2})
       for (const bool up : {false, true})

@@ -41,8 +41,8 @@ void run(const teracell::bench::Arguments& arguments) {
   char head[84] = {};
   std::fwrite(head, 84, 1, out);
   uint32_t facets = 0;
-  teracell::read_facets(arguments[0], "", [&](std::span<const teracell::Facet> batch) {
-    for (const teracell::Facet& f : batch) {
+  teracell::mesher::read_facets(arguments[0], "", [&](std::span<const teracell::mesher::Facet> batch) {
+    for (const teracell::mesher::Facet& f : batch) {
       std::array<Point, 3> p;
       for (int i = 0; i < 3; ++i)
         for (int d = 0; d < 3; ++d) p[i][d] = static_cast<float>(f.vertex[i][d]);
