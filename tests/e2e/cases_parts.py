@@ -86,10 +86,7 @@ class Parts(Case):
         parts = self.parts(2)
         for name in (f"{parts[1]}.partial", f"{parts[1]}.resume"):
             self.write(name, self.bytes(parts[1])[:-50])
-            r = teracell("merge", *parts, name, "-o", "g.tcell", cwd=self.folder)
-            self.assertEqual(r.status, 1, r.err)
-            for phrase in (name, "not complete", "being made"):
-                self.assertIn(phrase, r.err)
+            self.assert_refused(teracell("merge", *parts, name, "-o", "g.tcell", cwd=self.folder), 1, [name, "not complete", "being made"])
 
     def test_there_may_be_more_parts_than_files_that_may_be_open(self):
         self.run_ok(*MESH, "--cells", 300, "-o", "one.tcell")

@@ -45,18 +45,17 @@ class RemoteCase(Case):
         return origin
 
     def same_cells(self, address, *options, **run):
-        """Compares what commands say of the address with what they say of the file."""
-        for arguments in [["slice", "--axis", "z", "--index", "300", "-o", "out.npy"], ["slice", "--axis", "x", "--index", "200", "--level", "1", "-o", "out.png"],
-                          ["export", "--level", "3", "-o", "out.npy"]]:
-            out = self.path(arguments[-1])
-            self.run_ok(arguments[0], "g.tcell", *arguments[1:])
-            expected = self.bytes(arguments[-1])
-            os.remove(out)
-            self.run_ok(arguments[0], address, *arguments[1:], *options, **run)
-            self.assertEqual(self.bytes(arguments[-1]), expected, arguments)
-        for arguments in [["info", "--json"], ["column", "--axis", "z", "--at", "400,400", "--json"], ["stats", "--json"]]:
-            expected = self.run_ok(arguments[0], "g.tcell", *arguments[1:]).out
-            self.assertEqual(self.run_ok(arguments[0], address, *arguments[1:], *options, **run).out, expected, arguments)
+        """Compares what commands say of the address with what they say of the file, and what they write."""
+        for command, *arguments in [["slice", "--axis", "z", "--index", "300", "-o", "out.npy"], ["export", "--level", "3", "-o", "out.npy"],
+                                    ["slice", "--axis", "x", "--index", "200", "--level", "1", "-o", "out.png"],
+                                    ["info", "--json"], ["column", "--axis", "z", "--at", "400,400", "--json"], ["stats", "--json"]]:
+            found = []
+            for grid, more, how in (("g.tcell", (), {}), (address, options, run)):
+                found.append(self.run_ok(command, grid, *arguments, *more, **how).out)
+                if "-o" in arguments:
+                    found[-1] = self.bytes(arguments[-1])
+                    os.remove(self.path(arguments[-1]))
+            self.assertEqual(found[1], found[0], (command, arguments))
         self.assertIn("sound", self.run_ok("verify", address, *options, **run).out)
 
     def slice_fails(self, status, phrases, address, *options, **run):
