@@ -9,11 +9,11 @@ import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
-PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
+from support import PROGRAM, folder, run
+
 TEXT = (pathlib.Path(__file__).resolve().parents[2] / "tools/cli/BATCH.md").read_text()
 PARTS = 16
 MESH = ["mesh", "scene.json", "--step", "0.05", "-o"]
@@ -153,13 +153,12 @@ class Slurm:
 class Batch(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="teracell-batch-"))
-        cls.addClassCleanup(shutil.rmtree, cls.folder, True)
+        cls.folder = folder
         (cls.folder / "bin").mkdir()
         (cls.folder / "bin/teracell").symlink_to(PROGRAM)
         os.environ["PATH"] = f"{cls.folder}/bin:{os.environ['PATH']}"
-        subprocess.run([PROGRAM, "sample", "stadium", "-o", cls.folder / "scene"], check=True, capture_output=True)
-        subprocess.run([PROGRAM, *MESH, "../one.tcell"], cwd=cls.folder / "scene", check=True, capture_output=True)
+        run(PROGRAM, "sample", "stadium", "-o", cls.folder / "scene")
+        run(PROGRAM, *MESH, "../one.tcell", cwd=cls.folder / "scene")
         cls.expected = (cls.folder / "one.tcell").read_bytes()
 
     def setUp(self):
