@@ -6,13 +6,13 @@ import pwd
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
 import unittest
 
 from support import PROGRAM, folder, run
+from nginx import free_ports  # of tests/e2e, where support looks
 
 TEXT = (pathlib.Path(__file__).resolve().parents[2] / "tools/cli/BATCH.md").read_text()
 PARTS = 16
@@ -48,14 +48,6 @@ PartitionName=all Nodes=ALL Default=YES State=UP
 def block_after(words):
     """The first block of code after these words of the page."""
     return re.search(r"```(?:bash)?\n(.*?)```", TEXT[TEXT.index(words):], re.DOTALL)[1]
-
-
-def free_ports(count):
-    with contextlib.ExitStack() as open_ones:
-        sockets = [open_ones.enter_context(socket.socket()) for _ in range(count)]
-        for s in sockets:
-            s.bind(("127.0.0.1", 0))
-        return [s.getsockname()[1] for s in sockets]
 
 
 def wait_for(found, what, pause=0.1):

@@ -6,6 +6,7 @@ lets bytes pass after half of a round trip (80 ms by default), and answers the f
 connecting takes that long.
 """
 import asyncio
+import concurrent.futures
 import json
 import os
 import random
@@ -114,11 +115,8 @@ class Bench:
                 n = [-(-c // 2**level) for c in cells]
                 tiles += [f"api/v1/grids/{grid[:-6]}/tile/{axis}/{n['xyz'.index(axis)] // 2}/{level}/{col}_{row}.bin?sets=1"
                           for row in range(-(-n[v] // 512)) for col in range(-(-n[u] // 512))]
-            threads = [threading.Thread(target=get, args=(t,)) for t in tiles]
-            for t in threads:
-                t.start()
-            for t in threads:
-                t.join()
+            with concurrent.futures.ThreadPoolExecutor(len(tiles)) as pool:
+                list(pool.map(get, tiles))
 
 
 def main():
