@@ -1,6 +1,7 @@
 """What the Python clients share: the server's address, results of `teracell` itself, plain requests."""
 import json
 import os
+import pathlib
 import subprocess
 import unittest
 import urllib.error
@@ -10,8 +11,7 @@ import numpy
 
 SERVER = os.environ["TERACELL_URL"]
 FOLDER = os.environ["TERACELL_FOLDER"]
-with open(os.path.join(FOLDER, "grids.json")) as file:
-    GRIDS = json.load(file)
+GRIDS = json.loads(pathlib.Path(FOLDER, "grids.json").read_text())
 
 
 def teracell(*args):

@@ -35,12 +35,6 @@ class ZarrExport(Case):
                         self.assertEqual((array.fill_value, array.compressor.codec_id), (0, "zstd"))
                         self.assert_same(array[:], exported(grid, level))
 
-    def test_slices_and_points(self):
-        for grid in GRIDS:
-            array, expected = zarr.open(written(grid, f"{grid}.v2.zarr"), mode="r")["0"], exported(grid, 0)
-            for where in [numpy.s_[:, 63:65, ::7], numpy.s_[-1], numpy.s_[..., -1], numpy.s_[2:7, -3:, 250:]]:
-                self.assert_same(array[where], expected[where])
-
     def test_a_region_with_other_numbers(self):
         lo, hi = REGION[:3], REGION[3:]
         for grid in GRIDS:

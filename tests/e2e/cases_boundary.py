@@ -47,8 +47,7 @@ class Boundary(Case):
     def test_links_are_listed_with_places_and_patches(self):
         patches = [p["name"] for p in self.json_of("info", self.mesh("--links"))["patches"]]
         self.run_ok("export", "g.tcell", "--format", "links", "-o", "l.npy", "--region", "0,4,4,10,5,5")
-        with open(self.path("l.npy"), "rb") as f:
-            data = f.read()
+        data = self.bytes("l.npy")
         records = data[10 + struct.unpack_from("<H", data, 8)[0]:]
         found = [struct.unpack_from("<iiiIIIiHH", records, at) for at in range(0, len(records), 32)]
         # Sample points at 1.5, 2.5 ...: the walls at x = 2 and x = 7.25 are half and three quarters of the way. A point on a lower side is inside.
@@ -58,8 +57,7 @@ class Boundary(Case):
     def test_walls_of_openfoam_are_patches_of_the_surface(self):
         self.mesh("--links")
         self.run_ok("export", "g.tcell", "--format", "openfoam", "--patches", "-o", "case")
-        with open(self.path("case/constant/polyMesh/boundary")) as f:
-            text = f.read()
+        text = self.bytes("case/constant/polyMesh/boundary").decode()
         for name in ("inlet", "outlet", "wall", "roof", "xmin", "zmax"):
             self.assertIn(f"    {name}\n", text)
         self.assertNotIn("    steel\n", text)

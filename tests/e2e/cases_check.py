@@ -23,8 +23,7 @@ class Check(Case):
         self.assertIn("The body 'far' has no cell", text)
         self.assertIn("A wall of 'plate' is 1 cell thick: 256 cells.  at (2.5, 2.5, 5.5)", text)
         self.assertIn("g.check.json", text)
-        with open(self.path("g.check.json")) as file:
-            kept = json.load(file)
+        kept = json.loads(self.bytes("g.check.json"))
         self.assertEqual(kept, json.loads(self.run_ok("check", "g.tcell", "--json").out))
         self.assertEqual([(f["kind"], f["bodies"], f["cells"], f["box"]) for f in kept["findings"]],
                          [("empty", ["far"], 0, None), ("thin", ["plate"], 256, [2, 2, 5, 18, 18, 6])])
@@ -45,8 +44,7 @@ class Check(Case):
         self.refused(2, ["overwritten"], "check", "g.tcell", "-o", "g.tcell")
         data = bytearray(self.bytes("g.tcell"))
         data[len(data) // 3] ^= 1
-        with open(self.path("d.tcell"), "wb") as file:
-            file.write(data)
+        self.write("d.tcell", data)
         self.refused(1, ["d.tcell"], "check", "d.tcell")
         self.assertFalse(os.path.exists(self.path("d.check.json")))
         self.assertFalse(os.path.exists(self.path("d.check.json.partial")))

@@ -2,10 +2,7 @@
 import collections
 import itertools
 import os
-import signal
-import subprocess
 
-import program
 import solids
 from program import Case
 
@@ -106,12 +103,5 @@ class Diff(Case):
             grid = {"min": [0, 0, 0], "max": [5, 4, 3], "cells": [16000, 16000, 16000]}
             self.write("s.json", {"grid": grid, "materials": {"steel": {}}, "bodies": [{"mesh": mesh, "material": "steel"}]})
             self.run_ok("mesh", "s.json", "-o", f"{name}.tcell", "--axis", "z" if name == "a" else "x")
-        args = [program.PROGRAM, "diff", "a.tcell", "b.tcell", "-o", "d.tcell", "--progress", "plain", "--threads", "1"]
-        process = subprocess.Popen(args, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        process.stderr.read(1)  # it has begun
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=60)
-        self.assertEqual((process.returncode, out), (130, ""), err)
-        self.assertIn("interrupted", err)
-        self.no_debris()
+        self.interrupt(["diff", "a.tcell", "b.tcell", "-o", "d.tcell", "--progress", "plain", "--threads", 1], lambda process: process.stderr.read(1))
         self.assertFalse(os.path.exists(self.path("d.tcell")))

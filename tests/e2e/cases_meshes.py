@@ -10,10 +10,6 @@ class BareMeshes(Case):
         shape = tuple(len(axes[d]) for d in (2, 1, 0))
         self.assertEqual(self.export(grid), (shape, solids.cells_of(axes, boxes)))
 
-    def axes_of(self, grid="g.tcell"):
-        """(min, step, first, cells) of each axis, as info prints them."""
-        return [(a["min"], a["step"], a["first"], a["cells"]) for a in self.json_of("info", grid)["grid"]["axes"]]
-
     def test_every_format_gives_the_same_cells(self):
         axes = [solids.centres(-0.5, 0.5, n) for n in (22, 12, 6)]
         for name, contents in solids.every_format(LO, HI).items():
@@ -21,28 +17,21 @@ class BareMeshes(Case):
             self.run_ok("mesh", name, "--cells", 22, "-o", "g.tcell")
             self.assert_cells(axes, [(LO, HI, 1)])
 
-    def test_cells_count_the_longest_axis_with_its_pad(self):
+    def test_cells_step_and_pad(self):
         self.write("box.stl", solids.binary_stl(solids.box_facets(LO, HI)))
-        said = self.run_ok("mesh", "box.stl", "--cells", 22, "-o", "g.tcell")
-        self.assertIn("cells: 22 counts the cells of the longest axis, x with its pad; cells are cubes, so other axes have fewer", said.out)
-        self.assertEqual(self.axes_of(), [(-0.5, 0.5, 0, 22), (-0.5, 0.5, 0, 12), (-0.5, 0.5, 0, 6)])
-        self.run_ok("mesh", "box.stl", "--cells", 20, "--pad", 0, "-o", "g.tcell")
-        self.assertEqual(self.axes_of(), [(0, 0.5, 0, 20), (0, 0.5, 0, 10), (0, 0.5, 0, 4)])
-        self.assertEqual(set(self.export("g.tcell")[1]), {1}, "without a pad a box fills its grid")
-        self.run_ok("mesh", "box.stl", "--cells", 26, "--pad", 3, "-o", "g.tcell")
-        self.assertEqual(self.axes_of(), [(-1.5, 0.5, 0, 26), (-1.5, 0.5, 0, 16), (-1.5, 0.5, 0, 10)])
-
-    def test_cells_along_each_axis(self):
-        self.write("box.stl", solids.binary_stl(solids.box_facets(LO, HI)))
-        self.assertNotIn("longest", self.run_ok("mesh", "box.stl", "--cells", "12,7,4", "-o", "g.tcell").out)
-        self.assertEqual(self.axes_of(), [(-1, 1, 0, 12), (-1, 1, 0, 7), (-1, 1, 0, 4)])
-        self.assert_cells([solids.centres(-1, 1, n) for n in (12, 7, 4)], [(LO, HI, 1)])
-
-    def test_step(self):
-        self.write("box.stl", solids.binary_stl(solids.box_facets(LO, HI)))
-        self.run_ok("mesh", "box.stl", "--step", 0.75, "--pad", 2, "-o", "g.tcell")
-        self.assertEqual(self.axes_of(), [(-1.5, 0.75, 0, 18), (-1.5, 0.75, 0, 11), (-1.5, 0.75, 0, 7)])
-        self.assert_cells([solids.centres(-1.5, 0.75, n) for n in (18, 11, 7)], [(LO, HI, 1)])
+        for options, low, step, cells in ((["--cells", 22], -0.5, 0.5, (22, 12, 6)),
+                                          (["--cells", 20, "--pad", 0], 0, 0.5, (20, 10, 4)),  # a box fills its grid
+                                          (["--cells", 26, "--pad", 3], -1.5, 0.5, (26, 16, 10)),
+                                          (["--cells", "12,7,4"], -1, 1, (12, 7, 4)),
+                                          (["--step", 0.75, "--pad", 2], -1.5, 0.75, (18, 11, 7))):
+            said = self.run_ok("mesh", "box.stl", *options, "-o", "g.tcell").out
+            if options == ["--cells", 22]:
+                self.assertIn("cells: 22 counts the cells of the longest axis, x with its pad; cells are cubes, so other axes have fewer", said)
+            elif options == ["--cells", "12,7,4"]:
+                self.assertNotIn("longest", said)
+            self.assertEqual([(a["min"], a["step"], a["first"], a["cells"]) for a in self.json_of("info", "g.tcell")["grid"]["axes"]],
+                             [(low, step, 0, n) for n in cells])
+            self.assert_cells([solids.centres(low, step, n) for n in cells], [(LO, HI, 1)])
 
     def test_materials_are_file_stems_and_later_bodies_win(self):
         boxes = [(LO, HI, 1), ((2.0, 1.0, 0.5), (6.0, 4.0, 1.5), 2), ((4.0, 2.0, 1.0), (8.0, 3.0, 3.0), 3)]

@@ -1,32 +1,23 @@
 """nginx in front of the server: TLS, HTTP/2, a base path, and a cache."""
 import os
-import shutil
-import socket
+import pathlib
 import subprocess
 
+from nginx import NginxCase, free_ports
 from serving import ServeCase
 
-RECIPE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "nginx.conf.in")
-PATH = os.environ.get("PATH", "") + ":/usr/sbin"
+RECIPE = pathlib.Path(__file__).with_name("nginx.conf.in")
 
 
-class Nginx(ServeCase):
+class Nginx(ServeCase, NginxCase):
     def front(self, server):
         """Starts nginx and returns its port."""
-        with socket.socket() as s, socket.socket() as t:
-            s.bind(("127.0.0.1", 0))
-            t.bind(("127.0.0.1", 0))
-            port, self.plain = s.getsockname()[1], t.getsockname()[1]
-        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", "/CN=localhost", "-addext",
-                        "subjectAltName=DNS:localhost", "-keyout", self.path("key.pem"), "-out", self.path("cert.pem")], check=True, stderr=subprocess.DEVNULL)
-        with open(RECIPE) as f:
-            text = f.read()
-        for word, value in {"USER": "user root;" if os.geteuid() == 0 else "", "FOLDER": self.folder, "UPSTREAM": server.port, "PORT": port, "PLAIN": self.plain}.items():
+        port, self.plain = free_ports(2)
+        self.certificate()
+        text = RECIPE.read_text()
+        for word, value in {"USER": self.user, "FOLDER": self.folder, "UPSTREAM": server.port, "PORT": port, "PLAIN": self.plain}.items():
             text = text.replace(f"@{word}@", str(value))
-        self.write("nginx.conf", text)
-        nginx = subprocess.Popen([shutil.which("nginx", path=PATH), "-e", self.path("nginx.log"), "-c", self.path("nginx.conf"), "-g", "daemon off;"])
-        self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
-        self.wait_for_port(port)
+        self.start_nginx(text, port)
         return port
 
     def curl(self, port, path, *args):
@@ -39,8 +30,7 @@ class Nginx(ServeCase):
         return version, int(status), {k.lower(): v for k, v in lines}, self.bytes("body") if os.path.exists(self.path("body")) else b""
 
     def test_no_spelling_of_a_version_puts_a_304_into_the_cache(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         port = self.front(server)
         tile = "/grids/api/v1/grids/g/tile/z/5/0/0_0.png"
         version = server.get("/api/v1/grids/g").json()["file"]["hash"]
@@ -52,11 +42,9 @@ class Nginx(ServeCase):
                 self.assertEqual((status, got), (200, body), query)
             self.assertEqual(headers["x-cache"], "HIT")
             self.assertEqual(self.curl(port, f"{tile}?{query}", "-H", "If-None-Match: *")[1], 304)
-        self.stop(server)
 
     def test_schemes_and_hosts_that_run_together(self):
-        self.grid()
-        server = self.serve("g.tcell", "--allow-host", "*")
+        server = self.serve_grid("--allow-host", "*")
         port = self.front(server)
         tile = f"/grids/api/v1/grids/g/tile/z/5/0/0_0.png?v={server.get('/api/v1/grids/g').json()['file']['hash']}"
         plain = f"http://localhost:{self.plain}{tile}"
@@ -64,11 +52,9 @@ class Nginx(ServeCase):
             done = subprocess.run(["curl", "-sS", "-D-", "-o", self.path("body"), "-HHost: s.example", plain], stdout=subprocess.PIPE, check=True, text=True)
             self.assertIn(f"X-Cache: {expected}", done.stdout)
         self.assertEqual(self.curl(port, tile, "-HHost: .example")[2]["x-cache"], "MISS")  # "https" + ".example"
-        self.stop(server)
 
     def test_a_tile_comes_through_and_then_from_the_cache(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         port = self.front(server)
         direct = server.get("/api/v1/grids/g/tile/z/5/0/0_0.png")
         info = server.get("/api/v1/grids/g").json()
@@ -86,4 +72,3 @@ class Nginx(ServeCase):
         self.assertIn(f'"https://localhost:{port}/grids/iiif/g-z-5"'.encode(), body.replace(b" ", b""))
         self.assertEqual(self.curl(port, "/grids/healthz", "-X", "OPTIONS")[1], 204)
         self.assertEqual(self.curl(port, "/grids/api/v1/grids/nobody")[1], 404)
-        self.stop(server)

@@ -1,10 +1,7 @@
 """A grid that is made in parts: the bytes of one run, and what is said when a part is missing, foreign, double or damaged."""
 import os
 import resource
-import signal
-import subprocess
 
-import program
 import solids
 from program import Case, teracell
 
@@ -81,24 +78,15 @@ class Parts(Case):
         self.refused(1, parts[0], "info", parts[0])
 
     def test_an_interrupted_part_leaves_nothing_and_can_be_made_again(self):
-        args = [program.PROGRAM, "mesh", "stadium/scene.json", "--cells", "9000", "-o", "g.tcell", "--shard", "0/2", "--progress", "plain"]
-        process = subprocess.Popen(args, cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        process.stderr.read(1)  # it has begun
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=60)
-        self.assertEqual((process.returncode, out), (130, ""), err)
-        self.assertIn("interrupted", err)
-        self.no_debris()
+        self.interrupt(["mesh", "stadium/scene.json", "--cells", 9000, "-o", "g.tcell", "--shard", "0/2", "--progress", "plain"],
+                       lambda process: process.stderr.read(1))
         self.assertEqual(teracell("verify", "g.tcell.shard-0-of-2", cwd=self.folder).status, 1)
 
     def test_a_part_that_is_not_complete_is_called_so(self):
         parts = self.parts(2)
         for name in (f"{parts[1]}.partial", f"{parts[1]}.resume"):
             self.write(name, self.bytes(parts[1])[:-50])
-            r = teracell("merge", *parts, name, "-o", "g.tcell", cwd=self.folder)
-            self.assertEqual(r.status, 1, r.err)
-            for phrase in (name, "not complete", "being made"):
-                self.assertIn(phrase, r.err)
+            self.assert_refused(teracell("merge", *parts, name, "-o", "g.tcell", cwd=self.folder), 1, [name, "not complete", "being made"])
 
     def test_there_may_be_more_parts_than_files_that_may_be_open(self):
         self.run_ok(*MESH, "--cells", 300, "-o", "one.tcell")

@@ -1,19 +1,18 @@
 """The worked example of the README is what the program says: its commands are run in order, and the output is held against what is shown."""
-import os
+import pathlib
 import re
 import shlex
 
 from program import Case, teracell
 
-README = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "README.md")
+README = pathlib.Path(__file__).resolve().parents[2] / "README.md"
 NOT_RUN = {"serve", "page"}  # one doesn't end, the other needs a build with the page's module
 OF_THE_MACHINE = re.compile(r"in [\d.]+ m?s, |[\d.]+ MB of memory")
 
 
 def worked_example():
     """Yields (arguments, lines of output) of each command. A line of "..." stands for lines that are left out."""
-    with open(README, encoding="utf-8") as file:
-        section = file.read().split("\n## A worked example\n")[1].split("\n## ")[0]
+    section = README.read_text(encoding="utf-8").split("\n## A worked example\n")[1].split("\n## ")[0]
     for shown in section.split("```")[1].split("\n$ ")[1:]:
         command, *output = shown.rstrip("\n").split("\n")
         yield shlex.split(command, comments=True), output

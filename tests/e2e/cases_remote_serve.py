@@ -1,18 +1,14 @@
 """`teracell serve` with grids behind addresses."""
-import os
-import shutil
-import socket
-import subprocess
 import threading
 
 from cases_remote import RemoteCase
+from nginx import NginxCase, free_ports
 from serving import ServeCase
 
-PATH = os.environ.get("PATH", "") + ":/usr/sbin"
 PATHS = ["slice/z/300.png", "slice/x/100.png?level=2", "tile/y/200/1/0_0.png", "column/z/400_400", "stats", "cell?i=1&j=2&k=3"]
 
 
-class RemoteServing(ServeCase, RemoteCase):
+class RemoteServing(ServeCase, RemoteCase, NginxCase):
     def test_the_same_answers_and_etags_as_from_the_file(self):
         origin = self.origin()
         server, local = self.serve(origin.url + "/g.tcell?signature=secret"), self.serve("g.tcell")
@@ -21,8 +17,6 @@ class RemoteServing(ServeCase, RemoteCase):
             ours, theirs = server.get("/api/v1/grids/g/" + path), local.get("/api/v1/grids/g/" + path)
             self.assertEqual((ours.status, ours.body, ours.headers["ETag"]), (200, theirs.body, theirs.headers["ETag"]), path)
         self.assertNotIn("secret", server.get("/").body.decode() + server.get("/api/v1/grids").body.decode())
-        self.stop(server)
-        self.stop(local)
 
     def test_a_replaced_object_is_noticed_by_what_is_read_and_by_asking(self):
         self.run_ok("mesh", "ball.stl", "--cells", 800, "-o", "h.tcell", "--progress", "none")
@@ -36,13 +30,10 @@ class RemoteServing(ServeCase, RemoteCase):
         after = local.get("/api/v1/grids/h/slice/z/300.png")
         self.assertEqual(server.get("/api/v1/grids/g/slice/z/300.png").body, after.body)  # has to be read
         self.assertEqual(server.get(path.format("g")).body, local.get(path.format("h")).body)
-        self.stop(server)
         quick = self.serve(origin.url + "/g.tcell", "--recheck", "1")
         self.assertEqual(quick.get(path.format("g")).body, local.get(path.format("h")).body)
         origin.objects["/g.tcell"] = self.file
         self.wait_until(lambda: quick.get(path.format("g")).body == before.body, "the former cells")
-        self.stop(quick)
-        self.stop(local)
 
     def test_an_address_that_leads_to_a_newer_object_is_noticed(self):
         self.run_ok("mesh", "ball.stl", "--cells", 800, "-o", "h.tcell", "--progress", "none")
@@ -53,8 +44,6 @@ class RemoteServing(ServeCase, RemoteCase):
         here.target = there.url + "/new"
         path, expected = "/api/v1/grids/{}/column/z/10_10", local.get("/api/v1/grids/h/column/z/10_10").body
         self.wait_until(lambda: server.get(path.format("g")).body == expected, "the cells of the newer object")
-        self.stop(server)
-        self.stop(local)
 
     def test_a_host_that_goes_away_and_comes_back(self):
         origin = self.origin()
@@ -80,20 +69,12 @@ class RemoteServing(ServeCase, RemoteCase):
     def test_two_servers_behind_nginx_one_of_which_is_killed(self):
         origin = self.origin()
         servers = [self.serve(origin.url + "/g.tcell") for _ in range(2)]
-        with socket.socket() as s:
-            s.bind(("127.0.0.1", 0))
-            port = s.getsockname()[1]
-        folders = "".join(f"{kind}_temp_path {self.folder}/{kind}; " for kind in ["client_body", "proxy", "fastcgi", "uwsgi", "scgi"])
-        upstream = " ".join(f"server 127.0.0.1:{s.port};" for s in servers)
-        self.write("nginx.conf", f"""daemon off; {'user root;' if os.geteuid() == 0 else ''} pid {self.folder}/nginx.pid; events {{}}
-            http {{ access_log off; {folders} upstream teracell {{ {upstream} }}
-              server {{ listen 127.0.0.1:{port}; location / {{ proxy_pass http://teracell; proxy_set_header Host localhost;
-                proxy_next_upstream error timeout; }} }} }}""")
-        nginx = subprocess.Popen([shutil.which("nginx", path=PATH), "-e", self.path("nginx.log"), "-c", self.path("nginx.conf")])
-        self.addCleanup(lambda: (nginx.terminate(), nginx.wait()))
         front = servers[0].__class__.__new__(servers[0].__class__)
-        front.port = port
-        self.wait_for_port(port)
+        front.port, = free_ports(1)
+        upstream = " ".join(f"server 127.0.0.1:{s.port};" for s in servers)
+        self.start_nginx(self.configuration(f"""upstream teracell {{ {upstream} }}
+            server {{ listen 127.0.0.1:{front.port}; location / {{ proxy_pass http://teracell; proxy_set_header Host localhost;
+              proxy_next_upstream error timeout; }} }}"""), front.port)
         expected = {}
         for path in PATHS:
             answers = [s.get("/api/v1/grids/g/" + path) for s in servers]
@@ -117,4 +98,3 @@ class RemoteServing(ServeCase, RemoteCase):
         for client in clients:
             client.join()
         self.assertEqual(wrong, [])
-        self.stop(servers[1])

@@ -23,14 +23,11 @@ class Scenes(Case):
 
     def test_the_higher_priority_wins_and_at_equal_priority_the_later_body(self):
         a, b = {"mesh": "a.stl", "material": "steel"}, {"mesh": "b.obj", "material": "oil"}
-        self.mesh([a, b])
-        self.assert_cells([(*A, 1), (*B, 2)])
-        self.mesh([b, a])
-        self.assert_cells([(*B, 2), (*A, 1)])
-        self.mesh([{**a, "priority": 1}, b])
-        self.assert_cells([(*B, 2), (*A, 1)])
-        self.mesh([a, {**b, "priority": -3}])
-        self.assert_cells([(*B, 2), (*A, 1)])
+        of_a, of_b = (*A, 1), (*B, 2)
+        for bodies, weakest_first in (([a, b], [of_a, of_b]), ([b, a], [of_b, of_a]), ([{**a, "priority": 1}, b], [of_b, of_a]),
+                                      ([a, {**b, "priority": -3}], [of_b, of_a])):
+            self.mesh(bodies)
+            self.assert_cells(weakest_first)
 
     def test_a_body_of_the_background_cuts_a_hole_but_ranks_last_on_coarse_levels(self):
         self.mesh([{"mesh": "a.stl", "material": "steel"}, {"mesh": "b.obj", "material": "air", "priority": 5}])

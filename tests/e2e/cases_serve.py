@@ -11,8 +11,7 @@ TILE = "/api/v1/grids/g/tile/z/5/0/0_0"
 
 class Serving(ServeCase):
     def test_a_grid_by_keep_alive(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         self.assertEqual(server.grids, 1)
         connection = server.connection()
         for _ in range(3):
@@ -26,11 +25,9 @@ class Serving(ServeCase):
         connection.close()
         self.assertEqual(server.get("/api/v1/grids").json()["grids"][0]["id"], "g")
         self.assertEqual(server.get("/healthz").json(), {"status": "ok"})
-        self.stop(server)
 
     def test_head_and_options(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         body = server.get("/api/v1/grids/g").body
         for encoding in ["identity", "gzip"]:
             head = server.get("/api/v1/grids/g", "HEAD", Accept_Encoding=encoding)
@@ -46,11 +43,9 @@ class Serving(ServeCase):
         for a in [options, head, server.get("/nowhere")]:
             self.assertEqual(a.headers["X-Content-Type-Options"], "nosniff")
             self.assertRegex(a.headers["Date"], r"\w{3}, \d\d \w{3} \d{4} \d\d:\d\d:\d\d GMT")
-        self.stop(server)
 
     def test_a_box_is_the_file_that_export_writes(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         cells = server.get("/api/v1/grids/g").json()["grid"]["cells"]
         region = f"1,2,0,{cells[0] - 1},{cells[1]},{max(1, cells[2] - 2)}"
         for ending in ["npy", "vti", "vtr"]:
@@ -63,11 +58,9 @@ class Serving(ServeCase):
         self.assertAlmostEqual(line["length"], 2e5)
         for wrong in ["", "from=1,2,3", "from=1,2,3&to=1,2,3", "from=1,2,3&to=1,2", "from=1,2,nan&to=1,2,3", "from=1,2,3&to=1,2,inf", "from=1,2,3&to=1e20,2,3"]:
             self.assertEqual(server.get(f"/api/v1/grids/g/line?{wrong}").status, 400, wrong)
-        self.stop(server)
 
     def test_etags(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         tile = server.get(TILE + ".png")
         self.assertRegex(tile.headers["ETag"], r'^"[^"]+"$')
         self.assertEqual(tile.headers["Cache-Control"], "no-cache")
@@ -78,11 +71,9 @@ class Serving(ServeCase):
         self.assertEqual(server.get(TILE + ".png", Range="bytes=0-3").status, 200)  # ranges are ignored
         version = server.get("/api/v1/grids/g").json()["file"]["hash"]
         self.assertIn("immutable", server.get(f"{TILE}.png?v={version}").headers["Cache-Control"])
-        self.stop(server)
 
     def test_errors_are_json(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         for status, method, path in [(404, "GET", "/nowhere"), (404, "GET", "/api/v1/grids/h"), (400, "GET", TILE + ".png?nonsense=1"),
                                      (405, "POST", "/"), (405, "DELETE", TILE + ".png"), (404, "GET", "/api/v1/grids/..%2Fg")]:
             answer = server.get(path, method)
@@ -90,11 +81,9 @@ class Serving(ServeCase):
             self.assertEqual(answer.headers["Content-Type"], "application/json")
             self.assertEqual(set(answer.json()["error"]), {"code", "message"})
         self.assertEqual(server.get("/", "PUT").headers["Allow"], "GET, HEAD, OPTIONS")
-        self.stop(server)
 
     def test_base_path_and_forwarded_headers(self):
-        self.grid()
-        server = self.serve("g.tcell", "--base-path", "/base/")
+        server = self.serve_grid("--base-path", "/base/")
         self.assertEqual(server.base, "/base/")
         self.assertEqual(server.get("/api/v1/grids").status, 404)
         self.assertEqual(server.get("/base/api/v1/grids").status, 200)
@@ -107,11 +96,9 @@ class Serving(ServeCase):
         self.assertEqual(info["id"], "https://maps.example/sub/base/iiif/g-z-5")
         info = server.get("/base/iiif/g-z-5/info.json", X_Forwarded_Host="a\"<b", X_Forwarded_Prefix="//evil.example").json()
         self.assertEqual(info["id"], f"http://127.0.0.1:{server.port}/base/iiif/g-z-5")
-        self.stop(server)
 
     def test_what_only_pages_of_this_machine_may_read(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         for host in [f"127.0.0.1:{server.port}", f"localhost:{server.port}", "[::1]", "grids.localhost"]:
             self.assertEqual(server.get("/api/v1/grids", Host=host).status, 200, host)
         for path in ["/api/v1/grids", "/", "/healthz", TILE + ".png"]:
@@ -124,7 +111,6 @@ class Serving(ServeCase):
                 self.assertEqual((headers["Access-Control-Allow-Origin"], "Origin" in headers.get_all("Vary")), (given, True))
         got = server.raw(b"GET http://evil.example/api/v1/grids HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
         self.assertTrue(got.startswith(b"HTTP/1.1 421 Misdirected Request\r\n"), got[:100])
-        self.stop(server)
 
     def test_hosts_and_origins_that_are_allowed(self):
         self.grid()
@@ -144,12 +130,10 @@ class Serving(ServeCase):
             self.stop(server, problems=int("0.0.0.0" in options))
 
     def test_a_body_that_waits_for_leave(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         for method, status in [(b"GET", b"200"), (b"POST", b"405")]:
             got = server.raw(method + b" /healthz HTTP/1.1\r\nHost: localhost\r\nExpect: 100-continue\r\nContent-Length: 5\r\n\r\n")
             self.assertTrue(got.startswith(b"HTTP/1.1 " + status), got[:100])
-        self.stop(server)
 
     def test_a_token(self):
         self.grid()
@@ -185,8 +169,7 @@ class Serving(ServeCase):
         self.stop(server, problems=1)
 
     def test_metrics(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         for _ in range(3):
             server.get(TILE + ".png")
         server.get("/nowhere")
@@ -212,11 +195,9 @@ class Serving(ServeCase):
         self.assertEqual(samples["teracell_damaged_total"], 0)
         self.assertEqual(samples["teracell_grids"], 1)
         self.assertGreater(samples["process_resident_memory_bytes"], 1e6)
-        self.stop(server)
 
     def test_the_log(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         server.get("/nowhere?a=b")
         self.assertRegex(server.log_line(), r"^\S+Z 127\.0\.0\.1 GET /nowhere\?a=b 404 \d+ \d+\.\d{3} \w+$")
         server.raw(b"GET /\xc2\x9b31m\xff\"\\ HTTP/1.0\r\n\r\n")
@@ -272,18 +253,14 @@ class ServeUsage(ServeCase):
         self.refused(1, ["192.0.2.1"], "serve", "g.tcell", "--host", "192.0.2.1", "--port", "0")
 
     def test_a_port_in_use(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         self.refused(1, [f"port {server.port}", "Address already in use", "--port"], "serve", "g.tcell", "--port", server.port)
-        self.stop(server)
 
     def test_a_warning_beyond_loopback_without_a_token(self):
         self.grid()
         self.token("t")
         server = self.serve("g.tcell", "--host", "0.0.0.0")
-        server.signal(15)
-        self.assertEqual(server.wait(), 0)
-        self.assertEqual(len(server.problems), 1)
+        self.stop(server, problems=1)
         self.assertIn("warning", server.problems[0])
         self.assertIn("--token-file", server.problems[0])
         self.stop(self.serve("g.tcell", "--host", "0.0.0.0", "--token-file", "token"))

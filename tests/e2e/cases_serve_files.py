@@ -42,7 +42,6 @@ class Descriptors(ServeCase):
             response.read()
             self.assertLessEqual(server.descriptors(), 100)
         connection.close()
-        self.stop(server)
 
 
 class TokenFiles(ServeCase):
@@ -87,7 +86,6 @@ class Hangups(ServeCase):
         self.grid("new.tcell")
         server.signal(signal.SIGHUP)
         self.wait_until(lambda: server.get(CELL.format("new")).status == 200, "the new grid")
-        self.stop(server)
 
     def test_it_ends_with_its_terminal_unless_hangups_were_ignored(self):
         self.grid()

@@ -10,8 +10,7 @@ TILE = "/api/v1/grids/g/tile/z/5/0/0_0"
 
 class Limits(ServeCase):
     def test_requests_that_are_too_large_or_malformed(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         for status, data in [
             (400, b"nonsense\r\n\r\n"),
             (400, b"GET / HTTP/1.1\r\n\r\n"),
@@ -29,11 +28,9 @@ class Limits(ServeCase):
             self.assertTrue(got.startswith(b"HTTP/1.1 %d " % status), (data[:60], got[:200]))
             self.assertIn(b'{"error":{"code":', got)
         self.assertEqual(server.get("/healthz").status, 200)
-        self.stop(server)
 
     def test_800_idle_and_half_sent_connections(self):
-        self.grid()
-        server = self.serve("g.tcell", "--request-timeout", 3, "--idle-timeout", 3)
+        server = self.serve_grid("--request-timeout", 3, "--idle-timeout", 3)
         server.get(TILE + ".png")
         memory, descriptors = server.memory(), server.descriptors()
         sockets = [server.socket(source=f"127.0.0.{2 + i % 4}") for i in range(800)]  # a client gets a quarter of the 1024
@@ -53,11 +50,9 @@ class Limits(ServeCase):
         metrics = server.get("/metrics").body.decode()
         self.assertIn('reason="idle"} 400\n', metrics)
         self.assertIn('reason="slow_request"} 400\n', metrics)
-        self.stop(server)
 
     def test_more_connections_than_allowed(self):
-        self.grid()
-        server = self.serve("g.tcell", "--max-connections", 8)
+        server = self.serve_grid("--max-connections", 8)
         ask = b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"
         kept = [server.socket(source=f"127.0.0.{2 + i // 2}") for i in range(8)]
         for s in kept:
@@ -73,7 +68,6 @@ class Limits(ServeCase):
         for s in kept:
             s.close()
         self.assertIn('reason="full"}', server.get("/metrics").body.decode())
-        self.stop(server)
 
 
 class Ending(ServeCase):
@@ -127,8 +121,7 @@ class Ending(ServeCase):
                 self.assertLess(time.monotonic() - began, 2)
 
     def test_the_log_is_complete_at_the_end(self):
-        self.grid()
-        server = self.serve("g.tcell")
+        server = self.serve_grid()
         for i in range(100):
             server.get(f"/nowhere/{i}")
         self.stop(server)

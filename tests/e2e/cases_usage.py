@@ -1,5 +1,6 @@
 """Wrong usage: exit status 2 and one paragraph that names what is wrong, and the allowed range or the nearest known name."""
 import os
+import pathlib
 
 import solids
 from program import Case, teracell
@@ -27,8 +28,7 @@ class Usage(Case):
         self.refused(2, ["no command 'mehs'"], "help", "mehs")
 
     def test_licenses(self):
-        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "NOTICE")) as f:
-            notice = f.read()
+        notice = (pathlib.Path(__file__).resolve().parents[2] / "NOTICE").read_text()
         self.assertEqual(self.run_ok("--licenses").out, notice)
         for name in ("three.js", "Preact", "Boost.Asio", "CLI11", "Zstandard", "xxHash", "zlib"):
             self.assertIn(name, notice)

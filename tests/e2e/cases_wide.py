@@ -4,7 +4,7 @@ import subprocess
 import zlib
 
 import solids
-from program import PROGRAM, Case
+from program import PROGRAM, Case, png_chunks
 
 WIDTH, LO, HI = 200_000_000, 60_000_000, 140_000_000  # cells of the grid; the first cell of the box and the one behind it
 
@@ -45,11 +45,6 @@ class Wide(Case):
     def test_pictures(self):
         for axis in "zy":
             self.write_in_little_memory("slice", "g.tcell", "--axis", axis, "--index", 0, "-o", "p.png", "--threads", 2)
-            picture, at, data = self.bytes("p.png"), 8, b""
-            while at < len(picture):
-                size, name = int.from_bytes(picture[at : at + 4], "big"), picture[at + 4 : at + 8]
-                data += picture[at + 8 : at + 8 + size] if name == b"IDAT" else b""
-                at += 12 + size
-            row = zlib.decompress(data)
+            row = zlib.decompress(b"".join(body for name, body in png_chunks(self.bytes("p.png")) if name == b"IDAT"))
             self.assertEqual(row[0], 0, "no filter")
             self.assert_row([row[1:]], 8, 255)

@@ -62,12 +62,12 @@ class Origin:
         body = self.objects.get(name)
         if body is None:
             return send(h, 404, {}, b"<html><h1>Not Found</h1>\x1b[31m" + b"there is nothing here " * 100 + b"</html>")
-        wrong = getattr(self, "wrong_" + self.mode, None)
-        if wrong and wrong(h, name, body, number, failing):
-            return
-        self.right(h, body)
+        mode = GOOD if self.mode in AFTER_THE_FIRST and number == 1 or self.mode in FOR_A_WHILE and not failing else self.mode
+        wrong = getattr(self, "wrong_" + mode, None)
+        if not wrong or wrong(h, name, body, number) is False:
+            self.right(h, body, change=HEADERS.get(mode, lambda headers: None), send_body=BODIES.get(mode, lambda part: part))
 
-    def right(self, h, body, first_etag=None, change=lambda headers: None, send_body=None):
+    def right(self, h, body, first_etag=None, change=lambda headers: None, send_body=lambda part: part):
         etag = first_etag or f'"{hashlib.md5(body).hexdigest()}"'
         headers = {"ETag": etag, "Accept-Ranges": "bytes", "Last-Modified": "Thu, 01 Jan 2026 00:00:00 GMT"}
         if h.headers.get("If-Match", etag) != etag:
@@ -77,7 +77,7 @@ class Origin:
         found = re.fullmatch(r"bytes=(\d*)-(\d*)", h.headers.get("Range", ""))
         if not found:
             change(headers)
-            return send(h, 200, headers, body if send_body is None else send_body)
+            return send(h, 200, headers, send_body(body))
         first = max(0, len(body) - int(found[2])) if not found[1] else int(found[1])
         last = len(body) - 1 if not found[1] or not found[2] else min(int(found[2]), len(body) - 1)
         if first > last:
@@ -86,177 +86,136 @@ class Origin:
         change(headers)
         part = body[first : last + 1]
         self.sent += len(part)
-        send(h, 206, headers, part if send_body is None else send_body(part))
+        send(h, 206, headers, send_body(part))
 
-    # ---- What is wrong with the answers. Each of these returns whether it has answered.
+    # ---- What is wrong with the answers. Each of these answers, or returns False: then comes what is right.
 
-    def wrong_total(self, h, name, body, number, failing):
-        def change(headers):
-            if number > 1:
-                headers["Content-Range"] = headers["Content-Range"].split("/")[0] + f"/{len(body) + 1}"
-        self.right(h, body, change=change)
-        return True
+    def wrong_no_suffix(self, h, name, body, number):
+        if not h.headers.get("Range", "").startswith("bytes=-"):
+            return False
+        send(h, 416, {}, b"no such range")
 
-    def wrong_range(self, h, name, body, number, failing):
-        """Another range than was asked for, whose bytes have the right number."""
-        def change(headers):
-            first, last, total = map(int, re.findall(r"\d+", headers["Content-Range"]))
-            headers["Content-Range"] = f"bytes {first - 1}-{last - 1}/{total}" if first else f"bytes 1-{last + 1}/{total}"
-        self.right(h, body, change=change if number > 1 else lambda headers: None)
-        return True
-
-    def wrong_no_content_range(self, h, name, body, number, failing):
-        self.right(h, body, change=lambda headers: headers.pop("Content-Range", None))
-        return True
-
-    def wrong_short(self, h, name, body, number, failing):
-        """Fewer bytes than Content-Range says, with the Content-Length of what is sent."""
-        self.right(h, body, send_body=lambda part: part[:-1] if number > 1 else part)
-        return True
-
-    def wrong_long(self, h, name, body, number, failing):
-        self.right(h, body, send_body=lambda part: part + b"x" if number > 1 else part)
-        return True
-
-    def wrong_other_bytes(self, h, name, body, number, failing):
-        self.right(h, body, send_body=lambda part: bytes(len(part)) if number > 1 else part)
-        return True
-
-    def wrong_whole(self, h, name, body, number, failing):
-        del h.headers["Range"]
-        self.right(h, body)
-        return True
-
-    def wrong_whole_later(self, h, name, body, number, failing):
-        if number > 1:
-            del h.headers["Range"]
-        self.right(h, body)
-        return True
-
-    def wrong_no_suffix(self, h, name, body, number, failing):
-        if h.headers.get("Range", "").startswith("bytes=-"):
-            send(h, 416, {}, b"no such range")
-            return True
-        return False
-
-    def wrong_suffix_from_start(self, h, name, body, number, failing):
+    def wrong_suffix_from_start(self, h, name, body, number):
         """Takes -100 for 0-100, as s3rver does."""
         if h.headers.get("Range", "").startswith("bytes=-"):
             h.headers.replace_header("Range", h.headers["Range"].replace("=-", "=0-"))
-        self.right(h, body)
-        return True
+        return False
 
-    def wrong_etag(self, h, name, body, number, failing):
+    def wrong_whole(self, h, name, body, number):
+        del h.headers["Range"]
+        return False
+
+    wrong_whole_later = wrong_whole
+
+    def wrong_etag(self, h, name, body, number):
         """The object changes after the first request, and If-Match is not heeded."""
         del h.headers["If-Match"]
         self.right(h, body, first_etag='"one"' if number == 1 else '"two"')
-        return True
 
-    def wrong_weak(self, h, name, body, number, failing):
+    def wrong_weak(self, h, name, body, number):
         self.right(h, body, first_etag='W/"weak"')
-        return True
 
-    def wrong_no_etag(self, h, name, body, number, failing):
-        self.right(h, body, change=lambda headers: headers.pop("ETag"))
-        return True
+    def wrong_stall(self, h, name, body, number):
+        h.send_response(206)
+        h.send_header("Content-Length", "100000")
+        h.end_headers()
+        h.wfile.flush()
+        time.sleep(30)
+        h.close_connection = True
 
-    def wrong_no_version(self, h, name, body, number, failing):
-        self.right(h, body, change=lambda headers: (headers.pop("ETag"), headers.pop("Last-Modified")))
-        return True
+    def wrong_stall_later(self, h, name, body, number):
+        return self.wrong_stall(h, name, body, number) if number >= self.after else False
 
-    def wrong_encoded(self, h, name, body, number, failing):
-        self.right(h, body, change=lambda headers: headers.update({"Content-Encoding": "gzip"}))
-        return True
-
-    def wrong_stall(self, h, name, body, number, failing):
-        if number > 1:
-            h.send_response(206)
-            h.send_header("Content-Length", "100000")
-            h.end_headers()
-            h.wfile.flush()
-            time.sleep(30)
-            h.close_connection = True
-            return True
-        return False
-
-    def wrong_stall_later(self, h, name, body, number, failing):
-        return number >= self.after and self.wrong_stall(h, name, body, number, failing)
-
-    def wrong_cut(self, h, name, body, number, failing):
+    def wrong_cut(self, h, name, body, number):
         """Half of the body, then the end of the connection."""
-        if number > 1:
-            cut(h, body)
-            return True
-        return False
+        found = re.fullmatch(r"bytes=(\d+)-(\d+)", h.headers["Range"])
+        first, last = int(found[1]), min(int(found[2]), len(body) - 1)
+        h.send_response(206)
+        h.send_header("ETag", f'"{hashlib.md5(body).hexdigest()}"')
+        h.send_header("Content-Range", f"bytes {first}-{last}/{len(body)}")
+        h.send_header("Content-Length", str(last - first + 1))
+        h.end_headers()
+        h.wfile.write(body[first : first + (last - first + 1) // 2])
+        h.wfile.flush()
+        h.close_connection = True
 
-    def wrong_reset(self, h, name, body, number, failing):
-        if failing:
-            h.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-            h.connection.close()
-            h.close_connection = True
-        return failing
+    def wrong_reset(self, h, name, body, number):
+        h.connection.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+        h.connection.close()
+        h.close_connection = True
 
-    def wrong_busy(self, h, name, body, number, failing):
-        if failing:
-            send(h, [500, 503, 429][number % 3], {}, b"SlowDown")
-        return failing
+    def wrong_busy(self, h, name, body, number):
+        send(h, [500, 503, 429][number % 3], {}, b"SlowDown")
 
-    def wrong_forbidden(self, h, name, body, number, failing):
+    def wrong_forbidden(self, h, name, body, number):
         send(h, 403, {}, b"<Error><Code>AccessDenied</Code><Message>Access Denied</Message></Error>")
-        return True
 
-    def wrong_forbidden_later(self, h, name, body, number, failing):
-        if number > 1:
-            send(h, 403, {}, b"the token has expired")
-        return number > 1
+    def wrong_forbidden_later(self, h, name, body, number):
+        send(h, 403, {}, b"the token has expired")
 
-    def wrong_ill_later(self, h, name, body, number, failing):
-        if number > 1:
-            send(h, 503, {}, b"")
-        return number > 1
+    def wrong_ill_later(self, h, name, body, number):
+        send(h, 503, {}, b"")
 
-    def wrong_gone_later(self, h, name, body, number, failing):
+    def wrong_gone_later(self, h, name, body, number):
         """Nobody listens any more."""
-        if number > 1:
-            h.close_connection = True
-        return number > 1
+        h.close_connection = True
 
-    def wrong_circle(self, h, name, body, number, failing):
+    def wrong_circle(self, h, name, body, number):
         send(h, 302, {"Location": h.path}, b"")
-        return True
 
-    def wrong_long_redirect(self, h, name, body, number, failing):
+    def wrong_long_redirect(self, h, name, body, number):
         """A redirect with a body that does not end."""
-        if name == "/g.tcell":
-            h.send_response(302)
-            h.send_header("Location", "/there/g.tcell?signature=secret")
-            h.send_header("Content-Length", str(10**12))
-            h.end_headers()
-            try:
-                while True:
-                    h.wfile.write(b"moved " * 10000)
-            except OSError:
-                h.close_connection = True
-            return True
-        return False
+        if name != "/g.tcell":
+            return False
+        h.send_response(302)
+        h.send_header("Location", "/there/g.tcell?signature=secret")
+        h.send_header("Content-Length", str(10**12))
+        h.end_headers()
+        try:
+            while True:
+                h.wfile.write(b"moved " * 10000)
+        except OSError:
+            h.close_connection = True
 
-    def wrong_headers(self, h, name, body, number, failing):
+    def wrong_headers(self, h, name, body, number):
         h.wfile.write(b"HTTP/1.1 206 Partial\r\n" + b"".join(b"x-%d: %s\r\n" % (i, b"a" * 100) for i in range(1000)))
         h.close_connection = True
-        return True
 
-    def wrong_echo(self, h, name, body, number, failing):
+    def wrong_echo(self, h, name, body, number):
         """Errors that repeat the request, as those of Amazon and of web frameworks do."""
         send(h, 403, {}, f"<Error><Code>InvalidToken</Code><Message>The token is malformed.</Message><Token-0>{h.headers.get('x-amz-security-token')}"
                          f"</Token-0></Error> Cannot GET {h.path} {h.headers}".encode())
-        return True
 
-    def wrong_elsewhere(self, h, name, body, number, failing):
+    def wrong_elsewhere(self, h, name, body, number):
         """Sends clients to `self.target`, or to one of `self.targets` after the other."""
         if hasattr(self, "targets"):
             self.target = self.targets[min(number, len(self.targets)) - 1]
         send(h, 307, {"Location": self.target + h.path}, b"")
-        return True
+
+
+def other_total(headers):
+    headers["Content-Range"] = re.sub(r"\d+$", lambda total: str(int(total[0]) + 1), headers["Content-Range"])
+
+
+def other_range(headers):
+    """Another range than was asked for, whose bytes have the right number."""
+    first, last, total = map(int, re.findall(r"\d+", headers["Content-Range"]))
+    headers["Content-Range"] = f"bytes {first - 1}-{last - 1}/{total}" if first else f"bytes 1-{last + 1}/{total}"
+
+
+# Modes in which only the headers of answers are wrong, or only their bodies: what changes them. The length is that of the body that is sent.
+HEADERS = {
+    "total": other_total,
+    "range": other_range,
+    "no_content_range": lambda headers: headers.pop("Content-Range", None),
+    "no_etag": lambda headers: headers.pop("ETag"),
+    "no_version": lambda headers: (headers.pop("ETag"), headers.pop("Last-Modified")),
+    "encoded": lambda headers: headers.update({"Content-Encoding": "gzip"}),
+}
+BODIES = {"short": lambda part: part[:-1], "long": lambda part: part + b"x", "other_bytes": lambda part: bytes(len(part))}
+# Modes whose first answer is right, and those that are wrong as long as there are `failures_left`.
+AFTER_THE_FIRST = {"total", "range", *BODIES, "whole_later", "stall", "cut", "forbidden_later", "ill_later", "gone_later"}
+FOR_A_WHILE = {"reset", "busy"}
 
 
 def send(h, status, headers, body):
@@ -271,19 +230,6 @@ def send(h, status, headers, body):
             h.wfile.write(body)
         except (BrokenPipeError, ConnectionResetError):
             h.close_connection = True
-
-
-def cut(h, body):
-    found = re.fullmatch(r"bytes=(\d+)-(\d+)", h.headers["Range"])
-    first, last = int(found[1]), min(int(found[2]), len(body) - 1)
-    h.send_response(206)
-    h.send_header("ETag", f'"{hashlib.md5(body).hexdigest()}"')
-    h.send_header("Content-Range", f"bytes {first}-{last}/{len(body)}")
-    h.send_header("Content-Length", str(last - first + 1))
-    h.end_headers()
-    h.wfile.write(body[first : first + (last - first + 1) // 2])
-    h.wfile.flush()
-    h.close_connection = True
 
 
 def wrong_signature(h, keys):

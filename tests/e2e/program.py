@@ -2,7 +2,10 @@
 import importlib
 import json
 import os
+import pathlib
+import resource
 import shutil
+import signal
 import socket
 import struct
 import subprocess
@@ -43,6 +46,12 @@ def teracell(*args, cwd, **options):
     return Result(args, subprocess.run([PROGRAM, *args], cwd=cwd, stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, timeout=120, **options))
 
 
+def limit_files():
+    """For preexec_fn, with restore_signals=False: no file may become larger than 16 kB."""
+    signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (16384, resource.RLIM_INFINITY))
+
+
 class Case(unittest.TestCase):
     """A test in a folder of its own."""
 
@@ -56,13 +65,11 @@ class Case(unittest.TestCase):
     def write(self, name, contents):
         if isinstance(contents, dict):
             contents = json.dumps(contents)
-        with open(self.path(name), "wb") as f:
-            f.write(contents.encode() if isinstance(contents, str) else contents)
+        pathlib.Path(self.path(name)).write_bytes(contents.encode() if isinstance(contents, str) else contents)
         return name
 
     def bytes(self, name):
-        with open(self.path(name), "rb") as f:
-            return f.read()
+        return pathlib.Path(self.path(name)).read_bytes()
 
     def run_ok(self, *args, **options):
         r = teracell(*args, cwd=self.folder, **options)
@@ -77,14 +84,41 @@ class Case(unittest.TestCase):
     def refused(self, status, phrases, *args, **options):
         """The program fails with `status` and one paragraph that has all the phrases. It prints nothing else and leaves no partial file."""
         r = teracell(*args, cwd=self.folder, **options)
+        self.assert_refused(r, status, phrases)
+        self.no_debris()
+        return r.err
+
+    def assert_refused(self, r, status, phrases):
         said = f"{r.args}: {r.status}, stdout {r.out!r}, stderr {r.err!r}"
         self.assertEqual(r.status, status, said)
         self.assertEqual(r.out, "", said)
         self.assert_paragraph(r.err, said)
         for phrase in [phrases] if isinstance(phrases, str) else phrases:
             self.assertIn(phrase, r.err, said)
+
+    def interrupt(self, args, ready, sent=signal.SIGINT):
+        """Runs the program until `ready`, which is asked with its process, and sends a signal: it ends soon and leaves no partial file."""
+        process = subprocess.Popen([PROGRAM, *map(str, args)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        deadline = time.monotonic() + 30
+        while process.poll() is None and not ready(process) and time.monotonic() < deadline:
+            time.sleep(0.002)
+        process.send_signal(sent)
+        started = time.monotonic()
+        out, err = process.communicate(timeout=60)
+        self.assertEqual((process.returncode, out), (130, ""), err)
+        self.assertLess(time.monotonic() - started, 10)
+        last = err.splitlines(keepends=True)[-1]
+        self.assert_paragraph(last)
+        self.assertIn("interrupted", last)
         self.no_debris()
-        return r.err
+        return err
+
+    def mount_small_disk(self, name):
+        """Mounts 16 kB at a folder until the end of the test. Returns whether it could: only root may mount."""
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", self.path(name)], capture_output=True).returncode != 0:
+            return False
+        self.addCleanup(subprocess.run, ["umount", self.path(name)], check=True)
+        return True
 
     def wait_until(self, condition, what, seconds=30):
         """Asks until `condition` answers with something true."""
@@ -168,7 +202,8 @@ def unfilter(kind, line, above, step):
     return out
 
 
-def read_png(data):
+def png_chunks(data):
+    """(name, body) of each."""
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     at, chunks = 8, []
     while at < len(data):
@@ -178,6 +213,11 @@ def read_png(data):
         chunks.append((name, body))
         at += 12 + size
     assert at == len(data) and chunks[0][0] == b"IHDR" and chunks[-1] == (b"IEND", b"")
+    return chunks
+
+
+def read_png(data):
+    chunks = png_chunks(data)
     width, height, bits, kind, *rest = struct.unpack(">IIBBBBB", chunks[0][1])
     assert rest == [0, 0, 0], rest
     picture = Picture(width, height, bits, kind)

@@ -40,12 +40,11 @@ def box(shape, values, lo, hi):
 
 def plane(shape, values, axis, index):
     """(rows, columns, values) of a slice, [v][u]."""
-    nz, ny, nx = shape
-    if axis == "z":
-        return ny, nx, values[index * ny * nx : (index + 1) * ny * nx]
-    if axis == "y":
-        return nz, nx, b"".join(values[(z * ny + index) * nx : (z * ny + index + 1) * nx] for z in range(nz))
-    return nz, ny, values[index::nx]
+    d = "xyz".index(axis)
+    lo, hi = [0, 0, 0], list(shape[::-1])
+    lo[d], hi[d] = index, index + 1
+    columns, rows = (hi[e] for e in range(3) if e != d)
+    return rows, columns, box(shape, values, lo, hi)
 
 
 def color(text):

@@ -2,6 +2,7 @@
 import http.client
 import json
 import os
+import pathlib
 import queue
 import re
 import signal
@@ -16,12 +17,13 @@ LINE = re.compile(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\d\.\d{3}Z \S+ \S+ [!-~]+ \d{3} 
 
 
 class Server:
-    """Runs until stop() or the end of the test. `problems` are the lines of stderr that are not lines of the access log."""
+    """Runs until stop() or the end of the test. `problems` are the lines of stderr that are not lines of the access log. `status` is that of
+    its exit, once somebody has waited for it."""
 
     def __init__(self, folder, *args, **options):
         self.process = subprocess.Popen([PROGRAM, "serve", *map(str, args), *([] if "--port" in args else ["--port", "0"])], cwd=folder,
                                         stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
-        self.lines, self.queue = [], queue.Queue()
+        self.lines, self.queue, self.status = [], queue.Queue(), None
         self.reader = threading.Thread(target=self.read_log, daemon=True)
         self.reader.start()
         self.ready = self.process.stdout.readline()
@@ -55,11 +57,11 @@ class Server:
         self.process.send_signal(number)
 
     def wait(self, timeout=20):
-        status = self.process.wait(timeout)
+        self.status = self.process.wait(timeout)
         self.reader.join()
         self.process.stdout.close()
         self.process.stderr.close()
-        return status
+        return self.status
 
     def kill(self):
         if self.process.poll() is None:
@@ -67,8 +69,7 @@ class Server:
             self.wait()
 
     def memory(self):
-        with open(f"/proc/{self.process.pid}/statm") as f:
-            return int(f.read().split()[1]) * os.sysconf("SC_PAGESIZE")
+        return int(pathlib.Path(f"/proc/{self.process.pid}/statm").read_text().split()[1]) * os.sysconf("SC_PAGESIZE")
 
     def descriptors(self):
         return len(os.listdir(f"/proc/{self.process.pid}/fd"))
@@ -126,12 +127,17 @@ def read_all(s):
 
 
 class ServeCase(Case):
-    """A test with grids in its folder. The servers that it starts must end with a clean log."""
+    """A test with grids in its folder. The servers that it starts must end with a clean log: those that run at its end are stopped then."""
 
     def setUp(self):
         super().setUp()
         self.servers = []
         self.addCleanup(lambda: [s.kill() for s in self.servers])
+
+    def tearDown(self):
+        for server in self.servers:
+            if server.status is None:
+                self.stop(server)
 
     def grid(self, name="g.tcell", lo=(0, 0, 0), hi=(600, 30, 20), cells=602):
         self.write("box.stl", solids.binary_stl(solids.box_facets(lo, hi)))
@@ -146,6 +152,10 @@ class ServeCase(Case):
     def serve(self, *args, **options):
         self.servers.append(Server(self.folder, *args, **options))
         return self.servers[-1]
+
+    def serve_grid(self, *args, **options):
+        """A server of one grid."""
+        return self.serve(self.grid(), *args, **options)
 
     def stop(self, server, problems=0):
         server.signal(signal.SIGTERM)

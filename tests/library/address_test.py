@@ -19,9 +19,7 @@ class Addresses(unittest.TestCase):
         self.path = folder / "far.tcell"
         if not self.path.exists():
             run(PROGRAM, "mesh", folder / "stadium/scene.json", "--cells", "400", "-o", self.path)  # so large that its end is not all of it
-        with open(self.path, "rb") as file:
-            self.file = file.read()
-        self.origin = Origin({"/g.tcell": self.file, "/bucket/g.tcell": self.file})
+        self.origin = Origin(dict.fromkeys(["/g.tcell", "/bucket/g.tcell"], self.path.read_bytes()))
         self.addCleanup(self.origin.close)
         self.address = self.origin.url + "/g.tcell"
 

@@ -1,5 +1,6 @@
 """What the tests of the installed library share: its place, programs that use it, and the stadium as a grid for each axis of rays."""
 import atexit
+import json
 import os
 import pathlib
 import shutil
@@ -54,6 +55,26 @@ def compiled(source, *flags):
     program = folder / (source.stem + source.suffix.replace(".", "-"))
     run(*compiler, "-Wall", "-O1", source, *run("pkg-config", "--cflags", "--libs", package, text=True).split(), *flags, "-o", program)
     return program
+
+
+def stadium_scene():
+    """The scene of the stadium, for grids elsewhere; no seam is stitched."""
+    scene = json.loads((folder / "stadium/scene.json").read_text())
+    for body in scene["bodies"]:
+        body["mesh"] = str(folder / "stadium" / body["mesh"])
+        body["stitch"] = 0
+    return scene
+
+
+def cmake_project(name, languages, *lines):
+    """Builds a project that finds the package, and returns its folder."""
+    project = folder / name
+    project.mkdir()
+    head = [f"cmake_minimum_required(VERSION 3.20)\nproject(p {languages})\nfind_package(teracell 0.1 REQUIRED)\n"]
+    (project / "CMakeLists.txt").write_text("\n".join([*head, *lines, ""]))
+    run("cmake", "-G", "Ninja", "-S", project, "-B", project / "build", "-DCMAKE_PREFIX_PATH=" + PREFIX)
+    run("cmake", "--build", project / "build")
+    return project / "build"
 
 
 folder = pathlib.Path(tempfile.mkdtemp())

@@ -6,14 +6,14 @@ import pwd
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
-import tempfile
 import time
 import unittest
 
-PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
+from support import PROGRAM, folder, run
+from nginx import free_ports  # of tests/e2e, where support looks
+
 TEXT = (pathlib.Path(__file__).resolve().parents[2] / "tools/cli/BATCH.md").read_text()
 PARTS = 16
 MESH = ["mesh", "scene.json", "--step", "0.05", "-o"]
@@ -48,14 +48,6 @@ PartitionName=all Nodes=ALL Default=YES State=UP
 def block_after(words):
     """The first block of code after these words of the page."""
     return re.search(r"```(?:bash)?\n(.*?)```", TEXT[TEXT.index(words):], re.DOTALL)[1]
-
-
-def free_ports(count):
-    with contextlib.ExitStack() as open_ones:
-        sockets = [open_ones.enter_context(socket.socket()) for _ in range(count)]
-        for s in sockets:
-            s.bind(("127.0.0.1", 0))
-        return [s.getsockname()[1] for s in sockets]
 
 
 def wait_for(found, what, pause=0.1):
@@ -153,13 +145,12 @@ class Slurm:
 class Batch(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="teracell-batch-"))
-        cls.addClassCleanup(shutil.rmtree, cls.folder, True)
+        cls.folder = folder
         (cls.folder / "bin").mkdir()
         (cls.folder / "bin/teracell").symlink_to(PROGRAM)
         os.environ["PATH"] = f"{cls.folder}/bin:{os.environ['PATH']}"
-        subprocess.run([PROGRAM, "sample", "stadium", "-o", cls.folder / "scene"], check=True, capture_output=True)
-        subprocess.run([PROGRAM, *MESH, "../one.tcell"], cwd=cls.folder / "scene", check=True, capture_output=True)
+        run(PROGRAM, "sample", "stadium", "-o", cls.folder / "scene")
+        run(PROGRAM, *MESH, "../one.tcell", cwd=cls.folder / "scene")
         cls.expected = (cls.folder / "one.tcell").read_bytes()
 
     def setUp(self):

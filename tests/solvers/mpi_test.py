@@ -1,16 +1,16 @@
 """teracell_mpi, built with Open MPI and with MPICH: the bytes of one process, whatever ranks, threads, memory and kills; and how it fails."""
+import contextlib
 import json
 import os
 import pathlib
 import shutil
 import signal
 import subprocess
-import sys
-import tempfile
 import time
 import unittest
 
-PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
+from support import PROGRAM, ascii_stl, folder, run
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 MPIS = ("openmpi", "mpich")
 ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1"}
@@ -40,9 +40,8 @@ def ranks_that_write(output):
 class Mpi(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = pathlib.Path(tempfile.mkdtemp(prefix="teracell-mpi-"))
-        cls.addClassCleanup(shutil.rmtree, cls.folder, True)
-        subprocess.run([PROGRAM, "sample", "stadium", "-o", cls.folder / "s"], check=True, capture_output=True)
+        cls.folder = folder
+        run(PROGRAM, "sample", "stadium", "-o", cls.folder / "s")
         cls.scene = cls.folder / "s/scene.json"
         cls.output = cls.folder / "g.tcell"
         cls.expected = {}
@@ -56,7 +55,7 @@ class Mpi(unittest.TestCase):
 
     def bytes_of_one(self, cells, *more):
         if (cells, *more) not in self.expected:
-            subprocess.run([PROGRAM, *self.options(cells), *more], check=True, capture_output=True)
+            run(PROGRAM, *self.options(cells), *more)
             self.expected[cells, *more] = self.output.read_bytes()
             self.output.unlink()
         return self.expected[cells, *more]
@@ -64,13 +63,31 @@ class Mpi(unittest.TestCase):
     def run_mpi(self, mpi, ranks, *options, **more):
         return subprocess.run([*launcher(mpi, ranks), program_of(mpi), *map(str, options)], env=ENVIRONMENT, capture_output=True, text=True, timeout=600, **more)
 
-    def started(self, mpi, pieces):
-        """A job of two ranks for 5000 cells that has made some pieces."""
-        job = subprocess.Popen([*launcher(mpi, 2), program_of(mpi), *map(str, self.options(5000))], env=ENVIRONMENT, stdout=subprocess.DEVNULL,
-                               stderr=subprocess.DEVNULL)
+    def started(self, mpi, pieces, ranks=2, *more, out=subprocess.DEVNULL):
+        """A job for 5000 cells that has made some pieces."""
+        job = subprocess.Popen([*launcher(mpi, ranks), program_of(mpi), *map(str, self.options(5000)), *more], env=ENVIRONMENT, stdout=out, stderr=out, text=True)
         while len(list(self.folder.glob("g.tcell.piece-*"))) < pieces:
             time.sleep(0.001)
         return job
+
+    @contextlib.contextmanager
+    def small_disk(self, size):
+        """A folder on a disk of its own."""
+        place = self.folder / "small"
+        place.mkdir(exist_ok=True)
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", place], capture_output=True).returncode != 0:
+            self.skipTest("needs to be root")
+        try:
+            yield place
+        finally:
+            subprocess.run(["umount", place], check=True)
+
+    def expect_no_ranks(self):
+        """They do not outlive a job for long."""
+        deadline = time.monotonic() + 60
+        while ranks_that_write(self.output) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        self.assertEqual(ranks_that_write(self.output), [])
 
     def expect_grid(self, done, expected):
         self.assertEqual(done.returncode, 0, done.stderr)
@@ -89,9 +106,8 @@ class Mpi(unittest.TestCase):
     def test_report_and_caps(self):
         for mpi in MPIS:
             with self.subTest(mpi=mpi):
-                (self.folder / "open.stl").write_text("solid\n" + "".join(
-                    f"facet normal 0 0 0\nouter loop\n{''.join(f'vertex {x} {y} {z}' + chr(10) for x, y, z in facet)}endloop\nendfacet\n"
-                    for facet in (((0, 0, 0), (0, 1, 0), (1, 0, 0)), ((0, 0, 0), (1, 0, 0), (0, 0, 1)), ((0, 0, 0), (0, 0, 1), (0, 1, 0)))) + "endsolid\n")
+                (self.folder / "open.stl").write_text(ascii_stl([((0, 0, 0), (0, 1, 0), (1, 0, 0)), ((0, 0, 0), (1, 0, 0), (0, 0, 1)),
+                                                                 ((0, 0, 0), (0, 0, 1), (0, 1, 0))]))
                 results = []
                 for command in ([PROGRAM], [*launcher(mpi, 3), program_of(mpi)]):
                     words = ["mesh", "open.stl", "--cells", "700", "-o", "o.tcell", "--write-caps", "caps.stl", "--report", "report.json"]
@@ -104,8 +120,7 @@ class Mpi(unittest.TestCase):
                     self.assertTrue(a == b)
 
     def test_resumed_after_kills(self):
-        cells = 5000
-        expected = self.bytes_of_one(cells)
+        expected = self.bytes_of_one(5000)
         seen = self.folder / "g.tcell.ranks.partial"
         partial = self.folder / "g.tcell.partial"
 
@@ -119,8 +134,7 @@ class Mpi(unittest.TestCase):
                 with self.subTest(mpi=mpi, moment=number):
                     self.setUp()
                     ranks = 2 + number % 2
-                    job = subprocess.Popen([*launcher(mpi, ranks), program_of(mpi), *map(str, self.options(cells)), "--threads", "1"], env=ENVIRONMENT,
-                                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                    job = self.started(mpi, 0, ranks, "--threads", "1")
                     while not reached():
                         self.assertIsNone(job.poll(), "the job ended before it was to be killed")
                         time.sleep(0.001)
@@ -128,17 +142,13 @@ class Mpi(unittest.TestCase):
                     self.assertEqual(len(writers), ranks)
                     os.kill(job.pid if number % 3 == 0 else writers[number % ranks], signal.SIGKILL)
                     self.assertNotEqual(job.wait(60), 0)
-                    for _ in range(3000):
-                        if not ranks_that_write(self.output):
-                            break
-                        time.sleep(0.01)
-                    self.assertEqual(ranks_that_write(self.output), [], "ranks do not outlive the job")
+                    self.expect_no_ranks()
                     if number % 3 == 0 and self.output.exists():  # ranks whose launcher is gone may be done before they notice
                         self.assertTrue(self.output.read_bytes() == expected)
                         continue
                     self.assertFalse(self.output.exists())
                     kept = pieces()
-                    resumed = self.run_mpi(mpi, 1 + number % 5, *self.options(cells), "--resume", "--progress", "plain")
+                    resumed = self.run_mpi(mpi, 1 + number % 5, *self.options(5000), "--resume", "--progress", "plain")
                     shares = [float(line.split()[1]) for line in resumed.stderr.splitlines() if line.startswith("mesh ")]
                     if shares and kept:
                         of = int(kept[0].name.rpartition("-of-")[2])
@@ -146,28 +156,21 @@ class Mpi(unittest.TestCase):
                     self.expect_grid(resumed, expected)
 
     def test_a_full_disk_ends_the_job_and_pieces_are_kept(self):
-        full = self.folder / "full"
-        full.mkdir()
-        output = full / "g.tcell"
-        options = ["mesh", self.scene, "--cells", "3000", "--axis", "z", "-o", output]
         expected = self.bytes_of_one(3000)
         for mpi in MPIS:
-            with self.subTest(mpi=mpi):
-                if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", full], capture_output=True).returncode != 0:
-                    self.skipTest("needs to be root")
-                try:
-                    done = self.run_mpi(mpi, 3, *options)
-                    self.fails_once(done, 1, "rank ", "can't write", "No space left", "pieces of the grid are kept")
-                    left = list(full.iterdir())
-                    self.assertGreater(len(left), 0)
-                    self.assertEqual([p.name for p in left if ".piece-" not in p.name or p.suffix == ".partial"], [])
-                    subprocess.run(["mount", "-o", "remount,size=100m", full], check=True)
-                    done = self.run_mpi(mpi, 2, *options, "--resume")
-                    self.assertEqual(done.returncode, 0, done.stderr)
-                    self.assertTrue(output.read_bytes() == expected)
-                    self.assertEqual(list(full.iterdir()), [output])
-                finally:
-                    subprocess.run(["umount", full], check=True)
+            with self.subTest(mpi=mpi), self.small_disk("1m") as full:
+                output = full / "g.tcell"
+                options = [*self.options(3000)[:-1], output]
+                done = self.run_mpi(mpi, 3, *options)
+                self.fails_once(done, 1, "rank ", "can't write", "No space left", "pieces of the grid are kept")
+                left = list(full.iterdir())
+                self.assertGreater(len(left), 0)
+                self.assertEqual([p.name for p in left if ".piece-" not in p.name or p.suffix == ".partial"], [])
+                subprocess.run(["mount", "-o", "remount,size=100m", full], check=True)
+                done = self.run_mpi(mpi, 2, *options, "--resume")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertTrue(output.read_bytes() == expected)
+                self.assertEqual(list(full.iterdir()), [output])
 
     def fails_once(self, done, status, *words):
         self.assertEqual(done.returncode, status, done.stderr)
@@ -179,10 +182,11 @@ class Mpi(unittest.TestCase):
         self.assertFalse((self.folder / "g.tcell.partial").exists())
         self.assertFalse((self.folder / "g.tcell.ranks.partial").exists())
 
-    def on_one(self, mpi, before, options, ranks=3):
-        """All ranks, the last one of which is started by `before`."""
-        command = [str(program_of(mpi)), *map(str, options)]
-        return subprocess.run([*launcher(mpi, ranks - 1), *command, ":", "-n", "1", *before, *command], env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
+    def on_one(self, mpi, before, options, of_last=None, ranks=3):
+        """All ranks, the last one of which is started by `before`, with the options `of_last` if it has others."""
+        first, last = ([program_of(mpi), *words] for words in (options, of_last or options))
+        command = [*launcher(mpi, ranks - 1), *first, ":", "-n", "1", *before, *last]
+        return subprocess.run(list(map(str, command)), env=ENVIRONMENT, capture_output=True, text=True, timeout=600)
 
     def test_a_failing_rank_ends_the_job_with_its_message(self):
         fault = self.folder / "fault.so"
@@ -192,16 +196,10 @@ class Mpi(unittest.TestCase):
             with self.subTest(mpi=mpi):
                 unreadable = ["env", f"LD_PRELOAD={fault}", f"READ_FAULT_PATH={mesh}", "READ_FAULT_BYTES=100"]
                 self.fails_once(self.on_one(mpi, unreadable, self.options(1000)), 1, "rank 2 (", mesh.name, "Input/output error")
-                other = [*map(str, self.options(1000)[:-1]), str(self.folder / "g.tcell")]
-                other[other.index("1000")] = "1001"
-                mixed = subprocess.run([*launcher(mpi, 1), str(program_of(mpi)), *map(str, self.options(1000)), ":", "-n", "1", str(program_of(mpi)), *other],
-                                       env=ENVIRONMENT, capture_output=True, text=True)
-                self.fails_once(mixed, 1, "other inputs")
+                self.fails_once(self.on_one(mpi, [], self.options(1000), self.options(1001), ranks=2), 1, "other inputs")
                 self.fails_once(self.run_mpi(mpi, 3, "mesh", self.folder / "none.stl", "--cells", 10, "-o", self.output), 1, "none.stl")
                 self.fails_once(self.run_mpi(mpi, 3, *self.options(1000), "--shard", "0/2"), 2, "--shard")
-                mixed = subprocess.run([*launcher(mpi, 1), str(program_of(mpi)), *map(str, self.options(1000)), ":", "-n", "1", str(program_of(mpi)), *other, "--bogus"],
-                                       env=ENVIRONMENT, capture_output=True, text=True, timeout=60)
-                self.fails_once(mixed, 2, "rank 1 (", "--bogus")
+                self.fails_once(self.on_one(mpi, [], self.options(1000), [*self.options(1001), "--bogus"], ranks=2), 2, "rank 1 (", "--bogus")
 
     def test_pieces_of_another_run_are_not_lost_by_a_resume(self):
         for mpi in MPIS:
@@ -217,22 +215,15 @@ class Mpi(unittest.TestCase):
                 self.expect_grid(self.run_mpi(mpi, 3, *self.options(5000), "--resume"), expected)
 
     def test_a_report_that_can_not_be_written_leaves_the_grid_and_no_pieces(self):
-        full = self.folder / "small"
-        full.mkdir()
+        expected = self.bytes_of_one(1000)
         for mpi in MPIS:
-            with self.subTest(mpi=mpi):
-                expected = self.bytes_of_one(1000)
-                if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=4k", "tmpfs", full], capture_output=True).returncode != 0:
-                    self.skipTest("needs to be root")
-                try:
-                    done = self.run_mpi(mpi, 2, *self.options(1000), "--report", full / "report.json")
-                    self.assertEqual(done.returncode, 1, done.stderr)
-                    self.assertIn("is complete all the same", done.stderr)
-                    self.assertNotIn("kept", done.stderr)
-                    done.returncode = 0
-                    self.expect_grid(done, expected)
-                finally:
-                    subprocess.run(["umount", full], check=True)
+            with self.subTest(mpi=mpi), self.small_disk("4k") as full:
+                done = self.run_mpi(mpi, 2, *self.options(1000), "--report", full / "report.json")
+                self.assertEqual(done.returncode, 1, done.stderr)
+                self.assertIn("is complete all the same", done.stderr)
+                self.assertNotIn("kept", done.stderr)
+                done.returncode = 0
+                self.expect_grid(done, expected)
 
     def test_what_can_be_read_only_once_is_refused(self):
         pipe = self.folder / "pipe.stl"
@@ -246,22 +237,22 @@ class Mpi(unittest.TestCase):
             with self.subTest(mpi=mpi):
                 seen, precious = self.folder / "g.tcell.ranks.partial", self.folder / "precious"
                 precious.write_text("precious")
+
+                def fails(words):
+                    done = self.run_mpi(mpi, 2, *self.options(100))
+                    self.assertEqual(done.returncode, 1)
+                    self.assertIn(words, done.stderr)
+
                 seen.symlink_to(precious)
-                done = self.run_mpi(mpi, 2, *self.options(100))
-                self.assertEqual(done.returncode, 1)
-                self.assertIn("g.tcell.ranks.partial", done.stderr)
+                fails("g.tcell.ranks.partial")
                 self.assertEqual(precious.read_text(), "precious")
                 seen.unlink()
                 os.mkfifo(seen)
-                done = self.run_mpi(mpi, 2, *self.options(100))
-                self.assertEqual(done.returncode, 1)
-                self.assertIn("found something else: remove it", done.stderr)
+                fails("found something else: remove it")
                 seen.unlink()
                 taken = self.folder / "g.tcell.piece-0-of-9" / "full"
                 taken.mkdir(parents=True)
-                done = self.run_mpi(mpi, 2, *self.options(100))
-                self.assertEqual(done.returncode, 1)
-                self.assertIn("g.tcell.piece-0-of-9: can't remove what another run has left", done.stderr)
+                fails("g.tcell.piece-0-of-9: can't remove what another run has left")
                 shutil.rmtree(taken.parent)
 
     def test_a_rank_whose_launcher_is_gone_ends(self):
@@ -276,20 +267,14 @@ class Mpi(unittest.TestCase):
                     os.kill(pid, signal.SIGKILL)
                 job.wait(60)
                 os.kill(second, signal.SIGCONT)
-                deadline = time.monotonic() + 60
-                while ranks_that_write(self.output) and time.monotonic() < deadline:
-                    time.sleep(0.01)
-                self.assertEqual(ranks_that_write(self.output), [])
+                self.expect_no_ranks()
                 self.expect_grid(self.run_mpi(mpi, 2, *self.options(5000)), expected)
 
     def test_a_signal_ends_the_job(self):
         for mpi in MPIS:
             with self.subTest(mpi=mpi):
                 expected = self.bytes_of_one(5000)
-                job = subprocess.Popen([*launcher(mpi, 2), program_of(mpi), *map(str, self.options(5000))], env=ENVIRONMENT, stdout=subprocess.PIPE,
-                                       stderr=subprocess.PIPE, text=True)
-                while len(list(self.folder.glob("g.tcell.piece-*"))) < 5:
-                    time.sleep(0.001)
+                job = self.started(mpi, 5, out=subprocess.PIPE)
                 os.kill(ranks_that_write(self.output)[1], signal.SIGTERM)
                 _, said = job.communicate(timeout=60)
                 self.assertEqual(job.returncode, 130, said)

@@ -6,7 +6,7 @@ import numpy
 import vtk
 from vtk.util.numpy_support import vtk_to_numpy
 
-from support import dielectric_grid, exported, folder
+from support import dielectric_grid, exported, folder, read
 
 EPSILON, KAPPA = [1, 2.25, 9.5], [0, 0, 0.25]
 X = [0, 0.5, 1.25, 2, 3, 3.5, 4.5, 6, 8, 10, 11, 12]
@@ -28,16 +28,11 @@ class OpenEms(unittest.TestCase):
         self.assertIn("Time for 30 iterations", said.stdout)
         self.assertNotIn("Unused primitive", said.stderr)
 
-    def points(self, reader, name):
-        reader.SetFileName(str(folder / name))
-        reader.Update()
-        return reader.GetOutput()
-
     def test_materials_are_where_the_cells_are(self):
         for axes in ({}, {"x": {"planes": X}}):
             grid = dielectric_grid(**axes)
             self.compute(grid, "--epsilon", "teflon=2.25,glass=9.5", "--sigma", "glass=0.25")
-            data = self.points(vtk.vtkXMLRectilinearGridReader(), "material_dump.vtr")
+            data = read(vtk.vtkXMLRectilinearGridReader(), folder / "material_dump.vtr")
             planes = [vtk_to_numpy(c) * 1000 for c in (data.GetZCoordinates(), data.GetYCoordinates(), data.GetXCoordinates())]
             numpy.testing.assert_allclose(planes[2], axes.get("x", {"planes": [i / 2 for i in range(25)]})["planes"])
             cells = numpy.load(exported(grid, "g.npy"))
@@ -55,14 +50,14 @@ class OpenEms(unittest.TestCase):
                         expected = sums / (width.take(below, across) + width.take(above, across))
                     numpy.testing.assert_allclose(found[(*inner, 2 - axis)], expected, rtol=1e-6)
                 self.assertEqual({round(float(v), 9) for v in numpy.unique(found)} & set(values), set(values), "the test sees the materials")
-            field = self.points(vtk.vtkXMLRectilinearGridReader(), sorted(p.name for p in folder.glob("Et_*.vtr"))[-1])
+            field = read(vtk.vtkXMLRectilinearGridReader(), sorted(folder.glob("Et_*.vtr"))[-1])
             field = vtk_to_numpy(field.GetPointData().GetArray(0))
             self.assertTrue(numpy.isfinite(field).all())
             self.assertGreater(numpy.abs(field).max(), 0)
 
     def test_perfect_conductors(self):
         self.compute(dielectric_grid(), "--epsilon", "teflon=2.25,glass=1", "--sigma", "glass=inf")
-        data = self.points(vtk.vtkXMLPolyDataReader(), "PEC_dump.vtp")
+        data = read(vtk.vtkXMLPolyDataReader(), folder / "PEC_dump.vtp")
         points = vtk_to_numpy(data.GetPoints().GetData()) * 1000
         inside = ((points > 0) & (points < [12, 8, 5])).all(axis=1)  # the border of the domain conducts as well
         numpy.testing.assert_allclose([points[inside].min(0), points[inside].max(0)], [[2, 3, 2], [10, 5, 4]], rtol=1e-5)

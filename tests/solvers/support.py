@@ -10,11 +10,11 @@ import tempfile
 import numpy
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "e2e"))
-from solids import obj  # noqa: E402
+from solids import ascii_stl, obj  # noqa: E402
 
 if len(sys.argv) < 2:
     sys.exit(f"Usage: {sys.argv[0]} PATH_TO_TERACELL")
-PROGRAM = str(pathlib.Path(sys.argv.pop(1)).resolve())
+PROGRAM = pathlib.Path(sys.argv.pop(1)).resolve()
 folder = pathlib.Path(tempfile.mkdtemp(prefix="teracell-solvers-"))
 atexit.register(shutil.rmtree, folder, True)
 
@@ -30,7 +30,10 @@ SIZE, CELLS = (12, 8, 5), (24, 16, 10)
 
 
 def run(*args, **more):
-    return subprocess.run([str(a) for a in args], check=True, capture_output=True, text=True, **more).stdout
+    done = subprocess.run([str(a) for a in args], capture_output=True, text=True, **more)
+    if done.returncode != 0:
+        raise AssertionError(f"{args} ended with {done.returncode}: {done.stderr}")
+    return done.stdout
 
 
 def mesh(name, scene, blocks, grid, *more):
@@ -53,6 +56,18 @@ def dielectric_grid(**axes):
     return mesh("dielectrics", DIELECTRICS, DIELECTRIC_BLOCKS, {"min": (0, 0, 0), "max": SIZE, "cells": CELLS, **axes})
 
 
+PARTS = ((), ("--region", "1,2,3,8,9,7"), ("--level", "1"))
+
+
+def parts_of(grids):
+    """(kind, grid, options of `export`, cells): each grid of metal_grids() as a whole, a box of it, and a coarser level."""
+    for kind, grid in grids:
+        for more in PARTS:
+            cells = numpy.load(exported(grid, "a.npy", *more))
+            assert {0, 2} <= set(numpy.unique(cells)) and (more or 1 in cells), "the test sees the materials"
+            yield kind, grid, more, cells
+
+
 SAMPLES = (4, 8, 2)
 
 
@@ -72,3 +87,17 @@ def mixed_metals():
 def exported(grid, name, *more):
     run(PROGRAM, "export", grid, "-o", folder / name, *more)
     return folder / name
+
+
+def refused(grid, name, *more):
+    """What `export` says when it refuses."""
+    done = subprocess.run([PROGRAM, "export", grid, "-o", folder / name, *more], capture_output=True, text=True)
+    assert done.returncode == 2, done
+    return done.stderr
+
+
+def read(reader, path):
+    """What a reader of VTK makes of a file."""
+    reader.SetFileName(str(path))
+    reader.Update()
+    return reader.GetOutput()

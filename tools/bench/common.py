@@ -1,8 +1,12 @@
 """What the measurements of tools/bench/run share: where things are, how they are built, and the options of all."""
 import argparse
 import os
+import re
+import shutil
+import socket
 import subprocess
 import sys
+import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 # Real surfaces are not part of the project. Measurements, and the tests that use them, look for them here.
@@ -25,6 +29,67 @@ def peer(name):
     """The path of a peer; None if it was not built."""
     path = os.path.join(ROOT, "build/bench/tools/bench/peers", name)
     return path if os.path.exists(path) else None
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return s.getsockname()[1]
+
+
+def wait_for(port):
+    for _ in range(200):
+        with socket.socket() as s:
+            if s.connect_ex(("127.0.0.1", port)) == 0:
+                return
+        time.sleep(0.02)
+    sys.exit(f"nobody listens at port {port}")
+
+
+class Started:
+    """A process that serves at `port` until the end of a `with`."""
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+
+
+class Server(Started):
+    """`teracell serve` on a free port."""
+
+    def __init__(self, *arguments, program=TERACELL):
+        self.process = subprocess.Popen([program, "serve", *arguments, "--port", "0", "--log", "none"], stdout=subprocess.PIPE, text=True)
+        address = re.search(r"http://\S+:(\d+)/", self.process.stdout.readline())
+        if not address:
+            raise SystemExit(f"teracell serve {' '.join(arguments)} did not start: exit status {self.process.wait()}")
+        self.url, self.port = address[0], int(address[1])
+
+
+class Nginx(Started):
+    """nginx on a free port, with the files of a folder. `http` and `main` are more lines of these sections."""
+
+    def __init__(self, folder, http="access_log off;", main=""):
+        os.chmod(folder, 0o755)
+        self.port = free_port()
+        user = "user root;" if os.geteuid() == 0 else ""
+        temporary = "".join(f"{kind}_temp_path {folder}/nginx-{kind};\n" for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
+        with open(os.path.join(folder, "nginx.conf"), "w") as file:
+            file.write(f"daemon off; {user} {main} pid {folder}/nginx.pid; error_log {folder}/nginx.log warn; events {{ worker_connections 1024; }}\n"
+                       f"http {{ {http} {temporary} server {{ listen 127.0.0.1:{self.port}; root {folder}; keepalive_requests 100000000; }} }}\n")
+        program = shutil.which("nginx", path=os.environ.get("PATH", "") + ":/usr/sbin")
+        self.process = subprocess.Popen([program, "-e", f"{folder}/nginx.log", "-c", f"{folder}/nginx.conf"])
+        wait_for(self.port)
+
+
+def mesh_in_cube(mesh, n, folder):
+    """Meshes a surface in its cubic domain of n^3 cells and returns the file."""
+    scene, path = os.path.join(folder, f"{n}.json"), os.path.join(folder, f"g{n}.tcell")
+    subprocess.run([sys.executable, os.path.join(ROOT, "tools/bench/peers/cubic_scene.py"), mesh, str(n), scene], check=True)
+    subprocess.run([TERACELL, "mesh", scene, "-o", path, "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
+    return path
 
 
 def _mesh(path):

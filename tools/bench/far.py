@@ -6,12 +6,11 @@ lets bytes pass after half of a round trip (80 ms by default), and answers the f
 connecting takes that long.
 """
 import asyncio
+import concurrent.futures
 import json
 import os
 import random
-import re
 import shutil
-import socket
 import subprocess
 import sys
 import tempfile
@@ -19,25 +18,10 @@ import threading
 import time
 import urllib.request
 
-NGINX = """daemon off; %(user)s pid %(folder)s/nginx.pid; error_log %(folder)s/nginx.log warn; events {}
-http { log_format bytes '$status $bytes_sent'; access_log %(folder)s/access.log bytes; client_body_temp_path %(folder)s/a; proxy_temp_path %(folder)s/b;
-fastcgi_temp_path %(folder)s/c; uwsgi_temp_path %(folder)s/d; scgi_temp_path %(folder)s/e;
-server { listen 127.0.0.1:%(port)d; root %(folder)s; keepalive_requests 100000; } }"""
+from common import Nginx, Server, free_port, wait_for
 
-
-def free_port():
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return s.getsockname()[1]
-
-
-def wait_for(port):
-    for _ in range(200):
-        with socket.socket() as s:
-            if s.connect_ex(("127.0.0.1", port)) == 0:
-                return
-        time.sleep(0.02)
-    sys.exit(f"nobody listens at port {port}")
+LOG = "log_format bytes '$status $bytes_sent'; access_log %s/access.log bytes;"  # of nginx
+ACROSS = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}  # the axes of a slice
 
 
 class Delay:
@@ -84,15 +68,8 @@ class Delay:
 
 
 class Bench:
-    def __init__(self, program, folder, delay):
+    def __init__(self, program, folder):
         self.program, self.folder = program, folder
-        self.port = free_port()
-        with open(os.path.join(folder, "nginx.conf"), "w") as file:
-            file.write(NGINX % {"user": "user root;" if os.geteuid() == 0 else "", "folder": folder, "port": self.port})
-        path = os.environ.get("PATH", "") + ":/usr/sbin"
-        self.nginx = subprocess.Popen([shutil.which("nginx", path=path), "-e", os.path.join(folder, "nginx.log"), "-c", os.path.join(folder, "nginx.conf")])
-        wait_for(self.port)
-        self.far = Delay(self.port, delay).port
 
     def log(self):
         time.sleep(0.05)
@@ -117,7 +94,7 @@ class Bench:
         for _ in range(tiles):
             axis, level = drawn.choice("xyz"), drawn.randrange(6)
             n = [-(-c // 2**level) for c in cells]
-            u, v = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}[axis]
+            u, v = ACROSS[axis]
             before = len(self.log())
             self.slice(port, grid, axis, drawn.randrange(n["xyz".index(axis)]), *(drawn.randrange(-(-n[d] // 512)) * 512 for d in (u, v)), level=level, most=(n[u], n[v]))
             lines = self.log()[before:]
@@ -126,28 +103,20 @@ class Bench:
 
     def view(self, port, grid, cells):
         """What a page asks for first: the grids, one of them, and three slices through the middle, in tiles of the level that fits."""
-        server = subprocess.Popen([self.program, "serve", f"http://127.0.0.1:{port}/{grid}", "--port", "0", "--log", "none"], stdout=subprocess.PIPE, text=True)
-        try:
-            url = re.search(r"http://\S+", server.stdout.readline()).group(0)
+        with Server(f"http://127.0.0.1:{port}/{grid}", program=self.program) as server:
             level = max(0, (max(cells) - 1).bit_length() - 10)  # up to 1024 pixels
 
             def get(path):
-                return urllib.request.urlopen(url + path, timeout=60).read()
+                return urllib.request.urlopen(server.url + path, timeout=60).read()
             get("api/v1/grids")
             get(f"api/v1/grids/{grid[:-6]}")
             tiles = []
-            for axis, (u, v) in {"x": (1, 2), "y": (0, 2), "z": (0, 1)}.items():
+            for axis, (u, v) in ACROSS.items():
                 n = [-(-c // 2**level) for c in cells]
                 tiles += [f"api/v1/grids/{grid[:-6]}/tile/{axis}/{n['xyz'.index(axis)] // 2}/{level}/{col}_{row}.bin?sets=1"
                           for row in range(-(-n[v] // 512)) for col in range(-(-n[u] // 512))]
-            threads = [threading.Thread(target=get, args=(t,)) for t in tiles]
-            for t in threads:
-                t.start()
-            for t in threads:
-                t.join()
-        finally:
-            server.terminate()
-            server.wait()
+            with concurrent.futures.ThreadPoolExecutor(len(tiles)) as pool:
+                list(pool.map(get, tiles))
 
 
 def main():
@@ -156,17 +125,16 @@ def main():
     program, source = map(os.path.abspath, sys.argv[1:3])
     delay = float(sys.argv[3]) / 1000 if len(sys.argv) == 4 else 0.08
     with tempfile.TemporaryDirectory(prefix="teracell-far-") as folder:
-        os.chmod(folder, 0o755)
         shutil.copy(source, os.path.join(folder, "plain.tcell"))
         subprocess.run([program, "pack", "plain.tcell", "-o", "packed.tcell", "--progress", "none"], cwd=folder, check=True)
         info = json.loads(subprocess.run([program, "info", "plain.tcell", "--json"], cwd=folder, check=True, stdout=subprocess.PIPE).stdout)
         cells = info["grid"]["cells"]
-        bench = Bench(program, folder, delay)
-        try:
-            middle = [n // 2 for n in cells]
+        bench, middle = Bench(program, folder), [n // 2 for n in cells]
+        with Nginx(folder, LOG % folder) as nginx:
+            far = Delay(nginx.port, delay).port
             for grid in ["plain.tcell", "packed.tcell"]:
-                for name, port in [("here", bench.port), (f"{1000 * delay:.0f} ms", bench.far)]:
-                    for axis, (u, v) in {"x": (1, 2), "y": (0, 2), "z": (0, 1)}.items():
+                for name, port in [("here", nginx.port), (f"{1000 * delay:.0f} ms", far)]:
+                    for axis, (u, v) in ACROSS.items():
                         index = middle["xyz".index(axis)]
                         for level in [0, 1]:
                             at_u, at_v = ((middle[d] >> level) // 512 * 512 for d in (u, v))
@@ -174,9 +142,6 @@ def main():
                     if name == "here":
                         bench.draw(port, grid, cells)
                     bench.measure(f"{grid}, {name}: serve, the first view", lambda: bench.view(port, grid, cells))
-        finally:
-            bench.nginx.terminate()
-            bench.nginx.wait()
 
 
 if __name__ == "__main__":

@@ -6,13 +6,12 @@ Usage: tools/bench/page.py PATH_TO_TERACELL G.tcell. The program must have been 
 that is too large for one HTML file is measured as a folder alone. page.mjs measures.
 """
 import os
-import re
 import subprocess
 import sys
 import tempfile
 
-from common import ROOT
-from far import NGINX, Delay, free_port, wait_for
+from common import ROOT, Nginx, Server
+from far import LOG, Delay
 
 ROUND_TRIP, RATE = 0.08, 20e6
 MOST_HELD = 256 << 20
@@ -31,24 +30,13 @@ def main():
         whole = "file://" + os.path.join(folder, "g.html") if size <= MOST_HELD else ""
         if whole:
             teracell("page", grid, "-o", "g.html")
-        port = free_port()
-        with open(os.path.join(folder, "nginx.conf"), "w") as file:
-            text = NGINX % {"user": "user root;" if os.geteuid() == 0 else "", "folder": folder, "port": port}
-            file.write(text.replace("log_format", "types { text/html html; text/javascript js; text/css css; } log_format"))
-        nginx = subprocess.Popen(["/usr/sbin/nginx", "-e", f"{folder}/nginx.log", "-c", f"{folder}/nginx.conf"])
-        server = subprocess.Popen([program, "serve", f"{folder}/g.tcell", "--port", "0", "--log", "none"], stdout=subprocess.PIPE, text=True)
-        try:
-            wait_for(port)
-            served = re.search(r"http://\S+", server.stdout.readline()).group(0)
+        types = "types { text/html html; text/javascript js; text/css css; } "
+        with Nginx(folder, types + LOG % folder) as nginx, Server(f"{folder}/g.tcell", program=program) as server:
             packed = os.path.getsize(os.path.join(folder, "g.tcell"))
             print(f"the grid: {size / 1e6:.1f} MB, packed {packed / 1e6:.1f} MB" + (f", in an HTML file {os.path.getsize(whole[7:]) / 1e6:.1f} MB" if whole else ""), flush=True)
-            addresses = [f"http://127.0.0.1:{port}/", served]
-            far = [f"http://127.0.0.1:{Delay(int(re.search(r':([0-9]+)/', a).group(1)), ROUND_TRIP, RATE).port}/" for a in addresses]
+            addresses = [f"http://127.0.0.1:{there.port}/" for there in (nginx, server)]
+            far = [f"http://127.0.0.1:{Delay(there.port, ROUND_TRIP, RATE).port}/" for there in (nginx, server)]
             subprocess.run(["node", os.path.join(ROOT, "tools/bench/page.mjs"), *addresses, *far, whole], check=True)
-        finally:
-            for process in (server, nginx):
-                process.terminate()
-                process.wait()
 
 
 if __name__ == "__main__":

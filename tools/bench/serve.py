@@ -8,32 +8,16 @@ import re
 import socket
 import statistics
 import subprocess
-import sys
 import tempfile
 import time
 
-from common import ROOT, TERACELL, build, count, parser
+import common
+from common import Nginx, build, count, mesh_in_cube, parser
 
 AXES = "xyz"
 
 
-class Server:
-    """`teracell serve` on a free port."""
-
-    def __init__(self, *arguments):
-        self.process = subprocess.Popen([TERACELL, "serve", *arguments, "--port", "0", "--log", "none"], stdout=subprocess.PIPE, text=True)
-        address = re.search(r":(\d+)/", self.process.stdout.readline())
-        if not address:
-            raise SystemExit(f"teracell serve {' '.join(arguments)} did not start: exit status {self.process.wait()}")
-        self.port = int(address.group(1))
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait()
-
+class Server(common.Server):
     def connection(self):
         return http.client.HTTPConnection("127.0.0.1", self.port, timeout=60)
 
@@ -93,45 +77,14 @@ def wrk(url, seconds):
     return float(re.search(r"Requests/sec:\s*([\d.]+)", out).group(1))
 
 
-class Nginx:
-    """nginx on a free port, with one static file."""
-
-    def __init__(self, folder, body):
-        with open(os.path.join(folder, "tile.png"), "wb") as f:
-            f.write(body)
-        with socket.socket() as s:
-            s.bind(("127.0.0.1", 0))
-            self.port = s.getsockname()[1]
-        os.chmod(folder, 0o755)
-        config = os.path.join(folder, "nginx.conf")
-        with open(config, "w") as f:
-            f.write(f"worker_processes 2; pid {folder}/nginx.pid; error_log {folder}/error.log; daemon off;\n"
-                    "events { worker_connections 1024; }\n"
-                    f"http {{ access_log off; sendfile on; tcp_nopush on; keepalive_requests 100000000; types {{ image/png png; }}\n"
-                    f"open_file_cache max=100; server {{ listen 127.0.0.1:{self.port}; root {folder}; }} }}\n")
-        self.process = subprocess.Popen(["nginx", "-c", config, "-p", folder], stderr=subprocess.DEVNULL)
-        for _ in range(100):
-            try:
-                socket.create_connection(("127.0.0.1", self.port)).close()
-                return
-            except OSError:
-                time.sleep(0.05)
-        raise SystemExit("nginx does not start")
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait()
-
-
 def warm_row(row, server, info, folder, runs):
     rng = random.Random(5)
     # The largest of 300 tiles, because it has the most in it.
     path = max((random_tile(rng, info) for _ in range(300)), key=lambda p: len(server.get(p)))
     body = server.get(path)
-    with Nginx(folder, body) as nginx:
+    with open(os.path.join(folder, "tile.png"), "wb") as f:
+        f.write(body)
+    with Nginx(folder, "access_log off; sendfile on; tcp_nopush on; types { image/png png; } open_file_cache max=100;", "worker_processes 2;") as nginx:
         rates = []
         for _ in range(runs):
             ours = wrk(f"http://127.0.0.1:{server.port}{path}", 4)
@@ -188,13 +141,7 @@ def main(arguments):
         print(f"{what:<72} {found:<56} {bar}", flush=True)
 
     with tempfile.TemporaryDirectory() as folder:
-        def grid(n):
-            scene, path = os.path.join(folder, f"{n}.json"), os.path.join(folder, f"g{n}.tcell")
-            subprocess.run([sys.executable, os.path.join(ROOT, "tools/bench/peers/cubic_scene.py"), options.mesh, str(n), scene], check=True)
-            subprocess.run([TERACELL, "mesh", scene, "-o", path, "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
-            return path
-
-        path = grid(10000)
+        path = mesh_in_cube(options.mesh, 10000, folder)
         with Server(path, "--cache", "256M") as server:
             info = json.loads(server.get("/api/v1/grids/g10000"))
             cold_row(row, server, info)
@@ -203,8 +150,7 @@ def main(arguments):
         with Server(path, "--request-timeout", "5", "--idle-timeout", "5") as server:
             idle_row(row, server)
         if options.huge:
-            path = grid(100000)
-            with Server(path) as server:
+            with Server(mesh_in_cube(options.mesh, 100000, folder)) as server:
                 info = json.loads(server.get("/api/v1/grids/g100000"))
                 before, began = server.rss(), time.perf_counter()
                 server.get(f"/api/v1/grids/g100000/tile/z/{info['levels'][8]['cells'][2] // 2}/8/0_0.png")

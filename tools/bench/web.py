@@ -2,11 +2,9 @@
 import json
 import os
 import subprocess
-import sys
 import tempfile
 
-from common import ROOT, TERACELL, build, parser
-from serve import Server
+from common import ROOT, Server, build, mesh_in_cube, parser
 
 
 def main(arguments):
@@ -29,10 +27,5 @@ def main(arguments):
     if options.url:
         return measure(options.url)
     with tempfile.TemporaryDirectory() as folder:
-        path = options.grid
-        if not path:
-            scene, path = os.path.join(folder, "10000.json"), os.path.join(folder, "nefertiti.tcell")
-            subprocess.run([sys.executable, os.path.join(ROOT, "tools/bench/peers/cubic_scene.py"), options.mesh, "10000", scene], check=True)
-            subprocess.run([TERACELL, "mesh", scene, "-o", path, "--progress", "none"], check=True, stdout=subprocess.DEVNULL)
-        with Server(path) as server:
-            measure(f"http://127.0.0.1:{server.port}/")
+        with Server(options.grid or mesh_in_cube(options.mesh, 10000, folder)) as server:
+            measure(server.url)

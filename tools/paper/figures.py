@@ -9,14 +9,15 @@ import csv
 import json
 import math
 import os
+import pathlib
 import statistics
 import struct
 import subprocess
 import sys
 import tempfile
 
-HERE = os.path.dirname(os.path.abspath(__file__))
-sys.path[:0] = [os.path.join(HERE, "../bench"), os.path.join(HERE, "../bench/peers")]
+HERE = pathlib.Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent / "bench"), str(HERE.parent / "bench/peers")]
 from common import TERACELL, build, parser, peer  # noqa: E402
 from cubic_scene import cubic_scene  # noqa: E402
 
@@ -50,44 +51,33 @@ def cases():
 FACET = struct.Struct("<12fH")  # of a binary STL: normal, three vertices, two unused bytes
 
 
-def facet_count(stl):
-    with open(stl, "rb") as f:
-        return struct.unpack("<80xI", f.read(84))[0]
-
-
 def cluster(stl, edge):
     """Replaces all vertices in a cube of `edge` by the first of them, and drops facets that lose a side by this. A closed surface
     stays closed, because each edge keeps as many facets on one side as on the other. A surface that would vanish is not changed."""
     first, kept = {}, []
-    with open(stl, "rb") as f:
-        for row in FACET.iter_unpack(f.read()[84:]):
-            corners = [first.setdefault(tuple(x // edge for x in row[i:i + 3]), row[i:i + 3]) for i in (3, 6, 9)]
-            if len(set(corners)) == 3:
-                kept.append(FACET.pack(0, 0, 0, *corners[0], *corners[1], *corners[2], 0))
+    for row in FACET.iter_unpack(stl.read_bytes()[84:]):
+        corners = [first.setdefault(tuple(x // edge for x in row[i:i + 3]), row[i:i + 3]) for i in (3, 6, 9)]
+        if len(set(corners)) == 3:
+            kept.append(FACET.pack(0, 0, 0, *corners[0], *corners[1], *corners[2], 0))
     if kept:
-        with open(stl, "wb") as f:
-            f.write(bytes(80) + struct.pack("<I", len(kept)) + b"".join(kept))
+        stl.write_bytes(bytes(80) + struct.pack("<I", len(kept)) + b"".join(kept))
 
 
 class Inputs:
     """Makes each surface once, and scenes with them."""
 
     def __init__(self, mesh, folder):
-        self.mesh, self.folder, self.made = mesh, folder, {}
-        subprocess.run([TERACELL, "sample", "stadium", "-o", self.path("stadium")], check=True, stdout=subprocess.DEVNULL)
-
-    def path(self, name):
-        return os.path.join(self.folder, name)
+        self.mesh, self.folder, self.made = mesh, pathlib.Path(folder), {}
+        subprocess.run([TERACELL, "sample", "stadium", "-o", self.folder / "stadium"], check=True, stdout=subprocess.DEVNULL)
 
     def template(self, name, n):
         """A scene with the unchanged surfaces."""
         if name == "bust":
             return cubic_scene(self.mesh, n)
-        with open(self.path("stadium/scene.json")) as f:
-            scene = json.load(f)
+        scene = json.loads((self.folder / "stadium/scene.json").read_text())
         scene["grid"]["cells"] = n
         for body in scene["bodies"]:
-            body["mesh"] = self.path("stadium/" + body["mesh"])
+            body["mesh"] = str(self.folder / "stadium" / body["mesh"])
         return scene
 
     def surfaces(self, name, how):
@@ -95,12 +85,12 @@ class Inputs:
         if (name, how) not in self.made:
             scene, files, (way, amount) = self.template(name, 1000), [], how
             for i, body in enumerate(scene["bodies"]):
-                files.append(self.path(f"{name}-{way}-{amount}-{i}.stl"))
+                files.append(self.folder / f"{name}-{way}-{amount}-{i}.stl")
                 subprocess.run([peer("subdivide"), body["mesh"], files[-1], str(amount if way == "cut" else 0)], check=True)
                 if way == "clustered":
                     domain = scene["grid"]["max"][0] - scene["grid"]["min"][0]
                     cluster(files[-1], domain / amount if name == "bust" else amount)
-            self.made[name, how] = files, sum(map(facet_count, files))
+            self.made[name, how] = files, sum((file.stat().st_size - 84) // FACET.size for file in files)
         return self.made[name, how]
 
     def scene(self, name, how, n):
@@ -108,17 +98,15 @@ class Inputs:
         files, facets = self.surfaces(name, how)
         scene = self.template(name, n)
         for body, file in zip(scene["bodies"], files):
-            body["mesh"] = file
-        path = self.path("scene.json")
-        with open(path, "w") as f:
-            json.dump(scene, f)
+            body["mesh"] = str(file)
+        path = self.folder / "scene.json"
+        path.write_text(json.dumps(scene))
         return path, facets
 
 
 def grid_of(scene, n):
     """The number of cells along each axis, as teracell makes them: cubes, n along the longest."""
-    with open(scene) as f:
-        grid = json.load(f)["grid"]
+    grid = json.loads(scene.read_text())["grid"]
     extent = [b - a for a, b in zip(grid["min"], grid["max"])]
     return [max(1, math.ceil(e * n / max(extent) - 1e-6)) for e in extent]
 
@@ -130,17 +118,16 @@ def measure(inputs, name, how, n, engine):
     rays = cells[1] * cells[2] if AXIS[name] == "x" else cells[0] * cells[1]
     if engine == "brute" and rays * facets > MOST_TESTS:
         return None
-    grid, report = inputs.path("grid.tcell"), inputs.path("report.json")
+    grid, report = inputs.folder / "grid.tcell", inputs.folder / "report.json"
     # A process starts with the peak memory of its parent, so a small shell is put in between.
-    with open(inputs.path("errors"), "w+") as errors:
+    with open(inputs.folder / "errors", "w+") as errors:
         process = subprocess.Popen(["sh", "-c", '"$@"; exit $?', "sh", TERACELL, "mesh", scene, "-o", grid, "--engine", engine, "--axis", AXIS[name],
                                     "--threads", "1", "--report", report, "--progress", "none"], stdout=subprocess.DEVNULL, stderr=errors)
         _, status, used = os.wait4(process.pid, 0)
         if status != 0:
             errors.seek(0)
             sys.exit(f"\nteracell mesh of {name}, {how}, n = {n}, engine {engine}: {errors.read()}")
-    with open(report) as f:
-        found = json.load(f)
+    found = json.loads(report.read_text())
     seconds = {phase["name"]: phase["seconds"] for phase in found["phases"]}
     run = used.ru_utime + used.ru_stime
     # Phases are in wall time. This is the share of it that the run had a core; `finish` is left out, because it mostly waits for the disk.
@@ -180,6 +167,6 @@ def main(arguments):
         table.writerow(COLUMNS)
         for point in points:
             table.writerow(point[:-3] + [f"{point[-3]:.4f}", f"{point[-2]:.4f}", int(point[-1])])
-    subprocess.run(["gnuplot", os.path.join(HERE, "figures.gp")], cwd=options.output, check=True)
+    subprocess.run(["gnuplot", HERE / "figures.gp"], cwd=options.output, check=True)
     print_table(points)
     print(f"{options.output}: points.csv and {len([p for p in os.listdir(options.output) if p.endswith('.svg')])} pictures")

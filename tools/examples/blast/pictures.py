@@ -121,9 +121,9 @@ class View:
                 part = tuple(slice(n, jump.shape[axis] + n) if a == axis else slice(None) for a in range(3))
                 rise[part] += jump / 2
         rise = numpy.sqrt(rise)
-        thick = doubled(0.06 * numpy.clip((rise - 0.02) / 0.4, 0, 1))
+        thick = doubled(0.06 * numpy.clip((rise - 0.02) / 0.4, 0, 1), (0, 1, 2))
         haze = colours.colour(over) * 0.9 + numpy.array((0.10, 0.12, 0.15), numpy.float32)
-        tint = numpy.stack([doubled(haze[..., c]) for c in range(3)], axis=-1).reshape(-1, 3)
+        tint = doubled(haze, (0, 1, 2)).reshape(-1, 3)
         count = numpy.array(thick.shape[::-1])
         thick = thick.ravel()
         light, veil = numpy.zeros((len(self.rays), 3), numpy.float32), numpy.ones(len(self.rays), numpy.float32)
@@ -141,26 +141,17 @@ class View:
             on = (way < self.leave[alive]) & (veil[alive] > 0.01)
             alive, way = alive[on], way[on]
         high, wide = self.shape
-        return enlarged(light.reshape(high // 2, wide // 2, 3)), enlarged(veil.reshape(high // 2, wide // 2))
+        return doubled(light.reshape(high // 2, wide // 2, 3), (0, 1)), doubled(veil.reshape(high // 2, wide // 2), (0, 1))
 
 
-def doubled(values):
-    """Twice as many cells along each axis, between which values change steadily."""
-    for axis in range(values.ndim):
+def doubled(values, axes):
+    """Twice as many cells along these axes, between which values change steadily."""
+    for axis in axes:
         n = values.shape[axis]
         near = numpy.repeat(values, 2, axis=axis)
         order = numpy.clip(numpy.arange(2 * n) // 2 + numpy.where(numpy.arange(2 * n) % 2, 1, -1), 0, n - 1)
         values = (0.75 * near + 0.25 * numpy.take(values, order, axis=axis)).astype(numpy.float32)
     return values
-
-
-def enlarged(image):
-    for axis in (0, 1):
-        n = image.shape[axis]
-        near = numpy.repeat(image, 2, axis=axis)
-        order = numpy.clip(numpy.arange(2 * n) // 2 + numpy.where(numpy.arange(2 * n) % 2, 1, -1), 0, n - 1)
-        image = 0.75 * near + 0.25 * numpy.take(image, order, axis=axis)
-    return image
 
 
 def slice_picture(pressure, materials):
