@@ -27,8 +27,8 @@ def build(packages, *targets):
 
 def peer(name):
     """The path of a peer; None if it was not built."""
-    path = os.path.join(ROOT, "build/bench/tools/bench/peers", name)
-    return path if os.path.exists(path) else None
+    paths = [os.path.join(ROOT, "build/bench", folder, name) for folder in ("", "tools/bench/peers")]
+    return next((path for path in paths if os.path.isfile(path)), None)
 
 
 def free_port():
