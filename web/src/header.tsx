@@ -5,7 +5,7 @@ import { toggle_comparison } from "./state/comparison";
 import { switch_theme, theme } from "./state/theme";
 import type { Layout, Viewer } from "./state/viewer";
 import { Layers, Toolbar } from "./toolbar";
-import { Icon, type IconName } from "./widgets/icons";
+import { Icon, IconButton, type IconName } from "./widgets/icons";
 
 // Nested cells, the mark of the page (also in index.html).
 export function Mark() {
@@ -92,30 +92,17 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
           </button>
         )}
         {viewer && (
-          <button
-            class="icon-button"
+          <IconButton
+            icon="panel"
+            label="Side panel"
             title={viewer.panel.value ? "Hide the panel" : "Show the panel"}
-            aria-label="Side panel"
             aria-expanded={viewer.panel.value !== null}
             aria-controls="side-panel"
             onClick={() => (viewer.panel.value = viewer.panel.value ? null : "materials")}
-          >
-            <Icon name="panel" />
-          </button>
+          />
         )}
-        <button
-          class="icon-button"
-          title={dark ? "Use light colours" : "Use dark colours"}
-          aria-label={dark ? "Use light colours" : "Use dark colours"}
-          onClick={switch_theme}
-        >
-          <Icon name={dark ? "sun" : "moon"} />
-        </button>
-        {viewer && (
-          <button class="icon-button" title="Help (h)" aria-label="Help" onClick={() => (viewer.help.value = true)}>
-            <Icon name="help" />
-          </button>
-        )}
+        <IconButton icon={dark ? "sun" : "moon"} label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme} />
+        {viewer && <IconButton icon="help" label="Help" title="Help (h)" onClick={() => (viewer.help.value = true)} />}
       </div>
     </header>
   );

@@ -4,6 +4,7 @@ import { AXES, AXIS_NAMES, type GridSummary } from "../base/grid";
 import { new_comparison } from "../state/comparison";
 import type { Comparison, ComparisonMode, Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
+import { Select } from "../widgets/select";
 
 const MODES: readonly { mode: ComparisonMode; label: string; title: string }[] = [
   { mode: "side", label: "Side by side", title: "Two slices with one camera" },
@@ -15,6 +16,7 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
   const now = comparison.value;
   const own = viewer.info.id;
   const ids = [...new Set([...grids.map(({ id }) => id), own, now.other])];
+  const choices = ids.map((id) => ({ value: id, label: id === own ? `${id} (another slice)` : id }));
   const change = (what: Partial<Comparison>) => (comparison.value = { ...now, ...what });
   const begin_anew = (other: string, axis: Comparison["axis"]) => {
     const { together, apart } = new_comparison(viewer, other, axis);
@@ -24,13 +26,7 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
     <section class="comparison-bar" aria-label="Comparison">
       <label class="comparison-other">
         <b>{own}</b> with
-        <select aria-label="Compare with" value={now.other} onChange={(e) => begin_anew(e.currentTarget.value, now.axis)}>
-          {ids.map((id) => (
-            <option key={id} value={id}>
-              {id === own ? `${id} (another slice)` : id}
-            </option>
-          ))}
-        </select>
+        <Select class="" label="Compare with" value={now.other} list={choices} set={(other) => begin_anew(other, now.axis)} />
       </label>
       <div class="segmented comparison-axes" role="group" aria-label="Slices across">
         {AXES.map((axis) => (

@@ -5,7 +5,7 @@ import type { Amount } from "../base/grid";
 import { type MaterialLook, css_color, hex_color } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
-import { Icon } from "../widgets/icons";
+import { IconButton } from "../widgets/icons";
 import { BoxText, GoThere } from "./places";
 
 export const cells_of = (amount: Amount): string => grouped(amount.cells_text ?? amount.cells);
@@ -107,18 +107,14 @@ export function LookCard({ short, ...props }: Props & { short: boolean }) {
           </span>
         )}
         {whole ? <Opacity item={item} /> : <span class="share">{item.amount ? percent(item.amount.cells / all) : "…"}</span>}
-        <button
-          class="icon-button"
+        <IconButton
+          icon={look.visible ? "eye" : "hidden"}
+          label={`Show ${name}`}
           title={look.visible ? "Hide" : "Show"}
-          aria-label={`Show ${name}`}
           aria-pressed={look.visible}
           onClick={() => item.change({ visible: !look.visible })}
-        >
-          <Icon name={look.visible ? "eye" : "hidden"} />
-        </button>
-        <button class="icon-button" title="Show nothing else" aria-label={`Only ${name}`} aria-pressed={item.alone} onClick={item.show_alone}>
-          <Icon name="solo" />
-        </button>
+        />
+        <IconButton icon="solo" label={`Only ${name}`} title="Show nothing else" aria-pressed={item.alone} onClick={item.show_alone} />
       </div>
       {whole && <AmountFacts {...props} />}
     </li>

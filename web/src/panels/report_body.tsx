@@ -66,30 +66,26 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
         </p>
       )}
       {holes.length > 0 && (
-        <ul class="places">
-          <FirstOf list={holes} step={MANY}>
-            {(hole, n) => <HoleLine key={n} viewer={viewer} hole={hole} />}
-          </FirstOf>
-        </ul>
+        <FirstOf class="places" list={holes} step={MANY}>
+          {(hole, n) => <HoleLine key={n} viewer={viewer} hole={hole} />}
+        </FirstOf>
       )}
       {body.flips.length > 0 && (
         <>
           <p class="note">Along {plural(body.flips.length, "curve")}, facets face the opposite way from their neighbours:</p>
-          <ul class="places">
-            <FirstOf list={body.flips} step={MANY}>
-              {(flip, n) => {
-                const at = point_text(viewer, flip.at);
-                return (
-                  <li key={n}>
-                    <span>
-                      {plural(flip.edges, "edge")} <span class="faint">at {at}</span>
-                    </span>
-                    <GoThere what={`the curve at ${at}`} go={() => viewer.go_to(flip.at)} />
-                  </li>
-                );
-              }}
-            </FirstOf>
-          </ul>
+          <FirstOf class="places" list={body.flips} step={MANY}>
+            {(flip, n) => {
+              const at = point_text(viewer, flip.at);
+              return (
+                <li key={n}>
+                  <span>
+                    {plural(flip.edges, "edge")} <span class="faint">at {at}</span>
+                  </span>
+                  <GoThere what={`the curve at ${at}`} go={() => viewer.go_to(flip.at)} />
+                </li>
+              );
+            }}
+          </FirstOf>
         </>
       )}
     </div>
