@@ -50,17 +50,11 @@ export function make_chrome(host: HTMLElement) {
     root,
     canvas,
     say,
+    home,
+    modes,
+    sky,
     busy(text: string) {
       busy.textContent = text;
-    },
-    on_home(call: () => void) {
-      home.addEventListener("click", call);
-    },
-    on_mode(call: (mode: BodyMode) => void) {
-      for (const { mode, button } of modes) button.addEventListener("click", () => call(mode));
-    },
-    on_sky(call: () => void) {
-      sky.addEventListener("click", call);
     },
     show_sky(up: Sky) {
       sky.textContent = `${"xyz"[up]}↑`;

@@ -8,6 +8,7 @@
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
 import { returned } from "../server/connection";
+import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
 import { type Orbit, FARTHEST, basis, dollied, dollied_to, dot, project, straight } from "./space/camera";
 import { type Chrome, make_chrome } from "./chrome";
@@ -17,14 +18,14 @@ import { listen_gestures } from "./gestures";
 import { Hover, type Seen, ask_seen } from "./hover";
 import { make_pace } from "./pace";
 import { make_ladder } from "./quality";
-import { type Rulers, make_rulers } from "./rulers";
+import { make_rulers } from "./rulers";
 import { make_scale_bar } from "./scale_bar";
 import { type Aim, SightSource } from "./sight_source";
 import { cut_of } from "./sight_query";
 import { type Space, type Vec3, point_to_space, shortest_side, space_of } from "./space/space";
 import { Stage } from "./stage";
-import { type Theme, on_theme, read_theme } from "./theme";
-import { type Triad, make_triad } from "./triad";
+import { type Theme, read_theme } from "./theme";
+import { make_triad } from "./triad";
 import { Viewpoint } from "./space/viewpoint";
 import { draw_picture } from "./writing";
 import "./overview.css";
@@ -58,8 +59,8 @@ class Overview {
   private readonly ladder = make_ladder();
   private readonly pace = make_pace((calm) => this.draw(calm));
   private readonly viewpoint: Viewpoint;
-  private readonly triad: Triad;
-  private readonly rulers: Rulers;
+  private readonly triad = make_triad((axis, above) => this.look_straight(axis, above));
+  private readonly rulers: ReturnType<typeof make_rulers>;
   private readonly bar: ReturnType<typeof make_scale_bar>;
   private readonly sights: SightSource;
   private readonly hover: Hover;
@@ -81,7 +82,6 @@ class Overview {
   ) {
     this.viewpoint = new Viewpoint(viewer, space);
     this.nearest = NEAREST * shortest_side(space, viewer.axes);
-    this.triad = make_triad((axis, above) => this.look_straight(axis, above));
     this.rulers = make_rulers(viewer, space, () => this.moved());
     this.bar = make_scale_bar(viewer.info.units);
     this.sights = new SightSource(viewer, space, this.abort.signal, {
@@ -134,19 +134,19 @@ class Overview {
   private listen(host: HTMLElement): void {
     const { canvas } = this.chrome;
     const { signal } = this.abort;
-    const go_home = () => this.fly_home();
-    this.chrome.on_home(go_home);
-    this.chrome.on_mode((mode) => {
-      if (mode === "plane") this.viewer.plane_normal.value = basis(this.viewpoint.orbit).back;
-      this.viewer.bodies.value = mode;
-    });
-    this.chrome.on_sky(() => (this.viewer.sky.value = this.viewer.sky.value === 2 ? 1 : 2));
+    this.chrome.home.addEventListener("click", () => this.fly_home());
+    for (const { mode, button } of this.chrome.modes)
+      button.addEventListener("click", () => {
+        if (mode === "plane") this.viewer.plane_normal.value = basis(this.viewpoint.orbit).back;
+        this.viewer.bodies.value = mode;
+      });
+    this.chrome.sky.addEventListener("click", () => (this.viewer.sky.value = this.viewer.sky.value === 2 ? 1 : 2));
     this.stops.push(
       listen_gestures(canvas, {
         orbit: () => this.viewpoint.orbit,
         move: (to) => this.move(to),
         dolly: (factor, x, y) => this.dolly(factor, x, y),
-        home: go_home,
+        home: () => this.fly_home(),
         select: (x, y) => void this.select(x, y),
         go_to: (x, y) => void this.go_to(x, y),
         hover: (x, y) => this.name_what_is_at(x, y),
@@ -177,7 +177,7 @@ class Overview {
       }),
       effect(() => {
         void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value];
-        if (!this.viewpoint.own) untracked(() => this.followed());
+        if (!this.viewpoint.own) untracked(() => this.pace.later());
       }),
       effect(() => {
         const visit = viewer.visited.value;
@@ -215,11 +215,6 @@ class Overview {
     this.pace.soon();
   }
 
-  // Something changed elsewhere on the page: it is drawn in a quiet moment.
-  private followed(): void {
-    this.pace.later();
-  }
-
   // A picture has come.
   private came(state: "ready" | "sharp"): void {
     this.chrome.root.dataset.state = state;
@@ -239,7 +234,7 @@ class Overview {
     if (x === undefined || y === undefined) return this.move(dollied(orbit, factor, this.nearest));
     const now = performance.now();
     const is_same = this.wheel && now - this.wheel.time < SAME_PLACE && Math.hypot(this.wheel.x - x, this.wheel.y - y) < 3;
-    const point = is_same ? this.wheel!.point : this.point_at(x, y);
+    const point = is_same ? this.wheel!.point : (this.pixel_at(x, y)?.point ?? null);
     this.wheel = { point, x, y, time: now };
     this.move(point ? dollied_to(orbit, point, factor, this.nearest) : dollied(orbit, factor, this.nearest));
   }
@@ -321,9 +316,6 @@ class Overview {
     if (px < 0 || py < 0 || px >= frame.width || py >= frame.height) return null;
     const label = frame.label[py * frame.width + px]!;
     return { label: label === 0 ? null : label - 1, point: point_at(frame, px, py) };
-  }
-  private point_at(x: number, y: number): Vec3 | null {
-    return this.pixel_at(x, y)?.point ?? null;
   }
 
   private async seen_at(x: number, y: number, signal: AbortSignal): Promise<Seen | null> {

@@ -9,11 +9,6 @@ import { labelled_edges } from "./space/edges";
 import { type Space, from_space } from "./space/space";
 import { type Point, type Rect, type Wish, end_text, place_numbers } from "./numbers";
 
-export interface Rulers {
-  readonly roots: readonly HTMLElement[];
-  update(view: Projection, at: readonly number[]): void;
-}
-
 const KNOB = 9; // pixels, half its size
 
 // The corners of the panel, which belong to its title, the buttons and the triad.
@@ -25,7 +20,7 @@ const corners = (width: number, height: number): Rect[] => [
   { left: 22, top: height - 104, right: 90, bottom: height - 8 },
 ];
 
-export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rulers {
+export function make_rulers(viewer: Viewer, space: Space, slid: () => void) {
   const { units } = viewer;
   let view: Projection | null = null;
   const rulers = ([0, 1, 2] as const).map((d) => {
@@ -65,7 +60,7 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
 
   return {
     roots: rulers.flatMap(({ low, high, knob }) => [low, high, knob]),
-    update(to, at) {
+    update(to: Projection, at: readonly number[]) {
       view = to;
       if (sizes.length === 0) measure();
       if (sizes.length === 0) return;

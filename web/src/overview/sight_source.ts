@@ -52,14 +52,6 @@ export class SightSource {
     private readonly events: SightEvents,
   ) {}
 
-  // Whether the sharp picture of what is wanted is there.
-  get is_sharp(): boolean {
-    return this.kept.sharp?.whole === true && this.aim !== null && this.sharp_key === this.key_of(this.aim);
-  }
-  get asks(): boolean {
-    return this.quick_runs || this.sharp_abort !== null;
-  }
-
   // The size of a sharp picture in a panel.
   static size(width: number, height: number): [number, number] {
     const ratio = Math.min(globalThis.devicePixelRatio || 1, 2, Math.sqrt(MOST_PIXELS / (width * height)));

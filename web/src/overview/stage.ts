@@ -16,7 +16,7 @@ export class Stage {
   private readonly cloud = new Cloud();
   private readonly still = new Still();
   private readonly frames = make_lines(this.panel);
-  private readonly marks = make_lines(this.panel, { over: true });
+  private readonly marks = make_lines(this.panel, true);
   private buffer: readonly [number, number] = [0, 0]; // the size of the canvas in its own pixels
 
   // The domain is -half to half. Throws when there is no WebGL 2.

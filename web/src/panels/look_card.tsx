@@ -2,7 +2,7 @@
 import { useState } from "preact/hooks";
 import { grouped, percent, significant } from "../base/format";
 import type { Amount } from "../base/grid";
-import { type MaterialLook, css_color, hex_color } from "../base/materials";
+import { type MaterialLook, css_color, hex_color, rgb_of_color } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
 import { IconButton } from "../widgets/icons";
@@ -25,11 +25,6 @@ interface Props {
   readonly viewer: Viewer;
   readonly item: Item;
   readonly all: number; // cells of the grid
-}
-
-function parsed_color(text: string): [number, number, number] {
-  const channel = (at: number) => Number.parseInt(text.slice(at, at + 2), 16);
-  return [channel(1), channel(3), channel(5)];
 }
 
 function Opacity({ item }: { item: Item }) {
@@ -95,7 +90,7 @@ export function LookCard({ short, ...props }: Props & { short: boolean }) {
           aria-label={`Colour of ${name}`}
           value={hex_color(look)}
           style={{ "--opacity": look.opacity }}
-          onInput={(e) => item.change({ color: parsed_color(e.currentTarget.value) })}
+          onInput={(e) => item.change({ color: rgb_of_color(e.currentTarget.value) })}
         />
         {short ? (
           <button class="material-title" title={`${name} ${item.beside}`} aria-expanded={opened} onClick={() => set_opened(!opened)}>

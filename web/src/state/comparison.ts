@@ -4,6 +4,7 @@ import { type Signal, batch, effect } from "@preact/signals";
 import type { Axis } from "../base/axis";
 import { sizes, unit_name } from "../base/format";
 import { AXES, AXIS_NAMES, type AxisIndex, type AxisJson, type GridInfo, type GridSummary, type Index3, type Material } from "../base/grid";
+import { METRES } from "../base/lengths";
 import type { MaterialLook } from "../base/materials";
 import { COMPARISON_MODES, type Comparison, type ComparisonMode, type Viewer } from "./viewer";
 import type { Range } from "./zoom";
@@ -17,8 +18,8 @@ export function new_comparison(viewer: Viewer, other: string, axis: AxisIndex): 
   return { other, axis, mode: "side", wipe: 0.5, together: !same, apart: same ? (at + tenth < max ? tenth : -tenth) : 0 };
 }
 
-// z, when it is not the name of an axis.
-function axis_named(text: string | null): AxisIndex {
+// z, when it is not the name of an axis: of a layout, the axis across which its slices lie.
+export function axis_named(text: string | null): AxisIndex {
   const d = AXIS_NAMES.indexOf(text as "x");
   return d < 0 ? 2 : (d as AxisIndex);
 }
@@ -67,9 +68,6 @@ export function write_comparison(query: URLSearchParams, { other, axis, mode, wi
   if (together === same) query.set("together", together ? "1" : "0");
   if (same || apart !== 0) query.set("apart", String(apart));
 }
-
-// Units whose lengths are known, in metres.
-const METRES: Readonly<Record<string, number>> = { m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, ft: 0.3048 };
 
 // The same grid with its coordinates in another unit, if both are known.
 export function in_units(info: GridInfo, units: string): GridInfo {

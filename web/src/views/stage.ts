@@ -6,6 +6,7 @@ import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { get } from "../server/api";
 import { returned } from "../server/connection";
+import { on_theme } from "../state/theme";
 import type { Box, ViewName, Viewer } from "../state/viewer";
 import { clamped_zoom, fitting_zoom } from "../state/zoom";
 import { Palette, SetTable } from "../tiles/sets";
@@ -93,12 +94,12 @@ export class Stage {
         this.store.retry();
       }),
     );
-    const themes = new MutationObserver(() => this.theme_changed());
-    themes.observe(document.documentElement, { attributes: true });
-    const system = matchMedia("(prefers-color-scheme: dark)");
-    const on_system = () => this.theme_changed();
-    system.addEventListener("change", on_system);
-    this.stops.push(() => themes.disconnect(), () => system.removeEventListener("change", on_system));
+    this.stops.push(
+      on_theme(() => {
+        this.ink = null;
+        this.invalidate();
+      }),
+    );
     return () => this.stop();
   }
 
@@ -199,11 +200,6 @@ export class Stage {
     if (!this.host) return null;
     const { viewer, store, palette } = this;
     return { viewer, store, palette, ink: (this.ink ??= read_ink(this.host)), ratio };
-  }
-
-  private theme_changed(): void {
-    this.ink = null;
-    this.invalidate();
   }
 
   private readonly frame = (start: number): void => {
