@@ -1,5 +1,5 @@
 // An axis of the grid. It maps cell indices to coordinates and back, by the same rule as the store.
-import type { AxisIndex, AxisJson, GridInfo } from "./grid";
+import { type AxisIndex, type AxisJson, type GridInfo, for_axes } from "./grid";
 
 export class Axis {
   readonly cells: number;
@@ -83,10 +83,7 @@ export class Axis {
   }
 }
 
-export function axes_of({ grid }: GridInfo): [Axis, Axis, Axis] {
-  const axis = (d: AxisIndex) => new Axis(grid.axes[d]!, grid.sample[d]!);
-  return [axis(0), axis(1), axis(2)];
-}
+export const axes_of = ({ grid }: GridInfo): [Axis, Axis, Axis] => for_axes((d) => new Axis(grid.axes[d]!, grid.sample[d]!));
 
 // The axes of a slice across `w`: u points right and v points up. Across z they are (x, y), across y (x, z), across x
 // (y, z).

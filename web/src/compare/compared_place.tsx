@@ -62,9 +62,7 @@ export function ComparedPlace({ pair, comparison }: { pair: Pair; comparison: Si
   const { left, right } = pair;
   pair.frames.value; // tiles that have come may tell more
   const hover = left.viewer.hover.value ?? right.viewer.hover.value;
-  const cell = left.viewer.cell.value;
-  const crosshair: Point = [left.viewer.axes[0].centre(cell[0]), left.viewer.axes[1].centre(cell[1]), left.viewer.axes[2].centre(cell[2])];
-  const point = hover?.point ?? crosshair;
+  const point = hover?.point ?? left.viewer.centre_of(left.viewer.cell.value);
   const meet = slices_meet(left.viewer, right.viewer, comparison.value);
   const { u, v } = FRAMES[axis];
   const side = (stage: Stage) => {

@@ -86,11 +86,11 @@ class Overview {
     this.bar = make_scale_bar(viewer.info.units);
     this.sights = new SightSource(viewer, space, this.abort.signal, {
       quick: (frame) => {
-        stage.set_cloud(frame);
+        stage.cloud.set(frame);
         this.came("ready");
       },
       sharp: (frame, done) => {
-        stage.set_still(frame);
+        stage.still.set(frame);
         this.came(done ? "sharp" : "ready");
       },
       failed: (error) => {
@@ -246,7 +246,7 @@ class Overview {
     const { viewer, stage, ladder } = this;
     const { orbit } = this.viewpoint;
     const view = stage.projection(orbit);
-    const at = point_to_space(this.space, viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!)));
+    const at = point_to_space(this.space, viewer.centre_of(viewer.cell.value));
     this.look(orbit, view.width, view.height, calm);
     const { under, over } = figure(view, this.space.half, scenery_of(viewer, viewer.axes, this.space, at), this.theme);
     stage.set_lines(under, over);

@@ -2,6 +2,7 @@
 // dragging the knob, or moving it by keys, moves the slice across the axis.
 import { significant } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { slid_by_key } from "../base/slider";
 import type { Viewer } from "../state/viewer";
 import { type Projection, along_axis, project } from "./space/camera";
 import { element } from "./dom";
@@ -115,11 +116,9 @@ function listen_knob(knob: HTMLElement, viewer: Viewer, d: AxisIndex, slid: () =
     if (cell !== null) go(cell);
   });
   knob.addEventListener("keydown", (event) => {
-    const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
-    if (step !== undefined) go(viewer.cell.value[d] + step * (event.shiftKey ? 10 : 1));
-    else if (event.key === "Home") go(0);
-    else if (event.key === "End") go(viewer.axes[d].cells - 1);
-    else return;
+    const to = slid_by_key(event.key, viewer.cell.value[d], 0, viewer.axes[d].cells - 1, event.shiftKey ? 10 : 1);
+    if (to === null) return;
+    go(to);
     event.preventDefault();
     event.stopPropagation();
   });

@@ -12,10 +12,10 @@ export function camera_query(space: Space, orbit: Orbit, width: number, height: 
 
 // What is cut away.
 export function cut_of(viewer: Viewer): string {
-  const at = viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!));
+  const at = viewer.centre_of(viewer.cell.value);
   if (viewer.bodies.value === "cut") return `&open=${at.join(",")}`;
   const normal = viewer.plane_normal.value;
-  if (viewer.bodies.value === "plane" && normal) return `&plane=${normal.join(",")},${dot(normal, at as Vec3)}`;
+  if (viewer.bodies.value === "plane" && normal) return `&plane=${normal.join(",")},${dot(normal, at)}`;
   return "";
 }
 

@@ -3,7 +3,7 @@
 import { type Signal, batch, effect } from "@preact/signals";
 import type { Axis } from "../base/axis";
 import { sizes, unit_name } from "../base/format";
-import { AXES, AXIS_NAMES, type AxisIndex, type AxisJson, type GridInfo, type GridSummary, type Index3, type Material } from "../base/grid";
+import { AXES, AXIS_NAMES, type AxisIndex, type AxisJson, type GridInfo, type GridSummary, type Index3, type Material, for_axes } from "../base/grid";
 import { METRES } from "../base/lengths";
 import type { MaterialLook } from "../base/materials";
 import { COMPARISON_MODES, type Comparison, type ComparisonMode, type Viewer } from "./viewer";
@@ -81,10 +81,8 @@ export function in_units(info: GridInfo, units: string): GridInfo {
 }
 
 // Around both.
-export function common_bounds(a: readonly [Range, Range, Range], b: readonly [Range, Range, Range]): [Range, Range, Range] {
-  const around = (d: AxisIndex) => ({ min: Math.min(a[d].min, b[d].min), max: Math.max(a[d].max, b[d].max) });
-  return [around(0), around(1), around(2)];
-}
+export const common_bounds = (a: readonly [Range, Range, Range], b: readonly [Range, Range, Range]): [Range, Range, Range] =>
+  for_axes((d) => ({ min: Math.min(a[d].min, b[d].min), max: Math.max(a[d].max, b[d].max) }));
 
 // Why the cells of two grids can't be counted against each other, as far as it is seen at once; the server looks at all planes.
 export function unequal_cells(a: GridInfo, b: GridInfo): string | null {
