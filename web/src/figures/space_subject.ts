@@ -1,13 +1,11 @@
 // The view in three dimensions as the subject of a figure: what the page shows, in any size.
-import { ranges } from "../base/ranges";
 import { get_patiently } from "../server/api";
 import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
 import { reach } from "../overview/space/camera";
 import { type Colored, compose } from "../overview/compose";
 import { layers_of, palette_of } from "../overview/layers";
-import { type Part, camera_query, cut_of, parts_of } from "../overview/sight_query";
-import { decode_sights } from "../overview/sights";
+import { type Part, camera_query, cut_of, fetch_layers, parts_of } from "../overview/sight_query";
 import { space_of } from "../overview/space/space";
 import { Viewpoint } from "../overview/space/viewpoint";
 import type { FigureOptions } from "./options";
@@ -30,13 +28,7 @@ async function fetch_part(viewer: Viewer, width: number, height: number, part: P
   viewpoint.aspect = panel_aspect();
   const [looks, mode] = [viewer.label_looks.peek(), viewer.bodies.peek()];
   const query = `${camera_query(space, viewpoint.orbit, width, height)}${cut_of(viewer)}&window=${part.x0},${part.y0},${part.x1},${part.y1}`;
-  const layers = layers_of(looks, mode);
-  const sights = await Promise.all(
-    (layers.length ? layers : [[]]).map(async (labels) => {
-      const response = await get_patiently(viewer.address.view("bin", `${query}&labels=${ranges(labels)}`), signal);
-      return decode_sights(await response.arrayBuffer(), space.scale);
-    }),
-  );
+  const sights = await fetch_layers(viewer, space, layers_of(looks, mode), query, (address) => get_patiently(address, signal));
   return compose(sights, palette_of(looks, mode));
 }
 

@@ -8,8 +8,8 @@ import type { Orbit } from "./space/camera";
 import { type Palette, compose } from "./compose";
 import { type Frame, empty_frame, put_part } from "./frame";
 import { layers_of, palette_of } from "./layers";
-import { type Sights, decode_sights } from "./sights";
-import { type Part, camera_query, parts_of } from "./sight_query";
+import type { Sights } from "./sights";
+import { type Part, camera_query, fetch_layers, parts_of } from "./sight_query";
 import type { Space } from "./space/space";
 
 const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
@@ -99,13 +99,8 @@ export class SightSource {
     return `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut} ${this.layers().map(ranges).join(" ")} ${SightSource.size(aim.width, aim.height).join()}`;
   }
 
-  private async fetch_layers(query: string, signal: AbortSignal): Promise<Sights[]> {
-    const layers = this.layers();
-    const one = async (labels: readonly number[]) => {
-      const response = await get(this.viewer.address.view("bin", `${query}&labels=${ranges(labels)}`), { signal, priority: "low" });
-      return decode_sights(await response.arrayBuffer(), this.space.scale);
-    };
-    return Promise.all((layers.length ? layers : [[]]).map(one));
+  private fetch_layers(query: string, signal: AbortSignal): Promise<Sights[]> {
+    return fetch_layers(this.viewer, this.space, this.layers(), query, (address) => get(address, { signal, priority: "low" }));
   }
 
   private async ask_quick(): Promise<void> {

@@ -1,20 +1,21 @@
 // Light or dark. The system decides until somebody uses the switch. From then on this browser remembers the choice.
 import { computed, effect, signal } from "@preact/signals";
-import { remember, remembered } from "../base/storage";
+import { if_allowed } from "../base/storage";
 
 type Theme = "light" | "dark";
 const KEY = "teracell-theme";
 
 const system = matchMedia("(prefers-color-scheme: dark)");
 const system_theme = signal<Theme>(system.matches ? "dark" : "light");
-const kept = remembered("localStorage", KEY);
+const kept = if_allowed(() => localStorage.getItem(KEY));
 const chosen = signal<Theme | null>(kept === "light" || kept === "dark" ? kept : null);
 
 export const theme = computed<Theme>(() => chosen.value ?? system_theme.value);
 
 export function switch_theme(): void {
-  chosen.value = theme.value === "dark" ? "light" : "dark";
-  remember("localStorage", KEY, chosen.value);
+  const other = theme.value === "dark" ? "light" : "dark";
+  chosen.value = other;
+  if_allowed(() => localStorage.setItem(KEY, other));
 }
 
 export function keep_theme(): void {

@@ -176,6 +176,9 @@ export class Viewer {
     return this.slices_shown.value ? address : null;
   }
 
+  has(cell: Index3): boolean {
+    return cell.every((i, d) => i >= 0 && i < this.cells[d]!);
+  }
   // The sample point of a cell.
   centre_of(cell: Index3): [number, number, number] {
     return for_axes((d) => this.axes[d].centre(cell[d]));

@@ -269,26 +269,17 @@ export class Stage {
   private say_what_is_under_the_pointer(): void {
     const { viewer } = this;
     const view = this.visible.find(({ pointer }) => pointer !== null);
-    const camera = view?.camera;
     const before = viewer.hover.value;
-    if (!view?.pointer || !camera) {
+    if (!view?.pointer || !view.camera) {
       if (before && before.axis !== null) viewer.hover.value = null;
       return;
     }
-    const { u, v, w } = FRAMES[view.axis];
-    const [a, b] = [camera.u_at(view.pointer.x), camera.v_at(view.pointer.y)];
-    const cell: [number, number, number] = [0, 0, 0];
-    cell[u] = camera.across.cell_at(a);
-    cell[v] = camera.up.cell_at(b);
-    cell[w] = viewer.cell.value[w];
-    if (cell.some((i, d) => i < 0 || i >= viewer.cells[d]!)) {
+    const { point, cell } = view.under(viewer, view.pointer.x, view.pointer.y);
+    if (!viewer.has(cell)) {
       if (before) viewer.hover.value = null;
       return;
     }
-    const point: [number, number, number] = [0, 0, 0];
-    point[u] = a;
-    point[v] = b;
-    point[w] = viewer.axes[w].centre(cell[w]);
+    const { u, v, w } = FRAMES[view.axis];
     const set = view.finest_at(this.store, cell[w], cell[u], cell[v], viewer.info.levels.length);
     const labels = set === null ? null : this.sets.members(set);
     const same =
