@@ -53,9 +53,7 @@ export function make_chrome(host: HTMLElement) {
     home,
     modes,
     sky,
-    busy(text: string) {
-      busy.textContent = text;
-    },
+    busy,
     show_sky(up: Sky) {
       sky.textContent = `${"xyz"[up]}↑`;
       sky.title = `${"xyz"[up]} is up: press for ${up === 2 ? "y" : "z"}`;

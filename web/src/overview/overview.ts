@@ -53,17 +53,17 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   return () => overview.stop();
 }
 
-class Overview {
+export class Overview {
   private readonly abort = new AbortController(); // of requests and listeners
   private readonly stops: (() => void)[] = [];
   private readonly ladder = make_ladder();
   private readonly pace = make_pace((calm) => this.draw(calm));
-  private readonly viewpoint: Viewpoint;
+  readonly viewpoint: Viewpoint;
   private readonly triad = make_triad((axis, above) => this.look_straight(axis, above));
   private readonly rulers: ReturnType<typeof make_rulers>;
   private readonly bar: ReturnType<typeof make_scale_bar>;
   private readonly sights: SightSource;
-  private readonly hover: Hover;
+  readonly hover: Hover;
   private readonly nearest: number;
   private theme: Theme;
   private visible = false;
@@ -95,7 +95,7 @@ class Overview {
       },
       failed: (error) => {
         chrome.root.dataset.state = "failed";
-        chrome.busy("");
+        chrome.busy.textContent = "";
         chrome.say(`What is seen could not be loaded: ${words_of(error)}.`, () => this.ask_again());
       },
     });
@@ -114,7 +114,7 @@ class Overview {
 
   start(host: HTMLElement): void {
     this.chrome.root.dataset.state = "loading";
-    this.chrome.busy("Loading …");
+    this.chrome.busy.textContent = "Loading …";
     this.stops.push(on_theme(() => this.read_colors()));
     this.listen(host);
     this.follow_signals();
@@ -141,18 +141,7 @@ class Overview {
         this.viewer.bodies.value = mode;
       });
     this.chrome.sky.addEventListener("click", () => (this.viewer.sky.value = this.viewer.sky.value === 2 ? 1 : 2));
-    this.stops.push(
-      listen_gestures(canvas, {
-        orbit: () => this.viewpoint.orbit,
-        move: (to) => this.move(to),
-        dolly: (factor, x, y) => this.dolly(factor, x, y),
-        home: () => this.fly_home(),
-        select: (x, y) => void this.select(x, y),
-        go_to: (x, y) => void this.go_to(x, y),
-        hover: (x, y) => this.name_what_is_at(x, y),
-        leave: () => this.hover.hide(),
-      }),
-    );
+    this.stops.push(listen_gestures(canvas, this));
     canvas.addEventListener("webglcontextlost", (event) => this.lose(event), { signal });
     canvas.addEventListener("webglcontextrestored", () => this.restore(), { signal });
     // A picture of all views asks for this one with an event that says where to draw it.
@@ -218,18 +207,18 @@ class Overview {
   // A picture has come.
   private came(state: "ready" | "sharp"): void {
     this.chrome.root.dataset.state = state;
-    this.chrome.busy("");
+    this.chrome.busy.textContent = "";
     this.chrome.say("");
     this.pace.soon();
   }
 
-  private move(to: Orbit): void {
+  move(to: Orbit): void {
     this.viewpoint.move(to);
     this.moved();
   }
 
   // Towards what is seen at a pixel, and no farther than to it.
-  private dolly(factor: number, x?: number, y?: number): void {
+  dolly(factor: number, x?: number, y?: number): void {
     const { orbit } = this.viewpoint;
     if (x === undefined || y === undefined) return this.move(dollied(orbit, factor, this.nearest));
     const now = performance.now();
@@ -285,7 +274,7 @@ class Overview {
     this.pace.soon();
   }
 
-  private fly_home(): void {
+  fly_home(): void {
     this.viewpoint.fly(this.viewpoint.home(), true);
     this.moved();
   }
@@ -323,7 +312,7 @@ class Overview {
   }
 
   // The marker under the pointer says what it marks; otherwise the body there has a name.
-  private name_what_is_at(x: number, y: number): void {
+  name_what_is_at(x: number, y: number): void {
     const view = this.stage.projection(this.viewpoint.orbit);
     const under = this.viewer.markers.value.find((marker) => {
       const p = project(view, point_to_space(this.space, marker.at));
@@ -335,13 +324,13 @@ class Overview {
   }
 
   // A click keeps the cell in the read-out.
-  private async select(x: number, y: number): Promise<void> {
+  async select(x: number, y: number): Promise<void> {
     const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
     this.viewer.pinned.value = seen ? seen.cell : null;
   }
 
   // Puts the crosshair on what is seen at a pixel, and moves the camera closer.
-  private async go_to(x: number, y: number): Promise<void> {
+  async go_to(x: number, y: number): Promise<void> {
     const orbit = this.viewpoint.orbit;
     const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
     if (!seen) return;

@@ -75,12 +75,7 @@ export function LookCard({ short, ...props }: Props & { short: boolean }) {
   const [opened, set_opened] = useState(false);
   const { name, look } = item;
   const whole = !short || opened;
-  const title = (
-    <>
-      {name}
-      {item.beside && <span class="faint"> {item.beside}</span>}
-    </>
-  );
+  const Title = short ? "button" : "span";
   return (
     <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
       <div class="material-head">
@@ -92,15 +87,10 @@ export function LookCard({ short, ...props }: Props & { short: boolean }) {
           style={{ "--opacity": look.opacity }}
           onInput={(e) => item.change({ color: rgb_of_color(e.currentTarget.value) })}
         />
-        {short ? (
-          <button class="material-title" title={`${name} ${item.beside}`} aria-expanded={opened} onClick={() => set_opened(!opened)}>
-            {title}
-          </button>
-        ) : (
-          <span class="material-title" title={`${name} ${item.beside}`}>
-            {title}
-          </span>
-        )}
+        <Title class="material-title" title={`${name} ${item.beside}`} {...(short && { "aria-expanded": opened, onClick: () => set_opened(!opened) })}>
+          {name}
+          {item.beside && <span class="faint"> {item.beside}</span>}
+        </Title>
         {whole ? <Opacity item={item} /> : <span class="share">{item.amount ? percent(item.amount.cells / all) : "…"}</span>}
         <IconButton
           icon={look.visible ? "eye" : "hidden"}

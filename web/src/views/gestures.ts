@@ -18,12 +18,7 @@ interface Spot {
   readonly y: number;
 }
 
-export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement): () => void {
-  const gestures = new Gestures(stage, axis, body);
-  return () => gestures.stop();
-}
-
-class Gestures {
+export class Gestures {
   private readonly view: View;
   private readonly listening = new AbortController();
   private readonly pointers = new Map<number, Spot>(); // that are down

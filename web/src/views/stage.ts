@@ -70,31 +70,21 @@ export class Stage {
     this.host = host;
     stages.set(this.viewer, this);
     const { viewer: v } = this;
+    const timer = window.setTimeout(() => (v.slices_shown.value = true), LONGEST_WAIT);
     this.stops.push(
       effect(() => {
         for (const s of [
           v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.cut, v.box, v.measure, v.pinned,
-          v.markers,
+          v.markers, this.draft,
         ])
           s.value;
-        this.draft.value;
         this.invalidate();
       }),
-    );
-    const timer = window.setTimeout(() => (v.slices_shown.value = true), LONGEST_WAIT);
-    this.stops.push(() => clearTimeout(timer));
-    this.stops.push(effect(() => this.store.show_shares(v.show_shares.value && v.has_shares)));
-    // Keys act on a view that is shown alone, even before the pointer is over it.
-    this.stops.push(effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))));
-    let returns = returned.peek();
-    this.stops.push(
-      effect(() => {
-        if (returned.value === returns) return;
-        returns = returned.value;
-        this.store.retry();
-      }),
-    );
-    this.stops.push(
+      () => clearTimeout(timer),
+      effect(() => this.store.show_shares(v.show_shares.value && v.has_shares)),
+      // Keys act on a view that is shown alone, even before the pointer is over it.
+      effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))),
+      effect(() => void (returned.value > 0 && this.store.retry())),
       on_theme(() => {
         this.ink = null;
         this.invalidate();
