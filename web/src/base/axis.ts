@@ -1,6 +1,18 @@
 // An axis of the grid. It maps cell indices to coordinates and back, by the same rule as the store.
 import { type AxisIndex, type AxisJson, type GridInfo, for_axes } from "./grid";
 
+// The last of `count` stretches, one after another, that has begun; the first one has.
+export function last_begun(count: number, has_begun: (i: number) => boolean): number {
+  let low = 0;
+  let high = count;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (has_begun(middle)) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
 export class Axis {
   readonly cells: number;
   readonly min: number;
@@ -51,14 +63,7 @@ export class Axis {
       while (i + 1 < this.cells && x >= this.plane(i + 1)) ++i;
       return Math.min(Math.max(i, 0), this.cells - 1);
     }
-    let low = 0;
-    let high = this.cells;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (x < this.planes![middle]!) high = middle;
-      else low = middle;
-    }
-    return low;
+    return last_begun(this.cells, (i) => this.planes![i]! <= x);
   }
 
   // The cell that is drawn for an interval [low, high); -1 for none. Usually it is the cell that holds the middle of

@@ -45,7 +45,6 @@ export interface BodyReport {
   duplicates: number;
   opposite?: number; // duplicates whose orientation is opposite to that of the first of them
   shells: number;
-  stitch?: number; // length
   seams?: { number: number; length: number; widest_gap: number };
   fill: { rule: string; shells: number; why: string }[];
   holes: Hole[];

@@ -104,11 +104,6 @@ function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subject, l
   }
 }
 
-export interface Figure {
-  readonly blob: Blob;
-  readonly note: string;
-}
-
 async function subject_of(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<Subject> {
   const { ground } = COLORS[options.ground];
   if (options.subject !== "3d") return slice_subject(viewer, AXIS_NAMES.indexOf(options.subject) as AxisIndex, options, ground, signal);
@@ -159,7 +154,7 @@ export async function preview_of(viewer: Viewer, options: FigureOptions, most: n
 }
 
 // Throws when it can't be made. REQUIRES: fault_of() finds none in the options.
-export async function make_figure(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<Figure> {
+export async function make_figure(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<{ blob: Blob; note: string }> {
   const drawing = await drawing_of(viewer, options, () => options.dpi / 72, signal);
   const { layout, picture } = drawing;
   if (options.format === "svg") {

@@ -7,6 +7,7 @@
 // picture is drawn as points in space, until the next one has come.
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
+import { get_json } from "../server/api";
 import { returned } from "../server/connection";
 import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
@@ -15,7 +16,7 @@ import { type Chrome, make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { point_at } from "./frame";
 import { listen_gestures } from "./gestures";
-import { Hover, type Seen, ask_seen } from "./hover";
+import { Hover, type Seen } from "./hover";
 import { make_pace } from "./pace";
 import { make_ladder } from "./quality";
 import { make_rulers } from "./rulers";
@@ -308,7 +309,7 @@ export class Overview {
   }
 
   private async seen_at(x: number, y: number, signal: AbortSignal): Promise<Seen | null> {
-    return this.aim ? ask_seen(this.sights.point_address(this.aim, x, y), signal) : null;
+    return this.aim && (await get_json<{ seen: Seen | null }>(this.sights.point_address(this.aim, x, y), signal)).seen;
   }
 
   // The marker under the pointer says what it marks; otherwise the body there has a name.
