@@ -24,8 +24,7 @@ function panel_aspect(): number {
 // A part of the picture with the given size.
 async function fetch_part(viewer: Viewer, width: number, height: number, part: Part, signal: AbortSignal): Promise<Colored> {
   const space = space_of(viewer.axes);
-  const viewpoint = new Viewpoint(viewer, space);
-  viewpoint.aspect = panel_aspect();
+  const viewpoint = new Viewpoint(viewer, space, panel_aspect());
   const [looks, mode] = [viewer.label_looks.peek(), viewer.bodies.peek()];
   const query = `${camera_query(space, viewpoint.orbit, width, height)}${cut_of(viewer)}&window=${part.x0},${part.y0},${part.x1},${part.y1}`;
   const sights = await fetch_layers(viewer, space, layers_of(looks, mode), query, (address) => get_patiently(address, signal));
@@ -66,8 +65,7 @@ export async function space_subject(viewer: Viewer, options: FigureOptions, grou
   const content = options.crop === "content" ? await content_of(viewer, aspect, signal) : null;
   const part = content ?? { x0: 0, y0: 0, x1: 1, y1: 1 };
   const space = space_of(viewer.axes);
-  const viewpoint = new Viewpoint(viewer, space);
-  viewpoint.aspect = aspect;
+  const viewpoint = new Viewpoint(viewer, space, aspect);
   const whole_length = (2 * reach(aspect).x * viewpoint.orbit.distance) / space.scale;
   return {
     aspect: (part.y1 - part.y0) / aspect / (part.x1 - part.x0),

@@ -1,14 +1,25 @@
 // Pointer, wheel and keys on the overview's canvas. A left drag orbits. A right or middle drag, or one with shift,
 // pans. The wheel and pinching move towards what is under the pointer, a click selects it, and a double click goes
 // there. The arrow keys orbit, + and - move, and Home shows everything.
-import type { Overview } from "./overview";
-import { panned, turned } from "./space/camera";
+import { type Orbit, panned, turned } from "./space/camera";
+
+// The overview, as far as gestures know it.
+interface GestureTarget {
+  readonly viewpoint: { readonly orbit: Orbit };
+  readonly hover: { hide(): void };
+  move(to: Orbit): void; // and draws it soon
+  dolly(factor: number, x?: number, y?: number): void; // towards what is seen there, or else towards the middle
+  fly_home(): void;
+  select(x: number, y: number): Promise<void>;
+  go_to(x: number, y: number): Promise<void>;
+  name_what_is_at(x: number, y: number): void; // with no button pressed
+}
 
 const TURN = 0.4; // degrees per pixel
 const STILL = 4; // pixels that a click may move
 const KEYS: Record<string, readonly [number, number]> = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
 
-export function listen_gestures(canvas: HTMLCanvasElement, overview: Overview): () => void {
+export function listen_gestures(canvas: HTMLCanvasElement, overview: GestureTarget): () => void {
   const stop = new AbortController();
   const on = <K extends keyof HTMLElementEventMap>(type: K, call: (event: HTMLElementEventMap[K]) => void, options: AddEventListenerOptions = {}) =>
     canvas.addEventListener(type, call, { ...options, signal: stop.signal });

@@ -54,7 +54,7 @@ export function mount_overview(host: HTMLElement, viewer: Viewer): () => void {
   return () => overview.stop();
 }
 
-export class Overview {
+class Overview {
   private readonly abort = new AbortController(); // of requests and listeners
   private readonly stops: (() => void)[] = [];
   private readonly ladder = make_ladder();
