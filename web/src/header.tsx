@@ -1,11 +1,13 @@
 // The header of the page: what is open, the layout of the views, and the switches of the page.
+import type { ComponentChildren } from "preact";
 import { about, bytes_text, noun, plural, product, sizes } from "./base/format";
 import { grids, unreadable } from "./page";
 import { toggle_comparison } from "./state/comparison";
 import { switch_theme, theme } from "./state/theme";
 import type { Layout, Viewer } from "./state/viewer";
 import { Layers, Toolbar } from "./toolbar";
-import { Icon, type IconName } from "./widgets/icons";
+import { Icon, IconButton } from "./widgets/icons";
+import { type Segment, Segmented } from "./widgets/segmented";
 
 // Nested cells, the mark of the page (also in index.html).
 export function Mark() {
@@ -19,32 +21,14 @@ export function Mark() {
   );
 }
 
-const LAYOUTS: readonly { layout: Layout; label: string; text: string; icon?: IconName }[] = [
-  { layout: "four", label: "All four views", text: "", icon: "four" },
-  { layout: "x", label: "Only the slice across x", text: "x" },
-  { layout: "y", label: "Only the slice across y", text: "y" },
-  { layout: "z", label: "Only the slice across z", text: "z" },
-  { layout: "3d", label: "Only the overview in 3D", text: "3D" },
+const layout = (value: Layout, label: string, text: ComponentChildren) => ({ value, text, class: `layout-${value}`, title: label, "aria-label": label });
+const LAYOUTS: readonly Segment<Layout>[] = [
+  layout("four", "All four views", <Icon name="four" />),
+  layout("x", "Only the slice across x", "x"),
+  layout("y", "Only the slice across y", "y"),
+  layout("z", "Only the slice across z", "z"),
+  layout("3d", "Only the overview in 3D", "3D"),
 ];
-
-function LayoutButtons({ viewer }: { viewer: Viewer }) {
-  return (
-    <div class="segmented" role="group" aria-label="Layout">
-      {LAYOUTS.map(({ layout, label, text, icon }) => (
-        <button
-          key={layout}
-          class={`layout-${layout}`}
-          title={label}
-          aria-label={label}
-          aria-pressed={viewer.layout.value === layout}
-          onClick={() => (viewer.layout.value = layout)}
-        >
-          {icon ? <Icon name={icon} /> : text}
-        </button>
-      ))}
-    </div>
-  );
-}
 
 function Facts({ viewer }: { viewer: Viewer }) {
   const { cells } = viewer;
@@ -76,7 +60,7 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
       {viewer && <Facts viewer={viewer} />}
       <span class="spacer" />
       {viewer && !viewer.compare.value && <Toolbar viewer={viewer} />}
-      {viewer && !viewer.compare.value && <LayoutButtons viewer={viewer} />}
+      {viewer && !viewer.compare.value && <Segmented label="Layout" value={viewer.layout.value} list={LAYOUTS} set={(to) => (viewer.layout.value = to)} />}
       <div class="header-buttons">
         {viewer?.compare.value && <Layers viewer={viewer} />}
         {viewer && (
@@ -92,30 +76,17 @@ export function Header({ viewer }: { viewer: Viewer | null }) {
           </button>
         )}
         {viewer && (
-          <button
-            class="icon-button"
+          <IconButton
+            icon="panel"
+            label="Side panel"
             title={viewer.panel.value ? "Hide the panel" : "Show the panel"}
-            aria-label="Side panel"
             aria-expanded={viewer.panel.value !== null}
             aria-controls="side-panel"
             onClick={() => (viewer.panel.value = viewer.panel.value ? null : "materials")}
-          >
-            <Icon name="panel" />
-          </button>
+          />
         )}
-        <button
-          class="icon-button"
-          title={dark ? "Use light colours" : "Use dark colours"}
-          aria-label={dark ? "Use light colours" : "Use dark colours"}
-          onClick={switch_theme}
-        >
-          <Icon name={dark ? "sun" : "moon"} />
-        </button>
-        {viewer && (
-          <button class="icon-button" title="Help (h)" aria-label="Help" onClick={() => (viewer.help.value = true)}>
-            <Icon name="help" />
-          </button>
-        )}
+        <IconButton icon={dark ? "sun" : "moon"} label={dark ? "Use light colours" : "Use dark colours"} onClick={switch_theme} />
+        {viewer && <IconButton icon="help" label="Help" title="Help (h)" onClick={() => (viewer.help.value = true)} />}
       </div>
     </header>
   );

@@ -1,10 +1,9 @@
 // The dialog that lists gestures and keys, as the views declare them.
-import { useEffect, useRef } from "preact/hooks";
 import { notice_address } from "./module/beside";
 import { is_alone } from "./server/transport";
 import type { Viewer } from "./state/viewer";
 import { type Binding, comparison_bindings, overview_bindings, slice_bindings } from "./views/bindings";
-import { Icon } from "./widgets/icons";
+import { Dialog, DialogHead } from "./widgets/dialog";
 
 function Bindings({ list }: { list: readonly Binding[] }) {
   return (
@@ -20,30 +19,11 @@ function Bindings({ list }: { list: readonly Binding[] }) {
 }
 
 export function Help({ viewer }: { viewer: Viewer }) {
-  const dialog = useRef<HTMLDialogElement>(null);
-  const shown = viewer.help.value;
-  useEffect(() => {
-    if (shown && !dialog.current!.open) dialog.current!.showModal();
-    else if (!shown) dialog.current!.close();
-  }, [shown]);
-  const close = () => (viewer.help.value = false);
-  const on_key = (event: KeyboardEvent) => event.key === "h" && close();
+  const { help } = viewer;
   return (
-    <dialog
-      ref={dialog}
-      class="dialog"
-      aria-labelledby="help-title"
-      onClose={close}
-      onKeyDown={on_key}
-      onClick={(e) => e.target === dialog.current && close()}
-    >
+    <Dialog class="dialog" shown={help} heading="help-title" onKeyDown={(event) => event.key === "h" && (help.value = false)}>
       <div class="dialog-body">
-        <div class="dialog-head">
-          <h2 id="help-title">Gestures and keys</h2>
-          <button class="icon-button" aria-label="Close" onClick={close}>
-            <Icon name="close" />
-          </button>
-        </div>
+        <DialogHead shown={help} heading="help-title" text="Gestures and keys" />
         <h3>In a slice</h3>
         <Bindings list={slice_bindings} />
         <h3>In three dimensions</h3>
@@ -56,6 +36,6 @@ export function Help({ viewer }: { viewer: Viewer }) {
           </a>
         </p>
       </div>
-    </dialog>
+    </Dialog>
   );
 }

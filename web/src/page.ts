@@ -16,8 +16,7 @@ export const unreadable = signal<readonly UnreadableFile[]>([]); // files beside
 export const viewer = signal<Viewer | null>(null);
 export const opening = signal<string | null>(null); // the grid that is being opened
 export const trouble = signal<string | null>(null); // why nothing could be opened
-export type Staleness = "replaced" | "gone" | null;
-export const stale = signal<Staleness>(null);
+export const stale = signal<"replaced" | "gone" | null>(null);
 
 const LOOK_EVERY = 10000;
 let stop_keeping = () => {};

@@ -1,6 +1,6 @@
 // Shows the page's messages. Screen readers read them aloud as they come.
 import { drop, toasts } from "./base/messages";
-import { Icon } from "./widgets/icons";
+import { IconButton } from "./widgets/icons";
 
 export function Toasts() {
   return (
@@ -16,9 +16,7 @@ export function Toasts() {
             )}
           </span>
           {t.times > 1 && <span class="faint">×{t.times}</span>}
-          <button class="icon-button" aria-label="Dismiss this message" onClick={() => drop(t.text)}>
-            <Icon name="close" />
-          </button>
+          <IconButton icon="close" label="Dismiss this message" onClick={() => drop(t.text)} />
         </div>
       ))}
     </div>

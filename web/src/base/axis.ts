@@ -1,5 +1,17 @@
 // An axis of the grid. It maps cell indices to coordinates and back, by the same rule as the store.
-import type { AxisIndex, AxisJson, GridInfo } from "./grid";
+import { type AxisIndex, type AxisJson, type GridInfo, for_axes } from "./grid";
+
+// The last of `count` stretches, one after another, that has begun; the first one has.
+export function last_begun(count: number, has_begun: (i: number) => boolean): number {
+  let low = 0;
+  let high = count;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (has_begun(middle)) low = middle;
+    else high = middle;
+  }
+  return low;
+}
 
 export class Axis {
   readonly cells: number;
@@ -51,14 +63,7 @@ export class Axis {
       while (i + 1 < this.cells && x >= this.plane(i + 1)) ++i;
       return Math.min(Math.max(i, 0), this.cells - 1);
     }
-    let low = 0;
-    let high = this.cells;
-    while (high - low > 1) {
-      const middle = (low + high) >> 1;
-      if (x < this.planes![middle]!) high = middle;
-      else low = middle;
-    }
-    return low;
+    return last_begun(this.cells, (i) => this.planes![i]! <= x);
   }
 
   // The cell that is drawn for an interval [low, high); -1 for none. Usually it is the cell that holds the middle of
@@ -83,10 +88,7 @@ export class Axis {
   }
 }
 
-export function axes_of({ grid }: GridInfo): [Axis, Axis, Axis] {
-  const axis = (d: AxisIndex) => new Axis(grid.axes[d]!, grid.sample[d]!);
-  return [axis(0), axis(1), axis(2)];
-}
+export const axes_of = ({ grid }: GridInfo): [Axis, Axis, Axis] => for_axes((d) => new Axis(grid.axes[d]!, grid.sample[d]!));
 
 // The axes of a slice across `w`: u points right and v points up. Across z they are (x, y), across y (x, z), across x
 // (y, z).

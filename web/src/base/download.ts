@@ -7,3 +7,9 @@ export function save_blob(blob: Blob, name: string): void {
   a.click();
   setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }
+
+export async function png_of(canvas: HTMLCanvasElement): Promise<Blob> {
+  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
+  if (!blob) throw new Error("the browser ran out of memory");
+  return blob;
+}

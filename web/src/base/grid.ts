@@ -4,6 +4,7 @@ export type Index3 = [number, number, number];
 export type AxisIndex = 0 | 1 | 2;
 export const AXES: readonly AxisIndex[] = [0, 1, 2];
 export const AXIS_NAMES = ["x", "y", "z"] as const;
+export const for_axes = <T>(make: (d: AxisIndex) => T): [T, T, T] => [make(0), make(1), make(2)];
 
 export type AxisJson = { type: "uniform"; min: number; step: number; first: number; cells: number } | { type: "graded"; planes: number[] };
 
@@ -44,7 +45,6 @@ export interface BodyReport {
   duplicates: number;
   opposite?: number; // duplicates whose orientation is opposite to that of the first of them
   shells: number;
-  stitch?: number; // length
   seams?: { number: number; length: number; widest_gap: number };
   fill: { rule: string; shells: number; why: string }[];
   holes: Hole[];

@@ -13,17 +13,12 @@ export interface LabelLook extends MaterialLook {
   readonly material: number;
 }
 
-function parse_color(text: string): [number, number, number, number] {
-  const hex = (at: number) => Number.parseInt(text.slice(at, at + 2), 16);
-  return [hex(1), hex(3), hex(5), text.length > 7 ? hex(7) : 255];
-}
+// The parts of #rrggbb and, if they are there, of #rrggbbaa.
+const parts_of_color = (text: string) => [1, 3, 5, 7].map((at) => Number.parseInt(text.slice(at, at + 2) || "ff", 16)) as [number, number, number, number];
+export const rgb_of_color = (text: string) => parts_of_color(text).slice(0, 3) as [number, number, number];
 
-export function initial_looks(materials: readonly Material[]): MaterialLook[] {
-  return materials.map((m) => {
-    const [r, g, b, a] = parse_color(m.color);
-    return { color: [r, g, b], visible: true, opacity: a / 255 };
-  });
-}
+export const initial_looks = (materials: readonly Material[]): MaterialLook[] =>
+  materials.map(({ color }) => ({ color: rgb_of_color(color), visible: true, opacity: parts_of_color(color)[3] / 255 }));
 
 export const hex_color = (look: Pick<MaterialLook, "color">): string => `#${look.color.map((c) => c.toString(16).padStart(2, "0")).join("")}`;
 export const same_look = (a: MaterialLook, b: MaterialLook): boolean =>

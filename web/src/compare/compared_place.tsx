@@ -9,10 +9,8 @@ import type { Comparison } from "../state/viewer";
 import type { Stage } from "../views/stage";
 import type { Pair } from "./pair";
 
-type Point = readonly [number, number, number];
-
 // The labels at a point of the slice that a stage shows: null outside the grid, or while they are not known.
-function labels_at({ viewer, views, store, sets }: Stage, axis: AxisIndex, point: Point): readonly number[] | null {
+function labels_at({ viewer, views, store, sets }: Stage, axis: AxisIndex, point: readonly [number, number, number]): readonly number[] | null {
   const { u, v } = FRAMES[axis];
   const [a, b] = [viewer.axes[u].cell_at(point[u]), viewer.axes[v].cell_at(point[v])];
   if (a < 0 || b < 0 || a >= viewer.cells[u] || b >= viewer.cells[v]) return null;
@@ -62,11 +60,8 @@ export function ComparedPlace({ pair, comparison }: { pair: Pair; comparison: Si
   const { left, right } = pair;
   pair.frames.value; // tiles that have come may tell more
   const hover = left.viewer.hover.value ?? right.viewer.hover.value;
-  const cell = left.viewer.cell.value;
-  const crosshair: Point = [left.viewer.axes[0].centre(cell[0]), left.viewer.axes[1].centre(cell[1]), left.viewer.axes[2].centre(cell[2])];
-  const point = hover?.point ?? crosshair;
+  const point = hover?.point ?? left.viewer.centre_of(left.viewer.cell.value);
   const meet = slices_meet(left.viewer, right.viewer, comparison.value);
-  const { u, v } = FRAMES[axis];
   const side = (stage: Stage) => {
     const { viewer } = stage;
     const along = viewer.axes[axis];
@@ -85,7 +80,7 @@ export function ComparedPlace({ pair, comparison }: { pair: Pair; comparison: Si
     <section class="compared" aria-label="Read-out">
       <div class="compared-place">
         <span class="faint">{hover ? "Pointer" : "Crosshair"}</span>
-        {AXES.filter((d) => d === u || d === v).map((d) => (
+        {AXES.filter((d) => d !== axis).map((d) => (
           <span key={d}>
             {AXIS_NAMES[d]} = {coordinate(point[d], left.viewer.axes[d].finest)} {left.viewer.units}
           </span>

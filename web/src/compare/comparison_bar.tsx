@@ -4,17 +4,24 @@ import { AXES, AXIS_NAMES, type GridSummary } from "../base/grid";
 import { new_comparison } from "../state/comparison";
 import type { Comparison, ComparisonMode, Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
+import { type Segment, Segmented } from "../widgets/segmented";
+import { Select } from "../widgets/select";
 
-const MODES: readonly { mode: ComparisonMode; label: string; title: string }[] = [
-  { mode: "side", label: "Side by side", title: "Two slices with one camera" },
-  { mode: "wipe", label: "Wipe", title: "One slice on the other, up to a handle" },
-  { mode: "differs", label: "What differs", title: "Marks the cells whose materials have other names" },
+const MODES: readonly Segment<ComparisonMode>[] = [
+  { value: "side", text: "Side by side", title: "Two slices with one camera" },
+  { value: "wipe", text: "Wipe", title: "One slice on the other, up to a handle" },
+  { value: "differs", text: "What differs", title: "Marks the cells whose materials have other names" },
 ];
+const ACROSS = AXES.map((axis) => {
+  const [name, label] = [AXIS_NAMES[axis], `Slices across ${AXIS_NAMES[axis]}`];
+  return { value: axis, text: name, class: `layout-${name}`, title: label, "aria-label": label };
+});
 
 export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; comparison: Signal<Comparison>; grids: readonly GridSummary[] }) {
   const now = comparison.value;
   const own = viewer.info.id;
   const ids = [...new Set([...grids.map(({ id }) => id), own, now.other])];
+  const choices = ids.map((id) => ({ value: id, label: id === own ? `${id} (another slice)` : id }));
   const change = (what: Partial<Comparison>) => (comparison.value = { ...now, ...what });
   const begin_anew = (other: string, axis: Comparison["axis"]) => {
     const { together, apart } = new_comparison(viewer, other, axis);
@@ -24,35 +31,16 @@ export function ComparisonBar({ viewer, comparison, grids }: { viewer: Viewer; c
     <section class="comparison-bar" aria-label="Comparison">
       <label class="comparison-other">
         <b>{own}</b> with
-        <select aria-label="Compare with" value={now.other} onChange={(e) => begin_anew(e.currentTarget.value, now.axis)}>
-          {ids.map((id) => (
-            <option key={id} value={id}>
-              {id === own ? `${id} (another slice)` : id}
-            </option>
-          ))}
-        </select>
+        <Select class="" label="Compare with" value={now.other} list={choices} set={(other) => begin_anew(other, now.axis)} />
       </label>
-      <div class="segmented comparison-axes" role="group" aria-label="Slices across">
-        {AXES.map((axis) => (
-          <button
-            key={axis}
-            class={`layout-${AXIS_NAMES[axis]}`}
-            aria-pressed={now.axis === axis}
-            aria-label={`Slices across ${AXIS_NAMES[axis]}`}
-            title={`Slices across ${AXIS_NAMES[axis]}`}
-            onClick={() => now.axis !== axis && begin_anew(now.other, axis)}
-          >
-            {AXIS_NAMES[axis]}
-          </button>
-        ))}
-      </div>
-      <div class="segmented" role="group" aria-label="How they are compared">
-        {MODES.map(({ mode, label, title }) => (
-          <button key={mode} aria-pressed={now.mode === mode} title={title} onClick={() => change({ mode })}>
-            {label}
-          </button>
-        ))}
-      </div>
+      <Segmented
+        class="comparison-axes"
+        label="Slices across"
+        value={now.axis}
+        list={ACROSS}
+        set={(axis) => axis !== now.axis && begin_anew(now.other, axis)}
+      />
+      <Segmented label="How they are compared" value={now.mode} list={MODES} set={(mode) => change({ mode })} />
       <label class="comparison-together" title="Whether moving one slice moves the other one as well">
         <input type="checkbox" checked={now.together} onChange={(e) => change({ together: e.currentTarget.checked })} />
         <span>Move</span> together

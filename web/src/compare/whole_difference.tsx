@@ -86,11 +86,9 @@ function Counted({ pair, comparison, difference }: { pair: Pair; comparison: Sig
         <b>{grouped(differing)}</b> of {plural(all, "cell")} {differing === 1n ? "differs" : "differ"}{" "}
         <span class="faint nowrap">({percent(Number(differing) / Number(all))})</span>. Counted exactly, by the names of materials.
       </p>
-      <ul class="changes">
-        <FirstOf list={difference.changes} step={MANY}>
-          {(change) => <ChangeLine key={`${change.from} → ${change.to}`} pair={pair} comparison={comparison} change={change} all={all} />}
-        </FirstOf>
-      </ul>
+      <FirstOf class="changes" list={difference.changes} step={MANY}>
+        {(change) => <ChangeLine key={`${change.from} → ${change.to}`} pair={pair} comparison={comparison} change={change} all={all} />}
+      </FirstOf>
     </>
   );
 }

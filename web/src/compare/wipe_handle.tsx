@@ -1,19 +1,10 @@
 // The handle up to which the picture on the left is seen, over the one on the right. It is dragged, or moved by keys.
 import type { Signal } from "@preact/signals";
 import { useRef } from "preact/hooks";
+import { slid_by_key } from "../base/slider";
 import type { Comparison } from "../state/viewer";
 
 const STEP = 0.01;
-const KEYS: Readonly<Record<string, (at: number) => number>> = {
-  ArrowLeft: (at) => at - STEP,
-  ArrowRight: (at) => at + STEP,
-  ArrowDown: (at) => at - STEP,
-  ArrowUp: (at) => at + STEP,
-  PageDown: (at) => at - 10 * STEP,
-  PageUp: (at) => at + 10 * STEP,
-  Home: () => 0,
-  End: () => 1,
-};
 
 export function WipeHandle({ comparison }: { comparison: Signal<Comparison> }) {
   const handle = useRef<HTMLDivElement>(null);
@@ -44,10 +35,10 @@ export function WipeHandle({ comparison }: { comparison: Signal<Comparison> }) {
       }}
       onPointerMove={drag}
       onKeyDown={(event) => {
-        const to = KEYS[event.key];
-        if (!to) return;
+        const to = slid_by_key(event.key, wipe, 0, 1, STEP);
+        if (to === null) return;
         event.preventDefault();
-        move(to(wipe));
+        move(to);
       }}
     >
       <span class="wipe-grip" aria-hidden="true">

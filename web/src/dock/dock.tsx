@@ -5,11 +5,10 @@ import { coordinate, grouped } from "../base/format";
 import { AXES, AXIS_NAMES, type CellAnswer, type Index3 } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
 import type { Viewer } from "../state/viewer";
-import { Icon } from "../widgets/icons";
+import { IconButton } from "../widgets/icons";
 import { LabelNames } from "./label_names";
 import { PlaneText, Shares, use_shares } from "./shares";
 import { Profiles, SETTLED, use_profiles } from "./profiles";
-
 
 // The indices of a cell and the coordinates of a point in it, one line per axis.
 function Place({ viewer, cell, point }: { viewer: Viewer; cell: Index3 | null; point?: readonly number[] }) {
@@ -76,22 +75,11 @@ export function Dock({ viewer }: { viewer: Viewer }) {
           <span class="dock-actions">
             {pinned ? (
               <>
-                <button
-                  class="icon-button small"
-                  title="Look at the pinned cell"
-                  aria-label="Look at the pinned cell"
-                  onClick={() => viewer.go_to_cell(pinned)}
-                >
-                  <Icon name="target" />
-                </button>
-                <button class="icon-button small" title="Unpin the cell" aria-label="Unpin the cell" onClick={() => (viewer.pinned.value = null)}>
-                  <Icon name="close" />
-                </button>
+                <IconButton class="small" icon="target" label="Look at the pinned cell" onClick={() => viewer.go_to_cell(pinned)} />
+                <IconButton class="small" icon="close" label="Unpin the cell" onClick={() => (viewer.pinned.value = null)} />
               </>
             ) : (
-              <button class="icon-button small" title="Pin this cell" aria-label="Pin this cell" onClick={() => (viewer.pinned.value = [...cell])}>
-                <Icon name="pin" />
-              </button>
+              <IconButton class="small" icon="pin" label="Pin this cell" onClick={() => (viewer.pinned.value = [...cell])} />
             )}
           </span>
         </h2>

@@ -1,17 +1,11 @@
 // What a cell is made of: its material or body, or the set of them in a coarse cell, with their colours. A dash while it
 // is not known.
-import type { MaterialLook } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import { Swatch } from "../widgets/swatch";
 
 const MOST = 4; // bodies that are named; of more only the materials are
 
-interface Entry {
-  name: string;
-  look: MaterialLook | undefined;
-}
-
-function entries_of(viewer: Viewer, labels: readonly number[]): Entry[] {
+function entries_of(viewer: Viewer, labels: readonly number[]) {
   if (!viewer.keeps_bodies || labels.length <= MOST) return labels.map((label) => ({ name: viewer.name_of(label), look: viewer.label_looks.value[label] }));
   const materials = new Set(labels.map((label) => viewer.labels[label]!.material));
   return [...materials].map((id) => ({ name: viewer.info.materials[id]!.name, look: viewer.looks.value[id] }));

@@ -3,6 +3,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { coordinate, grouped } from "../base/format";
 import { AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
+import { slid_by_key } from "../base/slider";
 import { ticks } from "../base/ticks";
 import { theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
@@ -104,21 +105,13 @@ export function ProfileBar(props: Props) {
     viewer.set_slice(d, cell_at(event));
   };
   const on_key = (event: KeyboardEvent) => {
-    const to: Record<string, () => number> = {
-      ArrowLeft: () => here - 1,
-      ArrowDown: () => here - 1,
-      ArrowRight: () => here + 1,
-      ArrowUp: () => here + 1,
-      Home: () => 0,
-      End: () => axis.cells - 1,
-      PageUp: () => (column ? next_change(column.runs, here, true) : here),
-      PageDown: () => (column ? next_change(column.runs, here, false) : here),
-    };
-    const where = to[event.key];
-    if (!where || event.ctrlKey || event.metaKey || event.altKey) return;
+    const pages = event.key === "PageUp" || event.key === "PageDown";
+    const change = column ? next_change(column.runs, here, event.key === "PageUp") : here;
+    const to = pages ? change : slid_by_key(event.key, here, 0, axis.cells - 1);
+    if (to === null || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();
-    viewer.set_slice(d, where());
+    viewer.set_slice(d, to);
     if (column) point_at(run_at(column.runs, viewer.cell.peek()[d]));
   };
   const material = column?.runs[run_at(column.runs, here)]?.name;

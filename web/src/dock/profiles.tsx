@@ -1,7 +1,7 @@
 // The three columns through a cell as bars. They are fetched when the cell stands still.
 import { useState } from "preact/hooks";
 import { FRAMES } from "../base/axis";
-import { AXES, AXIS_NAMES, type AxisIndex, type Column, type Index3 } from "../base/grid";
+import { AXES, AXIS_NAMES, type AxisIndex, type Column, type Index3, for_axes } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
 import type { Viewer } from "../state/viewer";
 import { CopyButton } from "../widgets/copy";
@@ -18,11 +18,9 @@ export interface ProfilesAnswer {
 export const SETTLED = 120; // milliseconds
 
 export function use_profiles(viewer: Viewer, cell: Index3): ProfilesAnswer {
-  const path = (d: AxisIndex) => viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]);
-  const wanted: [string, string, string] = [path(0), path(1), path(2)];
+  const wanted = for_axes((d) => viewer.address.column(d, cell[FRAMES[d].u], cell[FRAMES[d].v]));
   const settled = use_settled(wanted.join("\n"), SETTLED).split("\n");
-  const answer = (d: AxisIndex) => use_answer<Column>(viewer.after_slices(settled[d]!));
-  const answers = [answer(0), answer(1), answer(2)];
+  const answers = for_axes((d) => use_answer<Column>(viewer.after_slices(settled[d]!)));
   // A column along d stays the same while the cell moves along d.
   const fresh = AXES.find((d) => answers[d]!.path === wanted[d] && answers[d]!.value);
   const runs = fresh === undefined ? null : answers[fresh]!.value!.runs;

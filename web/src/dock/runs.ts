@@ -1,19 +1,10 @@
 // The runs of a column: which one holds a cell, where the next change is, and how runs are written.
-import type { Axis } from "../base/axis";
+import { type Axis, last_begun } from "../base/axis";
 import { coordinate, csv_name, grouped, significant } from "../base/format";
 import type { Column, ColumnRun } from "../base/grid";
 
 // The run that holds a cell. REQUIRES: runs cover the axis in order.
-export function run_at(runs: readonly ColumnRun[], cell: number): number {
-  let low = 0;
-  let high = runs.length;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (cell < runs[middle]!.from) high = middle;
-    else low = middle;
-  }
-  return low;
-}
+export const run_at = (runs: readonly ColumnRun[], cell: number): number => last_begun(runs.length, (i) => runs[i]!.from <= cell);
 
 // The first cell beyond the nearest change of material, up or down; the axis's end when there is none.
 export function next_change(runs: readonly ColumnRun[], cell: number, up: boolean): number {

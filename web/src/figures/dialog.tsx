@@ -1,12 +1,15 @@
 // The dialog that saves a figure for a paper, with a preview. The last choices stay for the next time.
 import { signal } from "@preact/signals";
+import type { ComponentProps } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { save_blob } from "../base/download";
 import { bytes_text, grouped } from "../base/format";
 import { words_of } from "../base/messages";
 import { use_settled } from "../server/answer";
 import type { Viewer } from "../state/viewer";
+import { Dialog, DialogHead } from "../widgets/dialog";
 import { Icon } from "../widgets/icons";
+import { type Option, Select } from "../widgets/select";
 import { make_figure, name_of, preview_of, standard_title } from "./figure";
 import { type FigureOptions, STANDARD, type Subject, UNITS, fault_of, pixels_of } from "./options";
 import "./figures.css";
@@ -16,34 +19,28 @@ const SETTLED = 250; // milliseconds
 
 const choices = signal<FigureOptions>(STANDARD);
 
-const SUBJECTS: readonly { value: Subject; label: string }[] = [
+const SUBJECTS: readonly Option<Subject>[] = [
   { value: "z", label: "slice across z" },
   { value: "y", label: "slice across y" },
   { value: "x", label: "slice across x" },
   { value: "3d", label: "three dimensions" },
 ];
-const CROPS: readonly { value: FigureOptions["crop"]; label: string }[] = [
+const CROPS: readonly Option<FigureOptions["crop"]>[] = [
   { value: "content", label: "to what isn't clear" },
   { value: "screen", label: "to what the view shows" },
   { value: "whole", label: "nothing" },
 ];
-const GROUNDS: readonly { value: FigureOptions["ground"]; label: string }[] = [
+const GROUNDS: readonly Option<FigureOptions["ground"]>[] = [
   { value: "white", label: "white" },
   { value: "clear", label: "clear" },
   { value: "black", label: "black" },
 ];
 
-function Select<T extends string>({ label, value, list, set }: { label: string; value: T; list: readonly { value: T; label: string }[]; set: (value: T) => void }) {
+function Choice<T extends string>(props: ComponentProps<typeof Select<T>>) {
   return (
     <label class="figure-choice">
-      {label}
-      <select class="text-input" aria-label={label} value={value} onChange={(e) => set(e.currentTarget.value as T)}>
-        {list.map((item) => (
-          <option key={item.value} value={item.value}>
-            {item.label}
-          </option>
-        ))}
-      </select>
+      {props.label}
+      <Select {...props} />
     </label>
   );
 }
@@ -99,12 +96,16 @@ function Preview({ viewer, options }: { viewer: Viewer; options: FigureOptions }
   );
 }
 
-function Content({ viewer, close }: { viewer: Viewer; close: () => void }) {
+function Content({ viewer }: { viewer: Viewer }) {
   const options = choices.value;
   const set = (what: Partial<FigureOptions>) => (choices.value = { ...options, ...what });
   const [state, set_state] = useState<{ text: string; busy: boolean }>({ text: "", busy: false });
   const abort = useRef(new AbortController());
-  useEffect(() => () => abort.current.abort(), []);
+  useEffect(() => {
+    const layout = viewer.layout.peek();
+    choices.value = { ...choices.peek(), title: "", ...(layout !== "four" && { subject: layout }), ...(layout === "3d" && { format: "png" }) };
+    return () => abort.current.abort();
+  }, []);
   const is_slice = options.subject !== "3d";
   const fault = fault_of(options);
   const save = async (event: Event) => {
@@ -120,17 +121,12 @@ function Content({ viewer, close }: { viewer: Viewer; close: () => void }) {
   };
   return (
     <form class="dialog-body figure" onSubmit={save}>
-      <div class="dialog-head">
-        <h2 id="figure-title">Save a figure</h2>
-        <button type="button" class="icon-button" aria-label="Close" onClick={close}>
-          <Icon name="close" />
-        </button>
-      </div>
+      <DialogHead shown={viewer.figure} heading="figure-title" text="Save a figure" />
       <div class="figure-parts">
         <Preview viewer={viewer} options={options} />
         <div class="figure-choices">
-          <Select label="What" value={options.subject} list={SUBJECTS} set={(subject) => set({ subject, ...(subject === "3d" && { format: "png" }) })} />
-          <Select
+          <Choice label="What" value={options.subject} list={SUBJECTS} set={(subject) => set({ subject, ...(subject === "3d" && { format: "png" }) })} />
+          <Choice
             label="Format"
             value={options.format}
             list={is_slice ? [{ value: "png", label: "PNG" }, { value: "svg", label: "SVG" }] : [{ value: "png", label: "PNG" }]}
@@ -138,11 +134,11 @@ function Content({ viewer, close }: { viewer: Viewer; close: () => void }) {
           />
           <div class="figure-row">
             <NumberField label="Width" value={options.width} set={(width) => set({ width })} />
-            <Select label="Unit" value={options.unit} list={UNITS.map((unit) => ({ value: unit, label: unit === "px" ? "pixels" : unit }))} set={(unit) => set({ unit })} />
+            <Choice label="Unit" value={options.unit} list={UNITS.map((unit) => ({ value: unit, label: unit === "px" ? "pixels" : unit }))} set={(unit) => set({ unit })} />
             <NumberField label="Dots per inch" value={options.dpi} set={(dpi) => set({ dpi })} />
           </div>
-          <Select label="Crop" value={options.crop} list={CROPS} set={(crop) => set({ crop })} />
-          <Select label="Ground" value={options.ground} list={GROUNDS} set={(ground) => set({ ground })} />
+          <Choice label="Crop" value={options.crop} list={CROPS} set={(crop) => set({ crop })} />
+          <Choice label="Ground" value={options.ground} list={GROUNDS} set={(ground) => set({ ground })} />
           <label class="figure-choice">
             Title
             <input
@@ -175,19 +171,9 @@ function Content({ viewer, close }: { viewer: Viewer; close: () => void }) {
 }
 
 export function FigureDialog({ viewer }: { viewer: Viewer }) {
-  const dialog = useRef<HTMLDialogElement>(null);
-  const shown = viewer.figure.value;
-  useEffect(() => {
-    if (!shown) return dialog.current!.close();
-    const { layout } = viewer;
-    const alone = layout.peek() === "four" ? null : layout.peek();
-    choices.value = { ...choices.peek(), title: "", ...(alone && { subject: alone as Subject }), ...(alone === "3d" && { format: "png" }) };
-    if (!dialog.current!.open) dialog.current!.showModal();
-  }, [shown]);
-  const close = () => (viewer.figure.value = false);
   return (
-    <dialog ref={dialog} class="dialog wide" aria-labelledby="figure-title" onClose={close} onClick={(e) => e.target === dialog.current && close()}>
-      {shown && <Content viewer={viewer} close={close} />}
-    </dialog>
+    <Dialog class="dialog wide" shown={viewer.figure} heading="figure-title">
+      <Content viewer={viewer} />
+    </Dialog>
   );
 }

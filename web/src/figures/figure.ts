@@ -1,6 +1,7 @@
 // Makes a figure: gets what its subject needs, lays it out, and draws it.
 import { coordinate } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { png_of } from "../base/download";
 import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
 import { length_text, round_length } from "../base/lengths";
@@ -44,11 +45,11 @@ export function legend_of(viewer: Viewer, labels: readonly number[]): Entry[] {
 
 // What the figure is called: "stadium-z-27.037m".
 export function name_of(viewer: Viewer, { subject, format }: FigureOptions): string {
-  const d = AXIS_NAMES.indexOf(subject as "x") as AxisIndex;
-  const axis = viewer.axes[d];
-  const i = viewer.cell.peek()[d];
-  const place = subject === "3d" ? "3d" : `${subject}-${axis!.centre(i!).toFixed(Math.max(0, Math.ceil(-Math.log10(axis!.width(i!))) + 1))}${viewer.info.units}`;
-  return `${viewer.info.id}-${place}.${format}`;
+  if (subject === "3d") return `${viewer.info.id}-3d.${format}`;
+  const d = AXIS_NAMES.indexOf(subject) as AxisIndex;
+  const [axis, i] = [viewer.axes[d], viewer.cell.peek()[d]];
+  const place = axis.centre(i).toFixed(Math.max(0, Math.ceil(-Math.log10(axis.width(i))) + 1));
+  return `${viewer.info.id}-${subject}-${place}${viewer.info.units}.${format}`;
 }
 
 // A title that says what is shown.
@@ -59,9 +60,11 @@ export function standard_title(viewer: Viewer, { subject }: Pick<FigureOptions, 
   return `${viewer.info.id}, ${subject} = ${coordinate(viewer.axes[d].centre(i), viewer.axes[d].width(i))} ${viewer.units}`;
 }
 
-function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, subject: Subject, layout: Layout, legend: readonly Entry[]): void {
-  const { ink } = COLORS[options.ground];
+function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, { subject, layout, legend }: Drawing, draw_picture: () => void): void {
+  const { ground, ink } = COLORS[options.ground];
   const { plot } = layout;
+  if (ground) sheet.fill({ x: 0, y: 0, width: layout.width, height: layout.height }, `rgb(${ground.join(",")})`);
+  draw_picture();
   const text = { size: SIZE, color: ink };
   if (layout.title !== null) {
     const room = layout.width - plot.x;
@@ -101,13 +104,6 @@ function draw(sheet: Sheet, viewer: Viewer, options: FigureOptions, subject: Sub
   }
 }
 
-export interface Figure {
-  readonly blob: Blob;
-  readonly width: number; // pixels; of an SVG points
-  readonly height: number;
-  readonly note: string;
-}
-
 async function subject_of(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<Subject> {
   const { ground } = COLORS[options.ground];
   if (options.subject !== "3d") return slice_subject(viewer, AXIS_NAMES.indexOf(options.subject) as AxisIndex, options, ground, signal);
@@ -143,12 +139,10 @@ async function drawing_of(viewer: Viewer, options: FigureOptions, scale_for: (la
   return { scale, subject, picture, layout: layout_of(legend.map(({ name }) => name)), legend };
 }
 
-function on_canvas(viewer: Viewer, options: FigureOptions, { scale, subject, picture, layout, legend }: Drawing): HTMLCanvasElement {
+function on_canvas(viewer: Viewer, options: FigureOptions, drawing: Drawing): HTMLCanvasElement {
+  const { scale, picture, layout } = drawing;
   const sheet = new CanvasSheet(layout.width, layout.height, scale);
-  const { ground } = COLORS[options.ground];
-  if (ground) sheet.fill({ x: 0, y: 0, width: layout.width, height: layout.height }, `rgb(${ground.join(",")})`);
-  picture.paint(sheet, layout);
-  draw(sheet, viewer, options, subject, layout, legend);
+  draw(sheet, viewer, options, drawing, () => picture.paint(sheet, layout));
   return sheet.canvas;
 }
 
@@ -160,20 +154,15 @@ export async function preview_of(viewer: Viewer, options: FigureOptions, most: n
 }
 
 // Throws when it can't be made. REQUIRES: fault_of() finds none in the options.
-export async function make_figure(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<Figure> {
+export async function make_figure(viewer: Viewer, options: FigureOptions, signal: AbortSignal): Promise<{ blob: Blob; note: string }> {
   const drawing = await drawing_of(viewer, options, () => options.dpi / 72, signal);
-  const { layout, picture, subject, legend } = drawing;
+  const { layout, picture } = drawing;
   if (options.format === "svg") {
     const sheet = new SvgSheet(layout.width, layout.height);
-    const { ground } = COLORS[options.ground];
-    if (ground) sheet.fill({ x: 0, y: 0, width: layout.width, height: layout.height }, `rgb(${ground.join(",")})`);
-    picture.outline!(sheet, layout);
-    draw(sheet, viewer, options, subject, layout, legend);
-    return { blob: new Blob([sheet.document()], { type: "image/svg+xml" }), width: layout.width, height: layout.height, note: picture.note };
+    draw(sheet, viewer, options, drawing, () => picture.outline!(sheet, layout));
+    return { blob: new Blob([sheet.document()], { type: "image/svg+xml" }), note: picture.note };
   }
-  const canvas = on_canvas(viewer, options, drawing);
-  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
-  if (!blob) throw new Error("the browser ran out of memory");
-  const png = with_density(new Uint8Array(await blob.arrayBuffer()), options.dpi);
-  return { blob: new Blob([png], { type: "image/png" }), width: canvas.width, height: canvas.height, note: picture.note };
+  const plain = await png_of(on_canvas(viewer, options, drawing));
+  const png = with_density(new Uint8Array(await plain.arrayBuffer()), options.dpi);
+  return { blob: new Blob([png], { type: "image/png" }), note: picture.note };
 }

@@ -1,8 +1,6 @@
 // What a figure shows, and how large it is. Pure.
 export type Subject = "x" | "y" | "z" | "3d";
 export const UNITS = ["mm", "in", "px"] as const;
-export const CROPS = ["screen", "content", "whole"] as const;
-export const GROUNDS = ["white", "clear", "black"] as const;
 
 export interface FigureOptions {
   readonly subject: Subject;
@@ -10,8 +8,8 @@ export interface FigureOptions {
   readonly width: number;
   readonly unit: (typeof UNITS)[number];
   readonly dpi: number; // dots per inch
-  readonly crop: (typeof CROPS)[number]; // what is on the screen, what isn't clear, or all of it
-  readonly ground: (typeof GROUNDS)[number];
+  readonly crop: "screen" | "content" | "whole"; // what is on the screen, what isn't clear, or all of it
+  readonly ground: "white" | "clear" | "black";
   readonly axes: boolean; // coordinates beside the picture
   readonly bar: boolean; // a scale bar
   readonly legend: boolean; // the materials that are seen

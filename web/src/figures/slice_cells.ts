@@ -13,13 +13,7 @@ import { Camera, type SampleCells } from "../views/drawing/camera";
 import { paint } from "../views/drawing/paint";
 import { samples_of } from "../views/view";
 
-// Coordinates.
-export interface Window {
-  readonly u0: number;
-  readonly u1: number;
-  readonly v0: number;
-  readonly v1: number;
-}
+export type Window = Readonly<Extent>; // coordinates
 
 export interface SliceCells {
   readonly camera: Camera;

@@ -1,13 +1,11 @@
 // The view in three dimensions as the subject of a figure: what the page shows, in any size.
-import { ranges } from "../base/ranges";
 import { get_patiently } from "../server/api";
 import type { Viewer } from "../state/viewer";
 import type { Rgb } from "../tiles/sets";
 import { reach } from "../overview/space/camera";
 import { type Colored, compose } from "../overview/compose";
 import { layers_of, palette_of } from "../overview/layers";
-import { type Part, camera_query, cut_of, parts_of } from "../overview/sight_query";
-import { decode_sights } from "../overview/sights";
+import { type Part, camera_query, cut_of, fetch_layers, parts_of } from "../overview/sight_query";
 import { space_of } from "../overview/space/space";
 import { Viewpoint } from "../overview/space/viewpoint";
 import type { FigureOptions } from "./options";
@@ -26,17 +24,10 @@ function panel_aspect(): number {
 // A part of the picture with the given size.
 async function fetch_part(viewer: Viewer, width: number, height: number, part: Part, signal: AbortSignal): Promise<Colored> {
   const space = space_of(viewer.axes);
-  const viewpoint = new Viewpoint(viewer, space);
-  viewpoint.aspect = panel_aspect();
+  const viewpoint = new Viewpoint(viewer, space, panel_aspect());
   const [looks, mode] = [viewer.label_looks.peek(), viewer.bodies.peek()];
   const query = `${camera_query(space, viewpoint.orbit, width, height)}${cut_of(viewer)}&window=${part.x0},${part.y0},${part.x1},${part.y1}`;
-  const layers = layers_of(looks, mode);
-  const sights = await Promise.all(
-    (layers.length ? layers : [[]]).map(async (labels) => {
-      const response = await get_patiently(viewer.address.view("bin", `${query}&labels=${ranges(labels)}`), signal);
-      return decode_sights(await response.arrayBuffer(), space.scale);
-    }),
-  );
+  const sights = await fetch_layers(viewer, space, layers_of(looks, mode), query, (address) => get_patiently(address, signal));
   return compose(sights, palette_of(looks, mode));
 }
 
@@ -74,8 +65,7 @@ export async function space_subject(viewer: Viewer, options: FigureOptions, grou
   const content = options.crop === "content" ? await content_of(viewer, aspect, signal) : null;
   const part = content ?? { x0: 0, y0: 0, x1: 1, y1: 1 };
   const space = space_of(viewer.axes);
-  const viewpoint = new Viewpoint(viewer, space);
-  viewpoint.aspect = aspect;
+  const viewpoint = new Viewpoint(viewer, space, aspect);
   const whole_length = (2 * reach(aspect).x * viewpoint.orbit.distance) / space.scale;
   return {
     aspect: (part.y1 - part.y0) / aspect / (part.x1 - part.x0),

@@ -38,7 +38,7 @@ export class HeldSource implements Source {
   private readonly pieces: readonly Element[];
   constructor(
     number: number,
-    readonly name: string,
+    private readonly name: string,
     readonly size: number,
   ) {
     this.pieces = [...document.getElementsByClassName(`grid-${number}`)];

@@ -17,11 +17,6 @@ export interface Answer {
   readonly body: Uint8Array<ArrayBuffer>;
 }
 
-export interface Opened {
-  readonly wrong: boolean;
-  readonly text: string;
-}
-
 export const is_missing = <T extends object>(outcome: T | readonly Missing[]): outcome is readonly Missing[] => Array.isArray(outcome);
 
 interface Exports {
@@ -90,7 +85,7 @@ export class Instance {
     return this.exports.add_file(size);
   }
   // The id of the grid that a file holds, or what is wrong with the file.
-  open(file: number): Opened | readonly Missing[] {
+  open(file: number): { readonly wrong: boolean; readonly text: string } | readonly Missing[] {
     if (this.exports.open_file(file) !== 0) return this.missing();
     return { wrong: this.exports.status() !== 200, text: new TextDecoder().decode(this.body()) };
   }

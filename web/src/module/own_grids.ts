@@ -26,7 +26,7 @@ const held = new Map<number, Source>();
 function place_of(grid: ListedGrid, number: number): Place {
   if ("bytes" in grid) {
     held.set(number, new HeldSource(number, grid.name, grid.bytes));
-    return { kind: "page", grid: number, name: grid.name, size: grid.bytes };
+    return { kind: "page", grid: number, size: grid.bytes };
   }
   const url = URL.canParse(grid.address, location.href) ? new URL(grid.address, location.href) : null;
   if (!url || !/^https?:$/.test(url.protocol)) throw new Error(`expected the address of a .tcell file, such as https://host/g.tcell, found “${grid.address}”`);

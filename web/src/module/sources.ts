@@ -1,7 +1,6 @@
 // Where the bytes of a grid come from: a host that answers ranges, or a file that the user has given to the page.
 
 export interface Source {
-  readonly name: string; // that of the file
   readonly size: number;
   read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>>;
 }
@@ -11,7 +10,7 @@ export type Place =
   | { readonly kind: "address"; readonly address: string; readonly found: Found | null }
   | { readonly kind: "file"; readonly file: Blob; readonly name: string }
   | HeldPlace;
-export type HeldPlace = { readonly kind: "page"; readonly grid: number; readonly name: string; readonly size: number }; // held.ts
+export type HeldPlace = { readonly kind: "page"; readonly grid: number; readonly size: number }; // held.ts
 
 export interface Found {
   readonly size: number;
@@ -29,24 +28,18 @@ export class SourceError extends Error {
   }
 }
 
-export class FileSource implements Source {
-  constructor(
-    private readonly blob: Blob,
-    readonly name: string,
-  ) {}
-  get size(): number {
-    return this.blob.size;
-  }
-  async read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>> {
-    const bytes = await this.blob
+const file_source = (file: Blob, name: string): Source => ({
+  size: file.size,
+  async read(offset, size) {
+    const bytes = await file
       .slice(offset, offset + size)
       .arrayBuffer()
       .catch(() => null);
     if (bytes?.byteLength !== size)
-      throw new SourceError("replaced", `${this.name}: the file was changed, moved or removed since it was given to this page: give it again`);
+      throw new SourceError("replaced", `${name}: the file was changed, moved or removed since it was given to this page: give it again`);
     return new Uint8Array(bytes);
-  }
-}
+  },
+});
 
 const shown = (url: URL) => url.host || url.protocol;
 function last_part(url: URL): string {
@@ -62,15 +55,14 @@ function last_part(url: URL): string {
 const ALLOWANCE = "it must allow this page's origin and the header Range, and expose Content-Range and ETag (CORS)";
 
 export class HttpSource implements Source {
+  readonly size: number;
+  private readonly name: string;
   constructor(
     private readonly url: URL,
     readonly found: Found,
-  ) {}
-  get size(): number {
-    return this.found.size;
-  }
-  get name(): string {
-    return last_part(this.url);
+  ) {
+    this.size = found.size;
+    this.name = last_part(url);
   }
 
   // Asks for the size first. Ranges from the end, which would tell it, too, are refused by some hosts.
@@ -135,7 +127,7 @@ async function body_of(response: Response, url: URL): Promise<ArrayBuffer> {
 // `held`: those that are in the page. Throws SourceError.
 export async function source_at(place: Place, held: (place: HeldPlace) => Source): Promise<Source> {
   if (place.kind === "page") return held(place);
-  if (place.kind === "file") return new FileSource(place.file, place.name);
+  if (place.kind === "file") return file_source(place.file, place.name);
   const url = new URL(place.address);
   return place.found ? new HttpSource(url, place.found) : HttpSource.open(url);
 }

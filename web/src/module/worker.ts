@@ -23,24 +23,18 @@ const send = (message: FromWorker, transfer: Transferable[] = []) => (self as un
 // A grid in the page.
 const asked = new Map<number, (bytes: Uint8Array<ArrayBuffer> | string) => void>();
 let next = 0;
-class PageSource implements Source {
-  constructor(private readonly place: HeldPlace) {}
-  get name(): string {
-    return this.place.name;
-  }
-  get size(): number {
-    return this.place.size;
-  }
-  async read(offset: number, size: number): Promise<Uint8Array<ArrayBuffer>> {
+const page_source = ({ grid, size: all }: HeldPlace): Source => ({
+  size: all,
+  async read(offset, size) {
     const id = next++;
     const bytes = await new Promise<Uint8Array<ArrayBuffer> | string>((resolve) => {
       asked.set(id, resolve);
-      send({ kind: "wanted", id, grid: this.place.grid, offset, size });
+      send({ kind: "wanted", id, grid, offset, size });
     });
     if (typeof bytes === "string") throw new SourceError("unreadable", bytes);
     return bytes;
-  }
-}
+  },
+});
 
 let start: (instance: Promise<Instance>) => void;
 const ready = new Promise<Instance>((resolve) => (start = resolve));
@@ -87,7 +81,7 @@ async function until_there<T extends object>(instance: Instance, id: number, mak
 }
 
 async function open(id: number, place: Place, as: string): Promise<void> {
-  const source = await source_at(place, (held) => new PageSource(held));
+  const source = await source_at(place, page_source);
   const kept_as = kept.add(source); // which begins to read, while the module is still on its way
   const instance = await ready;
   const file = instance.add(as, source.size);

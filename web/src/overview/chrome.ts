@@ -50,18 +50,10 @@ export function make_chrome(host: HTMLElement) {
     root,
     canvas,
     say,
-    busy(text: string) {
-      busy.textContent = text;
-    },
-    on_home(call: () => void) {
-      home.addEventListener("click", call);
-    },
-    on_mode(call: (mode: BodyMode) => void) {
-      for (const { mode, button } of modes) button.addEventListener("click", () => call(mode));
-    },
-    on_sky(call: () => void) {
-      sky.addEventListener("click", call);
-    },
+    home,
+    modes,
+    sky,
+    busy,
     show_sky(up: Sky) {
       sky.textContent = `${"xyz"[up]}↑`;
       sky.title = `${"xyz"[up]} is up: press for ${up === 2 ? "y" : "z"}`;

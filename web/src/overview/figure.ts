@@ -1,6 +1,7 @@
 // The lines and dots of the overview: the domain, the frames of the planes, the crosshair, the selected box, markers,
 // and the measured distance. What is in front hides the lines `under`. The lines `over` show through everything; where
 // a line is drawn both ways, the one over is faint. Pure.
+import type { Viewer } from "../state/viewer";
 import type { Projection } from "./space/camera";
 import { edge_depths } from "./space/edges";
 import { type Axes, type Space, type Vec3, point_to_space, to_space } from "./space/space";
@@ -15,13 +16,7 @@ export interface Scenery {
   readonly measure: { from: Vec3; to: Vec3 } | null;
 }
 
-interface Seen {
-  readonly box: { readonly value: readonly number[] | null };
-  readonly markers: { readonly value: readonly { at: readonly number[]; box?: readonly number[] }[] };
-  readonly measure: { readonly value: { from: readonly number[]; to: readonly number[] } | null };
-}
-
-export function scenery_of(viewer: Seen, axes: Axes, space: Space, at: Vec3): Scenery {
+export function scenery_of(viewer: Pick<Viewer, "box" | "markers" | "measure">, axes: Axes, space: Space, at: Vec3): Scenery {
   const box = viewer.box.value;
   const corner = (of: readonly number[], first: number) => axes.map((axis, d) => to_space(space, d, axis.plane(of[first + d]!))) as Vec3;
   const measure = viewer.measure.value;

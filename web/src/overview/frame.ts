@@ -1,7 +1,7 @@
 // A picture of what is seen from somewhere, and how it is drawn: as it is, or from somewhere else, as points in space.
 import {
   AlwaysDepth, BufferGeometry, DataTexture, FloatType, GLSL3, type Matrix4, Mesh, NearestFilter, NoBlending, Points, RawShaderMaterial, RedFormat,
-  Vector2, Vector3,
+  type ShaderMaterialParameters, Vector2, Vector3,
 } from "three";
 import type { Colored } from "./compose";
 import { type Orbit, add, basis, dot, eye_of, reach } from "./space/camera";
@@ -98,91 +98,80 @@ function texture_of(data: Uint8Array | Float32Array, width: number, height: numb
   return texture;
 }
 
-// What both ways of drawing share: a frame, as textures.
-class Textures {
-  readonly uniforms = { color: { value: null as DataTexture | null }, far: { value: null as DataTexture | null }, size: { value: new Vector2() } };
+// What both ways of drawing share: a frame, as textures, and what it is drawn with.
+class Drawing {
   frame: Frame | null = null;
+  private readonly textures = { color: { value: null as DataTexture | null }, far: { value: null as DataTexture | null }, size: { value: new Vector2() } };
+  private readonly material: RawShaderMaterial;
+  protected readonly geometry = new BufferGeometry();
+  readonly mesh: Mesh | Points;
 
-  set(frame: Frame | null): void {
-    if (frame === this.frame) return this.changed();
-    this.dispose();
-    this.frame = frame;
-    if (!frame) return;
-    this.uniforms.color.value = texture_of(frame.pixels, frame.width, frame.height);
-    this.uniforms.far.value = texture_of(frame.far, frame.width, frame.height);
-    this.uniforms.size.value.set(frame.width, frame.height);
+  constructor(make: (geometry: BufferGeometry, material: RawShaderMaterial) => Mesh | Points, look: ShaderMaterialParameters) {
+    const uniforms = { ...this.textures, ...look.uniforms };
+    this.material = new RawShaderMaterial({ ...look, glslVersion: GLSL3, blending: NoBlending, uniforms });
+    this.mesh = make(this.geometry, this.material);
+    this.mesh.frustumCulled = false;
+    this.mesh.visible = false;
   }
-  changed(): void {
-    for (const { value } of [this.uniforms.color, this.uniforms.far]) if (value) value.needsUpdate = true;
+  // Also when a part of the same frame has come.
+  set(frame: Frame | null): void {
+    const { color, far, size } = this.textures;
+    if (frame !== this.frame) {
+      this.forget();
+      this.frame = frame;
+      this.mesh.visible = frame !== null;
+      if (!frame) return;
+      color.value = texture_of(frame.pixels, frame.width, frame.height);
+      far.value = texture_of(frame.far, frame.width, frame.height);
+      size.value.set(frame.width, frame.height);
+    } else for (const { value } of [color, far]) if (value) value.needsUpdate = true;
+  }
+  private forget(): void {
+    for (const texture of [this.textures.color, this.textures.far]) {
+      texture.value?.dispose();
+      texture.value = null;
+    }
   }
   dispose(): void {
-    this.uniforms.color.value?.dispose();
-    this.uniforms.far.value?.dispose();
-    this.uniforms.color.value = this.uniforms.far.value = null;
+    this.forget();
+    this.geometry.dispose();
+    this.material.dispose();
   }
 }
 
 // A frame seen from its own camera, pixel by pixel.
-export class Still {
-  readonly mesh: Mesh<BufferGeometry, RawShaderMaterial>;
-  private readonly textures = new Textures();
-  private readonly lens = { value: new Vector2() };
+export class Still extends Drawing {
+  private readonly lens: { value: Vector2 };
 
   constructor() {
-    const geometry = new BufferGeometry();
-    geometry.setDrawRange(0, 3);
-    const uniforms = { ...this.textures.uniforms, lens: this.lens };
-    const look = { glslVersion: GLSL3, vertexShader: stillVertex, fragmentShader: stillFragment, blending: NoBlending, depthFunc: AlwaysDepth };
-    this.mesh = new Mesh(geometry, new RawShaderMaterial({ ...look, uniforms }));
-    this.mesh.frustumCulled = false;
+    const lens = { value: new Vector2() };
+    super((geometry, material) => new Mesh(geometry, material), { vertexShader: stillVertex, fragmentShader: stillFragment, depthFunc: AlwaysDepth, uniforms: { lens } });
+    this.lens = lens;
+    this.geometry.setDrawRange(0, 3);
     this.mesh.renderOrder = 1;
-    this.mesh.visible = false;
-  }
-  get frame(): Frame | null {
-    return this.textures.frame;
-  }
-  // Also when a part of the same frame has come.
-  set(frame: Frame | null): void {
-    this.textures.set(frame);
-    this.mesh.visible = frame !== null;
   }
   // The two elements of the projection that depths depend on.
   aim(projection: Matrix4): void {
     this.lens.value.set(projection.elements[10]!, projection.elements[14]!);
   }
-  dispose(): void {
-    this.textures.dispose();
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
-  }
 }
 
 // A frame seen from any camera: each of its pixels is a point in space.
-export class Cloud {
-  readonly mesh: Points<BufferGeometry, RawShaderMaterial>;
-  private readonly textures = new Textures();
-  private readonly place = {
-    eye: { value: new Vector3() },
-    right: { value: new Vector3() },
-    up: { value: new Vector3() },
-    forward: { value: new Vector3() },
-    stride: { value: 1 },
-    columns: { value: 1 },
-    footprint: { value: 1 },
-  };
+export class Cloud extends Drawing {
+  private readonly place;
 
   constructor() {
-    const look = { glslVersion: GLSL3, vertexShader: pointVertex, fragmentShader: pointFragment, blending: NoBlending };
-    this.mesh = new Points(new BufferGeometry(), new RawShaderMaterial({ ...look, uniforms: { ...this.textures.uniforms, ...this.place } }));
-    this.mesh.frustumCulled = false;
-    this.mesh.visible = false;
-  }
-  get frame(): Frame | null {
-    return this.textures.frame;
-  }
-  set(frame: Frame | null): void {
-    this.textures.set(frame);
-    this.mesh.visible = frame !== null;
+    const place = {
+      eye: { value: new Vector3() },
+      right: { value: new Vector3() },
+      up: { value: new Vector3() },
+      forward: { value: new Vector3() },
+      stride: { value: 1 },
+      columns: { value: 1 },
+      footprint: { value: 1 },
+    };
+    super((geometry, material) => new Points(geometry, material), { vertexShader: pointVertex, fragmentShader: pointFragment, uniforms: place });
+    this.place = place;
   }
   // For a view of `height` pixels; at most so many points.
   aim(orbit: Orbit, aspect: number, height: number, most_points: number): void {
@@ -190,7 +179,7 @@ export class Cloud {
     if (!frame) return;
     const stride = Math.max(1, Math.ceil(Math.sqrt((frame.width * frame.height) / most_points)));
     const columns = Math.max(1, Math.floor(frame.width / stride));
-    this.mesh.geometry.setDrawRange(0, columns * Math.max(1, Math.floor(frame.height / stride)));
+    this.geometry.setDrawRange(0, columns * Math.max(1, Math.floor(frame.height / stride)));
     const step = (2 * reach(frame.width / frame.height).y) / frame.height; // of a pixel, at distance 1
     const view = basis(orbit);
     const turned = (v: Readonly<Vec3>, times: number) => [view.right, view.up, view.back].map((axis) => times * dot(v, axis)) as Vec3;
@@ -202,10 +191,5 @@ export class Cloud {
     this.place.stride.value = stride;
     this.place.columns.value = columns;
     this.place.footprint.value = (1.15 * stride * step * height) / (2 * reach(aspect).y);
-  }
-  dispose(): void {
-    this.textures.dispose();
-    this.mesh.geometry.dispose();
-    this.mesh.material.dispose();
   }
 }

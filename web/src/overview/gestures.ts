@@ -3,22 +3,23 @@
 // there. The arrow keys orbit, + and - move, and Home shows everything.
 import { type Orbit, panned, turned } from "./space/camera";
 
-export interface GestureTarget {
-  orbit(): Orbit;
+// The overview, as far as gestures know it.
+interface GestureTarget {
+  readonly viewpoint: { readonly orbit: Orbit };
+  readonly hover: { hide(): void };
   move(to: Orbit): void; // and draws it soon
   dolly(factor: number, x?: number, y?: number): void; // towards what is seen there, or else towards the middle
-  home(): void;
-  select(x: number, y: number): void;
-  go_to(x: number, y: number): void;
-  hover(x: number, y: number): void; // with no button pressed
-  leave(): void;
+  fly_home(): void;
+  select(x: number, y: number): Promise<void>;
+  go_to(x: number, y: number): Promise<void>;
+  name_what_is_at(x: number, y: number): void; // with no button pressed
 }
 
 const TURN = 0.4; // degrees per pixel
 const STILL = 4; // pixels that a click may move
 const KEYS: Record<string, readonly [number, number]> = { ArrowLeft: [-5, 0], ArrowRight: [5, 0], ArrowUp: [0, 5], ArrowDown: [0, -5] };
 
-export function listen_gestures(canvas: HTMLCanvasElement, target: GestureTarget): () => void {
+export function listen_gestures(canvas: HTMLCanvasElement, overview: GestureTarget): () => void {
   const stop = new AbortController();
   const on = <K extends keyof HTMLElementEventMap>(type: K, call: (event: HTMLElementEventMap[K]) => void, options: AddEventListenerOptions = {}) =>
     canvas.addEventListener(type, call, { ...options, signal: stop.signal });
@@ -28,7 +29,7 @@ export function listen_gestures(canvas: HTMLCanvasElement, target: GestureTarget
 
   const pan = (dx: number, dy: number) => {
     const { width, height } = canvas.getBoundingClientRect();
-    target.move(panned(target.orbit(), -dx / height, dy / height, width / height));
+    overview.move(panned(overview.viewpoint.orbit, -dx / height, dy / height, width / height));
   };
   const place = (event: MouseEvent): [number, number] => {
     const box = canvas.getBoundingClientRect();
@@ -40,13 +41,13 @@ export function listen_gestures(canvas: HTMLCanvasElement, target: GestureTarget
     pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
     panning = event.button !== 0 || event.shiftKey;
     moved = pointers.size > 1 || event.button !== 0 ? Infinity : 0;
-    target.leave();
+    overview.hover.hide();
     event.preventDefault();
   });
   on("pointermove", (event) => {
     const before = pointers.get(event.pointerId);
     if (!before) {
-      if (event.pointerType !== "touch") target.hover(...place(event));
+      if (event.pointerType !== "touch") overview.name_what_is_at(...place(event));
       return;
     }
     const now = { x: event.clientX, y: event.clientY };
@@ -58,34 +59,34 @@ export function listen_gestures(canvas: HTMLCanvasElement, target: GestureTarget
       const other = [...pointers].find(([id]) => id !== event.pointerId)![1];
       const apart = (p: { x: number; y: number }) => Math.max(Math.hypot(p.x - other.x, p.y - other.y), 1);
       const box = canvas.getBoundingClientRect();
-      target.dolly(apart(before) / apart(now), (now.x + other.x) / 2 - box.left, (now.y + other.y) / 2 - box.top);
+      overview.dolly(apart(before) / apart(now), (now.x + other.x) / 2 - box.left, (now.y + other.y) / 2 - box.top);
       pan(dx / 2, dy / 2);
     } else if (panning) pan(dx, dy);
-    else target.move(turned(target.orbit(), -dx * TURN, dy * TURN));
+    else overview.move(turned(overview.viewpoint.orbit, -dx * TURN, dy * TURN));
   });
   on("pointerup", (event) => {
-    if (pointers.delete(event.pointerId) && moved <= STILL) target.select(...place(event));
+    if (pointers.delete(event.pointerId) && moved <= STILL) void overview.select(...place(event));
   });
   on("pointercancel", (event) => pointers.delete(event.pointerId));
-  on("pointerleave", () => target.leave());
+  on("pointerleave", () => overview.hover.hide());
   on("contextmenu", (event) => event.preventDefault());
   on(
     "wheel",
     (event) => {
       event.preventDefault();
       const pixels = event.deltaY * (event.deltaMode === WheelEvent.DOM_DELTA_LINE ? 33 : 1);
-      target.dolly(Math.exp(Math.min(Math.max(pixels, -240), 240) * (event.ctrlKey ? 0.008 : 0.0015)), ...place(event));
+      overview.dolly(Math.exp(Math.min(Math.max(pixels, -240), 240) * (event.ctrlKey ? 0.008 : 0.0015)), ...place(event));
     },
     { passive: false },
   );
-  on("dblclick", (event) => target.go_to(...place(event)));
+  on("dblclick", (event) => void overview.go_to(...place(event)));
   on("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const turn = KEYS[event.key];
-    if (turn) target.move(turned(target.orbit(), turn[0], turn[1]));
-    else if (event.key === "+" || event.key === "=") target.dolly(1 / 1.15);
-    else if (event.key === "-") target.dolly(1.15);
-    else if (event.key === "Home") target.home();
+    if (turn) overview.move(turned(overview.viewpoint.orbit, turn[0], turn[1]));
+    else if (event.key === "+" || event.key === "=") overview.dolly(1 / 1.15);
+    else if (event.key === "-") overview.dolly(1.15);
+    else if (event.key === "Home") overview.fly_home();
     else return;
     event.preventDefault();
     event.stopPropagation();

@@ -1,7 +1,6 @@
 // Says what is under the pointer: body, material and cell. What the picture knows is said at once; the cell is asked for
 // when the pointer rests.
 import type { Index3 } from "../base/grid";
-import { get_json } from "../server/api";
 import { element } from "./dom";
 
 const REST = 120; // milliseconds
@@ -14,9 +13,6 @@ export interface Seen {
   readonly material: number;
   readonly body: string | null;
 }
-
-export const ask_seen = async (address: string, signal: AbortSignal): Promise<Seen | null> =>
-  (await get_json<{ seen: Seen | null }>(address, signal)).seen;
 
 export class Hover {
   readonly root = element("div", { class: "overview-tip", "aria-hidden": "true" });

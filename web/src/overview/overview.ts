@@ -7,24 +7,26 @@
 // picture is drawn as points in space, until the next one has come.
 import { effect, untracked } from "@preact/signals";
 import { words_of } from "../base/messages";
+import { get_json } from "../server/api";
 import { returned } from "../server/connection";
+import { on_theme } from "../state/theme";
 import type { Viewer } from "../state/viewer";
 import { type Orbit, FARTHEST, basis, dollied, dollied_to, dot, project, straight } from "./space/camera";
 import { type Chrome, make_chrome } from "./chrome";
 import { figure, scenery_of } from "./figure";
 import { point_at } from "./frame";
 import { listen_gestures } from "./gestures";
-import { Hover, type Seen, ask_seen } from "./hover";
+import { Hover, type Seen } from "./hover";
 import { make_pace } from "./pace";
 import { make_ladder } from "./quality";
-import { type Rulers, make_rulers } from "./rulers";
+import { make_rulers } from "./rulers";
 import { make_scale_bar } from "./scale_bar";
 import { type Aim, SightSource } from "./sight_source";
 import { cut_of } from "./sight_query";
 import { type Space, type Vec3, point_to_space, shortest_side, space_of } from "./space/space";
 import { Stage } from "./stage";
-import { type Theme, on_theme, read_theme } from "./theme";
-import { type Triad, make_triad } from "./triad";
+import { type Theme, read_theme } from "./theme";
+import { make_triad } from "./triad";
 import { Viewpoint } from "./space/viewpoint";
 import { draw_picture } from "./writing";
 import "./overview.css";
@@ -57,12 +59,12 @@ class Overview {
   private readonly stops: (() => void)[] = [];
   private readonly ladder = make_ladder();
   private readonly pace = make_pace((calm) => this.draw(calm));
-  private readonly viewpoint: Viewpoint;
-  private readonly triad: Triad;
-  private readonly rulers: Rulers;
+  readonly viewpoint: Viewpoint;
+  private readonly triad = make_triad((axis, above) => this.look_straight(axis, above));
+  private readonly rulers: ReturnType<typeof make_rulers>;
   private readonly bar: ReturnType<typeof make_scale_bar>;
   private readonly sights: SightSource;
-  private readonly hover: Hover;
+  readonly hover: Hover;
   private readonly nearest: number;
   private theme: Theme;
   private visible = false;
@@ -81,21 +83,20 @@ class Overview {
   ) {
     this.viewpoint = new Viewpoint(viewer, space);
     this.nearest = NEAREST * shortest_side(space, viewer.axes);
-    this.triad = make_triad((axis, above) => this.look_straight(axis, above));
     this.rulers = make_rulers(viewer, space, () => this.moved());
     this.bar = make_scale_bar(viewer.info.units);
     this.sights = new SightSource(viewer, space, this.abort.signal, {
       quick: (frame) => {
-        stage.set_cloud(frame);
+        stage.cloud.set(frame);
         this.came("ready");
       },
       sharp: (frame, done) => {
-        stage.set_still(frame);
+        stage.still.set(frame);
         this.came(done ? "sharp" : "ready");
       },
       failed: (error) => {
         chrome.root.dataset.state = "failed";
-        chrome.busy("");
+        chrome.busy.textContent = "";
         chrome.say(`What is seen could not be loaded: ${words_of(error)}.`, () => this.ask_again());
       },
     });
@@ -114,7 +115,7 @@ class Overview {
 
   start(host: HTMLElement): void {
     this.chrome.root.dataset.state = "loading";
-    this.chrome.busy("Loading …");
+    this.chrome.busy.textContent = "Loading …";
     this.stops.push(on_theme(() => this.read_colors()));
     this.listen(host);
     this.follow_signals();
@@ -134,25 +135,14 @@ class Overview {
   private listen(host: HTMLElement): void {
     const { canvas } = this.chrome;
     const { signal } = this.abort;
-    const go_home = () => this.fly_home();
-    this.chrome.on_home(go_home);
-    this.chrome.on_mode((mode) => {
-      if (mode === "plane") this.viewer.plane_normal.value = basis(this.viewpoint.orbit).back;
-      this.viewer.bodies.value = mode;
-    });
-    this.chrome.on_sky(() => (this.viewer.sky.value = this.viewer.sky.value === 2 ? 1 : 2));
-    this.stops.push(
-      listen_gestures(canvas, {
-        orbit: () => this.viewpoint.orbit,
-        move: (to) => this.move(to),
-        dolly: (factor, x, y) => this.dolly(factor, x, y),
-        home: go_home,
-        select: (x, y) => void this.select(x, y),
-        go_to: (x, y) => void this.go_to(x, y),
-        hover: (x, y) => this.name_what_is_at(x, y),
-        leave: () => this.hover.hide(),
-      }),
-    );
+    this.chrome.home.addEventListener("click", () => this.fly_home());
+    for (const { mode, button } of this.chrome.modes)
+      button.addEventListener("click", () => {
+        if (mode === "plane") this.viewer.plane_normal.value = basis(this.viewpoint.orbit).back;
+        this.viewer.bodies.value = mode;
+      });
+    this.chrome.sky.addEventListener("click", () => (this.viewer.sky.value = this.viewer.sky.value === 2 ? 1 : 2));
+    this.stops.push(listen_gestures(canvas, this));
     canvas.addEventListener("webglcontextlost", (event) => this.lose(event), { signal });
     canvas.addEventListener("webglcontextrestored", () => this.restore(), { signal });
     // A picture of all views asks for this one with an event that says where to draw it.
@@ -177,7 +167,7 @@ class Overview {
       }),
       effect(() => {
         void [viewer.cell.value, viewer.box.value, viewer.markers.value, viewer.measure.value, viewer.orbit.value];
-        if (!this.viewpoint.own) untracked(() => this.followed());
+        if (!this.viewpoint.own) untracked(() => this.pace.later());
       }),
       effect(() => {
         const visit = viewer.visited.value;
@@ -215,31 +205,26 @@ class Overview {
     this.pace.soon();
   }
 
-  // Something changed elsewhere on the page: it is drawn in a quiet moment.
-  private followed(): void {
-    this.pace.later();
-  }
-
   // A picture has come.
   private came(state: "ready" | "sharp"): void {
     this.chrome.root.dataset.state = state;
-    this.chrome.busy("");
+    this.chrome.busy.textContent = "";
     this.chrome.say("");
     this.pace.soon();
   }
 
-  private move(to: Orbit): void {
+  move(to: Orbit): void {
     this.viewpoint.move(to);
     this.moved();
   }
 
   // Towards what is seen at a pixel, and no farther than to it.
-  private dolly(factor: number, x?: number, y?: number): void {
+  dolly(factor: number, x?: number, y?: number): void {
     const { orbit } = this.viewpoint;
     if (x === undefined || y === undefined) return this.move(dollied(orbit, factor, this.nearest));
     const now = performance.now();
     const is_same = this.wheel && now - this.wheel.time < SAME_PLACE && Math.hypot(this.wheel.x - x, this.wheel.y - y) < 3;
-    const point = is_same ? this.wheel!.point : this.point_at(x, y);
+    const point = is_same ? this.wheel!.point : (this.pixel_at(x, y)?.point ?? null);
     this.wheel = { point, x, y, time: now };
     this.move(point ? dollied_to(orbit, point, factor, this.nearest) : dollied(orbit, factor, this.nearest));
   }
@@ -251,7 +236,7 @@ class Overview {
     const { viewer, stage, ladder } = this;
     const { orbit } = this.viewpoint;
     const view = stage.projection(orbit);
-    const at = point_to_space(this.space, viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!)));
+    const at = point_to_space(this.space, viewer.centre_of(viewer.cell.value));
     this.look(orbit, view.width, view.height, calm);
     const { under, over } = figure(view, this.space.half, scenery_of(viewer, viewer.axes, this.space, at), this.theme);
     stage.set_lines(under, over);
@@ -290,7 +275,7 @@ class Overview {
     this.pace.soon();
   }
 
-  private fly_home(): void {
+  fly_home(): void {
     this.viewpoint.fly(this.viewpoint.home(), true);
     this.moved();
   }
@@ -322,16 +307,13 @@ class Overview {
     const label = frame.label[py * frame.width + px]!;
     return { label: label === 0 ? null : label - 1, point: point_at(frame, px, py) };
   }
-  private point_at(x: number, y: number): Vec3 | null {
-    return this.pixel_at(x, y)?.point ?? null;
-  }
 
   private async seen_at(x: number, y: number, signal: AbortSignal): Promise<Seen | null> {
-    return this.aim ? ask_seen(this.sights.point_address(this.aim, x, y), signal) : null;
+    return this.aim && (await get_json<{ seen: Seen | null }>(this.sights.point_address(this.aim, x, y), signal)).seen;
   }
 
   // The marker under the pointer says what it marks; otherwise the body there has a name.
-  private name_what_is_at(x: number, y: number): void {
+  name_what_is_at(x: number, y: number): void {
     const view = this.stage.projection(this.viewpoint.orbit);
     const under = this.viewer.markers.value.find((marker) => {
       const p = project(view, point_to_space(this.space, marker.at));
@@ -343,13 +325,13 @@ class Overview {
   }
 
   // A click keeps the cell in the read-out.
-  private async select(x: number, y: number): Promise<void> {
+  async select(x: number, y: number): Promise<void> {
     const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
     this.viewer.pinned.value = seen ? seen.cell : null;
   }
 
   // Puts the crosshair on what is seen at a pixel, and moves the camera closer.
-  private async go_to(x: number, y: number): Promise<void> {
+  async go_to(x: number, y: number): Promise<void> {
     const orbit = this.viewpoint.orbit;
     const seen = await this.seen_at(x, y, this.abort.signal).catch(() => null);
     if (!seen) return;

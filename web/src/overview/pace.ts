@@ -2,18 +2,10 @@
 // page (another slice, another colour) waits for a quiet moment. The more such a frame costs, the rarer it is: together
 // they take at most about a tenth of the time, and there are at most ten per second. Nothing runs while nothing
 // changes.
-export interface Pace {
-  soon(): void; // draws with the next frame
-  later(): void; // draws in a quiet moment
-  // What a frame has cost, in milliseconds.
-  cost(ms: number): void;
-  stop(): void;
-}
-
 const QUIET = 80; // milliseconds without a change
 const SHARE = 10; // a frame that takes 20 ms is drawn at most every 200 ms
 
-export function make_pace(draw: (calm: boolean) => void): Pace {
+export function make_pace(draw: (calm: boolean) => void) {
   let frame = 0;
   let idle = 0;
   let timer = 0;
@@ -36,9 +28,11 @@ export function make_pace(draw: (calm: boolean) => void): Pace {
     last = performance.now();
   };
   return {
+    // Draws with the next frame.
     soon() {
       if (!frame) frame = requestAnimationFrame(() => now(false));
     },
+    // Draws in a quiet moment.
     later() {
       if (frame) return;
       const time = performance.now();
@@ -52,7 +46,8 @@ export function make_pace(draw: (calm: boolean) => void): Pace {
         idle = idle_callback(() => now(true), { timeout: 300 });
       }, due - time);
     },
-    cost(ms) {
+    // What a frame has cost, in milliseconds.
+    cost(ms: number) {
       price = ms;
     },
     stop: cancel,

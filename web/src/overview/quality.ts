@@ -6,19 +6,12 @@ export interface Quality {
   readonly points: number; // at most
 }
 
-export interface Ladder {
-  quality(): Quality;
-  measured(quality: Quality, ms: number): void;
-  // The size has changed, so what was measured before says little.
-  changed(): void;
-}
-
 const BUDGET = 30; // milliseconds per frame
 const KEPT = 5; // frames, whose median counts: other programs make single frames slow
 const RETRY = 90; // frames after which a quality that was too slow is tried again
 const START = 2;
 
-export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): Ladder {
+export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1) {
   const best = Math.min(Math.max(screen_ratio, 1), 3);
   const steps: readonly Quality[] = [
     { ratio: best, points: 2_000_000 },
@@ -41,7 +34,7 @@ export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): La
   };
   return {
     quality: () => steps[at]!,
-    measured(quality, ms) {
+    measured(quality: Quality, ms: number) {
       if (++frames === 1) return; // the first frame also compiles and uploads
       const step = steps.indexOf(quality);
       if (step < 0) return;
@@ -49,6 +42,7 @@ export function make_ladder(screen_ratio = globalThis.devicePixelRatio || 1): La
       choose();
       if (frames % RETRY === 0) times = times.map((list, i) => (i === step ? list : []));
     },
+    // The size has changed, so what was measured before says little.
     changed() {
       times = steps.map(() => []);
       frames = 0;

@@ -2,17 +2,13 @@
 // dragging the knob, or moving it by keys, moves the slice across the axis.
 import { significant } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
+import { slid_by_key } from "../base/slider";
 import type { Viewer } from "../state/viewer";
 import { type Projection, along_axis, project } from "./space/camera";
 import { element } from "./dom";
 import { labelled_edges } from "./space/edges";
 import { type Space, from_space } from "./space/space";
 import { type Point, type Rect, type Wish, end_text, place_numbers } from "./numbers";
-
-export interface Rulers {
-  readonly roots: readonly HTMLElement[];
-  update(view: Projection, at: readonly number[]): void;
-}
 
 const KNOB = 9; // pixels, half its size
 
@@ -25,7 +21,7 @@ const corners = (width: number, height: number): Rect[] => [
   { left: 22, top: height - 104, right: 90, bottom: height - 8 },
 ];
 
-export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rulers {
+export function make_rulers(viewer: Viewer, space: Space, slid: () => void) {
   const { units } = viewer;
   let view: Projection | null = null;
   const rulers = ([0, 1, 2] as const).map((d) => {
@@ -65,7 +61,7 @@ export function make_rulers(viewer: Viewer, space: Space, slid: () => void): Rul
 
   return {
     roots: rulers.flatMap(({ low, high, knob }) => [low, high, knob]),
-    update(to, at) {
+    update(to: Projection, at: readonly number[]) {
       view = to;
       if (sizes.length === 0) measure();
       if (sizes.length === 0) return;
@@ -120,11 +116,9 @@ function listen_knob(knob: HTMLElement, viewer: Viewer, d: AxisIndex, slid: () =
     if (cell !== null) go(cell);
   });
   knob.addEventListener("keydown", (event) => {
-    const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 10, PageDown: -10 }[event.key];
-    if (step !== undefined) go(viewer.cell.value[d] + step * (event.shiftKey ? 10 : 1));
-    else if (event.key === "Home") go(0);
-    else if (event.key === "End") go(viewer.axes[d].cells - 1);
-    else return;
+    const to = slid_by_key(event.key, viewer.cell.value[d], 0, viewer.axes[d].cells - 1, event.shiftKey ? 10 : 1);
+    if (to === null) return;
+    go(to);
     event.preventDefault();
     event.stopPropagation();
   });

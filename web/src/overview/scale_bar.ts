@@ -5,13 +5,13 @@ import { element } from "./dom";
 
 const LONGEST = 110; // pixels
 
-export function make_scale_bar(units: string): { root: HTMLElement; update(view: Projection, distance: number, scale: number): void } {
+export function make_scale_bar(units: string) {
   const text = element("span", {});
   const root = element("div", { class: "overview-scale", "aria-hidden": "true" }, text);
   return {
     root,
     // `distance` in the overview's space, in which a unit of length is `scale`.
-    update(view, distance, scale) {
+    update(view: Projection, distance: number, scale: number) {
       const pixel = (2 * view.reach.y * distance) / (view.height * scale); // a length
       const length = round_length(LONGEST * pixel);
       if (!Number.isFinite(length)) return;

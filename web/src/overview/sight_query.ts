@@ -1,5 +1,7 @@
 // What the server is asked to look at, as parts of an address.
+import { ranges } from "../base/ranges";
 import type { Viewer } from "../state/viewer";
+import { type Sights, decode_sights } from "./sights";
 import { type Orbit, dot, eye_of, reach } from "./space/camera";
 import { type Space, type Vec3, from_space } from "./space/space";
 
@@ -12,10 +14,10 @@ export function camera_query(space: Space, orbit: Orbit, width: number, height: 
 
 // What is cut away.
 export function cut_of(viewer: Viewer): string {
-  const at = viewer.axes.map((axis, d) => axis.centre(viewer.cell.value[d]!));
+  const at = viewer.centre_of(viewer.cell.value);
   if (viewer.bodies.value === "cut") return `&open=${at.join(",")}`;
   const normal = viewer.plane_normal.value;
-  if (viewer.bodies.value === "plane" && normal) return `&plane=${normal.join(",")},${dot(normal, at as Vec3)}`;
+  if (viewer.bodies.value === "plane" && normal) return `&plane=${normal.join(",")},${dot(normal, at)}`;
   return "";
 }
 
@@ -41,3 +43,14 @@ export function parts_of(width: number, height: number): Part[] {
   const off = ({ x0, y0, x1, y1 }: Part) => Math.hypot(x0 + x1 - width, y0 + y1 - height);
   return parts.sort((a, b) => off(a) - off(b));
 }
+
+type Get = (address: string) => Promise<Response>;
+
+// What is seen of each layer of labels.
+export const fetch_layers = (viewer: Viewer, space: Space, layers: readonly (readonly number[])[], query: string, get: Get): Promise<Sights[]> =>
+  Promise.all(
+    (layers.length ? layers : [[]]).map(async (labels) => {
+      const response = await get(viewer.address.view("bin", `${query}&labels=${ranges(labels)}`));
+      return decode_sights(await response.arrayBuffer(), space.scale);
+    }),
+  );

@@ -8,8 +8,8 @@ import type { Orbit } from "./space/camera";
 import { type Palette, compose } from "./compose";
 import { type Frame, empty_frame, put_part } from "./frame";
 import { layers_of, palette_of } from "./layers";
-import { type Sights, decode_sights } from "./sights";
-import { type Part, camera_query, parts_of } from "./sight_query";
+import type { Sights } from "./sights";
+import { type Part, camera_query, fetch_layers, parts_of } from "./sight_query";
 import type { Space } from "./space/space";
 
 const QUICK_TIME = 90; // milliseconds that a quick picture may take to come
@@ -51,14 +51,6 @@ export class SightSource {
     private readonly signal: AbortSignal,
     private readonly events: SightEvents,
   ) {}
-
-  // Whether the sharp picture of what is wanted is there.
-  get is_sharp(): boolean {
-    return this.kept.sharp?.whole === true && this.aim !== null && this.sharp_key === this.key_of(this.aim);
-  }
-  get asks(): boolean {
-    return this.quick_runs || this.sharp_abort !== null;
-  }
 
   // The size of a sharp picture in a panel.
   static size(width: number, height: number): [number, number] {
@@ -107,13 +99,8 @@ export class SightSource {
     return `${camera_query(this.space, aim.orbit, aim.width, aim.height)}${aim.cut} ${this.layers().map(ranges).join(" ")} ${SightSource.size(aim.width, aim.height).join()}`;
   }
 
-  private async fetch_layers(query: string, signal: AbortSignal): Promise<Sights[]> {
-    const layers = this.layers();
-    const one = async (labels: readonly number[]) => {
-      const response = await get(this.viewer.address.view("bin", `${query}&labels=${ranges(labels)}`), { signal, priority: "low" });
-      return decode_sights(await response.arrayBuffer(), this.space.scale);
-    };
-    return Promise.all((layers.length ? layers : [[]]).map(one));
+  private fetch_layers(query: string, signal: AbortSignal): Promise<Sights[]> {
+    return fetch_layers(this.viewer, this.space, this.layers(), query, (address) => get(address, { signal, priority: "low" }));
   }
 
   private async ask_quick(): Promise<void> {

@@ -13,10 +13,12 @@ export class Stage {
   private readonly scene = new Scene();
   private readonly camera = new PerspectiveCamera();
   private readonly panel = { value: new Vector2(1, 1) }; // its size in CSS pixels
-  private readonly cloud = new Cloud();
-  private readonly still = new Still();
+  // What is seen from somewhere, to be drawn from anywhere.
+  readonly cloud = new Cloud();
+  // What is seen from where the camera is. It lies over the cloud, which fills what has not come yet.
+  readonly still = new Still();
   private readonly frames = make_lines(this.panel);
-  private readonly marks = make_lines(this.panel, { over: true });
+  private readonly marks = make_lines(this.panel, true);
   private buffer: readonly [number, number] = [0, 0]; // the size of the canvas in its own pixels
 
   // The domain is -half to half. Throws when there is no WebGL 2.
@@ -41,14 +43,6 @@ export class Stage {
     return projection_of(orbit, this.panel.value.x, this.panel.value.y);
   }
 
-  // What is seen from somewhere, to be drawn from anywhere.
-  set_cloud(frame: Frame): void {
-    this.cloud.set(frame);
-  }
-  // What is seen from where the camera is; also when a part of it has come. It lies over the cloud, which fills what has not come yet.
-  set_still(frame: Frame): void {
-    this.still.set(frame);
-  }
   // The camera has left the place that the still was seen from: from now on a whole one is drawn as points.
   leave(is_whole: boolean): void {
     const { frame } = this.still;

@@ -35,15 +35,3 @@ export function read_theme(element: HTMLElement): Theme {
     measure: color("measure"),
   };
 }
-
-// Calls when the page's colours may have changed. Returns a function that ends this.
-export function on_theme(call: () => void): () => void {
-  const observer = new MutationObserver(call);
-  observer.observe(document.documentElement, { attributes: true, attributeFilter: ["class", "data-theme", "data-ground", "style"] });
-  const media = matchMedia("(prefers-color-scheme: dark)");
-  media.addEventListener("change", call);
-  return () => {
-    observer.disconnect();
-    media.removeEventListener("change", call);
-  };
-}

@@ -7,12 +7,7 @@ import { element } from "./dom";
 const ARM = 40; // pixels
 const APART = 24; // pixels between ends that can both be hit: WCAG 2.2, 2.5.8
 
-export interface Triad {
-  readonly root: HTMLElement;
-  update(view: Projection): void;
-}
-
-export function make_triad(look_from: (axis: number, from_above: boolean) => void): Triad {
+export function make_triad(look_from: (axis: number, from_above: boolean) => void) {
   const root = element("div", { class: "overview-triad", role: "group", "aria-label": "Views along the axes" });
   const ends = ([0, 1, 2] as const).flatMap((axis) =>
     [true, false].map((upper) => {
@@ -31,7 +26,7 @@ export function make_triad(look_from: (axis: number, from_above: boolean) => voi
   );
   return {
     root,
-    update({ right, up, back }) {
+    update({ right, up, back }: Projection) {
       const places = ends.map(({ axis, sign }) => ({ x: sign * right[axis]!, y: -sign * up[axis]!, near: sign * back[axis]! }));
       const over = (a: number, b: number) => ends[a]!.sign - ends[b]!.sign || places[a]!.near - places[b]!.near || b - a; // above 0: a covers b
       const meet = (a: number, b: number) => ARM * Math.max(Math.abs(places[a]!.x - places[b]!.x), Math.abs(places[a]!.y - places[b]!.y)) < APART;

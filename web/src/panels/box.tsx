@@ -7,6 +7,7 @@ import type { Box, Viewer } from "../state/viewer";
 import { CopyButton } from "../widgets/copy";
 import { nearest_plane } from "../views/drawing/box_handles";
 import { Icon } from "../widgets/icons";
+import { Segmented } from "../widgets/segmented";
 import { Swatch } from "../widgets/swatch";
 import { stats_csv, with_end } from "./box_cells";
 import { Distance } from "./distance";
@@ -138,14 +139,12 @@ export function BoxPanel({ viewer }: { viewer: Viewer }) {
           )}
           <span class="spacer" />
           {box && (
-            <div class="segmented" role="group" aria-label="Ends of the box">
-              <button aria-pressed={!lengths} onClick={() => (in_lengths.value = false)}>
-                cells
-              </button>
-              <button aria-pressed={lengths} onClick={() => (in_lengths.value = true)}>
-                {viewer.units}
-              </button>
-            </div>
+            <Segmented
+              label="Ends of the box"
+              value={lengths ? 1 : 0}
+              list={["cells", viewer.units].map((text, value) => ({ value, text }))}
+              set={(value) => (in_lengths.value = value === 1)}
+            />
           )}
         </div>
         {box ? (

@@ -3,6 +3,7 @@ import { coordinate, grouped, significant } from "../base/format";
 import { FRAMES } from "../base/axis";
 import { AXES, AXIS_NAMES, type AxisIndex, type Column, type Index3, type LineAnswer } from "../base/grid";
 import { use_answer, use_settled } from "../server/answer";
+import { axis_named } from "../state/comparison";
 import type { Measure, Viewer } from "../state/viewer";
 import { measure_thickness } from "../views/actions";
 import { Fact } from "../widgets/fact";
@@ -101,12 +102,6 @@ function Thickness({ viewer, cell }: { viewer: Viewer; cell: Index3 }) {
   );
 }
 
-// The axis across which slices are shown: z, unless one view is alone.
-function sliced({ layout }: Viewer): AxisIndex {
-  const d = AXIS_NAMES.indexOf(layout.value as "x");
-  return d < 0 ? 2 : (d as AxisIndex);
-}
-
 export function Distance({ viewer }: { viewer: Viewer }) {
   const { measure, thickness, tool } = viewer;
   return (
@@ -116,7 +111,7 @@ export function Distance({ viewer }: { viewer: Viewer }) {
         <button class="button" aria-pressed={tool.value === "measure"} onClick={() => (tool.value = tool.value === "measure" ? "look" : "measure")}>
           Measure in a view
         </button>
-        <button class="button" title="Of the material at the crosshair, along each axis" onClick={() => measure_thickness(viewer, sliced(viewer), viewer.cell.value)}>
+        <button class="button" title="Of the material at the crosshair, along each axis" onClick={() => measure_thickness(viewer, axis_named(viewer.layout.value), viewer.cell.value)}>
           Thickness
         </button>
         <span class="spacer" />

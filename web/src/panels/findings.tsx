@@ -2,12 +2,12 @@
 import { useMemo, useState } from "preact/hooks";
 import { type Finding, type Findings, type Group, type Wall, bodies_of, groups_of } from "../base/findings";
 import { grouped, plural } from "../base/format";
-import { words_of } from "../base/messages";
 import { quoted } from "../base/shell";
 import { use_picture } from "../server/picture";
 import { ALL, type Focus } from "../state/findings";
 import type { Viewer } from "../state/viewer";
 import { CodeLine } from "../widgets/copy";
+import { Select } from "../widgets/select";
 import { KINDS, LEVEL_CARE } from "./finding_words";
 import { FirstOf } from "./first_of";
 import { GoThere, point_text } from "./places";
@@ -94,11 +94,9 @@ function GroupOf({ viewer, group, on_open, on_visit }: GroupProps) {
         {opened && (
           <div class="body-details">
             <p class="note">{means}</p>
-            <ul class="places findings">
-              <FirstOf list={group.findings} step={MANY}>
-                {(finding, n) => <FindingLine key={n} viewer={viewer} finding={finding} on_visit={on_visit} />}
-              </FirstOf>
-            </ul>
+            <FirstOf class="places findings" list={group.findings} step={MANY}>
+              {(finding, n) => <FindingLine key={n} viewer={viewer} finding={finding} on_visit={on_visit} />}
+            </FirstOf>
             {hidden > 0 && <p class="note">{plural(hidden, "more finding")} of this kind {hidden === 1 ? "is" : "are"} counted but not listed.</p>}
           </div>
         )}
@@ -143,6 +141,7 @@ export function FindingsList({ viewer, findings, on_focus }: { viewer: Viewer; f
     on_focus(next);
   };
   const bodies = useMemo(() => bodies_of(findings), [findings]);
+  const choices = [{ value: "", label: "all bodies" }, ...bodies.map((name) => ({ value: name, label: name }))];
   const groups = useMemo(() => groups_of(findings, body), [findings, body]);
   const walls = findings.walls.filter((wall) => !body || wall.body === body);
   return (
@@ -151,15 +150,7 @@ export function FindingsList({ viewer, findings, on_focus }: { viewer: Viewer; f
         <h3>Findings</h3>
         {bodies.length > 1 && (
           <label class="filter">
-            of{" "}
-            <select class="text-input" aria-label="The body whose findings are listed" value={body} onChange={(e) => look_at({ ...ALL, body: e.currentTarget.value })}>
-              <option value="">all bodies</option>
-              {bodies.map((name) => (
-                <option key={name} value={name}>
-                  {name}
-                </option>
-              ))}
-            </select>
+            of <Select label="The body whose findings are listed" value={body} list={choices} set={(name) => look_at({ ...ALL, body: name })} />
           </label>
         )}
         {groups.length === 0 && <p class="note">Nothing was found{body ? ` about ${body}` : ""}.</p>}
@@ -179,9 +170,7 @@ export function FindingsList({ viewer, findings, on_focus }: { viewer: Viewer; f
         <section>
           <h3>Walls</h3>
           <p class="note">How many cells lie in walls of 1 to 8 cells.</p>
-          <ul class="walls">
-            <FirstOf list={walls} step={MANY}>{(wall) => <WallLine key={wall.body} viewer={viewer} wall={wall} />}</FirstOf>
-          </ul>
+          <FirstOf class="walls" list={walls} step={MANY}>{(wall) => <WallLine key={wall.body} viewer={viewer} wall={wall} />}</FirstOf>
         </section>
       )}
       {findings.not_looked_at.length > 0 && (
@@ -199,8 +188,8 @@ export function FindingsList({ viewer, findings, on_focus }: { viewer: Viewer; f
 }
 
 // Where nobody has looked, what would.
-export function NotChecked({ viewer, error }: { viewer: Viewer; error: unknown }) {
-  if (error) return <p class="problem">What was found could not be loaded: {words_of(error)}.</p>;
+export function NotChecked({ viewer, error }: { viewer: Viewer; error: string | null }) {
+  if (error) return <p class="problem">What was found could not be loaded: {error}.</p>;
   return (
     <section>
       <h3>Not looked at</h3>

@@ -2,7 +2,8 @@
 import { useState } from "preact/hooks";
 import { grouped } from "../base/format";
 
-export function FirstOf<T>({ list, step, children }: {
+export function FirstOf<T>({ class: look, list, step, children }: {
+  class: string;
   list: readonly T[];
   step: number;
   children: (item: T, n: number) => preact.ComponentChildren;
@@ -10,7 +11,7 @@ export function FirstOf<T>({ list, step, children }: {
   const [most, set_most] = useState(step);
   const more = list.length - most;
   return (
-    <>
+    <ul class={look}>
       {list.slice(0, most).map(children)}
       {more > 0 && (
         <li class="more">
@@ -19,6 +20,6 @@ export function FirstOf<T>({ list, step, children }: {
           </button>
         </li>
       )}
-    </>
+    </ul>
   );
 }

@@ -2,10 +2,10 @@
 import { useState } from "preact/hooks";
 import { grouped, percent, significant } from "../base/format";
 import type { Amount } from "../base/grid";
-import { type MaterialLook, css_color, hex_color } from "../base/materials";
+import { type MaterialLook, css_color, hex_color, rgb_of_color } from "../base/materials";
 import type { Viewer } from "../state/viewer";
 import { Fact } from "../widgets/fact";
-import { Icon } from "../widgets/icons";
+import { IconButton } from "../widgets/icons";
 import { BoxText, GoThere } from "./places";
 
 export const cells_of = (amount: Amount): string => grouped(amount.cells_text ?? amount.cells);
@@ -25,11 +25,6 @@ interface Props {
   readonly viewer: Viewer;
   readonly item: Item;
   readonly all: number; // cells of the grid
-}
-
-function parsed_color(text: string): [number, number, number] {
-  const channel = (at: number) => Number.parseInt(text.slice(at, at + 2), 16);
-  return [channel(1), channel(3), channel(5)];
 }
 
 function Opacity({ item }: { item: Item }) {
@@ -80,12 +75,7 @@ export function LookCard({ short, ...props }: Props & { short: boolean }) {
   const [opened, set_opened] = useState(false);
   const { name, look } = item;
   const whole = !short || opened;
-  const title = (
-    <>
-      {name}
-      {item.beside && <span class="faint"> {item.beside}</span>}
-    </>
-  );
+  const Title = short ? "button" : "span";
   return (
     <li class={`material ${look.visible ? "" : "is-hidden"} ${short ? "is-short" : ""}`}>
       <div class="material-head">
@@ -95,30 +85,21 @@ export function LookCard({ short, ...props }: Props & { short: boolean }) {
           aria-label={`Colour of ${name}`}
           value={hex_color(look)}
           style={{ "--opacity": look.opacity }}
-          onInput={(e) => item.change({ color: parsed_color(e.currentTarget.value) })}
+          onInput={(e) => item.change({ color: rgb_of_color(e.currentTarget.value) })}
         />
-        {short ? (
-          <button class="material-title" title={`${name} ${item.beside}`} aria-expanded={opened} onClick={() => set_opened(!opened)}>
-            {title}
-          </button>
-        ) : (
-          <span class="material-title" title={`${name} ${item.beside}`}>
-            {title}
-          </span>
-        )}
+        <Title class="material-title" title={`${name} ${item.beside}`} {...(short && { "aria-expanded": opened, onClick: () => set_opened(!opened) })}>
+          {name}
+          {item.beside && <span class="faint"> {item.beside}</span>}
+        </Title>
         {whole ? <Opacity item={item} /> : <span class="share">{item.amount ? percent(item.amount.cells / all) : "…"}</span>}
-        <button
-          class="icon-button"
+        <IconButton
+          icon={look.visible ? "eye" : "hidden"}
+          label={`Show ${name}`}
           title={look.visible ? "Hide" : "Show"}
-          aria-label={`Show ${name}`}
           aria-pressed={look.visible}
           onClick={() => item.change({ visible: !look.visible })}
-        >
-          <Icon name={look.visible ? "eye" : "hidden"} />
-        </button>
-        <button class="icon-button" title="Show nothing else" aria-label={`Only ${name}`} aria-pressed={item.alone} onClick={item.show_alone}>
-          <Icon name="solo" />
-        </button>
+        />
+        <IconButton icon="solo" label={`Only ${name}`} title="Show nothing else" aria-pressed={item.alone} onClick={item.show_alone} />
       </div>
       {whole && <AmountFacts {...props} />}
     </li>

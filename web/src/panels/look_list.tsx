@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 import { grouped } from "../base/format";
 import { by_name, contains } from "../base/names";
 import type { Viewer } from "../state/viewer";
+import { type Option, Select } from "../widgets/select";
 import { FirstOf } from "./first_of";
 import { type Item, LookCard } from "./look_card";
 
@@ -11,11 +12,11 @@ const MANY = 8;
 const STEP = 100; // items that are shown at once
 
 type Order = "own" | "name" | "most" | "fewest";
-const ORDERS: readonly { order: Order; label: string }[] = [
-  { order: "own", label: "as in the scene" },
-  { order: "name", label: "by name" },
-  { order: "most", label: "most cells first" },
-  { order: "fewest", label: "fewest cells first" },
+const ORDERS: readonly Option<Order>[] = [
+  { value: "own", label: "as in the scene" },
+  { value: "name", label: "by name" },
+  { value: "most", label: "most cells first" },
+  { value: "fewest", label: "fewest cells first" },
 ];
 
 export function ordered<T extends Pick<Item, "name" | "amount">>(items: readonly T[], order: Order): readonly T[] {
@@ -54,21 +55,13 @@ export function LookList({ viewer, items, what, all, of_found }: Props) {
             value={filter}
             onInput={(e) => set_filter(e.currentTarget.value)}
           />
-          <select class="text-input" aria-label={`Order of the ${what}`} value={order} onChange={(e) => set_order(e.currentTarget.value as Order)}>
-            {ORDERS.map(({ order: value, label }) => (
-              <option key={value} value={value}>
-                {label}
-              </option>
-            ))}
-          </select>
+          <Select label={`Order of the ${what}`} value={order} list={ORDERS} set={(to) => set_order(to)} />
         </div>
       )}
       {filter.trim() !== "" && found.length > 0 && of_found?.(found)}
-      <ul class="materials">
-        <FirstOf list={found} step={STEP}>
-          {(item) => <LookCard key={item.id} short={many} viewer={viewer} item={item} all={all} />}
-        </FirstOf>
-      </ul>
+      <FirstOf class="materials" list={found} step={STEP}>
+        {(item) => <LookCard key={item.id} short={many} viewer={viewer} item={item} all={all} />}
+      </FirstOf>
       {found.length === 0 && <p class="note">No name contains this text.</p>}
     </>
   );

@@ -4,7 +4,6 @@ import { AXES, AXIS_NAMES } from "../base/grid";
 import type { Box, Viewer } from "../state/viewer";
 import { Icon } from "../widgets/icons";
 
-
 export function GoThere({ what, go }: { what: string; go: () => void }) {
   return (
     <button class="button small" title={`Look at ${what}`} aria-label={`Go there: ${what}`} onClick={go}>

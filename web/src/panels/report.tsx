@@ -1,8 +1,8 @@
 // What meshing found: first whether it matters, then why, body by body, with places to look at.
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
-import type { Findings } from "../base/findings";
-import { bytes_text, grouped, plural, product, prose, significant } from "../base/format";
+import { bytes_text, grouped, plural, product, prose, significant, upper_first } from "../base/format";
 import type { BodyReport } from "../base/grid";
+import { use_answer } from "../server/answer";
 import { grid_findings } from "../server/api";
 import { ALL, markers_of } from "../state/findings";
 import { places_found } from "../state/places";
@@ -47,30 +47,18 @@ function Body({ viewer, body, open }: { viewer: Viewer; body: BodyReport; open: 
 export function ReportPanel({ viewer }: { viewer: Viewer }) {
   const { info } = viewer;
   const { report } = info;
-  const [found, set_found] = useState<Findings | null | "loading">("loading");
-  const [error, set_error] = useState<unknown>(null);
-  useEffect(() => {
-    const abort = new AbortController();
-    grid_findings(info.id, abort.signal)
-      .then(set_found)
-      .catch((reason: unknown) => {
-        if (abort.signal.aborted) return;
-        set_error(reason);
-        set_found(null);
-      });
-    return () => abort.abort();
-  }, [info]);
-  const findings = found === "loading" ? null : found;
-  const care = findings ? verdict(findings) : found === null ? not_checked(care_of(info)) : care_of(info);
+  const { value: findings, path, error } = use_answer(info.id, grid_findings);
+  const known = path !== null || error !== null;
+  const care = findings ? verdict(findings) : known ? not_checked(care_of(info)) : care_of(info);
   const [focus, set_focus] = useState(ALL);
   const places = useMemo(() => (findings ? markers_of(findings, focus) : places_found(info)), [info, findings, focus]);
   const marked = viewer.markers.value.length > 0;
   const begun = useRef(false); // later, places that people have taken out of the views stay out
   useEffect(() => {
-    if (found === "loading") return;
+    if (!known) return;
     if (!begun.current || viewer.markers.peek().length) viewer.markers.value = places;
     begun.current = true;
-  }, [viewer, found, places]);
+  }, [viewer, known, places]);
   // The marks stay when the panel is closed, so that they can be looked at, but not behind another panel.
   useEffect(
     () => () => {
@@ -93,27 +81,23 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
         </label>
       )}
       {findings && <FindingsList viewer={viewer} findings={findings} on_focus={set_focus} />}
-      {found === null && <NotChecked viewer={viewer} error={error} />}
+      {known && !findings && <NotChecked viewer={viewer} error={error} />}
       {report.warnings.length > 0 && (
         <section>
           <h3>Warnings</h3>
-          <ul class="warnings">
-            <FirstOf list={report.warnings} step={MANY}>
-              {(text, n) => <li key={n}>{prose(text.charAt(0).toUpperCase() + text.slice(1))}</li>}
-            </FirstOf>
-          </ul>
+          <FirstOf class="warnings" list={report.warnings} step={MANY}>
+            {(text, n) => <li key={n}>{prose(upper_first(text))}</li>}
+          </FirstOf>
         </section>
       )}
       <section>
         <h3>Bodies</h3>
         {bodies.length === 0 && <p class="note">There is no body: the whole grid is background.</p>}
-        <ul class="bodies">
-          <FirstOf list={bodies} step={MANY}>
-            {(body, n) => (
-              <Body key={body.name} viewer={viewer} body={body} open={bodies.length === 1 || (has_something_to_say(body) && (few || n < 3))} />
-            )}
-          </FirstOf>
-        </ul>
+        <FirstOf class="bodies" list={bodies} step={MANY}>
+          {(body, n) => (
+            <Body key={body.name} viewer={viewer} body={body} open={bodies.length === 1 || (has_something_to_say(body) && (few || n < 3))} />
+          )}
+        </FirstOf>
       </section>
       <section>
         <h3>File</h3>
@@ -138,21 +122,19 @@ export function ReportPanel({ viewer }: { viewer: Viewer }) {
       </section>
       <section>
         <h3>Inputs</h3>
-        <ul class="inputs">
-          <FirstOf list={report.inputs} step={MANY}>
-            {(input, n) => (
-              <li key={n}>
-                <span class="input-path" title={input.path}>
-                  {input.path}
-                </span>
-                <span class="faint">
-                  {input.format}, {bytes_text(input.bytes)}
-                </span>
-                <CodeLine class="hash" text={input.hash} what={`the hash of ${input.path}`} />
-              </li>
-            )}
-          </FirstOf>
-        </ul>
+        <FirstOf class="inputs" list={report.inputs} step={MANY}>
+          {(input, n) => (
+            <li key={n}>
+              <span class="input-path" title={input.path}>
+                {input.path}
+              </span>
+              <span class="faint">
+                {input.format}, {bytes_text(input.bytes)}
+              </span>
+              <CodeLine class="hash" text={input.hash} what={`the hash of ${input.path}`} />
+            </li>
+          )}
+        </FirstOf>
       </section>
     </>
   );

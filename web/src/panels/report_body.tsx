@@ -1,5 +1,6 @@
 // One body of the report: its facets, how its inside was decided, its holes, and where its facets face opposite ways.
 import { batch } from "@preact/signals";
+import type { ComponentChildren } from "preact";
 import { grouped, plural, significant } from "../base/format";
 import type { BodyReport, Hole } from "../base/grid";
 import { hole_text } from "../state/places";
@@ -19,24 +20,18 @@ function look_at(viewer: Viewer, hole: Hole): void {
   });
 }
 
-function HoleLine({ viewer, hole }: { viewer: Viewer; hole: Hole }) {
-  const { units } = viewer;
-  const at = point_text(viewer, hole.at);
+// A place, with what is there and the button that goes there.
+function PlaceLine({ what, go, children }: { what: string; go: () => void; children: ComponentChildren }) {
   return (
     <li>
-      <span>
-        <b>{hole_text(hole, units)}</b>
-        <br />
-        <span class="faint">
-          {plural(hole.edges, "edge")}, closed by {hole.extruded ? "walls and a floor" : "a cap"} of {significant(hole.cap_area, 4)} {units}², at {at}
-        </span>
-      </span>
-      <GoThere what={`the hole at ${at}`} go={() => look_at(viewer, hole)} />
+      <span>{children}</span>
+      <GoThere what={what} go={go} />
     </li>
   );
 }
 
 export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport }) {
+  const { units } = viewer;
   const holes = [...body.holes].sort((a, b) => b.diameter - a.diameter);
   return (
     <div class="body-details">
@@ -66,30 +61,29 @@ export function BodyDetails({ viewer, body }: { viewer: Viewer; body: BodyReport
         </p>
       )}
       {holes.length > 0 && (
-        <ul class="places">
-          <FirstOf list={holes} step={MANY}>
-            {(hole, n) => <HoleLine key={n} viewer={viewer} hole={hole} />}
-          </FirstOf>
-        </ul>
+        <FirstOf class="places" list={holes} step={MANY}>
+          {(hole, n) => (
+            <PlaceLine key={n} what={`the hole at ${point_text(viewer, hole.at)}`} go={() => look_at(viewer, hole)}>
+              <b>{hole_text(hole, units)}</b>
+              <br />
+              <span class="faint">
+                {plural(hole.edges, "edge")}, closed by {hole.extruded ? "walls and a floor" : "a cap"} of {significant(hole.cap_area, 4)} {units}², at{" "}
+                {point_text(viewer, hole.at)}
+              </span>
+            </PlaceLine>
+          )}
+        </FirstOf>
       )}
       {body.flips.length > 0 && (
         <>
           <p class="note">Along {plural(body.flips.length, "curve")}, facets face the opposite way from their neighbours:</p>
-          <ul class="places">
-            <FirstOf list={body.flips} step={MANY}>
-              {(flip, n) => {
-                const at = point_text(viewer, flip.at);
-                return (
-                  <li key={n}>
-                    <span>
-                      {plural(flip.edges, "edge")} <span class="faint">at {at}</span>
-                    </span>
-                    <GoThere what={`the curve at ${at}`} go={() => viewer.go_to(flip.at)} />
-                  </li>
-                );
-              }}
-            </FirstOf>
-          </ul>
+          <FirstOf class="places" list={body.flips} step={MANY}>
+            {(flip, n) => (
+              <PlaceLine key={n} what={`the curve at ${point_text(viewer, flip.at)}`} go={() => viewer.go_to(flip.at)}>
+                {plural(flip.edges, "edge")} <span class="faint">at {point_text(viewer, flip.at)}</span>
+              </PlaceLine>
+            )}
+          </FirstOf>
         </>
       )}
     </div>

@@ -1,5 +1,5 @@
 // What meshing found, in words.
-import { about, bytes_text, grouped, noun, plural, product, significant, unit_name } from "../base/format";
+import { about, bytes_text, grouped, noun, plural, product, significant, unit_name, upper_first } from "../base/format";
 import type { BodyReport, GridInfo, Hole } from "../base/grid";
 import { hole_text } from "../state/places";
 
@@ -59,7 +59,7 @@ export function care_of(info: GridInfo): Care {
   if (bodies.length === 0) return { level: "fine", text: "There is no body in this grid." };
   const closed =
     bodies.length === 1 ? `the surface of ${quoted(bodies)} is closed` : `all ${grouped(bodies.length)} bodies are closed and have cells`;
-  return { level: "fine", text: `${closed[0]!.toUpperCase()}${closed.slice(1)}.` };
+  return { level: "fine", text: `${upper_first(closed)}.` };
 }
 
 // The size with one byte per cell, and how many times the size of the file that is.

@@ -1,9 +1,7 @@
 // Ways to share: a link to what is shown, a picture of it, one file with the grid in it, and the addresses of the grid for other programs.
-import { useState } from "preact/hooks";
 import { save_blob } from "../base/download";
 import { bytes_text } from "../base/format";
 import type { GridInfo } from "../base/grid";
-import { say, words_of } from "../base/messages";
 import { quoted } from "../base/shell";
 import { whole_page } from "../module/beside";
 import { MOST_HELD, page_with } from "../module/held";
@@ -12,8 +10,9 @@ import { is_read_here, must_be_given } from "../server/transport";
 import { address_of } from "../state/permalink";
 import type { Viewer } from "../state/viewer";
 import { CodeLine, CopyButton } from "../widgets/copy";
+import { save_picture } from "../views/picture";
 import { Icon } from "../widgets/icons";
-import { use_save_picture } from "./save_picture";
+import { use_task } from "../widgets/task";
 import { type Door, NEUROGLANCER, doors, neuroglancer_link, neuroglancer_state } from "./share_links";
 
 const PAGE = 1_300_000; // bytes of a page without a grid, about
@@ -43,9 +42,9 @@ function DoorCard({ door }: { door: Door }) {
 }
 
 function SavePicture({ viewer }: { viewer: Viewer }) {
-  const { busy, save } = use_save_picture(viewer);
+  const { busy, start } = use_task(() => save_picture(viewer), "The picture could not be made");
   return (
-    <button class="button" onClick={save} disabled={busy}>
+    <button class="button" onClick={start} disabled={busy}>
       <Icon name="save" /> {busy ? "Drawing …" : "Save as PNG"}
     </button>
   );
@@ -64,29 +63,23 @@ function neuroglancer_note(): string {
 
 // The grid and this page as one HTML file, for somebody who has neither.
 function SavePage({ info }: { info: GridInfo }) {
-  const [busy, set_busy] = useState(false);
+  const save = async () => {
+    const grid = await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/file.tcell`)).blob();
+    const { grids } = await list_grids();
+    const { hash } = info.file;
+    const checked = grids.find((listed) => listed.id === info.id && listed.hash === hash)?.checked
+      ? { hash, findings: await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/check`)).text() }
+      : null;
+    save_blob(await page_with(await whole_page!(), `${info.id}.tcell`, grid, checked), `${info.id}.html`);
+  };
+  const { busy, start } = use_task(save, "The page can't be saved");
   if (whole_page === null) return null;
   const large = info.file.bytes > MOST_HELD;
-  const save = async () => {
-    set_busy(true);
-    try {
-      const grid = await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/file.tcell`)).blob();
-      const { grids } = await list_grids();
-      const { hash } = info.file;
-      const checked = grids.find((listed) => listed.id === info.id && listed.hash === hash)?.checked
-        ? { hash, findings: await (await get(`api/v1/grids/${encodeURIComponent(info.id)}/check`)).text() }
-        : null;
-      save_blob(await page_with(await whole_page!(), `${info.id}.tcell`, grid, checked), `${info.id}.html`);
-    } catch (error) {
-      say(`The page can't be saved: ${words_of(error)}.`);
-    }
-    set_busy(false);
-  };
   return (
     <section>
       <h3>One file for anybody</h3>
       <div class="toolbar">
-        <button class="button" onClick={() => void save()} disabled={busy || large}>
+        <button class="button" onClick={start} disabled={busy || large}>
           <Icon name="save" /> {busy ? "Saving …" : "Save as one file"}
         </button>
         {!large && <span class="note">{bytes_text(about_bytes(info.file.bytes))}</span>}

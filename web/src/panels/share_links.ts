@@ -1,6 +1,7 @@
 // The grid's addresses for other programs, with the lines that open it there. tests/clients/snippets_test.mjs runs all
 // of these lines.
 import type { GridInfo, Index3 } from "../base/grid";
+import { METRES } from "../base/lengths";
 import { type MaterialLook, hex_color } from "../base/materials";
 
 export interface Door {
@@ -16,8 +17,6 @@ export const NEUROGLANCER = "https://neuroglancer-demo.appspot.com";
 const IN_PAGES = "for pages of other sites, start the server with --allow-origin";
 const FITTED = 480; // pixels for the longest side when no zoom is known, as in the layout with the overview alone
 const MOST_CELLS = 256 ** 3; // of the level that the lines ask for, so that it comes at once
-
-const METRES: Readonly<Record<string, number>> = { m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, ft: 0.3048 };
 
 // `root` is the server's address with its base path and without a '/' at its end. `cell` is of level 0.
 export function doors(info: GridInfo, root: string, cell: Index3): Door[] {

@@ -1,7 +1,7 @@
 // The panel at the side (a sheet at the bottom on narrow screens): tabs, one of which is shown.
 import { is_alone } from "../server/transport";
 import type { Panel, Viewer } from "../state/viewer";
-import { Icon } from "../widgets/icons";
+import { IconButton } from "../widgets/icons";
 import { BodiesPanel } from "./bodies";
 import { BoxPanel } from "./box";
 import { MaterialsPanel } from "./materials";
@@ -61,14 +61,13 @@ export function SidePanel({ viewer }: { viewer: Viewer }) {
             </button>
           ))}
         </div>
-        <button
-          class="icon-button sheet-switch"
-          aria-label={shown ? "Hide the panel" : "Show the panel"}
+        <IconButton
+          class="sheet-switch"
+          icon={shown ? "close" : "panel"}
+          label={shown ? "Hide the panel" : "Show the panel"}
           aria-expanded={shown !== null}
           onClick={() => (viewer.panel.value = shown ? null : "materials")}
-        >
-          <Icon name={shown ? "close" : "panel"} />
-        </button>
+        />
       </div>
       {tab && (
         <div class="panel-content" id="panel-content" role="tabpanel" aria-labelledby={`tab-${tab.panel}`} key={tab.panel} tabIndex={-1}>

@@ -1,15 +1,14 @@
 // The cells of the box as a file, or as lines that fetch them.
-import { useState } from "preact/hooks";
 import { save_blob } from "../base/download";
 import { bytes_text, grouped, product } from "../base/format";
 import { AXES } from "../base/grid";
-import { say, words_of } from "../base/messages";
 import { quoted } from "../base/shell";
 import { get, has_token, server_root } from "../server/api";
 import { is_read_here } from "../server/transport";
 import type { Box, Viewer } from "../state/viewer";
 import { CodeLine, CopyButton } from "../widgets/copy";
 import { Icon } from "../widgets/icons";
+import { use_task } from "../widgets/task";
 
 const MOST = 2n ** 32n; // cells that the server sends
 const MOST_HELD = 512n << 20n; // bytes that the page holds, where a token has to be sent or there is no server
@@ -25,9 +24,9 @@ export const box_snippet = (address: string): string =>
 
 // A link where the browser can fetch the file by itself; where a token has to go along, a button.
 function SaveAs({ viewer, box, ending, held }: { viewer: Viewer; box: Box; ending: "npy" | "vti" | "vtr"; held: boolean }) {
-  const [busy, set_busy] = useState(false);
   const address = viewer.address.box(ending, box);
   const name = `${viewer.info.id}-box.${ending}`;
+  const { busy, start } = use_task(async () => save_blob(await (await get(address)).blob(), name), "The box can't be saved");
   const text = (
     <>
       <Icon name="save" /> .{ending}
@@ -39,17 +38,8 @@ function SaveAs({ viewer, box, ending, held }: { viewer: Viewer; box: Box; endin
         {text}
       </a>
     );
-  const save = async () => {
-    set_busy(true);
-    try {
-      save_blob(await (await get(address)).blob(), name);
-    } catch (error) {
-      say(`The box can't be saved: ${words_of(error)}.`);
-    }
-    set_busy(false);
-  };
   return (
-    <button class="button" disabled={busy} onClick={() => void save()} aria-label={`Save as .${ending}`}>
+    <button class="button" disabled={busy} onClick={start} aria-label={`Save as .${ending}`}>
       {text}
     </button>
   );

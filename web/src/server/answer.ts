@@ -1,5 +1,6 @@
 // The answer of the server at an address, for a component. It is fetched when the address changes. Until it comes the
-// earlier answer stays, so that nothing flickers. When a lost server is back, it is fetched again.
+// earlier answer stays, so that nothing flickers. When a lost server is back, it is fetched again. `fetch_it`: how it is
+// fetched, where that takes more than one request.
 import { useEffect, useState } from "preact/hooks";
 import { words_of } from "../base/messages";
 import { get_json, is_version_gone } from "./api";
@@ -11,14 +12,14 @@ export interface Answer<T> {
   error: string | null;
 }
 
-export function use_answer<T>(path: string | null): Answer<T> {
+export function use_answer<T>(path: string | null, fetch_it: (path: string, signal: AbortSignal) => Promise<T> = get_json): Answer<T> {
   const [answer, set_answer] = useState<Answer<T>>({ value: null, path: null, error: null });
   const again = returned.value;
   useEffect(() => {
     if (path === null) return;
     const abort = new AbortController();
     set_answer((before) => (before.error === null ? before : { ...before, error: null }));
-    get_json<T>(path, abort.signal).then(
+    fetch_it(path, abort.signal).then(
       (value) => abort.signal.aborted || set_answer({ value, path, error: null }),
       (error: unknown) => {
         if (!abort.signal.aborted && !is_version_gone(error, path)) set_answer((before) => ({ ...before, error: words_of(error) }));

@@ -4,6 +4,7 @@ import type { Findings } from "../base/findings";
 import { prose } from "../base/format";
 import type { GridInfo, GridSummary, UnreadableFile } from "../base/grid";
 import { drop, say } from "../base/messages";
+import { if_allowed } from "../base/storage";
 import { ask_again, doubt, not_reached, reached } from "./connection";
 import { answerer, ask, is_alone } from "./transport";
 
@@ -37,14 +38,7 @@ export const server_root = (): string => new URL(".", location.href).href.slice(
 export const token_wanted = signal(false);
 const token_key = () => `teracell-token ${new URL(".", location.href).pathname}`; // another server may be reached under another path
 
-function remembered(): string | null {
-  try {
-    return sessionStorage.getItem(token_key());
-  } catch {
-    return null;
-  }
-}
-let token = remembered();
+let token = if_allowed(() => sessionStorage.getItem(token_key()));
 export const has_token = (): boolean => token !== null;
 
 // Why a text cannot be a token; null when it can. A field of an HTTP header takes visible ASCII characters only.
@@ -58,11 +52,7 @@ export function fault_of_token(text: string): string | null {
 // Everything that was refused is asked for again.
 export function give_token(text: string): void {
   token = text;
-  try {
-    sessionStorage.setItem(token_key(), text);
-  } catch {
-    // Storage is forbidden.
-  }
+  if_allowed(() => sessionStorage.setItem(token_key(), text));
   token_wanted.value = false;
   ask_again();
 }

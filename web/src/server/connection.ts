@@ -4,12 +4,8 @@
 import { signal } from "@preact/signals";
 import { ask } from "./transport";
 
-export interface Connection {
-  state: "there" | "lost";
-  since: number; // milliseconds, as Date.now()
-}
-
-export const connection = signal<Connection>({ state: "there", since: Date.now() });
+// `since`: milliseconds, as Date.now().
+export const connection = signal<{ state: "there" | "lost"; since: number }>({ state: "there", since: Date.now() });
 export const returned = signal(0);
 export const next_try = signal<number | null>(null); // when the server's health is asked for again, as Date.now()
 

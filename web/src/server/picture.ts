@@ -2,15 +2,11 @@
 import { useEffect, useState } from "preact/hooks";
 import { get_patiently } from "./api";
 
-export interface Picture {
-  readonly source: string | null; // for an <img>; null until it has come
-  readonly failed: boolean;
-}
-
-const NOTHING: Picture = { source: null, failed: false };
+// `source`: for an <img>; null until it has come.
+const NOTHING: { readonly source: string | null; readonly failed: boolean } = { source: null, failed: false };
 
 // `address`: null while the picture is not wanted.
-export function use_picture(address: string | null): Picture {
+export function use_picture(address: string | null): typeof NOTHING {
   const [picture, set_picture] = useState(NOTHING);
   useEffect(() => {
     if (address === null) return;

@@ -1,8 +1,7 @@
 // A grid on the start page: pictures of it, what it is made of, and what is wrong with it.
-import { useEffect, useRef, useState } from "preact/hooks";
+import { useRef } from "preact/hooks";
 import { Axis } from "../base/axis";
 import { needs_other_ground } from "../base/contrast";
-import type { Findings } from "../base/findings";
 import { about, bytes_text, grouped, noun, product, significant, sizes, unit_name } from "../base/format";
 import { GridAddress, type GridInfo, type GridSummary } from "../base/grid";
 import { initial_looks } from "../base/materials";
@@ -66,23 +65,8 @@ function Materials({ info }: { info: GridInfo | null }) {
   );
 }
 
-// What `teracell check` has found; null while that is not known, or nobody has looked.
-function use_findings(grid: GridSummary, wanted: boolean): Findings | null {
-  const [findings, set_findings] = useState<Findings | null>(null);
-  useEffect(() => {
-    if (!wanted || !grid.checked) return;
-    const abort = new AbortController();
-    checked_findings(grid.id, abort.signal).then(
-      (found) => set_findings(found),
-      () => {}, // the report panel says why
-    );
-    return () => abort.abort();
-  }, [grid.id, grid.hash, grid.checked, wanted]);
-  return findings;
-}
-
 function CareLine({ grid, info, wanted }: { grid: GridSummary; info: GridInfo | null; wanted: boolean }) {
-  const findings = use_findings(grid, wanted);
+  const { value: findings } = use_answer(wanted && grid.checked ? grid.id : null, checked_findings); // the report panel says what is wrong
   if (!info || (grid.checked && !findings)) return <p class="card-care">&nbsp;</p>;
   const care: Care = findings ? verdict(findings) : care_of(info);
   if (!findings && care.level === "fine")
@@ -145,7 +129,7 @@ export function Card({ grid }: { grid: GridSummary }) {
           {grid.modified !== null && <span>{new Date(1000 * grid.modified).toLocaleDateString("en-GB", { dateStyle: "medium" })}</span>}
         </p>
         <Materials info={info} />
-        <CareLine grid={grid} info={info} wanted={seen} />
+        <CareLine key={grid.hash} grid={grid} info={info} wanted={seen} />
       </a>
       {!is_read_here(grid.id) && <Addresses grid={grid} />}
     </li>

@@ -2,13 +2,14 @@
 import { product } from "../base/format";
 import type { GridSummary } from "../base/grid";
 import { by_name, contains } from "../base/names";
+import type { Option } from "../widgets/select";
 
 export type Order = "name" | "newest" | "cells" | "bytes";
-export const ORDERS: readonly { order: Order; label: string }[] = [
-  { order: "name", label: "by name" },
-  { order: "newest", label: "newest first" },
-  { order: "cells", label: "most cells first" },
-  { order: "bytes", label: "largest file first" },
+export const ORDERS: readonly Option<Order>[] = [
+  { value: "name", label: "by name" },
+  { value: "newest", label: "newest first" },
+  { value: "cells", label: "most cells first" },
+  { value: "bytes", label: "largest file first" },
 ];
 
 type Listed = Pick<GridSummary, "name" | "cells" | "bytes" | "modified">;

@@ -5,6 +5,7 @@ import type { GridSummary, UnreadableFile } from "../base/grid";
 import { can_read_files, open_files } from "../module/own_grids";
 import { is_alone } from "../server/transport";
 import { Icon } from "../widgets/icons";
+import { Select } from "../widgets/select";
 import { Card } from "./card";
 import { ORDERS, type Order, listed } from "./listing";
 
@@ -102,13 +103,7 @@ function Choice({ text, order, search, sort }: ChoiceProps) {
         value={text}
         onInput={(e) => search(e.currentTarget.value)}
       />
-      <select class="text-input" aria-label="Order of the grids" value={order} onChange={(e) => sort(e.currentTarget.value as Order)}>
-        {ORDERS.map(({ order: value, label }) => (
-          <option key={value} value={value}>
-            {label}
-          </option>
-        ))}
-      </select>
+      <Select label="Order of the grids" value={order} list={ORDERS} set={sort} />
     </div>
   );
 }

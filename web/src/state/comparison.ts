@@ -3,7 +3,8 @@
 import { type Signal, batch, effect } from "@preact/signals";
 import type { Axis } from "../base/axis";
 import { sizes, unit_name } from "../base/format";
-import { AXES, AXIS_NAMES, type AxisIndex, type AxisJson, type GridInfo, type GridSummary, type Index3, type Material } from "../base/grid";
+import { AXES, AXIS_NAMES, type AxisIndex, type AxisJson, type GridInfo, type GridSummary, type Index3, type Material, for_axes } from "../base/grid";
+import { METRES } from "../base/lengths";
 import type { MaterialLook } from "../base/materials";
 import { COMPARISON_MODES, type Comparison, type ComparisonMode, type Viewer } from "./viewer";
 import type { Range } from "./zoom";
@@ -17,8 +18,8 @@ export function new_comparison(viewer: Viewer, other: string, axis: AxisIndex): 
   return { other, axis, mode: "side", wipe: 0.5, together: !same, apart: same ? (at + tenth < max ? tenth : -tenth) : 0 };
 }
 
-// z, when it is not the name of an axis.
-function axis_named(text: string | null): AxisIndex {
+// z, when it is not the name of an axis: of a layout, the axis across which its slices lie.
+export function axis_named(text: string | null): AxisIndex {
   const d = AXIS_NAMES.indexOf(text as "x");
   return d < 0 ? 2 : (d as AxisIndex);
 }
@@ -68,9 +69,6 @@ export function write_comparison(query: URLSearchParams, { other, axis, mode, wi
   if (same || apart !== 0) query.set("apart", String(apart));
 }
 
-// Units whose lengths are known, in metres.
-const METRES: Readonly<Record<string, number>> = { m: 1, cm: 1e-2, mm: 1e-3, um: 1e-6, nm: 1e-9, in: 0.0254, ft: 0.3048 };
-
 // The same grid with its coordinates in another unit, if both are known.
 export function in_units(info: GridInfo, units: string): GridInfo {
   const [from, to] = [METRES[info.units], METRES[units]];
@@ -83,10 +81,8 @@ export function in_units(info: GridInfo, units: string): GridInfo {
 }
 
 // Around both.
-export function common_bounds(a: readonly [Range, Range, Range], b: readonly [Range, Range, Range]): [Range, Range, Range] {
-  const around = (d: AxisIndex) => ({ min: Math.min(a[d].min, b[d].min), max: Math.max(a[d].max, b[d].max) });
-  return [around(0), around(1), around(2)];
-}
+export const common_bounds = (a: readonly [Range, Range, Range], b: readonly [Range, Range, Range]): [Range, Range, Range] =>
+  for_axes((d) => ({ min: Math.min(a[d].min, b[d].min), max: Math.max(a[d].max, b[d].max) }));
 
 // Why the cells of two grids can't be counted against each other, as far as it is seen at once; the server looks at all planes.
 export function unequal_cells(a: GridInfo, b: GridInfo): string | null {

@@ -4,7 +4,7 @@
 // that they are read back unchanged.
 import { batch, effect } from "@preact/signals";
 import type { AxisIndex, Index3 } from "../base/grid";
-import { hex_color, same_look } from "../base/materials";
+import { hex_color, rgb_of_color, same_look } from "../base/materials";
 import { say } from "../base/messages";
 import { numbers_in, ranges } from "../base/ranges";
 import { with_change } from "./bodies";
@@ -26,11 +26,7 @@ const LAYOUTS: readonly Layout[] = ["four", "x", "y", "z", "3d"];
 const PANELS: readonly Panel[] = ["materials", "bodies", "report", "box", "share", "status"];
 const SWITCHES = { axes: "show_axes", scale: "show_scale", lines: "show_lines", outline: "show_outline", shares: "show_shares" } as const;
 
-function parsed_color(text: string | undefined): [number, number, number] | null {
-  if (!/^[0-9a-f]{6}$/.test(text ?? "")) return null;
-  const channel = (i: number) => Number.parseInt(text!.slice(2 * i, 2 * i + 2), 16);
-  return [channel(0), channel(1), channel(2)];
-}
+const parsed_color = (text: string | undefined) => (/^[0-9a-f]{6}$/.test(text ?? "") ? rgb_of_color(`#${text}`) : null);
 
 function parsed_opacity(text: string | undefined): number | null {
   const opacity = text ? Number(text) : Number.NaN;

@@ -1,32 +1,21 @@
 // Light or dark. The system decides until somebody uses the switch. From then on this browser remembers the choice.
 import { computed, effect, signal } from "@preact/signals";
+import { if_allowed } from "../base/storage";
 
 type Theme = "light" | "dark";
 const KEY = "teracell-theme";
 
-// Storage may be forbidden. Then the choice lasts as long as the page.
-function remembered(): Theme | null {
-  try {
-    const text = localStorage.getItem(KEY);
-    return text === "light" || text === "dark" ? text : null;
-  } catch {
-    return null;
-  }
-}
-
 const system = matchMedia("(prefers-color-scheme: dark)");
 const system_theme = signal<Theme>(system.matches ? "dark" : "light");
-const chosen = signal<Theme | null>(remembered());
+const kept = if_allowed(() => localStorage.getItem(KEY));
+const chosen = signal<Theme | null>(kept === "light" || kept === "dark" ? kept : null);
 
 export const theme = computed<Theme>(() => chosen.value ?? system_theme.value);
 
 export function switch_theme(): void {
-  chosen.value = theme.value === "dark" ? "light" : "dark";
-  try {
-    localStorage.setItem(KEY, chosen.value);
-  } catch {
-    // Storage is forbidden.
-  }
+  const other = theme.value === "dark" ? "light" : "dark";
+  chosen.value = other;
+  if_allowed(() => localStorage.setItem(KEY, other));
 }
 
 export function keep_theme(): void {
@@ -34,4 +23,11 @@ export function keep_theme(): void {
   effect(() => {
     document.documentElement.dataset.theme = theme.value;
   });
+}
+
+// Calls when the page's colours may have changed. Returns a function that ends this.
+export function on_theme(call: () => void): () => void {
+  const observer = new MutationObserver(call);
+  observer.observe(document.documentElement, { attributes: true, attributeFilter: ["data-theme", "data-ground"] });
+  return () => observer.disconnect();
 }

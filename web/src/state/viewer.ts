@@ -3,7 +3,7 @@
 import { type ReadonlySignal, type Signal, batch, computed, signal } from "@preact/signals";
 import { type Axis, axes_of } from "../base/axis";
 import { unit_name } from "../base/format";
-import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane } from "../base/grid";
+import { type AxisIndex, GridAddress, type GridInfo, type Index3, type Label, type Plane, for_axes } from "../base/grid";
 import { type LabelLook, type MaterialLook, initial_looks, looks_of_labels } from "../base/materials";
 import { TileCounters } from "../tiles/counters";
 import { type Range, type ViewSize, fitting_zoom } from "./zoom";
@@ -143,14 +143,13 @@ export class Viewer {
     this.compared = shared !== null;
     this.units = unit_name(info.units);
     this.cells = info.grid.cells;
-    this.cell = signal<Index3>([Math.floor(this.cells[0] / 2), Math.floor(this.cells[1] / 2), Math.floor(this.cells[2] / 2)]);
+    this.cell = signal<Index3>(for_axes((d) => Math.floor(this.cells[d] / 2)));
     this.centre = signal(this.middle());
     this.zoom = signal(0);
     this.standard_looks = initial_looks(info.materials);
     this.looks = signal(this.standard_looks);
     this.label_looks = computed(() => looks_of_labels(this.labels, this.looks.value, this.body_looks.value));
-    const slice = (d: AxisIndex) => computed(() => this.cell.value[d]);
-    this.slice = [slice(0), slice(1), slice(2)];
+    this.slice = for_axes((d) => computed(() => this.cell.value[d]));
     Object.assign(this, shared);
   }
 
@@ -177,9 +176,16 @@ export class Viewer {
     return this.slices_shown.value ? address : null;
   }
 
+  has(cell: Index3): boolean {
+    return cell.every((i, d) => i >= 0 && i < this.cells[d]!);
+  }
+  // The sample point of a cell.
+  centre_of(cell: Index3): [number, number, number] {
+    return for_axes((d) => this.axes[d].centre(cell[d]));
+  }
+
   middle(): [number, number, number] {
-    const m = (d: AxisIndex) => (this.bounds[d].min + this.bounds[d].max) / 2;
-    return [m(0), m(1), m(2)];
+    return for_axes((d) => (this.bounds[d].min + this.bounds[d].max) / 2);
   }
 
   // Whether the views show everything, as large as fits.
@@ -219,7 +225,7 @@ export class Viewer {
 
   // Puts the crosshair on a cell.
   set_cell(cell: Index3): void {
-    const to: Index3 = [this.axes[0].clamp(cell[0]), this.axes[1].clamp(cell[1]), this.axes[2].clamp(cell[2])];
+    const to = for_axes((d) => this.axes[d].clamp(cell[d]));
     if (to.some((x, d) => x !== this.cell.value[d])) this.cell.value = to;
   }
 
@@ -227,12 +233,11 @@ export class Viewer {
   go_to_cell(cell: Index3): void {
     batch(() => {
       this.set_cell(cell);
-      const [i, j, k] = this.cell.value;
-      this.centre.value = [this.axes[0].centre(i), this.axes[1].centre(j), this.axes[2].centre(k)];
+      this.centre.value = this.centre_of(this.cell.value);
     });
   }
   go_to(point: readonly [number, number, number]): void {
-    this.go_to_cell([this.axes[0].cell_at(point[0]), this.axes[1].cell_at(point[1]), this.axes[2].cell_at(point[2])]);
+    this.go_to_cell(for_axes((d) => this.axes[d].cell_at(point[d])));
   }
 
   // The same, and all views come so near that a length fills a good part of them; the overview flies there.
@@ -247,12 +252,11 @@ export class Viewer {
 
   // Looks at a box of cells so that all views show the whole of it.
   go_to_box(box: Box): void {
-    const range = (d: AxisIndex) => ({ min: this.axes[d].plane(box[d]), max: this.axes[d].plane(box[d + 3]!) });
-    const ranges = [range(0), range(1), range(2)] as const;
-    const middle = (d: AxisIndex) => (ranges[d].min + ranges[d].max) / 2;
+    const ranges = for_axes((d) => ({ min: this.axes[d].plane(box[d]), max: this.axes[d].plane(box[d + 3]!) }));
+    const middle = for_axes((d) => (ranges[d].min + ranges[d].max) / 2);
     batch(() => {
-      this.go_to([middle(0), middle(1), middle(2)]);
-      this.centre.value = [middle(0), middle(1), middle(2)];
+      this.go_to(middle);
+      this.centre.value = middle;
       if (this.views.length) this.zoom.value = fitting_zoom(ranges, this.views);
     });
   }

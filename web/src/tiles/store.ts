@@ -78,8 +78,7 @@ export class TileStore {
 
   // The server is back: asks at once for the tiles that failed, and again for those on their way, which may never come.
   retry(): void {
-    for (const { abort } of this.flights.values()) abort.abort();
-    this.flights.clear();
+    this.abandon();
     this.failures.clear();
     this.pump();
     this.on_change();
@@ -89,8 +88,7 @@ export class TileStore {
   show_shares(shares: boolean): void {
     if (shares === this.shares) return;
     this.shares = shares;
-    for (const { abort } of this.flights.values()) abort.abort();
-    this.flights.clear();
+    this.abandon();
     for (const [name, tile] of this.tiles) {
       if (tile.place.level > 0) continue;
       this.tiles.delete(name);
@@ -103,8 +101,13 @@ export class TileStore {
   close(): void {
     this.closed = true;
     clearTimeout(this.timer);
-    for (const { abort } of this.flights.values()) abort.abort();
+    this.abandon();
     this.tiles.clear();
+  }
+
+  private abandon(): void {
+    for (const { abort } of this.flights.values()) abort.abort();
+    this.flights.clear();
   }
 
   private pump(): void {
@@ -124,7 +127,7 @@ export class TileStore {
         wait = Math.min(wait, failure.until - now);
         continue;
       }
-      if (this.make_room(ahead, urgent, wanted)) this.start(place, name, ahead);
+      if (this.make_room(ahead, urgent, wanted)) void this.fetch_one(place, name, { abort: new AbortController(), ahead });
       else ++waiting;
     }
     if (wait < Number.POSITIVE_INFINITY) this.timer = setTimeout(() => this.pump(), wait + 1);
@@ -147,13 +150,8 @@ export class TileStore {
     return this.flights.size < (ahead ? this.limits.ahead : this.limits.requests);
   }
 
-  private start(place: Place, name: string, ahead: boolean): void {
-    const flight = { abort: new AbortController(), ahead };
-    this.flights.set(name, flight);
-    void this.fetch_one(place, name, flight);
-  }
-
   private async fetch_one(place: Place, name: string, flight: Flight): Promise<void> {
+    this.flights.set(name, flight);
     const began = performance.now();
     const path = this.address.tile(place.axis, place.index, place.level, place.column, place.row, this.shares);
     try {

@@ -52,7 +52,7 @@ export function step_crosshair(viewer: Viewer, axis: AxisIndex, du: number, dv: 
     const away = (d: AxisIndex) => Math.abs(viewer.axes[d].centre(viewer.cell.value[d]) - viewer.centre.value[d]) * viewer.zoom.value;
     if (size && (away(u) > size.width / 2 || away(v) > size.height / 2)) viewer.go_to_cell(viewer.cell.value);
     const line = viewer.tool.value === "measure" && viewer.measuring.value ? viewer.measure.value : null;
-    if (line?.axis === axis) viewer.measure.value = { ...line, to: crosshair(viewer) };
+    if (line?.axis === axis) viewer.measure.value = { ...line, to: viewer.centre_of(viewer.cell.value) };
   });
 }
 
@@ -62,15 +62,11 @@ export function mark_measure(viewer: Viewer, axis: AxisIndex): void {
   batch(() => {
     if (viewer.measuring.value && viewer.measure.value?.axis === axis) viewer.tool.value = "look";
     else {
-      viewer.measure.value = { axis, from: crosshair(viewer), to: crosshair(viewer) };
+      const here = viewer.centre_of(viewer.cell.value);
+      viewer.measure.value = { axis, from: here, to: here };
       viewer.measuring.value = true;
     }
   });
-}
-
-function crosshair({ axes, cell }: Viewer): [number, number, number] {
-  const [i, j, k] = cell.value;
-  return [axes[0].centre(i), axes[1].centre(j), axes[2].centre(k)];
 }
 
 // Measures how thick the material of a cell is: along the three axes, and in the slice where that is least.

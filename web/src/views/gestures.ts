@@ -1,6 +1,5 @@
 // Wheel, mouse, pen and fingers on one view. bindings.ts lists what they do.
 import { batch } from "@preact/signals";
-import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex, type Index3 } from "../base/grid";
 import { measure_thickness, toggle_layout } from "./actions";
 import { cursor_of } from "./drawing/box_handles";
@@ -19,12 +18,7 @@ interface Spot {
   readonly y: number;
 }
 
-export function attach_gestures(stage: Stage, axis: AxisIndex, body: HTMLElement): () => void {
-  const gestures = new Gestures(stage, axis, body);
-  return () => gestures.stop();
-}
-
-class Gestures {
+export class Gestures {
   private readonly view: View;
   private readonly listening = new AbortController();
   private readonly pointers = new Map<number, Spot>(); // that are down
@@ -64,12 +58,8 @@ class Gestures {
   private cell_at({ x, y }: Spot): Index3 | null {
     const { viewer } = this.stage;
     if (viewer.zoom.value === 0) return null;
-    const camera = this.view.camera_of(viewer, 1);
-    const { u, v } = FRAMES[this.axis];
-    const cell: Index3 = [...viewer.cell.value];
-    cell[u] = camera.across.cell_at(camera.u_at(x));
-    cell[v] = camera.up.cell_at(camera.v_at(y));
-    return cell.every((i, d) => i >= 0 && i < viewer.cells[d]!) ? cell : null;
+    const { cell } = this.view.under(viewer, x, y);
+    return viewer.has(cell) ? cell : null;
   }
 
   private turn(event: WheelEvent): void {

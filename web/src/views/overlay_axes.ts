@@ -36,7 +36,7 @@ export function draw_cell_lines(pen: Pen): void {
 
 export function draw_border(pen: Pen): void {
   const { across, up } = pen.camera;
-  pen.cells(0, across.cells, 0, up.cells, pen.ink.border, { width: 1 });
+  pen.cells({ u0: 0, u1: across.cells, v0: 0, v1: up.cells }, pen.ink.border, { width: 1 });
 }
 
 // Round coordinates along the lower and left edge.

@@ -2,7 +2,7 @@
 import type { Box, Measure } from "../state/viewer";
 import { grouped } from "../base/format";
 import type { AxisIndex } from "../base/grid";
-import { cells_between, handles_of } from "./drawing/box_handles";
+import { cells_between, extent_in, handles_of } from "./drawing/box_handles";
 import { length_text } from "../base/lengths";
 import type { Pen } from "./drawing/pen";
 
@@ -14,11 +14,10 @@ export function draw_pin(pen: Pen): void {
   const pin = viewer.pinned.value;
   if (!pin) return;
   const dash = pin[axis] === viewer.cell.value[axis] ? [] : ELSEWHERE;
-  const [u, v] = [pin[frame.u], pin[frame.v]];
-  const [left, right] = [camera.x_of(camera.across.plane(u)), camera.x_of(camera.across.plane(u + 1))];
-  const [top, bottom] = [camera.y_of(camera.up.plane(v + 1)), camera.y_of(camera.up.plane(v))];
+  const extent = { u0: pin[frame.u], u1: pin[frame.u] + 1, v0: pin[frame.v], v1: pin[frame.v] + 1 };
+  const { left, right, top, bottom } = camera.place_of(extent);
   if (Math.min(right - left, bottom - top) >= 10) {
-    pen.cells(u, u + 1, v, v + 1, ink.accent, { width: 2, dash });
+    pen.cells(extent, ink.accent, { width: 2, dash });
     return;
   }
   // The cell is too small to be seen, so a square surrounds it.
@@ -69,12 +68,11 @@ export function draw_box(pen: Pen, box: Box | null): void {
   const { frame, axis, viewer } = pen;
   const slice = viewer.cell.value[axis];
   const here = slice >= box[axis] && slice < box[axis + 3]!;
-  pen.cells(box[frame.u], box[frame.u + 3]!, box[frame.v], box[frame.v + 3]!, pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
+  pen.cells(extent_in(frame, box), pen.ink.accent, { width: 2, dash: here ? [] : ELSEWHERE });
   for (const { x, y } of handles_of(pen.camera, frame, box)) pen.handle(x, y);
   const { camera } = pen;
   const sizes = [frame.u, frame.v].map((d) => length_text(viewer.axes[d]!.plane(box[d + 3]!) - viewer.axes[d]!.plane(box[d]!), viewer.info.units, 4));
-  const [left, right] = [camera.x_of(camera.across.plane(box[frame.u])), camera.x_of(camera.across.plane(box[frame.u + 3]!))];
-  const top = camera.y_of(camera.up.plane(box[frame.v + 3]!));
+  const { left, right, top } = camera.place_of(extent_in(frame, box));
   if (right > 0 && left < camera.width && top < camera.height && top > -16) pen.plate(sizes.join(" × "), (left + right) / 2, top - 18, pen.ink.accent);
 }
 
@@ -98,11 +96,10 @@ const HATCH = 7; // CSS pixels between lines
 // Where something that was found lies.
 function draw_extent(pen: Pen, box: Box, hatched: boolean): void {
   const { camera, context, frame, ink } = pen;
-  const [left, right] = [camera.x_of(camera.across.plane(box[frame.u])), camera.x_of(camera.across.plane(box[frame.u + 3]!))];
-  const [top, bottom] = [camera.y_of(camera.up.plane(box[frame.v + 3]!)), camera.y_of(camera.up.plane(box[frame.v]))];
+  const { left, right, top, bottom } = camera.place_of(extent_in(frame, box));
   if (right < 0 || left > camera.width || bottom < 0 || top > camera.height) return;
   context.globalAlpha = 0.75;
-  pen.cells(box[frame.u], box[frame.u + 3]!, box[frame.v], box[frame.v + 3]!, ink.marker, { width: 1, dash: [3, 3] });
+  pen.cells(extent_in(frame, box), ink.marker, { width: 1, dash: [3, 3] });
   if (hatched && bottom - top > 2 && right - left > 2) {
     context.save();
     context.beginPath();

@@ -9,8 +9,7 @@ import type { Stage } from "./stage";
 
 export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer }) {
   const host = useRef<HTMLDivElement>(null);
-  const trouble = useSignal<string | null>(null);
-  const loading = useSignal(true);
+  const state = useSignal<"loading" | "there" | { readonly trouble: string }>("loading");
   const attempt = useSignal(0);
   const layout = viewer.layout.value;
   const shown = layout === "four" || layout === "3d";
@@ -26,11 +25,10 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
         const { mount_overview } = await import("../overview/overview");
         if (gone) return;
         unmount = mount_overview(host.current!, viewer);
-        trouble.value = null;
+        state.value = "there";
       } catch (error) {
-        trouble.value = words_of(error);
+        state.value = { trouble: words_of(error) };
       }
-      loading.value = false;
     };
     void load();
     return () => {
@@ -39,17 +37,16 @@ export function OverviewPanel({ stage, viewer }: { stage: Stage; viewer: Viewer 
     };
   }, [viewer, due, attempt.value]);
   const again = () => {
-    trouble.value = null;
-    loading.value = true;
+    state.value = "loading";
     ++attempt.value;
   };
   return (
     <section class="view-panel" data-view="3d" hidden={!shown} aria-label="Overview in three dimensions" {...activating(stage, "3d")}>
       <div class="view-overview" ref={host} />
-      {loading.value && <p class="view-note">Loading the overview …</p>}
-      {trouble.value !== null && (
+      {state.value === "loading" && <p class="view-note">Loading the overview …</p>}
+      {typeof state.value === "object" && (
         <div class="view-note" role="alert">
-          <p>The overview can't be shown: {trouble.value}.</p>
+          <p>The overview can't be shown: {state.value.trouble}.</p>
           <button onClick={again}>Try again</button>
         </div>
       )}

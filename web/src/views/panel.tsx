@@ -4,7 +4,7 @@ import { coordinate, grouped, sizes } from "../base/format";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import type { ViewName, Viewer } from "../state/viewer";
 import { toggle_layout } from "./actions";
-import { attach_gestures } from "./gestures";
+import { Gestures } from "./gestures";
 import { SliceBar } from "./slice_bar";
 import type { Stage } from "./stage";
 
@@ -79,9 +79,9 @@ export function SlicePanel({ stage, viewer, axis, side }: { stage: Stage; viewer
   useLayoutEffect(() => {
     const element = body.current!;
     const detach = stage.attach(axis, element);
-    const let_go = attach_gestures(stage, axis, element);
+    const gestures = new Gestures(stage, axis, element);
     return () => {
-      let_go();
+      gestures.stop();
       detach();
     };
   }, [stage, axis]);

@@ -1,5 +1,5 @@
 // The views as a picture for a paper or a mail, with a title above and a legend below.
-import { save_blob } from "../base/download";
+import { png_of, save_blob } from "../base/download";
 import { about, coordinate, product } from "../base/format";
 import { AXIS_NAMES } from "../base/grid";
 import { css_color } from "../base/materials";
@@ -44,9 +44,9 @@ function place_text(viewer: Viewer): string {
   return `${where.join(", ")} ${viewer.units}`;
 }
 
-export async function framed_snapshot(viewer: Viewer): Promise<HTMLCanvasElement> {
+function framed_snapshot(viewer: Viewer): HTMLCanvasElement {
   const ratio = Math.max(devicePixelRatio, 2);
-  const views = await snapshot(viewer, { ratio });
+  const views = snapshot(viewer, ratio);
   const style = getComputedStyle(document.documentElement);
   const color = (name: string) => style.getPropertyValue(name);
   const canvas = document.createElement("canvas");
@@ -83,8 +83,5 @@ export async function framed_snapshot(viewer: Viewer): Promise<HTMLCanvasElement
 }
 
 export async function save_picture(viewer: Viewer): Promise<void> {
-  const canvas = await framed_snapshot(viewer);
-  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, "image/png"));
-  if (!blob) throw new Error("the browser ran out of memory");
-  save_blob(blob, `${viewer.info.id}.png`);
+  save_blob(await png_of(framed_snapshot(viewer)), `${viewer.info.id}.png`);
 }

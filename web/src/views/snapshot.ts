@@ -8,16 +8,12 @@ import { FONT, Pen } from "./drawing/pen";
 import { stage_of } from "./stage";
 import { type Scene, View } from "./view";
 
-export interface SnapshotOptions {
-  readonly ratio?: number; // pixels of the picture per CSS pixel; if absent, as on the screen
-}
-
-export async function snapshot(viewer: Viewer, options: SnapshotOptions = {}): Promise<HTMLCanvasElement> {
+// `ratio`: pixels of the picture per CSS pixel.
+export function snapshot(viewer: Viewer, ratio: number): HTMLCanvasElement {
   const stage = stage_of(viewer);
   const host = document.querySelector<HTMLElement>(".views");
   const scene = stage?.scene(devicePixelRatio);
   if (!scene || !host) throw new Error("there are no views to make a picture of");
-  const ratio = options.ratio ?? devicePixelRatio;
   const frame = host.getBoundingClientRect();
   const out = document.createElement("canvas");
   out.width = Math.round(frame.width * ratio);

@@ -6,6 +6,7 @@ import { FRAMES } from "../base/axis";
 import { AXIS_NAMES, type AxisIndex } from "../base/grid";
 import { get } from "../server/api";
 import { returned } from "../server/connection";
+import { on_theme } from "../state/theme";
 import type { Box, ViewName, Viewer } from "../state/viewer";
 import { clamped_zoom, fitting_zoom } from "../state/zoom";
 import { Palette, SetTable } from "../tiles/sets";
@@ -69,36 +70,26 @@ export class Stage {
     this.host = host;
     stages.set(this.viewer, this);
     const { viewer: v } = this;
+    const timer = window.setTimeout(() => (v.slices_shown.value = true), LONGEST_WAIT);
     this.stops.push(
       effect(() => {
         for (const s of [
           v.slices_shown, v.cell, v.centre, v.zoom, v.layout, v.label_looks, v.show_axes, v.show_scale, v.show_lines, v.show_outline, v.show_shares, v.cut, v.box, v.measure, v.pinned,
-          v.markers,
+          v.markers, this.draft,
         ])
           s.value;
-        this.draft.value;
+        this.invalidate();
+      }),
+      () => clearTimeout(timer),
+      effect(() => this.store.show_shares(v.show_shares.value && v.has_shares)),
+      // Keys act on a view that is shown alone, even before the pointer is over it.
+      effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))),
+      effect(() => void (returned.value > 0 && this.store.retry())),
+      on_theme(() => {
+        this.ink = null;
         this.invalidate();
       }),
     );
-    const timer = window.setTimeout(() => (v.slices_shown.value = true), LONGEST_WAIT);
-    this.stops.push(() => clearTimeout(timer));
-    this.stops.push(effect(() => this.store.show_shares(v.show_shares.value && v.has_shares)));
-    // Keys act on a view that is shown alone, even before the pointer is over it.
-    this.stops.push(effect(() => void (v.layout.value !== "four" && this.activate(v.layout.value))));
-    let returns = returned.peek();
-    this.stops.push(
-      effect(() => {
-        if (returned.value === returns) return;
-        returns = returned.value;
-        this.store.retry();
-      }),
-    );
-    const themes = new MutationObserver(() => this.theme_changed());
-    themes.observe(document.documentElement, { attributes: true });
-    const system = matchMedia("(prefers-color-scheme: dark)");
-    const on_system = () => this.theme_changed();
-    system.addEventListener("change", on_system);
-    this.stops.push(() => themes.disconnect(), () => system.removeEventListener("change", on_system));
     return () => this.stop();
   }
 
@@ -201,11 +192,6 @@ export class Stage {
     return { viewer, store, palette, ink: (this.ink ??= read_ink(this.host)), ratio };
   }
 
-  private theme_changed(): void {
-    this.ink = null;
-    this.invalidate();
-  }
-
   private readonly frame = (start: number): void => {
     if (this.drew && start - this.last_start < 1000) {
       if (this.frame_times.length >= KEPT_TIMES) this.frame_times.splice(0, KEPT_TIMES / 2);
@@ -273,26 +259,17 @@ export class Stage {
   private say_what_is_under_the_pointer(): void {
     const { viewer } = this;
     const view = this.visible.find(({ pointer }) => pointer !== null);
-    const camera = view?.camera;
     const before = viewer.hover.value;
-    if (!view?.pointer || !camera) {
+    if (!view?.pointer || !view.camera) {
       if (before && before.axis !== null) viewer.hover.value = null;
       return;
     }
-    const { u, v, w } = FRAMES[view.axis];
-    const [a, b] = [camera.u_at(view.pointer.x), camera.v_at(view.pointer.y)];
-    const cell: [number, number, number] = [0, 0, 0];
-    cell[u] = camera.across.cell_at(a);
-    cell[v] = camera.up.cell_at(b);
-    cell[w] = viewer.cell.value[w];
-    if (cell.some((i, d) => i < 0 || i >= viewer.cells[d]!)) {
+    const { point, cell } = view.under(viewer, view.pointer.x, view.pointer.y);
+    if (!viewer.has(cell)) {
       if (before) viewer.hover.value = null;
       return;
     }
-    const point: [number, number, number] = [0, 0, 0];
-    point[u] = a;
-    point[v] = b;
-    point[w] = viewer.axes[w].centre(cell[w]);
+    const { u, v, w } = FRAMES[view.axis];
     const set = view.finest_at(this.store, cell[w], cell[u], cell[v], viewer.info.levels.length);
     const labels = set === null ? null : this.sets.members(set);
     const same =

@@ -28,15 +28,7 @@ export function start_tool(stage: Stage, axis: AxisIndex, x: number, y: number):
 
 function measure(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   const { viewer } = stage;
-  const { u, v } = FRAMES[axis];
-  const point = (x: number, y: number) => {
-    const camera = stage.views[axis].camera_of(viewer, 1);
-    const p: [number, number, number] = [0, 0, 0];
-    p[axis] = viewer.axes[axis].centre(viewer.cell.value[axis]);
-    p[u] = camera.u_at(x);
-    p[v] = camera.v_at(y);
-    return p;
-  };
+  const point = (x: number, y: number) => stage.views[axis].under(viewer, x, y).point;
   const before = viewer.measure.value;
   let [from, to] = [point(x0, y0), point(x0, y0)];
   let ends = new AbortController(); // of the request for the end that is being drawn
@@ -109,9 +101,8 @@ function box(stage: Stage, axis: AxisIndex, x0: number, y0: number): Drag {
   const { viewer } = stage;
   const { u, v } = FRAMES[axis];
   const cell = (x: number, y: number) => {
-    const camera = stage.views[axis].camera_of(viewer, 1);
-    const clamp = (i: number, n: number) => Math.min(Math.max(i, 0), n - 1);
-    return [clamp(camera.across.cell_at(camera.u_at(x)), viewer.cells[u]), clamp(camera.up.cell_at(camera.v_at(y)), viewer.cells[v])] as const;
+    const at = stage.views[axis].under(viewer, x, y).cell;
+    return [viewer.axes[u].clamp(at[u]), viewer.axes[v].clamp(at[v])] as const;
   };
   const [a0, b0] = cell(x0, y0);
   const before: Box = viewer.box.value ?? [0, 0, 0, ...viewer.cells];

@@ -1,7 +1,7 @@
 // One slice view: the canvas of its cells, the canvas of overlays above it, and what was painted last, so that a frame
 // does only what has changed. It knows neither gestures nor requests; stage.ts drives it.
 import { FRAMES } from "../base/axis";
-import type { AxisIndex } from "../base/grid";
+import type { AxisIndex, Index3 } from "../base/grid";
 import type { Viewer } from "../state/viewer";
 import { cover } from "../tiles/cover";
 import type { Extent, Place } from "../tiles/place";
@@ -66,6 +66,17 @@ export class View {
   // The camera as the signals say now. The screen follows with the next frame.
   camera_of(viewer: Viewer, ratio: number): Camera {
     return new Camera(this.axis, viewer.axes, this.width, this.height, ratio, viewer.centre.value, viewer.zoom.value);
+  }
+
+  // What lies at (x, y), in CSS pixels: a point of the slice and its cell, which may be outside the grid.
+  under(viewer: Viewer, x: number, y: number): { point: [number, number, number]; cell: Index3 } {
+    const camera = this.camera_of(viewer, 1);
+    const { u, v } = FRAMES[this.axis];
+    const cell: Index3 = [...viewer.cell.value];
+    const point = viewer.centre_of(cell);
+    [point[u], point[v]] = [camera.u_at(x), camera.v_at(y)];
+    for (const d of [u, v]) cell[d] = viewer.axes[d].cell_at(point[d]);
+    return { point, cell };
   }
 
   // The first half of a frame: finds out which tiles are wanted. `now` is in milliseconds.

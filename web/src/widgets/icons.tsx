@@ -1,4 +1,5 @@
 // The page's icons: drawn on a square of 16 x 16, in the colour of the text.
+import type { ComponentProps } from "preact";
 
 const PATHS = {
   close: "M4 4l8 8M12 4l-8 8",
@@ -31,7 +32,6 @@ const PATHS = {
   box: "M2.5 2.5h11v11h-11zM1 2.5h3M2.5 1v3M12 13.5h3M13.5 12v3",
   reload: "M13 8a5 5 0 1 1-1.5-3.5L13 6M13 2.5V6H9.5",
   warning: "M8 2L1.5 13.5h13zM8 6.5v3.5M8 11.8v.2",
-  cube: "M8 1.5l5.5 3v7L8 14.5l-5.5-3v-7zM2.5 4.5L8 7.5l5.5-3M8 7.5v7",
 } as const;
 export type IconName = keyof typeof PATHS;
 
@@ -40,5 +40,14 @@ export function Icon({ name }: { name: IconName }) {
     <svg class="icon" viewBox="0 0 16 16" width="16" height="16" aria-hidden="true">
       <path d={PATHS[name]} />
     </svg>
+  );
+}
+
+// A button that is an icon. Its label is read aloud, and shown while the pointer rests on it, unless it has another title.
+export function IconButton({ icon, label, class: more = "", ...props }: ComponentProps<"button"> & { icon: IconName; label: string; class?: string }) {
+  return (
+    <button type="button" title={label} aria-label={label} class={`icon-button ${more}`} {...props}>
+      <Icon name={icon} />
+    </button>
   );
 }

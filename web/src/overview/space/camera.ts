@@ -100,12 +100,11 @@ export function between(a: Orbit, b: Orbit, t: number): Orbit {
   const mix = (x: number, y: number) => x + (y - x) * t;
   const ratio = b.distance / a.distance;
   const share = Math.abs(ratio - 1) < 1e-6 ? t : (1 - ratio ** t) / (1 - ratio);
-  const move = (d: number) => a.target[d]! + (b.target[d]! - a.target[d]!) * share;
   return {
     azimuth: a.azimuth + turn * t,
     elevation: mix(a.elevation, b.elevation),
     distance: a.distance * ratio ** t,
-    target: [move(0), move(1), move(2)],
+    target: add(a.target, add(b.target, a.target, -1), share),
     sky: b.sky,
   };
 }

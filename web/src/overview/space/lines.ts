@@ -56,28 +56,24 @@ export interface Segment {
   readonly width: number; // CSS pixels
 }
 
-export interface Lines {
-  readonly mesh: Mesh<InstancedBufferGeometry, RawShaderMaterial>;
-  set(segments: readonly Segment[]): void;
-  dispose(): void;
-}
+const NEARER = 0.0006; // of depths: lines lie in front of the surfaces that they run along
 
 // `panel` is the panel's size in CSS pixels, which all lines share. Lines that are `over` everything else show through
 // bodies.
-export function make_lines(panel: { value: Vector2 }, options: { over?: boolean; nearer?: number } = {}): Lines {
+export function make_lines(panel: { value: Vector2 }, over = false) {
   const material = new RawShaderMaterial({
     glslVersion: GLSL3,
     vertexShader,
     fragmentShader,
-    uniforms: { panel, nearer: { value: options.nearer ?? 0.0006 } },
+    uniforms: { panel, nearer: { value: NEARER } },
     transparent: true,
     premultipliedAlpha: true,
     depthWrite: false,
-    depthTest: !options.over,
+    depthTest: !over,
   });
   const mesh = new Mesh(new InstancedBufferGeometry(), material);
   mesh.frustumCulled = false;
-  mesh.renderOrder = options.over ? 40 : 30;
+  mesh.renderOrder = over ? 40 : 30;
 
   let capacity = 0;
   const grow = (count: number) => {
@@ -96,7 +92,7 @@ export function make_lines(panel: { value: Vector2 }, options: { over?: boolean;
 
   return {
     mesh,
-    set(segments) {
+    set(segments: readonly Segment[]) {
       if (segments.length > capacity) grow(segments.length);
       mesh.visible = segments.length > 0;
       if (!mesh.visible) return;

@@ -1,6 +1,7 @@
 // The overview's space. Its origin is the middle of the domain, and the domain's longest side is 2, so that single
 // precision suffices for any coordinates. Graded axes are true to scale.
 import type { Axis } from "../../base/axis";
+import { for_axes } from "../../base/grid";
 
 export type Axes = readonly [Axis, Axis, Axis];
 export type Vec3 = [number, number, number];
@@ -23,11 +24,7 @@ export function space_of(axes: Axes): Space {
 
 export const to_space = (space: Space, d: number, coordinate: number): number => (coordinate - space.middle[d]!) * space.scale;
 export const from_space = (space: Space, d: number, x: number): number => x / space.scale + space.middle[d]!;
-export const point_to_space = (space: Space, p: readonly number[]): Vec3 => [
-  to_space(space, 0, p[0]!),
-  to_space(space, 1, p[1]!),
-  to_space(space, 2, p[2]!),
-];
+export const point_to_space = (space: Space, p: readonly number[]): Vec3 => for_axes((d) => to_space(space, d, p[d]!));
 
 // The shortest side of a cell, in the overview's space.
 export const shortest_side = (space: Space, axes: Axes): number => space.scale * Math.min(...axes.map((axis) => axis.finest));

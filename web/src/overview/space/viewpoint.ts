@@ -8,13 +8,13 @@ const FLIGHT = 320; // milliseconds from view to view
 const FAR_FLIGHT = 900; // where the distance changes much
 
 export class Viewpoint {
-  aspect = 1; // the panel's width divided by its height
   own = false; // whether the viewer's orbit is being changed here, and not elsewhere on the page
   private flight: { from: Orbit; to: Orbit; began: number; goes_home: boolean } | null = null;
 
   constructor(
     private readonly viewer: Viewer,
     private readonly space: Space,
+    public aspect = 1, // the panel's width divided by its height
   ) {}
 
   // The view that shows the whole domain, from a direction.

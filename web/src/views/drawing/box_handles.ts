@@ -1,6 +1,7 @@
 // The handles of the box in a slice: at its corners and the middles of its sides they move these, in its middle all of it. Pure.
 import type { Axis, Frame } from "../../base/axis";
 import type { Box } from "../../state/viewer";
+import type { Extent } from "../../tiles/place";
 import type { Camera } from "./camera";
 
 // Which side of the box a handle moves along u and v: -1 the lower one, 1 the upper one, 0 none; both 0: the whole box.
@@ -20,11 +21,11 @@ export interface PlacedHandle extends Handle {
   readonly y: number;
 }
 
-export function handles_of(camera: Pick<Camera, "across" | "up" | "x_of" | "y_of">, frame: Frame, box: Box): PlacedHandle[] {
-  const { across, up } = camera;
+export const extent_in = (frame: Frame, box: Box): Extent => ({ u0: box[frame.u], u1: box[frame.u + 3]!, v0: box[frame.v], v1: box[frame.v + 3]! });
+
+export function handles_of(camera: Pick<Camera, "place_of">, frame: Frame, box: Box): PlacedHandle[] {
   const place = (low: number, high: number, at: -1 | 0 | 1) => (at === 0 ? (low + high) / 2 : at < 0 ? low : high);
-  const [left, right] = [camera.x_of(across.plane(box[frame.u])), camera.x_of(across.plane(box[frame.u + 3]!))];
-  const [bottom, top] = [camera.y_of(up.plane(box[frame.v])), camera.y_of(up.plane(box[frame.v + 3]!))];
+  const { left, right, top, bottom } = camera.place_of(extent_in(frame, box));
   const shown = (handle: Handle) => (handle.u !== 0 || right - left >= APART) && (handle.v !== 0 || bottom - top >= APART);
   return ALL.filter(shown).map((handle) => ({ ...handle, x: place(left, right, handle.u), y: place(bottom, top, handle.v) }));
 }

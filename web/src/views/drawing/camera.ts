@@ -41,6 +41,12 @@ export class Camera {
     return this.v - (y - this.height / 2) / this.zoom;
   }
 
+  // Where a rectangle of cells lies.
+  place_of({ u0, u1, v0, v1 }: Extent): { left: number; right: number; top: number; bottom: number } {
+    const { across, up } = this;
+    return { left: this.x_of(across.plane(u0)), right: this.x_of(across.plane(u1)), top: this.y_of(up.plane(v1)), bottom: this.y_of(up.plane(v0)) };
+  }
+
   // The cells in sight.
   seen(): Extent {
     const part = (axis: Axis, low: number, high: number) => [Math.max(axis.cell_at(low), 0), Math.min(axis.cell_at(high) + 1, axis.cells)] as const;

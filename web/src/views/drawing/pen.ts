@@ -2,6 +2,7 @@
 import { FRAMES, type Frame } from "../../base/axis";
 import type { AxisIndex } from "../../base/grid";
 import type { Viewer } from "../../state/viewer";
+import type { Extent } from "../../tiles/place";
 import { HANDLE } from "./box_handles";
 import type { Camera } from "./camera";
 import type { Ink } from "./ink";
@@ -48,23 +49,13 @@ export class Pen {
   }
 
   // A rectangle of cells of level 0, half open.
-  cells(u0: number, u1: number, v0: number, v1: number, color: string, options: { width?: number; dash?: number[] } = {}): void {
-    const { across, up } = this.camera;
-    const [left, right] = [this.crisp(this.camera.x_of(across.plane(u0))), this.crisp(this.camera.x_of(across.plane(u1)))];
-    const [top, bottom] = [this.crisp(this.camera.y_of(up.plane(v1))), this.crisp(this.camera.y_of(up.plane(v0)))];
+  cells(extent: Extent, color: string, options: { width?: number; dash?: number[] } = {}): void {
+    const { left, right, top, bottom } = this.camera.place_of(extent);
     // Clipped here, because a dashed line that reaches far outside the canvas costs time.
-    const clip = (x: number, most: number) => Math.min(Math.max(x, -16), most + 16);
-    const [l, r, t, b] = [
-      clip(left, this.camera.width),
-      clip(right, this.camera.width),
-      clip(top, this.camera.height),
-      clip(bottom, this.camera.height),
-    ];
-    this.path(
-      [[l, t], [r, t], [r, b], [l, b]],
-      color,
-      { ...options, close: true },
-    );
+    const clip = (x: number, most: number) => Math.min(Math.max(this.crisp(x), -16), most + 16);
+    const [l, r] = [clip(left, this.camera.width), clip(right, this.camera.width)];
+    const [t, b] = [clip(top, this.camera.height), clip(bottom, this.camera.height)];
+    this.path([[l, t], [r, t], [r, b], [l, b]], color, { ...options, close: true });
   }
 
   // What can be dragged.
