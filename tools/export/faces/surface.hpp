@@ -5,6 +5,9 @@
 // a time, with a margin. So the memory does not depend on the number of cells: 80 bytes per block that the surface passes through are kept.
 // (A sweep over layers, as for OpenFOAM's meshes, would expand every cell, and hold a whole layer of vertices for smoothing.)
 #pragma once
+#include <type_traits>
+
+#include "store/base/bytes.hpp"
 #include "tools/export/faces/smooth.hpp"
 #include "tools/export/format.hpp"
 
@@ -60,6 +63,14 @@ class Surface {
   std::vector<Block> blocks_;
   uint64_t vertices_ = 0, facets_ = 0;
 };
+
+// Appends a number as bytes, in the order of memory: little endian, like every machine this runs on.
+template <class T>
+void put_raw(Bytes& out, const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const auto* const bytes = reinterpret_cast<const uint8_t*>(&value);
+  out.insert(out.end(), bytes, bytes + sizeof value);
+}
 
 // The options of formats that hold a surface.
 std::vector<ExportOption> surface_options();
