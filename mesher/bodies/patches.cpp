@@ -1,7 +1,6 @@
 #include "mesher/bodies/patches.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_map>
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 // Ray casting with a search tree over the facets. See tree.cpp.
 #pragma once
 #include <array>
-#include <memory>
 
 #include "mesher/engines/engine.hpp"
 

@@ -29,7 +29,8 @@ class FileParts final : public Parts {
 
 Response answer_file(const GridRequest& r) {
   r.target.allow({"v"});
-  return r.answer({.route = "file", .content_type = "application/octet-stream", .parts = [&] { return std::make_unique<FileParts>(r.reader().source()); }});
+  return r.answer(
+      {.route = "file", .content_type = "application/octet-stream", .parts = [&] { return std::make_unique<FileParts>(r.reader().source()); }});
 }
 
 }  // namespace

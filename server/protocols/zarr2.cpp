@@ -1,5 +1,4 @@
 // Zarr v2 as OME-Zarr 0.4, with one array per level.
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "server/protocols/protocols.hpp"

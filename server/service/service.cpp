@@ -105,7 +105,8 @@ Service::Service(ServiceOptions options, std::unique_ptr<GridList> grids)
       grids_(std::move(grids)) {}
 
 std::unique_ptr<const GridReader> Service::open(std::unique_ptr<ByteSource> source, uint64_t number) {
-  return std::make_unique<const GridReader>(std::make_unique<CountedSource>(std::move(source), counters_), std::make_shared<KeptChunks>(chunks_, number), index_);
+  return std::make_unique<const GridReader>(std::make_unique<CountedSource>(std::move(source), counters_),
+                                            std::make_shared<KeptChunks>(chunks_, number), index_);
 }
 
 Service::AnswerCache::Pointer Service::find_cached(const Request& request) {

@@ -35,7 +35,7 @@ struct CacheState {
 
 struct ReadCounters {
   std::atomic<uint64_t> reads{0}, bytes{0};  // of the files: chunks, index pages
-  std::atomic<uint64_t> damaged{0};          // requests that failed on a damaged or unreadable file
+  std::atomic<uint64_t> damaged{0};  // requests that failed on a damaged or unreadable file
 };
 
 // Threads share it.

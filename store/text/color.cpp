@@ -1,7 +1,5 @@
 #include "store/text/color.hpp"
 
-#include <array>
-
 #include <fmt/format.h>
 
 namespace teracell::inline store {

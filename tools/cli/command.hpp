@@ -1,9 +1,7 @@
 // What the commands share. Each command has a file of its own and one line in commands.cpp. Its setup declares the options, and
 // returns what is to run once they are parsed. What that throws, main() turns into an exit status and a paragraph on stderr.
 #pragma once
-#include <array>
 #include <atomic>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>

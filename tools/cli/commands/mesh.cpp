@@ -1,5 +1,4 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
-#include <fmt/format.h>
 
 #include "mesher/pipeline.hpp"
 #include "store/base/error.hpp"
