@@ -9,7 +9,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
-#include "mesher/scene/names.hpp"
 #include "store/base/error.hpp"
 #include "store/text/text.hpp"
 
