@@ -244,13 +244,7 @@ const char* tc_error(void) { return last_error.c_str(); }
 
 int tc_errno(void) { return last_errno; }
 
-int tc_open(const char* path, tc_grid** grid) {
-  return guarded([&] {
-    check(path != nullptr && grid != nullptr, "a path and a place for the grid, found NULL");
-    *grid = nullptr;
-    *grid = new tc_grid(path, {});
-  });
-}
+int tc_open(const char* path, tc_grid** grid) { return tc_open_source(path, nullptr, 0, grid); }
 
 int tc_open_source(const char* path, const tc_source* source, size_t size, tc_grid** grid) {
   return guarded([&] {

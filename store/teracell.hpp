@@ -15,7 +15,6 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "teracell.h"
@@ -55,6 +54,11 @@ struct Reading {
   std::span<const uint32_t> map = {};  // the value of each material; empty: its id
   std::optional<Index> stride = {};    // in elements; absent: {1, nx, nx * ny}
   int threads = 0;                     // 0: one per core
+};
+
+struct Close {
+  void operator()(tc_grid* grid) const { tc_close(grid); }
+  void operator()(tc_partition* partition) const { tc_partition_close(partition); }
 };
 
 // Any number of threads may use one grid. Every function throws Error.
@@ -175,9 +179,6 @@ class Grid {
   }
 
  private:
-  struct Close {
-    void operator()(tc_grid* grid) const { tc_close(grid); }
-  };
   // Calls read(function, argument), which calls the function with each T, and takes what visit(T) throws past the C functions.
   template <class T, class Visit, class Read>
   static void visited(Visit& visit, Read&& read) {
@@ -236,9 +237,6 @@ class Partition {
   }
 
  private:
-  struct Close {
-    void operator()(tc_partition* partition) const { tc_partition_close(partition); }
-  };
   std::unique_ptr<tc_partition, Close> partition_;
 };
 

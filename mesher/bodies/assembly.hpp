@@ -1,7 +1,6 @@
 // Puts the bytes of parts that processes have made into one file, by many processes at once: one says what lies where and writes what joins
 // the parts, and any of them copies.
 #pragma once
-#include <atomic>
 #include <functional>
 
 #include "store/base/output_file.hpp"

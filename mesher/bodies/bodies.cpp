@@ -7,8 +7,7 @@
 #include <fmt/format.h>
 
 #include "mesher/closing/extrude.hpp"
-#include "mesher/scene/placement.hpp"
-#include "mesher/surface/area.hpp"
+#include "mesher/closing/lengths.hpp"
 #include "mesher/surface/read_facets.hpp"
 #include "store/base/error.hpp"
 
@@ -34,10 +33,7 @@ class Study {
     std::array<Vec3, 3> p = facet.vertex;
     for (Vec3& q : p) {
       if (moves) q = moved(q, body);
-      for (int d = 0; d < 3; ++d) {
-        lo_[d] = std::min(lo_[d], q[d]);
-        hi_[d] = std::max(hi_[d], q[d]);
-      }
+      extend(lo_, hi_, q);
     }
     if (patch >= areas_.size()) areas_.resize(patch + 1);
     areas_[patch] += area(p);

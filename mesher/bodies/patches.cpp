@@ -1,13 +1,10 @@
 #include "mesher/bodies/patches.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_map>
 
 #include <fmt/format.h>
 
-#include "mesher/scene/placement.hpp"
-#include "mesher/surface/area.hpp"
 #include "store/text/text.hpp"
 
 namespace teracell::mesher {

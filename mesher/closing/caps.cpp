@@ -98,12 +98,10 @@ Vec3 apex_of(const Loop& loop, bool float32) {
   Loop ascending = loop;
   std::ranges::sort(ascending);
   Vec3 sum{}, lo = ascending[0], hi = lo, apex;
-  for (const Vec3& v : ascending)
-    for (int d = 0; d < 3; ++d) {
-      sum[d] += v[d];
-      lo[d] = std::min(lo[d], v[d]);
-      hi[d] = std::max(hi[d], v[d]);
-    }
+  for (const Vec3& v : ascending) {
+    for (int d = 0; d < 3; ++d) sum[d] += v[d];
+    extend(lo, hi, v);
+  }
   for (int d = 0; d < 3; ++d) {
     apex[d] = std::clamp(sum[d] / static_cast<double>(loop.size()), lo[d], hi[d]);
     if (float32) apex[d] = static_cast<float>(apex[d]);
@@ -154,10 +152,7 @@ Hole measure_hole(const Loop& loop, const Vec3& apex) {
   double around = 0;
   for (size_t i = 0; i < loop.size(); ++i) {
     const Vec3 &a = loop[i], &b = loop[(i + 1) % loop.size()];
-    for (int d = 0; d < 3; ++d) {
-      hole.lo[d] = std::min(hole.lo[d], a[d]);
-      hole.hi[d] = std::max(hole.hi[d], a[d]);
-    }
+    extend(hole.lo, hole.hi, a);
     hole.diameter = std::max(hole.diameter, 2 * distance(a, apex));
     hole.cap_area += area(a, b, apex);
     around += distance(a, b);

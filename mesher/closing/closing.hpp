@@ -4,8 +4,6 @@
 #pragma once
 #include <array>
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "mesher/closing/caps.hpp"

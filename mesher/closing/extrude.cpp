@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesher/closing/lengths.hpp"
+
 namespace teracell::mesher {
 namespace {
 
@@ -74,12 +76,10 @@ void extrude_loop(const Loop& loop, int axis, double to, std::vector<Facet>& wal
   Hole hole = measure_hole(floor, apex);
   Vec3 centre{};
   hole.lo = hole.hi = loop[0];
-  for (const Vec3& v : loop)
-    for (int d = 0; d < 3; ++d) {
-      hole.lo[d] = std::min(hole.lo[d], v[d]);
-      hole.hi[d] = std::max(hole.hi[d], v[d]);
-      centre[d] += v[d] / static_cast<double>(loop.size());
-    }
+  for (const Vec3& v : loop) {
+    for (int d = 0; d < 3; ++d) centre[d] += v[d] / static_cast<double>(loop.size());
+    extend(hole.lo, hole.hi, v);
+  }
   hole.at = centre;
   hole.extruded = true;
   holes.push_back(hole);

@@ -1,8 +1,6 @@
 // A k-d tree (J. L. Bentley, "Multidimensional Binary Search Trees Used for Associative Searching", 1975) of points. A hash of
 // cells would find points near a point, but not points near an edge that is a million times as long as the distance.
 #pragma once
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -3,12 +3,21 @@
 //
 // Which side of an edge a ray passes is an orientation test without division, as in T. Ma, T. Ma, L. Hao, "Large-Scale Finite
 // Difference Grid Generation and Visualization Method Based on Ray Casting Algorithm" (MSAM 2020).
-#include "mesher/engines/brute.hpp"
-
 #include "mesher/engines/engines.hpp"
 #include "mesher/engines/ray.hpp"
 
 namespace teracell::mesher {
+
+class BruteEngine : public Engine {
+ public:
+  // `scene` holds all facets of the scene; cast() ignores those it is given.
+  explicit BruteEngine(std::shared_ptr<const std::vector<const SceneFacet*>> scene) : scene_(std::move(scene)) {}
+  bool searches_scene() const override { return true; }
+  void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;
+
+ private:
+  std::shared_ptr<const std::vector<const SceneFacet*>> scene_;
+};
 
 void BruteEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Crossings& out) {
   out.begin.assign(1, 0);

@@ -6,7 +6,6 @@
 //
 // Components that are zero are dropped. On a lattice, where differences are exact, expansions cost little more than doubles.
 #pragma once
-#include <initializer_list>
 
 namespace teracell::mesher {
 

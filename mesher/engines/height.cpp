@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "mesher/engines/predicates.hpp"
-#include "mesher/engines/sub_position.hpp"
 
 namespace teracell::mesher {
 

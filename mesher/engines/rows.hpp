@@ -6,7 +6,6 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "mesher/engines/engine.hpp"
 #include "mesher/engines/predicates.hpp"

@@ -9,13 +9,28 @@
 //
 // After S. Patil, B. Ravi, "Voxel-based representation, display and thickness analysis of intricate shapes" (2005) and the
 // division-free ray casting of T. Ma, T. Ma, L. Hao (MSAM 2020); the error bounds are ours.
-#include "mesher/engines/scan.hpp"
-
 #include "mesher/engines/engines.hpp"
 #include "mesher/engines/height.hpp"
 #include "mesher/engines/rows.hpp"
 
 namespace teracell::mesher {
+
+class ScanEngine : public Engine {
+ public:
+  void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;
+
+ private:
+  struct Span {  // rays [from, to) of a row that cross a facet
+    uint32_t facet, row, from, to;
+    bool up;
+  };
+  void find_spans(const Tile& tile, std::span<const SceneFacet* const> facets);
+  void find_heights(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out);
+
+  std::vector<Span> spans_;
+  std::vector<int32_t> counts_;
+  std::vector<uint32_t> next_, cells_;
+};
 
 void ScanEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
   const uint32_t nu = static_cast<uint32_t>(tile.u.size());

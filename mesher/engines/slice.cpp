@@ -7,13 +7,40 @@
 //
 // Crossings are written plane by plane, each to its final place. `scan` walks over the whole tile twice instead, but keeps
 // nothing of a facet except its spans.
-#include "mesher/engines/slice.hpp"
-
 #include <numeric>
+#include <optional>
 
 #include "mesher/engines/engines.hpp"
+#include "mesher/engines/height.hpp"
+#include "mesher/engines/rows.hpp"
 
 namespace teracell::mesher {
+
+class SliceEngine : public Engine {
+ public:
+  void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;
+
+ private:
+  struct Cut {  // a facet that some plane of the tile cuts
+    const SceneFacet* facet;
+    FacetRows rows;
+    std::optional<FacetHeight> height;  // set once a scan line meets the facet
+  };
+  struct Segment {  // of a contour: where the plane cuts the facet
+    Cut* cut;
+    FacetRows::Rays rays;
+  };
+  void sort_cuts(const Tile& tile, std::span<const SceneFacet* const> facets);
+  void cut_plane(const Tile& tile, uint32_t row);
+  void scan_contours(const Tile& tile, uint32_t row, Crossings& out);
+
+  std::vector<Cut> cuts_;
+  std::vector<uint32_t> first_;      // for each row, and the end: where its cuts begin in sorted_
+  std::vector<uint32_t> sorted_;     // indices of the cuts, by their first row
+  std::vector<uint32_t> active_;     // indices of the cuts that the current plane may meet
+  std::vector<Segment> contours_;    // of the current plane
+  std::vector<uint32_t> next_, cells_;
+};
 
 void SliceEngine::cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) {
   sort_cuts(tile, facets);

@@ -60,6 +60,17 @@ void FacetTree::build(std::span<Point> points, int dimension) {
   nodes_[node].skip = static_cast<uint32_t>(nodes_.size());
 }
 
+class TreeEngine : public Engine {
+ public:
+  // Tiles must have the frame of the tree; cast() ignores the facets it is given.
+  explicit TreeEngine(std::shared_ptr<const FacetTree> tree) : tree_(std::move(tree)) {}
+  bool searches_scene() const override { return true; }
+  void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;
+
+ private:
+  std::shared_ptr<const FacetTree> tree_;
+};
+
 void TreeEngine::cast(const Tile& tile, std::span<const SceneFacet* const>, Crossings& out) {
   out.begin.assign(1, 0);
   out.all.clear();

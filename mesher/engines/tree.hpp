@@ -1,7 +1,6 @@
 // Ray casting with a search tree over the facets. See tree.cpp.
 #pragma once
 #include <array>
-#include <memory>
 
 #include "mesher/engines/engine.hpp"
 
@@ -41,17 +40,6 @@ class FacetTree {
 
   std::vector<Node> nodes_;  // in depth-first order
   std::vector<const SceneFacet*> facets_;
-};
-
-class TreeEngine : public Engine {
- public:
-  // Tiles must have the frame of the tree; cast() ignores the facets it is given.
-  explicit TreeEngine(std::shared_ptr<const FacetTree> tree) : tree_(std::move(tree)) {}
-  bool searches_scene() const override { return true; }
-  void cast(const Tile& tile, std::span<const SceneFacet* const> facets, Crossings& out) override;
-
- private:
-  std::shared_ptr<const FacetTree> tree_;
 };
 
 }  // namespace teracell::mesher

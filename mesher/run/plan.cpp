@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "mesher/boundary/sub_axis.hpp"
+#include "mesher/boundary/fractions.hpp"
 #include "store/channels/fractions.hpp"
 #include "store/channels/links.hpp"
 

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "mesher/scene/placement.hpp"
-
 namespace teracell::mesher {
 namespace {
 

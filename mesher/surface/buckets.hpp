@@ -1,7 +1,6 @@
 // Records in buckets, in memory while they fit and otherwise in a temporary file. It serves to bring records with equal
 // hashes together when there are more of them than fit into memory.
 #pragma once
-#include <cstring>
 #include <memory>
 #include <type_traits>
 #include <vector>

@@ -65,10 +65,7 @@ constexpr Signature kSignatures[] = {
     {0, "\x1f\x8b\x08", "a gzip file", "decompress it first"},
     {0, "\x28\xb5\x2f\xfd", "a file compressed by zstd", kDecompress},
     {4, "1AY&SY", "a file compressed by bzip2", kDecompress},
-    {0,
-     "\xfd"
-     "7zXZ\0"sv,
-     "a file compressed by xz", kDecompress},
+    {0, "\3757zXZ\0"sv, "a file compressed by xz", kDecompress},
     {0, "\x04\x22\x4d\x18", "a file compressed by lz4", kDecompress},
     {0, "7z\xbc\xaf\x27\x1c", "a 7z archive", kUnpack},
     {0, "Rar!\x1a\x07", "a RAR archive", kUnpack},
@@ -82,10 +79,7 @@ constexpr Signature kSignatures[] = {
     {0, "II*\0"sv, "a TIFF picture", kNone},
     {0, "MM\0*"sv, "a TIFF picture", kNone},
     {0, "%PDF-", "a PDF document", kNone},
-    {0,
-     "\x7f"
-     "ELF",
-     "a program (ELF)", kNone},
+    {0, "\177ELF", "a program (ELF)", kNone},
     {0, "\xff\xfe", "text in UTF-16", "save it as plain text (UTF-8)"},
     {0, "\xfe\xff", "text in UTF-16", "save it as plain text (UTF-8)"},
 };

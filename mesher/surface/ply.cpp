@@ -305,7 +305,8 @@ void read_vertex(Values& values, const Layout& layout, VertexTable& vertices) {
 }
 
 template <class Values>
-[[noreturn]] void refuse_vertex(const Values& values, int64_t number, const VertexTable& vertices) {
+const Vec3& vertex_at(const Values& values, int64_t number, VertexTable& vertices) {
+  if (number >= 0 && static_cast<uint64_t>(number) < vertices.size()) return vertices[number];
   throw InputError(fmt::format("{}: expected a vertex number below {}, found {}", values.place(), vertices.size(), number));
 }
 
@@ -318,11 +319,7 @@ void read_face(Values& values, const Lists& face, VertexTable& vertices, Fan fan
     }
     const uint64_t n = list_length(values, p);
     if (n < 3) throw InputError(fmt::format("{}: expected a face of 3 or more vertices, found {}", values.place(), n));
-    for (uint64_t i = 0; i < n; ++i) {
-      const int64_t number = values.integer(p.type);
-      if (number < 0 || static_cast<uint64_t>(number) >= vertices.size()) refuse_vertex(values, number, vertices);
-      fan.add(vertices[number]);
-    }
+    for (uint64_t i = 0; i < n; ++i) fan.add(vertex_at(values, values.integer(p.type), vertices));
   }
 }
 
@@ -347,8 +344,7 @@ void read_strips(Values& values, const Lists& strips, VertexTable& vertices, Fac
         length = 0;
         continue;
       }
-      if (number < 0 || static_cast<uint64_t>(number) >= vertices.size()) refuse_vertex(values, number, vertices);
-      const Corner c{number, vertices[number]};
+      const Corner c{number, vertex_at(values, number, vertices)};
       if (length >= 2 && wanted && a.number != b.number && b.number != c.number && c.number != a.number)
         length % 2 == 0 ? out.add(a.place, b.place, c.place) : out.add(b.place, a.place, c.place);
       a = b, b = c;

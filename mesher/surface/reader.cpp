@@ -4,8 +4,6 @@
 #include <locale.h>
 #include <stdlib.h>
 
-#include <algorithm>
-
 #include <utility>
 
 #include <fmt/format.h>

@@ -3,7 +3,6 @@
 // vertex share a bin, and two bins are connected by the facets that lie in both.
 #pragma once
 #include <functional>
-#include <memory>
 #include <vector>
 
 #include "mesher/tiles/rays.hpp"

@@ -1,7 +1,5 @@
 #include "mesher/tiles/facet_store.hpp"
 
-#include <algorithm>
-
 #include "mesher/surface/populate.hpp"
 
 namespace teracell::mesher {

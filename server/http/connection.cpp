@@ -9,7 +9,6 @@
 
 #include "server/http/host.hpp"
 #include "server/service/target.hpp"
-#include "store/base/wanted.hpp"
 
 namespace teracell::server {
 namespace {

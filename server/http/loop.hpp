@@ -7,9 +7,7 @@
 #include <list>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <utility>
-#include <vector>
 
 #include <boost/asio.hpp>
 

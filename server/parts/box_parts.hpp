@@ -1,7 +1,6 @@
 // The cells of a box as a file for other programs, made as it is taken: the bytes that `teracell export --region` writes.
 #pragma once
 #include <memory>
-#include <string>
 
 #include "server/service/message.hpp"
 #include "store/read/reader.hpp"

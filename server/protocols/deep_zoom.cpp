@@ -54,7 +54,6 @@ Protocol deep_zoom() {
           .route = "deep_zoom",
           .title = "Deep Zoom",
           .address = [](const ServedGrid& g) { return fmt::format("/{}/z/{}.dzi", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
-          .document = "",
           .serve = serve_by_id(find_in_deep_zoom),
           .dear = true};
 }

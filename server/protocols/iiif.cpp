@@ -134,7 +134,6 @@ Protocol iiif() {
           .route = "iiif",
           .title = "IIIF",
           .address = [](const ServedGrid& g) { return fmt::format("/{}-z-{}/info.json", percent_encoded(g.id), g.meta().grid.cells()[2] / 2); },
-          .document = "",
           .serve = serve,
           .dear = true};
 }

@@ -102,12 +102,7 @@ std::optional<Service::Recipe> find_in_precomputed(const ServedGrid& grid, std::
 }  // namespace
 
 Protocol precomputed() {
-  return {.prefix = "precomputed",
-          .route = "precomputed",
-          .title = "Neuroglancer",
-          .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
-          .document = "/info",
-          .serve = serve_by_id(find_in_precomputed)};
+  return {.prefix = "precomputed", .route = "precomputed", .title = "Neuroglancer", .document = "/info", .serve = serve_by_id(find_in_precomputed)};
 }
 
 }  // namespace teracell::server

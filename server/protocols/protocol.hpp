@@ -28,8 +28,9 @@ struct Protocol {
   const char* prefix;                           // the first segment of its addresses: "zarr" of "/zarr/{id}/..."
   const char* route;                            // in metrics and the log
   const char* title;                            // for people
-  std::string (*address)(const ServedGrid& g);  // the rest of the address that the other program is given: "/g"
-  const char* document;                         // what to append for an address that a browser can open: "/zarr.json"
+  // The rest of the address that the other program is given: "/g".
+  std::string (*address)(const ServedGrid& g) = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); };
+  const char* document = "";                    // what to append for an address that a browser can open: "/zarr.json"
   ServeRequest serve;                           // threads call it at once
   bool dear = false;                            // whether an answer may read much of a grid
 };

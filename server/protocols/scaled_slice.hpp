@@ -6,7 +6,6 @@
 // v = (height - 1 - y 2^s) >> s = height(s) - 1 - y. So scale s is the slice of level s with one pixel per cell.
 #pragma once
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "server/parts/picture_parts.hpp"

@@ -1,5 +1,4 @@
 // Zarr v2 as OME-Zarr 0.4, with one array per level.
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "server/protocols/protocols.hpp"
@@ -35,13 +34,6 @@ std::optional<Service::Recipe> find_in_zarr2(const ServedGrid& grid, std::span<c
 
 }  // namespace
 
-Protocol zarr2() {
-  return {.prefix = "zarr2",
-          .route = "zarr2",
-          .title = "Zarr 2",
-          .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
-          .document = "/.zattrs",
-          .serve = serve_by_id(find_in_zarr2)};
-}
+Protocol zarr2() { return {.prefix = "zarr2", .route = "zarr2", .title = "Zarr 2", .document = "/.zattrs", .serve = serve_by_id(find_in_zarr2)}; }
 
 }  // namespace teracell::server

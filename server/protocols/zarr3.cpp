@@ -144,12 +144,7 @@ std::optional<Service::Recipe> find_in_zarr3(const ServedGrid& grid, std::span<c
 }  // namespace
 
 Protocol zarr3() {
-  return {.prefix = "zarr",
-          .route = "zarr3",
-          .title = "Zarr 3, OME-Zarr",
-          .address = [](const ServedGrid& g) { return "/" + percent_encoded(g.id); },
-          .document = "/zarr.json",
-          .serve = serve_by_id(find_in_zarr3)};
+  return {.prefix = "zarr", .route = "zarr3", .title = "Zarr 3, OME-Zarr", .document = "/zarr.json", .serve = serve_by_id(find_in_zarr3)};
 }
 
 }  // namespace teracell::server

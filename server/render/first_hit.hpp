@@ -6,7 +6,6 @@
 // A line is in a cell where T(lower plane) <= t < T(upper plane) on each axis, with T(p) = (p - from) / along for planes p. T is monotone in
 // doubles too, so it makes no difference at which level the line was before.
 #pragma once
-#include <array>
 #include <optional>
 
 #include "server/render/camera.hpp"

@@ -1,7 +1,6 @@
 #include "server/service/deflate.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <new>
 
 #include <fmt/format.h>

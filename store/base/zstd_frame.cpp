@@ -1,6 +1,5 @@
 #include "store/base/zstd_frame.hpp"
 
-#include <algorithm>
 #include <memory>
 #include <new>
 

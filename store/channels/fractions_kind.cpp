@@ -1,5 +1,4 @@
 // The channel of fractions as verify() sees it: every cell that it has something of is mixed.
-#include <algorithm>
 
 #include "store/channels/fractions.hpp"
 #include "store/format/cell_frames.hpp"

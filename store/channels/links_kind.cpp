@@ -1,5 +1,4 @@
 // The channel of links as verify() sees it: there is a link wherever the labels of neighbouring cells differ, and nowhere else.
-#include <algorithm>
 
 #include <fmt/format.h>
 

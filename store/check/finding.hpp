@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "store/grid/grid.hpp"
 
 namespace teracell::inline store {
@@ -54,6 +56,10 @@ struct Findings {
 };
 
 // 1,234,567
-std::string grouped(CellCount count);
+inline std::string grouped(CellCount count) {
+  std::string text = fmt::format("{}", count);
+  for (auto place = static_cast<ptrdiff_t>(text.size()) - 3; place > 0; place -= 3) text.insert(static_cast<size_t>(place), ",");
+  return text;
+}
 
 }  // namespace teracell::store

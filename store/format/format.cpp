@@ -246,24 +246,19 @@ Footer decode_footer(std::span<const uint8_t> bytes) {
   return footer;
 }
 
-struct RunningChecksum::State {
+struct HashState {
   XXH3_state_t* xxh = XXH3_createState();
-  ~State() { XXH3_freeState(xxh); }
+  ~HashState() { XXH3_freeState(xxh); }
 };
 
-RunningChecksum::RunningChecksum() : state_(std::make_unique<State>()) { XXH3_64bits_reset(state_->xxh); }
+RunningChecksum::RunningChecksum() : state_(std::make_unique<HashState>()) { XXH3_64bits_reset(state_->xxh); }
 RunningChecksum::~RunningChecksum() = default;
 
 void RunningChecksum::add(std::span<const uint8_t> bytes) { XXH3_64bits_update(state_->xxh, bytes.data(), bytes.size()); }
 
 uint64_t RunningChecksum::value() const { return XXH3_64bits_digest(state_->xxh); }
 
-struct ContentHash::State {
-  XXH3_state_t* xxh = XXH3_createState();
-  ~State() { XXH3_freeState(xxh); }
-};
-
-ContentHash::ContentHash() : state_(std::make_unique<State>()) { XXH3_128bits_reset(state_->xxh); }
+ContentHash::ContentHash() : state_(std::make_unique<HashState>()) { XXH3_128bits_reset(state_->xxh); }
 ContentHash::~ContentHash() = default;
 
 void ContentHash::add(std::span<const uint8_t> bytes) { XXH3_128bits_update(state_->xxh, bytes.data(), bytes.size()); }

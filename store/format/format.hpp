@@ -90,6 +90,8 @@ struct Footer {
 Bytes encode_footer(const Footer& footer);
 Footer decode_footer(std::span<const uint8_t> bytes);
 
+struct HashState;
+
 // The checksum() of bytes that come in pieces.
 class RunningChecksum {
  public:
@@ -100,8 +102,7 @@ class RunningChecksum {
   uint64_t value() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<HashState> state_;
 };
 
 // The footer's hash. It is fed the frames of the levels' directories, of the other channels' covers, of the metadata and of
@@ -115,8 +116,7 @@ class ContentHash {
   std::array<uint8_t, 16> digest() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<HashState> state_;
 };
 std::string hex(const std::array<uint8_t, 16>& hash);
 

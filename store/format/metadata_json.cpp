@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "store/format/channel_kinds.hpp"
 #include "store/format/format.hpp"
 #include "store/text/color.hpp"
 #include "store/text/json_node.hpp"

@@ -1,7 +1,6 @@
 #include "store/grid/grid.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 

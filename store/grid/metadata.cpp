@@ -1,7 +1,5 @@
 #include "store/grid/metadata.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "store/text/text.hpp"

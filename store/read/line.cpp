@@ -1,7 +1,6 @@
 #include "store/read/line.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "store/base/wanted.hpp"

@@ -1,6 +1,5 @@
 #include "store/runs/run.hpp"
 
-#include <algorithm>
 #include <tuple>
 
 namespace teracell::inline store {

@@ -30,7 +30,7 @@ size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::string utf8_of(std::string_view text) {
-  using Json = nlohmann::ordered_json;
+  using nlohmann::ordered_json;
   const auto is_ascii = [](char c) { return (static_cast<unsigned char>(c) & 0x80) == 0; };
   std::string out;
   for (auto at = text.begin(); at != text.end();) {
@@ -38,7 +38,8 @@ std::string utf8_of(std::string_view text) {
     out.append(at, end);
     at = std::find_if(end, text.end(), is_ascii);
     if (at == end) break;
-    const std::string quoted = Json(std::string(end, at)).dump(-1, ' ', false, Json::error_handler_t::replace);  // it escapes ASCII alone
+    const std::string quoted =
+        ordered_json(std::string(end, at)).dump(-1, ' ', false, ordered_json::error_handler_t::replace);  // it escapes ASCII alone
     out.append(quoted, 1, quoted.size() - 2);
   }
   return out;

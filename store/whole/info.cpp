@@ -1,10 +1,7 @@
 #include "store/whole/info.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
-
-#include <fmt/format.h>
 
 #include "store/text/json_writer.hpp"
 #include "store/text/text.hpp"

@@ -114,6 +114,17 @@ CLI::Validator one_of(std::vector<std::string> words) {
       "");
 }
 
+CLI::Validator in_range(double lo, double hi) {
+  return CLI::Validator(
+      [=](std::string& found) {
+        double value;
+        return CLI::detail::lexical_cast(found, value) && value >= lo && value <= hi
+                   ? ""
+                   : fmt::format("expected {:.15g} to {:.15g}, found '{}'", lo, hi, found);
+      },
+      "");
+}
+
 void add_grid(CLI::App& app, GridArgument& grid, const char* file) {
   app.add_option("grid", grid.name, fmt::format("{}, or the address of a grid: https://HOST/PATH or s3://BUCKET/KEY", file))->required();
   add_source_options(app, grid.source);
@@ -128,13 +139,7 @@ void add_source_options(CLI::App& app, SourceOptions& source) {
   app.add_option("--endpoint", source.endpoint, "the address of the store of s3:// addresses (default: that of Amazon)");
   app.add_flag("--allow-http", source.allow_http, "read from http:// addresses of other machines, which are not protected on their way");
   app.add_option("--address-timeout", source.timeout, "seconds without progress after which a request to an address is tried again (default 15)")
-      ->check(CLI::Validator(
-          [](std::string& found) {
-            double value;
-            return CLI::detail::lexical_cast(found, value) && value >= 0.1 && value <= 3600 ? ""
-                                                                                            : fmt::format("expected 0.1 to 3600, found '{}'", found);
-          },
-          ""));
+      ->check(in_range(0.1, 3600));
 }
 
 GridReader open_grid(const GridArgument& grid, std::shared_ptr<ChunkKeeper> keeper) {
@@ -152,6 +157,13 @@ void add_threads(CLI::App& app, int& threads) {
 }
 
 int threads_or_all(int threads) { return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+void add_word(CLI::App& app, const std::string& name, const std::string& argument, const std::string& help, std::function<void(std::string)> take) {
+  if (argument.empty())
+    app.add_flag_callback(
+        name, [take] { take(""); }, help);
+  else app.add_option_function<std::string>(name, take, help)->type_name(argument);
+}
 
 void add_progress(CLI::App& app, std::string& mode) {
   app.add_option("--progress", mode, "progress on stderr: auto (if stderr is a terminal), plain or none")->check(one_of({"auto", "plain", "none"}));

@@ -1,9 +1,7 @@
 // What the commands share. Each command has a file of its own and one line in commands.cpp. Its setup declares the options, and
 // returns what is to run once they are parsed. What that throws, main() turns into an exit status and a paragraph on stderr.
 #pragma once
-#include <array>
 #include <atomic>
-#include <filesystem>
 #include <functional>
 #include <memory>
 #include <string>
@@ -40,7 +38,10 @@ GridReader open_grid(const GridArgument& grid, std::shared_ptr<ChunkKeeper> keep
 void add_threads(CLI::App& app, int& threads);  // stays 0, which means one per core, unless it is given
 int threads_or_all(int threads);
 void add_progress(CLI::App& app, std::string& mode);
+// An option with a value, or a switch if `argument` is empty: take() gets the value.
+void add_word(CLI::App& app, const std::string& name, const std::string& argument, const std::string& help, std::function<void(std::string)> take);
 CLI::Validator one_of(std::vector<std::string> words);
+CLI::Validator in_range(double lo, double hi);
 // Prints a line on stdout, or a warning on stderr. The line may hold names from anybody's file, which must not steer the terminal.
 void say(const std::string& line);
 void warn(const std::string& line);

@@ -13,6 +13,7 @@ class ProgressLine {
   ~ProgressLine();  // clears the line
   void set_cells(double total) { cells_ = total; }
   void operator()(const char* phase, double share);  // throws what Wanted throws
+  void operator()(const char* phase, double share, double cells) { cells_ = cells, (*this)(phase, share); }
 
  private:
   enum class Mode { kLine, kPlain, kNone };

@@ -1,6 +1,5 @@
 // The program: finds the command, parses, runs, and turns what is thrown into an exit status and a paragraph on stderr.
 #include <algorithm>
-#include <cstdio>
 #include <iostream>
 
 #include <fmt/format.h>

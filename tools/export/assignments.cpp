@@ -1,6 +1,7 @@
 #include "tools/export/assignments.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -21,18 +22,25 @@ size_t material_named(const std::vector<MaterialInfo>& materials, const std::str
   return static_cast<size_t>(it - materials.begin());
 }
 
-std::vector<std::pair<std::string, std::string>> parse_assignments(const std::string& text, const std::string& option) {
-  std::vector<std::pair<std::string, std::string>> out;
+std::vector<bool> for_each_assignment(const std::vector<MaterialInfo>& materials, const std::string& text, const std::string& option,
+                                      const std::function<void(size_t, const std::string&, const std::string&)>& take) {
+  std::vector<std::pair<std::string, std::string>> values;
   for (const std::string_view part : split(text, ',')) {
     const size_t equal = part.rfind('=');
     if (equal == part.npos || equal == 0 || equal + 1 == part.size())
       throw UsageError(fmt::format("{}: expected NAME=VALUE, NAME=VALUE ..., separated by commas, found '{}'", option, part));
     const std::string name(part.substr(0, equal));
-    if (std::ranges::count(out, name, &std::pair<std::string, std::string>::first) > 0)
+    if (std::ranges::count(values, name, &std::pair<std::string, std::string>::first) > 0)
       throw UsageError(fmt::format("{}: '{}' occurs twice", option, name));
-    out.emplace_back(name, part.substr(equal + 1));
+    values.emplace_back(name, part.substr(equal + 1));
   }
-  return out;
+  std::vector<bool> named(materials.size(), false);
+  for (const auto& [name, value] : values) {
+    const size_t id = material_named(materials, name, option);
+    take(id, name, value);
+    named[id] = true;
+  }
+  return named;
 }
 
 void expect_named(const GridReader& reader, int level, const Box& box, const std::vector<bool>& named, const std::string& option) {

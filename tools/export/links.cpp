@@ -2,8 +2,6 @@
 // any program can read behind its header. A record says which materials lie on both sides, so that no other file is needed.
 #include "store/channels/link_reader.hpp"
 
-#include <algorithm>
-
 #include "store/base/output_file.hpp"
 #include "store/text/npy_header.hpp"
 #include "tools/export/format.hpp"

@@ -13,11 +13,11 @@ namespace {
 
 // Calls take(material id, value) for each assignment of an option that may be missing.
 template <class Take>
-void for_each_assignment(const Export& e, const std::string& option, const Take& take) {
+void for_each_number(const Export& e, const std::string& option, const Take& take) {
   if (!e.has(option)) return;
-  for (const auto& [name, text] : parse_assignments(e.options.at(option), option))
-    take(material_named(e.reader.meta().materials, name, option),
-         text == "inf" ? std::numeric_limits<double>::infinity() : parse_number(text, fmt::format("{}: {}", option, name)));
+  for_each_assignment(e.reader.meta().materials, e.options.at(option), option, [&](size_t id, const std::string& name, const std::string& text) {
+    take(id, text == "inf" ? std::numeric_limits<double>::infinity() : parse_number(text, fmt::format("{}: {}", option, name)));
+  });
 }
 
 }  // namespace
@@ -37,7 +37,7 @@ std::vector<Medium> media_of(const Export& e, bool all) {
   const auto expect_given = [&](size_t id, const char* option) {
     if (!media[id].given) throw UsageError(fmt::format("{0}: expected --epsilon for '{1}' too, found {0} alone", option, materials[id].name));
   };
-  for_each_assignment(e, "--epsilon", [&](size_t id, double value) {
+  for_each_number(e, "--epsilon", [&](size_t id, double value) {
     expect(value > 0 && std::isfinite(value), "--epsilon", id, "a number above 0", value);
     media[id].given = true;
     media[id].epsilon = value;
@@ -46,12 +46,12 @@ std::vector<Medium> media_of(const Export& e, bool all) {
   for (const Medium& m : media) named.push_back(m.given);
   if (!all) named[0] = true;
   expect_named(e.reader, e.level, e.box, named, "--epsilon");
-  for_each_assignment(e, "--sigma", [&](size_t id, double value) {
+  for_each_number(e, "--sigma", [&](size_t id, double value) {
     expect_given(id, "--sigma");
     expect(value >= 0, "--sigma", id, "0, a larger number or inf", value);
     media[id].sigma = value;
   });
-  for_each_assignment(e, "--mu", [&](size_t id, double value) {
+  for_each_number(e, "--mu", [&](size_t id, double value) {
     expect_given(id, "--mu");
     expect(value > 0 && std::isfinite(value), "--mu", id, "a number above 0", value);
     media[id].mu = value;

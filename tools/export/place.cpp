@@ -36,4 +36,11 @@ std::string one_line(const std::string& name) {
   return out;
 }
 
+std::string material_lines(const Export& e, const char* line) {
+  std::string out;
+  const std::vector<MaterialInfo>& materials = e.reader.meta().materials;
+  for (size_t id = 0; e.map.empty() && id < materials.size(); ++id) out += fmt::format(fmt::runtime(line), id, one_line(materials[id].name));
+  return out;
+}
+
 }  // namespace teracell::exports

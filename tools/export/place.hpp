@@ -21,5 +21,7 @@ EqualCells equal_cells(const Export& e, const char* format);
 
 // A name for a text whose values end with the line.
 std::string one_line(const std::string& name);
+// Such a line for each material, by a format of its id and its name; nothing where a map made the numbers others.
+std::string material_lines(const Export& e, const char* line);
 
 }  // namespace teracell::exports

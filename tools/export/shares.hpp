@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 
+#include "store/base/error.hpp"
 #include "store/channels/fraction_reader.hpp"
 #include "tools/export/format.hpp"
 
@@ -13,9 +14,17 @@ inline ExportOption shares_option() {
 }
 
 // What the shares are read from; nothing unless the option was given. Throws UsageError if the grid or the level has none.
-std::optional<FractionReader> shares_of(const Export& e);
+inline std::optional<FractionReader> shares_of(const Export& e) {
+  if (!e.has("--fractions")) return {};
+  if (e.level != 0) throw UsageError("--fractions: expected --level 0, whose cells have shares, found " + std::to_string(e.level));
+  return std::optional<FractionReader>(std::in_place, e.reader);
+}
 
 // The export with the share of the work that is done counted as that of one of `steps` equal steps.
-Export step_of(const Export& e, size_t step, size_t steps);
+inline Export step_of(const Export& e, size_t step, size_t steps) {
+  Export out = e;
+  out.progress = [told = e.progress, step, steps](double share) { told((static_cast<double>(step) + share) / static_cast<double>(steps)); };
+  return out;
+}
 
 }  // namespace teracell::exports

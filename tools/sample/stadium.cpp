@@ -1,8 +1,6 @@
 #include "tools/sample/stadium.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <string>
 #include <utility>
 #include <vector>
 

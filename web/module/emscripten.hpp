@@ -47,10 +47,6 @@ inline from_chars_result from_chars(const char* first, const char* last, double&
 }
 
 // No thread can be started here; what would be one throws, as std::thread does.
-class stop_token {
- public:
-  bool stop_requested() const { return false; }
-};
 class jthread {
  public:
   jthread() = default;
@@ -111,18 +107,6 @@ void stable_sort(R&& r, C compare = {}, P projection = {}) {
   polyfill::merge_sort(std::begin(r), std::end(r), polyfill::by(compare, projection));
 }
 template <class R, class C = less, class P = identity>
-bool is_sorted(R&& r, C compare = {}, P projection = {}) {
-  return std::is_sorted(std::begin(r), std::end(r), polyfill::by(compare, projection));
-}
-template <class R, class C = less, class P = identity>
-void push_heap(R&& r, C compare = {}, P projection = {}) {
-  std::push_heap(std::begin(r), std::end(r), polyfill::by(compare, projection));
-}
-template <class R, class C = less, class P = identity>
-void pop_heap(R&& r, C compare = {}, P projection = {}) {
-  std::pop_heap(std::begin(r), std::end(r), polyfill::by(compare, projection));
-}
-template <class R, class C = less, class P = identity>
 auto max_element(R&& r, C compare = {}, P projection = {}) {
   return std::max_element(std::begin(r), std::end(r), polyfill::by(compare, projection));
 }
@@ -168,10 +152,6 @@ template <class R, class F = equal_to, class P = identity>
 auto adjacent_find(R&& r, F predicate = {}, P projection = {}) {
   return std::adjacent_find(std::begin(r), std::end(r), polyfill::by(predicate, projection));
 }
-template <class R, class F = equal_to, class P = identity>
-auto unique(R&& r, F predicate = {}, P projection = {}) {
-  return ranges::subrange(std::unique(std::begin(r), std::end(r), polyfill::by(predicate, projection)), std::end(r));
-}
 template <class R1, class R2, class F = equal_to, class P1 = identity, class P2 = identity>
 bool equal(R1&& a, R2&& b, F predicate = {}, P1 p1 = {}, P2 p2 = {}) {
   return std::equal(std::begin(a), std::end(a), std::begin(b), std::end(b), [&](auto&& x, auto&& y) -> bool {
@@ -181,11 +161,6 @@ bool equal(R1&& a, R2&& b, F predicate = {}, P1 p1 = {}, P2 p2 = {}) {
 template <class R, class Out>
 auto copy(R&& r, Out out) {
   auto last = std::copy(std::begin(r), std::end(r), std::move(out));
-  return in_out_result<iterator_t<R>, Out>{std::end(r), std::move(last)};
-}
-template <class R, class Out, class F, class P = identity>
-auto transform(R&& r, Out out, F f, P projection = {}) {
-  auto last = std::transform(std::begin(r), std::end(r), std::move(out), [&](auto&& a) { return std::invoke(f, std::invoke(projection, a)); });
   return in_out_result<iterator_t<R>, Out>{std::end(r), std::move(last)};
 }
 template <class R, class T>

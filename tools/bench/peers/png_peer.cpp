@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
-#include <span>
 
 #include "server/picture/tile_png.hpp"
 #include "tools/bench/peers/peer.hpp"

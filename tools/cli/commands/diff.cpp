@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "store/check/finding.hpp"
 #include "store/text/text.hpp"
 #include "store/whole/info.hpp"
 #include "tools/cli/command.hpp"
@@ -17,13 +18,6 @@ struct DiffArguments {
   int threads = 0;
   bool json = false;
 };
-
-// "1,234,567"
-std::string grouped(unsigned __int128 count) {
-  std::string text = fmt::format("{}", count);
-  for (auto place = static_cast<ptrdiff_t>(text.size()) - 3; place > 0; place -= 3) text.insert(static_cast<size_t>(place), ",");
-  return text;
-}
 
 void print(const Difference& d) {
   if (d.changes.empty()) return say(fmt::format("the grids are equal: all of {} cells have the same material in both", grouped(d.cells)));

@@ -50,12 +50,10 @@ const exports::ExportFormat& format_of(const ExportArguments& o) {
 std::vector<uint32_t> numbers_of(const std::string& map, const GridReader& reader, int level, const Box& box, const exports::ExportFormat& format) {
   const std::vector<MaterialInfo>& materials = reader.meta().materials;
   std::vector<uint32_t> numbers(materials.size(), 0);
-  std::vector<bool> named(materials.size(), false);
-  for (const auto& [name, text] : exports::parse_assignments(map, "--map")) {
-    const size_t id = exports::material_named(materials, name, "--map");
+  const auto take = [&](size_t id, const std::string& name, const std::string& text) {
     numbers[id] = static_cast<uint32_t>(parse_integer(text, 0, 0xffffffff, "--map: " + name));
-    named[id] = true;
-  }
+  };
+  const std::vector<bool> named = exports::for_each_assignment(materials, map, "--map", take);
   if (format.coarser) exports::expect_named(reader, 0, reader.meta().grid.box(0), named, "--map");  // the cell of the last level has them all
   else exports::expect_named(reader, level, box, named, "--map");
   return numbers;
@@ -105,13 +103,7 @@ Run setup_export(CLI::App& app) {
       options.try_emplace(option.name, option, std::vector<std::string>()).first->second.second.push_back(format.name);
   for (const auto& [name, option] : options) {
     const std::string help = fmt::format("{}: {}", fmt::join(option.second, ", "), option.first.help);
-    if (option.first.argument.empty())
-      app.add_flag_callback(
-          name, [o, name = name] { o->of_formats[name]; }, help);
-    else
-      app.add_option_function<std::string>(
-             name, [o, name = name](const std::string& value) { o->of_formats[name] = value; }, help)
-          ->type_name(option.first.argument);
+    add_word(app, name, option.first.argument, help, [o, name = name](const std::string& value) { o->of_formats[name] = value; });
   }
   app.add_flag_callback(
       "--list", [] { throw CLI::CallForVersion(list_of_formats(), 0); }, "Print the formats and exit");

@@ -24,13 +24,7 @@ void run(const MergeArguments& o) {
   mesher::MeshReport report;
   {
     ProgressLine line(o.progress, "merge");
-    report = mesher::merge(
-        {o.parts.begin(), o.parts.end()}, o.output,
-        [&](const char* phase, double share, double cells) {
-          line.set_cells(cells);
-          line(phase, share);
-        },
-        interrupted);
+    report = mesher::merge({o.parts.begin(), o.parts.end()}, o.output, std::ref(line), interrupted);
   }
   if (report_file) write_report(report, *report_file, o.output);
   say_grid(o.output, report);

@@ -1,5 +1,4 @@
 // teracell mesh: a scene or bare surfaces in, a .tcell file out.
-#include <fmt/format.h>
 
 #include "mesher/pipeline.hpp"
 #include "store/base/error.hpp"
@@ -26,13 +25,7 @@ void run(const MeshArguments& o) {
   mesher::MeshReport report;
   {
     ProgressLine line(o.progress, "mesh");
-    report = mesh(
-        scene, o.output, options,
-        [&](const char* phase, double share, double cells) {
-          line.set_cells(cells);
-          line(phase, share);
-        },
-        interrupted);
+    report = mesh(scene, o.output, options, std::ref(line), interrupted);
   }
   if (!options.shard || options.shard->number == 0) warn_of_caps(o, report);
   if (options.shard) return say_part(part_path(o.output, *options.shard).string(), report);

@@ -1,8 +1,7 @@
 // teracell pack: the same cells laid out for reading from far away.
-#include <fmt/format.h>
 
-#include "store/base/error.hpp"
 #include "store/whole/pack.hpp"
+#include "store/base/error.hpp"
 #include "tools/cli/command.hpp"
 #include "tools/cli/progress.hpp"
 

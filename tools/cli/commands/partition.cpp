@@ -21,12 +21,10 @@ std::vector<double> weights_of(const std::string& text, const GridReader& reader
   const std::vector<MaterialInfo>& materials = reader.meta().materials;
   std::vector<double> weights(materials.size(), 1);
   if (text.empty()) return weights;
-  std::vector<bool> named(materials.size(), false);
-  for (const auto& [name, value] : exports::parse_assignments(text, "--weight")) {
-    const size_t id = exports::material_named(materials, name, "--weight");
+  const auto take = [&](size_t id, const std::string& name, const std::string& value) {
     weights[id] = exports::parse_number(value, "--weight: " + name);
-    named[id] = true;
-  }
+  };
+  const std::vector<bool> named = exports::for_each_assignment(materials, text, "--weight", take);
   exports::expect_named(reader, 0, reader.meta().grid.box(0), named, "--weight");
   return weights;
 }

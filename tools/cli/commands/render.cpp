@@ -49,14 +49,8 @@ Run setup_render(CLI::App& app) {
   add_grid(app, o->grid);
   app.add_option("-o,--output", o->output, "the picture to write: .png, .jpg or .jpeg")->required();
   for (const server::RenderOption& option : server::render_options()) {
-    const std::string name(option.name), dashed = "--" + name, help(option.help);
-    if (option.value.empty())
-      app.add_flag_callback(
-          dashed, [o, name] { o->words[name] = ""; }, help);
-    else
-      app.add_option_function<std::string>(
-             dashed, [o, name](const std::string& text) { o->words[name] = text; }, help)
-          ->type_name(std::string(option.value));
+    const std::string name(option.name);
+    add_word(app, "--" + name, std::string(option.value), std::string(option.help), [o, name](const std::string& text) { o->words[name] = text; });
   }
   add_threads(app, o->threads);
   add_progress(app, o->progress);

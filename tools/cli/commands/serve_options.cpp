@@ -14,17 +14,6 @@ namespace {
 
 std::chrono::milliseconds milliseconds(double seconds) { return std::chrono::milliseconds(std::llround(seconds * 1000)); }
 
-CLI::Validator in_range(double lo, double hi) {
-  return CLI::Validator(
-      [=](std::string& found) {
-        double value;
-        return CLI::detail::lexical_cast(found, value) && value >= lo && value <= hi
-                   ? ""
-                   : fmt::format("expected {:.15g} to {:.15g}, found '{}'", lo, hi, found);
-      },
-      "");
-}
-
 std::string base_path(std::string text) {
   while (text.ends_with('/')) text.pop_back();
   if (!server::is_base_path(text))

@@ -9,12 +9,6 @@ namespace {
 
 constexpr int64_t kSlabBytes = 64 << 20;
 
-template <class T>
-void append_cells(const Export& e, OutputFile& file) {
-  // Little endian, like every machine this runs on.
-  for_each_slab<T>(e, kXFastest, [&](std::span<const T> slab) { file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size_bytes()}); });
-}
-
 }  // namespace
 
 // A slab is as many layers of the slowest axis as fit it. Where not even one fits, it is rows of a layer, or a part of a row.
@@ -62,10 +56,9 @@ template void for_each_slab(const Export&, const AxisOrder&, const std::function
 template void for_each_slab(const Export&, const AxisOrder&, const std::function<void(std::span<const uint32_t>)>&);
 
 void append_dense_cells(const Export& e, OutputFile& file) {
-  const size_t bytes = bytes_per_cell(e.most());
-  if (bytes == 1) append_cells<uint8_t>(e, file);
-  else if (bytes == 2) append_cells<uint16_t>(e, file);
-  else append_cells<uint32_t>(e, file);
+  with_number(bytes_per_cell(e.most()), [&]<class T>(T) {  // little endian, like every machine this runs on
+    for_each_slab<T>(e, kXFastest, [&](std::span<const T> slab) { file.append({reinterpret_cast<const uint8_t*>(slab.data()), slab.size_bytes()}); });
+  });
 }
 
 }  // namespace teracell::exports

@@ -10,6 +10,14 @@ namespace teracell::exports {
 // Bytes per cell of arrays in which no number is larger than `most`.
 constexpr size_t bytes_per_cell(uint32_t most) { return most < 256 ? 1 : most < 65536 ? 2 : 4; }
 
+// Returns f(0), whose argument has the type of such numbers.
+template <class F>
+auto with_number(size_t bytes_per_cell, F&& f) {
+  if (bytes_per_cell == 1) return f(uint8_t{0});
+  if (bytes_per_cell == 2) return f(uint16_t{0});
+  return f(uint32_t{0});
+}
+
 // Appends the cells to `file`, one slab after another.
 void append_dense_cells(const Export& e, OutputFile& file);
 

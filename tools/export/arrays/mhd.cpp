@@ -16,15 +16,17 @@ std::string meta_image_header(const Export& e, const std::string& array) {
   const auto& [n, origin, step] = cells;
   const Vec3 centre = cells.centre();
   const size_t bytes = bytes_per_cell(e.most());
-  std::string text = fmt::format(
+  const std::string text = fmt::format(
       "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = False\n"
       "TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = {:.17g} {:.17g} {:.17g}\nCenterOfRotation = 0 0 0\nElementSpacing = {:.17g} {:.17g} {:.17g}\n"
       "DimSize = {} {} {}\n",
       centre[0], centre[1], centre[2], step[0], step[1], step[2], n[0], n[1], n[2]);
-  if (e.map.empty())
-    for (size_t id = 0; id < e.reader.meta().materials.size(); ++id)
-      text += fmt::format("Material{} = {}\n", id, one_line(e.reader.meta().materials[id].name));
-  return text + fmt::format("ElementType = MET_U{}\nElementDataFile = {}\n", bytes == 1 ? "CHAR" : bytes == 2 ? "SHORT" : "INT", array);
+  return text + material_lines(e, "Material{} = {}\n") +
+         fmt::format("ElementType = MET_U{}\nElementDataFile = {}\n",
+                     bytes == 1   ? "CHAR"
+                     : bytes == 2 ? "SHORT"
+                                  : "INT",
+                     array);
 }
 
 void write_mhd(const Export& e) {

@@ -17,10 +17,7 @@ void write_nrrd(const Export& e) {
       "space directions: ({:.17g},0,0) (0,{:.17g},0) (0,0,{:.17g})\nspace origin: ({:.17g},{:.17g},{:.17g})\nspace units: \"{}\" \"{}\" \"{}\"\n",
       8 * bytes, n[0], n[1], n[2], step[0], step[1], step[2], centre[0], centre[1], centre[2], e.reader.meta().units, e.reader.meta().units,
       e.reader.meta().units);
-  if (e.map.empty())
-    for (size_t id = 0; id < e.reader.meta().materials.size(); ++id)
-      header += fmt::format("material {}:={}\n", id, one_line(e.reader.meta().materials[id].name));
-  header += '\n';
+  header += material_lines(e, "material {}:={}\n") + "\n";
   OutputFile file(e.output);
   file.append({reinterpret_cast<const uint8_t*>(header.data()), header.size()});
   append_dense_cells(e, file);

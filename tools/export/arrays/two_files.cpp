@@ -59,10 +59,7 @@ std::string describe(const Export& e, const std::filesystem::path& array, const 
       array.filename().string(), type, order, hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2], e.level, lo[0], lo[1], lo[2], hi[0], hi[1], hi[2],
       one_line(e.reader.meta().units));
   for (int axis = 0; axis < 3; ++axis) text += axis_line(e, axis);
-  if (e.map.empty())
-    for (size_t id = 0; id < e.reader.meta().materials.size(); ++id)
-      text += fmt::format("material {}: {}\n", id, one_line(e.reader.meta().materials[id].name));
-  return text;
+  return text + material_lines(e, "material {}: {}\n");
 }
 
 }  // namespace teracell::exports

@@ -7,7 +7,6 @@
 
 #include "store/base/error.hpp"
 #include "store/base/output_file.hpp"
-#include "tools/export/faces/put_raw.hpp"
 #include "tools/export/faces/surface.hpp"
 #include "tools/export/place.hpp"
 

@@ -5,7 +5,10 @@
 // a time, with a margin. So the memory does not depend on the number of cells: 80 bytes per block that the surface passes through are kept.
 // (A sweep over layers, as for OpenFOAM's meshes, would expand every cell, and hold a whole layer of vertices for smoothing.)
 #pragma once
-#include "tools/export/faces/smooth.hpp"
+#include <type_traits>
+
+#include "store/base/bytes.hpp"
+#include "tools/export/faces/piece.hpp"
 #include "tools/export/format.hpp"
 
 namespace teracell::exports::faces {
@@ -17,6 +20,13 @@ struct Block {
   // Where its groups of vertices begin, and the end, counted from `first`. Bit d of a group says whether its vertices lie on the lower
   // side across axis d. The members of such a group are seen from the block below too, so it can tell their numbers.
   std::array<uint32_t, 9> group{};
+};
+
+// Planes of the box that is exported, for the corners of a piece: of plane i, along each axis, planes[i - first]. Beyond the sides of the
+// exported box, the side is repeated.
+struct Planes {
+  Index3 first;
+  std::array<std::vector<double>, 3> at;
 };
 
 // A part of an export's progress, as shares.
@@ -48,6 +58,7 @@ class Surface {
   void find_blocks(Leg leg);
   void read(const Box& box, int64_t margin);
   void count(const Index3& block);
+  void for_each_block(Leg leg, int64_t margin, const std::function<void(const Block&, Part&)>& f);
   Planes planes() const;
   std::vector<uint64_t> numbers_of(const Block& block) const;
 
@@ -60,6 +71,14 @@ class Surface {
   std::vector<Block> blocks_;
   uint64_t vertices_ = 0, facets_ = 0;
 };
+
+// Appends a number as bytes, in the order of memory: little endian, like every machine this runs on.
+template <class T>
+void put_raw(Bytes& out, const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const auto* const bytes = reinterpret_cast<const uint8_t*>(&value);
+  out.insert(out.end(), bytes, bytes + sizeof value);
+}
 
 // The options of formats that hold a surface.
 std::vector<ExportOption> surface_options();

@@ -39,7 +39,6 @@ void write_disc_material(const Export& e) {
   file.attribute(cells, "DB_Size", static_cast<int32_t>(epsilon.size()));
   for (const auto& [name, list] : {std::pair("epsR", &epsilon), {"kappa", &kappa}, {"mueR", &mu}, {"sigma", &sigma}})
     file.attribute(cells, name, std::span<const float>(*list));
-  file.finish();
   file.commit();
 }
 

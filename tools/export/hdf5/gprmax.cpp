@@ -8,8 +8,7 @@
 #include "tools/export/hdf5/h5_cells.hpp"
 #include "tools/export/hdf5/profiles.hpp"
 #include "tools/export/media.hpp"
-#include "tools/export/metres.hpp"
-#include "tools/export/word.hpp"
+#include "tools/export/solvers.hpp"
 
 namespace teracell::exports {
 

@@ -1,7 +1,6 @@
 #include "tools/export/hdf5/h5_cells.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <unordered_map>
 
 #include <zlib.h>

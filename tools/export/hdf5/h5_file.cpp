@@ -84,39 +84,6 @@ const H5FD_class_t H5Driver::kClass = {
     .fl_map = H5FD_FLMAP_DICHOTOMY,
 };
 
-template <>
-hid_t h5_type<uint8_t>() {
-  return H5T_STD_U8LE;
-}
-template <>
-hid_t h5_type<uint16_t>() {
-  return H5T_STD_U16LE;
-}
-template <>
-hid_t h5_type<uint32_t>() {
-  return H5T_STD_U32LE;
-}
-template <>
-hid_t h5_type<int16_t>() {
-  return H5T_STD_I16LE;
-}
-template <>
-hid_t h5_type<int32_t>() {
-  return H5T_STD_I32LE;
-}
-template <>
-hid_t h5_type<int64_t>() {
-  return H5T_STD_I64LE;
-}
-template <>
-hid_t h5_type<float>() {
-  return H5T_IEEE_F32LE;
-}
-template <>
-hid_t h5_type<double>() {
-  return H5T_IEEE_F64LE;
-}
-
 namespace {
 
 H5Handle text_type() {
@@ -210,6 +177,11 @@ void H5File::finish() {
   const herr_t closed = H5Fclose(std::exchange(id_, -1));
   checked(closed, "end the file");
   file_.sync();
+}
+
+void H5File::commit() {
+  if (id_ >= 0) finish();
+  file_.commit();
 }
 
 }  // namespace teracell::exports

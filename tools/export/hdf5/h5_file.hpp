@@ -8,6 +8,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -35,7 +36,16 @@ class H5Handle {
 
 // The type of a number, in the file and in memory.
 template <class T>
-hid_t h5_type();
+hid_t h5_type() {
+  if constexpr (std::is_same_v<T, uint8_t>) return H5T_STD_U8LE;
+  if constexpr (std::is_same_v<T, uint16_t>) return H5T_STD_U16LE;
+  if constexpr (std::is_same_v<T, uint32_t>) return H5T_STD_U32LE;
+  if constexpr (std::is_same_v<T, int16_t>) return H5T_STD_I16LE;
+  if constexpr (std::is_same_v<T, int32_t>) return H5T_STD_I32LE;
+  if constexpr (std::is_same_v<T, int64_t>) return H5T_STD_I64LE;
+  if constexpr (std::is_same_v<T, float>) return H5T_IEEE_F32LE;
+  if constexpr (std::is_same_v<T, double>) return H5T_IEEE_F64LE;
+}
 
 class H5File {
  public:
@@ -74,7 +84,7 @@ class H5File {
 
   // When it returns, the file is complete and on disk, under the temporary name. Nothing may be added any more.
   void finish();
-  void commit() { file_.commit(); }  // REQUIRES: it is finished
+  void commit();  // finishes it, if that was not done
 
  private:
   [[noreturn]] void fail(const char* what) const;

@@ -20,7 +20,6 @@ void write_meep(const Export& e) {
   H5File file(e.output);
   if (shares) write_means(file, e, "eps", kZFastest, epsilon, *shares);
   else write_cells(file, e, "eps", kZFastest, epsilon);
-  file.finish();
   file.commit();
 }
 

@@ -10,14 +10,6 @@
 #include "tools/export/shares.hpp"
 
 namespace teracell::exports {
-namespace {
-
-template <class T>
-void put_cells(H5File& file, const Export& e, const std::vector<uint32_t>& numbers) {
-  write_cells(file, e, "material", kXFastest, std::vector<T>(numbers.begin(), numbers.end()));
-}
-
-}  // namespace
 
 void put_plain(H5File& file, const Export& e) {
   const Metadata& meta = e.reader.meta();
@@ -42,10 +34,8 @@ void put_plain(H5File& file, const Export& e) {
   const std::optional<FractionReader> shares = shares_of(e);
   const size_t steps = 1 + (shares ? meta.materials.size() : 0);
   const Export cells = step_of(e, 0, steps);
-  const size_t bytes = bytes_per_cell(e.most());
-  if (bytes == 1) put_cells<uint8_t>(file, cells, numbers);
-  else if (bytes == 2) put_cells<uint16_t>(file, cells, numbers);
-  else put_cells<uint32_t>(file, cells, numbers);
+  with_number(bytes_per_cell(e.most()),
+              [&]<class T>(T) { write_cells(file, cells, "material", kXFastest, std::vector<T>(numbers.begin(), numbers.end())); });
   if (!shares) return;
   const H5Handle group = file.group("fractions");
   for (size_t id = 0; id + 1 < steps; ++id) {
@@ -58,7 +48,6 @@ void put_plain(H5File& file, const Export& e) {
 void write_plain(const Export& e) {
   H5File file(e.output);
   put_plain(file, e);
-  file.finish();
   file.commit();
 }
 

@@ -8,9 +8,9 @@
 #include "store/text/color.hpp"
 #include "store/text/xml.hpp"
 #include "tools/export/media.hpp"
-#include "tools/export/metres.hpp"
 #include "tools/export/openems/boxes.hpp"
 #include "tools/export/place.hpp"
+#include "tools/export/solvers.hpp"
 
 namespace teracell::exports {
 namespace {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "store/read/query.hpp"
+#include "tools/export/arrays/dense.hpp"
 
 namespace teracell::exports::zarr {
 namespace {
@@ -92,9 +93,7 @@ std::optional<Column> Columns::next() {
 }
 
 std::unique_ptr<ChunkMaker> chunk_maker(const Hierarchy& h) {
-  if (h.bytes_per_cell == 1) return std::make_unique<Maker<uint8_t>>(h);
-  if (h.bytes_per_cell == 2) return std::make_unique<Maker<uint16_t>>(h);
-  return std::make_unique<Maker<uint32_t>>(h);
+  return with_number(h.bytes_per_cell, [&]<class T>(T) -> std::unique_ptr<ChunkMaker> { return std::make_unique<Maker<T>>(h); });
 }
 
 }  // namespace teracell::exports::zarr

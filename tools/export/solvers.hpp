@@ -1,11 +1,24 @@
-// Names for files of solvers, in which a name is a word.
+// What files of solvers have in common: lengths in metres, and names that are words.
 #pragma once
+#include <map>
 #include <set>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "store/base/error.hpp"
+
 namespace teracell::exports {
+
+// The unit of a grid in metres. Throws UsageError, naming the solver, when it is a name of which no length is known.
+inline double metres(const std::string& unit, const std::string& solver) {
+  static const std::map<std::string, double> lengths = {{"m", 1},     {"cm", 0.01},   {"mm", 0.001}, {"um", 1e-6},
+                                                        {"nm", 1e-9}, {"in", 0.0254}, {"ft", 0.3048}};
+  const auto it = lengths.find(unit);
+  if (it == lengths.end())
+    throw UsageError(fmt::format("{}'s lengths are in metres: the grid's unit '{}' has no length that is known", solver, unit));
+  return it->second;
+}
 
 // The name with '_' for what is neither an ASCII letter, a digit, '-' nor '.': blanks, quotes, slashes, semicolons and braces end words
 // in most files of solvers. It begins with a letter or '_', and is not one that is `taken`.
