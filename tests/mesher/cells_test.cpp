@@ -1,10 +1,4 @@
 // The cells themselves: meshed scenes against rational arithmetic, analytic solids and each other.
-#include <algorithm>
-
-#include <catch2/catch.hpp>
-
-#include <fmt/format.h>
-
 #include "store/read/stats.hpp"
 #include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"

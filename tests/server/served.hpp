@@ -1,9 +1,5 @@
 // A service over one grid of random cells, asked without a socket.
 #pragma once
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "server/api/routes.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"

@@ -1,14 +1,6 @@
 // The C API, through the shared library, against the reader that it stands on and against the cells.
 #include "store/teracell.h"
 
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <memory>
-#include <thread>
-
-#include <catch2/catch.hpp>
-
 #include "store/whole/info.hpp"
 #include "tests/support/checked.hpp"
 

@@ -1,11 +1,5 @@
 #include "tests/support/meshed.hpp"
 
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
-
-#include <fmt/format.h>
-
 #include "mesher/report/report_json.hpp"
 
 namespace teracell::testing {

@@ -1,9 +1,5 @@
 // A scene meshed through files, as a user would, and its cells read back.
 #pragma once
-#include <filesystem>
-
-#include <nlohmann/json.hpp>
-
 #include "mesher/pipeline.hpp"
 #include "store/read/query.hpp"
 #include "tests/support/oracle.hpp"

@@ -1,16 +1,9 @@
 // The oracle against what can be known without it: boxes by hand, partitions, analytic volumes, and a second way to
 // the winding number.
-#include "tests/support/oracle.hpp"
-#include "tests/support/cube_grid.hpp"
-#include "tests/support/sanitized.hpp"
-
-#include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>
-#include <catch2/catch.hpp>
-#include <cmath>
-#include <numbers>
-#include <stdexcept>
 
+#include "tests/support/cube_grid.hpp"
+#include "tests/support/oracle.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace teracell {

@@ -3,9 +3,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <catch2/catch.hpp>
-#include <csignal>
-
 #include "tests/support/meshed.hpp"
 
 namespace teracell::testing {

@@ -2,11 +2,6 @@
 
 #include <zlib.h>
 
-#include <bit>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "server/api/routes.hpp"
 #include "server/picture/picture.hpp"
 

@@ -1,7 +1,5 @@
 // A grid of random cells as clients of the protocols get it, its cells by brute force, and what clients do with an answer.
 #pragma once
-#include <nlohmann/json.hpp>
-
 #include "server/service/service.hpp"
 #include "store/text/color.hpp"
 #include "tests/support/meshed.hpp"

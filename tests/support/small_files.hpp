@@ -1,7 +1,5 @@
 // Small sound files, and what must become of damaged and of hostile ones.
 #pragma once
-#include <catch2/catch.hpp>
-
 #include "store/read/slice.hpp"
 #include "store/read/stats.hpp"
 #include "store/whole/verify.hpp"

@@ -1,8 +1,5 @@
 // Arrays of Zarr v2, read as their own documents say.
 #pragma once
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/served_cells.hpp"
 
 namespace teracell::testing {

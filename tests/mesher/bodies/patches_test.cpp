@@ -1,13 +1,6 @@
 // Patches: which facets belong to which part of the boundary, and how large these are.
 #include "mesher/bodies/patches.hpp"
 
-#include <fstream>
-#include <map>
-#include <set>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "mesher/parts/merge.hpp"
 #include "store/channels/link_reader.hpp"
 #include "store/format/metadata_json.hpp"

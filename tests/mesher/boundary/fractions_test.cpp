@@ -1,7 +1,5 @@
 // Shares of mixed cells: equal to the cells of a finer grid that rational arithmetic decides, whatever the ray axis, engine, threads,
 // chunks and interruptions.
-#include <catch2/catch.hpp>
-
 #include "mesher/parts/merge.hpp"
 #include "store/channels/fraction_reader.hpp"
 #include "store/whole/verify.hpp"

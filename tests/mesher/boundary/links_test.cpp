@@ -1,11 +1,5 @@
 // Links: equal to where rational arithmetic finds that labels change between sample points, whatever the ray axis, engine, threads, chunks and
 // interruptions.
-#include <catch2/catch.hpp>
-
-#include <map>
-
-#include <fmt/format.h>
-
 #include "store/channels/link_reader.hpp"
 #include "store/whole/verify.hpp"
 #include "tests/support/cube_grid.hpp"

@@ -1,10 +1,4 @@
 // Open surfaces: boundary, loops, caps, and the fill rule of each shell.
-#include <catch2/catch.hpp>
-
-#include <map>
-
-#include <fmt/format.h>
-
 #include "mesher/bodies/bodies.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/cube_grid.hpp"

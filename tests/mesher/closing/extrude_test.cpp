@@ -1,6 +1,4 @@
 // Reliefs: sheets that are closed by walls down to beyond the domain.
-#include <catch2/catch.hpp>
-
 #include "mesher/closing/extrude.hpp"
 #include "tests/support/every_way.hpp"
 

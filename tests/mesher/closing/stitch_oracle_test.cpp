@@ -1,13 +1,7 @@
 // Stitching and closing against the oracle: the cells of random surfaces, torn in the ways that real ones are.
-#include <catch2/catch.hpp>
-
-#include <cmath>
-
 #include "tests/support/closing_oracle.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/patchworks.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

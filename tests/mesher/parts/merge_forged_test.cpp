@@ -1,10 +1,4 @@
 // Parts that lie under right checksums are refused by words, whoever reads them.
-#include <catch2/catch.hpp>
-
-#include <fstream>
-
-#include <fmt/format.h>
-
 #include "mesher/parts/merge.hpp"
 #include "mesher/run/checkpoint.hpp"
 #include "mesher/run/part_found.hpp"

@@ -1,16 +1,9 @@
 // A grid that is made in parts, and put together: the bytes of one run.
-#include <catch2/catch.hpp>
-
-#include <fstream>
-
-#include <fmt/format.h>
-
 #include "mesher/parts/merge.hpp"
 #include "mesher/run/checkpoint.hpp"
 #include "store/base/error.hpp"
 #include "store/whole/verify.hpp"
 #include "tests/support/parts.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -2,15 +2,9 @@
 
 #include <unistd.h>
 
-#include <cmath>
-#include <fstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/base/error.hpp"
 #include "store/text/text.hpp"
+#include "tests/support/test.hpp"
 
 using namespace teracell;
 using namespace teracell::mesher;

@@ -1,16 +1,12 @@
 // Temporary files, and records that wait in them by bucket.
 #include "store/base/spill.hpp"
 
-#include <catch2/catch.hpp>
-
-#include <numeric>
-#include <random>
-
 #include <unistd.h>
 
 #include "mesher/surface/buckets.hpp"
 #include "store/base/error.hpp"
 #include "tests/support/descriptors.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell::mesher {
 namespace {

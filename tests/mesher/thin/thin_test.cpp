@@ -1,11 +1,4 @@
 // What lies between sample points, counted and kept, against rational arithmetic.
-#include <catch2/catch.hpp>
-
-#include <algorithm>
-#include <map>
-
-#include <fmt/format.h>
-
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/every_way.hpp"
 #include "tests/support/ties.hpp"

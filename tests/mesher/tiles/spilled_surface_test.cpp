@@ -1,13 +1,7 @@
 // Surfaces that don't fit into the memory given: the same file, byte for byte.
-#include <catch2/catch.hpp>
-
-#include <fmt/format.h>
-#include <fstream>
-
 #include "store/base/error.hpp"
 #include "store/whole/verify.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::mesher {
 namespace {

@@ -1,7 +1,4 @@
 // Which bytes an answer has, how long it is kept, and what damage does to it.
-#include <fstream>
-#include <set>
-
 #include "tests/server/served.hpp"
 #include "tests/support/served_cells.hpp"
 #include "tests/support/small_files.hpp"

@@ -1,15 +1,10 @@
 // Small forged files whose chunks, names or pages become large: what an answer takes beside the cache. (tests/siege serves thousands of
 // files, and measures time, too.)
-#include <fstream>
-
-#include <catch2/catch.hpp>
-
 #include "server/api/routes.hpp"
 #include "tests/siege/forged_files.hpp"
 #include "tests/siege/targets.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/peak.hpp"
-#include "tests/support/sanitized.hpp"
 
 namespace teracell::server {
 namespace {

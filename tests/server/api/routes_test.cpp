@@ -1,8 +1,6 @@
 // Requests made by hand, and answers compared with the cells.
 #include "server/api/routes.hpp"
 
-#include <fstream>
-
 #include "store/check/check_json.hpp"
 #include "tests/server/served.hpp"
 #include "tests/support/png.hpp"

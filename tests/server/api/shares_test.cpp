@@ -1,8 +1,4 @@
 // Shares of materials over HTTP: in arrays of Zarr, and of a cell.
-#include <catch2/catch.hpp>
-
-#include <fmt/format.h>
-
 #include "store/channels/fraction_reader.hpp"
 #include "tests/server/served.hpp"
 #include "tests/support/served_cells.hpp"

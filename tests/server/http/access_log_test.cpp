@@ -4,14 +4,7 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <csignal>
-#include <future>
-#include <sstream>
-#include <thread>
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
+#include "tests/support/test.hpp"
 
 using namespace teracell;
 using namespace teracell::server;

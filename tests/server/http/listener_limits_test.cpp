@@ -1,9 +1,4 @@
 // What clients share, what they have to wait for, and what ends their waiting.
-#include <csignal>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/server/http/listening.hpp"
 #include "tests/support/stored.hpp"
 

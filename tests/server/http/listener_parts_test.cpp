@@ -1,7 +1,4 @@
 // Answers that are made in parts as they are taken.
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/server/http/listening.hpp"
 
 using namespace teracell;

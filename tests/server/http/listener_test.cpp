@@ -1,13 +1,7 @@
 // Requests and answers over real sockets.
 #include <sys/resource.h>
 
-#include <csignal>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/server/http/listening.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
 
 using namespace teracell;

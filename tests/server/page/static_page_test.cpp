@@ -1,12 +1,6 @@
 // The page without a server: which files there are, what lists the grids in them, and what is refused.
 #include "server/page/static_page.hpp"
 
-#include <fstream>
-#include <iterator>
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "tests/support/gzip.hpp"
 #include "tests/support/meshed.hpp"
 

@@ -1,8 +1,6 @@
 // Boxes in parts against the cells one by one.
 #include "server/parts/box_parts.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "store/grid/vtk_header.hpp"
 #include "store/text/npy_header.hpp"
 #include "tests/support/meshed.hpp"

@@ -1,8 +1,6 @@
 // Columns in parts against the same columns made at once.
 #include "server/parts/column_parts.hpp"
 
-#include <catch2/catch.hpp>
-
 #include "server/service/deflate.hpp"
 #include "store/whole/info.hpp"
 #include "tests/support/meshed.hpp"

@@ -1,12 +1,8 @@
 // Pictures in parts against the same pictures made at once.
 #include "server/parts/picture_parts.hpp"
 
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "server/picture/picture.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
 
 namespace teracell::server {

@@ -1,7 +1,4 @@
 // Deep Zoom: every pixel of every tile of every level.
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/pixels.hpp"
 
 namespace teracell::server {

@@ -1,7 +1,4 @@
 // IIIF, level 0: all that info.json offers exists, with the right pixels, and nothing else does.
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/pixels.hpp"
 
 namespace teracell::server {

@@ -1,9 +1,4 @@
 // Neuroglancer precomputed: every block of every size on every level, smaller at the edges.
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/read/slice.hpp"
 #include "tests/support/served_cells.hpp"
 

@@ -1,11 +1,4 @@
 // What all protocols promise: answers that can be cached, and no invented cells.
-#include <fstream>
-#include <set>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "server/api/routes.hpp"
 #include "server/protocols/protocols.hpp"
 #include "tests/support/served_cells.hpp"

@@ -1,9 +1,4 @@
 // Zarr v3: a client that knows only the documents reads every cell of every level.
-#include <algorithm>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "tests/support/served_cells.hpp"
 
 namespace teracell::server {

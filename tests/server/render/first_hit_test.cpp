@@ -1,11 +1,6 @@
 // The first cell on a line of sight, against a search through all cells.
 #include "server/render/first_hit.hpp"
 
-#include <cmath>
-#include <limits>
-
-#include <catch2/catch.hpp>
-
 #include "store/read/kept_chunks.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"

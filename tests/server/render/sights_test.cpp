@@ -1,12 +1,6 @@
 // What the pixels show, as numbers, against the picture of the same pixels.
 #include "server/render/sights.hpp"
 
-#include <bit>
-#include <cmath>
-#include <map>
-
-#include <catch2/catch.hpp>
-
 #include "server/render/options.hpp"
 #include "store/base/bytes.hpp"
 #include "store/read/kept_chunks.hpp"

@@ -1,14 +1,6 @@
 // Which grids are served, and what happens when files are added, removed and replaced.
 #include "server/service/grids_watch.hpp"
 
-#include <atomic>
-#include <fstream>
-#include <thread>
-
-#include <fmt/format.h>
-
-#include <catch2/catch.hpp>
-
 #include "server/service/message.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"

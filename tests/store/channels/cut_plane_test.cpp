@@ -1,12 +1,7 @@
 // The plane that stands for a surface in a mixed cell.
 #include "store/channels/cut_plane.hpp"
 
-#include <cmath>
-
-#include <catch2/catch.hpp>
-
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
 
 namespace teracell {
 namespace {

@@ -1,14 +1,9 @@
 // Shares of materials in boxes of cells.
 #include "store/channels/fraction_reader.hpp"
 
-#include <algorithm>
-
-#include <catch2/catch.hpp>
-
 #include "store/read/query.hpp"
 #include "store/teracell.h"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
 
 namespace teracell {
 namespace {

@@ -1,13 +1,8 @@
 // Links of a chunk to bytes and back; and bytes that no encoder wrote.
 #include "store/channels/links.hpp"
 
-#include <algorithm>
-
-#include <catch2/catch.hpp>
-
 #include "store/format/format.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

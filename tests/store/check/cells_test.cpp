@@ -1,11 +1,6 @@
 // What is found in the cells, against a search cell by cell.
 #include "store/check/cells.hpp"
 
-#include <algorithm>
-#include <map>
-
-#include <catch2/catch.hpp>
-
 #include "store/read/kept_chunks.hpp"
 #include "tests/support/cube_grid.hpp"
 #include "tests/support/meshed.hpp"

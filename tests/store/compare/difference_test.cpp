@@ -1,10 +1,6 @@
 // The differences of two grids: exact for any axes of rays, chunks, threads and memory, held against the cells one by one.
 #include "store/compare/difference.hpp"
 
-#include <map>
-
-#include <fmt/format.h>
-
 #include "store/whole/info.hpp"
 #include "store/whole/verify.hpp"
 #include "store/write/tree_order.hpp"

@@ -1,13 +1,9 @@
 // Files that say too much, under right checksums: refused when they are opened, or when they are verified and read; and what
 // the longest report that is allowed costs.
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/runs/chunk_codec.hpp"
 #include "store/whole/info.hpp"
 #include "tests/support/assembled.hpp"
 #include "tests/support/peak.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {

@@ -1,7 +1,7 @@
 // The shape of a level: chunks and pages against counting them one by one.
 #include "store/grid/metadata.hpp"
 
-#include <catch2/catch.hpp>
+#include "tests/support/test.hpp"
 
 namespace teracell {
 namespace {

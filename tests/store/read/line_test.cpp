@@ -1,10 +1,6 @@
 // Lines through cells against points on them.
 #include "store/read/line.hpp"
 
-#include <set>
-
-#include <catch2/catch.hpp>
-
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"
 

@@ -1,16 +1,8 @@
 // The reader of whole files: sound ones are read, damaged ones are refused, no lie crashes it, threads may share it.
 #include "store/read/reader.hpp"
 
-#include <atomic>
-#include <fstream>
-#include <thread>
-
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "store/runs/chunk_codec.hpp"
 #include "store/whole/info.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {

@@ -1,9 +1,6 @@
 // Blocks of a far source in memory and on disk: always the bytes of the source, in few requests, whatever threads do.
 #include "store/remote/cached_source.hpp"
 
-#include <fstream>
-#include <thread>
-
 #include "store/format/checked_read.hpp"
 #include "tests/support/small_files.hpp"
 

@@ -1,9 +1,6 @@
 // What is told of a file in JSON.
 #include "store/whole/info.hpp"
 
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
-
 #include "tests/support/small_files.hpp"
 
 namespace teracell {

@@ -1,12 +1,6 @@
 // Boxes for ranks: they cover the grid once, their weights are those of their cells, and they are as balanced as cells allow.
 #include "store/whole/partition.hpp"
 
-#include <cmath>
-#include <fstream>
-#include <set>
-
-#include <fmt/format.h>
-
 #include "store/teracell.h"
 #include "tests/support/checked.hpp"
 

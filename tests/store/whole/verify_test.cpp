@@ -1,15 +1,10 @@
 // verify: it passes sound files, and it sees every damage and every lie.
 #include "store/whole/verify.hpp"
-#include "store/format/cell_frames.hpp"
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/channels/fraction_reader.hpp"
 #include "store/channels/link_reader.hpp"
+#include "store/format/cell_frames.hpp"
 #include "store/runs/chunk_codec.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {

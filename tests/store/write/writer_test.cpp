@@ -2,13 +2,7 @@
 // written with them.
 #include "store/write/writer.hpp"
 
-#include <fstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/format/checked_read.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/small_files.hpp"
 
 namespace teracell {

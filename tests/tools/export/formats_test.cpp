@@ -1,10 +1,5 @@
 #include "tools/export/formats.hpp"
 
-#include <set>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
 #include "store/text/npy_header.hpp"
 #include "tests/support/meshed.hpp"

@@ -1,14 +1,5 @@
-#include <chrono>
-#include <csignal>
-#include <cstring>
-#include <fstream>
-#include <numeric>
-#include <thread>
-
-#include <fmt/format.h>
 #include <hdf5.h>
 #include <sys/resource.h>
-#include <catch2/catch.hpp>
 
 #include "store/base/error.hpp"
 #include "store/channels/fraction_reader.hpp"

@@ -1,6 +1,4 @@
 // Links as records of a NumPy array.
-#include <catch2/catch.hpp>
-
 #include "store/channels/link_reader.hpp"
 #include "tests/support/meshed.hpp"
 #include "tests/support/stored.hpp"

@@ -1,12 +1,5 @@
-#include <fstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
-#include "tests/support/sanitized.hpp"
 #include "tests/support/stored.hpp"
 #include "tests/tools/export/foam_check.hpp"
 #include "tools/export/formats.hpp"

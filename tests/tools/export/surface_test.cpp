@@ -1,15 +1,5 @@
-#include <cmath>
-#include <map>
-#include <numbers>
-#include <set>
-#include <sstream>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"
-#include "tests/support/random.hpp"
 #include "tests/support/stored.hpp"
 #include "tools/export/formats.hpp"
 

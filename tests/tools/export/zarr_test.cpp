@@ -1,14 +1,8 @@
 // Zarr on disk: a reader that knows only the documents and the specifications reads every cell of every level.
 #include "tools/export/zarr/zarr.hpp"
 
-#include <algorithm>
-#include <map>
-
-#include <fmt/format.h>
 #include <zlib.h>
 #include <zstd.h>
-#include <catch2/catch.hpp>
-#include <nlohmann/json.hpp>
 
 #include "store/base/error.hpp"
 #include "tests/support/meshed.hpp"

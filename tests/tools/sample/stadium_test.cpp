@@ -2,17 +2,9 @@
 
 #include <unistd.h>
 
-#include <cstring>
-#include <fstream>
-#include <iterator>
-#include <map>
-#include <numeric>
-
-#include <fmt/format.h>
-#include <catch2/catch.hpp>
-
 #include "mesher/scene/scene.hpp"
 #include "store/base/error.hpp"
+#include "tests/support/test.hpp"
 #include "tools/sample/solid.hpp"
 
 using namespace teracell;
